@@ -5,7 +5,6 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from ipoa_mission.centimeters import down, up
-from ipoa_mission.maps.passed import count_passed_over
 
 if TYPE_CHECKING:  # `check` and `estimate` tell some of it, and do without what plans
     from ipoa_mission.forecast.timing.estimate import Estimate
@@ -44,7 +43,7 @@ def _kept_as_json(kept: "Kept") -> dict[str, Any]:
 
 def passed_over_as_json(scenario: "Scenario") -> list[dict[str, Any]]:
     """What the scenario's maps have that became no obstacle, counted by file and reason."""
-    return [asdict(counted) for counted in count_passed_over(scenario.passed_over)]
+    return [asdict(counted) for counted in scenario.passed_counts]
 
 
 def route_summary(estimate: "Estimate") -> dict[str, float] | None:

@@ -13,7 +13,7 @@ from ipoa_mission.maps.feature import Feature, Mistakes
 from ipoa_mission.maps.geozones import VerticalLimit, limits_of
 from ipoa_mission.maps.kinds import Reason
 from ipoa_mission.maps.passed import FAR, PassedOver, passed_over
-from ipoa_mission.maps.planar import polygons_of, to_plane
+from ipoa_mission.maps.planar import Whereabouts, polygons_of, to_plane
 from ipoa_mission.world.frame import LocalFrame
 
 #: Of the words of ED-269 and ED-318, those that keep a flight out unless it is allowed, and all.
@@ -57,7 +57,9 @@ def find_zones(
     Raises:
         BadInput: naming file and place of a polygon without an area, or that there is none.
     """
-    shapes, near = to_plane([f.shape for f in features], [f.place for f in features], frame)
+    about = Whereabouts(frame)
+    shapes, near = to_plane([f.shape for f in features], [f.place for f in features], about)
+    about.expect_near()
     mistakes, zones, remarks = Mistakes(), list[MapArea](), list[str]()
     passed = list[PassedOver]()
     for feature, shape, counted in zip(features, shapes, near, strict=True):

@@ -6,10 +6,11 @@ is kept with its place and reason.
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import compress
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 import shapely
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.feature import Feature, Mistakes
+from ipoa_mission.maps.geojson import Take
 from ipoa_mission.maps.heights import Odd, foot_of, height_of, meters, width_of
 from ipoa_mission.maps.kinds import (
     CABLE,
@@ -26,14 +28,16 @@ from ipoa_mission.maps.kinds import (
     WOODS,
     Extent,
     Reason,
-    are_all_buildings,
     as_openstreetmap,
     extents_of,
+    has_kind,
+    has_place_for_height,
     tagged,
     why_passed_over,
 )
-from ipoa_mission.maps.passed import FAR, MOST_NAMED, PassedOver, passed_over
-from ipoa_mission.maps.planar import clean_polygons, polygons_of, to_plane
+from ipoa_mission.maps.passed import FAR, MOST_NAMED, Key, PassedOver, passed_over
+from ipoa_mission.maps.planar import Whereabouts, clean_polygons, polygons_of, to_plane
+from ipoa_mission.maps.read import hand_on_features
 from ipoa_mission.maps.wires import Wire, raise_span, spans, wire_of
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import Ground
@@ -41,6 +45,7 @@ from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
 from ipoa_mission.world.polygon import rings_of
 
 LEAST_HEIGHT = 0.1  # what stands is at least so high [m]
+Box: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]  # lower and upper corner (2,), east and north [m]
 
 
 @dataclass(frozen=True)
@@ -64,8 +69,7 @@ class BuildingRules:
     take: Literal["tagged", "all"] | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Standing:
+class Standing(NamedTuple):
     """Something that stands on the ground: `shape` is local, east, north [m]; `reach` widens a point or line.
 
     It fills the air from `foot` above the lowest ground under it to `height` above the highest, or above home where
@@ -83,11 +87,51 @@ class Standing:
 
 @dataclass(frozen=True)
 class Buildings:
-    """What a map has: what stands in the way, what is passed over, and remarks on what was assumed or mended."""
+    """What a map has: what stands in the way, what is passed over, and remarks on what was assumed or mended.
+
+    Of what lies outside the box that was asked for only the first things of each kind are there, for their names:
+    `beyond` counts the other things that stand, `left_out` those passed over. `box` is west, south, east and north of
+    all that stands [m], (4,); `features` are how many things the map has.
+    """
 
     standing: tuple[Standing, ...]
     passed_over: tuple[PassedOver, ...]
     remarks: tuple[str, ...]
+    beyond: int
+    left_out: Mapping[Key, int]
+    box: NDArray[np.float64]
+    features: int
+
+
+def search_buildings(path: Path, rules: BuildingRules, frame: LocalFrame, within: Box | None = None) -> Buildings:
+    """The things on the map `path`, in the local frame, each either standing or passed over.
+
+    Args:
+        path: the map's file.
+        rules: how things become obstacles.
+        frame: the local frame.
+        within: lower and upper corner (2,) of the box in which all things are wanted [m]; None for everywhere.
+
+    Returns:
+        What was found. Of a GeoJSON file it does not take more memory than what lies in the box.
+
+    Raises:
+        BadInput: naming file and place of each feature that makes no sense, or that all are far away.
+        MissionError: a library that reads the file is not installed.
+    """
+    all_buildings: bool | None = None
+    finder = _Finder(rules, frame, path, within)
+
+    def begin() -> Take:
+        nonlocal finder
+        finder = _Finder(rules, frame, path, within, all_buildings)
+        return finder.add
+
+    hand_on_features(path, begin)
+    while finder.guessed_wrong:
+        all_buildings = finder.only_buildings
+        hand_on_features(path, begin)
+    return finder.found()
 
 
 def find_buildings(features: Sequence[Feature], rules: BuildingRules, frame: LocalFrame, path: Path) -> Buildings:
@@ -96,29 +140,172 @@ def find_buildings(features: Sequence[Feature], rules: BuildingRules, frame: Loc
     Raises:
         BadInput: naming file and place of each feature that makes no sense, or that all are far away.
     """
-    features = [as_openstreetmap(feature) for feature in features]
-    drawn = [f.shape for f in features]
-    shapes, near = to_plane(drawn, [f.place for f in features], frame)
-    every = rules.take is None and are_all_buildings(features, rules.height_key)
-    counts: Counter[str] = Counter()
-    odd: list[str] = []
-    mistakes = Mistakes()
-    standing: list[Standing] = []
-    passed: list[PassedOver] = []
-    each = zip(features, extents_of(drawn), *clean_polygons(shapes), near.tolist(), strict=True)
-    for feature, extent, shape, sound, counted in each:
-        why = _why_passed_over(feature, extent, rules, every) if counted else FAR
-        if why is None:
-            standings = mistakes.attempt(_standings, feature, shape, sound, rules, counts, odd) or []
-            standing += [_over_home(s, feature, frame) for s in standings]
+    finder = _Finder(rules, frame, path)
+    finder.add(features)
+    return finder.found()
+
+
+class _Finder:
+    """Looks at the features of a map some at a time.
+
+    Whether a file is of nothing but buildings only all of it says: it is taken to be `all_buildings`, or, where that is
+    None, as its first features say.
+    """
+
+    def __init__(
+        self,
+        rules: BuildingRules,
+        frame: LocalFrame,
+        path: Path,
+        within: Box | None = None,
+        all_buildings: bool | None = None,
+    ) -> None:
+        self._rules, self._frame, self._path, self._within = rules, frame, path, within
+        self._all_buildings = all_buildings
+        self._has_kinds = self._has_heights = False
+        self._about, self._mistakes = Whereabouts(frame), Mistakes()
+        self._counts: Counter[str] = Counter()
+        self._odd, self._odd_first = 0, list[str]()
+        self._standing, self._outside_named, self._beyond = list[Standing](), 0, 0
+        self._passed, self._seen, self._left_out = list[PassedOver](), Counter[Key](), Counter[Key]()
+        self._box = np.array([np.inf, np.inf, -np.inf, -np.inf])
+        self._features = 0
+
+    @property
+    def only_buildings(self) -> bool:
+        """Whether, as far as was seen, the map is of nothing but buildings and is to be taken whole."""
+        return self._rules.take is None and self._has_heights and not self._has_kinds
+
+    @property
+    def guessed_wrong(self) -> bool:
+        """Whether things were judged as if they stood in a file of the other sort."""
+        return self._all_buildings is not None and self._all_buildings != self.only_buildings
+
+    def add(self, features: Sequence[Feature]) -> None:
+        """Look at more features, which stand in the file behind those seen."""
+        features = [as_openstreetmap(feature) for feature in features]
+        self._features += len(features)
+        self._has_kinds = self._has_kinds or any(has_kind(feature) for feature in features)
+        if not (self._has_kinds or self._has_heights):
+            self._has_heights = any(has_place_for_height(feature, self._rules.height_key) for feature in features)
+        if self._all_buildings is None:
+            self._all_buildings = self.only_buildings
+        drawn = [f.shape for f in features]
+        shapes, near = to_plane(drawn, [f.place for f in features], self._about)
+        away = self._outside(shapely.bounds(shapes)).tolist()
+        each = zip(features, extents_of(drawn), *clean_polygons(shapes), near.tolist(), away, strict=True)
+        standing: list[Standing] = []
+        for feature, extent, shape, sound, counted, outside in each:
+            why = _why_passed_over(feature, extent, self._rules, self._all_buildings) if counted else FAR
+            if why is None:
+                standing += self._mistakes.attempt(self._stand, feature, shape, sound) or ()
+            else:
+                self._pass(feature, shape, why, outside)
+        self._keep(standing)
+
+    def found(self) -> Buildings:
+        """What was found.
+
+        Raises:
+            BadInput: what is wrong with any feature, or that all are far away.
+        """
+        self._about.expect_near()
+        self._mistakes.tell()
+        remarks = [
+            f"{count} {words.replace('(s)', '' if count == 1 else 's')}" for words, count in self._counts.items()
+        ]
+        if self._odd:
+            of = f"{self._odd} tag{'s' if self._odd > 1 else ''} that cannot be read, taken as left out"
+            remarks.append(f"{of}: {', '.join(self._odd_first)}{', ...' if self._odd > MOST_NAMED else ''}")
+        return Buildings(
+            tuple(self._standing),
+            tuple(self._passed),
+            tuple(remarks),
+            self._beyond,
+            self._left_out,
+            self._box,
+            self._features,
+        )
+
+    def _outside(self, boxes: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Which of some boxes (n, 4) west, south, east, north lie outside of the one that was asked for."""
+        boxes = boxes.reshape(-1, 4)
+        if self._within is None:
+            return np.zeros(len(boxes), bool)
+        lower, upper = self._within
+        return np.asarray((boxes[:, :2] > upper).any(axis=1) | (boxes[:, 2:] < lower).any(axis=1))
+
+    def _keep(self, standing: Sequence[Standing]) -> None:
+        """Keep what stands in the box, or is one of the first outside of it."""
+        boxes = shapely.bounds([s.shape for s in standing]).reshape(-1, 4)
+        boxes += np.outer([s.reach for s in standing], [-1, -1, 1, 1])
+        self._box[:2] = np.minimum(self._box[:2], boxes[:, :2].min(axis=0, initial=np.inf))
+        self._box[2:] = np.maximum(self._box[2:], boxes[:, 2:].max(axis=0, initial=-np.inf))
+        outside = self._outside(boxes)
+        named = np.flatnonzero(outside)[: MOST_NAMED - self._outside_named]
+        self._outside_named += len(named)
+        outside[named] = False
+        self._beyond += int(outside.sum())
+        self._standing += compress(standing, (~outside).tolist())
+
+    def _pass(self, feature: Feature, shape: Any, why: Reason, outside: bool) -> None:
+        """Note that a feature is passed over: where it is, if it matters, or is one of the first for its reason."""
+        key = (not why.may_stand, self._path.name, why.words)
+        self._seen[key] += 1
+        matters = self._within is None or (why.may_stand and not outside)
+        if matters or self._seen[key] <= MOST_NAMED:
+            self._passed.append(passed_over(feature, shape, why, self._path))
         else:
-            passed.append(passed_over(feature, shape, why, path))
-    mistakes.tell()
-    remarks = [f"{count} {words.replace('(s)', '' if count == 1 else 's')}" for words, count in counts.items()]
-    if odd:
-        of = f"{len(odd)} tag{'s' if len(odd) > 1 else ''} that cannot be read, taken as left out"
-        remarks.append(f"{of}: {', '.join(odd[:MOST_NAMED])}{', ...' if len(odd) > MOST_NAMED else ''}")
-    return Buildings(tuple(standing), tuple(passed), tuple(remarks))
+            self._left_out[key] += 1
+
+    def _stand(self, feature: Feature, shape: Any, sound: bool) -> list[Standing]:
+        """One obstacle for each part of the feature's shape; a `sound` shape is one polygon that needs no mending."""
+        rules, counts = self._rules, self._counts
+
+        def odd(key: str, value: str) -> None:
+            self._odd += 1
+            if self._odd <= MOST_NAMED:
+                self._odd_first.append(f"{feature.name} ({key} {value[:20]!r})")
+
+        over_home = TOP_AMSL in feature.tags
+        height = height_of(feature.tags, rules.height_key, rules.storey_height, odd)
+        if over_home:
+            height = math.inf  # told by sea level
+        foot = foot_of(feature.tags, rules.storey_height, odd)
+        if height is not None and foot >= height:
+            counts["building(s) whose min_height is not below the height, taken to stand on the ground"] += 1
+            foot = 0.0
+        wire = None if over_home else _wire(feature, rules)
+        if wire is not None and (hanging := list(spans(shape))):
+            if height is None:
+                counts[f"{wire.words} without a height, given {wire.height:g} m ({wire.key})"] += 1
+            top, reach = wire.height if height is None else height, _reach(feature, wire.reach, odd)
+            return [Standing(feature.name, span, reach, 0.0, top, hangs=True) for span in hanging]
+        made: list[Standing] = []
+        building = bool(feature.tags.keys() & {"building", "building:part"})
+        hollow = not building and feature.tags.keys() & {"barrier", "natural"}
+        for part in [shape] if sound else _parts(shape, not hollow):
+            thin = part.geom_type != "Polygon"
+            if height is None:
+                kind, default = ("point(s) or line(s)", rules.point_height) if thin else _area(feature, rules)
+                counts[f"{kind} without a height, given {default:g} m"] += 1
+            top = height if height is not None else foot + default
+            if thin:
+                if building and rules.take != "all":
+                    raise BadInput(
+                        f"{feature.place}.geometry: expected the outline of a building, not a {part.geom_type}",
+                        hint="export whole outlines (`out geom` in Overpass turbo), not centers",
+                    )
+                made.append(Standing(feature.name, part, _reach(feature, rules.point_radius, odd), foot, top))
+                continue
+            polygons, wrong = ([part], None) if sound else polygons_of(part, feature.place)
+            if wrong is not None:
+                counts[f"outline(s) mended ({wrong})"] += 1
+            made += [Standing(feature.name, polygon, 0.0, foot, top) for polygon in polygons]
+        if over_home:
+            above = meters(feature.tags[TOP_AMSL], f"{feature.place}.properties.{TOP_AMSL}") - self._frame.home.altitude
+            return [s._replace(height=above, over_home=True) for s in made]
+        return made
 
 
 def raise_buildings(standing: Sequence[Standing], ground: Ground) -> tuple[Obstacle, ...]:
@@ -140,14 +327,6 @@ def raise_buildings(standing: Sequence[Standing], ground: Ground) -> tuple[Obsta
     return (*raised, *hanging)
 
 
-def _over_home(standing: Standing, feature: Feature, frame: LocalFrame) -> Standing:
-    """The same, as high as the file says above mean sea level, if it does."""
-    if TOP_AMSL not in feature.tags:
-        return standing
-    top = meters(feature.tags[TOP_AMSL], f"{feature.place}.properties.{TOP_AMSL}")
-    return replace(standing, height=top - frame.home.altitude, over_home=True)
-
-
 def _why_passed_over(feature: Feature, extent: Extent, rules: BuildingRules, every: bool) -> Reason | None:
     why = why_passed_over(feature, extent, rules.height_key, every)
     if why is None:
@@ -167,54 +346,6 @@ def _why_passed_over(feature: Feature, extent: Extent, rules: BuildingRules, eve
 
 def _wire(feature: Feature, rules: BuildingRules) -> Wire | None:
     return wire_of(feature.tags, rules.line_height, rules.aerialway_height)
-
-
-def _standings(
-    feature: Feature, shape: Any, sound: bool, rules: BuildingRules, counts: Counter[str], unread: list[str]
-) -> list[Standing]:
-    """One obstacle for each part of the feature's shape; tags that cannot be read are named in `unread`.
-
-    A `sound` shape is one polygon that needs no mending.
-    """
-
-    def odd(key: str, value: str) -> None:
-        unread.append(f"{feature.name} ({key} {value[:20]!r})")
-
-    height = height_of(feature.tags, rules.height_key, rules.storey_height, odd)
-    if TOP_AMSL in feature.tags:
-        height = math.inf  # told by sea level
-    foot = foot_of(feature.tags, rules.storey_height, odd)
-    if height is not None and foot >= height:
-        counts["building(s) whose min_height is not below the height, taken to stand on the ground"] += 1
-        foot = 0.0
-    wire = None if TOP_AMSL in feature.tags else _wire(feature, rules)
-    if wire is not None and (hanging := list(spans(shape))):
-        if height is None:
-            counts[f"{wire.words} without a height, given {wire.height:g} m ({wire.key})"] += 1
-        top, reach = wire.height if height is None else height, _reach(feature, wire.reach, odd)
-        return [Standing(feature.name, span, reach, 0.0, top, hangs=True) for span in hanging]
-    made = []
-    building = bool(feature.tags.keys() & {"building", "building:part"})
-    hollow = not building and feature.tags.keys() & {"barrier", "natural"}
-    for part in [shape] if sound else _parts(shape, not hollow):
-        thin = part.geom_type != "Polygon"
-        if height is None:
-            kind, default = ("point(s) or line(s)", rules.point_height) if thin else _area(feature, rules)
-            counts[f"{kind} without a height, given {default:g} m"] += 1
-        top = height if height is not None else foot + default
-        if thin:
-            if building and rules.take != "all":
-                raise BadInput(
-                    f"{feature.place}.geometry: expected the outline of a building, not a {part.geom_type}",
-                    hint="export whole outlines (`out geom` in Overpass turbo), not centers",
-                )
-            made.append(Standing(feature.name, part, _reach(feature, rules.point_radius, odd), foot, top))
-            continue
-        polygons, wrong = ([part], None) if sound else polygons_of(part, feature.place)
-        if wrong is not None:
-            counts[f"outline(s) mended ({wrong})"] += 1
-        made += [Standing(feature.name, polygon, 0.0, foot, top) for polygon in polygons]
-    return made
 
 
 def _parts(shape: Any, filled: bool) -> Iterator[Any]:

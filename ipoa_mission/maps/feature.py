@@ -3,8 +3,7 @@
 import gc
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +17,7 @@ MANY = 10  # mistakes told at once
 DEEPEST = 16  # collections in each other: nobody draws more, and shapely would not bear thousands
 
 
-@dataclass(frozen=True, slots=True)
-class Feature:
+class Feature(NamedTuple):
     """`shape` is a shapely geometry in longitude, latitude [deg, WGS 84], as it stands in the file: it may be invalid.
 
     It is empty where the file gives none. `place` names file and feature for messages; `tags` are its properties as
@@ -74,14 +72,17 @@ class Mistakes:
     """Collects what is wrong in a file, so that all of it is told at once."""
 
     def __init__(self) -> None:
-        self._found: list[BadInput] = []
+        self._first: list[BadInput] = []
+        self._count = 0
 
     def attempt(self, act: Callable[..., Made], *arguments: Any) -> Made | None:
         """What `act` makes of its arguments; or None, if it raised BadInput."""
         try:
             return act(*arguments)
         except BadInput as mistake:
-            self._found.append(mistake)
+            self._count += 1
+            if self._count <= MANY:
+                self._first.append(mistake)
             return None
 
     def tell(self) -> None:
@@ -90,11 +91,11 @@ class Mistakes:
         Raises:
             BadInput: with a line for each mistake, but no more than ten.
         """
-        if self._found:
-            lines = [str(mistake) for mistake in self._found[:MANY]]
-            if len(self._found) > MANY:
-                lines.append(f"and {len(self._found) - MANY} more of this kind")
-            raise BadInput("\n".join(lines), hint=self._found[0].hint)
+        if self._first:
+            lines = [str(mistake) for mistake in self._first]
+            if self._count > MANY:
+                lines.append(f"and {self._count - MANY} more of this kind")
+            raise BadInput("\n".join(lines), hint=self._first[0].hint)
 
 
 def read_all(read: Callable[..., Feature | None], each: Iterable[tuple[Any, ...]]) -> tuple[Feature, ...]:

@@ -6,9 +6,9 @@ OSM driver, as text in `properties.other_tags`. QGIS may write other coordinates
 
 import json
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from sys import intern
 from typing import Any
 
 import numpy as np
@@ -35,79 +35,108 @@ from ipoa_mission.maps.streamed import Unstreamed, read_document
 
 MOST_SHOWN = 80  # characters of a place
 AT_ONCE = 1024  # features are made together
-SHORT = 8  # values up to so many characters are kept once: "yes" stands in a map a hundred thousand times
 HSTORE = re.compile(r'"((?:[^"\\]|\\.)*)"=>"((?:[^"\\]|\\.)*)"')
 
 
-def read_geojson(path: Path) -> tuple[Feature, ...]:
-    """The features of a FeatureCollection, of a single Feature, or of a bare geometry.
+#: Takes features, some at a time.
+Take = Callable[[Sequence[Feature]], object]
+
+
+def read_geojson(path: Path, begin: Callable[[], Take]) -> None:
+    """Hand on the features of a FeatureCollection, of a single Feature, or of a bare geometry.
+
+    Args:
+        path: the file.
+        begin: what takes them from the first on; it is asked anew if the file turns out to be read otherwise.
 
     Raises:
         BadInput: naming file and place, and what was expected there.
     """
     try:
         with many_objects():
-            return _streamed(path)
-    except json.JSONDecodeError as error:
-        raise BadInput(f"{path}: line {error.lineno}: {error.msg[:1].lower()}{error.msg[1:]}") from error
+            _hand_on(path, begin)
     except RecursionError:
         raise BadInput(f"{path}: expected a map, not brackets nested without end") from None
+
+
+def _hand_on(path: Path, begin: Callable[[], Take]) -> None:
+    document: dict[str, Any] = {}
+    if not path.is_fifo():  # which can be read only once
+        with suppress(Unstreamed):
+            if _Collection(path, begin()).read(document) or _Collection(path, begin(), document).read({}):
+                return
+    with _told_of(path):
+        whole = json.loads(read_text(path))
+    begin()(_whole(whole, path))
+
+
+@contextmanager
+def _told_of(path: Path) -> Iterator[None]:
+    """What is wrong with its JSON is told as of this file."""
+    try:
+        yield
+    except json.JSONDecodeError as error:
+        raise BadInput(f"{path}: line {error.lineno}: {error.msg[:1].lower()}{error.msg[1:]}") from error
     except ValueError:
         raise BadInput(f"{path}: expected numbers that fit in 64 bits, not one of thousands of digits") from None
 
 
-def _streamed(path: Path) -> tuple[Feature, ...]:
-    if path.is_fifo():  # which can be read only once
-        return _whole(json.loads(read_text(path)), path)
-    collection = _Collection(path)
-    try:
-        document = read_document(path, collection.add)
-        if not isinstance(document, dict) or "features" not in document:
-            return _whole(document, path)
-        return collection.features(document)
-    except Unstreamed:
-        del collection
-        return _whole(json.loads(read_text(path)), path)
-
-
 class _Collection:
-    """The features of a collection, made of so many at once as they come."""
+    """A collection's features, made of many at once as they come, and handed on; `document` is what stands round them.
 
-    def __init__(self, path: Path) -> None:
-        self._path, self._mistakes = path, Mistakes()
-        self._made: list[Feature] = []
+    Where it is None it is what stands before them.
+    """
+
+    def __init__(self, path: Path, take: Take, document: Mapping[str, Any] | None = None) -> None:
+        self._path, self._take, self._mistakes = path, take, Mistakes()
         self._waiting: list[tuple[str, Any]] = []
-        self._crs: Any = None
+        self._document = document
         self._to_degrees: _Degrees | None = None
 
-    def add(self, document: Mapping[str, Any], number: int, feature: Any) -> None:
-        """Take the feature of this number; the document is what stands before it."""
-        if self._to_degrees is None:
-            self._crs, self._to_degrees = document.get("crs"), _coordinate_system(document, self._path)
-        self._waiting.append((f"{self._path}: features[{number}]{_number(feature)}", feature))
-        if len(self._waiting) == AT_ONCE:
-            self._make(self._to_degrees)
+    def read(self, document: dict[str, Any]) -> bool:
+        """Read the file, and its members but the features into the `document`.
 
-    def features(self, document: Mapping[str, Any]) -> tuple[Feature, ...]:
-        """All of them.
+        Returns:
+            Whether that was right: the coordinate system of the document was known from the first feature on.
 
         Raises:
-            BadInput: what is wrong with any.
-            Unstreamed: the document is no collection, or names its coordinate system behind them.
+            BadInput: what is wrong with any feature.
+            Unstreamed: the file is no such collection.
         """
-        if document.get("type") != "FeatureCollection" or (self._to_degrees and document.get("crs") != self._crs):
+        pieces = read_document(self._path, document)
+        while True:
+            with _told_of(self._path):  # only of what is read, not of what becomes of it
+                number, features = next(pieces, (0, None))
+            if features is None:
+                break
+            self._add(document, number, features)
+        if document.get("type") != "FeatureCollection" or "features" not in document:
             raise Unstreamed
+        if self._document is not None and document.get("crs") != self._document.get("crs"):
+            return False
         self._make(self._to_degrees or _coordinate_system(document, self._path))
         self._mistakes.tell()
-        return tuple(self._made)
+        return True
+
+    def _add(self, before: Mapping[str, Any], number: int, features: list[Any]) -> None:
+        if self._to_degrees is None:
+            self._document = dict(before) if self._document is None else self._document
+            self._to_degrees = _coordinate_system(self._document, self._path)
+        self._waiting += [
+            (f"{self._path}: features[{i}]{_number(feature)}", feature) for i, feature in enumerate(features, number)
+        ]
+        if len(self._waiting) >= AT_ONCE:
+            self._make(self._to_degrees)
 
     def _make(self, to_degrees: "_Degrees") -> None:
         drawn = sound_polygons([_rings(feature) for _, feature in self._waiting], to_degrees)
-        for (place, feature), shape in zip(self._waiting, drawn, strict=True):
-            made = self._mistakes.attempt(_feature, place, feature, to_degrees, shape)
-            if made is not None:
-                self._made.append(made)
+        made = [
+            self._mistakes.attempt(_feature, place, feature, to_degrees, shape)
+            for (place, feature), shape in zip(self._waiting, drawn, strict=True)
+        ]
         self._waiting.clear()
+        if features := [feature for feature in made if feature is not None]:
+            self._take(features)
 
 
 def _rings(feature: Any) -> Any:
@@ -151,7 +180,7 @@ def _feature(place: str, feature: Any, to_degrees: "_Degrees", drawn: Any = None
         raise BadInput(f"{place}: expected a Feature")
     geometry, properties = feature.get("geometry"), feature.get("properties")
     properties = properties if isinstance(properties, dict) else {}
-    tags = {intern(key): value if len(value) > SHORT else intern(value) for key, value in tags_of(properties)}
+    tags = dict(tags_of(properties))
     if isinstance(feature.get("id"), str | int):
         tags.setdefault("@id", str(feature["id"]))
     if drawn is not None:
@@ -166,32 +195,33 @@ def _feature(place: str, feature: Any, to_degrees: "_Degrees", drawn: Any = None
 def tags_of(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Properties as tags; of those under `tags` and `other_tags` too. What has no value is left out."""
     for key, value in properties.items():
-        if key == "tags" and isinstance(value, dict):
+        if isinstance(value, str):
+            if key == "other_tags":
+                yield from ((_unescaped(k), _unescaped(v)) for k, v in HSTORE.findall(value))
+            elif text := value.strip():
+                yield key, text
+        elif key == "tags" and isinstance(value, dict):
             yield from tags_of(value)
-        elif key == "other_tags" and isinstance(value, str):
-            yield from ((_unescaped(k), _unescaped(v)) for k, v in HSTORE.findall(value))
         elif key == "names" and isinstance(value, dict) and isinstance(value.get("primary"), str):
             yield "name", value["primary"]  # Overture's
         elif key == "limitedApplicability" and isinstance(value, list) and value:
             yield key, json.dumps(value)
         elif isinstance(value, bool):
             yield key, "yes" if value else "no"
-        elif isinstance(value, str | int | float) and not _is_blank(value):
-            yield key, str(value).strip()
+        elif isinstance(value, int | float) and value == value:
+            yield key, str(value)
 
 
 def blank_keys(properties: Mapping[str, Any]) -> Iterator[str]:
     """Keys of the properties that have no value."""
     for key, value in properties.items():
-        if key == "tags" and isinstance(value, dict):
+        if isinstance(value, str):
+            if not value.strip():
+                yield key
+        elif key == "tags" and isinstance(value, dict):
             yield from blank_keys(value)
-        elif _is_blank(value):
+        elif value is None or value != value:  # NaN is what pandas makes of null
             yield key
-
-
-def _is_blank(value: Any) -> bool:
-    """Null, a text of nothing, or NaN, which is what pandas makes of them."""
-    return value is None or (isinstance(value, str) and not value.strip()) or value != value
 
 
 def _unescaped(text: str) -> str:

@@ -60,8 +60,7 @@ def height_of(tags: Mapping[str, str], height_key: str, storey_height: float, od
             return height
         if height is not None:
             odd(height_key, tags[height_key])
-    storeys_told = _read(levels, tags, "building:levels", odd)
-    if storeys_told is None:
+    if (storeys_told := _read(levels, tags, "building:levels", odd)) is None:
         return None
     roof = _read(meters, tags, "roof:height", odd)
     if roof is None:

@@ -4,7 +4,7 @@ The tags are OpenStreetMap's. Those of Overture's buildings are read as the tags
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias, cast
 
 import numpy as np
@@ -93,22 +93,29 @@ FLAT = Reason("tagged as something flat", False)
 
 def as_openstreetmap(feature: Feature) -> Feature:
     """The same feature with Overture's tags under the names that OpenStreetMap has for them."""
-    if not OVERTURE & (feature.tags.keys() | feature.blank):
+    if OVERTURE.isdisjoint(feature.tags) and OVERTURE.isdisjoint(feature.blank):
         return feature
     tags = {AS_OPENSTREETMAP.get(key, key): value for key, value in feature.tags.items()}
     if tags.pop("is_underground", "no") == "yes":
         tags["location"] = "underground"
-    return replace(feature, tags=tags)
+    return feature._replace(tags=tags)
 
 
-def are_all_buildings(features: Sequence[Feature], height_key: str) -> bool:
-    """Whether a file holds buildings and nothing else: some with a place for a height, none with a tag of another kind.
-
-    So are Overture's files, a cadastre's, and what people draw.
-    """
+def has_place_for_height(feature: Feature, height_key: str) -> bool:
+    """Whether a feature has a key by which files of buildings are known, with a value or without."""
     keys = HEIGHTS | OVERTURE | {height_key}
-    mapped = any(_has_kind(feature) for feature in features)
-    return not mapped and any(keys & (feature.tags.keys() | feature.blank) for feature in features)
+    return not (keys.isdisjoint(feature.tags) and keys.isdisjoint(feature.blank))
+
+
+def has_kind(feature: Feature) -> bool:
+    """Whether tags say which kind of thing a feature is.
+
+    A file in which none does, and some have a place for a height, is of buildings and nothing else. So are Overture's
+    files, a cadastre's, and what people draw.
+    """
+    tags = feature.tags
+    mapped = "building" in tags or "building:part" in tags or any(tagged(tags, kinds) for kinds in (TALL, WIRES, WOODS))
+    return mapped or _is_flat(tags)
 
 
 def why_passed_over(feature: Feature, extent: Extent, height_key: str, all_buildings: bool) -> Reason | None:
@@ -151,8 +158,8 @@ def key_of_height(feature: Feature) -> str | None:
 
 
 def tagged(tags: Mapping[str, str], kinds: Mapping[str, set[str]]) -> bool:
-    """Whether the tags have one of the values of one of the keys."""
-    return any(tags.get(key) in values for key, values in kinds.items())
+    """Whether the tags have one of the values of one of the keys; most have none of them."""
+    return not kinds.keys().isdisjoint(tags) and any(tags.get(key) in values for key, values in kinds.items())
 
 
 def extents_of(shapes: Sequence[Any]) -> list[Extent]:
@@ -179,12 +186,6 @@ def _is_areal(shape: Any) -> bool:
 
 def _is_below(tags: Mapping[str, str]) -> bool:
     return tags.get("location") in ("underground", "underwater") or tags.get("tunnel", "no") != "no"
-
-
-def _has_kind(feature: Feature) -> bool:
-    tags = feature.tags
-    mapped = "building" in tags or "building:part" in tags or any(tagged(tags, kinds) for kinds in (TALL, WIRES, WOODS))
-    return mapped or _is_flat(tags)
 
 
 def _is_flat(tags: Mapping[str, str]) -> bool:

@@ -1,6 +1,7 @@
 """Polygons of many features made at once, of those whose rings leave nothing to say."""
 
 from collections.abc import Callable, Sequence
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -21,12 +22,16 @@ def sound_polygons(rings_of: Sequence[Any], to_degrees: Callable[[Corners], Corn
     if not rings:
         return made
     try:
-        corners = np.array([position for ring in rings for position in ring], float)
-    except (TypeError, ValueError, KeyError, OverflowError):  # or some have a height, and some have none
+        of_position = set(map(len, chain.from_iterable(rings)))  # some may have a height, and some none
+        numbers = np.fromiter(chain.from_iterable(chain.from_iterable(rings)), float)
+    except (TypeError, ValueError, KeyError, OverflowError):
         return made
-    if corners.ndim != 2 or corners.shape[1] < 2 or not np.isfinite(corners[:, :2]).all():
+    if len(of_position) != 1 or min(of_position) < 2:
         return made
-    corners = to_degrees(corners[:, :2])
+    corners = numbers.reshape(-1, min(of_position))[:, :2]
+    if not np.isfinite(corners).all():
+        return made
+    corners = to_degrees(corners)
     lengths = np.array([len(ring) for ring in rings])
     first = np.cumsum(lengths) - lengths
     a, b, c = corners[first], corners[first + 1], corners[first + 2]

@@ -1,15 +1,18 @@
 """What a map has and a scenario does not take: named, counted by reason, and kept in its place for the check."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from ipoa_mission.maps.feature import Feature
 from ipoa_mission.maps.kinds import Reason
 
 MOST_NAMED = 3
+#: What things are counted by: whether they are nothing for sure, file, reason.
+Key: TypeAlias = tuple[bool, str, str]
+NONE: Mapping[Key, int] = {}
 FAR = Reason("more than 100 km from home", False)
 
 
@@ -49,14 +52,14 @@ def passed_over(feature: Feature, shape: Any, why: Reason, path: Path) -> Passed
     return PassedOver(path.name, feature.name.removeprefix(f"{path}: "), why.words, shape, why.may_stand, why.remedy)
 
 
-def count_passed_over(things: Iterable[PassedOver]) -> Iterator[PassedCount]:
-    """By file and reason, those that may stand in the way first."""
-    for key, several in groupby(sorted(things, key=_key), key=_key):
+def count_passed_over(things: Iterable[PassedOver], left_out: Mapping[Key, int] = NONE) -> Iterator[PassedCount]:
+    """By file and reason, those that may stand in the way first; `left_out` are more of the kind of some of them."""
+    for key, several in groupby(sorted(things, key=key_of), key=key_of):
         every = list(several)
-        first = every[0]
         names = tuple(thing.name for thing in every[:MOST_NAMED])
-        yield PassedCount(first.file, first.reason, not key[0], len(every), names)
+        yield PassedCount(every[0].file, every[0].reason, not key[0], len(every) + left_out.get(key, 0), names)
 
 
-def _key(thing: PassedOver) -> tuple[bool, str, str]:
+def key_of(thing: PassedOver) -> Key:
+    """By what it is counted."""
     return not thing.may_stand, thing.file, thing.reason

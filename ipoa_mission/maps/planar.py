@@ -19,19 +19,57 @@ LONGEST_EDGE = 0.02  # a straight edge in degrees is bent in the plane: by 0.1 m
 EARTH = 6.36e6  # a least radius [m]
 
 
-def to_plane(shapes: Sequence[Any], places: Sequence[str], frame: LocalFrame) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+class Whereabouts:
+    """Where the shapes of a map lie, to be told if none of them comes within 100 km of home."""
+
+    def __init__(self, frame: LocalFrame) -> None:
+        self.frame = frame
+        self._any_near = self._turned_near = False
+        self._first_far = ""
+        self._box = np.array([np.inf, np.inf, -np.inf, -np.inf])  # west, south, east, north [deg]
+
+    def near(self, degrees: NDArray[Any], places: Sequence[str]) -> NDArray[np.bool_]:
+        """Which of some shapes come near to home, or are empty."""
+        boxes, empty = shapely.bounds(degrees).reshape(-1, 4), shapely.is_empty(degrees)
+        near = _near(boxes, self.frame) | empty
+        self._any_near = self._any_near or bool((near & ~empty).any())
+        if not self._any_near and not empty.all():
+            self._first_far = self._first_far or str(places[int(np.argmin(near))])
+            here = shapely.total_bounds(degrees)
+            self._box = np.concatenate([np.minimum(self._box[:2], here[:2]), np.maximum(self._box[2:], here[2:])])
+            self._turned_near |= bool(_near(boxes[:, [1, 0, 3, 2]], self.frame).any())
+        return np.asarray(near)
+
+    def expect_near(self) -> None:
+        """See that one of all those asked about comes near.
+
+        Raises:
+            BadInput: none does. It says where they are, and whether their coordinates seem to stand in wrong order.
+        """
+        if self._any_near or not self._first_far:
+            return
+        home, (west, south, east, north) = self.frame.home, self._box.tolist()
+        raise BadInput(
+            f"{self._first_far}.geometry: expected a place within {REACH / 1000:g} km of home "
+            f"({home.latitude_deg:.4f}, {home.longitude_deg:.4f}), "
+            f"not round {(south + north) / 2:.4f}, {(west + east) / 2:.4f}",
+            hint="in its coordinates longitude must stand before latitude"
+            if self._turned_near
+            else "is it the map of another place?",
+        )
+
+
+def to_plane(
+    shapes: Sequence[Any], places: Sequence[str], about: Whereabouts
+) -> tuple[NDArray[Any], NDArray[np.bool_]]:
     """Shapes in longitude, latitude [deg] as shapes in east, north [m], as many, and which come within 100 km of home.
 
     Those that do not are empty. Edges are straight in longitude and latitude, as the formats say: long ones are cut.
-
-    Raises:
-        BadInput: none of them does.
     """
+    frame = about.frame
     height = frame.home.altitude
     degrees = _unwrapped(np.array(shapes, dtype=object))
-    near = _near(shapely.bounds(degrees).reshape(-1, 4), frame) | shapely.is_empty(degrees)
-    if len(near) and not (near & ~shapely.is_empty(degrees)).any() and not shapely.is_empty(degrees).all():
-        raise _far(degrees, str(places[int(np.argmin(near))]), frame)
+    near = about.near(degrees, places)
     degrees[~near] = shapely.GeometryCollection()
 
     def convert(corners: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -86,20 +124,6 @@ def _near(boxes: NDArray[np.float64], frame: LocalFrame) -> NDArray[np.bool_]:
     level = (south <= home.latitude_deg + reach) & (north >= home.latitude_deg - reach)
     turns = [home.longitude_deg + turn for turn in (-360.0, 0.0, 360.0)]
     return np.asarray(level & np.any([(west <= here + wide) & (east >= here - wide) for here in turns], axis=0))
-
-
-def _far(degrees: NDArray[Any], place: str, frame: LocalFrame) -> BadInput:
-    """Says where the map is, and whether its coordinates seem to stand in the wrong order."""
-    boxes = shapely.bounds(degrees[~shapely.is_empty(degrees)]).reshape(-1, 4)
-    longitude, latitude = (boxes[:, :2].min(axis=0) + boxes[:, 2:].max(axis=0)).tolist()
-    around, home = f"{latitude / 2:.4f}, {longitude / 2:.4f}", frame.home
-    turned = bool(_near(boxes[:, [1, 0, 3, 2]], frame).any())
-    words = "in its coordinates longitude must stand before latitude" if turned else "is it the map of another place?"
-    return BadInput(
-        f"{place}.geometry: expected a place within {REACH / 1000:g} km of home "
-        f"({home.latitude_deg:.4f}, {home.longitude_deg:.4f}), not round {around}",
-        hint=words,
-    )
 
 
 def clean_polygons(shapes: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.bool_]]:

@@ -1,4 +1,4 @@
-"""JSON from a file of any size: the document without its `features`, which are handed on one by one as they are read.
+"""JSON from a file of any size: the document without its `features`, which are handed on as they are read.
 
 Neither the file's text nor the tree of its features is ever in memory whole.
 """
@@ -6,32 +6,38 @@ Neither the file's text nor the tree of its features is ever in memory whole.
 import codecs
 import json
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
 
-BLOCK = 1 << 22  # read at once [bytes]
-Found = Callable[[dict[str, Any], int, Any], None]  # told of what stands before the features, and each with its number
+BLOCK = 1 << 20  # read at once [bytes]
+NEAR_THE_END = 1 << 15  # in so many characters a border between features is sought
+#: The end of a feature before another one, as nearly all files have it.
+_BORDER = re.compile(r'\}\s*(?=,\s*\{\s*"type"\s*:\s*"Feature")|"Feature"\s*\}\s*(?=,\s*\{)')
 _blank = re.compile(r"[ \t\n\r]*").match
 _scan = json.JSONDecoder().scan_once  # type: ignore[attr-defined]
 
 
-def read_document(path: Path, found: Found) -> Any:
-    """What the JSON file holds, but for an object the list `features`, whose members `found` is given; None is left.
+def read_document(path: Path, document: dict[str, Any]) -> Iterator[tuple[int, list[Any]]]:
+    """The members of an object's list `features`, as they are read: some together, and the number of the first of them.
+
+    All its other members come into the `document`, as they are met; `features` is None there.
 
     Raises:
         BadInput: the file cannot be read, or is not UTF-8.
         json.JSONDecodeError: it is no JSON.
-        Unstreamed: its features are no list, or stand there twice.
+        Unstreamed: it is no object, or its features are no list, or stand there twice.
     """
     text = _Text(_blocks(path))
-    document = _members(text, found) if text.next_is("{") else text.value()
+    if not text.next_is("{"):
+        raise Unstreamed
+    yield from _members(text, document)
     if text.mark():
         raise text.wrong("Extra data")
-    return document
 
 
 class Unstreamed(Exception):
@@ -43,6 +49,7 @@ class _Text:
 
     def __init__(self, blocks: Iterator[str]) -> None:
         self._blocks, self._text, self._at, self._line = blocks, "", 0, 1
+        self._tried = False  # whether what is here of a list was taken together
 
     def mark(self) -> str:
         """The next character that is not blank; nothing at the end."""
@@ -73,6 +80,19 @@ class _Text:
                 if not self._more():
                     raise self.wrong(error.msg, error.pos) from None
 
+    def values(self) -> list[Any]:
+        """The value of a list that begins here, or as many together as are here."""
+        self.mark()
+        if not self._tried:
+            self._tried = True
+            begin = max(self._at, len(self._text) - NEAR_THE_END)
+            end = max((border.end() for border in _BORDER.finditer(self._text, begin)), default=self._at)
+            with suppress(ValueError, RecursionError):  # not at a border, or what is no JSON: `value` says where
+                values: list[Any] = json.loads(f"[{self._text[self._at : end]}]")  # to a comma, and a list: its begin
+                self._at = end
+                return values or [self.value()]
+        return [self.value()]
+
     def wrong(self, words: str, at: int | None = None) -> json.JSONDecodeError:
         """What is wrong here, with its line in the file."""
         error = json.JSONDecodeError(words, self._text, self._at if at is None else at)
@@ -89,14 +109,13 @@ class _Text:
                 break
         if size:
             self._line += self._text.count("\n", 0, self._at)
-            self._text, self._at = "".join(pieces), 0
+            self._text, self._at, self._tried = "".join(pieces), 0, False
         return size > 0
 
 
-def _members(text: _Text, found: Found) -> dict[str, Any]:
-    document: dict[str, Any] = {}
+def _members(text: _Text, document: dict[str, Any]) -> Iterator[tuple[int, list[Any]]]:
     if text.next_is("}"):
-        return document
+        return
     while True:
         if text.mark() != '"':
             raise text.wrong("Expecting property name enclosed in double quotes")
@@ -109,20 +128,21 @@ def _members(text: _Text, found: Found) -> dict[str, Any]:
             raise Unstreamed
         else:
             document[key] = None
-            _elements(text, document, found)
+            yield from _elements(text)
         if text.next_is("}"):
-            return document
+            return
         if not text.next_is(","):
             raise text.wrong("Expecting ',' delimiter")
 
 
-def _elements(text: _Text, document: dict[str, Any], found: Found) -> None:
+def _elements(text: _Text) -> Iterator[tuple[int, list[Any]]]:
     if text.next_is("]"):
         return
     number = 0
     while True:
-        found(document, number, text.value())
-        number += 1
+        values = text.values()
+        yield number, values
+        number += len(values)
         if text.next_is("]"):
             return
         if not text.next_is(","):

@@ -52,6 +52,8 @@ class Wire:
 
 def wire_of(tags: Mapping[str, str], line_height: float | None, aerialway_height: float) -> Wire | None:
     """The wire that tags speak of, as high as its kind is or as the scenario says; None where they speak of none."""
+    if WIRES.keys().isdisjoint(tags):
+        return None
     if tags.get("aerialway") in WIRES["aerialway"]:
         is_drag = tags["aerialway"] in DRAG_LIFTS
         height = min(aerialway_height, DRAG_LIFT) if is_drag else aerialway_height
@@ -61,7 +63,7 @@ def wire_of(tags: Mapping[str, str], line_height: float | None, aerialway_height
         volts = volts_of(tags.get("voltage", ""))
         words = f"power line(s) of {'unknown voltage' if volts is None else f'{volts / 1000:g} kV'}"
         most = VOLTAGES[kind] if volts is None else volts
-    elif any(tags.get(key) == "line" for key in ("communication", "telecom")):
+    elif "line" in (tags.get("communication"), tags.get("telecom")):
         words, most = "telephone line(s)", 1e3
     else:
         return None

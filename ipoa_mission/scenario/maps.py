@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.areas import RESTRICTIONS, Restriction, Zones, find_zones
-from ipoa_mission.maps.buildings import BuildingRules, Buildings, find_buildings
+from ipoa_mission.maps.buildings import Box, BuildingRules, Buildings, search_buildings
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.scenario.section import NotNegative, Positive, Section, beside
 from ipoa_mission.world.frame import LocalFrame
@@ -48,14 +48,13 @@ class BuildingsMap(MapFile):
     wood_height: NotNegative | None = None
     """Height of a wood or orchard that has none [m]; left out, no flight may be near one; 0: they are nothing."""
 
-    def read(self, frame: LocalFrame) -> Buildings:
-        """What stands in the way, what is passed over, and remarks on what was assumed."""
+    def read(self, frame: LocalFrame, within: Box) -> Buildings:
+        """What stands in the way within a box, what is passed over, and remarks on what was assumed."""
         rules = BuildingRules(**self.model_dump(include={field.name for field in fields(BuildingRules)}))
-        features = read_features(self.file)
-        buildings = find_buildings(features, rules, frame, self.file)
+        buildings = search_buildings(self.file, rules, frame, within)
         if not buildings.standing:
             raise BadInput(
-                f"{self.file}: expected buildings, but none of {len(features)} features is tagged as one",
+                f"{self.file}: expected buildings, but none of {buildings.features} features is tagged as one",
                 hint='`take = "all"` takes every feature, whatever its tags',
             )
         return buildings

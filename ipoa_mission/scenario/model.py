@@ -14,7 +14,7 @@ from pydantic import AwareDatetime, ConfigDict, Field, ValidationError, model_va
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.maps.passed import PassedOver
+from ipoa_mission.maps.passed import PassedCount, PassedOver
 from ipoa_mission.scenario.explain import explained
 from ipoa_mission.scenario.limits import Limits, low_zones, without_repeats
 from ipoa_mission.scenario.maps import MapSection
@@ -336,8 +336,13 @@ class Scenario(Section):
 
     @property
     def passed_over(self) -> tuple[PassedOver, ...]:
-        """What the maps have that became no obstacle."""
+        """What the maps have near the flight that became no obstacle and may stand; of the rest the first ones."""
         return self._surroundings.passed_over
+
+    @property
+    def passed_counts(self) -> tuple[PassedCount, ...]:
+        """How many things on the maps became no obstacle, by file and reason."""
+        return self._surroundings.passed_counts
 
     @cached_property
     def places(self) -> Points:

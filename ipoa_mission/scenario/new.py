@@ -4,7 +4,7 @@ import json
 import math
 import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
@@ -12,12 +12,14 @@ from pathlib import Path
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.maps.buildings import BuildingRules, find_buildings
+from ipoa_mission.maps.buildings import BuildingRules, search_buildings
 from ipoa_mission.maps.feature import Feature
+from ipoa_mission.maps.geojson import Take
 from ipoa_mission.maps.kinds import key_of_height
-from ipoa_mission.maps.read import read_features
+from ipoa_mission.maps.read import hand_on_features
 from ipoa_mission.scenario.profiles import PROFILES
 from ipoa_mission.scenario.read import parse_scenario
 from ipoa_mission.vehicles.autopilot import registered
@@ -124,8 +126,7 @@ def questions_about(buildings: Path | None) -> tuple[Question, ...]:
     """
     if buildings is None:
         return ()
-    asked = {key for feature in _features(buildings) if (key := key_of_height(feature))}
-    return tuple(question for question in HEIGHTS if question.key in asked)
+    return tuple(question for question in HEIGHTS if question.key in _look_at(buildings).left_open)
 
 
 def taken_heights(answers: Mapping[str, str], buildings: Path | None) -> tuple[str, ...]:
@@ -139,10 +140,33 @@ def taken_heights(answers: Mapping[str, str], buildings: Path | None) -> tuple[s
     )
 
 
+@dataclass
+class _Looked:
+    """What a map has: how many features, west, south, east, north of them [deg], and which heights it leaves open."""
+
+    features: int
+    box: NDArray[np.float64]
+    left_open: set[str]
+
+    def add(self, features: Sequence[Feature]) -> None:
+        here = shapely.total_bounds([feature.shape for feature in features])
+        self.features += len(features)
+        self.box = np.concatenate([np.fmin(self.box[:2], here[:2]), np.fmax(self.box[2:], here[2:])])
+        self.left_open |= {key for feature in features if (key := key_of_height(feature))}
+
+
 @lru_cache(maxsize=1)
-def _features(path: Path) -> tuple[Feature, ...]:
-    """What is on a map, which is large and asked for several times."""
-    return read_features(path)
+def _look_at(path: Path) -> _Looked:
+    """What a map is about, which is large and asked for several times."""
+    looked = _Looked(0, np.full(4, np.nan), set())
+
+    def begin() -> Take:
+        nonlocal looked
+        looked = _Looked(0, np.full(4, np.nan), set())
+        return looked.add
+
+    hand_on_features(path, begin)
+    return looked
 
 
 def new_scenario(
@@ -249,16 +273,19 @@ def _altitude(elevation: Path, home: tuple[float, float]) -> str:
 
 def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
     """Two places among the buildings (latitude, longitude), south-west and north-east of their middle."""
-    features = _features(path)
-    if not features:
+    looked = _look_at(path)
+    if not looked.features:
         raise BadInput(f"{path}: expected buildings, but it has no features")
-    west, south, east, north = shapely.total_bounds([feature.shape for feature in features])
+    west, south, east, north = looked.box.tolist()
     frame = LocalFrame(Geodetic((south + north) / 2, (west + east) / 2))
-    found = find_buildings(features, BuildingRules(), frame, path)
+    within = np.full(2, -APART - 2 * ROOM), np.full(2, APART + 2 * ROOM)
+    found = search_buildings(path, BuildingRules(), frame, within)
     if not found.standing:
-        found = find_buildings(features, BuildingRules(take="all"), frame, path)
+        found = search_buildings(path, BuildingRules(take="all"), frame, within)
+    if not found.standing:
+        raise BadInput(f"{path}: expected buildings, but none of {found.features} features stands in the way")
     shapes = [s.shape.buffer(s.reach) if s.reach else s.shape for s in found.standing]
-    reach = np.minimum(np.ptp(shapely.total_bounds(shapes).reshape(2, 2), axis=0) / 2 + 2 * ROOM, APART)
+    reach = np.minimum(np.ptp(found.box.reshape(2, 2), axis=0) / 2 + 2 * ROOM, APART)
     sides = [np.arange(-each, each + TRIED_SPACING, TRIED_SPACING) for each in reach]
     places = np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
     in_doubt = [thing.shape for thing in found.passed_over if thing.may_stand and not shapely.is_empty(thing.shape)]

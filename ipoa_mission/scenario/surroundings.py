@@ -4,7 +4,10 @@ Maps may reach far beyond the flight. Where `bounds` leaves a side open it is dr
 hand, and those things on the maps that are near; what lies well outside the bounds is left out.
 """
 
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
@@ -13,9 +16,9 @@ from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.areas import MapArea, join_zones
-from ipoa_mission.maps.buildings import Standing, raise_buildings
+from ipoa_mission.maps.buildings import Box, Buildings, Standing, raise_buildings
 from ipoa_mission.maps.feature import many_objects
-from ipoa_mission.maps.passed import PassedOver, count_passed_over
+from ipoa_mission.maps.passed import Key, PassedCount, PassedOver, count_passed_over
 from ipoa_mission.scenario.fencing import allowed_area, forbidden
 from ipoa_mission.scenario.maps import BuildingsMap, ElevationTerrain, FlightAreaMap, MapSection, NoFlyMap
 from ipoa_mission.scenario.obstacles import ObstacleSection
@@ -28,10 +31,10 @@ from ipoa_mission.world.polygon import Polygon, rings_of
 from ipoa_mission.world.terrain import Grid, SeaLevel, Terrain
 
 MARGIN = 100.0  # what lies farther outside the bounds is left out [m]
+SPARE = 500.0  # what is so long may draw the bounds towards it without the maps being read again [m]
+BEYOND = f"more than {MARGIN:g} m outside the bounds"
 SAME = 1e-6  # [m]
 GROUND_LINES = 33  # the ground is looked at on so many lines each way to see how high the bounds must be
-
-Box = tuple[NDArray[np.float64], NDArray[np.float64]]  # lower and upper corner
 
 
 class Layout(Protocol):
@@ -61,25 +64,26 @@ class Layout(Protocol):
 class Surroundings:
     """A scenario's world, the geofence of its mission, and what its maps have beyond that.
 
-    `remarks` say what was assumed, mended or passed over.
+    `passed_over` are the things near the flight that are no obstacles and may stand there all the same, and some of the
+    others; `passed_counts` count all. `remarks` say what was assumed, mended or passed over.
     """
 
     airspace: Airspace
     geofence: tuple[FenceSection, ...]
     passed_over: tuple[PassedOver, ...]
+    passed_counts: tuple[PassedCount, ...]
     remarks: tuple[str, ...]
 
 
 @dataclass(frozen=True)
-class _Maps:
-    """What was found in all maps."""
+class _Zones:
+    """What was found in the maps of zones; `remarks` by the number of the map."""
 
-    standing: tuple[tuple[BuildingsMap, Standing], ...]
     no_fly: tuple[tuple[NoFlyMap, MapArea], ...]
     area: Any | None
     area_fenced: bool
     passed_over: tuple[PassedOver, ...]
-    remarks: tuple[str, ...]
+    remarks: Mapping[int, tuple[str, ...]]
 
 
 def survey(scenario: Layout) -> Surroundings:
@@ -94,11 +98,11 @@ def survey(scenario: Layout) -> Surroundings:
 
 
 def _survey(scenario: Layout) -> Surroundings:
-    maps = _read_maps(scenario)
+    maps = _read_zones(scenario)
     allowed = allowed_area(scenario.fence, scenario.frame)
-    boxes = _boxes(maps)
-    lower, upper = _horizontal_bounds(scenario, maps, boxes, allowed)
-    near, beyond = _near(maps, boxes, (lower, upper))
+    things = _things(scenario)
+    buildings, (lower, upper) = _read_buildings(scenario, maps.area, things, allowed)
+    near, beyond = _near(_standing(scenario, buildings), maps.no_fly, (lower, upper))
     terrain, terrain_remarks = _terrain(scenario, lower, upper)
     drawn = _drawn(scenario, terrain)
     raised = raise_buildings(near, Ground(terrain))
@@ -110,42 +114,77 @@ def _survey(scenario: Layout) -> Surroundings:
     footprint = Polygon(*rings_of(_one(areas))) if areas else None
     bounds = Bounds((*map(float, lower), up[0]), (*map(float, upper), up[1]), footprint)  # type: ignore[arg-type]
     airspace = Airspace(bounds, terrain, (*drawn, *raised, *zones))
-    passed = (*maps.passed_over, *beyond)
-    remarks = (*maps.remarks, *terrain_remarks, *(counted.words() for counted in count_passed_over(passed)))
-    return Surroundings(airspace, (*scenario.fence, *_geofence(maps, (lower, upper))), passed, remarks)
+    passed = (*maps.passed_over, *(thing for found in buildings.values() for thing in found.passed_over), *beyond)
+    counts = tuple(count_passed_over(passed, _left_out(scenario, buildings)))
+    of_maps = {**maps.remarks} | {number: found.remarks for number, found in buildings.items()}
+    remarks = (
+        *(f"{scenario.maps[number].file.name}: {remark}" for number in sorted(of_maps) for remark in of_maps[number]),
+        *terrain_remarks,
+        *(counted.words() for counted in counts),
+    )
+    return Surroundings(airspace, (*scenario.fence, *_geofence(maps, (lower, upper))), passed, counts, remarks)
 
 
-def _read_maps(scenario: Layout) -> _Maps:
-    standing: list[tuple[BuildingsMap, Standing]] = []
+def _read_zones(scenario: Layout) -> _Zones:
     no_fly: list[tuple[NoFlyMap, MapArea]] = []
     areas: list[Any] = []
     passed: list[PassedOver] = []
-    remarks: list[str] = []
+    remarks: dict[int, tuple[str, ...]] = {}
     fenced = False
-    for section in scenario.maps:
+    for number, section in enumerate(scenario.maps):
         if isinstance(section, BuildingsMap):
-            buildings = section.read(scenario.frame)
-            standing += [(section, thing) for thing in buildings.standing]
-            passed += buildings.passed_over
-            read_remarks = buildings.remarks
+            continue
+        found = section.read(scenario.frame, scenario.unix_s)
+        passed += found.passed_over
+        remarks[number] = found.remarks
+        if isinstance(section, NoFlyMap):
+            no_fly += [(section, zone) for zone in found.zones]
         else:
-            zones_read = section.read(scenario.frame, scenario.unix_s)
-            zones, read_remarks = zones_read.zones, zones_read.remarks
-            passed += zones_read.passed_over
-            if isinstance(section, NoFlyMap):
-                no_fly += [(section, zone) for zone in zones]
-            else:
-                area, others = join_zones(zones)
-                areas.append(area)
-                why = "an area that does not touch the one in which home is"
-                passed += [
-                    PassedOver(section.file.name, f"area {n}", why, each, False) for n, each in enumerate(others, 2)
-                ]
-                fenced |= section.geofence
-            _expect_home_allowed(section, zones, scenario.frame.home.altitude)
-        remarks += [f"{section.file.name}: {remark}" for remark in read_remarks]
-    area = _one(areas) if areas else None
-    return _Maps(tuple(standing), tuple(no_fly), area, fenced, tuple(passed), tuple(remarks))
+            area, others = join_zones(found.zones)
+            areas.append(area)
+            why = "an area that does not touch the one in which home is"
+            passed += [PassedOver(section.file.name, f"area {n}", why, each, False) for n, each in enumerate(others, 2)]
+            fenced |= section.geofence
+        _expect_home_allowed(section, found.zones, scenario.frame.home.altitude)
+    return _Zones(tuple(no_fly), _one(areas) if areas else None, fenced, tuple(passed), remarks)
+
+
+def _read_buildings(
+    scenario: Layout, area: Any | None, things: Box, allowed: Any | None
+) -> tuple[dict[int, Buildings], Box]:
+    """What the maps of buildings have near the flight, by the number of the map, and the bounds in plan.
+
+    How far the bounds reach depends on the buildings: the maps are read as far as they most likely will, and once more
+    if they reach farther.
+    """
+
+    def read(within: Box) -> dict[int, Buildings]:
+        sections = ((n, section) for n, section in enumerate(scenario.maps) if isinstance(section, BuildingsMap))
+        return {number: section.read(scenario.frame, within) for number, section in sections}
+
+    least, most = _horizontal_bounds(scenario, area, things, np.zeros((0, 4)), allowed)
+    reach = _reach(scenario) + SPARE + MARGIN
+    window = np.minimum(least, things[0]) - reach, np.maximum(most, things[1]) + reach
+    found = read(window)
+    bounds = _horizontal_bounds(scenario, area, things, _boxes(_standing(scenario, found)), allowed)
+    wanted = bounds[0] - MARGIN, bounds[1] + MARGIN
+    if (wanted[0] < window[0]).any() or (wanted[1] > window[1]).any():
+        found = read(wanted)
+    return found, bounds
+
+
+def _standing(scenario: Layout, buildings: Mapping[int, Buildings]) -> tuple[tuple[Path, Standing], ...]:
+    """What stands on the maps, with its file."""
+    return tuple((scenario.maps[n].file, thing) for n, found in buildings.items() for thing in found.standing)
+
+
+def _left_out(scenario: Layout, buildings: Mapping[int, Buildings]) -> Counter[Key]:
+    """How many more things than those that are there were passed over, by what they are counted by."""
+    counts = Counter[Key]()
+    for number, found in buildings.items():
+        counts.update(found.left_out)
+        counts[True, scenario.maps[number].file.name, BEYOND] += found.beyond
+    return counts
 
 
 def _one(areas: list[Any]) -> Any:
@@ -169,21 +208,36 @@ def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[MapArea
                 raise BadInput(f"{section.file}: expected home outside of no-fly zones, but it is in {zone.name}")
 
 
-def _horizontal_bounds(scenario: Layout, maps: _Maps, boxes: NDArray[np.float64], allowed: Any | None) -> Box:
-    """Lower and upper corner (2,) of the bounds, with the boxes (n, 4) of what stands on the maps."""
+def _places(scenario: Layout) -> NDArray[np.float64]:
+    """Home, and where the path begins, passes and ends, (n, 2) [m]."""
     places = (scenario.start, scenario.goal, *scenario.via)
-    ends = np.array([(0.0, 0.0), *(place.east_north(scenario.frame) for place in places)])
+    return np.array([(0.0, 0.0), *(place.east_north(scenario.frame) for place in places)])
+
+
+def _things(scenario: Layout) -> Box:
+    """What is round the ends and all that was drawn by hand."""
     drawn = [o.build("", scenario.frame, LEVEL) for o in scenario.obstacles]
-    things = np.vstack([ends, *(obstacle.bounds[:, :2] for obstacle in drawn)])
-    margin = scenario.bounds.margin
-    if maps.area is not None:
-        west, south, east, north = shapely.bounds(maps.area)
+    things = np.vstack([_places(scenario), *(obstacle.bounds[:, :2] for obstacle in drawn)])
+    return things.min(axis=0), things.max(axis=0)
+
+
+def _reach(scenario: Layout) -> float:
+    """What stands so near to the things of a scenario draws its bounds towards it [m]."""
+    return max(scenario.bounds.margin, float(np.linalg.norm(np.ptp(_places(scenario), axis=0))) / 2)
+
+
+def _horizontal_bounds(
+    scenario: Layout, area: Any | None, things: Box, boxes: NDArray[np.float64], allowed: Any | None
+) -> Box:
+    """Lower and upper corner (2,) of the bounds, with the boxes (n, 4) of what stands on the maps."""
+    if area is not None:
+        west, south, east, north = shapely.bounds(area)
         least, most = np.array([west, south]), np.array([east, north])
     else:
-        reach = max(margin, float(np.linalg.norm(np.ptp(ends, axis=0))) / 2)
-        around = boxes[_meets(boxes, (things.min(axis=0), things.max(axis=0)), reach)]
-        things = np.vstack([things, around.reshape(-1, 2)])
-        least, most = things.min(axis=0) - margin, things.max(axis=0) + margin
+        around = boxes[_meets(boxes, things, _reach(scenario))].reshape(-1, 2)
+        margin = scenario.bounds.margin
+        least = np.minimum(things[0], around.min(axis=0, initial=np.inf)) - margin
+        most = np.maximum(things[1], around.max(axis=0, initial=-np.inf)) + margin
     for axis, side in enumerate((scenario.bounds.east, scenario.bounds.north)):
         if side is not None:
             least[axis], most[axis] = side
@@ -193,29 +247,29 @@ def _horizontal_bounds(scenario: Layout, maps: _Maps, boxes: NDArray[np.float64]
     return least, most
 
 
-def _boxes(maps: _Maps) -> NDArray[np.float64]:
+def _boxes(standing: Sequence[tuple[Path, Standing]]) -> NDArray[np.float64]:
     """West, south, east, north of what stands on the maps, (n, 4)."""
-    shapes = np.array([thing.shape for _, thing in maps.standing], dtype=object)
-    reach = np.array([thing.reach for _, thing in maps.standing], float)
+    shapes = np.array([thing.shape for _, thing in standing], dtype=object)
+    reach = np.array([thing.reach for _, thing in standing], float)
     wide = reach != 0.0
     shapes[wide] = shapely.buffer(shapes[wide], reach[wide], quad_segs=16)
     return np.asarray(shapely.bounds(shapes)).reshape(-1, 4)
 
 
-def _near(maps: _Maps, boxes: NDArray[np.float64], corners: Box) -> tuple[tuple[Standing, ...], tuple[PassedOver, ...]]:
-    """What stands, in its `boxes`, near enough to the bounds to matter; the rest, zones among it, as passed over."""
+def _near(
+    standing: Sequence[tuple[Path, Standing]], no_fly: Sequence[tuple[NoFlyMap, MapArea]], corners: Box
+) -> tuple[tuple[Standing, ...], tuple[PassedOver, ...]]:
+    """What stands near enough to the bounds to matter; the rest, zones among it, as passed over."""
     near, beyond = list[Standing](), list[PassedOver]()
-    why = f"more than {MARGIN:g} m outside the bounds"
-    for (section, thing), counts in zip(maps.standing, _meets(boxes, corners, MARGIN).tolist(), strict=True):
+    for (file, thing), counts in zip(standing, _meets(_boxes(standing), corners, MARGIN).tolist(), strict=True):
         if counts:
             near.append(thing)
         else:
-            name = thing.name.removeprefix(f"{section.file}: ")
-            beyond.append(PassedOver(section.file.name, name, why, thing.shape, False))
-    for of, zone in maps.no_fly:
+            beyond.append(PassedOver(file.name, thing.name.removeprefix(f"{file}: "), BEYOND, thing.shape, False))
+    for of, zone in no_fly:
         if not _zone_near(zone, corners):
             name = zone.name.removeprefix(f"{of.file}: ")
-            beyond.append(PassedOver(of.file.name, name, why, zone.shape, False))
+            beyond.append(PassedOver(of.file.name, name, BEYOND, zone.shape, False))
     return tuple(near), tuple(beyond)
 
 
@@ -274,7 +328,7 @@ def _up(scenario: Layout, terrain: Terrain, corners: Box, obstacles: tuple[Obsta
 
 
 def _no_fly_prisms(
-    maps: _Maps, corners: Box, up: tuple[float, float], terrain: Terrain, frame: LocalFrame
+    maps: _Zones, corners: Box, up: tuple[float, float], terrain: Terrain, frame: LocalFrame
 ) -> tuple[Obstacle, ...]:
     """The zones as obstacles; an end that is left out lies well outside the bounds."""
     prisms = []
@@ -327,7 +381,7 @@ def _on_lines(terrain: Terrain, box: Box) -> NDArray[np.float64]:
     return terrain.height(np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2))
 
 
-def _geofence(maps: _Maps, corners: Box) -> tuple[FenceSection, ...]:
+def _geofence(maps: _Zones, corners: Box) -> tuple[FenceSection, ...]:
     """The flight area, its holes, and the zones without an end, as the vehicle is told to keep them."""
     fences = []
     if maps.area is not None and maps.area_fenced:

@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.maps.planar import to_plane
+from ipoa_mission.maps.planar import Whereabouts, to_plane
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
@@ -34,8 +34,8 @@ def test_a_ring_across_longitude_180_stays_where_it_is(
 
     drawn = shapely.transform(sure, wrapped)
     for shape in (drawn, shapely.MultiPolygon([drawn])):
-        ((there,), (near,)) = to_plane([shape], ["here"], home)
-        ((truth,), _) = to_plane([sure], ["here"], home)
+        ((there,), (near,)) = to_plane([shape], ["here"], Whereabouts(home))
+        ((truth,), _) = to_plane([sure], ["here"], Whereabouts(home))
         assert near
         assert shapely.is_valid(there)
         assert shapely.symmetric_difference(there, truth).area <= 1e-6 * truth.area
@@ -43,7 +43,7 @@ def test_a_ring_across_longitude_180_stays_where_it_is(
 
 def test_a_zone_round_the_whole_earth_stays_one() -> None:
     world = shapely.box(-180.0, -80.0, 180.0, 80.0)
-    ((there,), (near,)) = to_plane([world], ["here"], LocalFrame(Geodetic(10.0, 20.0)))
+    ((there,), (near,)) = to_plane([world], ["here"], Whereabouts(LocalFrame(Geodetic(10.0, 20.0))))
     assert near
     assert not shapely.is_empty(there)
 

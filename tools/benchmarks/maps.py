@@ -1,14 +1,17 @@
 """Time how long maps take to load: a city of 5,000 buildings on an elevation model of 2000 x 2000 posts.
 
-    python -m tools.benchmarks.maps [--plan]
+    python -m tools.benchmarks.maps [--plan] [--large MEGABYTES...]
 
 Each line is the least processor time of three runs, beside the same flight with 50 buildings and 40 x 40 posts.
-`--plan` also plans both. The city and its ground are synthetic and written to a temporary folder.
+`--plan` also plans both. `--large` instead tells time and memory, of one run each in a process of its own, that `plan`
+and `new` take for GeoJSON of that size. The city and its ground are synthetic and written to a temporary folder.
 """
 
 import argparse
 import json
 import math
+import multiprocessing
+import resource
 import tempfile
 import time
 from collections.abc import Callable
@@ -24,14 +27,20 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 HOME = Geodetic(47.7, 8.25, 500.0)
 POST = 1 / 3600  # a second of arc: SRTM's own spacing
 BLOCK = 40.0  # distance between the middles of houses [m]
+PER_MEGABYTE = 3960  # houses
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--plan", action="store_true", help="also plan the flights")
+    parser.add_argument("--large", type=int, nargs="+", metavar="MEGABYTES", help="GeoJSON of these sizes instead")
     wanted = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
+        if wanted.large:
+            for size in wanted.large:
+                tell_large(folder, size)
+            return
         small, city, wide = make(folder, "small", 50, 40), make(folder, "city", 5000, 2000), folder / "wide.toml"
         wide.write_text(
             city.read_text().replace("[bounds]", "[bounds]\neast = [-20000, 20000]\nnorth = [-30000, 30000]")
@@ -52,6 +61,36 @@ def main() -> None:
 
             tell("plan, from file to curve", plan, small, city)
             tell("the same with all 5,000 in the airspace", plan, small, full)
+
+
+def tell_large(folder: Path, megabytes: int) -> None:
+    """Time and memory for a map of so many megabytes, of which a few buildings matter."""
+    path = make(folder, f"large-{megabytes}", megabytes * PER_MEGABYTE, 40)
+    size = path.with_suffix(".geojson").stat().st_size / 1e6
+    for act in (read_scenario, plan_it, suggest_it):
+        with multiprocessing.get_context("spawn").Pool(1) as pool:
+            seconds, peak = pool.apply(spent, (act, path))
+        print(f"{act.__name__:16}{size:>8.0f} MB{seconds:>8.1f} s{peak:>8.0f} MB")
+
+
+def spent(act: Callable[[Path], object], path: Path) -> tuple[float, float]:
+    """Processor time [s] and the process's peak memory [MB]."""
+    begun = time.process_time()
+    act(path)
+    return time.process_time() - begun, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
+def plan_it(path: Path) -> None:
+    from ipoa_mission import plan_flight
+
+    plan_flight(read_scenario(path), seed=1)
+
+
+def suggest_it(path: Path) -> None:
+    from ipoa_mission.scenario.new import new_scenario, suggest_answers
+
+    buildings = path.with_suffix(".geojson")
+    new_scenario(suggest_answers(buildings), path.with_name("new.toml"), buildings)
 
 
 def tell(words: str, act: Callable[[Path], object], small: Path, city: Path) -> None:
