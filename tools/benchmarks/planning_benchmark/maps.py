@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from ipoa_mission.paper.maps import aside, in_the_way
 from ipoa_mission.scenario import Scenario
+from tools.generate.paper_maps import aside, in_the_way
 
 Table = dict[str, Any]
 
