@@ -38,14 +38,14 @@ def paper_map(name: str) -> dict[str, Any]:
 
 
 def _peak(rng: np.random.Generator) -> dict[str, float]:
-    east, north = _aside(rng, 25.0)
+    east, north = aside(rng, 25.0)
     height, a, b = rng.uniform(30, 110), *rng.uniform(8, 15, 2)
     return _to_a_tenth(height=height, east=east, north=north, a=a, b=b)
 
 
 def _obstacle(rng: np.random.Generator, k: int) -> dict[str, Any]:
     """Masts and balloons by turns; half of them stand in the way."""
-    east, north = _aside(rng, 15.0) if k % 4 > 1 else _in_the_way(rng)
+    east, north = aside(rng, 15.0) if k % 4 > 1 else in_the_way(rng)
     if k % 2:
         shape = _to_a_tenth(east=east, north=north, radius=rng.uniform(3, 6), height=rng.uniform(40, 120))
         return {"kind": "cylinder", "name": f"mast {k + 1}", **shape}
@@ -57,7 +57,7 @@ def _to_a_tenth(**lengths: float) -> dict[str, float]:
     return {name: round(float(length), 1) for name, length in lengths.items()}
 
 
-def _aside(rng: np.random.Generator, least: float) -> tuple[float, float]:
+def aside(rng: np.random.Generator, least: float) -> tuple[float, float]:
     """A place on the map at least `least` metres from start and goal."""
     while True:
         east, north = rng.uniform(8, 92, 2)
@@ -65,7 +65,7 @@ def _aside(rng: np.random.Generator, least: float) -> tuple[float, float]:
             return float(east), float(north)
 
 
-def _in_the_way(rng: np.random.Generator) -> tuple[float, float]:
+def in_the_way(rng: np.random.Generator) -> tuple[float, float]:
     """A place within ten metres of the straight way: half of the obstacles stand there, lest a map be an empty one."""
     along, aside = rng.uniform(25, 75), rng.uniform(-7, 7)
     return float(along + aside), float(along - aside)
