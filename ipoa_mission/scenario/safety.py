@@ -16,8 +16,9 @@ class SafetySection(Section):
     """The share of flights that keep the required clearance, by how far this autopilot flies beside its predicted path;
     `nominal`: what the predicted path keeps, as the paper has it."""
     returns: Literal["planned", "warn"] = "warn"
-    """`planned`: a return altitude is chosen at which RTL is clear from every second of the flight, and a flight for
-    which there is none is refused; `warn`: only a warning tells of RTL that is not clear."""
+    """`planned`: RTL, SmartRTL and holding are clear from every second of the flight, by another path, a return
+    altitude or rally points, and a flight of which they cannot be is refused; `warn`: only a warning tells of RTL that is
+    not clear. `ipoa-mission new` writes `planned`."""
     ignore: tuple[str, ...] = ()
     """Codes of findings that are not to be told; those from which a crash may follow are told all the same."""
 
