@@ -33,6 +33,7 @@ TIGHT_PLACES = 4.0  # at so many tight places the tube has room on one of these 
 LIFTED = 1.0  # who is lower above where he took off can end his flight by standing still [m]
 BACK = (0.0, 0.5, 1.0)  # shares of the way back to where it was told to return, at which it may climb
 GOAL_DOUBT = 10.0  # it may be so far from where it is thought to be as it chooses its goal [m]
+AROUND = 9  # looks at one time, from where the flight may be then
 TIMED = 3  # looks of a row from which the flight is timed
 
 
@@ -222,20 +223,39 @@ class Endings:
         """
         if ending is Ending.RTL and (why := self.why_unknown()) is not None:
             return (EndingRow(ending, *self.in_air, False, math.nan, self.required, why, "unknown"),)
-        looks = self.looks(ending)
+        looks = self._at_any_time(self.looks(ending))
         runs = [list(run) for _, run in groupby(looks, key=lambda look: (look.is_clear, look.goal))]
         rows = []
         for run, after in zip(runs, [*runs[1:], [looks[-1]]], strict=True):
             rows.append(self._row(ending, run, after[0].time, timed))
         return tuple(rows)
 
+    def _doubt(self, time: float) -> float:
+        """By how much the flight may be early or late then [s]."""
+        prediction = self.forecast.promise.flight.prediction
+        return float(np.interp(time, prediction.done, (prediction.high - prediction.low) / 2))
+
+    def _at_any_time(self, looks: list[_Look]) -> list[_Look]:
+        """The looks as they are from where the vehicle may be then: what is not clear soon or has just been, is not."""
+        unclear = [look for look in looks if not look.is_clear]
+        told = []
+        for look in looks:
+            doubt = self._doubt(look.time)
+            near = [one for one in (look, *unclear) if abs(one.time - look.time) <= doubt]
+            worst = min(near, key=lambda one: one.slack)
+            told.append(replace(look, least=worst.least, required=worst.required, to=worst.to))
+        return told
+
     def at(self, ending: Ending, time: float, timed: bool = True) -> EndingRow:
         """An ending that is ordered at one time in the air [s]; as `rows`, and raises as it does."""
         if ending is Ending.RTL and (why := self.why_unknown()) is not None:
             return EndingRow(ending, time, time, False, math.nan, self.required, why, "unknown")
-        look = self._look(ending, time)
+        begin, end = self.in_air
+        around = np.clip(time + self._doubt(time) * np.linspace(-1.0, 1.0, AROUND), begin, end)
+        looks = [self._look(ending, float(one)) for one in (time, *around)]
         if ending is Ending.SMART_RTL:
-            look, _ = self._back(look, 0.0, NOTHING_NEAR)
+            looks = [self._back(look, 0.0, NOTHING_NEAR)[0] for look in looks]
+        (look, *_) = self._at_any_time(looks)
         return self._row(ending, [look], time, timed)
 
     def _row(self, ending: Ending, run: list[_Look], until: float, timed: bool) -> EndingRow:
