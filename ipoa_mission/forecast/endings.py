@@ -33,6 +33,7 @@ TIGHT_PLACES = 4.0  # at so many tight places the tube has room on one of these 
 LIFTED = 1.0  # who is lower above where he took off can end his flight by standing still [m]
 BACK = (0.0, 0.5, 1.0)  # shares of the way back to where it was told to return, at which it may climb
 GOAL_DOUBT = 10.0  # it may be so far from where it is thought to be as it chooses its goal [m]
+BEGUN_S = 0.6  # by so much its begin may be early or late: ArduCopter 4.8-dev is early by 0.5 s after its take-off
 AROUND = 9  # looks at one time, from where the flight may be then
 TIMED = 3  # looks of a row from which the flight is timed
 
@@ -223,7 +224,14 @@ class Endings:
         """
         if ending is Ending.RTL and (why := self.why_unknown()) is not None:
             return (EndingRow(ending, *self.in_air, False, math.nan, self.required, why, "unknown"),)
-        looks = self._at_any_time(self.looks(ending))
+        return self._rows(ending, self.looks(ending), timed)
+
+    def braking(self) -> tuple[EndingRow, ...]:
+        """Where a return brakes before it turns home, in the same way; as rows of a hold."""
+        return self._rows(Ending.HOLD, list(self._spread(Ending.SMART_RTL)), False)
+
+    def _rows(self, ending: Ending, looks: list[_Look], timed: bool) -> tuple[EndingRow, ...]:
+        looks = self._at_any_time(looks)
         runs = [list(run) for _, run in groupby(looks, key=lambda look: (look.is_clear, look.goal))]
         rows = []
         for run, after in zip(runs, [*runs[1:], [looks[-1]]], strict=True):
@@ -233,7 +241,7 @@ class Endings:
     def _doubt(self, time: float) -> float:
         """By how much the flight may be early or late then [s]."""
         prediction = self.forecast.promise.flight.prediction
-        return float(np.interp(time, prediction.done, (prediction.high - prediction.low) / 2))
+        return BEGUN_S + float(np.interp(time, prediction.done, (prediction.high - prediction.low) / 2))
 
     def _at_any_time(self, looks: list[_Look]) -> list[_Look]:
         """The looks as they are from where the vehicle may be then: what is not clear soon or has just been, is not."""
@@ -253,8 +261,8 @@ class Endings:
         begin, end = self.in_air
         around = np.clip(time + self._doubt(time) * np.linspace(-1.0, 1.0, AROUND), begin, end)
         looks = [self._look(ending, float(one)) for one in (time, *around)]
-        if ending is Ending.SMART_RTL:
-            looks = [self._back(look, 0.0, NOTHING_NEAR)[0] for look in looks]
+        if ending is Ending.SMART_RTL:  # the last of them has come nearest
+            looks = [self._back(look, 0.0, NOTHING_NEAR)[0] for look in (looks[0], looks[-1])]
         (look, *_) = self._at_any_time(looks)
         return self._row(ending, [look], time, timed)
 

@@ -21,9 +21,9 @@ def with_clear_returns(forecast: Forecast) -> Forecast:
     Raises:
         Unsafe: no altitude helps; with the stretch, and what is in the way.
     """
-    if not (unclear := _unclear(forecast, Ending.RTL)):
+    if not (unclear := _unclear(forecast)):
         return forecast
-    if brakes := _unclear(forecast, Ending.HOLD):
+    if brakes := [row for row in Endings(forecast).braking() if not row.clear]:
         raise _refusal(brakes, "where it brakes", "fly slower (vehicle.cruise_speed)")
     by, height = forecast.mission.autopilot.book.return_height, 0.0
     ceiling = forecast.world.planning.max_height_above_ground
@@ -37,7 +37,7 @@ def with_clear_returns(forecast: Forecast) -> Forecast:
             break
         raised = forecast.given.with_parameters({by.name: by.spelled(height)})
         forecast = Forecast(raised, forecast.scenario, forecast.wind)
-        if not (unclear := _unclear(forecast, Ending.RTL)):
+        if not (unclear := _unclear(forecast)):
             return forecast
     raise _refusal(unclear, f"and no {by.name} up to {highest:g} m changes that", "move the start")
 
@@ -64,8 +64,8 @@ def _refusal(unclear: list[EndingRow], words: str, helps: str) -> Unsafe:
     )
 
 
-def _unclear(forecast: Forecast, ending: Ending) -> list[EndingRow]:
-    return [row for row in Endings(forecast).rows(ending, timed=False) if not row.clear]
+def _unclear(forecast: Forecast) -> list[EndingRow]:
+    return [row for row in Endings(forecast).rows(Ending.RTL, timed=False) if not row.clear]
 
 
 def _height_over(row: EndingRow, forecast: Forecast) -> float:

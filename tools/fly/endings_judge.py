@@ -3,8 +3,8 @@
     python -m tools.fly.endings_judge MISSIONS OUT [--csv FILE]
 
 What was flown is judged by the simulator's true position and by a geometry of shapely's, from the order to when the
-motors stopped. The simulators' ground is level, as high as home: where a scenario's is not, times and landing places
-count only of what ends at home. One line an order; a summary on the standard output.
+motors stopped. The simulators' ground is level, as high as home: times are forecast over such ground, and what sinks
+below a scenario's higher one is not looked at any more. One line an order; a summary on the standard output.
 """
 
 import argparse
@@ -47,6 +47,7 @@ SILENCE_S = 75.0  # longer than it takes to notice that a ground station is sile
 class Judged:
     """An order: what was forecast of its second, and what was flown. Metres, seconds; NaN where there is none."""
 
+    number: int
     autopilot: str
     version: str
     mission: str
@@ -163,6 +164,7 @@ def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> 
             ending = str(Ending.LAND)
         trigger = f"{order['cause']} ({', '.join(f'{name} {value:g}' for name, value in before.items())})"
     common = {
+        "number": order["number"],
         "autopilot": str(mission.autopilot),
         "version": order["version"],
         "mission": order["mission"],
@@ -276,7 +278,8 @@ def summary(judged: list[Judged]) -> Iterator[str]:
         if len(off := off[np.isfinite(off)]):
             quantiles = ", ".join(f"{np.quantile(np.abs(off), share):.1%}" for share in (0.5, 0.9, 0.95, 1.0))
             within = sum(one.low_s <= one.flown_s <= one.high_s for one in timed)
-            yield f"{name}: {len(off)}, {within} of {len(timed)} within nine in ten, median {np.median(off):+.1%}, sizes (50, 90, 95, 100 %) {quantiles}"
+            middle = f"{within} within the interval, median {np.median(off):+.1%}"
+            yield f"{name}: {len(timed)}, {middle}, sizes (50, 90, 95, 100 %) {quantiles}"
     fails = [one for one in judged if one.trigger]
     as_said = [one for one in fails if (one.did.split() or ["continue"])[-1] == one.ending]
     yield f"failsafes {len(fails)} of {len({one.trigger for one in fails})} kinds, as said {len(as_said)}"
