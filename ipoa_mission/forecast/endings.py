@@ -9,16 +9,20 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.looks import GROUND, EndingLooks, EndingWays
 from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel
+from ipoa_mission.geometry import Vector
 from ipoa_mission.planning.proof import prove_heights
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.world.airspace import Clearance
 
+BEGUN_S = 0.6  # by so much its begin may be early or late: ArduCopter 4.8-dev is early by 0.5 s after its take-off
+AROUND = 9  # looks at one time, from where the flight may be then
 NEAREST_FEW = 6  # so many looks of a row are measured to the millimeter
 TIMED = 3  # looks of a row from which the flight is timed
 
@@ -63,20 +67,35 @@ class Endings:
         if ending is Ending.RTL and (why := self.ways.why_unknown()) is not None:
             return (EndingRow(ending, *self.ways.in_air, False, math.nan, self.ways.required, why, "unknown"),)
         looks = self.ways.looks(ending)
-        rows = tuple(self._row(ending, looks, run) for run in _runs(looks))
+        clear = self._clear_at_any_time(looks)
+        runs = list(_runs(looks.taken, clear))
+        rows = tuple(self._row(ending, looks, run, bool(clear[run.start])) for run in runs)
         if not timed:
             return rows
-        return tuple(self._timed(row, looks, run) for row, run in zip(rows, _runs(looks), strict=True))
+        return tuple(self._timed(row, looks, run) for row, run in zip(rows, runs, strict=True))
 
     def at(self, ending: Ending, time: float, timed: bool = True) -> EndingRow:
         """An ending that is ordered at one time in the air [s]; as `rows`, and raises as it does."""
         if ending is Ending.RTL and (why := self.ways.why_unknown()) is not None:
             return EndingRow(ending, time, time, False, math.nan, self.ways.required, why, "unknown")
-        look = self.ways.at(ending, np.array([time]))
-        row = self._row(ending, look, range(1))
-        return self._timed(row, look, range(1)) if timed else row
+        doubt = float(self._doubts(np.array([time]))[0])
+        looks = self.ways.at(ending, np.clip(time + doubt * np.linspace(-1.0, 1.0, AROUND), *self.ways.in_air))
+        row = self._row(ending, looks, range(AROUND), bool(looks.clear.all()))
+        row = replace(row, from_s=time, to_s=time, goal=self.ways.goal(ending, looks, AROUND // 2))
+        return self._timed(row, looks, range(AROUND // 2, AROUND // 2 + 1)) if timed else row
 
-    def _row(self, ending: Ending, looks: EndingLooks, run: range) -> EndingRow:
+    def _doubts(self, times: Vector) -> Vector:
+        """By how much the flight may be early or late at each of these times (n,) [s]."""
+        prediction = self.forecast.promise.flight.prediction
+        return BEGUN_S + np.interp(times, prediction.done, (prediction.high - prediction.low) / 2)
+
+    def _clear_at_any_time(self, looks: EndingLooks) -> NDArray[np.bool_]:
+        """Whether each look (n,) is clear from wherever the vehicle may be then: none that soon is not."""
+        doubts, unclear = self._doubts(looks.times), looks.times[~looks.clear]
+        after = np.searchsorted(unclear, looks.times - doubts, side="left")
+        return np.asarray(after == np.searchsorted(unclear, looks.times + doubts, side="right"))
+
+    def _row(self, ending: Ending, looks: EndingLooks, run: range, is_clear: bool) -> EndingRow:
         """The row of the looks in a run, as its worst one has it."""
         worst, near = min(self._nearest(ending, looks, run), key=lambda found: found[1].distance)
         least, required, to = near.distance, self.ways.required, near.what
@@ -91,7 +110,6 @@ class Endings:
             east, north, _ = looks.ways[run.start][looks.taken[run.start]][0, -1]
             lands = float(east), float(north)
         until = float(looks.times[min(run.stop, len(looks.times) - 1)])
-        is_clear = bool(looks.clear[run.start])
         return EndingRow(ending, float(looks.times[run.start]), until, is_clear, least, required, to, goal, lands)
 
     def _nearest(self, ending: Ending, looks: EndingLooks, run: range) -> list[tuple[int, Clearance]]:
@@ -130,10 +148,10 @@ class Endings:
         return lasts, None if used is None else used.energy_wh
 
 
-def _runs(looks: EndingLooks) -> Iterator[range]:
-    """Numbers of looks one after the other that lead to the same goals and are equally clear."""
-    ends = [*(np.flatnonzero(~looks.same_as_next) + 1).tolist(), len(looks.times)]
+def _runs(taken: NDArray[np.bool_], clear: NDArray[np.bool_]) -> Iterator[range]:
+    """Numbers of looks one after the other that lead to the same goals (n, k) and are equally clear (n,)."""
+    same = (taken[1:] == taken[:-1]).all(axis=1) & (clear[1:] == clear[:-1])
     begin = 0
-    for end in ends:
+    for end in [*(np.flatnonzero(~same) + 1).tolist(), len(clear)]:
         yield range(begin, end)
         begin = end

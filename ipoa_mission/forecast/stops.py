@@ -46,12 +46,14 @@ def stops_of(
     then = np.minimum(times + autopilot.flies_on(ending), end)
     before, places, stands, after = map(flight.pieces.at, (then - LOOK_EVERY_S, times, then, then + LOOK_EVERY_S))
     velocity = (after - before) / (2 * LOOK_EVERY_S)
+    speed = np.maximum(np.hypot(*velocity[:, :2].T), STANDS)
+    along = velocity[:, :2] / speed[:, None]
+    gains = np.gradient(np.hypot(*velocity[:, :2].T), LOOK_EVERY_S) if len(times) > 1 else np.zeros(1)
     accel = (after + before - 2 * stands)[:, :2] / LOOK_EVERY_S**2
+    accel += along * (gains - (accel * along).sum(axis=1))[:, None]
     if not autopilot.guidance.climb_ends_at_once:  # else it stops its climb by itself, within half a meter
-        speed = np.hypot(*velocity[:, :2].T)
-        gains = np.gradient(speed, LOOK_EVERY_S) if len(speed) > 1 else np.zeros(1)
-        way = autopilot.braking_distance(mission.parameters, speed, gains)
-        stands[:, 2] += velocity[:, 2] * way / np.maximum(speed, STANDS)
+        way = autopilot.braking_distance(mission.parameters, np.hypot(*velocity[:, :2].T), gains)
+        stands[:, 2] += velocity[:, 2] * way / speed
     stands[:, :2] += autopilot.braking_way(mission.parameters, velocity[:, :2], accel, ending)
     seqs = np.array([visit.seq for visit in flight.route.visits])
     return Stops(times, places, stands, seqs[np.minimum(np.searchsorted(flight.prediction.done, times), len(seqs) - 1)])

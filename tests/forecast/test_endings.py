@@ -72,7 +72,8 @@ def test_a_return_through_a_mast_is_told_and_a_higher_one_is_clear(sitl: Endings
     assert (row.to, row.goal) == ("mast", "home")
     high = Endings(forecast_of("sitl", RTL_RETURN_ALT=80.0))
     unclear = [row for row in high.rows(Ending.RTL, timed=False) if not row.clear]
-    assert all(row.to_s - row.from_s < 3.0 for row in unclear)  # where it brakes at a corner no height helps
+    # Where it brakes at a corner no height helps; and the flight may be early or late by two seconds.
+    assert all(row.to_s - row.from_s < 3.0 + 2 * 2.5 for row in unclear)
 
 
 @settings(max_examples=40)

@@ -10,8 +10,7 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 class Trigger:
     """A cause, parameters `before` the flight, and what makes it act: parameters, a command, silence, or sticks.
 
-    `silent`: the ground station says nothing more. `sticks`: they are moved until then, by MAVLink. `injected`: a
-    PX4's `failure` unit and type.
+    `silent`: the ground station says nothing more. `sticks`: they are moved until then, by MAVLink.
     """
 
     cause: str
@@ -19,7 +18,6 @@ class Trigger:
     then: Mapping[str, float] = field(default_factory=dict)
     silent: bool = False
     sticks: bool = False
-    injected: tuple[int, int] | None = None
 
 
 RC = {"SIM_RC_FAIL": 1.0}
@@ -74,7 +72,6 @@ FENCE_ROUND = {"GF_MAX_HOR_DIST": 20.0}
 BATTERY = {"SIM_BAT_MIN_PCT": 50.0}
 NEARLY = {"BAT_CRIT_THR": 0.95, "BAT_LOW_THR": 0.99}
 GONE = {"BAT_EMERGEN_THR": 0.94, "BAT_CRIT_THR": 0.95, "BAT_LOW_THR": 0.99}
-GPS, OFF = 4, 1  # FAILURE_UNIT_SENSOR_GPS, FAILURE_TYPE_OFF
 
 PX4 = (
     Trigger("ground station lost", {**GCS, "NAV_DLL_ACT": 0}, silent=True),
@@ -106,7 +103,7 @@ PX4 = (
     Trigger("position inaccurate", {"COM_POS_LOW_EPH": 500.0, "COM_POS_LOW_ACT": 3}, {"COM_POS_LOW_EPH": 0.01}),
     Trigger("position inaccurate", {"COM_POS_LOW_EPH": 500.0, "COM_POS_LOW_ACT": 2}, {"COM_POS_LOW_EPH": 0.01}),
     Trigger("position inaccurate", {"COM_POS_LOW_EPH": 500.0, "COM_POS_LOW_ACT": 5}, {"COM_POS_LOW_EPH": 0.01}),
-    Trigger("position lost (EKF)", {"SYS_FAILURE_EN": 1}, injected=(GPS, OFF)),
+    Trigger("position lost (EKF)", {}, {"SIM_GPS_USED": 0}),
     Trigger("attitude or motor failure", {"CBRK_FLIGHTTERM": 0}, {"FD_FAIL_R": 1, "FD_FAIL_P": 1}),
 )
 

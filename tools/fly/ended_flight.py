@@ -67,7 +67,7 @@ class EndedFlight:
         told: dict[str, Any] = json.loads((folder / "flight.json").read_text(encoding="utf-8"))
         track = np.loadtxt(folder / "track.csv", delimiter=",", skiprows=1, ndmin=2)
         ended = math.nan if told["ended_s"] is None else told["ended_s"]
-        return cls(tuple(map(tuple, told["modes"])), track, ended, tuple(map(tuple, told["texts"])))  # type: ignore[arg-type]
+        return cls(tuple(map(tuple, told["modes"])), track, ended, tuple(map(tuple, told["texts"])))
 
 
 def flight_from(log: Path, home: Geodetic) -> EndedFlight:

@@ -54,7 +54,6 @@ INT32, REAL32 = 6, 9  # MAV_PARAM_TYPE
 BOOTS_S = 60.0
 TRANSFERS = 5
 EVERYWHERE = 1.0  # SIM_WIND_T: as strong near the ground
-INJECT_FAILURE = 420  # MAV_CMD
 
 
 @dataclass(frozen=True)
@@ -143,8 +142,6 @@ class Breaker:
             return
         if trigger.silent:
             self.vehicle.line._next_heartbeat = math.inf  # type: ignore[attr-defined]
-        if trigger.injected:
-            self._say(CommandLong(INJECT_FAILURE, (*map(float, trigger.injected), 0.0, 0.0, 0.0, 0.0, 0.0)))
         for name, value in trigger.then.items():
             kind = INT32 if isinstance(value, int) else REAL32
             self._say(ParamSet(name, spelled_parameter(float(value), kind, self.vehicle.autopilot), kind))

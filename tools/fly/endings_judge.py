@@ -3,8 +3,8 @@
     python -m tools.fly.endings_judge MISSIONS OUT [--csv FILE]
 
 What was flown is judged by the simulator's true position and by a geometry of shapely's, from the order to when the
-motors stopped. The simulators' ground is level, as high as home: where a scenario's is not, times and landing places
-count only of what ends at home. One line an order; a summary on the standard output.
+motors stopped. The simulators' ground is level, as high as home: times are forecast over such ground, and what sinks
+below a scenario's higher one is not looked at any more. One line an order; a summary on the standard output.
 """
 
 import argparse
@@ -47,6 +47,7 @@ SILENCE_S = 75.0  # longer than it takes to notice that a ground station is sile
 class Judged:
     """An order: what was forecast of its second, and what was flown. Metres, seconds; NaN where there is none."""
 
+    number: int
     autopilot: str
     version: str
     mission: str
@@ -157,10 +158,13 @@ def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> 
             ending = str(route.otherwise[0])
         then = TRIGGERS[mission.autopilot][order["trigger"]].then
         outside = np.hypot(*flight.place(second)[:2]) - then.get("FENCE_RADIUS", math.inf)
+        if ending == Ending.UNKNOWN:
+            ending = "alt_hold" if "ALT_HOLD" in route.words else ending
         if FAR_OUTSIDE in route.words and outside > FAR_M:
             ending = str(Ending.LAND)
         trigger = f"{order['cause']} ({', '.join(f'{name} {value:g}' for name, value in before.items())})"
     common = {
+        "number": order["number"],
         "autopilot": str(mission.autopilot),
         "version": order["version"],
         "mission": order["mission"],
@@ -266,14 +270,16 @@ def summary(judged: list[Judged]) -> Iterator[str]:
     false = [one for one in alarms if one.flown_least >= one.required]
     yield f"{len(judged)} orders, {len(known)} of them with obstacles; nearer than required {len(nearer)}"
     yield f"of these not foretold: {len(missed)}; alarms {len(alarms)}, of these false {len(false)}"
-    planned = [one for one in known if one.mission.startswith("p") and one.ending == Ending.RTL]
+    planned = [one for one in known if one.mission.startswith("p") and one.did == "rtl" and not one.trigger]
     yield f"RTL of planned returns: {len(planned)}, nearer {sum(one.flown_least < one.required for one in planned)}"
     for name in ("rtl", "land"):
         timed = [one for one in judged if one.did == name and not one.trigger and one.ending == name]
         off = np.array([one.expected_s / one.flown_s - 1.0 for one in timed if one.flown_s > LONG_ENOUGH])
         if len(off := off[np.isfinite(off)]):
             quantiles = ", ".join(f"{np.quantile(np.abs(off), share):.1%}" for share in (0.5, 0.9, 0.95, 1.0))
-            yield f"{name}: {len(off)}, median {np.median(off):+.1%}, sizes (50, 90, 95, 100 %) {quantiles}"
+            within = sum(one.low_s <= one.flown_s <= one.high_s for one in timed)
+            middle = f"{within} within the interval, median {np.median(off):+.1%}"
+            yield f"{name}: {len(timed)}, {middle}, sizes (50, 90, 95, 100 %) {quantiles}"
     fails = [one for one in judged if one.trigger]
     as_said = [one for one in fails if (one.did.split() or ["continue"])[-1] == one.ending]
     yield f"failsafes {len(fails)} of {len({one.trigger for one in fails})} kinds, as said {len(as_said)}"
