@@ -37,6 +37,7 @@ from ipoa_mission.planning.proof import Proof
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import Option, weigh_routes
 from ipoa_mission.routing.endings import planned_returns
+from ipoa_mission.routing.homeward import planned_way_home
 from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
 from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.routing.slower import slowed_stretches
@@ -207,6 +208,7 @@ def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     world = scenario.airspace
     log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
     found = plan_with_room(scenario, seed, progress)
+    asked, scenario = scenario, found.scenario
     plan, forecast = found.plan.judged_by(scenario), found.forecast
     options = weigh_routes(plan, scenario, found.route)
     mission = forecast.mission
@@ -216,6 +218,7 @@ def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     messages = (words for finding in findings for words in (finding.message, finding.hint) if words)
     planned = (
         *slowed_stretches(forecast),
+        *planned_way_home(scenario, asked),
         *climb_for_way_home(mission),
         *slowed_for_ground(forecast),
         *planned_returns(forecast),

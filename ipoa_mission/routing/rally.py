@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.looks import GOAL_DOUBT, SEEN, EndingWays
 from ipoa_mission.geometry import Points
+from ipoa_mission.mission.commands import Command
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.world.frame import Geodetic
 
@@ -32,9 +33,16 @@ def rally_sets(ways: EndingWays) -> Iterator[tuple[Geodetic, ...]]:
     home = np.zeros(3)
     goals = np.vstack([home, places])
     clear = _clear(ways, stands, height, goals)
+    if (
+        forecast.mission.items[-1].command == Command.NAV_RETURN_TO_LAUNCH
+    ):  # from its own return to none but through air
+        own = int(np.searchsorted(times, forecast.promise.flight.way[1]))
+        keep = clear[min(own, len(times) - 1)]
+        keep[0] = True
+        goals, clear = goals[keep], clear[:, keep]
     away = np.linalg.norm(stands[:, None, :2] - goals[None, :, :2], axis=2)
     chosen = [0]
-    while len(chosen) <= MOST:
+    while len(goals) > 1 and len(chosen) <= MOST:
         gains = [_served(clear, away, [*chosen, n]) for n in range(1, len(goals))]
         best = int(np.argmax(gains)) + 1
         if gains[best - 1] <= _served(clear, away, chosen):

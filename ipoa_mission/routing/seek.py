@@ -17,6 +17,7 @@ from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import choose_route, expect_mode, near_routes
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.changes import Looks
+from ipoa_mission.routing.homeward import WayHomeBlocked, by_way_of_the_goal, expect_way_home
 from ipoa_mission.routing.more_room import Needs, a_little, nothing
 from ipoa_mission.routing.narrow import TooNarrow, expect_wide
 from ipoa_mission.routing.refusal import narrow_refusal, refusal
@@ -56,6 +57,14 @@ def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> Attempt
         Unsafe: it would touch down fast, and nothing helps.
     """
     expect_mode(scenario.route.mode, scenario.vehicle.autopilot)
+    try:
+        return _sought(scenario, seed, progress)
+    except WayHomeBlocked:
+        return _sought(by_way_of_the_goal(scenario), seed, progress)
+
+
+def _sought(scenario: Scenario, seed: int, progress: Progress) -> Attempt:
+    """As `plan_with_room`; raises WayHomeBlocked as well."""
     looks = Looks(scenario, lambda changed: _planned(changed, seed))
     try:
         return seek(scenario, seed, progress)
@@ -71,7 +80,7 @@ def _planned(scenario: Scenario, seed: int) -> Attempt | None:
     """What a first look comes to; None where it finds nothing that holds."""
     try:
         return seek(scenario, seed, silent, plans=1)
-    except (NoPath, NoRoute, TooNarrow):
+    except (NoPath, NoRoute, TooNarrow, WayHomeBlocked):
         return None
 
 
@@ -162,6 +171,7 @@ def _made_safe(plan: Plan, room: _Room, scenario: Scenario) -> Attempt:
     latest = best = _looked_at(plan, scenario, FAR_OFF)
     in_vain = 0
     for _ in range(0 if _as_printed(scenario) else ROUNDS):
+        expect_way_home(latest)
         if best.holds or in_vain == IN_VAIN:
             break
         room.needs = room.needs.more(latest, scenario)

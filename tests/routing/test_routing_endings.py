@@ -87,6 +87,15 @@ def test_where_no_altitude_within_the_bounds_helps_rally_points_are_planned(auto
     assert all(row.clear for row in Endings(flight.forecast).rows(Ending.RTL, timed=False))
 
 
+@pytest.mark.parametrize("autopilot", registered())
+def test_a_way_home_that_no_altitude_clears_is_planned_as_the_way_out_is(autopilot: Autopilot) -> None:
+    highest = {"px4": "RTL_RETURN_ALT = 30", "ardupilot": "RTL_ALT = 3000"}[str(autopilot)]
+    flight = plan_flight(scene(autopilot, WALL, parameters=highest, top=70.0, ending="rtl"), seed=0)
+    assert any("way home is planned" in remark for remark in flight.remarks)
+    assert all(row.clear for row in Endings(flight.forecast).rows(Ending.RTL, timed=False))
+    assert flight.proof.holds
+
+
 def test_a_return_altitude_of_the_scenario_s_own_stays() -> None:
     flight = plan_flight(scene(Autopilot.PX4, WALL, parameters="RTL_RETURN_ALT = 30", top=200.0), seed=0)
     assert flight.mission.parameters["RTL_RETURN_ALT"] == 30.0
