@@ -27,7 +27,7 @@ HEARD_WITHIN_S = 1.2  # the vehicle speaks when it is spoken to, or beats once a
 UNHURRIED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
-@settings(UNHURRIED, max_examples=2000)
+@settings(UNHURRIED, max_examples=1000)
 @given(SCHEDULES, st.sampled_from(registered()), st.integers(0, 6), st.integers(0, 6))
 def test_an_upload_is_exact_or_an_error(fates: list[Fate], autopilot: Autopilot, old: int, new: int) -> None:
     vehicle = Vehicle(autopilot)
