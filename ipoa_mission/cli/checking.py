@@ -59,9 +59,10 @@ def check(
         write_atomically(sarif, sarif_log(file, findings))
     ways: tuple[Any, ...] = ()
     if endings and promise is not None:
-        from ipoa_mission.cli.ending import endings_as_json, endings_of, failsafes_of, tell_endings
+        from ipoa_mission.cli.ending import endings_as_json, tell_endings
+        from ipoa_mission.forecast.endings import Endings, failsafes_of
 
-        ways = endings_of(forecast), failsafes_of(forecast)
+        ways = Endings(forecast).all_rows(), failsafes_of(forecast)
     messages = {finding.message for finding in findings}
     remarks = tuple(remark for remark in given.remarks if remark not in messages)
     remarks += () if world is None else world.remarks

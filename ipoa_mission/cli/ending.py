@@ -4,25 +4,8 @@ import math
 from typing import Any
 
 from ipoa_mission.cli.telling import picked, tell, tell_table
-from ipoa_mission.forecast.endings import EndingRow, Endings
-from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.forecast.endings import EndingRow
 from ipoa_mission.vehicles.failsafe import Failsafe
-
-#: What is looked at; the others go on, fall, or lead to where nobody knows.
-LOOKED_AT = (Ending.RTL, Ending.LAND, Ending.SMART_RTL, Ending.HOLD)
-
-
-def endings_of(forecast: Forecast) -> tuple[EndingRow, ...]:
-    """Every ending from every second."""
-    endings = Endings(forecast)
-    return tuple(row for ending in LOOKED_AT for row in endings.rows(ending))
-
-
-def failsafes_of(forecast: Forecast) -> tuple[Failsafe, ...]:
-    """What the vehicle does by itself, by the parameters of this mission."""
-    mission = forecast.mission
-    return mission.autopilot.failsafes(mission.parameters, mission.firmware_version)
 
 
 def endings_as_json(rows: tuple[EndingRow, ...], failsafes: tuple[Failsafe, ...]) -> dict[str, Any]:
