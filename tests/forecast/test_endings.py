@@ -62,6 +62,14 @@ def test_the_first_example_comes_home_clear_from_every_second(campus: Endings) -
     assert 0.0 < row.duration_s[0] < row.duration_s[1]
 
 
+def test_a_flight_that_is_in_the_air_for_one_moment_has_its_endings_too() -> None:
+    forecast = forecast_of("campus")
+    grounded = replace(forecast.given, items=forecast.given.items[-1:])
+    rows = Endings(Forecast(grounded, forecast.scenario)).all_rows()
+    assert {row.ending for row in rows} == set(LOOKED_AT)
+    assert len({time for row in rows for time in (row.from_s, row.to_s)}) == 1
+
+
 def test_land_where_it_is_may_be_on_a_roof(rows: dict[Ending, tuple[EndingRow, ...]]) -> None:
     (over,) = (row for row in rows[Ending.LAND] if not row.clear)
     assert over.to == "auditorium"
