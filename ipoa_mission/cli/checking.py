@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ipoa_mission.cli.groups import FlownByOptions
-from ipoa_mission.cli.options import FileArgument, JsonOption, ScenarioOption
+from ipoa_mission.cli.options import EndingsOption, FileArgument, JsonOption, ScenarioOption, expect_world_of
 from ipoa_mission.cli.telling import notes, picked, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
@@ -26,9 +26,7 @@ def check(
     sarif: Annotated[
         Path | None, typer.Option("--sarif", metavar="FILE", help="Write the findings as SARIF, for CI.")
     ] = None,
-    endings: Annotated[
-        bool, typer.Option("--endings", help="What RTL, LAND and the like would do from every second of the flight.")
-    ] = False,
+    endings: EndingsOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Check a mission file: its format, the firmware's rules, and with a scenario clearance, bounds and altitude.
@@ -48,8 +46,7 @@ def check(
     given, air = read_given(file, flown_by), flown_by.air
     if air is not None and scenario is None:
         raise BadInput("--wind: expected with --scenario", hint="wind moves a flight nearer to what stands there")
-    if endings and scenario is None:
-        raise BadInput("--endings: expected with --scenario", hint="what an ending keeps depends on what stands there")
+    expect_world_of(endings, scenario)
     world = read_world(scenario, air)
     forecast = Forecast(given.mission, world)
     findings = check_forecast(forecast, ignore or (), given.findings)
@@ -57,11 +54,13 @@ def check(
     promise = forecast.promise_if_known if world is not None and is_flown else None
     if sarif is not None:
         write_atomically(sarif, sarif_log(file, findings))
-    ways: tuple[Any, ...] = ()
-    if endings and promise is not None:
-        from ipoa_mission.cli.ending import endings_as_json, endings_of, failsafes_of, tell_endings
+    ways: tuple[Any, ...] = ((), ())
+    if endings:
+        from ipoa_mission.cli.ending import endings_as_json, tell_endings
+        from ipoa_mission.forecast.endings import Endings, failsafes_of
 
-        ways = endings_of(forecast), failsafes_of(forecast)
+        if promise is not None:
+            ways = Endings(forecast).all_rows(), failsafes_of(forecast)
     messages = {finding.message for finding in findings}
     remarks = tuple(remark for remark in given.remarks if remark not in messages)
     remarks += () if world is None else world.remarks
@@ -74,7 +73,7 @@ def check(
 
             about = {"clearance": clearance_as_json(promise) or None, "passed_over": passed_over_as_json(world)}
         if endings:
-            about |= endings_as_json(*ways) if ways else {"endings": None, "failsafes": None}
+            about |= endings_as_json(*ways)
         about["firmware"] = mission.autopilot.facts(mission.firmware_version)
         tell_json({"ok": not errors, "findings": rows, "remarks": list(remarks)} | about)
     else:
@@ -85,7 +84,7 @@ def check(
 
             tell(*promised(promise))
         if endings:
-            tell_endings(*ways) if ways else tell("endings: nothing is known of them, as of the flight")
+            tell_endings(*ways)
         counts = f"{_count(errors, 'error')}, {_count(len(findings) - errors, 'warning')}, {len(mission.items)} items"
         tell(f"{file}: {counts} for {mission.autopilot.checked_for(mission.firmware_version)}")
     if errors:

@@ -1,32 +1,27 @@
-"""`check --endings`: how each second of a flight can end, and what of a vehicle's parameters decides that."""
+"""`--endings`: how each second of a flight can end, and what of a vehicle's parameters decides that.
+
+A table of `check`, bars of `show`.
+"""
 
 import math
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 from ipoa_mission.cli.telling import picked, tell, tell_table
-from ipoa_mission.forecast.endings import EndingRow, Endings
-from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.forecast.endings import EndingRow
 from ipoa_mission.vehicles.failsafe import Failsafe
 
-#: What is looked at; the others go on, fall, or lead to where nobody knows.
-LOOKED_AT = (Ending.RTL, Ending.LAND, Ending.SMART_RTL, Ending.HOLD)
-
-
-def endings_of(forecast: Forecast) -> tuple[EndingRow, ...]:
-    """Every ending from every second."""
-    endings = Endings(forecast)
-    return tuple(row for ending in LOOKED_AT for row in endings.rows(ending))
-
-
-def failsafes_of(forecast: Forecast) -> tuple[Failsafe, ...]:
-    """What the vehicle does by itself, by the parameters of this mission."""
-    mission = forecast.mission
-    return mission.autopilot.failsafes(mission.parameters, mission.firmware_version)
+CELLS = 50  # characters of a bar
+CLEAR, NOT_CLEAR, NOT_KNOWN = "-#?"
+LEGEND = f"{CLEAR} clear  {NOT_CLEAR} not clear at some time in it  {NOT_KNOWN} not known"
+NO_ENDINGS = "endings: nothing is known of them, as of the flight"
 
 
 def endings_as_json(rows: tuple[EndingRow, ...], failsafes: tuple[Failsafe, ...]) -> dict[str, Any]:
     """Both for machines: metres, seconds from arming, watt hours; what nobody knows is null."""
+    if not rows:
+        return {"endings": None, "failsafes": None}
     return {"endings": [_row(row) for row in rows], "failsafes": [_failsafe(one) for one in failsafes]}
 
 
@@ -60,6 +55,9 @@ def _failsafe(failsafe: Failsafe) -> dict[str, Any]:
 
 def tell_endings(rows: tuple[EndingRow, ...], failsafes: tuple[Failsafe, ...]) -> None:
     """Both as tables."""
+    if not rows:
+        tell(NO_ENDINGS)
+        return
     columns = ["ending", "from\ns", "to\ns", "clear", "least\nm", "required\nm", "to", "leads to", "takes\ns"]
     tell_table("how this flight can end, seconds from arming", columns, [_cells(row) for row in rows])
     causes = ["cause", "parameter", "ending"]
@@ -68,6 +66,44 @@ def tell_endings(rows: tuple[EndingRow, ...], failsafes: tuple[Failsafe, ...]) -
         tell_table("what ends it, by the parameters of the mission and the firmware's defaults", causes, decided)
     unclear = sum(not row.clear for row in rows)
     tell("every ending is clear" if not unclear else f"{unclear} of {len(rows)} stretches are not clear")
+
+
+def tell_strip(rows: tuple[EndingRow, ...]) -> None:
+    """A bar of each ending over the time in the air, and in words what is not clear."""
+    if not rows:
+        tell(NO_ENDINGS)
+        return
+    begin, end = rows[0].from_s, rows[-1].to_s
+    each = (end - begin) / CELLS
+    tell("", f"how this flight can end, {begin:.1f} to {end:.1f} s after arming; each character is {each:.1f} s", "")
+    names = tuple(dict.fromkeys(row.ending for row in rows))
+    widest = max(map(len, names))
+    for name in names:
+        own = [row for row in rows if row.ending is name]
+        leads = ", ".join(dict.fromkeys(row.leads for row in own))
+        tell(f"{name:{widest}}  {bar_of(own)}  {leads}")
+    tell("", LEGEND)
+    unclear = [str(row) for row in rows if not row.clear]
+    tell(*(unclear or ["every ending is clear"]))
+
+
+def bar_of(rows: Sequence[EndingRow]) -> str:
+    """One ending as characters, each for as much of its time: of the rows that it has a part in, the worst.
+
+    >>> from ipoa_mission.vehicles.ending import Ending
+    >>> clear = EndingRow(Ending.LAND, 0.0, 24.5, True, 3.0, 2.5, "mast", "here")
+    >>> unclear = EndingRow(Ending.LAND, 24.5, 50.0, False, 1.0, 2.5, "mast", "here")
+    >>> bar_of((clear, unclear)).count("-")
+    24
+    """
+    begin, end = rows[0].from_s, rows[-1].to_s
+    edges = [begin + n * (end - begin) / CELLS for n in range(CELLS)] + [end]
+    cells = [{_sign(row) for row in rows if row.from_s <= b and a <= row.to_s} for a, b in pairwise(edges)]
+    return "".join(next(sign for sign in (NOT_CLEAR, NOT_KNOWN, CLEAR) if sign in cell) for cell in cells)
+
+
+def _sign(row: EndingRow) -> str:
+    return CLEAR if row.clear else NOT_KNOWN if math.isnan(row.least_m) else NOT_CLEAR
 
 
 def _cells(row: EndingRow) -> tuple[str, ...]:

@@ -60,6 +60,12 @@ def expect_mission(path: Path) -> Path:
     return path
 
 
+def expect_world_of(endings: bool, scenario: Path | None) -> None:
+    """Raise BadInput where endings are asked for without a scenario."""
+    if endings and scenario is None:
+        raise BadInput("--endings: expected with --scenario", hint="what an ending keeps depends on what stands there")
+
+
 ScenarioArgument: TypeAlias = Annotated[
     Path, typer.Argument(metavar="SCENARIO", callback=expect_scenario, help="Scenario file (TOML), or `campus`.")
 ]
@@ -74,6 +80,9 @@ ScenarioOption: TypeAlias = Annotated[
         callback=lambda path: None if path is None else or_packed(path),
         help="The world it flies in: terrain, obstacles, wind, and the vehicle's parameters.",
     ),
+]
+EndingsOption: TypeAlias = Annotated[
+    bool, typer.Option("--endings", help="What RTL, LAND and the like would do from every second of the flight.")
 ]
 ForceOption: TypeAlias = Annotated[
     bool, typer.Option("--force", metavar="", help="Write over files that are there, also those not written by a plan.")

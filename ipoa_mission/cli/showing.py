@@ -8,7 +8,15 @@ from typing import Annotated
 import typer
 
 from ipoa_mission.cli.groups import FlownByOptions
-from ipoa_mission.cli.options import AutopilotOption, FileArgument, ForceOption, JsonOption, ScenarioOption
+from ipoa_mission.cli.options import (
+    AutopilotOption,
+    EndingsOption,
+    FileArgument,
+    ForceOption,
+    JsonOption,
+    ScenarioOption,
+    expect_world_of,
+)
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
@@ -26,7 +34,11 @@ class Form(StrEnum):
 
 
 def show(
-    file: FileArgument, flown_by: FlownByOptions, scenario: ScenarioOption = None, as_json: JsonOption = False
+    file: FileArgument,
+    flown_by: FlownByOptions,
+    scenario: ScenarioOption = None,
+    endings: EndingsOption = False,
+    as_json: JsonOption = False,
 ) -> None:
     """Print a mission as a table: leg length, heading, climb, height, and when each item will be done.
 
@@ -40,6 +52,9 @@ def show(
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.report.exports.table import rows_of, shown
 
+    expect_world_of(endings, scenario)
+    if endings and as_json:
+        raise BadInput("--endings: expected without --json", hint="`check --endings --json` has them for machines")
     given = read_given(file, flown_by)
     forecast = Forecast(given.mission, read_world(scenario, flown_by.air), flown_by.air)
     mission = forecast.mission
@@ -79,6 +94,13 @@ def show(
     up, down = sum(c for c in climbs if c > 0), -sum(c for c in climbs if c < 0)
     length = sum(row.length for row in rows if row.length is not None)
     tell(f"{length:.0f} m, {up:.0f} m up and {down:.0f} m down; {total}", *notes(remarks))
+    if endings:
+        from ipoa_mission.checks.firmware import is_too_long
+        from ipoa_mission.cli.ending import tell_strip
+        from ipoa_mission.forecast.endings import Endings
+
+        is_flown = not errors and not is_too_long(mission) and forecast.promise_if_known is not None
+        tell_strip(Endings(forecast).all_rows(timed=False) if is_flown else ())
 
 
 def export(

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.looks import GROUND, EndingLooks, EndingWays
@@ -19,12 +20,31 @@ from ipoa_mission.geometry import Vector
 from ipoa_mission.planning.proof import prove_heights
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.failsafe import Failsafe
 from ipoa_mission.world.airspace import Clearance
 
 BEGUN_S = 0.6  # by so much its begin may be early or late: ArduCopter 4.8-dev is early by 0.5 s after its take-off
 AROUND = 9  # looks at one time, from where the flight may be then
 NEAREST_FEW = 6  # so many looks of a row are measured to the millimeter
+ON_GROUND, UNKNOWN = "the ground", "unknown"  # a thing and a goal
 TIMED = 3  # looks of a row from which the flight is timed
+#: What is looked at; the others go on, fall, or lead to where nobody knows.
+LOOKED_AT = (Ending.RTL, Ending.LAND, Ending.SMART_RTL, Ending.HOLD)
+OF_ANY_VEHICLE = frozenset({Ending.RTL, Ending.LAND, Ending.HOLD})  # of whose failsafes nothing is known
+
+
+def failsafes_of(forecast: Forecast) -> tuple[Failsafe, ...]:
+    """What the vehicle does by itself, by the parameters of this mission; none where nothing is known of it."""
+    mission = forecast.mission
+    return mission.autopilot.failsafes(mission.parameters, mission.firmware_version)
+
+
+def endings_of(forecast: Forecast) -> tuple[Ending, ...]:
+    """The endings that the vehicle has, of those that are looked at: what a failsafe or a pilot's order leads to."""
+    failsafes = failsafes_of(forecast)
+    actions = [action for one in failsafes for action in (one.route, *one.differs.values())]
+    had = {ending for action in actions for ending in (action.ending, *action.otherwise)}
+    return tuple(ending for ending in LOOKED_AT if ending in (had if failsafes else OF_ANY_VEHICLE))
 
 
 @dataclass(frozen=True)
@@ -50,6 +70,27 @@ class EndingRow:
     duration_s: tuple[float, float] | None = None
     energy_wh: float | None = None
 
+    @property
+    def leads(self) -> str:
+        """Where it leads: "here", "to home", "to home or rally point 1"; where nobody knows, that."""
+        return {"here": "here", UNKNOWN: "nobody knows where"}.get(self.goal, f"to {self.goal}")
+
+    @property
+    def keeps(self) -> str:
+        """Whether it is clear, and what is nearest: "not clear, 0.81 m inside mast"."""
+        clear = "clear" if self.clear else "not clear"
+        if math.isnan(self.least_m):
+            return f"{clear}: {self.to}"
+        if not math.isfinite(self.least_m):
+            return f"{clear}, nothing near"
+        if down(self.least_m) < 0.0:
+            return f"{clear}, {-down(self.least_m):.2f} m {'below' if self.to == ON_GROUND else 'inside'} {self.to}"
+        required = "" if self.clear else f", {up(self.required_m):.2f} m required"
+        return f"{clear}, {down(self.least_m):.2f} m {'above' if self.to == ON_GROUND else 'from'} {self.to}{required}"
+
+    def __str__(self) -> str:
+        return f"{self.ending} {self.from_s:.1f} to {self.to_s:.1f} s, {self.leads}: {self.keeps}"
+
 
 class Endings:
     """All ways in which one forecast's flight can end, in the world of its scenario."""
@@ -58,6 +99,10 @@ class Endings:
         self.forecast, self.mission = forecast, forecast.mission
         self.ways = EndingWays(forecast)
 
+    def all_rows(self, timed: bool = True) -> tuple[EndingRow, ...]:
+        """Every ending that the vehicle has, one after the other; as `rows`, and raises as it does."""
+        return tuple(row for ending in endings_of(self.forecast) for row in self.rows(ending, timed))
+
     def rows(self, ending: Ending, timed: bool = True) -> tuple[EndingRow, ...]:
         """One ending, from the first moment in the air to the last; with times and energy if `timed`.
 
@@ -65,7 +110,7 @@ class Endings:
             MissionError: the vehicle has no model of its flight.
         """
         if ending is Ending.RTL and (why := self.ways.why_unknown()) is not None:
-            return (EndingRow(ending, *self.ways.in_air, False, math.nan, self.ways.required, why, "unknown"),)
+            return (EndingRow(ending, *self.ways.in_air, False, math.nan, self.ways.required, why, UNKNOWN),)
         looks = self.ways.looks(ending)
         clear = self._clear_at_any_time(looks)
         runs = list(_runs(looks.taken, clear))
@@ -77,7 +122,7 @@ class Endings:
     def at(self, ending: Ending, time: float, timed: bool = True) -> EndingRow:
         """An ending that is ordered at one time in the air [s]; as `rows`, and raises as it does."""
         if ending is Ending.RTL and (why := self.ways.why_unknown()) is not None:
-            return EndingRow(ending, time, time, False, math.nan, self.ways.required, why, "unknown")
+            return EndingRow(ending, time, time, False, math.nan, self.ways.required, why, UNKNOWN)
         doubt = float(self._doubts(np.array([time]))[0])
         looks = self.ways.at(ending, np.clip(time + doubt * np.linspace(-1.0, 1.0, AROUND), *self.ways.in_air))
         row = self._row(ending, looks, range(AROUND), bool(looks.clear.all()))
@@ -104,7 +149,7 @@ class Endings:
             worst = min(on_ground, key=lambda n: float(looks.spare[n]))
             checks = (check for way in looks.ways[worst] for check in prove_heights(way, self.forecast.world))
             low = min((check for check in checks if check.limit == "ground"), key=lambda check: check.slack)
-            least, required, to = low.nearest.distance, low.required, "the ground"
+            least, required, to = low.nearest.distance, low.required, ON_GROUND
         goal, lands = self.ways.goal(ending, looks, run.start), None
         if goal != "here":
             east, north, _ = looks.ways[run.start][looks.taken[run.start]][0, -1]

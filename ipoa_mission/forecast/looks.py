@@ -199,6 +199,8 @@ class EndingWays:
     @cached_property
     def _flown(self) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
         places = self.stops().places
+        if len(places) == 1:  # it is in the air for one moment
+            places = np.repeat(places, 2, axis=0)
         return self._near(np.stack([places[:-1], places[1:]], axis=1)[:, None])
 
     def _with_ground(self, looks: EndingLooks, end: int) -> EndingLooks:

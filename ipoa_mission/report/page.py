@@ -28,6 +28,7 @@ from ipoa_mission.report.panels.headline import figures, verdict, warnings
 from ipoa_mission.report.panels.legs import legs
 from ipoa_mission.report.panels.planned import limits_table, search_panel
 from ipoa_mission.report.panels.profile import distance_profile, height_profile, profile_legend, speed_profile
+from ipoa_mission.report.panels.strip import endings_strip
 from ipoa_mission.report.scene import page_data
 from ipoa_mission.report.seen import dangers, follow, tube_of
 from ipoa_mission.report.stops import stops
@@ -108,6 +109,7 @@ def report_html(
         "apart": distance_profile(course, required),
         "profile_note": f"The pale band is the {required:g} m round the path that must stay free.",
         "profile_legend": profile_legend(flown is not None, extent.obstacles(airspace) != extent.buildings(airspace)),
+        "endings": endings_strip(forecast, course),
         "speed": speed_profile(course, stop_list, flown),
         "speed_note": "As predicted; a tick where an item is done.",
         "flight": "" if comparison is None else flown_panel(comparison),

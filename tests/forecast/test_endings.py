@@ -2,8 +2,10 @@
 
 import json
 import math
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,12 +16,11 @@ from typer.testing import CliRunner
 from ipoa_mission import Forecast, plan_flight, read_mission, read_scenario
 from ipoa_mission.cli.app import app
 from ipoa_mission.errors import BadInput
-from ipoa_mission.forecast.endings import EndingRow, Endings
+from ipoa_mission.forecast.endings import LOOKED_AT, EndingRow, Endings, endings_of
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.ending import Ending
 
 MISSIONS = Path(__file__).parents[2] / "missions"
-LOOKED_AT = (Ending.RTL, Ending.LAND, Ending.SMART_RTL, Ending.HOLD)
 
 
 def forecast_of(name: str, **parameters: float) -> Forecast:
@@ -59,6 +60,14 @@ def test_the_first_example_comes_home_clear_from_every_second(campus: Endings) -
     assert row.goal == "home"
     assert row.duration_s is not None
     assert 0.0 < row.duration_s[0] < row.duration_s[1]
+
+
+def test_a_flight_that_is_in_the_air_for_one_moment_has_its_endings_too() -> None:
+    forecast = forecast_of("campus")
+    grounded = replace(forecast.given, items=forecast.given.items[-1:])
+    rows = Endings(Forecast(grounded, forecast.scenario)).all_rows()
+    assert {row.ending for row in rows} == set(LOOKED_AT)
+    assert len({time for row in rows for time in (row.from_s, row.to_s)}) == 1
 
 
 def test_land_where_it_is_may_be_on_a_roof(rows: dict[Ending, tuple[EndingRow, ...]]) -> None:
@@ -114,14 +123,52 @@ def test_a_return_altitude_is_planned_for_a_clear_return(tmp_path: Path, monkeyp
     assert all(row.clear for row in Endings(flight.forecast).rows(Ending.RTL, timed=False))
 
 
+@pytest.mark.parametrize(
+    ("name", "parameters", "endings"),
+    [
+        ("sitl", {}, "rtl land hold"),  # PX4 has no SmartRTL, whatever its parameters
+        ("sitl", {"NAV_RCL_ACT": 3.0, "GF_ACTION": 0.0}, "rtl land hold"),
+        ("campus", {}, "rtl land smart_rtl hold"),
+        ("campus", {"SRTL_POINTS": 0.0}, "rtl land hold"),  # it keeps no path to go back along
+    ],
+)
+def test_an_ending_that_the_vehicle_does_not_have_is_not_listed(
+    name: str, parameters: dict[str, float], endings: str
+) -> None:
+    assert endings_of(forecast_of(name, **parameters)) == tuple(map(Ending, endings.split()))
+
+
+def test_a_vehicle_of_whose_failsafes_nothing_is_known_has_what_all_have(monkeypatch: pytest.MonkeyPatch) -> None:
+    forecast = forecast_of("campus")
+    monkeypatch.setattr(type(forecast.mission.autopilot), "failsafes", Autopilot.failsafes)
+    assert endings_of(forecast) == (Ending.RTL, Ending.LAND, Ending.HOLD)
+
+
 def test_check_tells_endings_and_what_leads_to_them() -> None:
     words = ["check", str(MISSIONS / "sitl.plan"), "--scenario", str(MISSIONS / "sitl.toml"), "--endings"]
     told = json.loads(CliRunner().invoke(app, [*words, "--json"]).output)
-    assert {row["ending"] for row in told["endings"]} == {str(ending) for ending in LOOKED_AT}
+    assert list(dict.fromkeys(row["ending"] for row in told["endings"])) == ["rtl", "land", "hold"]
     assert {"cause": "radio control lost", "parameter": "NAV_RCL_ACT", "value": 2.0} in [
         {key: one[key] for key in ("cause", "parameter", "value")} for one in told["failsafes"]
     ]
     assert "stretches are not clear" in CliRunner().invoke(app, words).output
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({}, "rtl 3.0 to 4.5 s, to home: clear, 2.47 m from mast"),
+        ({"clear": False}, "rtl 3.0 to 4.5 s, to home: not clear, 2.47 m from mast, 2.50 m required"),
+        ({"clear": False, "least_m": -0.805}, "rtl 3.0 to 4.5 s, to home: not clear, 0.81 m inside mast"),
+        ({"least_m": math.inf, "goal": "here"}, "rtl 3.0 to 4.5 s, here: clear, nothing near"),
+        ({"clear": False, "to": "the ground"}, "s, to home: not clear, 2.47 m above the ground, 2.50 m required"),
+        ({"clear": False, "to": "the ground", "least_m": -1.0}, "s, to home: not clear, 1.00 m below the ground"),
+        ({"clear": False, "least_m": math.nan, "to": "not modeled", "goal": "unknown"}, ": not clear: not modeled"),
+    ],
+)
+def test_a_row_says_in_words_what_is_in_the_way_and_where_it_leads(changed: dict[str, Any], words: str) -> None:
+    row = EndingRow(Ending.RTL, 3.0, 4.5, True, 2.478, 2.494, "mast", "home")
+    assert str(replace(row, **changed)).endswith(words)
 
 
 def test_endings_depend_on_a_world() -> None:

@@ -6,6 +6,7 @@
   const all = (selector) => [...document.querySelectorAll(selector)];
   const map = document.getElementById("map"), canvas = document.querySelector(".space canvas"), readout = document.querySelector(".readout");
   const plan = makeMap(map);
+  const unclear = all(".way.not-clear").map((way) => way.dataset);
   let chosen = -1;
 
   const path = course.points.filter((_, i) => i % 2 === 0);
@@ -43,6 +44,9 @@
       ...(apart === null ? [] : [[`${apart.toFixed(1)} m`, "to the nearest obstacle"]]),
       ...(chosen >= 0 && stops[chosen].index === i && stops[chosen].reason ? [["slow:", stops[chosen].reason]] : []),
     ];
+    const now = course.times[i];
+    for (const { ending, from, to, keeps } of unclear)
+      if (Number(from) <= now && now <= Number(to)) words.push([ending, keeps]);
     readout.replaceChildren(...words.map(([strong, rest]) => {
       const part = document.createElement("span"), bold = document.createElement("b");
       bold.textContent = strong;

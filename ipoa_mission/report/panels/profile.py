@@ -17,6 +17,11 @@ BESIDE = 15.0  # obstacles this near beside the path are shown too [m]
 NARROWEST = 0.004  # of the chart's width: what is narrower could not be seen
 
 
+def along_axis(course: Seen) -> GraphAxis:
+    """What lies under one another in the page has this one."""
+    return axis_over("distance over ground [m]", course.along, room=0.015, floor=0.0)
+
+
 def height_profile(
     course: Seen, airspace: Airspace, required: float, stops: Sequence[FlownItem], flown: Seen | None, tube: Rim
 ) -> str:
@@ -24,8 +29,7 @@ def height_profile(
     near = list(_near(course, airspace, required))
     tops = np.array([min(float(body.bounds[1, 2]), float(course.points[:, 2].max()) * 1.6) for body, *_ in near])
     paths = [course.points[:, 2] + required, course.ground] + ([flown.points[:, 2]] if flown is not None else [])
-    along = axis_over("distance over ground [m]", course.along, room=0.015, floor=0.0)
-    chart = Graph(along, axis_over("height above home [m]", *paths, tops))
+    chart = Graph(along_axis(course), axis_over("height above home [m]", *paths, tops))
     floor = np.full(len(course.along), chart.y.low)
     up = course.points[:, 2]
     layers = [
@@ -61,7 +65,7 @@ def distance_profile(course: Seen, required: float) -> str:
     if not (course.apart < most).any():
         return ""
     chart = Graph(
-        axis_over("distance over ground [m]", course.along, room=0.015, floor=0.0),
+        along_axis(course),
         GraphAxis(0.0, most, "to obstacles [m]"),
     )
     apart = np.clip(course.apart, 0.0, most)

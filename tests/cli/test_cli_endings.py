@@ -1,0 +1,77 @@
+"""`show --endings`: a bar of characters for each ending over the time in the air, and in words what is not clear."""
+
+import json
+import math
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from ipoa_mission.cli.ending import CELLS, bar_of
+from ipoa_mission.forecast.endings import EndingRow, Endings
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.scenario import read_scenario
+from ipoa_mission.vehicles.ending import Ending
+from tests.cli.conftest import Run
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+SITL = f"{MISSIONS}/sitl.plan --scenario {MISSIONS}/sitl.toml"
+
+
+def test_bars_and_words_are_the_rows_of_the_forecast(run: Run) -> None:
+    rows = Endings(Forecast(read_mission(MISSIONS / "sitl.plan"), read_scenario(MISSIONS / "sitl.toml"))).all_rows(
+        timed=False
+    )
+    told, plain = run(f"show {SITL} --endings"), run(f"show {SITL}")
+    assert (told.code, told.err) == (0, "")
+    assert told.out.startswith(plain.out)
+    strip = told.out.removeprefix(plain.out)
+    assert strip.isascii()
+    bars = re.findall(r"^(\w+) +([-#?]+)  (.*)$", strip, re.MULTILINE)
+    assert [(name, where) for name, _, where in bars] == [("rtl", "to home"), ("land", "here"), ("hold", "here")]
+    for name, bar, _ in bars:
+        own = [row for row in rows if row.ending == name]
+        share = sum(row.to_s - row.from_s for row in own if not row.clear) / (own[-1].to_s - own[0].from_s)
+        edges = 2 * sum(not row.clear for row in own)  # a character that is so in part is so
+        assert len(bar) == CELLS
+        assert CELLS * share <= bar.count("#") <= CELLS * share + edges
+    assert strip.endswith("".join(f"{row}\n" for row in rows if not row.clear))
+
+
+@pytest.mark.parametrize("begin", [0.0, 3.3, 47.7])
+def test_a_moment_that_is_not_clear_is_never_lost_in_a_bar(begin: float) -> None:
+    whole = EndingRow(Ending.LAND, 0.0, begin, True, 3.0, 2.5, "mast", "here")
+    short = replace(whole, from_s=begin, to_s=begin + 0.01, clear=False)
+    bar = bar_of((whole, short, replace(whole, from_s=begin + 0.01, to_s=50.0)))
+    assert bar.index("#") == max(0, math.ceil(begin) - 1)
+    assert 1 <= bar.count("#") <= 2
+
+
+def test_what_is_not_known_is_not_called_clear(run: Run) -> None:
+    told = run(f"show {SITL} --param RTL_TYPE=2 --endings").out
+    assert re.search(rf"^rtl   \?{{{CELLS}}}  nobody knows where$", told, re.MULTILINE)
+    assert "not clear: returns back along the mission are not modeled" in told
+
+
+def test_a_flight_of_which_nothing_is_known_has_no_bars(run: Run, tmp_path: Path) -> None:
+    plan = json.loads((MISSIONS / "sitl.plan").read_text(encoding="utf-8"))
+    plan["mission"]["items"][2]["params"][4] = 95.0  # north of the pole
+    (tmp_path / "far.plan").write_text(json.dumps(plan), encoding="utf-8")
+    told = run(f"show far.plan --scenario {MISSIONS}/sitl.toml --endings")
+    assert told.out.endswith("endings: nothing is known of them, as of the flight\n")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (f"show {MISSIONS}/sitl.plan --endings", "--endings: expected with --scenario"),
+        (f"check {MISSIONS}/sitl.plan --endings", "--endings: expected with --scenario"),
+        (f"show {SITL} --endings --json", "--endings: expected without --json"),
+    ],
+)
+def test_endings_need_a_world_and_have_one_form_for_machines(run: Run, words: str, message: str) -> None:
+    ended = run(words)
+    assert ended.code == 2
+    assert message in ended.err

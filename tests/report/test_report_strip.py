@@ -1,0 +1,88 @@
+"""The strip of endings under the profile: its bars are the rows of the forecast, and lie where the vehicle is."""
+
+import re
+from dataclasses import replace
+from html import unescape
+
+import numpy as np
+import pytest
+
+from ipoa_mission.forecast.endings import Endings
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.report.page import report_html
+from ipoa_mission.report.panels.profile import along_axis
+from ipoa_mission.report.panels.strip import endings_strip
+from ipoa_mission.report.seen import Seen, follow
+from ipoa_mission.scenario import Scenario
+from tests.report.conftest import Bowed
+
+WAY = re.compile(
+    r'<span class="way (not-clear|clear)" role="img" aria-label="([^"]*)" title="([^"]*)" data-ending="(\w+)" '
+    r'data-from="([\d.]+)" data-to="([\d.]+)" data-keeps="([^"]*)" style="left:([\d.]+)%;width:([\d.]+)%">([^<]*)<'
+)
+
+
+def strip_of(scenario: Scenario, mission: Mission) -> tuple[Forecast, Seen, list[tuple[str, ...]]]:
+    """A forecast, its course, and the bars that are drawn of it."""
+    forecast = Forecast(mission, scenario)
+    course = follow(forecast.estimate.track, scenario.airspace)
+    return forecast, course, WAY.findall(endings_strip(forecast, course))
+
+
+@pytest.mark.parametrize("name", ["campus.toml", "sitl.toml", "downtown.toml"])
+def test_the_bars_are_the_rows_of_the_forecast(bowed: Bowed, name: str) -> None:
+    forecast, _, ways = strip_of(*bowed(name)[:2])
+    rows = {str(row): row for row in Endings(forecast).all_rows(timed=False)}
+    assert sorted(unescape(title) for _, _, title, *_ in ways) == sorted(rows)
+    for look, label, title, ending, begin, end, keeps, *_, words in ways:
+        row = rows[unescape(title)]
+        assert (label, ending, unescape(keeps)) == (title, str(row.ending), row.keeps)
+        assert (float(begin), float(end)) == pytest.approx((row.from_s, row.to_s), abs=0.006)
+        assert look == ("clear" if row.clear else "not-clear")
+        assert words in ("", "clear" if row.clear else "not clear")
+    assert any(look == "not-clear" for look, *_ in ways)
+
+
+def test_bars_lie_under_the_profile_where_the_vehicle_is_then(bowed: Bowed) -> None:
+    _, course, ways = strip_of(*bowed("sitl.toml")[:2])
+    axis = along_axis(course)
+    for _, _, _, _, begin, end, _, left, width, _ in ways:
+        first, last = axis.place(np.interp([float(begin), float(end)], course.times, course.along))
+        assert float(left) == pytest.approx(100 * first, abs=0.1)
+        assert float(width) == pytest.approx(max(100 * (last - first), 0.4), abs=0.1)
+
+
+def test_what_is_not_clear_stands_below_in_words(bowed: Bowed) -> None:
+    scenario, mission, _ = bowed("sitl.toml")
+    unclear = [str(row) for row in Endings(Forecast(mission, scenario)).all_rows(timed=False) if not row.clear]
+    (listed,) = re.findall(r'<ul class="ways-not-clear">(.*?)</ul>', report_html(Forecast(mission, scenario)))
+    assert [unescape(line) for line in re.findall("<li>(.*?)</li>", listed)] == unclear != []
+
+
+def test_where_every_ending_is_clear_it_says_so(bowed: Bowed) -> None:
+    scenario, mission, _ = bowed("sitl.toml")
+    text = scenario.model_dump(mode="json") | {"obstacles": []}
+    page = report_html(Forecast(mission, Scenario.model_validate(text)))
+    assert '<p class="note">Every ending is clear.</p>' in page
+    assert "ways-not-clear" not in page[page.index("</style>") :]
+
+
+def test_a_name_in_the_way_cannot_become_markup(bowed: Bowed) -> None:
+    scenario, mission, _ = bowed("sitl.toml")
+    text = scenario.model_dump(mode="json")
+    for obstacle in text["obstacles"]:
+        obstacle["name"] = '"><b onclick="x">\'&'
+    _, _, ways = strip_of(Scenario.model_validate(text), mission)
+    assert any(unescape(title).endswith('m inside "><b onclick="x">\'&') for _, _, title, *_ in ways)
+
+
+def test_only_what_the_vehicle_has_is_drawn(bowed: Bowed) -> None:
+    drawn = {name: {way[3] for way in strip_of(*bowed(name)[:2])[2]} for name in ("campus.toml", "sitl.toml")}
+    assert drawn == {"campus.toml": {"rtl", "land", "smart_rtl", "hold"}, "sitl.toml": {"rtl", "land", "hold"}}
+
+
+def test_nothing_is_drawn_of_a_flight_of_which_nothing_is_known(bowed: Bowed) -> None:
+    scenario, mission, timed = bowed("sitl.toml")
+    course = follow(timed.track, scenario.airspace)
+    assert endings_strip(Forecast(replace(mission, items=()), scenario), course) == ""
