@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 from ipoa_mission.mission.commands import WAYPOINTS, Command
-from ipoa_mission.vehicles.arducopter import braking, failsafes, returning
+from ipoa_mission.vehicles.arducopter import failsafes, returning
 from ipoa_mission.vehicles.arducopter.book import BOOK
 from ipoa_mission.vehicles.arducopter.own_fence import MAY_BE_ON, limits_on
 from ipoa_mission.vehicles.arducopter.refusal import REFUSALS
@@ -174,10 +174,12 @@ class ArduCopter(Autopilot):
 
         >>> import numpy as np
         >>> ArduCopter().braking_way({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Ending.HOLD).round(1)
-        array([[11. ,  0. ]])
+        array([[11.,  0.]])
         """
         if ending not in (Ending.LAND, Ending.HOLD):
             return super().braking_way(parameters, velocity, accel, ending)
+        from ipoa_mission.vehicles.arducopter import braking
+
         p = BOOK.complete(parameters)
         if ending is Ending.HOLD:
             return braking.Shaping(braking.BRAKES_WITH, p["PSC_JERK_XY"]).way(velocity, 0.0 * accel)
