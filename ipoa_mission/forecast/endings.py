@@ -7,7 +7,7 @@ Obstacles are larger by the tube of the autopilot.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import groupby, pairwise
@@ -25,7 +25,7 @@ from ipoa_mission.planning.proof import prove_heights
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.returning import ReturnBy
-from ipoa_mission.world.airspace import NOTHING_NEAR, Clearance
+from ipoa_mission.world.airspace import NOTHING_NEAR
 
 EVERY_S = 1.0  # between the looks at first [s]
 NEAREST_S = 0.05  # looks are no nearer to each other [s]
@@ -99,9 +99,10 @@ class Endings:
     @cached_property
     def stops(self) -> Stops:
         """For a return, from every moment at which it is in the air."""
-        return self._stops(Ending.RTL)
+        return self.stops_for(Ending.RTL)
 
-    def _stops(self, ending: Ending) -> Stops:
+    def stops_for(self, ending: Ending) -> Stops:
+        """For one ending, which brakes in its own way."""
         if ending not in self._stopped:
             self._stopped[ending] = stops_of(self.forecast, *self.in_air, ending)
         return self._stopped[ending]
@@ -131,7 +132,7 @@ class Endings:
     def looks(self, ending: Ending) -> list[_Look]:
         """At an ending from so many times that nothing is missed between two of them."""
         if ending is Ending.SMART_RTL:
-            return list(self._looks_back())
+            return list(self._back(self._spread(ending)))
         return list(self._spread(ending))
 
     def _spread(self, ending: Ending) -> Iterator[_Look]:
@@ -160,7 +161,7 @@ class Endings:
         return one.is_clear and one.slack + other.slack < moved
 
     def _look(self, ending: Ending, time: float) -> _Look:
-        place, stand = self._stops(ending).at(time)
+        place, stand = self.stops_for(ending).at(time)
         goal, ways = "here", [np.stack((place, stand))]
         if ending is Ending.LAND:
             ways = [np.stack((place, stand, self._ground_below(stand)))]
@@ -175,21 +176,15 @@ class Endings:
                 look = replace(look, least=check.nearest.distance, required=check.required, to="the ground")
         return look
 
-    def _looks_back(self) -> Iterator[_Look]:
-        """At the ways back along the path: as near as it came on its way so far, or as it comes where it brakes."""
-        begun, so_far = 0.0, NOTHING_NEAR
-        for look in self._spread(Ending.SMART_RTL):
-            back, so_far = self._back(look, begun, so_far)
-            begun = look.time
-            yield back
-
-    def _back(self, look: _Look, begun: float, so_far: Clearance) -> tuple[_Look, Clearance]:
-        """A look at the way back, and as near as it came on its way, if it was so near until `begun` [s]."""
+    def _back(self, looks: Iterable[_Look]) -> Iterator[_Look]:
+        """The ways back along the path: as near as it came on its way so far, or as it comes where it brakes."""
         flown = self.forecast.promise.flight.pieces
-        near = self.roomy.airspace.obstacle_clearance(flown.part(begun, look.time).points, within=so_far.distance)
-        so_far = min(so_far, near, key=lambda found: found.distance)
-        back = replace(look, goal="home", ways=(np.stack((*look.ways[0], flown.points[0])),))
-        return (back if so_far.distance >= look.least else replace(back, least=so_far.distance, to=so_far.what)), so_far
+        begun, so_far = 0.0, NOTHING_NEAR
+        for look in looks:
+            near = self.roomy.airspace.obstacle_clearance(flown.part(begun, look.time).points, within=so_far.distance)
+            begun, so_far = look.time, min(so_far, near, key=lambda found: found.distance)
+            back = replace(look, goal="home", ways=(np.stack((*look.ways[0], flown.points[0])),))
+            yield back if so_far.distance >= look.least else replace(back, least=so_far.distance, to=so_far.what)
 
     def _returns(self, place: Vector, stand: Vector) -> tuple[str, list[Points]]:
         """Every way that a return may take from there: to each goal that it may choose, each begun where it may."""
@@ -260,10 +255,10 @@ class Endings:
             return EndingRow(ending, time, time, False, math.nan, self.required, why, "unknown")
         begin, end = self.in_air
         around = np.clip(time + self._doubt(time) * np.linspace(-1.0, 1.0, AROUND), begin, end)
-        looks = [self._look(ending, float(one)) for one in (time, *around)]
-        if ending is Ending.SMART_RTL:  # the last of them has come nearest
-            looks = [self._back(look, 0.0, NOTHING_NEAR)[0] for look in (looks[0], looks[-1])]
-        (look, *_) = self._at_any_time(looks)
+        looks = [self._look(ending, float(one)) for one in np.sort(np.append(around, time))]
+        if ending is Ending.SMART_RTL:
+            looks = list(self._back(looks))
+        look = next(one for one in self._at_any_time(looks) if one.time == time)
         return self._row(ending, [look], time, timed)
 
     def _row(self, ending: Ending, run: list[_Look], until: float, timed: bool) -> EndingRow:
