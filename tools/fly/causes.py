@@ -58,8 +58,8 @@ COPTER = (
     Trigger("fence breached", {**FENCED, "FENCE_ACTION": 4}, LOW),
     Trigger("fence breached", {**FENCED, "FENCE_ACTION": 0}, LOW),
     Trigger("fence breached", {**ROUND, "FENCE_ACTION": 1}, {"FENCE_RADIUS": 30.0}),
-    Trigger("position by dead reckoning", {"FS_DR_ENABLE": 2, "FS_DR_TIMEOUT": 60}, NO_GPS),
-    Trigger("position by dead reckoning", {"FS_DR_ENABLE": 1, "FS_DR_TIMEOUT": 60}, NO_GPS),
+    Trigger("position lost (EKF)", {"FS_DR_ENABLE": 2, "FS_DR_TIMEOUT": 60}, NO_GPS),  # its EKF reckons no wind here
+    Trigger("position lost (EKF)", {"FS_DR_ENABLE": 1, "FS_DR_TIMEOUT": 60}, NO_GPS),
     Trigger("position lost (EKF)", {"FS_DR_ENABLE": 0, "FS_EKF_ACTION": 1}, NO_GPS),
     Trigger("position lost (EKF)", {"FS_DR_ENABLE": 0, "FS_EKF_ACTION": 3}, NO_GPS),
     Trigger("position lost (EKF)", {"FS_DR_ENABLE": 0, "FS_EKF_ACTION": 2}, NO_GPS),
@@ -97,14 +97,13 @@ PX4 = (
     Trigger("critical battery", {**BATTERY, "COM_LOW_BAT_ACT": 3}, NEARLY),
     Trigger("emergency battery", {**BATTERY, "COM_LOW_BAT_ACT": 3}, GONE),
     Trigger("emergency battery", {**BATTERY, "COM_LOW_BAT_ACT": 1}, GONE),
-    Trigger("wind too strong", {"COM_WIND_MAX_ACT": 3}, {"COM_WIND_MAX": 0.01}),
-    Trigger("wind too strong", {"COM_WIND_MAX_ACT": 2}, {"COM_WIND_MAX": 0.01}),
-    Trigger("wind too strong", {"COM_WIND_MAX_ACT": 5}, {"COM_WIND_MAX": 0.01}),
+    Trigger("flown for too long", {"COM_FLT_TIME_MAX": 3000, "COM_FAIL_ACT_T": 0}, {"COM_FLT_TIME_MAX": 1}),
+    Trigger("critical battery", {**BATTERY, "COM_LOW_BAT_ACT": 1, "COM_FAIL_ACT_T": 0}, NEARLY),
+    Trigger("emergency battery", {**BATTERY, "COM_LOW_BAT_ACT": 2}, GONE),
     Trigger("position inaccurate", {"COM_POS_LOW_EPH": 500.0, "COM_POS_LOW_ACT": 3}, {"COM_POS_LOW_EPH": 0.01}),
     Trigger("position inaccurate", {"COM_POS_LOW_EPH": 500.0, "COM_POS_LOW_ACT": 2}, {"COM_POS_LOW_EPH": 0.01}),
     Trigger("position inaccurate", {"COM_POS_LOW_EPH": 500.0, "COM_POS_LOW_ACT": 5}, {"COM_POS_LOW_EPH": 0.01}),
     Trigger("position lost (EKF)", {}, {"SIM_GPS_USED": 0}),
-    Trigger("attitude or motor failure", {"CBRK_FLIGHTTERM": 0}, {"FD_FAIL_R": 1, "FD_FAIL_P": 1}),
 )
 
 TRIGGERS: Mapping[Autopilot, tuple[Trigger, ...]] = {Autopilot.ARDUPILOT: COPTER, Autopilot.PX4: PX4}

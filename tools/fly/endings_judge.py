@@ -12,7 +12,7 @@ import csv
 import json
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +25,7 @@ from ipoa_mission.forecast.itinerary.itinerary import itinerary
 from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from ipoa_mission.vehicles.ending import Ending
@@ -54,21 +55,21 @@ class Judged:
     ending: str
     trigger: str
     second: float
-    clear: bool
-    least: float
-    to: str
-    required: float
-    goal: str
-    low_s: float
-    high_s: float
-    expected_s: float
     did: str
     flown_least: float
     flown_to: str
     flown_s: float
-    goal_off: float
-    track_off: float
     level: bool
+    clear: bool = True
+    least: float = math.nan
+    to: str = ""
+    required: float = math.nan
+    goal: str = ""
+    low_s: float = math.nan
+    expected_s: float = math.nan
+    high_s: float = math.nan
+    goal_off: float = math.nan
+    track_off: float = math.nan
 
 
 def distances(points: Points, scenario: Scenario) -> tuple[float, str]:
@@ -142,56 +143,56 @@ class Foretold:
         return float(times[near][np.linalg.norm(self.endings.ways.stops().places[near] - place, axis=1).argmin()])
 
 
+def asked(order: Mapping[str, Any], away: float, mission: Mission) -> tuple[str, str]:
+    """Which ending was to follow an order that was given so far `away` from home [m], and what brought it about."""
+    if order["trigger"] is None:
+        return order["ending"], ""
+    before: Mapping[str, float] = order["before"]
+    said = mission.autopilot.failsafes({**mission.parameters, **before}, mission.firmware_version)
+    route = next(one for one in said if one.cause == order["cause"]).route
+    ending = str(route.ending)
+    if ending == Ending.LAND_START:  # none of these missions has one
+        ending = str(route.otherwise[0])
+    if ending == Ending.UNKNOWN and "ALT_HOLD" in route.words:
+        ending = "alt_hold"
+    radius = TRIGGERS[mission.autopilot][order["trigger"]].then.get("FENCE_RADIUS", math.inf)
+    if FAR_OUTSIDE in route.words and away - radius > FAR_M:
+        ending = str(Ending.LAND)
+    return ending, f"{order['cause']} ({', '.join(f'{name} {value:g}' for name, value in before.items())})"
+
+
 def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> Judged:
     """One order."""
     mission = foretold.endings.mission
     left = flight.left_mission()
     second = left if not math.isnan(left) else float(order["ordered_s"])
     ended = flight.track[-1, 0] if math.isnan(flight.ended_s) else flight.ended_s
-    ending, trigger = order["ending"], ""
-    if order["trigger"] is not None:
-        before: Mapping[str, float] = order["before"]
-        said = mission.autopilot.failsafes({**mission.parameters, **before}, mission.firmware_version)
-        route = next(one for one in said if one.cause == order["cause"]).route
-        ending = str(route.ending)
-        if ending == Ending.LAND_START:  # none of these missions has one
-            ending = str(route.otherwise[0])
-        then = TRIGGERS[mission.autopilot][order["trigger"]].then
-        outside = np.hypot(*flight.place(second)[:2]) - then.get("FENCE_RADIUS", math.inf)
-        if ending == Ending.UNKNOWN:
-            ending = "alt_hold" if "ALT_HOLD" in route.words else ending
-        if FAR_OUTSIDE in route.words and outside > FAR_M:
-            ending = str(Ending.LAND)
-        trigger = f"{order['cause']} ({', '.join(f'{name} {value:g}' for name, value in before.items())})"
-    common = {
-        "number": order["number"],
-        "autopilot": str(mission.autopilot),
-        "version": order["version"],
-        "mission": order["mission"],
-        "ending": ending,
-        "trigger": trigger,
-        "second": second,
-        "did": " ".join(flight.did()),
-        "level": foretold.level,
-    }
+    ending, trigger = asked(order, float(np.hypot(*flight.place(second)[:2])), mission)
     after = flight.track[(flight.track[:, 0] >= second) & (flight.track[:, 0] <= ended)]
     least, to = distances(dense(after), foretold.scenario)
-    nothing = {f.name: math.nan for f in fields(Judged) if f.name not in common}
-    flown = {"flown_least": least, "flown_to": to, "flown_s": flight.ended_s - second}
+    judged = Judged(
+        number=order["number"],
+        autopilot=str(mission.autopilot),
+        version=order["version"],
+        mission=order["mission"],
+        ending=ending,
+        trigger=trigger,
+        second=second,
+        did=" ".join(flight.did()),
+        flown_least=least,
+        flown_to=to,
+        flown_s=flight.ended_s - second,
+        level=foretold.level,
+    )
     if ending not in (Ending.RTL, Ending.LAND, Ending.SMART_RTL, Ending.HOLD):
-        return Judged(**{**nothing, **common, **flown, "clear": True, "to": "", "goal": ""})
-    kind = Ending(ending)
-    row = foretold.row(kind, second)
-    place = flight.place(second)
-    placed = foretold.time_at(place, second)
-    stops = foretold.endings.ways.stops(kind)
-    stand = stops.at(np.clip([placed], *stops.times[[0, -1]]))[1][0]
-    end = flight.track[-1, 1:] if math.isnan(flight.ended_s) else flight.place(flight.ended_s)
+        return judged
+    kind, place, stops = Ending(ending), flight.place(second), foretold.endings.ways.stops(Ending(ending))
+    row, (low, expected, high) = foretold.row(kind, second), foretold.timed(kind, second)
+    begin, end = foretold.endings.ways.in_air
+    stand = stops.at(np.clip([foretold.time_at(place, second)], begin, end))[1][0]
     lands = stand[:2] if row.lands is None else np.array(row.lands)
-    low, expected, high = foretold.timed(kind, second)
-    return Judged(
-        **common,
-        **flown,
+    return replace(
+        judged,
         clear=row.clear,
         least=row.least_m,
         to=row.to,
@@ -200,8 +201,8 @@ def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> 
         low_s=low,
         high_s=high,
         expected_s=expected,
-        goal_off=float(np.linalg.norm(end[:2] - lands)),
-        track_off=float(np.linalg.norm(stops.at(np.clip([second], *stops.times[[0, -1]]))[0][0] - place)),
+        goal_off=float(np.linalg.norm(flight.place(ended)[:2] - lands)),
+        track_off=float(np.linalg.norm(stops.at(np.clip([second], begin, end))[0][0] - place)),
     )
 
 

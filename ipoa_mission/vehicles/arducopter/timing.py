@@ -36,6 +36,8 @@ from ipoa_mission.wind import CALM, Wind
 NOWHERE = (math.nan,) * 3
 DOUBT, DOUBT_SHARE = 0.12, 0.0065  # half the width of the interval: seconds, and share of the time
 
+BROKEN_OFF_DOUBT, BROKEN_OFF_SHARE = 0.4, 0.018  # the same of an ending that is ordered: nine in ten of 94, as flown
+
 LANDING_DOUBT = 0.6  # the centimetre before LAND takes so much more or less (`copter.LAND_BELOW`) [s]
 
 #: Of these only the flight to their place is modeled.
@@ -98,7 +100,7 @@ def break_off(
     samples = np.concatenate(flight.samples)
     samples = samples[np.concatenate([[True], np.diff(samples[:, 0]) > 1e-9])]
     done = np.array([copter.state.time])
-    doubt = DOUBT + DOUBT_SHARE * (done - order.time)
+    doubt = BROKEN_OFF_DOUBT + BROKEN_OFF_SHARE * (done - order.time)
     track = Track(samples[:, 0], samples[:, 1:4], np.linalg.norm(samples[:, 4:7], axis=1))
     return Prediction(done, done - doubt, done + doubt, ("",), track)
 
