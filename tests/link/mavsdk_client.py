@@ -19,7 +19,7 @@ HOME = Geodetic(47.4, 8.5, 400.0)
 
 
 def held(vehicle: MavsdkVehicle) -> int:
-    """How many items of a mission it holds; MAVSDK may cancel before it begins, and PX4 then waits for items for 5 s."""
+    """How many items of a mission it holds; where MAVSDK cancels before it begins, PX4 awaits items for 5 s."""
     for _ in range(3):
         try:
             return len(vehicle.download_items(MissionType.MISSION))
