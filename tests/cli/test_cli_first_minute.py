@@ -69,7 +69,11 @@ def test_from_a_read_only_wheel_without_home_the_demo_flies_and_nothing_is_compi
 def test_a_pipe_that_is_full_is_an_error_in_words() -> None:
     with Path("/dev/full").open("w") as full:
         run = subprocess.run(
-            [sys.executable, "-m", "ipoa_mission", "schema"], stdout=full, stderr=subprocess.PIPE, text=True, timeout=60
+            [sys.executable, "-m", "ipoa_mission", "schema"],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=300,
         )
     assert run.returncode != 0
     assert os.strerror(errno.ENOSPC) in run.stderr
@@ -77,6 +81,6 @@ def test_a_pipe_that_is_full_is_an_error_in_words() -> None:
 
 def test_a_reader_that_goes_away_is_no_traceback() -> None:
     command = f"{shutil.which(sys.executable)} -m ipoa_mission schema | head -1"
-    run = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=60)
+    run = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=300)
     assert run.stdout == "{\n"
     assert "Traceback" not in run.stderr

@@ -37,7 +37,7 @@ finally:
 def imported(*arguments: str, before: str = "") -> set[str]:
     run = subprocess.run(
         [sys.executable, "-c", before + WATCHED, *arguments],
-        capture_output=True, text=True, timeout=120, cwd=MISSIONS.parent,
+        capture_output=True, text=True, timeout=300, cwd=MISSIONS.parent,
     )  # fmt: skip
     assert run.returncode == 0, run.stderr
     return set(run.stderr.rpartition("IMPORTED ")[2].split())
@@ -77,7 +77,7 @@ def test_a_picture_without_matplotlib_is_an_error_that_names_the_extra(tmp_path:
     log = MISSIONS / "logs" / "campus-arducopter.tlog"
     code = "import sys; sys.modules['matplotlib'] = None\nfrom ipoa_mission.cli.app import main\nmain()"
     command = [sys.executable, "-c", code, "compare", str(log), "--picture", str(tmp_path / "flown.png")]
-    run = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    run = subprocess.run(command, capture_output=True, text=True, timeout=300)
     assert run.returncode == 1
     assert "pip install 'ipoa-mission[pictures]'" in run.stderr
     assert not list(tmp_path.iterdir())

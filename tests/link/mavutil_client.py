@@ -12,7 +12,7 @@ def send(link: mavutil.mavfile, loader: mavwp.MissionItemProtocol) -> int:
     link.mav.mission_count_send(link.target_system, link.target_component, loader.count(), kind)
     while True:
         asked = link.recv_match(
-            type=["MISSION_REQUEST", "MISSION_REQUEST_INT", "MISSION_ACK"], blocking=True, timeout=5
+            type=["MISSION_REQUEST", "MISSION_REQUEST_INT", "MISSION_ACK"], blocking=True, timeout=60
         )
         assert asked is not None, "the upload stalls"
         if asked.mission_type != kind:
@@ -25,11 +25,11 @@ def send(link: mavutil.mavfile, loader: mavwp.MissionItemProtocol) -> int:
 def read(link: mavutil.mavfile, kind: int) -> list[int]:
     """Download a list; its commands."""
     link.mav.mission_request_list_send(link.target_system, link.target_component, kind)
-    count = link.recv_match(type="MISSION_COUNT", blocking=True, timeout=5).count
+    count = link.recv_match(type="MISSION_COUNT", blocking=True, timeout=60).count
     commands = []
     for seq in range(count):
         link.mav.mission_request_int_send(link.target_system, link.target_component, seq, kind)
-        commands.append(link.recv_match(type="MISSION_ITEM_INT", blocking=True, timeout=5).command)
+        commands.append(link.recv_match(type="MISSION_ITEM_INT", blocking=True, timeout=60).command)
     link.mav.mission_ack_send(link.target_system, link.target_component, 0, kind)
     return commands
 
@@ -37,14 +37,14 @@ def read(link: mavutil.mavfile, kind: int) -> list[int]:
 def main(port: str, path: str, rally_path: str) -> None:
     link = mavutil.mavlink_connection(f"udpout:127.0.0.1:{port}", source_system=255)
     link.mav.heartbeat_send(6, 8, 0, 0, 0)
-    link.wait_heartbeat(timeout=10)
+    link.wait_heartbeat(timeout=60)
     link.mav.request_data_stream_send(link.target_system, link.target_component, 0, 4, 1)
     streams = ["GPS_RAW_INT", "GLOBAL_POSITION_INT", "VFR_HUD", "BATTERY_STATUS", "SYS_STATUS", "MISSION_CURRENT"]
-    silent = [name for name in streams if link.recv_match(type=name, blocking=True, timeout=5) is None]
+    silent = [name for name in streams if link.recv_match(type=name, blocking=True, timeout=60) is None]
     link.param_fetch_all()
     parameters: dict[str, float] = {}
     while True:
-        value = link.recv_match(type="PARAM_VALUE", blocking=True, timeout=5)
+        value = link.recv_match(type="PARAM_VALUE", blocking=True, timeout=60)
         assert value is not None, "the parameters do not all come"
         parameters[value.param_id] = value.param_value
         if len(parameters) == value.param_count:
@@ -67,7 +67,7 @@ def main(port: str, path: str, rally_path: str) -> None:
     link.mav.command_long_send(1, 1, mavutil.mavlink.MAV_CMD_MISSION_START, 0, 0, 0, 0, 0, 0, 0, 0)
     reached: list[int] = []
     while link.motors_armed():
-        heard = link.recv_match(type=["MISSION_ITEM_REACHED", "HEARTBEAT"], blocking=True, timeout=10)
+        heard = link.recv_match(type=["MISSION_ITEM_REACHED", "HEARTBEAT"], blocking=True, timeout=60)
         assert heard is not None, "the vehicle falls silent"
         if heard.get_type() == "MISSION_ITEM_REACHED":
             reached.append(heard.seq)

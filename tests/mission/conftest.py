@@ -34,7 +34,7 @@ class MavsdkImport:
         return self._heard()
 
     def close(self) -> None:
-        self.process.communicate(timeout=20)
+        self.process.communicate(timeout=120)
 
     def _heard(self) -> dict[str, Any]:
         assert self.process.stdout

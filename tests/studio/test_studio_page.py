@@ -39,7 +39,7 @@ SOFTWARE = [
 COARSE = 0.5  # pixels of the picture for a pixel of the page
 #: What the browser says of being set up so.
 OF_THE_SETUP = "GL Driver Message (OpenGL, Performance, GL_CLOSE_PATH_NV, High): GPU stall due to ReadPixels"
-PATIENCE_MS = 60_000
+PATIENCE_MS = 300_000
 USUAL = {"width": 1280, "height": 800}
 
 
