@@ -22,6 +22,7 @@ from ipoa_mission.vehicles.ending import Ending
 Row = dict[str, str]
 ROWS: list[Row] = list(csv.DictReader(Path("docs/returns.csv").read_text(encoding="utf-8").splitlines()))
 MISSIONS = Path(__file__).with_name("flown_endings")
+BOTH_AT_ONCE = "where the voltage falls through both at once"
 FAR_OUTSIDE = "100 m outside it lands"
 AUTOPILOTS = sorted({row["autopilot"] for row in ROWS})
 LEAST_ORDERS, LEAST_KINDS = 150, 12
@@ -75,6 +76,9 @@ def said_of(row: Row) -> str:
     parameters = {name: float(value) for name, value in (one.split() for one in settings.split(", ") if one)}
     autopilot = autopilot_named(row["autopilot"])
     route = next(one for one in autopilot.failsafes(parameters) if one.cause == cause).route
+    if BOTH_AT_ONCE in route.words:  # so it was made to fall
+        said = autopilot.failsafes({**parameters, "BATT_LOW_VOLT": 0.0})
+        route = next(one for one in said if one.cause == cause).route
     if route.ending is Ending.LAND_START:  # none of the missions has one
         return str(route.otherwise[0])
     if route.ending is Ending.UNKNOWN:
