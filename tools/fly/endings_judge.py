@@ -39,6 +39,7 @@ from tools.fly.ended_flight import EndedFlight
 STEP = 0.15  # between the points at which a flight is looked at [m]
 AROUND_S = 12.0  # so many seconds from where it is by the clock, the forecast is searched for its place
 LONG_ENOUGH = 10.0  # shares are counted of longer endings only [s]
+BOTH_AT_ONCE = "where the voltage falls through both at once"
 FAR_OUTSIDE, FAR_M = "100 m outside it lands", 100.0
 NOTICED_S = 15.0  # longer than a failsafe takes to act [s]
 SILENCE_S = 75.0  # longer than it takes to notice that a ground station is silent [s]
@@ -150,6 +151,9 @@ def asked(order: Mapping[str, Any], away: float, mission: Mission) -> tuple[str,
     before: Mapping[str, float] = order["before"]
     said = mission.autopilot.failsafes({**mission.parameters, **before}, mission.firmware_version)
     route = next(one for one in said if one.cause == order["cause"]).route
+    if BOTH_AT_ONCE in route.words:  # so it was made to fall
+        said = mission.autopilot.failsafes({**mission.parameters, **before, "BATT_LOW_VOLT": 0.0})
+        route = next(one for one in said if one.cause == order["cause"]).route
     ending = str(route.ending)
     if ending == Ending.LAND_START:  # none of these missions has one
         ending = str(route.otherwise[0])
