@@ -15,6 +15,7 @@ from ipoa_mission.vehicles.px4_multicopter.book import DEFAULTS
 RANGE_LAG_S = 0.14  # by which PX4's height over the ground lags behind a range finder that is sinking
 NO_RANGE_FINDER = 10_000.0  # SIH_DISTSNSR_OVR from which on PX4's simulated vehicle has none [m]
 RELAXED_THRUST = 0.6  # of the way from the least thrust to that of hovering: less is low, where hovering is learned
+BRAKES_LATE = 0.6  # by so long the navigator reckons that LAND and hold begin to brake [s]
 STAGES = 3  # of being sure: in contact, perhaps landed, landed
 
 TURN_FIRST = 4.0  # MPC_YAW_MODE: the nose first, then the way

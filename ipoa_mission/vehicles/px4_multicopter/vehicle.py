@@ -171,8 +171,7 @@ class Px4Multicopter(Autopilot):
             return super().braking_way(parameters, velocity, accel, ending)
         import numpy as np
 
-        from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import BRAKES_LATE
-        from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
+        from ipoa_mission.vehicles.px4_multicopter.limits import BRAKES_LATE, px4_limits
 
         speed = np.hypot(*velocity.T)
         return np.asarray(velocity * (speed / (2.0 * px4_limits(parameters).accel) + BRAKES_LATE)[:, None])

@@ -11,11 +11,10 @@ from ipoa_mission.mission.commands import HOLDING, LAST_NAV, Command, Frame, pla
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, Senses
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import GO, LAND, TAKE_OFF, Enu, Law, Level, Order
-from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
+from ipoa_mission.vehicles.px4_multicopter.limits import BRAKES_LATE, Px4Limits
 from ipoa_mission.wind import Wind
 
 FLOWN_TO = HOLDING | {Command.NAV_LOITER_TO_ALT}
-BRAKES_LATE = 0.6  # [s]
 ANYWHERE = 1e9  # a radius that everything is within [m]
 
 
