@@ -17,6 +17,7 @@ BRAKES_LATE = 0.6  # where it lands or holds it reckons so long with the speed t
 RANGE_LAG_S = 0.14  # by which PX4's height over the ground lags behind a range finder that is sinking
 NO_RANGE_FINDER = 10_000.0  # SIH_DISTSNSR_OVR from which on PX4's simulated vehicle has none [m]
 RELAXED_THRUST = 0.6  # of the way from the least thrust to that of hovering: less is low, where hovering is learned
+BRAKES_LATE = 0.6  # by so long the navigator reckons that LAND and hold begin to brake [s]
 STAGES = 3  # of being sure: in contact, perhaps landed, landed
 
 TURN_FIRST = 4.0  # MPC_YAW_MODE: the nose first, then the way

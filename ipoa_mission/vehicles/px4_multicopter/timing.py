@@ -59,6 +59,7 @@ class NoisyRuns:
     doubt_share: float = 0.0125  # and this share of the time
     landing_s: float = 1.6  # what landings differ by beyond that, in recorded flights
     interval_deviations: float = 1.645  # nine in ten are so many standard deviations on either side of the mean
+    broken_off_deviations: float = 1.95  # the same of endings that are ordered, as flown: where it is then varies too
     missed_s: float = 3.0  # a waypoint that takes so much longer than in most runs has been missed
 
 
@@ -141,7 +142,7 @@ def break_off(
         lasted = [float(samples[-1, 0] - row[0])]
     mean = float(np.mean(lasted))
     doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * mean) ** 2 + RUNS.landing_s**2
-    half = RUNS.interval_deviations * math.sqrt(float(np.var(lasted)) + doubt)
+    half = RUNS.broken_off_deviations * math.sqrt(float(np.var(lasted)) + doubt)
     track = Track(samples[:, 0], samples[:, 1:4], np.linalg.norm(samples[:, 4:7], axis=1))
     end = np.array([order.time + mean])
     return Prediction(end, end - half, end + half, ("",), track)

@@ -1,0 +1,131 @@
+"""Endings ordered at random seconds on the real autopilots: what was foretold of each second, and what was flown.
+
+docs/returns.csv has every order, as `tools.fly.endings_judge` writes it; `flown_endings/` has some of the missions.
+"""
+
+import csv
+import math
+import re
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ipoa_mission import Forecast, read_mission, read_scenario
+from ipoa_mission.forecast.endings import Endings
+from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel
+from ipoa_mission.vehicles.autopilot import autopilot_named
+from ipoa_mission.vehicles.ending import Ending
+
+Row = dict[str, str]
+ROWS: list[Row] = list(csv.DictReader(Path("docs/returns.csv").read_text(encoding="utf-8").splitlines()))
+MISSIONS = Path(__file__).with_name("flown_endings")
+BOTH_AT_ONCE = "where the voltage falls through both at once"
+FAR_OUTSIDE = "100 m outside it lands"
+AUTOPILOTS = sorted({row["autopilot"] for row in ROWS})
+LEAST_ORDERS, LEAST_KINDS = 150, 12
+SHORT = 10.0  # of shorter endings no share is counted [s]
+#: By which share times are off, in the median and in nine of ten.
+TIMES = {
+    ("ardupilot", Ending.RTL): (0.015, 0.03),
+    ("ardupilot", Ending.LAND): (0.01, 0.04),
+    ("px4", Ending.RTL): (0.04, 0.12),
+    ("px4", Ending.LAND): (0.08, 0.19),
+}
+OFF = {"ardupilot": (0.04, 1.5), "px4": (0.12, 6.0)}  # the most that one flight is, share or seconds
+
+
+def flown(autopilot: str) -> list[Row]:
+    return [row for row in ROWS if row["autopilot"] == autopilot]
+
+
+def by_obstacles(autopilot: str) -> Iterator[tuple[Row, bool, bool]]:
+    """Rows in which obstacles decide, whether they were called clear, and whether they kept what is required."""
+    for row in flown(autopilot):
+        if row["ending"] in list(Ending) and math.isfinite(float(row["least"])) and row["to"] != "the ground":
+            kept = float(row["flown_least"]) >= float(row["required"])
+            yield row, row["clear"] == "True", kept
+
+
+@pytest.mark.parametrize("autopilot", AUTOPILOTS)
+def test_enough_was_flown(autopilot: str) -> None:
+    rows = flown(autopilot)
+    assert len(rows) >= LEAST_ORDERS
+    assert len({row["mission"] for row in rows}) >= 20
+    assert len({row["trigger"] for row in rows if row["trigger"]}) >= LEAST_KINDS
+
+
+@pytest.mark.parametrize("autopilot", AUTOPILOTS)
+def test_who_came_nearer_than_required_was_foretold(autopilot: str) -> None:
+    unforetold = [(row["mission"], row["second"]) for row, clear, kept in by_obstacles(autopilot) if clear and not kept]
+    assert unforetold == []
+
+
+@pytest.mark.parametrize("autopilot", AUTOPILOTS)
+@pytest.mark.parametrize("ending", [Ending.RTL, Ending.LAND])
+def test_endings_last_as_long_as_expected(autopilot: str, ending: Ending) -> None:
+    rows = [row for row in flown(autopilot) if row["ending"] == row["did"] == ending and not row["trigger"]]
+    lasted, expected = (np.array([float(row[name]) for row in rows]) for name in ("flown_s", "expected_s"))
+    off = np.abs(expected / lasted - 1.0)[lasted > SHORT]
+    median, most = TIMES[autopilot, ending]
+    assert np.median(off) <= median
+    assert np.quantile(off, 0.9) <= most
+
+
+def said_of(row: Row) -> str:
+    """What the model says of the failsafe of a row, by its parameters."""
+    found = re.fullmatch(r"(.+) \(([^()]*)\)", row["trigger"])
+    assert found
+    cause, settings = found.groups()
+    parameters = {name: float(value) for name, value in (one.split() for one in settings.split(", ") if one)}
+    autopilot = autopilot_named(row["autopilot"])
+    route = next(one for one in autopilot.failsafes(parameters) if one.cause == cause).route
+    if BOTH_AT_ONCE in route.words:  # so it was made to fall
+        said = autopilot.failsafes({**parameters, "BATT_LOW_VOLT": 0.0})
+        route = next(one for one in said if one.cause == cause).route
+    if route.ending is Ending.LAND_START:  # none of the missions has one
+        return str(route.otherwise[0])
+    if route.ending is Ending.UNKNOWN:
+        return "alt_hold" if route.words.startswith("ALT_HOLD") else "unknown"
+    return f"{route.ending} or land" if route.words == FAR_OUTSIDE else str(route.ending)
+
+
+@pytest.mark.parametrize("autopilot", AUTOPILOTS)
+def test_failsafes_do_what_is_said_of_them(autopilot: str) -> None:
+    otherwise = []
+    for row in flown(autopilot):
+        did = (row["did"].split() or ["continue"])[-1]
+        if row["trigger"] and did not in said_of(row).split(" or "):
+            otherwise.append((row["trigger"], did))
+    assert otherwise == []
+
+
+@cache
+def endings_of(mission: str) -> Endings:
+    path = MISSIONS / f"{mission}.plan"
+    scenario = read_scenario(path.with_suffix(".toml"))
+    return Endings(Forecast(read_mission(path, scenario.vehicle.autopilot), scenario))
+
+
+def ordered_here() -> list[Row]:
+    here = {path.stem for path in MISSIONS.glob("*.plan")}
+    return [row for row in ROWS if row["mission"] in here and not row["trigger"]]
+
+
+@pytest.mark.parametrize("row", ordered_here(), ids=lambda row: f"{row['mission']}-{row['number']}-{row['ending']}")
+def test_the_model_still_foretells_what_was_flown(row: Row) -> None:
+    endings, ending, second = endings_of(row["mission"]), Ending(row["ending"]), float(row["second"])
+    second = float(np.clip(second, *endings.ways.in_air))
+    told = endings.at(ending, second, timed=False)
+    if float(row["flown_least"]) < float(row["required"]):
+        assert not told.clear
+    elif row["clear"] == "True":
+        assert told.clear
+    if ending in (Ending.RTL, Ending.LAND) and row["did"] == ending:
+        mission, forecast = endings.mission, endings.forecast
+        model, order = mission.autopilot.part(FlightModel), BrokenOff(second, ending)
+        found = model.broken_off(forecast.itinerary, mission, forecast.wind, None, order)
+        share, seconds = OFF[row["autopilot"]]
+        assert float(found.done[-1]) - second == pytest.approx(float(row["flown_s"]), rel=share, abs=seconds)
