@@ -4,7 +4,7 @@ Distance to obstacles is Euclidean, to the ground it is vertical. An index over 
 of buildings nearly as quick as ten.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -314,12 +314,6 @@ class Airspace:
     def _index(self) -> shapely.STRtree:
         boxes = np.array([obstacle.bounds[:, :2].ravel() for obstacle in self.obstacles])
         return shapely.STRtree(shapely.box(*boxes.T))
-
-
-def nearest_of(obstacles: Iterable[Obstacle], a: Vector, b: Vector) -> Clearance:
-    """How near the straight leg from a to b comes to the nearest of some obstacles."""
-    distance, where, name = min((*obstacle.leg_clearance(a, b), obstacle.name) for obstacle in obstacles)
-    return Clearance(distance, _place(a + where * (b - a)), name)
 
 
 def _looked_at(obstacle: Obstacle, starts: Points, ends: Points, parts: int) -> NDArray[np.float64]:

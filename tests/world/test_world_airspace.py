@@ -7,7 +7,7 @@ import pytest
 import shapely
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.world.airspace import Airspace, Bounds, nearest_of
+from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Sphere, box
 from ipoa_mission.world.polygon import Polygon
 from ipoa_mission.world.terrain import Flat
@@ -52,9 +52,9 @@ def test_the_nearest_obstacle_is_found_as_if_all_were_asked(count: int) -> None:
         assert body.distance(np.array([found.place]))[0] == pytest.approx(found.distance, abs=1e-9)
         a, b = points[found.leg], points[found.leg + 1]
         assert body.leg_clearance(a, b)[0] == pytest.approx(found.distance, abs=1e-9)
-        alone = nearest_of(town, a, b)
-        assert (alone.what, alone.distance) == (found.what, pytest.approx(found.distance, abs=1e-9))
-        assert alone.place == pytest.approx(found.place, abs=1e-6)
+        distance, share, name = min((*body.leg_clearance(a, b), body.name) for body in town)
+        assert (name, distance) == (found.what, pytest.approx(found.distance, abs=1e-9))
+        assert a + share * (b - a) == pytest.approx(found.place, abs=1e-6)
 
 
 def test_the_ground_counts_as_an_obstacle_measured_vertically() -> None:
