@@ -65,10 +65,12 @@ def main() -> None:
 
 def tell_large(folder: Path, megabytes: int) -> None:
     """Time and memory for a map of so many megabytes, of which a few buildings matter."""
-    path = make(folder, f"large-{megabytes}", megabytes * PER_MEGABYTE, 40)
+    context = multiprocessing.get_context("spawn")  # a process's peak begins with what its parent has
+    with context.Pool(1) as pool:
+        path = pool.apply(make, (folder, f"large-{megabytes}", megabytes * PER_MEGABYTE, 40))
     size = path.with_suffix(".geojson").stat().st_size / 1e6
     for act in (read_scenario, plan_it, suggest_it):
-        with multiprocessing.get_context("spawn").Pool(1) as pool:
+        with context.Pool(1) as pool:
             seconds, peak = pool.apply(spent, (act, path))
         print(f"{act.__name__:16}{size:>8.0f} MB{seconds:>8.1f} s{peak:>8.0f} MB")
 
