@@ -112,6 +112,8 @@ def _refused(mission: Mission, firmware: Firmware) -> Iterator[Finding]:
         wrong = mission.autopilot.refusals.mission(firmware, spoken.command, spoken.frame, values_of(spoken), len(wire))
         if wrong is None or not wrong.param or spoken.command == Command.DO_JUMP:
             continue  # unknown commands and frames, and jumps, have words of their own
+        if wrong.param == 1 and spoken.command in HOLDING and math.isfinite(spoken.params[0]):
+            continue  # as have holds
         is_place = wrong.param in (5, 6) and out_of_range(spoken.latitude_deg, spoken.longitude_deg)
         is_height = wrong.param == 7 and spoken.command in FLOWN_TO
         if at.item.frame == Frame.MISSION or not (is_place or is_height):

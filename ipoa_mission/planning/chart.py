@@ -6,16 +6,18 @@ is resampled here, for speed: the proof looks at the surface itself.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.scenario.limits import Limits
-from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles.obstacle import PRISM, ChartRow, Part
 from ipoa_mission.world.terrain import Flat, Grid, Terrain
+
+if TYPE_CHECKING:  # what compiles the kernels needs no more than numpy, shapely and pyproj
+    from ipoa_mission.scenario.limits import Limits
+    from ipoa_mission.world.airspace import Airspace
 
 FENCE = PRISM + 1  # a kind of row beside those of the parts: the flight area's outline, seen from inside
 LEAST = 0.05  # threats nearer than this count as being here [m]
@@ -114,7 +116,7 @@ class Soft(NamedTuple):
         )
 
 
-def chart_of(airspace: Airspace, limits: Limits, reach: float) -> Chart:
+def chart_of(airspace: "Airspace", limits: "Limits", reach: float) -> Chart:
     """The chart on which obstacles are listed wherever they are within `reach` [m], and ground within that height."""
     lower, upper = np.asarray(airspace.bounds.lower, float), np.asarray(airspace.bounds.upper, float)
     size = upper[:2] - lower[:2]
@@ -170,7 +172,7 @@ def _highest(ground: Grid, lower: Vector, cell: float, rows: int, columns: int) 
 
 
 def _shapes(
-    airspace: Airspace, parts: Sequence[Part]
+    airspace: "Airspace", parts: Sequence[Part]
 ) -> tuple[NDArray[np.int8], NDArray[np.float64], NDArray[np.float64]]:
     rows = [part.chart_row() for part in parts]
     if (area := airspace.bounds.footprint) is not None:

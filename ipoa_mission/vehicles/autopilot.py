@@ -57,6 +57,8 @@ class Autopilot(ABC):
     """What its times, its tube and its stand-in were measured on."""
     oldest: ClassVar[tuple[int, int]]
     """The oldest series whose habits they have."""
+    newest: ClassVar[tuple[int, int]] = (0, 0)
+    """The newest series on which flights kept what was promised, where that is newer than the one measured."""
     modes: ClassVar[Modes]
     book: ClassVar[ParameterBook]
     tables: ClassVar[FirmwareTables]
@@ -235,7 +237,7 @@ class Autopilot(ABC):
         >>> Autopilot.ARDUPILOT.not_measured(Version(3, 6))
         'what flights keep was measured on ArduCopter 4.7.0-dev: on 3.6.0 it is not shown to hold'
         """
-        if version is None or self.oldest <= version.series <= self.measured.series:
+        if version is None or self.oldest <= version.series <= max(self.measured.series, self.newest):
             return None
         return f"what flights keep was measured on {self.model} {self.measured}: on {version} it is not shown to hold"
 

@@ -53,6 +53,7 @@ class Firmware:
     takes_nan: Mapping[int, frozenset[int]] | None = None  # which params; None: NaN is taken anywhere
     used: Mapping[int, frozenset[int]] | None = None  # params that may be other than 0 or NaN; None: any may
     roi_modes: Mapping[str, frozenset[int]] = field(default_factory=dict)  # param1, in `placed` and in `plain`
+    sixteen_bits: frozenset[int] = frozenset()  # refused unless param1 fits in them, without a sign
     never_flown: frozenset[int] = frozenset()  # taken and kept, and then no mission with it is flown
     renames: Mapping[int, int] = field(default_factory=dict)  # stored under another number
 
@@ -83,6 +84,10 @@ def rows(rows: Mapping[str, str]) -> Mapping[int, str]:
 
 def _numbers(words: str) -> frozenset[int]:
     return frozenset(map(int, words.split()))
+
+
+def _commands(names: str) -> frozenset[int]:
+    return frozenset(int(Command[name]) for name in names.split())
 
 
 def _slots(table: Mapping[str, Any], name: str) -> Mapping[int, frozenset[int]] | None:
@@ -137,7 +142,8 @@ class FirmwareTables:
             takes_nan=_slots(table, "nan"),
             used=_slots(table, "used"),
             roi_modes={where: _numbers(modes) for where, modes in table.get("roi", {}).items()},
-            never_flown=frozenset(int(Command[name]) for name in table.get("never_flown", "").split()),
+            sixteen_bits=_commands(table.get("sixteen_bits", "")),
+            never_flown=_commands(table.get("never_flown", "")),
             renames={int(Command[one]): int(Command[other]) for one, other in table.get("renames", {}).items()},
         )
 

@@ -25,6 +25,7 @@ R AP_Mission::mavlink_int_to_mission_cmd(P packet, C& cmd) {
 #if APM_BUILD_TYPE(APM_BUILD_ArduPlane)
     cmd.p1 = packet.param2;
 #else
+    if (packet.param1 < 0 || packet.param1 > UINT16_MAX) { return MAV_MISSION_INVALID_PARAM1; }
     cmd.p1 = packet.param1;
 #endif
   } break;

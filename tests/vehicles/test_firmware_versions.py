@@ -28,7 +28,7 @@ def mission(*items: Item, autopilot: Autopilot = PX4, version: str | None = None
 
 def test_tables_reach_from_the_oldest_to_the_newest() -> None:
     assert PX4.tables.series == ((1, 15), (1, 16), (1, 17), (1, 18))
-    assert ARDUPILOT.tables.series == ((4, 5), (4, 6), (4, 7))
+    assert ARDUPILOT.tables.series == ((4, 5), (4, 6), (4, 7), (4, 8))
     assert all(len(a.firmware(Version(*s)).commit) == 40 for a in registered() for s in a.tables.series)
     assert all(a.measured.series in a.tables.series for a in registered())
 
@@ -39,7 +39,7 @@ def test_tables_reach_from_the_oldest_to_the_newest() -> None:
         (PX4, "1.16.2", (1, 16)),
         (PX4, "1.14.0", (1, 15)),
         (PX4, "1.19.0-alpha1", (1, 18)),
-        (ARDUPILOT, "4.8.0-dev", (4, 7)),
+        (ARDUPILOT, "4.9.0-dev", (4, 8)),
         (ARDUPILOT, "4.0", (4, 5)),
     ],
 )
@@ -99,8 +99,10 @@ def test_versions_are_read_as_they_are_written_and_as_vehicles_say_them() -> Non
 
 def test_it_is_said_what_was_measured_and_what_the_vehicle_is() -> None:
     assert ARDUPILOT.vehicle_says(Version(4, 6, 2)) == "measured on 4.7.0-dev; the vehicle says 4.6.2"
+    assert ARDUPILOT.vehicle_says(Version(4, 8, 0, "dev")) == "measured on 4.7.0-dev; the vehicle says 4.8.0-dev"
+    assert "not shown to hold" in str(ARDUPILOT.vehicle_says(Version(4, 9)))
     assert PX4.vehicle_says(Version(1, 17)) is None
     assert str(PX4.vehicle_says(Version(1, 19))).endswith("judged as PX4 1.18 does")
-    assert "does not say its version: it is taken for ArduPilot 4.7" in str(ARDUPILOT.vehicle_says(None))
+    assert "does not say its version: it is taken for ArduPilot 4.8" in str(ARDUPILOT.vehicle_says(None))
     assert PX4.checked_for(None) == f"px4 1.18 (measured on {PX4.measured})"
     assert PX4.firmware() is PX4.firmware(Version(1, 18))

@@ -18,7 +18,7 @@ from typing import Any
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 #: What the kernels' modules import, besides numba.
-NEEDED = ("numpy", "pydantic", "pyproj", "shapely")
+NEEDED = ("numpy", "pyproj", "shapely")
 NUMBA = "numba>=0.60"
 WEB = Path("ipoa_mission", "studio", "web")
 NO_PAGE = "IPOA_MISSION_NO_PAGE"  # set to anything: the studio's page is not built

@@ -8,6 +8,7 @@ from ipoa_mission.vehicles.firmware import Firmware
 from ipoa_mission.vehicles.refusal import POLYGON, Refusals, Refused
 
 DEG_E7 = 1e-7
+UINT16_MAX = 2**16 - 1
 INT16_MIN, INT16_MAX = -(2**15), 2**15 - 1
 MOST_VERTICES = 255  # of a polygon, which are counted in eight bits
 
@@ -29,6 +30,8 @@ def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float
             return Refused("INVALID_PARAM7", 7, f"expected an altitude within {firmware.highest_altitude:g} m")
         if frame not in firmware.frames:
             return Refused("UNSUPPORTED_FRAME")
+    if command in firmware.sixteen_bits and not 0 <= values[0] <= UINT16_MAX:
+        return Refused("INVALID_PARAM1", 1, f"expected 0 to {UINT16_MAX}, not {values[0]:g}")
     if command == Command.DO_JUMP and not 0 < int(values[0]) < count:
         return Refused("ERROR", 1, "expected the number of an item")
     return None
