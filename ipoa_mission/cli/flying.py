@@ -1,6 +1,7 @@
 """`fly` and `demo`: a mission in the air, on a real vehicle or on the built-in autopilot."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -117,7 +118,7 @@ def fly(
         with no_flight_yet(), connect_to(link, on_link, log) as there:
             if not states_firmware(source, flown_by.autopilot):
                 job = read_job(source, flown_by, there.autopilot)
-            job = begun_with(job, begin)
+            job = begun_with(replace(job, forecast=job.forecast.on(there.firmware_version())), begin)
             remarks, record = fly_there(job, there, begin - 1, on_link.anyway, set_params)
     remarks += landed_at_rally(job.mission, record) + landed_elsewhere(job.forecast, record)
     written = [*map(Path, on_link.written(log))]

@@ -1,6 +1,6 @@
 """`mock`: the built-in autopilot behind a port, for any ground station."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 import typer
@@ -85,6 +85,7 @@ def mock(
     version = there.autopilot.measured
     if one.firmware_version is not None:
         version = there.autopilot.tables.expect(Version.parsed(one.firmware_version))
+        there = replace(there, conditions=replace(there.conditions, version=version))
     signer = signer_of(key, "mock")
     place = there.home
     about = {

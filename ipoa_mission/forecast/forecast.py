@@ -15,6 +15,7 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import known_ground, landing_over
 from ipoa_mission.vehicles.known_parameters import expect_known
 from ipoa_mission.vehicles.parameters import NO_PARAMETERS, Parameters
+from ipoa_mission.vehicles.version import Version
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import Ground
@@ -80,6 +81,12 @@ class Forecast:
         self.scenario.expect_here(self.given.home)
         flown = self.given.assuming(vehicle.autopilot_parameters())
         return landing_over(replace(flown, vehicle=flown.vehicle or vehicle.learned), self.scenario.ground)
+
+    def on(self, version: Version | None) -> "Forecast":
+        """The flight by a vehicle of this version, where the mission names none."""
+        if version is None or self.given.firmware_version is not None:
+            return self
+        return Forecast(replace(self.given, firmware_version=version), self.scenario, self.wind, self.left_out)
 
     @property
     def world(self) -> "Scenario":

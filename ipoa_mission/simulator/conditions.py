@@ -4,17 +4,22 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from ipoa_mission.vehicles.learned import LearnedVehicle
+from ipoa_mission.vehicles.version import Version
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.ground import LEVEL, Ground
 
 
 @dataclass(frozen=True)
 class Conditions:
-    """The wind, the ground's height above home, and what was learned of the vehicle; None: the simulators' own."""
+    """The wind, the ground's height above home, and the vehicle.
+
+    What was learned of it, None: the simulators' own; and of which version it is, None: the one measured.
+    """
 
     wind: Wind = CALM
     ground: Ground = LEVEL
     vehicle: LearnedVehicle | None = None
+    version: Version | None = None
 
 
 USUAL = Conditions()

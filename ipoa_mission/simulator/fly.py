@@ -90,7 +90,7 @@ def board(forecast: Forecast, seed: int = 0, faults: Faults = PERFECT, log: str 
         mission.parameters,
         nak_at=faults.nak_at,
         seed=seed,
-        conditions=Conditions(forecast.wind, forecast.ground, mission.vehicle),
+        conditions=Conditions(forecast.wind, forecast.ground, mission.vehicle, mission.firmware_version),
         version=version,
     )
     station = Station(autopilot)

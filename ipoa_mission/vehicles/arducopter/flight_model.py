@@ -9,7 +9,7 @@ from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel, Sl
 from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, airframe_of
-from ipoa_mission.vehicles.arducopter.limits import copter_limits
+from ipoa_mission.vehicles.arducopter.limits import CopterLimits, copter_limits
 from ipoa_mission.vehicles.arducopter.timing import break_off, fly_arducopter
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.wind import Wind
@@ -29,14 +29,14 @@ class ArduCopterModel(FlightModel):
     def predicted(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, sure: bool) -> Prediction:
         """As `FlightModel.predicted`."""
         airframe = airframe_of(mission.vehicle).at_altitude(mission.home.altitude)
-        return fly_arducopter(route, mission.parameters, wind, fast, airframe)
+        return fly_arducopter(route, _limits(mission), wind, fast, airframe)
 
     def broken_off(
         self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, order: BrokenOff
     ) -> Prediction:
         """As `FlightModel.broken_off`."""
         airframe = airframe_of(mission.vehicle).at_altitude(mission.home.altitude)
-        return break_off(route, mission.parameters, wind, fast, airframe, order)
+        return break_off(route, _limits(mission), wind, fast, airframe, order)
 
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         """As `FlightModel.kinematics`."""
@@ -47,6 +47,10 @@ class ArduCopterModel(FlightModel):
     def airframe(self, altitude: float) -> SlowedByAir:
         """As its simulator has it."""
         return ARDUPILOT_SIMULATOR.at_altitude(altitude)
+
+
+def _limits(mission: Mission) -> CopterLimits:
+    return copter_limits(mission.parameters, mission.firmware_version)
 
 
 MODEL = ArduCopterModel()

@@ -12,6 +12,7 @@ from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.vehicles.arducopter.book import BOOK
 from ipoa_mission.vehicles.arducopter.returning import CopterReturn
 from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.version import Version
 
 ARMING_DELAY_S = 2.0  # motors stand still for so long after arming, whatever the mode
 LIFT_S = 0.2  # from motors at full spin until the thrust carries the vehicle
@@ -19,6 +20,7 @@ THROTTLE_DOWN_S = 0.58  # from touching down until the throttle is at its least
 LAND_DETECTOR_S = 1.0  # for so long it must stay there, before the motors spool down and the vehicle disarms
 CENTIMETRE = 0.01  # in which ArduCopter keeps the height of a place [m]
 
+BRAKES_CLIMB = (4, 8)
 EXCEPT_RTL = 2.0  # WP_YAW_BEHAVIOR: the nose follows the way, but for RTL, where it keeps its heading
 
 POSITIVE = (
@@ -67,10 +69,14 @@ class CopterLimits:
     yaw_rate: float
     rtl_turns: bool
     sees_ground: bool
+    brakes_climb: bool
 
 
-def copter_limits(parameters: Parameters) -> CopterLimits:
+def copter_limits(parameters: Parameters, version: Version | None = None) -> CopterLimits:
     """The limits that these parameters set; what is not given has ArduCopter 4.7's default.
+
+    `version`: left out, the one measured. Since 4.8 a climb is braked with all of the acceleration, where before it was
+    with half of it (`shape_pos_vel_accel`).
 
     Jerk and snap are what the S-curves use: WPNAV_JERK and the attitude controller's rates limit the first, the lean's
     time constant (as leaning is what accelerates a multirotor) and its angular acceleration, halved, the second.
@@ -121,5 +127,6 @@ def copter_limits(parameters: Parameters) -> CopterLimits:
         p_height=p["PSC_POSZ_P"],
         rtl_turns=p["WP_YAW_BEHAVIOR"] != EXCEPT_RTL,
         sees_ground=p["RNGFND1_TYPE"] > 0,
+        brakes_climb=version is not None and version.series >= BRAKES_CLIMB,
         yaw_rate=math.radians(p["ATC_SLEW_YAW"] / 100) if p["WP_YAW_BEHAVIOR"] > 0 else 0.0,
     )

@@ -32,8 +32,8 @@ class ArduPilotPilot:
     ) -> None:
         """`chance` is not asked: ArduCopter's simulated flights repeat to a tenth of a second."""
         self._body, self._now, self._parameters = body, situation, parameters
-        limits = copter_limits(usable(parameters))
         given = body.conditions
+        limits = copter_limits(usable(parameters), given.version)
         airframe = airframe_of(given.vehicle).at_altitude(situation.program.frame.home.altitude)
         self._copter = Copter(limits, given.wind, airframe, here=body.place, ground=given.ground)
         self._landing_s = THROTTLE_DOWN_S + LAND_DETECTOR_S + airframe.landing_delay

@@ -26,11 +26,10 @@ from ipoa_mission.vehicles.arducopter.limits import (
     LAND_DETECTOR_S,
     LIFT_S,
     THROTTLE_DOWN_S,
-    copter_limits,
+    CopterLimits,
 )
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 from ipoa_mission.vehicles.ending import Ending
-from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.wind import CALM, Wind
 
 NOWHERE = (math.nan,) * 3
@@ -47,7 +46,7 @@ TO_A_PLACE = ARDUCOPTER.guidance.flown_on_into | ONLY_THE_WAY | {Command.NAV_LOI
 
 def fly_arducopter(
     route: Itinerary,
-    parameters: Parameters,
+    limits: CopterLimits,
     wind: Wind = CALM,
     fast: bool | None = None,
     airframe: Airframe = ARDUPILOT_SIMULATOR,
@@ -58,7 +57,7 @@ def fly_arducopter(
         BadInput: an item never ends, or a parameter has no sense.
         MissionError: the copter does not get on, as against a wind stronger than it can fly.
     """
-    flight = _begun(route, parameters, wind, fast, airframe)
+    flight = _begun(route, limits, wind, fast, airframe)
     for n in range(len(route.visits)):
         try:
             flight.reasons.append(flight.visit(n))
@@ -78,7 +77,7 @@ def fly_arducopter(
 
 def break_off(
     route: Itinerary,
-    parameters: Parameters,
+    limits: CopterLimits,
     wind: Wind,
     fast: bool | None,
     airframe: Airframe,
@@ -88,7 +87,7 @@ def break_off(
 
     The moment is noted as one more place where the track was.
     """
-    flight = _begun(route, parameters, wind, fast, airframe)
+    flight = _begun(route, limits, wind, fast, airframe)
     flight.until = order.time
     for n in range(len(route.visits)):
         if flight.is_broken_off:
@@ -105,8 +104,8 @@ def break_off(
     return Prediction(done, done - doubt, done + doubt, ("",), track)
 
 
-def _begun(route: Itinerary, parameters: Parameters, wind: Wind, fast: bool | None, airframe: Airframe) -> "_Flight":
-    limits, height = copter_limits(parameters), flying_already(route)
+def _begun(route: Itinerary, limits: CopterLimits, wind: Wind, fast: bool | None, airframe: Airframe) -> "_Flight":
+    height = flying_already(route)
     copter = Copter(limits, wind, airframe, fast, (0.0, 0.0, height or 0.0), route.ground)
     return _Flight(route, copter, wind, airframe, height is not None)
 

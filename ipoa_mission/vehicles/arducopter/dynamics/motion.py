@@ -96,6 +96,7 @@ class Tuning(NamedTuple):
     slew: float  # of the nose, in one step [rad]; 0: it keeps its heading
     most_astray: float  # a copter that is farther from its target is blown off its path [m]
     turning_from: float  # the nose follows a target that moves at more than this [m/s]
+    brakes_climb: float  # 1: with all of its acceleration, as since 4.8; 0: with half of it
 
 
 def tuning(limits: CopterLimits, airframe: Airframe, wind: Wind) -> Tuning:
@@ -131,6 +132,7 @@ def tuning(limits: CopterLimits, airframe: Airframe, wind: Wind) -> Tuning:
         slew=limits.yaw_rate * STEP,
         most_astray=ASTRAY + ASTRAY_S * limits.speed if wind.speed > 0 else math.inf,
         turning_from=STANDING_SHARE * limits.speed,
+        brakes_climb=float(limits.brakes_climb),
     )
 
 

@@ -165,6 +165,16 @@ def towards(error: float, accel: float, gain: float) -> float:
     return math.copysign(math.sqrt(2 * accel * (abs(error) - linear / 2)), error)
 
 
+def braked(error: float, speed: float, accel: float, gain: float) -> float:
+    """The square-root law and, as one comes nearer, what it will be less by the time that is followed."""
+    wanted = towards(error, accel, gain)
+    if wanted * speed <= 0.0:
+        return wanted
+    if abs(error) <= accel / (gain * gain):
+        return wanted - speed
+    return wanted - accel / abs(wanted) * speed / gain
+
+
 def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     """Over one place: stay, or climb or come down by velocity shaping; whether that is over."""
     state.target_x, state.target_y, top = this.target.x, this.target.y, this.target.z
@@ -175,7 +185,9 @@ def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
         state.target_z, state.aim_z = top, 0.0
         return state.clock >= this.lasts
     gain = tuning.jerk_z / tuning.accel_z
-    if this.kind == CLIMB:
+    if this.kind == CLIMB and tuning.brakes_climb > 0.0:
+        wanted = min(braked(top - state.z, state.vz, tuning.accel_z, gain), this.speeds.up)
+    elif this.kind == CLIMB:
         wanted = min(towards(top - state.z, tuning.accel_z / 2, gain / 2), this.speeds.up)
     else:
         fall = towards(tuning.land_low - state.z, tuning.accel_z, tuning.p_height)
@@ -187,7 +199,10 @@ def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     state.target_z = state.z + state.aim_z * STEP
     if this.kind == DESCENT:
         return state.target_z <= top
-    return state.target_z >= this.origin.z + 0.9 * (top - this.origin.z) and state.aim_z < 0.1 * this.speeds.up
+    slow = 0.1 * this.speeds.up
+    if tuning.brakes_climb > 0.0:
+        return state.target_z >= top - 0.5 * slow * slow / tuning.accel_z and state.aim_z < slow
+    return state.target_z >= this.origin.z + 0.9 * (top - this.origin.z) and state.aim_z < slow
 
 
 # --- control and body -----------------------------------------------------------------------------------------------
