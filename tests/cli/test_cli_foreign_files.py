@@ -102,8 +102,8 @@ def test_h_a_name_with_a_blank_is_a_name(tmp_path: Path) -> None:
     assert read_scenario(tmp_path / "mein Übungsplatz.toml").name == "mein Übungsplatz"
 
 
-#: Files that were refused without reason, the autopilot for those that do not say, and the code of what is warned of, or its words
-#: where it is of the file.
+#: Files that were refused without reason, the autopilot for those that do not say, and the code of what is warned of,
+#: or its words where it is of the file.
 TAKEN = [
     (f"{MAVSDK}_with_structured_scan.plan", None, "2 rounds are laid out as QGroundControl does"),
     ("mavlink+MAVSDK-Python/examples/example-mission.plan", None, "home has no altitude: taken as 0 m AMSL"),
