@@ -12,7 +12,7 @@ from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.looks import GROUND, RETURNS, EndingLooks, EndingWays
 from ipoa_mission.forecast.shortfalls import HIGHEST, at_another_height, shortfalls
-from ipoa_mission.planning.proof import Check, prove_heights
+from ipoa_mission.planning.proof import Check, prove_ground
 from ipoa_mission.vehicles.ending import Ending
 
 ROUNDING = 0.02  # [m]
@@ -50,8 +50,8 @@ def _check(ways: EndingWays, looks: EndingLooks, n: int, legs: range) -> Check:
     """What some legs of the ways from one look come nearest to breaking."""
     some = [way[legs.start : legs.stop + 1] for way in looks.ways[n][looks.taken[n]]]
     if GROUND in looks.which[n, :, legs.start : legs.stop]:
-        checks = (check for way in some for check in prove_heights(way[:2], ways.forecast.world))
-        return min((check for check in checks if check.limit == "ground"), key=lambda check: check.slack)
+        checks = (check for way in some for check in prove_ground(way[:2], ways.forecast.world))
+        return min(checks, key=lambda check: check.slack)
     clearances = (ways.roomy.airspace.obstacle_clearance(way) for way in some)
     return Check("obstacles", min(clearances, key=lambda clearance: clearance.distance), ways.required)
 

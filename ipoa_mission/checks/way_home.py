@@ -12,7 +12,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.legs import Leg
 from ipoa_mission.forecast.shortfalls import HEIGHT_STEP, HIGHEST, SAG
 from ipoa_mission.forecast.tube.room import with_room
-from ipoa_mission.planning.proof import prove_heights
+from ipoa_mission.planning.proof import prove_ground
 from ipoa_mission.scenario import Scenario
 
 TIGHT_PLACES = 4.0  # at so many tight places the tube has room on the way home
@@ -53,7 +53,7 @@ def clear_in(scenario: Scenario) -> Callable[[Iterable[Leg]], bool]:
     def is_clear(legs: Iterable[Leg]) -> bool:
         return all(
             roomy.airspace.obstacle_clearance(leg.points).distance >= required + spare
-            and all(check.slack >= spare for check in prove_heights(leg.points, roomy) if check.limit == "ground")
+            and all(check.slack >= spare for check in prove_ground(leg.points, roomy))
             for leg in legs
         )
 

@@ -17,7 +17,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.looks import GROUND, EndingLooks, EndingWays
 from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel
 from ipoa_mission.geometry import Vector
-from ipoa_mission.planning.proof import prove_heights
+from ipoa_mission.planning.proof import prove_ground
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.failsafe import Failsafe
@@ -147,8 +147,8 @@ class Endings:
         if GROUND in looks.which[run.start : run.stop]:
             on_ground = [n for n in run if GROUND in looks.which[n]]
             worst = min(on_ground, key=lambda n: float(looks.spare[n]))
-            checks = (check for way in looks.ways[worst] for check in prove_heights(way, self.forecast.world))
-            low = min((check for check in checks if check.limit == "ground"), key=lambda check: check.slack)
+            checks = (check for way in looks.ways[worst] for check in prove_ground(way, self.forecast.world))
+            low = min(checks, key=lambda check: check.slack)
             least, required, to = low.nearest.distance, low.required, ON_GROUND
         goal, lands = self.ways.goal(ending, looks, run.start), None
         if goal != "here":

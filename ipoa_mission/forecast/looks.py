@@ -19,10 +19,10 @@ from ipoa_mission.forecast.tube.room import with_room
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.planning.path_problem import PathTask
-from ipoa_mission.planning.proof import prove_heights
+from ipoa_mission.planning.proof import prove_ground
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.returning import ReturnBy
-from ipoa_mission.world.airspace import Clearance
+from ipoa_mission.world.airspace import ROUNDING, Clearance
 
 EVERY_S = 1.0  # between the times that are looked at first [s]
 NEAREST_S = 0.05  # they come no nearer to each other [s]
@@ -208,27 +208,18 @@ class EndingWays:
         begin, last = self.forecast.promise.flight.way
         near, which, spare = looks.near.copy(), looks.which.copy(), looks.spare.copy()
         on_the_way = np.flatnonzero((looks.times >= begin) & (looks.times <= last))
-        low = looks.taken & (
-            self._least_height(looks.ways[:, :, :end]) < self.forecast.world.limits.height_above_ground
-        )
-        for n, k in product(on_the_way.tolist(), range(looks.taken.shape[1])):
-            if not low[n, k]:
-                continue
-            for check in prove_heights(looks.ways[n, k, :end], self.forecast.world):
-                if check.limit == "ground" and check.slack < min(spare[n], 0.0):
+        ways, terrain = looks.ways[on_the_way, :, :end], self.forecast.world.airspace.terrain
+        heights = terrain.legs_height(ways[:, :, :-1].reshape(-1, 3), ways[:, :, 1:].reshape(-1, 3))
+        least = heights.reshape(*ways.shape[:2], ways.shape[2] - 1).min(axis=2)
+        low = looks.taken[on_the_way] & (least < self.forecast.world.limits.height_above_ground + ROUNDING)
+        for at, k in np.argwhere(low).tolist():
+            n = on_the_way[at]
+            for check in prove_ground(looks.ways[n, k, :end], self.forecast.world):
+                if check.slack < min(spare[n], 0.0):
                     leg = min(check.nearest.leg, near.shape[2] - 1)
                     near[n, k, leg], which[n, k, leg] = self.required + check.slack, GROUND
                     spare[n] = check.slack
         return replace(looks, near=near, which=which, spare=spare)
-
-    def _least_height(self, ways: NDArray[np.float64]) -> NDArray[np.float64]:
-        """What the height above ground of ways (n, k, p, 3) does not fall short of, (n, k) [m]."""
-        air = self.forecast.world.airspace
-        above = ways[..., 2] - air.ground(ways.reshape(-1, 3)).reshape(ways.shape[:-1])
-        sink = np.abs(np.diff(ways[..., 2], axis=2)) + air.terrain.steepness * np.hypot(
-            *np.moveaxis(np.diff(ways[..., :2], axis=2), -1, 0)
-        )
-        return np.asarray((np.maximum(above[..., 1:], above[..., :-1]) - sink).min(axis=2))
 
     @property
     def _shares(self) -> tuple[float, ...]:

@@ -132,6 +132,15 @@ def prove_heights(legs: Points, task: PathTask, stray: float = 0.0, spare: float
 
     Over sloping ground what strays from its legs is farther from them in height.
     """
+    yield from prove_ground(legs, task, stray, spare)
+    if np.isfinite(task.limits.ceiling_above_ground):
+        vertical = stray * (1 + task.airspace.terrain.steepness)
+        reached = task.airspace.height_reached(legs)
+        yield Check("ceiling", _less(reached, -vertical), task.limits.ceiling_above_ground, at_most=True)
+
+
+def prove_ground(legs: Points, task: PathTask, stray: float = 0.0, spare: float = np.inf) -> Iterator[Check]:
+    """What they keep of the ground: a check for every height that is required somewhere."""
     airspace, limits = task.airspace, task.limits
     vertical = stray * (1 + airspace.terrain.steepness)
     heights: dict[float, Clearance] = {}
@@ -140,9 +149,6 @@ def prove_heights(legs: Points, task: PathTask, stray: float = 0.0, spare: float
         clearance = replace(_less(clearance, vertical), leg=first_leg + clearance.leg)
         heights[required] = min(heights.get(required, clearance), clearance, key=lambda least: least.distance)
     yield from (Check("ground", clearance, required) for required, clearance in heights.items())
-    if np.isfinite(limits.ceiling_above_ground):
-        reached = airspace.height_reached(legs)
-        yield Check("ceiling", _less(reached, -vertical), limits.ceiling_above_ground, at_most=True)
 
 
 def _less(clearance: Clearance, stray: float) -> Clearance:

@@ -40,6 +40,10 @@ class Terrain(Protocol):
         """Greatest height above ground of the straight legs between consecutive points (n, 3)."""
         ...
 
+    def legs_height(self, starts: Points, ends: Points) -> Vector:
+        """What the height above ground of many straight legs, (n, 3) each, does not fall short of, (n,) [m]."""
+        ...
+
 
 def _end(heights: Vector, i: int) -> Spot:
     """The end number i of legs whose ends are so high above the ground (n,)."""
@@ -79,6 +83,10 @@ class Flat:
         """Greatest height above ground of the legs between points (n, 3)."""
         return _end(heights := points[:, 2] - self.level, int(np.argmax(heights)))
 
+    def legs_height(self, starts: Points, ends: Points) -> Vector:
+        """Least height above ground of legs (n, 3), (n,)."""
+        return np.asarray(np.minimum(starts[:, 2], ends[:, 2]) - self.level)
+
 
 @dataclass(frozen=True)
 class SeaLevel:
@@ -116,15 +124,22 @@ class SeaLevel:
 
     def least_height(self, points: Points, enough: float = np.inf) -> Spot:
         """Least height above ground of the legs between points (n, 3): of each leg it is a parabola, open upwards."""
-        step = np.diff(points, axis=0)
-        curvature = step[:, :2] ** 2 @ self._bends
-        slope = step[:, 2] + 2 * (points[:-1, :2] * step[:, :2]) @ self._bends
-        lowest = np.divide(-slope, 2 * curvature, out=np.where(slope < 0, 1.0, 0.0), where=curvature > 0)
-        lowest = np.clip(lowest, 0.0, 1.0)
-        spots = points[:-1] + lowest[:, None] * step
-        heights = spots[:, 2] - self.height(spots)
+        heights, lowest = self._lowest(points[:-1], points[1:])
         leg = int(np.argmin(heights))
         return float(heights[leg]), leg, float(lowest[leg])
+
+    def legs_height(self, starts: Points, ends: Points) -> Vector:
+        """Least height above ground of legs (n, 3), (n,)."""
+        return self._lowest(starts, ends)[0]
+
+    def _lowest(self, starts: Points, ends: Points) -> tuple[Vector, Vector]:
+        step = ends - starts
+        curvature = step[:, :2] ** 2 @ self._bends
+        slope = step[:, 2] + 2 * (starts[:, :2] * step[:, :2]) @ self._bends
+        lowest = np.divide(-slope, 2 * curvature, out=np.where(slope < 0, 1.0, 0.0), where=curvature > 0)
+        lowest = np.clip(lowest, 0.0, 1.0)
+        spots = starts + lowest[:, None] * step
+        return np.asarray(spots[:, 2] - self.height(spots)), lowest
 
     def greatest_height(self, points: Points) -> Spot:
         """Greatest height above ground of the legs between points (n, 3): at an end of one."""
@@ -176,22 +191,37 @@ class Grid:
         """Least height above ground of the legs between points (n, 3)."""
         return self._lowest(points, 1.0)
 
+    def legs_height(self, starts: Points, ends: Points) -> Vector:
+        """Least height above ground of legs (n, 3), (n,)."""
+        heights, leg, _ = self._tried(starts, ends, 1.0)
+        least = np.full(len(starts), np.inf)
+        np.minimum.at(least, leg, heights)
+        return least
+
     def greatest_height(self, points: Points) -> Spot:
         """Greatest height above ground of the legs between points (n, 3)."""
         height, leg, fraction = self._lowest(points, -1.0)
         return -height, leg, fraction
 
     def _lowest(self, points: Points, sign: float) -> Spot:
-        """Within each cell the height above ground is a quadratic along the leg: its ends and its vertex are tried."""
-        everywhere = np.arange(len(points) - 1)
+        heights, leg, fraction = self._tried(points[:-1], points[1:], sign)
+        best = int(np.argmin(heights))
+        return float(heights[best]), int(leg[best]), float(fraction[best])
+
+    def _tried(self, starts: Points, ends: Points, sign: float) -> tuple[Vector, NDArray[np.intp], Vector]:
+        """Heights on legs (n, 3), the numbers of these and fractions, (k,) each, the least of each leg among them.
+
+        Within each cell the height above ground is a quadratic along the leg: its ends and its vertex are tried.
+        """
+        everywhere = np.arange(len(starts))
         pieces = [(everywhere, np.zeros(len(everywhere))), (everywhere, np.ones(len(everywhere)))]
-        pieces += [self._crossings(points, axis) for axis in (0, 1)]
+        pieces += [self._crossings(starts, ends, axis) for axis in (0, 1)]
         leg, fraction = (np.concatenate(column) for column in zip(*pieces, strict=True))
         order = np.lexsort((fraction, leg))
         leg, fraction = leg[order], fraction[order]
 
         def above(leg: NDArray[np.intp], fraction: Vector) -> Vector:
-            spots = points[leg] + fraction[:, None] * (points[leg + 1] - points[leg])
+            spots = starts[leg] + fraction[:, None] * (ends[leg] - starts[leg])
             return np.asarray(sign * (spots[:, 2] - self.height(spots)))
 
         same = leg[:-1] == leg[1:]
@@ -202,14 +232,11 @@ class Grid:
         lowest = 0.5 + (at_first - at_last)[bowl] / (4 * curvature[bowl])
         vertex = first[bowl] + np.clip(lowest, 0.0, 1.0) * (last - first)[bowl]
         leg, fraction = np.concatenate([leg, legs[bowl]]), np.concatenate([fraction, vertex])
-        heights = above(leg, fraction)
-        best = int(np.argmin(heights))
-        return float(heights[best]), int(leg[best]), float(fraction[best])
+        return above(leg, fraction), leg, fraction
 
-    def _crossings(self, points: Points, axis: int) -> tuple[NDArray[np.intp], Vector]:
+    def _crossings(self, starts: Points, ends: Points, axis: int) -> tuple[NDArray[np.intp], Vector]:
         """Where the legs cross the grid lines of one axis: leg numbers and fractions."""
-        place = (points[:, axis] - (self.east, self.north)[axis]) / self.spacing
-        start, end = place[:-1], place[1:]
+        start, end = ((points[:, axis] - (self.east, self.north)[axis]) / self.spacing for points in (starts, ends))
         low = np.maximum(np.ceil(np.minimum(start, end)), 0.0)
         high = np.minimum(np.floor(np.maximum(start, end)), self.heights.shape[1 - axis] - 1.0)
         count = np.where(start == end, 0, np.maximum(high - low + 1, 0)).astype(int)
@@ -286,6 +313,12 @@ class Analytic:
     def greatest_height(self, points: Points) -> Spot:
         """A height that the legs between points (n, 3) nowhere exceed, within 0.1 mm of the greatest."""
         return self._extreme(points, greatest=True)
+
+    def legs_height(self, starts: Points, ends: Points) -> Vector:
+        """A height that legs (n, 3) do not fall short of, by the steepness of the ground, (n,)."""
+        step = np.abs(ends - starts)
+        at_ends = [points[:, 2] - self.height(points) for points in (starts, ends)]
+        return np.asarray(np.maximum(*at_ends) - step[:, 2] - self.steepness * np.hypot(step[:, 0], step[:, 1]))
 
     def _extreme(self, points: Points, greatest: bool, enough: float = np.inf) -> Spot:
         from ipoa_mission.world._analytic import extreme

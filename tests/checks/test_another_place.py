@@ -76,6 +76,6 @@ def test_legs_to_and_from_a_place_that_makes_no_sense_are_not_judged() -> None:
 
 
 def test_a_rover_s_mission_is_called_one_and_is_asked_for_no_take_off() -> None:
-    found = [f.message for f in check_mission(replace(MISSION, items=MISSION.items[1:2], vehicle_type=10))]
-    assert found[0] == "the mission is for a rover, which does not fly: only flights are judged"
-    assert not any("take-off" in words for words in found)
+    findings = check_mission(replace(MISSION, items=MISSION.items[1:2], vehicle_type=10))
+    assert found(findings) == ["error no-aircraft", "warning ends-in-the-air 1"]
+    assert "for a rover, " in findings[0].message

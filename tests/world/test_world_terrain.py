@@ -73,6 +73,10 @@ def test_the_extreme_heights_of_many_legs_are_those_of_the_extreme_leg(kind: str
         singly = [ground.least_height(points[i : i + 2])[0] for i in range(11)]
         height, leg, _ = ground.least_height(points)
         assert height == pytest.approx(min(singly), abs=2e-4)
+        at_least = ground.legs_height(points[:-1], points[1:])
+        assert (at_least <= np.array(singly) + 2e-4).all()
+        if kind != "analytic":  # its steepness says less
+            np.testing.assert_allclose(at_least, singly, atol=1e-9)
         assert singly[leg] == pytest.approx(min(singly), abs=2e-4)
         singly = [ground.greatest_height(points[i : i + 2])[0] for i in range(11)]
         assert ground.greatest_height(points)[0] == pytest.approx(max(singly), abs=2e-4)

@@ -1,7 +1,7 @@
 """Upload one mission over bad radios with our client, MAVSDK and MAVProxy, side by side, to the built-in autopilot.
 
     python -m tools.benchmarks.link                        what the rows of docs/link/uploads.csv still lack
-    python -m tools.benchmarks.link --table                the tables of docs/link.md, from those rows
+    python -m tools.benchmarks.link --table                the tables of docs/lab/link.md, from those rows
     python -m tools.benchmarks.link --fast-path            ArduPilot's mission file against items, on a virtual clock
     python -m tools.benchmarks.link --clean --runs 20      client beside client over a perfect link, to a server in C
     python -m tools.benchmarks.link --runs 5 --loss 0 30 --rows new.csv

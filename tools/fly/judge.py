@@ -1,4 +1,4 @@
-"""Judge flights on a simulated autopilot: a line a flight, and the table of them that docs/sitl.md has.
+"""Judge flights on a simulated autopilot: a line a flight, and the table of them that docs/lab/flown.md has.
 
     python -m tools.fly.judge --rows FILE [--scenarios DIR... --flights DIR]
 

@@ -100,7 +100,7 @@ class ArduCopter(Autopilot):
     mav_types = MULTICOPTERS
     measured = Version(4, 7, 0, "dev")
     oldest = (4, 0)
-    newest = (4, 8)  # 25 flights on 4.8.0-dev of March 2026, docs/sitl.md
+    newest = (4, 8)  # 25 flights on 4.8.0-dev of March 2026, docs/lab/flown.md
     modes = MODES
     book = BOOK
     tables = FirmwareTables(HABITS, Path(__file__).with_name("firmware_tables.json"))

@@ -12,6 +12,8 @@ from ipoa_mission.world.obstacles.nearest import derivative, foot, least, levels
 from ipoa_mission.world.obstacles.obstacle import CYLINDER, NO_EDGES, ChartRow, Column, Part, expect_positive
 from ipoa_mission.world.polygon import Plane, circle, quadratic_roots
 
+TOUCHING = 1e-9  # a leg so much beside it, as a share, may be in it
+
 
 @dataclass(frozen=True)
 class Cylinder(Part):
@@ -77,21 +79,30 @@ class Cylinder(Part):
         """Least signed distance of the leg, and where.
 
         With q(t) the squared distance to the axis and w(t) the height over a cap, the rim is nearest where
-        (q' + (w^2)')^2 q = r^2 q'^2, a quartic; deep inside, side and cap balance where q = (r + w)^2.
+        (q' + (w^2)')^2 q = r^2 q'^2, a quartic; deep inside, side and cap balance where q = (r + w)^2. Beside it only
+        a cap that the leg goes beyond has a rim that can be nearest.
         """
         b = straightened(a, b)
         axis = np.array([self.east, self.north])
         away, step = a[:2] - axis, (b - a)[:2]
         q = np.array([away @ away, 2 * away @ step, step @ step])
-        candidates = [foot(a[:2], b[:2], axis), quadratic_roots(*(q - [self.radius**2, 0, 0])[:, None])]
+        candidates = [feet := foot(a[:2], b[:2], axis)]
+        nearest = min(1.0, max(0.0, float(feet[0]))) if len(feet) else 0.0
+        crosses = bool(q @ [1.0, nearest, nearest**2] <= (1 + TOUCHING) * self.radius**2)
+        if crosses:
+            candidates.append(quadratic_roots(*(q - [self.radius**2, 0, 0])[:, None]))
         for height, climb in ((a[2] - self.top, b[2] - a[2]), (self.base - a[2], a[2] - b[2])):
+            if not crosses and max(height, height + climb) <= 0:
+                continue
             w_squared = np.array([height**2, 2 * height * climb, climb**2])
             slope, both = derivative(q), derivative(q + w_squared)
             quartic = np.convolve(np.convolve(both, both), q) - self.radius**2 * np.pad(
                 np.convolve(slope, slope), (0, 2)
             )
-            balance = q - w_squared - 2 * self.radius * np.array([height, climb, 0]) - [self.radius**2, 0, 0]
-            candidates += [roots(quartic), quadratic_roots(*balance[:, None])]
+            candidates.append(roots(quartic))
+            if crosses:
+                balance = q - w_squared - 2 * self.radius * np.array([height, climb, 0]) - [self.radius**2, 0, 0]
+                candidates.append(quadratic_roots(*balance[:, None]))
         return least(self, a, b, np.concatenate([*candidates, levels(a, b, self.base, self.top)]))
 
     def outline(self) -> tuple[Plane, ...]:

@@ -1,4 +1,4 @@
-"""The tables of docs/link.md, from rows."""
+"""The tables of docs/lab/link.md, from rows."""
 
 import statistics
 
