@@ -84,7 +84,7 @@ class Flat:
         return _end(heights := points[:, 2] - self.level, int(np.argmax(heights)))
 
     def legs_height(self, starts: Points, ends: Points) -> Vector:
-        """Least height above ground of legs (n, 3), (n,)."""
+        """Least height above ground of each leg from `starts` to `ends` (n, 3) [m], (n,)."""
         return np.asarray(np.minimum(starts[:, 2], ends[:, 2]) - self.level)
 
 
