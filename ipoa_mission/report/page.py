@@ -32,6 +32,7 @@ from ipoa_mission.report.panels.strip import endings_strip
 from ipoa_mission.report.scene import page_data
 from ipoa_mission.report.seen import dangers, follow, tube_of
 from ipoa_mission.report.stops import stops
+from ipoa_mission.report.ways_home import ways_home
 from ipoa_mission.scenario import Scenario
 
 
@@ -88,7 +89,7 @@ def report_html(
     extent = extent_of(places, course.points, *([] if flown is None else [flown.points]))
     comparison = None if flight is None else compare_flight(estimate, flight)
     tube = tube_of(forecast)
-    battery = scenario.vehicle.battery
+    battery, home = scenario.vehicle.battery, ways_home(forecast)
     parts = {
         "title": escape(scenario.name),
         "subtitle": escape(_subtitle(scenario, mission)),
@@ -104,7 +105,7 @@ def report_html(
         ),
         "warnings": warnings(danger, findings, [*remarks, *estimate.remarks]),
         "map": ground_plan(scenario, extent, stop_list, course, flown, tube),
-        "legend": legend(scenario, extent, flown is not None),
+        "legend": legend(scenario, extent, flown is not None, bool(home)),
         "profile": height_profile(course, airspace, required, stop_list, flown, tube),
         "apart": distance_profile(course, required),
         "profile_note": f"The pale band is the {required:g} m round the path that must stay free.",
@@ -122,7 +123,7 @@ def report_html(
         "map_js": _asset("map.js"),
         "scene_js": _asset("scene.js"),
         "page_js": _asset("page.js"),
-        "data": page_data(scenario, extent, course, stop_list, flown, tube),
+        "data": page_data(scenario, extent, course, stop_list, flown, tube, home),
     }
     return Template(_asset("page.html")).substitute(parts)
 

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,7 +36,13 @@ DETAIL = SceneDetail()
 
 
 def page_data(
-    scenario: Scenario, extent: Extent, course: Seen, stops: Sequence[FlownItem], flown: Seen | None, tube: Rim
+    scenario: Scenario,
+    extent: Extent,
+    course: Seen,
+    stops: Sequence[FlownItem],
+    flown: Seen | None,
+    tube: Rim,
+    home: Sequence[Mapping[str, Any]] = (),
 ) -> str:
     """JSON that is safe inside an HTML script element."""
     data = {
@@ -52,6 +58,7 @@ def page_data(
         "tube": _hoops(course.points, tube),
         "flown": None if flown is None else _rounded(flown.points, 2),
         "world": _world(scenario, extent, course),
+        "home": [*home],
     }
     return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
 

@@ -168,6 +168,25 @@ def test_pointing_at_the_profile_moves_the_mark_on_the_map(open_page: Callable[.
     assert "above home" in shown(page, ".readout")
 
 
+def test_pointing_at_a_moment_draws_the_way_home_from_there(open_page: Callable[..., Any]) -> None:
+    page = open_page("sitl.toml")
+    drawn = "document.querySelector('path.way-home').getAttribute('d')"
+    assert page.evaluate(drawn) == ""
+    plot = page.locator("#profile .plot")
+    plot.scroll_into_view_if_needed()
+    box = plot.bounding_box()
+    page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+    here = page.evaluate("parseFloat(document.querySelector('.here').style.left)")
+    way = [tuple(map(float, pair.split())) for pair in page.evaluate(drawn)[1:].split("L")]
+    assert len(way) == 6
+    assert way[-1] == pytest.approx((0.0, 0.0), abs=0.5)  # home
+    view = page.evaluate("({...document.getElementById('map').dataset})")
+    left = 100 * (way[0][0] - float(view["west"])) / float(view["width"])
+    assert left == pytest.approx(here, abs=8.0)  # where the mark is, or within a second of it
+    page.keyboard.press("Escape")
+    assert page.evaluate(drawn) == ""
+
+
 def test_the_view_in_space_turns_by_mouse_keys_and_buttons(open_page: Callable[..., Any]) -> None:
     page = open_page()
     canvas = page.locator(".space canvas")

@@ -79,6 +79,11 @@ function makeMap(map) {
   show();
 
   return {
+    home(way) {  // the way home from there, or none
+      const line = svg.querySelector(".way-home");
+      line.setAttribute("d", way ? `M${way.points.map(([e, n]) => `${e} ${n}`).join("L")}` : "");
+      line.classList.toggle("not-clear", Boolean(way) && !way.clear);
+    },
     mark(east, north) { here.x = east - west; here.y = south + height - north; put(here); },
     reveal(east, north) {  // move there, if it is outside of what is shown
       const x = east - west, y = south + height - north, across = width / view.zoom, down = height / view.zoom;

@@ -2,7 +2,7 @@
 // marks it everywhere. The page is complete without this script but for the 3D view.
 
 (() => {
-  const { course, stops, world, flown, tube } = JSON.parse(document.getElementById("data").textContent);
+  const { course, stops, world, flown, tube, home } = JSON.parse(document.getElementById("data").textContent);
   const all = (selector) => [...document.querySelectorAll(selector)];
   const map = document.getElementById("map"), canvas = document.querySelector(".space canvas"), readout = document.querySelector(".readout");
   const plan = makeMap(map);
@@ -33,8 +33,10 @@
       chart.querySelector(".cursor").style.left = `${(100 * (series[i] - low)) / (high - low)}%`;
     }
     const [east, north, up] = course.points[i];
+    const way = home.findLast((one) => one.from <= course.times[i]) ?? null;
     plan.mark(east, north);
-    scene.mark(course.points[i], placed.findIndex((stop) => stop.n === chosen));
+    plan.home(way);
+    scene.mark(course.points[i], placed.findIndex((stop) => stop.n === chosen), way);
     const apart = course.apart[i];
     const words = [
       [chosen >= 0 && stops[chosen].index === i ? `item ${stops[chosen].seq}, ${stops[chosen].name}` : "here", ""],
@@ -89,7 +91,7 @@
     if (marked) choose(Number(marked.dataset.stop));
   });
   document.addEventListener("keydown", (event) => {
-    if (event.key === "Escape") { choose(-1); document.body.classList.remove("pointing"); scene.mark(null, -1); }
+    if (event.key === "Escape") { choose(-1); document.body.classList.remove("pointing"); plan.home(null); scene.mark(null, -1, null); }
     if (event.key === "Enter" && event.target.matches("tr[data-stop]")) choose(Number(event.target.dataset.stop));
   });
   canvas.addEventListener("click", (event) => {

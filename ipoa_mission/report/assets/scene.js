@@ -5,7 +5,7 @@ function makeScene(canvas, world, lines, spots) {
   const context = canvas.getContext("2d");
   const buffer = document.createElement("canvas");
   const start = { heading: -28, elevation: 38, zoom: 1, east: 0, north: 0 };
-  let view = { ...start }, marker = null, chosen = -1, waiting = 0;
+  let view = { ...start }, marker = null, chosen = -1, home = null, waiting = 0;
   let faces = [], strokes = [], colors = null;
 
   const middle = [0, 1].map((k) => (world.lower[k] + world.upper[k]) / 2);
@@ -46,7 +46,7 @@ function makeScene(canvas, world, lines, spots) {
 
   function build() {
     faces = []; strokes = [];
-    colors = Object.fromEntries(["--planned", "--flown", "--bad", "--ink", "--card", "--edge", "--focus", "--quiet", "--paper"]
+    colors = Object.fromEntries(["--planned", "--flown", "--good", "--bad", "--ink", "--card", "--edge", "--focus", "--quiet", "--paper"]
       .map((name) => [name, color(name)]));
     const [low, high] = [color("--low-ground"), color("--high-ground")];
     const [lowRoof, highRoof] = [color("--low-roof"), color("--high-roof")];
@@ -173,6 +173,15 @@ function makeScene(canvas, world, lines, spots) {
     context.drawImage(buffer, 0, 0, canvas.width, canvas.height);
     context.scale(ratio, ratio);
     const { to } = camera(width, height), css = (name) => `rgb(${colors[name].join(" ")})`;
+    if (home) {
+      context.strokeStyle = css(home.clear ? "--good" : "--bad");
+      context.lineWidth = 2.4;
+      context.setLineDash([7, 4]);
+      context.beginPath();
+      home.points.forEach((place, n) => context[n ? "lineTo" : "moveTo"](...to(place).slice(0, 2)));
+      context.stroke();
+      context.setLineDash([]);
+    }
     spots.forEach((spot, n) => dot(to(spot), n === chosen ? 6 : 3.4, css(n === chosen ? "--focus" : "--card"), css(n === chosen ? "--ink" : "--planned")));
     if (marker) dot(to(marker), 5, css("--ink"), css("--card"));
     const [x, y] = [26, height - 26], h = (-view.heading * Math.PI) / 180, flat = Math.sin((view.elevation * Math.PI) / 180);
@@ -257,7 +266,7 @@ function makeScene(canvas, world, lines, spots) {
 
   return {
     key: (name) => move(keys[name]()),
-    mark(place, stop) { marker = place; chosen = stop; show(); },
+    mark(place, stop, way) { marker = place; chosen = stop; home = way; show(); },
     nearestSpot(x, y) {  // the stop at a place on the canvas, or -1; a drag is not a click
       if (traveled > 5) return -1;
       const { to } = camera(canvas.clientWidth, canvas.clientHeight);

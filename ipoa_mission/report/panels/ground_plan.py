@@ -45,6 +45,7 @@ def ground_plan(
     ]
     if flown is not None:
         layers.append(_line(flown.points, "flown"))
+    layers.append('<path class="way-home" d=""><title>RTL from there</title></path>')
     (west, south), (east, north) = extent.lower, extent.upper
     width, height = east - west, north - south
     spots = "".join(_button(n, stop, extent) for n, stop in enumerate(stops) if stop.place is not None)
@@ -58,7 +59,7 @@ def ground_plan(
     )
 
 
-def legend(scenario: Scenario, extent: Extent, flown: bool) -> str:
+def legend(scenario: Scenario, extent: Extent, flown: bool, home: bool = False) -> str:
     """What the colors of the map and of the 3D view mean."""
     airspace = scenario.airspace
     tops = [float(body.bounds[1, 2]) for body in extent.buildings(airspace)]
@@ -68,6 +69,8 @@ def legend(scenario: Scenario, extent: Extent, flown: bool) -> str:
     ]
     if flown:
         keys.append('<span class="key flown">flown</span>')
+    if home:
+        keys.append('<span class="key home">RTL from where one points</span>')
     if tops:
         shades = "".join(f'<i class="roof{n}"></i>' for n in range(SHADES))
         keys.append(f'<span class="ramp">{shades} roofs up to {max(tops):.0f} m above home</span>')

@@ -1,0 +1,36 @@
+"""The ways home that the views show with the cursor: where RTL would fly if it were ordered at that moment."""
+
+from typing import Any
+
+import numpy as np
+
+from ipoa_mission.forecast.endings import Endings, endings_of
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.vehicles.ending import Ending
+
+MOST = 150  # ways that a page holds: a flight of ten minutes has one for each four seconds
+CENTIMETERS = 2
+
+
+def ways_home(forecast: Forecast) -> list[dict[str, Any]]:
+    """For moments of the flight, in their order: `from` when [s], whether it is `clear`, and its `points` (n, 3) [m].
+
+    None where the vehicle has no such ending, or nobody knows where it leads. Of several ways that a return may take
+    the first is shown.
+    """
+    if forecast.promise_if_known is None or Ending.RTL not in endings_of(forecast):
+        return []
+    ways = Endings(forecast).ways
+    if ways.why_unknown() is not None:
+        return []
+    looks = ways.looks(Ending.RTL)
+    shown = np.unique(np.linspace(0, len(looks.times) - 1, min(MOST, len(looks.times))).round().astype(int))
+    return [
+        {
+            "from": round(float(looks.times[n]), CENTIMETERS),
+            "clear": bool(looks.clear[n]),
+            "points": looks.ways[n][looks.taken[n]][0].round(CENTIMETERS).tolist(),
+        }
+        for n in shown
+        if looks.taken[n].any()
+    ]
