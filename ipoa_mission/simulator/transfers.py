@@ -119,6 +119,8 @@ class MissionService:
     @property
     def deadline(self) -> float:
         """When `tick` is next needed."""
+        if not self._incoming and not self._readers:
+            return math.inf
         uploads = [one.exchange.deadline for one in self._incoming.values()]
         return min((*uploads, *(reader.deadline for reader in self._readers.values())), default=math.inf)
 

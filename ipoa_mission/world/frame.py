@@ -77,10 +77,14 @@ class LocalFrame:
         return Geodetic(float(lat[0]), float(lon[0]), float(alt[0]))
 
     def _transform(self, x: Vector, y: Vector, z: Vector, direction: str) -> tuple[Vector, Vector, Vector]:
-        """PROJ's answer as arrays. The first point goes twice: pyproj takes an array of one for a number, and warns."""
-        doubled = (np.concatenate([axis[:1], axis]) for axis in (x, y, z))
-        x, y, z = _topocentric(self.home).transform(*doubled, direction=direction)
-        return x[1:], y[1:], z[1:]
+        """PROJ's answer as arrays. Of one point numbers are given: pyproj warns of an array of one."""
+        transform = _topocentric(self.home).transform
+        if len(x) != 1:
+            x, y, z = transform(x, y, z, direction=direction)
+            return x, y, z
+        one = transform(float(x[0]), float(y[0]), float(z[0]), direction=direction)
+        x, y, z = np.array(one)[:, None]
+        return x, y, z
 
 
 @lru_cache(maxsize=64)
