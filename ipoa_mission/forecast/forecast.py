@@ -185,7 +185,7 @@ class Forecast:
     def promise_if_known(self) -> "Promise | None":
         """The same; None where nobody can say how it will be flown."""
         try:
-            return self.promise if self.mission.items else None
+            return self.promise if self.itinerary.visits else None
         except MissionError:
             return None
 

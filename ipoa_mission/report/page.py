@@ -84,7 +84,7 @@ def report_html(
     course = follow(estimate.track, airspace)
     track = None if flight is None else flown_track(mission, flight)
     flown = None if track is None else follow(track, airspace)
-    places = np.array([stop.place for stop in stop_list if stop.place is not None])
+    places = np.array([stop.place for stop in stop_list if stop.place is not None]).reshape(-1, 3)
     danger = dangers(course, scenario)
     extent = extent_of(places, course.points, *([] if flown is None else [flown.points]))
     comparison = None if flight is None else compare_flight(estimate, flight)

@@ -49,7 +49,7 @@ def _apart(points: Points) -> Vector:
 def _bends(track: Track) -> tuple[Vector, Vector]:
     """Times, and the greatest lateral acceleration round each of them [m/s^2]."""
     begin, end = float(track.times[0]), float(track.times[-1])
-    looks = np.arange(begin, max(end, begin + 3 * LOOK_EVERY_S) + LOOK_EVERY_S, LOOK_EVERY_S)
+    looks = np.arange(begin, max(end, begin + SMOOTHED_LOOKS * LOOK_EVERY_S) + LOOK_EVERY_S, LOOK_EVERY_S)
     level = track.at(looks)[:, :2]
     velocity = np.gradient(level, LOOK_EVERY_S, axis=0)
     accel = np.gradient(velocity, LOOK_EVERY_S, axis=0)

@@ -40,7 +40,7 @@ def ground_plan(
         _relief(*ground_mesh_over(airspace, extent.lower, extent.upper, 120)),
         *(_footprint(body, highest) for body in sorted(bodies, key=lambda b: float(b.bounds[1, 2]))),
         _tube(course.points, tube.level),
-        _line(np.vstack([stop.way for stop in stops if stop.place is not None]), "legs"),
+        _line(np.vstack([np.zeros((0, 3)), *(stop.way for stop in stops if stop.place is not None)]), "legs"),
         _line(course.points, "planned"),
     ]
     if flown is not None:
