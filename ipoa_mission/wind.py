@@ -35,6 +35,11 @@ class Wind:
             return self.speed
         return self.speed * math.pow(max(height, 0.0) / self.gradient_height, self.exponent)
 
+    def towards(self, height: float) -> tuple[float, float]:
+        """What it blows towards the east and the north at a height over home [m/s]."""
+        share = self.at(height) / self.speed if self.speed else 0.0
+        return self.east * share, self.north * share
+
     @property
     def east(self) -> float:
         """The part that blows towards the east [m/s]."""

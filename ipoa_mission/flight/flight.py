@@ -15,6 +15,7 @@ from ipoa_mission.files import make_folder, write_atomically
 from ipoa_mission.finding import Finding
 from ipoa_mission.flight.summary import (
     clearance_as_json,
+    energy_as_json,
     limits_as_json,
     option_as_json,
     passed_over_as_json,
@@ -22,6 +23,7 @@ from ipoa_mission.flight.summary import (
     rounded,
     route_summary,
 )
+from ipoa_mission.forecast.energy import Budget, budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.qgroundcontrol import COUNTS
@@ -100,8 +102,13 @@ class Flight:
 
     @property
     def energy(self) -> Consumption | None:
-        """What it takes; None without an airframe."""
+        """What it takes; None without an airframe or a vehicle that was learned."""
         return self.forecast.energy
+
+    @property
+    def budget(self) -> Budget | None:
+        """The same item by item, against the battery."""
+        return budget_of(self.forecast)
 
     @property
     def name(self) -> str:
@@ -133,6 +140,7 @@ class Flight:
     def summary(self) -> dict[str, object]:
         """What NAME.json holds: metres, seconds, degrees; `legs` are those that will be flown."""
         scenario, plan, estimate, energy = self.scenario, self.plan, self.estimate, self.energy
+        budget = self.budget
         ground, parameters = landing_height(self.mission), dict(self.mission.parameters)
         return {
             "name": scenario.name,
@@ -155,6 +163,7 @@ class Flight:
                 "route": route_summary(estimate),
             },
             "energy_wh": None if energy is None else rounded(energy.energy_wh),
+            **({} if budget is None else {"energy": energy_as_json(budget)}),
             **({"parameters": parameters} if parameters else {}),
             "remarks": list(self.remarks),
             "passed_over": passed_over_as_json(scenario),
@@ -213,8 +222,8 @@ def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     options = weigh_routes(plan, scenario, found.route)
     mission = forecast.mission
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
-    findings = refuse_errors(check(forecast))
     expect_to_come_home(scenario, forecast.energy)
+    findings = refuse_errors(check(forecast))
     messages = (words for finding in findings for words in (finding.message, finding.hint) if words)
     planned = (
         *slowed_stretches(forecast),
