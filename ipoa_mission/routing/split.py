@@ -105,7 +105,7 @@ class _Parts:
         if reached == begin:
             short = tried[begin + 1]
             assert short is not None
-            raise short
+            raise type(short)(f"item {self.turns[begin] + 1} is too far for one battery: {short}", hint=short.hint)
         why: MissionError | None = None
         for end in range(reached, begin, -1):
             for way in self._ways_back(begin):

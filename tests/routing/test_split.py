@@ -89,7 +89,7 @@ def test_one_battery_that_is_enough_is_one_flight_and_none_is_refused() -> None:
     scenario = world(400.0)
     mission = strips(scenario)
     assert split(mission, scenario) == (mission,)
-    with pytest.raises(NotEnoughBattery, match="battery: expected a reserve"):
+    with pytest.raises(NotEnoughBattery, match="item 3 is too far for one battery: battery: expected a reserve"):
         split(mission, world(3.0))
     bare = scenario.model_copy(update={"vehicle": scenario.vehicle.model_copy(update={"battery": None})})
     with pytest.raises(BadInput, match=r"vehicle\.battery: expected one"):

@@ -101,14 +101,14 @@ def _columns(seconds: PowerSeconds) -> Points:
 def _fit(seconds: PowerSeconds) -> tuple[Vector, Vector]:
     """The numbers (5,) in the order of `NAMES`, and their standard deviations."""
     columns, watts = _columns(seconds), seconds.watts
-    hover = float(np.median(watts))
+    hover = max(float(np.median(watts)), 1.0)
     least = np.array([0.0, -np.inf, 0.0, -np.inf, -np.inf])  # hovering and drag take something
     noise = 0.05 * hover
     for _ in range(3):
         weight = 1.0 / noise / np.sqrt(ALONE_S)
         rows = np.vstack([columns * weight, np.diag(1.0 / (OFF * hover))])
         wanted = np.concatenate([watts * weight, BELIEVED / OFF])
-        values = np.asarray(lsq_linear(rows, wanted, (least, np.inf)).x)
+        values = np.asarray(lsq_linear(rows, wanted, (least, np.inf), method="bvls").x)
         noise = max(float(np.std(watts - columns @ values)), 1e-3 * hover)
     return values, np.sqrt(np.diag(np.linalg.inv(rows.T @ rows)))
 
