@@ -72,6 +72,7 @@ from ipoa_mission.report.plots import write_picture as write_picture
 from ipoa_mission.routing.assemble import assemble as assemble
 from ipoa_mission.routing.assemble import weigh_routes as weigh_routes
 from ipoa_mission.routing.route import NoRoute as NoRoute
+from ipoa_mission.routing.split import split as split
 from ipoa_mission.scenario import Scenario as Scenario
 from ipoa_mission.scenario import read_scenario as read_scenario
 from ipoa_mission.scenario.limits import Limits as Limits

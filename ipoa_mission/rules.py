@@ -159,6 +159,21 @@ RULES: Mapping[str, Rule] = {
         "Set the return altitude that the hint names.",
         True,
     ),
+    "battery-short": Rule(
+        "The flight would land with less than the battery's reserve, or may empty it.",
+        "Take the battery that the hint names, fly a shorter way or at another speed, or split the mission.",
+        True,
+    ),
+    "battery-unsure": Rule(
+        "One flight in twenty would land with less than the battery's reserve.",
+        "Learn the vehicle from its logs, so that its energy is surer, or leave more.",
+        False,
+    ),
+    "battery-no-return": Rule(
+        "From some second on, an RTL would land with less than the battery's reserve, or not get home.",
+        "Turn back before it, or have a rally point nearer; from there on it lands where it is.",
+        True,
+    ),
     "map-not-understood": Rule(
         "A leg leads over a thing of a map whose height nobody knows.",
         "Give its height, as the hint says, or fly round it.",

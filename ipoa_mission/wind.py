@@ -35,6 +35,16 @@ class Wind:
             return self.speed
         return self.speed * math.pow(max(height, 0.0) / self.gradient_height, self.exponent)
 
+    @classmethod
+    def towards_north_east(cls, north: float, east: float) -> "Wind":
+        """One that blows towards there [m/s]."""
+        return cls(math.hypot(north, east), math.degrees(math.atan2(-east, -north)) % 360.0)
+
+    def towards(self, height: float) -> tuple[float, float]:
+        """What it blows towards the east and the north at a height over home [m/s]."""
+        share = self.at(height) / self.speed if self.speed else 0.0
+        return self.east * share, self.north * share
+
     @property
     def east(self) -> float:
         """The part that blows towards the east [m/s]."""

@@ -75,10 +75,12 @@ def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Findi
 
             findings += check_fence(flown)
         if scenario is not None:  # what looks at a world is imported where there is one
+            from ipoa_mission.checks.energy import check_energy
             from ipoa_mission.checks.failsafe_return import check_failsafe_return
 
             promise = None if refusals(mission) or is_too_long(mission) else flown.promise_if_known
             findings += _check_world(flown, promise)
+            findings += () if promise is None else check_energy(flown)
             if promise is not None and not any(finding.severity is Severity.ERROR for finding in findings):
                 findings += check_failsafe_return(flown)
     findings = [finding for finding in findings if finding.code not in ignored]

@@ -103,7 +103,10 @@ def estimate(
     from ipoa_mission.checks.firmware import check_firmware
     from ipoa_mission.checks.positions import refusals
     from ipoa_mission.cli.reading import read_given, read_world
+    from ipoa_mission.cli.summary import energy_in_words
     from ipoa_mission.finding import Severity
+    from ipoa_mission.flight.summary import energy_as_json
+    from ipoa_mission.forecast.energy import budget_of
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.mission.commands import short_name
 
@@ -112,15 +115,15 @@ def estimate(
     if wrong := refusals(given.mission):
         raise BadInput("\n".join(f"{file}: {words}" for words in wrong))
     refused = (f.message for f in check_firmware(given.mission) if f.severity is Severity.ERROR)
-    mission, prediction, energy = forecast.mission, forecast.estimate, forecast.energy
+    mission, prediction, budget = forecast.mission, forecast.estimate, budget_of(forecast)
     remarks = (*given.remarks, *refused, *prediction.remarks)
     if as_json:
-        energy_wh = None if energy is None else round(energy.energy_wh, 3)
+        energy: dict[str, Any] = {"energy_wh": None if budget is None else round(budget.used.energy_wh, 3)}
+        energy |= {} if budget is None else {"energy": energy_as_json(budget)}
         firmware = mission.autopilot.facts(mission.firmware_version)
-        tell_json(
-            estimate_as_json(prediction) | {"firmware": firmware, "energy_wh": energy_wh, "remarks": list(remarks)}
-        )
+        tell_json(estimate_as_json(prediction) | energy | {"firmware": firmware, "remarks": list(remarks)})
         return
+    items = budget.items if budget else (None,) * len(prediction.items)
     rows = [
         (
             str(item.seq),
@@ -131,18 +134,21 @@ def estimate(
             f"{item.done_s:.1f}",
             f"{max(item.done_s - item.low_s, item.high_s - item.done_s):.1f}",
             _risk(item.missed.share, item.missed.cost_s),
+            "" if taken is None else f"{taken.takes.likely:.1f}",
+            "" if taken is None or taken.left is None else f"{max(taken.left.likely, 0.0):.0%}",
             item.reason,
         )
-        for item in prediction.items
+        for item, taken in zip(prediction.items, items, strict=True)
     ]
-    columns = ["item", "", "leg\nm", "peak\nm/s", "takes\ns", "done\ns", "±\ns", "missed", "what keeps it slow"]
+    columns = ["item", "", "leg\nm", "peak\nm/s", "takes\ns", "done\ns", "±\ns", "missed", "takes\nWh", "left"]
+    columns.append("what keeps it slow")
     title = f"{file.name} on {mission.autopilot.checked_for(mission.firmware_version)}, from arming"
     tell_table(title, columns, rows)
     tell(*notes(remarks))
     tell(
         *route_in_words(prediction),
         f"estimated {prediction.total_s:.1f} s (between {prediction.low_s:.0f} and {prediction.high_s:.0f})",
-        *([] if energy is None else [f"energy {energy}"]),
+        *([] if budget is None else energy_in_words(budget)),
     )
 
 

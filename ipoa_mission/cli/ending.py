@@ -37,7 +37,7 @@ def _row(row: EndingRow) -> dict[str, Any]:
         "required_m": _rounded(row.required_m),
         **picked(row, "to", "goal"),
         "duration_s": times,
-        "energy_wh": None if row.energy_wh is None else _rounded(row.energy_wh),
+        "energy_wh": None if row.energy_wh is None else [_rounded(wh) for wh in row.energy_wh],
         "lands": lands,
     }
 
@@ -58,7 +58,8 @@ def tell_endings(rows: tuple[EndingRow, ...], failsafes: tuple[Failsafe, ...]) -
     if not rows:
         tell(NO_ENDINGS)
         return
-    columns = ["ending", "from\ns", "to\ns", "clear", "least\nm", "required\nm", "to", "leads to", "takes\ns"]
+    columns = ["ending", "from\ns", "to\ns", "clear", "least\nm", "required\nm", "to", "leads to"]
+    columns += ["takes\ns", "takes\nWh"]
     tell_table("how this flight can end, seconds from arming", columns, [_cells(row) for row in rows])
     causes = ["cause", "parameter", "ending"]
     decided = [(one.cause, _setting(one), str(one.route)) for one in failsafes]
@@ -108,10 +109,11 @@ def _sign(row: EndingRow) -> str:
 
 def _cells(row: EndingRow) -> tuple[str, ...]:
     takes = "" if row.duration_s is None else f"{row.duration_s[0]:.0f} to {row.duration_s[1]:.0f}"
+    energy = "" if row.energy_wh is None else f"{row.energy_wh[0]:.1f} to {row.energy_wh[1]:.1f}"
     least = f"{row.least_m:.2f}" if math.isfinite(row.least_m) else ""
     clear = "yes" if row.clear else "NO"
     times = f"{row.from_s:.1f}", f"{row.to_s:.1f}"
-    return (str(row.ending), *times, clear, least, f"{row.required_m:.2f}", row.to, row.goal, takes)
+    return (str(row.ending), *times, clear, least, f"{row.required_m:.2f}", row.to, row.goal, takes, energy)
 
 
 def _setting(failsafe: Failsafe) -> str:

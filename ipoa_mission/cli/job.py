@@ -12,7 +12,7 @@ from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.reading import read_given
 from ipoa_mission.cli.telling import progress_bar
-from ipoa_mission.flight.flight import Flight, plan_flight
+from ipoa_mission.flight.flight import Flight, plan_flight, plan_for_batteries
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.logs.learn.vehicle_file import read_vehicle
@@ -74,6 +74,12 @@ def plan(scenario: Scenario, seed: int, wind: Wind | None = None) -> Flight:
     """`plan_flight` with a bar that shows how far it is."""
     with left_behind("nothing was written"), progress_bar("planning") as show:
         return plan_flight(scenario, wind=wind, seed=seed, progress=show)
+
+
+def plan_parts(scenario: Scenario, seed: int, wind: Wind | None = None) -> tuple[Flight, tuple[Forecast, ...]]:
+    """`plan_for_batteries` with the same bar."""
+    with left_behind("nothing was written"), progress_bar("planning") as show:
+        return plan_for_batteries(scenario, wind=wind, seed=seed, progress=show)
 
 
 def adapt_scenario(path: Path, search: SearchOptions, flown_by: FlownByOptions) -> Scenario:

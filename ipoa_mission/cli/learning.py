@@ -48,10 +48,15 @@ def learn(
 
     expect_free([out], force, ask=not as_json)
     flights, remarks, version = _gathered(files)
-    judged = left_out(flights)
+    judged = left_out(flights) if len(flights) > 1 else ()
     vehicle = replace(fit(flights), version=version)
     before, after = median_errors(judged)
-    if before > 0 and not after < before:
+    if len(flights) == 1:
+        if vehicle.hover_power is None:
+            left_out(flights)  # which says what is missing
+        vehicle = vehicle.with_numbers(dict.fromkeys(UNSURE))
+        remarks.append("one flight tells its vehicle's power; its times are judged by others, and need them")
+    elif before > 0 and not after < before:
         words = f"the flights left out are timed no better by what the others tell: {after:.1%} off, not {before:.1%}"
         if vehicle.hover_power is None:
             raise MissionError(words, hint="the estimate is as good without a vehicle file")
@@ -65,7 +70,8 @@ def learn(
         tell_json(_as_json(vehicle, judged, (before, after)) | {"not_told": why} | told)
         return
     columns = ["flight", "flown\ns", "estimated\ns", "with the\nvehicle s", "measured\nWh", "estimated\nWh"]
-    tell_table("each flight by what the others tell", columns, [_row(one) for one in judged])
+    if judged:
+        tell_table("each flight by what the others tell", columns, [_row(one) for one in judged])
     tell(*_words(vehicle, flights))
     if before > 0:
         tell(f"median error of a flight {after:.1%}, {before:.1%} without")

@@ -1,10 +1,16 @@
 """`plan` and `schema`: from a scenario file to mission files."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
 
 from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
 from ipoa_mission.cli.options import ForceOption, JsonOption, OutOption, ReportOption, ScenarioArgument
 from ipoa_mission.cli.telling import tell_json
+
+if TYPE_CHECKING:
+    from ipoa_mission.scenario import Scenario
 
 
 def plan(
@@ -12,6 +18,9 @@ def plan(
     search: SearchOptions,
     flown_by: FlownByOptions,
     out: OutOption = Path(),
+    split: Annotated[
+        bool, typer.Option("--split", help="If one battery is not enough, write the fewest flights: NAME-1.plan ...")
+    ] = False,
     report: ReportOption = False,
     force: ForceOption = False,
     as_json: JsonOption = False,
@@ -32,6 +41,9 @@ def plan(
     air = flown_by.air
     adapted = adapt_scenario(scenario, search, flown_by)
     expect_free(not_as_written(out, adapted.name, report), force, ask=not as_json)
+    if split:
+        _plan_in_parts(adapted, search.seed, flown_by, out, force, as_json)
+        return
     flight = plan_it(adapted, search.seed, air)
     files = [*flight.write(out)]
     if report:
@@ -41,6 +53,26 @@ def plan(
         tell_json(flight.summary() | {"written": [str(file) for file in files]})
     else:
         tell_planned(flight, files)
+
+
+def _plan_in_parts(
+    scenario: "Scenario", seed: int, flown_by: FlownByOptions, out: Path, force: bool, as_json: bool
+) -> None:
+    """Write a flight as one mission for each battery."""
+    from ipoa_mission.cli.job import plan_parts
+    from ipoa_mission.cli.overwriting import expect_free
+    from ipoa_mission.cli.summary import tell_parts
+    from ipoa_mission.flight.parts import names_of, parts_summary, write_parts
+
+    whole, parts = plan_parts(scenario, seed, flown_by.air)
+    if len(parts) > 1:
+        expect_free([path for path in names_of(whole, parts, out) if path.exists()], force, ask=not as_json)
+    files = write_parts(whole, parts, out) if len(parts) > 1 else whole.write(out)
+    if as_json:
+        summary = parts_summary(whole, parts) if len(parts) > 1 else whole.summary()
+        tell_json(summary | {"written": [str(file) for file in files]})
+    else:
+        tell_parts(whole, parts, files)
 
 
 def schema() -> None:

@@ -48,7 +48,9 @@ def show(
 
     from ipoa_mission.checks.positions import refusals
     from ipoa_mission.cli.reading import read_given, read_world
+    from ipoa_mission.cli.summary import energy_in_words
     from ipoa_mission.errors import MissionError
+    from ipoa_mission.forecast.energy import budget_of
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.report.exports.table import rows_of, shown
 
@@ -60,10 +62,13 @@ def show(
     mission = forecast.mission
     rows, errors = rows_of(forecast), refusals(mission)
     done: dict[int, float] = {}
+    energy: list[str] = []
     try:
         if not errors:
             timed = forecast.estimate
             done = {item.seq: item.done_s for item in timed.items}
+            budget = budget_of(forecast)
+            energy = [] if budget is None else energy_in_words(budget)
         total = f"estimated {timed.total_s:.0f} s" if not errors else "no time: a position or height makes no sense"
     except MissionError as error:
         total = f"no time: {error}"
@@ -93,7 +98,7 @@ def show(
     climbs = [row.climb for row in rows if row.climb is not None]
     up, down = sum(c for c in climbs if c > 0), -sum(c for c in climbs if c < 0)
     length = sum(row.length for row in rows if row.length is not None)
-    tell(f"{length:.0f} m, {up:.0f} m up and {down:.0f} m down; {total}", *notes(remarks))
+    tell(f"{length:.0f} m, {up:.0f} m up and {down:.0f} m down; {total}", *energy, *notes(remarks))
     if endings:
         from ipoa_mission.checks.firmware import is_too_long
         from ipoa_mission.cli.ending import tell_strip

@@ -1,10 +1,12 @@
 """What a planned flight is like, in a few lines for a human."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from ipoa_mission.cli.telling import tell, tell_table
 from ipoa_mission.flight.flight import Flight
+from ipoa_mission.forecast.energy import Budget, budget_of
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.tube.promise import Promise
 from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST
 
@@ -26,9 +28,41 @@ def describe(flight: Flight) -> list[str]:
         *promised(flight.promise),
         f"estimated {estimate.total_s:.1f} s",
     ]
-    lines += [] if flight.energy is None else [f"energy {flight.energy}"]
+    lines += [] if flight.budget is None else energy_in_words(flight.budget)
     warnings = [words for f in flight.findings for words in (str(f), *([f"hint: {f.hint}"] if f.hint else []))]
     return [*lines, *warnings, *(f"note: {remark}" for remark in flight.notes)]
+
+
+def tell_parts(whole: Flight, parts: Sequence[Forecast], written: Iterable[Path]) -> None:
+    """Print a flight that is flown with a battery for each part."""
+    if len(parts) < 2:
+        tell_planned(whole, written)
+        return
+    tell(*describe(whole))
+    rows = []
+    for number, part in enumerate(parts, 1):
+        budget = budget_of(part)
+        assert budget is not None, "it was split by its energy"
+        left = budget.left(budget.used.between)
+        share, takes = "" if left is None else f"{left.likely:.0%}", str(budget.used.between)
+        rows.append((str(number), str(len(part.mission.items)), f"{part.estimate.total_s:.1f}", takes, share))
+    tell_table(f"{len(parts)} flights, a battery each", ["flight", "items", "takes\ns", "takes\nWh", "left"], rows)
+    tell("", f"written: {', '.join(map(str, written))}")
+
+
+def energy_in_words(budget: Budget) -> list[str]:
+    """What the flight takes and leaves in the battery, and whether that is enough."""
+    lines, left = [f"energy {budget.used}"], budget.left(budget.used.between)
+    if left is not None and budget.battery is not None:
+        shares = f"{left.likely:.0%} ({left.low:.0%} to {left.high:.0%})"
+        lines.append(
+            f"lands with {shares} of {budget.battery.capacity_wh:.4g} Wh, {budget.battery.reserve:.0%} required"
+        )
+    if budget.shortage is not None:
+        lines.append(f"not to be flown: {budget.shortage}")
+    elif (late := budget.no_return) is not None:
+        lines.append(f"no RTL from item {late.seq} on, {late.time:.0f} s after arming: {late.why}")
+    return lines
 
 
 def promised(promise: Promise | None) -> list[str]:

@@ -1,6 +1,5 @@
 """A flight from its scenario to its files; what fails a check does not come out."""
 
-import json
 import logging
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
@@ -14,7 +13,9 @@ from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.files import make_folder, write_atomically
 from ipoa_mission.finding import Finding
 from ipoa_mission.flight.summary import (
+    as_text,
     clearance_as_json,
+    energy_as_json,
     limits_as_json,
     option_as_json,
     passed_over_as_json,
@@ -22,6 +23,7 @@ from ipoa_mission.flight.summary import (
     rounded,
     route_summary,
 )
+from ipoa_mission.forecast.energy import Budget, budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.qgroundcontrol import COUNTS
@@ -41,6 +43,7 @@ from ipoa_mission.routing.homeward import planned_way_home
 from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
 from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.routing.slower import slowed_stretches
+from ipoa_mission.routing.split import split
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import expect_to_come_home
 from ipoa_mission.vehicles.energy.flight import Consumption
@@ -100,8 +103,13 @@ class Flight:
 
     @property
     def energy(self) -> Consumption | None:
-        """What it takes; None without an airframe."""
+        """What it takes; None without an airframe or a vehicle that was learned."""
         return self.forecast.energy
+
+    @property
+    def budget(self) -> Budget | None:
+        """The same item by item, against the battery."""
+        return budget_of(self.forecast)
 
     @property
     def name(self) -> str:
@@ -126,13 +134,14 @@ class Flight:
         plan, waypoints, about = (folder / f"{self.name}{suffix}" for suffix in (".plan", ".waypoints", ".json"))
         contents = {plan: plan_text(self.mission), waypoints: waypoints_text(self.mission)}
         told = self.summary() | {"sha256": {path.name: digest(text) for path, text in contents.items()}}
-        contents[about] = json.dumps(told, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+        contents[about] = as_text(told)
         write_with_parameters(self.mission, contents)
         return (*contents, *([beside(plan)] if self.mission.parameters else []))
 
     def summary(self) -> dict[str, object]:
         """What NAME.json holds: metres, seconds, degrees; `legs` are those that will be flown."""
         scenario, plan, estimate, energy = self.scenario, self.plan, self.estimate, self.energy
+        budget = self.budget
         ground, parameters = landing_height(self.mission), dict(self.mission.parameters)
         return {
             "name": scenario.name,
@@ -155,6 +164,7 @@ class Flight:
                 "route": route_summary(estimate),
             },
             "energy_wh": None if energy is None else rounded(energy.energy_wh),
+            **({} if budget is None else {"energy": energy_as_json(budget)}),
             **({"parameters": parameters} if parameters else {}),
             "remarks": list(self.remarks),
             "passed_over": passed_over_as_json(scenario),
@@ -201,10 +211,28 @@ def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, 
         (True, ['sitl.plan', 'sitl.waypoints', 'sitl.json'])
     """
     with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
-        return _plan_flight(scenario if wind is None else scenario.in_wind(wind), seed, progress)
+        flight = _plan_flight(scenario if wind is None else scenario.in_wind(wind), seed, progress)
+    expect_to_come_home(flight.scenario, flight.energy)
+    return flight
+
+
+def plan_for_batteries(
+    scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, progress: Progress = silent
+) -> tuple[Flight, tuple[Forecast, ...]]:
+    """The same where one battery may be too little: the whole, and the fewest flights that each come home with one.
+
+    Raises:
+        BadInput: as `plan_flight`; or the scenario has no battery.
+        MissionError: as `plan_flight`, or as `split`.
+    """
+    with threadpool_limits(1, "blas"):
+        flight = _plan_flight(scenario if wind is None else scenario.in_wind(wind), seed, progress)
+        flown = flight.scenario
+        return flight, tuple(Forecast(part, flown) for part in split(flight.mission, flown))
 
 
 def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
+    """A flight that keeps everything but, it may be, the reserve of its battery."""
     world = scenario.airspace
     log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
     found = plan_with_room(scenario, seed, progress)
@@ -213,8 +241,7 @@ def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     options = weigh_routes(plan, scenario, found.route)
     mission = forecast.mission
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
-    findings = refuse_errors(check(forecast))
-    expect_to_come_home(scenario, forecast.energy)
+    findings = refuse_errors([finding for finding in check(forecast) if finding.code != "battery-short"])
     messages = (words for finding in findings for words in (finding.message, finding.hint) if words)
     planned = (
         *slowed_stretches(forecast),

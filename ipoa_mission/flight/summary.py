@@ -1,5 +1,6 @@
 """The parts of NAME.json: what is told of a flight to machines. The same flight gives the same numbers."""
 
+import json
 import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
@@ -7,13 +8,20 @@ from typing import TYPE_CHECKING, Any
 from ipoa_mission.centimeters import down, up
 
 if TYPE_CHECKING:  # `check` and `estimate` tell some of it, and do without what plans
+    from ipoa_mission.forecast.energy import Budget
     from ipoa_mission.forecast.timing.estimate import Estimate
     from ipoa_mission.forecast.tube.promise import Kept, Promise
     from ipoa_mission.planning.proof import Proof
     from ipoa_mission.routing.assemble import Option
     from ipoa_mission.scenario import Scenario
+    from ipoa_mission.vehicles.energy.flight import Interval
 
 MILLIMETRES = 1000
+
+
+def as_text(told: dict[str, Any]) -> str:
+    """The text of NAME.json."""
+    return json.dumps(told, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def clearance_as_json(promise: "Promise | None") -> dict[str, Any]:
@@ -44,6 +52,26 @@ def _kept_as_json(kept: "Kept") -> dict[str, Any]:
 def passed_over_as_json(scenario: "Scenario") -> list[dict[str, Any]]:
     """What the scenario's maps have that became no obstacle, counted by file and reason."""
     return [asdict(counted) for counted in scenario.passed_counts]
+
+
+def energy_as_json(budget: "Budget") -> dict[str, Any]:
+    """What a flight takes, low, likely and high [Wh], and the shares of its battery that are left; by item too."""
+    late = budget.no_return
+    return {
+        "energy_wh": [rounded(wh) for wh in budget.used.between],
+        "capacity_wh": None if budget.battery is None else rounded(budget.battery.capacity_wh),
+        "reserve": None if budget.battery is None else rounded(budget.battery.reserve),
+        "left": _shares(budget.left(budget.used.between)),
+        "no_return": None if late is None else {"seq": late.seq, "time_s": rounded(late.time), "why": late.why},
+        "items": [
+            {"seq": item.seq, "energy_wh": [rounded(wh) for wh in item.takes], "left": _shares(item.left)}
+            for item in budget.items
+        ],
+    }
+
+
+def _shares(left: "Interval | None") -> list[float] | None:
+    return None if left is None else [rounded(share) for share in left]
 
 
 def route_summary(estimate: "Estimate") -> dict[str, float] | None:

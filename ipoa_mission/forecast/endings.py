@@ -13,12 +13,11 @@ from numpy.typing import NDArray
 
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.energy import flown_from
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.looks import GROUND, EndingLooks, EndingWays
-from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel
 from ipoa_mission.geometry import Vector
 from ipoa_mission.planning.proof import prove_ground
-from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.failsafe import Failsafe
 from ipoa_mission.world.airspace import Clearance
@@ -53,9 +52,9 @@ class EndingRow:
 
     `least_m` is what is kept at least of the nearest thing, `to`, once the tube is taken off: a distance, or where `to`
     is the ground a height; infinite where nothing is near, NaN where it is not known where the ending leads, and `to`
-    says why. `duration_s` is from the order to the ground at the quickest and at the slowest, `energy_wh` the most that
-    it takes; None where nobody can say. `lands`: east and north of home [m], None where it holds, or where the place
-    changes all the time.
+    says why. `duration_s` is from the order to the ground at the quickest and at the slowest, `energy_wh` the least
+    and the most that it takes; None where nobody can say. `lands`: east and north of home [m], None where it holds, or
+    where the place changes all the time.
     """
 
     ending: Ending
@@ -68,7 +67,7 @@ class EndingRow:
     goal: str
     lands: tuple[float, float] | None = None
     duration_s: tuple[float, float] | None = None
-    energy_wh: float | None = None
+    energy_wh: tuple[float, float] | None = None
 
     @property
     def leads(self) -> str:
@@ -171,26 +170,13 @@ class Endings:
             return row
         picked = {run[round(share * (len(run) - 1))] for share in np.linspace(0.0, 1.0, TIMED)}
         try:
-            flown = [self._flown(row.ending, looks, n) for n in sorted(picked)]
+            flown = [flown_from(self.forecast, row.ending, float(looks.times[n])) for n in sorted(picked)]
         except MissionError:
             return row
-        used = [energy for _, energy in flown if energy is not None]
+        used = [taken.between for _, taken in flown if taken is not None]
         lasts = min(low for (low, _), _ in flown), max(high for (_, high), _ in flown)
-        return replace(row, duration_s=lasts, energy_wh=max(used, default=None))
-
-    def _flown(self, ending: Ending, looks: EndingLooks, n: int) -> tuple[tuple[float, float], float | None]:
-        """The least and the most time that an ending takes from one place [s], and its energy [Wh]."""
-        forecast, mission = self.forecast, self.mission
-        time = float(looks.times[n])
-        model, order = mission.autopilot.part(FlightModel), BrokenOff(time, ending)
-        prediction = model.broken_off(forecast.itinerary, mission, forecast.wind, None, order)
-        track = prediction.track
-        after = track.times >= time
-        used = flight_energy(
-            forecast.world, track.times[after], track.points[after], track.speeds[after], mission.vehicle
-        )
-        lasts = float(prediction.low[-1]) - time, float(prediction.high[-1]) - time
-        return lasts, None if used is None else used.energy_wh
+        takes = (min(one.low for one in used), max(one.high for one in used)) if used else None
+        return replace(row, duration_s=lasts, energy_wh=takes)
 
 
 def _runs(taken: NDArray[np.bool_], clear: NDArray[np.bool_]) -> Iterator[range]:

@@ -171,7 +171,8 @@ class Forecast:
             return None
         from ipoa_mission.scenario.budget import flight_energy
 
-        return flight_energy(self.scenario, track.times, track.points, track.speeds, self.mission.vehicle)
+        used = flight_energy(self.scenario, track.times, track.points, track.speeds, self.mission.vehicle, self.wind)
+        return None if used is None else used.lasting(self.estimate.low_s, self.estimate.high_s)
 
     @cached_property
     def promise(self) -> "Promise":

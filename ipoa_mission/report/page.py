@@ -15,6 +15,7 @@ import numpy as np
 from ipoa_mission.checks.check import check
 from ipoa_mission.files import write_atomically
 from ipoa_mission.finding import Finding
+from ipoa_mission.forecast.energy import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.commands import WAYPOINTS
@@ -89,7 +90,7 @@ def report_html(
     extent = extent_of(places, course.points, *([] if flown is None else [flown.points]))
     comparison = None if flight is None else compare_flight(estimate, flight)
     tube = tube_of(forecast)
-    battery, home = scenario.vehicle.battery, ways_home(forecast)
+    home = ways_home(forecast)
     parts = {
         "title": escape(scenario.name),
         "subtitle": escape(_subtitle(scenario, mission)),
@@ -100,8 +101,7 @@ def report_html(
             float(course.along[-1]),
             sum(stop.item.command in WAYPOINTS for stop in stop_list),
             comparison,
-            forecast.energy,
-            battery,
+            budget_of(forecast),
         ),
         "warnings": warnings(danger, findings, [*remarks, *estimate.remarks]),
         "map": ground_plan(scenario, extent, stop_list, course, flown, tube),

@@ -74,19 +74,41 @@ class AirframeSection(Section):
         )
 
 
+COLD, WARM = (-18.0, 0.5), (27.0, 1.0)  # degrees Celsius, and the share of its capacity that a battery gives there
+
+
 class BatterySection(Section):
     """The battery; with it, a plan that would land with less than the reserve is refused."""
 
-    capacity_wh: Positive
-    """Energy that it gives when full; less than is printed on it once it is old or cold."""
+    capacity_wh: Positive | None = None
+    """Energy that is printed on it, or in its place `capacity_mah` and `voltage`."""
+    capacity_mah: Positive | None = None
+    """Charge that is printed on it."""
+    voltage: Positive | None = None
+    """Its nominal voltage: 3.7 V times the number of cells in series, or as printed [V]."""
+    health: Annotated[float, Field(gt=0, le=1)] = 1.0
+    """Share of the capacity that age has left, as a charger or `SOH` of a smart battery tells it."""
+    temperature: Annotated[float, Field(ge=COLD[0], le=60)] | None = None
+    """Of the battery as it takes off [degrees Celsius]: a cold one gives less, at -18 half of what it gives at 27, and
+    in proportion between (Battery University, BU-502). Left out, it is warm."""
     reserve: Annotated[float, Field(ge=0, lt=1)] = 0.2
-    """Share that must be left after landing."""
+    """Share of what it gives that must be left after landing."""
     head_wind: NotNegative = 0.0
-    """Wind to reckon with, blowing against the flight all the way [m/s]."""
+    """Wind to reckon with besides that under `[wind]`, blowing against the flight all the way [m/s]."""
+
+    @model_validator(mode="after")
+    def _one_capacity(self) -> "BatterySection":
+        by_charge = self.capacity_mah is not None and self.voltage is not None
+        if (self.capacity_wh is not None) == by_charge or (self.capacity_mah is None) != (self.voltage is None):
+            raise ValueError("expected either capacity_wh, or capacity_mah and voltage")
+        return self
 
     def build(self) -> Battery:
-        """The battery itself."""
-        return Battery(self.capacity_wh, self.reserve)
+        """The battery itself, as old and cold as it is."""
+        wh = self.capacity_wh or (self.capacity_mah or 0.0) / 1000.0 * (self.voltage or 0.0)
+        warm = 1.0 if self.temperature is None else (min(self.temperature, WARM[0]) - COLD[0]) / (WARM[0] - COLD[0])
+        given = COLD[1] + warm * (WARM[1] - COLD[1])
+        return Battery(wh * self.health * given, self.reserve)
 
 
 class VehicleSection(Section):

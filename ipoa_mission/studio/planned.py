@@ -50,7 +50,8 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
     scenario, estimate, promise = flight.scenario, flight.estimate, flight.promise
     course = seen.follow(estimate.track, scenario.airspace, SAMPLES)
     kept, rim = promise.clearance, seen.tube_of(flight.forecast)
-    energy, battery = flight.energy, scenario.vehicle.battery
+    budget = flight.budget
+    left = None if budget is None else budget.left(budget.used.between)
     return answers.Plan(
         revision=revision,
         name=flight.name,
@@ -65,8 +66,8 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
         low_s=round(estimate.low_s, 2),
         high_s=round(estimate.high_s, 2),
         length=round(float(course.along[-1]), 1),
-        energy_wh=None if energy is None else round(energy.energy_wh, 2),
-        battery_left=None if energy is None or battery is None else round(float(energy.left(battery.build())), 3),
+        energy_wh=None if budget is None else round(budget.used.energy_wh, 2),
+        battery_left=None if left is None else round(left.likely, 3),
         tube_ring=tuple(on_map(scenario.frame, ring) for ring in seen.outline_round(course.points, rim.level)),
         course=_course(course, scenario),
         stops=tuple(answers.Stop(seq=item.seq, at=course.nearest(item.done_s)) for item in estimate.items),

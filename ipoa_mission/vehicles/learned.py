@@ -21,8 +21,11 @@ class LearnedVehicle:
     """The numbers of one vehicle; None where its flights do not tell, so that the simulated vehicle's counts.
 
     `drag` is a multiple of the simulated vehicle's, `lag` [s] that of rotors and rate loop; it lifts off `lift_delay`
-    [s] and disarms after a landing `landing_delay` [s] later than that one, or earlier if negative; hovering takes
-    `hover_power` [W] out of its batteries. `version` and `flights`: of what they were learned.
+    [s] and disarms after a landing `landing_delay` [s] later than that one, or earlier if negative. Hovering takes
+    `hover_power` [W] out of its batteries; an airspeed v up to `airspeed` [m/s] takes `square_power` v^2 and
+    `cube_power` v^3 [W] more, and each m/s of climb or of descent `climb_power` or `descent_power` [W] more, which may
+    be negative. `energy_ratio`: how many times as much as that flights take. `version` and `flights`: of what they were
+    learned.
     """
 
     autopilot: Autopilot
@@ -31,6 +34,12 @@ class LearnedVehicle:
     lift_delay: Learned | None = None
     landing_delay: Learned | None = None
     hover_power: Learned | None = None
+    square_power: Learned | None = None
+    cube_power: Learned | None = None
+    climb_power: Learned | None = None
+    descent_power: Learned | None = None
+    airspeed: Learned | None = None
+    energy_ratio: Learned | None = None
     version: str = ""
     flights: int = 0
 

@@ -123,7 +123,7 @@ def test_a_vehicle_file_is_read_as_it_was_written(tmp_path: Path) -> None:
     ("text", "words"),
     [
         ("", 'autopilot: expected "ardupilot" or "px4", not None'),
-        ("autopilot = 'px4'\nmass = 3", "mass: expected one of autopilot, drag"),
+        ("autopilot = 'px4'\nmass = 3", "mass: expected one of airspeed, autopilot, climb_power"),
         ("autopilot = 'px4'\ndrag = 3", "drag: expected value, low, high"),
         ("autopilot = 'px4'\n[drag]\nvalue = 0\nlow = 0\nhigh = 1", "drag.value: expected a number up to 50, not 0"),
         (

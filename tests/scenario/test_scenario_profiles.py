@@ -121,6 +121,34 @@ def test_a_hover_power_that_was_learned_sets_the_level() -> None:
     assert alone.energy_wh == pytest.approx(6.0)
 
 
+@pytest.mark.parametrize(
+    ("battery", "gives"),
+    [
+        ("capacity_wh = 100.0", 100.0),
+        ("capacity_mah = 5000.0, voltage = 22.2", 111.0),
+        ("capacity_wh = 100.0, health = 0.8", 80.0),
+        ("capacity_wh = 100.0, temperature = -18.0", 50.0),
+        ("capacity_wh = 100.0, temperature = 4.5", 75.0),
+        ("capacity_wh = 100.0, temperature = 35.0", 100.0),
+        ("capacity_mah = 5000.0, voltage = 22.2, health = 0.9, temperature = 27.0", 99.9),
+    ],
+)
+def test_a_battery_gives_what_its_age_and_its_temperature_leave(battery: str, gives: float) -> None:
+    section = read(f"vehicle = {{ airframe = {{ {AIRFRAME} }}, battery = {{ {battery} }} }}").vehicle.battery
+    assert section is not None
+    assert section.build().capacity_wh == pytest.approx(gives)
+
+
+@pytest.mark.parametrize(
+    "battery",
+    ["reserve = 0.2", "capacity_mah = 5000.0", "capacity_wh = 9.0, voltage = 22.2", "voltage = 22.2",
+     "capacity_wh = 90.0, capacity_mah = 5000.0, voltage = 22.2"],
+)  # fmt: skip
+def test_a_battery_has_one_capacity(battery: str) -> None:
+    with pytest.raises(BadInput, match="expected either capacity_wh, or capacity_mah and voltage"):
+        read(f"vehicle = {{ airframe = {{ {AIRFRAME} }}, battery = {{ {battery} }} }}")
+
+
 def test_a_flight_beyond_the_battery_is_refused_and_wind_counts() -> None:
     enough = f"vehicle = {{ airframe = {{ {AIRFRAME} }}, battery = {{ capacity_wh = 6.5, reserve = 0.2 }} }}"
     expect_to_come_home(read(enough), flight_energy(read(enough), *MINUTE))

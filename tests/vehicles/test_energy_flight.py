@@ -100,7 +100,7 @@ def test_a_track_that_does_not_go_on_is_refused(times: list[float]) -> None:
 
 
 def used(energy_wh: float) -> Consumption:
-    return Consumption(energy_wh, 200.0, 300.0, np.array([200.0]))
+    return Consumption(np.array([0.0, 3600.0]), np.array([energy_wh]))
 
 
 def test_a_flight_that_keeps_the_reserve_passes() -> None:

@@ -15,8 +15,8 @@ from ipoa_mission.logs.flight_log import LoggedFlight, read_flights
 from ipoa_mission.logs.learn.witness import Witness, witness_of
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.energy.flight import hovering
 from ipoa_mission.vehicles.learned import LearnedVehicle
+from ipoa_mission.wind import Wind
 from ipoa_mission.world.frame import Geodetic
 
 NOWHERE = Geodetic(0.0, 0.0, 0.0)
@@ -38,14 +38,16 @@ class Evidence:
     witness: Witness = field(default_factory=Witness)
 
     def energy(self, vehicle: LearnedVehicle) -> float | None:
-        """What the mission takes of this vehicle [Wh]; None where its hover power or the mission's end is not known."""
+        """What the mission takes of this vehicle in the wind that its lean told [Wh].
+
+        None where its hover power or the mission's end is not known.
+        """
         if not self.visits or vehicle.hover_power is None:
             return None
-        forecast = Forecast(replace(self.mission, vehicle=vehicle))
+        forecast = Forecast(replace(self.mission, vehicle=vehicle), wind=Wind.towards_north_east(*self.witness.wind))
         if self.visits[-1] + 1 < len(forecast.itinerary.visits):
             return None
-        track = forecast.predicted(sure=False, fast=True).track
-        return hovering(vehicle.hover_power.value, track.times, track.points, track.speeds).energy_wh
+        return None if forecast.energy is None else forecast.energy.energy_wh
 
     def forecast(self, vehicle: LearnedVehicle | None) -> Vector:
         """How long the items take on this vehicle (n,) [s].

@@ -16,6 +16,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.logs.learn.evidence import Evidence, errors, scatter
+from ipoa_mission.logs.learn.powers import learned_powers
 from ipoa_mission.logs.learn.witness import hover_power
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
@@ -43,12 +44,13 @@ def fit(flights: Sequence[Evidence]) -> LearnedVehicle:
         if deviation < TOLD * UNSURE[name] and abs(value) > NINE_IN_TEN * deviation
     )
     power = hover_power([flight.witness for flight in flights])
-    if not told and power is None:
+    powers = learned_powers([flight.witness.powers for flight in flights if flight.witness.powers is not None])
+    if not told and power is None and not powers:
         raise MissionError(
             "the flights do not tell anything that sets this vehicle apart",
             hint="without attitudes in the log drag shows only near the top speed; fly faster, or give more logs",
         )
-    blank = replace(blank, hover_power=power)
+    blank = replace(blank, hover_power=power).with_numbers(powers)
     values, sure = _solve(flights, blank, told) if told else ((), ())
     intervals = {
         name: Learned(*(_number(autopilot, name, value + n * deviation) for n in (0.0, -NINE_IN_TEN, NINE_IN_TEN)))

@@ -4,6 +4,8 @@ A steady lean holds what the air takes: g tan(lean) less the acceleration is the
 the velocity less the wind. Factor, wind and a lean that is measured askew are fitted to a whole flight.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
@@ -24,8 +26,21 @@ AS_A_MODEL = 0.05  # standard deviation of ln drag from flight to flight: it is 
 BELIEVED = np.array([0.7, 3.0, 3.0, 0.2, 0.2])
 
 
-def drag_by_lean(attitude: Points, track: LoggedTrack, autopilot: Autopilot) -> tuple[float, float]:
+@dataclass(frozen=True)
+class Leaned:
     """The logarithm of the drag as a multiple of the simulated vehicle's, and its standard deviation.
+
+    And the wind, towards the north and the east, and how sure it is [m/s].
+    """
+
+    drag: float
+    deviation: float
+    wind: tuple[float, float]
+    wind_deviation: float
+
+
+def drag_by_lean(attitude: Points, track: LoggedTrack, autopilot: Autopilot) -> Leaned:
+    """What the lean tells of drag and wind.
 
     `attitude` (n, 4) is as in `Measured`.
 
@@ -60,8 +75,10 @@ def drag_by_lean(attitude: Points, track: LoggedTrack, autopilot: Autopilot) -> 
     for _ in range(2):
         fitted = least_squares(misfit, np.zeros(5), args=(noise,))
         noise *= float(np.std(fitted.fun[:-5])) * np.sqrt(ALONE)
-    variance = float(np.linalg.inv(fitted.jac.T @ fitted.jac)[0, 0])
-    return float(fitted.x[0]), float(np.sqrt(variance + AS_A_MODEL**2))
+    variances = np.diag(np.linalg.inv(fitted.jac.T @ fitted.jac))
+    drag, north, east = (float(number) for number in fitted.x[:3])
+    deviation = float(np.sqrt(variances[0] + AS_A_MODEL**2))
+    return Leaned(drag, deviation, (north, east), float(np.sqrt(variances[1:3].max())))
 
 
 def _smoothed(values: Points) -> Points:

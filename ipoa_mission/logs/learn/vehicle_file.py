@@ -10,7 +10,8 @@ from ipoa_mission.files import read_bytes
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
 
-NUMBERS = ("drag", "lag", "lift_delay", "landing_delay", "hover_power")
+POWERS = ("hover_power", "square_power", "cube_power", "climb_power", "descent_power", "airspeed", "energy_ratio")
+NUMBERS = ("drag", "lag", "lift_delay", "landing_delay", *POWERS)
 PLAIN = {"autopilot", "version", "flights"}
 UNITS = {
     "drag": "times that of the simulated vehicle",
@@ -18,9 +19,16 @@ UNITS = {
     "lift_delay": "how much later it lifts off [s]",
     "landing_delay": "how much later it disarms after landing [s]",
     "hover_power": "out of the batteries in hover [W]",
+    "square_power": "more by the square of the airspeed [W/(m/s)^2]",
+    "cube_power": "more by its cube [W/(m/s)^3]",
+    "climb_power": "more for climbing [W/(m/s)]",
+    "descent_power": "more for coming down [W/(m/s)]",
+    "airspeed": "up to which that was seen [m/s]",
+    "energy_ratio": "of a flight to what these powers come to",
 }
-POSITIVE = ("drag", "lag", "hover_power")
-MOST = {"drag": 50.0, "lag": 2.0, "lift_delay": 120.0, "landing_delay": 120.0, "hover_power": 100_000.0}
+POSITIVE = ("drag", "lag", "hover_power", "airspeed", "energy_ratio")
+MOST = {"drag": 50.0, "lag": 2.0, "lift_delay": 120.0, "landing_delay": 120.0, "airspeed": 100.0, "energy_ratio": 5.0}
+MOST |= {name: 100_000.0 for name in POWERS if name not in MOST}
 LARGEST = 100_000  # bytes of a file
 
 

@@ -9,11 +9,13 @@ from scipy.special import stdtrit
 from ipoa_mission.errors import MissionError
 from ipoa_mission.logs.flight_log import LoggedFlight
 from ipoa_mission.logs.learn.lean import drag_by_lean
+from ipoa_mission.logs.learn.powers import PowerSeconds
 from ipoa_mission.logs.learn.track import CLEAR, LoggedTrack, logged_track
 from ipoa_mission.vehicles.learned import Learned
 
 SLOW, LEVEL, LEAST_S = 2.0, 0.3, 3.0  # hovering: the most level and upright [m/s], and how long at least [s]
 SECONDS_AN_HOUR = 3600.0
+SURE = 1.0  # [m/s]: a wind that is less sure is taken for none
 WHOLE = 0.95  # of a flight: who measured so much of it measured its energy
 NINE_IN_TEN = 0.95  # quantile of the upper end
 TOLD = 0.25  # of the power: a hover power that is less sure on either side has not been told
@@ -23,10 +25,13 @@ TOLD = 0.25  # of the power: a hover power that is less sure on either side has 
 class Witness:
     """None where the log does not tell, and `reasons` says why, by the name of the vehicle's number.
 
-    `leaned`: the logarithm of the drag over the simulated vehicle's, and its standard deviation.
+    `leaned`: the logarithm of the drag over the simulated vehicle's, and its standard deviation; `wind`: towards the
+    north and the east as the lean tells it [m/s], where it does.
     """
 
     leaned: tuple[float, float] | None = None
+    wind: tuple[float, float] = (0.0, 0.0)
+    powers: PowerSeconds | None = None
     hover_w: float | None = None
     energy_wh: float | None = None
     reasons: Mapping[str, str] = field(default_factory=dict)
@@ -34,24 +39,28 @@ class Witness:
 
 def witness_of(flight: LoggedFlight) -> Witness:
     """All that the log measured of a flight."""
-    leaned = hover_w = energy_wh = None
+    leaned = hover_w = energy_wh = powers = None
+    wind = (0.0, 0.0)
     reasons = {}
     try:
         track = logged_track(flight)
     except MissionError as error:
         return Witness(reasons={"drag": str(error), "hover_power": str(error)})
     try:
-        leaned = drag_by_lean(flight.measured.attitude, track, flight.autopilot)
+        by_lean = drag_by_lean(flight.measured.attitude, track, flight.autopilot)
+        leaned = by_lean.drag, by_lean.deviation
+        wind = by_lean.wind if by_lean.wind_deviation < SURE else wind
     except MissionError as error:
         reasons["drag"] = str(error)
     try:
         times, watts = flight.measured.power().T
         if np.ptp(times) > WHOLE * np.ptp(track.times):
             energy_wh = float(np.trapezoid(watts, times)) / SECONDS_AN_HOUR
+        powers = PowerSeconds.of(times, watts, track, wind)
         hover_w = _in_hover(times, watts, track)
     except MissionError as error:
         reasons["hover_power"] = str(error)
-    return Witness(leaned, hover_w, energy_wh, reasons)
+    return Witness(leaned, wind, powers, hover_w, energy_wh, reasons)
 
 
 def _in_hover(times: np.ndarray, watts: np.ndarray, track: LoggedTrack) -> float:

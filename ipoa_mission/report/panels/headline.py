@@ -6,6 +6,7 @@ from html import escape
 
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.finding import Finding, Severity
+from ipoa_mission.forecast.energy import Budget
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.qgroundcontrol import COUNTS
 from ipoa_mission.forecast.tube.promise import Kept, Promise
@@ -13,8 +14,6 @@ from ipoa_mission.planning.proof import Proof
 from ipoa_mission.report.compare import Comparison
 from ipoa_mission.report.seen import Danger
 from ipoa_mission.report.words import meters, number, seconds, share
-from ipoa_mission.scenario.vehicle import BatterySection
-from ipoa_mission.vehicles.energy.flight import Consumption
 
 
 def verdict(
@@ -56,8 +55,7 @@ def figures(
     length: float,
     waypoints: int,
     comparison: Comparison | None,
-    energy: Consumption | None,
-    battery: BatterySection | None,
+    budget: Budget | None,
 ) -> str:
     """The headline numbers."""
     interval = f"{seconds(estimate.low_s)} to {seconds(estimate.high_s)}"
@@ -71,8 +69,8 @@ def figures(
     if estimate.route.seconds > 0:
         against = f"{number(estimate.route.ratio, 2)} times the lower bound, {seconds(estimate.route.least)}"
         cards.append(_card("first place to last waypoint", seconds(estimate.route.seconds), against))
-    if energy is not None:
-        cards.append(_energy(energy, battery))
+    if budget is not None:
+        cards.append(_energy(budget))
     return f'<dl class="figures">{"".join(cards)}</dl>'
 
 
@@ -101,13 +99,17 @@ def _kept(kept: Kept, confidence: float | None) -> str:
     return _card(f"{100 * confidence:g}\N{NO-BREAK SPACE}% of flights keep", value, note, look)
 
 
-def _energy(used: Consumption, battery: BatterySection | None) -> str:
+def _energy(budget: Budget) -> str:
     """What the flight takes, and how full the battery comes home beside the reserve that it must keep."""
-    value = f"{number(used.energy_wh, 1)}\N{NO-BREAK SPACE}Wh"
+    used, battery = budget.used, budget.battery
+    value, between = f"{number(used.energy_wh, 1)}\N{NO-BREAK SPACE}Wh", used.between
+    sure = f"{number(between.low, 1)} to {number(between.high, 1)} Wh"
     if battery is None:
-        return _card("energy", value, f"{number(used.mean_w, 0)} W on average, {number(used.peak_w, 0)} W at most")
-    left = max(used.left(battery.build()), 0.0)
-    note = f"{left:.0%} of {battery.capacity_wh:g} Wh left, {battery.reserve:.0%} required"
+        return _card("energy", value, f"{sure}; {number(used.mean_w, 0)} W on average")
+    left = max(used.left(battery), 0.0)
+    note = f"{sure}; {left:.0%} of {battery.capacity_wh:.4g} Wh left, {battery.reserve:.0%} required"
+    if (late := budget.no_return) is not None:
+        note += f"; no RTL from item {late.seq} on"
     bar = (
         f'<i class="battery" role="img" aria-label="{escape(note)}"><i style="width:{left:.1%}"></i>'
         f'<b style="left:{battery.reserve:.1%}"></b></i>'

@@ -1,12 +1,15 @@
 """The energy of a flight along a track, and the battery that must hold it with its reserve."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.vehicles.energy.curve import PowerCurve
 from ipoa_mission.vehicles.energy.power import PowerModel, air_density, power
+from ipoa_mission.wind import CALM, Wind
 
 JOULES_A_WATT_HOUR = 3600.0
 LIFTED = 0.1  # who is so far from where he began does not stand any more [m]
@@ -16,9 +19,20 @@ class NotEnoughBattery(MissionError):
     """The flight would come home with less than the reserve, or not at all."""
 
 
+class Interval(NamedTuple):
+    """A number with its interval: nine flights in ten lie from `low` to `high`."""
+
+    low: float
+    likely: float
+    high: float
+
+    def __str__(self) -> str:
+        return f"{self.likely:.1f} ({self.low:.1f} to {self.high:.1f})"
+
+
 @dataclass(frozen=True)
 class Battery:
-    """A battery: what it holds when full [Wh], and the share of it that must be left after landing."""
+    """A battery: what it gives when full [Wh], and the share of it that must be left after landing."""
 
     capacity_wh: float
     reserve: float = 0.2
@@ -30,18 +44,77 @@ class Battery:
                 f"not {self.capacity_wh:g} Wh and {self.reserve:g}"
             )
 
+    @property
+    def usable_wh(self) -> float:
+        """What may be taken without touching the reserve [Wh]."""
+        return self.capacity_wh * (1.0 - self.reserve)
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, eq=False)
 class Consumption:
-    """What a flight takes: all of it [Wh], mean and highest power [W], and the power of each span (n-1,) [W]."""
+    """What a flight takes: at `times` (n,) [s] the spans between them draw `spans_w` (n-1,) [W].
 
-    energy_wh: float
-    mean_w: float
-    peak_w: float
+    Nine flights in ten draw from `least_w` to `most_w` (n-1,) [W]; both are `spans_w` where nobody says how sure it is.
+    """
+
+    times: Vector
     spans_w: Vector
+    least_w: Vector = field(default_factory=lambda: np.empty(0))
+    most_w: Vector = field(default_factory=lambda: np.empty(0))
+
+    def __post_init__(self) -> None:
+        for name in ("least_w", "most_w"):
+            if not len(getattr(self, name)):
+                object.__setattr__(self, name, self.spans_w)
 
     def __str__(self) -> str:
-        return f"{self.energy_wh:.1f} Wh, {self.mean_w:.0f} W on average"
+        between = self.between
+        unsure = f" ({between.low:.1f} to {between.high:.1f})" if between.high > between.low else ""
+        return f"{self.energy_wh:.1f} Wh{unsure}, {self.mean_w:.0f} W on average"
+
+    @property
+    def energy_wh(self) -> float:
+        """All of it [Wh]."""
+        return self.between.likely
+
+    @property
+    def mean_w(self) -> float:
+        """The mean power [W]."""
+        return self.energy_wh * JOULES_A_WATT_HOUR / float(self.times[-1] - self.times[0])
+
+    @property
+    def peak_w(self) -> float:
+        """The highest power [W]."""
+        return float(self.spans_w.max())
+
+    @property
+    def between(self) -> Interval:
+        """All of it with its interval [Wh]."""
+        return self.until(float(self.times[-1]))
+
+    def until(self, time: float) -> Interval:
+        """What was taken up to a time [s], with its interval [Wh]."""
+        return Interval(*(float(np.interp(time, self.times, used)) for used in self._used))
+
+    @property
+    def _used(self) -> tuple[Vector, Vector, Vector]:
+        lasts = np.diff(self.times) / JOULES_A_WATT_HOUR
+        low, likely, high = (
+            np.concatenate([[0.0], np.cumsum(drawn * lasts)]) for drawn in (self.least_w, self.spans_w, self.most_w)
+        )
+        return low, likely, high
+
+    def widened(self, low: float, high: float) -> "Consumption":
+        """The same if it draws from so many times as much as its least to so many times as much as its most."""
+        return replace(self, least_w=self.least_w * low, most_w=self.most_w * high)
+
+    def lasting(self, least_s: float, most_s: float) -> "Consumption":
+        """The same of a flight that may last so long [s]: as unsure as its power and its time are together."""
+        lasts, taken = float(self.times[-1] - self.times[0]), self.between
+        below, above = 1.0 - taken.low / taken.likely, taken.high / taken.likely - 1.0
+        sooner, later = max(1.0 - least_s / lasts, 0.0), max(most_s / lasts - 1.0, 0.0)
+        low = max(1.0 - np.hypot(below, sooner), 0.0) / max(1.0 - below, 1e-9)
+        return self.widened(low, (1.0 + np.hypot(above, later)) / (1.0 + above))
 
     def left(self, battery: Battery) -> float:
         """The share of the battery that is left after the flight; negative if it is not enough."""
@@ -56,34 +129,47 @@ def consumption(
     altitude_amsl: float = 0.0,
     head_wind: float = 0.0,
     hover_w: float | None = None,
+    wind: Wind = CALM,
 ) -> Consumption:
     """What flying along a track takes: at `times` (n,) [s] it passes `points` (n, 3) [m] with `speeds` (n,) [m/s].
 
     Points are east, north, up; speeds are over ground, climb included. `altitude_amsl` is that of up = 0 (the air is
-    thinner higher up); `head_wind` [m/s] blows against the flight all the way, hovering too. Speeding up takes its
-    kinetic energy; slowing down gives nothing back. Speeds are not taken from the points: predictions and logs have
-    small jumps in position, and power grows with the cube of speed. `hover_w` [W], where it was measured, is what
-    hovering at up = 0 takes: all power grows or shrinks with it.
+    thinner higher up); it flies in `wind`, and `head_wind` [m/s] blows against the flight all the way besides, hovering
+    too. Speeding up takes its kinetic energy; slowing down gives nothing back. Speeds are not taken from the points:
+    predictions and logs have small jumps in position, and power grows with the cube of speed. `hover_w` [W], where it
+    was measured, is what hovering at up = 0 takes: all power grows or shrinks with it.
 
     Raises:
         BadInput: the times do not grow, or are not as many as the points and speeds.
     """
     times, points, speeds = _lasting(times, points, speeds)
-    spans = np.diff(times)
-    speed, climb = (speeds[:-1] + speeds[1:]) / 2, np.diff(points[:, 2]) / spans
-    level = np.sqrt(np.maximum(speed**2 - climb**2, 0.0))
+    airspeed, climb = _through_air(times, points, speeds, wind)
     density = air_density(altitude_amsl + (points[:-1, 2] + points[1:, 2]) / 2)
-    steady = power(airframe, level + head_wind, climb, density)
+    steady = power(airframe, airspeed + head_wind, climb, density)
     gained = np.maximum(np.diff(0.5 * airframe.mass_kg * speeds**2), 0.0)
-    drawn = steady + gained / airframe.drive_efficiency / spans
+    drawn = steady + gained / airframe.drive_efficiency / np.diff(times)
     if hover_w is not None:
         still = np.zeros(1)
         drawn *= hover_w / power(airframe, still, still, air_density(still + altitude_amsl))
-    return _consumed(times, drawn)
+    return Consumption(times, drawn)
+
+
+def by_curve(
+    curve: PowerCurve, times: Vector, points: Points, speeds: Vector, wind: Wind = CALM, head_wind: float = 0.0
+) -> Consumption:
+    """What the same track takes of a vehicle whose power was measured, from its lifting off to its touching down.
+
+    Raises:
+        BadInput: as of `consumption`.
+    """
+    times, points, speeds = _lasting(times, points, speeds)
+    airspeed, climb = _through_air(times, points, speeds, wind)
+    drawn = curve.power(airspeed + head_wind, climb) * _flies(points)
+    return Consumption(times, drawn, drawn, drawn * curve.beyond(airspeed + head_wind))
 
 
 def hovering(hover_w: float, times: Vector, points: Points, speeds: Vector) -> Consumption:
-    """What the same track takes of a vehicle of which no more is known than its power in hover [W], once it moves.
+    """What the same track takes of a vehicle of which no more is known than its power in hover [W].
 
     >>> east = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [40.0, 0.0, 0.0]])
     >>> hovering(180.0, np.array([0.0, 4.0, 24.0]), east, np.zeros(3)).energy_wh
@@ -92,10 +178,33 @@ def hovering(hover_w: float, times: Vector, points: Points, speeds: Vector) -> C
     Raises:
         BadInput: as of `consumption`.
     """
-    times, points, _ = _lasting(times, points, speeds)
+    return by_curve(PowerCurve(hover_w), times, points, speeds)
+
+
+def _flies(points: Points) -> Vector:
+    """1 in the spans (n-1,) between its leaving the place where it begins and its coming to that where it ends, else 0.
+
+    Who never moves hovers.
+    """
     away = np.linalg.norm(points - points[0], axis=1) > LIFTED
-    lifted = np.argmax(away) - 1 if away.any() else 0
-    return _consumed(times, np.where(np.arange(len(times) - 1) >= lifted, hover_w, 0.0))
+    ahead = np.linalg.norm(points - points[-1], axis=1) > LIFTED
+    if not away.any():
+        return np.ones(len(points) - 1)
+    spans = np.arange(len(points) - 1)
+    return np.asarray((spans >= np.argmax(away) - 1) & (spans <= np.flatnonzero(ahead)[-1]), float)
+
+
+def _through_air(times: Vector, points: Points, speeds: Vector, wind: Wind) -> tuple[Vector, Vector]:
+    """Airspeeds and rates of climb of the spans between samples, (n-1,) [m/s]."""
+    moved = np.diff(points, axis=0)
+    climb, speed = moved[:, 2] / np.diff(times), (speeds[:-1] + speeds[1:]) / 2
+    level = np.sqrt(np.maximum(speed**2 - climb**2, 0.0))
+    if wind == CALM:
+        return level, climb
+    along = np.hypot(moved[:, 0], moved[:, 1])
+    towards = moved[:, :2] / np.where(along > 0.0, along, np.inf)[:, None]
+    blows = np.array([wind.towards(float(up)) for up in (points[:-1, 2] + points[1:, 2]) / 2])
+    return np.hypot(*(level[:, None] * towards - blows).T), climb
 
 
 def _lasting(times: Vector, points: Points, speeds: Vector) -> tuple[Vector, Points, Vector]:
@@ -106,23 +215,31 @@ def _lasting(times: Vector, points: Points, speeds: Vector) -> tuple[Vector, Poi
     return times[lasting], points[lasting], speeds[lasting]
 
 
-def _consumed(times: Vector, drawn: Vector) -> Consumption:
-    joules = float(drawn @ np.diff(times))
-    return Consumption(joules / JOULES_A_WATT_HOUR, joules / float(times[-1] - times[0]), float(drawn.max()), drawn)
-
-
 def expect_reserve(used: Consumption, battery: Battery) -> None:
-    """Refuse a flight after which less than the reserve is left.
+    """Refuse a flight after which less than the reserve is left, or that may empty the battery.
 
     Raises:
         NotEnoughBattery: saying what the flight needs and what is left.
     """
-    left = used.left(battery)
-    if left < battery.reserve - 1e-9:  # a rounding error is no shortage
-        needed = used.energy_wh / (1 - battery.reserve)
-        outcome = f"leaves {left:.1%} of {battery.capacity_wh:g} Wh" if left > 0 else f"not {battery.capacity_wh:g} Wh"
-        raise NotEnoughBattery(
-            f"battery: expected a reserve of {battery.reserve:.0%} after landing, "
-            f"but the flight takes {used.energy_wh:.1f} Wh, {outcome}",
-            hint=f"a battery of {needed:.1f} Wh would do; or fly a shorter way, or at another speed",
-        )
+    refused = shortage(used.between, battery)
+    if refused is not None:
+        raise refused
+
+
+def shortage(used: Interval, battery: Battery) -> NotEnoughBattery | None:
+    """Why a flight that takes so much [Wh] is refused; None where it is not.
+
+    Less than the reserve would be left in the likely case, or nothing in the worse one of ten.
+    """
+    left, most = (1 - taken / battery.capacity_wh for taken in (used.likely, used.high))
+    rounding = 1e-9  # is no shortage
+    if left >= battery.reserve - rounding and most >= -rounding:
+        return None
+    takes = f"takes {used.likely:.1f} Wh" + (f" ({used.low:.1f} to {used.high:.1f})" if used.high > used.low else "")
+    outcome = f"leaves {left:.1%} of {battery.capacity_wh:.4g} Wh" if left > 0 else f"not {battery.capacity_wh:.4g} Wh"
+    outcome = outcome if left < battery.reserve - rounding else f"may take all of {battery.capacity_wh:.4g} Wh"
+    needed = max(used.likely / (1 - battery.reserve), used.high)
+    return NotEnoughBattery(
+        f"battery: expected a reserve of {battery.reserve:.0%} after landing, but the flight {takes}, {outcome}",
+        hint=f"a battery of {needed:.1f} Wh would do; or a shorter way, another speed, several flights (`plan --split`)",
+    )

@@ -1,0 +1,150 @@
+"""What one forecast's flight takes of its battery, item by item, and from where on it would not come home."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel
+from ipoa_mission.scenario.budget import battery_of, flight_energy
+from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.energy.flight import LIFTED, Battery, Consumption, Interval, NotEnoughBattery, shortage
+
+LOOKS = 12  # at so many times a return is reckoned at first
+NEAREST_S = 1.0  # a point of no return is told so exactly [s]
+
+
+class ItemEnergy(NamedTuple):
+    """What one item takes [Wh], and the share of the battery that is left after it; None without a battery."""
+
+    seq: int
+    takes: Interval
+    left: Interval | None
+
+
+class NoReturn(NamedTuple):
+    """From a time [s after arming], in item `seq`, an RTL would not land with the reserve; what it `takes` from there.
+
+    `why` says what is missing; None is taken where the vehicle does not get home at all.
+    """
+
+    time: float
+    seq: int
+    takes: Interval | None
+    why: str
+
+
+@dataclass(frozen=True, eq=False)
+class Budget:
+    """A flight against its battery; `budget_of` makes it.
+
+    Attributes:
+        forecast: whose it is.
+        used: what it takes, second by second.
+        battery: None where the scenario has none.
+    """
+
+    forecast: Forecast
+    used: Consumption
+    battery: Battery | None
+
+    def left(self, taken: Interval) -> Interval | None:
+        """The share of the battery that is left when so much [Wh] was taken; None without a battery."""
+        if self.battery is None:
+            return None
+        return Interval(*(1.0 - wh / self.battery.capacity_wh for wh in (taken.high, taken.likely, taken.low)))
+
+    @cached_property
+    def items(self) -> tuple[ItemEnergy, ...]:
+        """Item by item, in the order flown."""
+        told, before = [], Interval(0.0, 0.0, 0.0)
+        for item in self.forecast.estimate.items:
+            after = self.used.until(item.done_s)
+            takes = Interval(*(now - then for now, then in zip(after, before, strict=True)))
+            told.append(ItemEnergy(item.seq, takes, self.left(after)))
+            before = after
+        return tuple(told)
+
+    @property
+    def shortage(self) -> NotEnoughBattery | None:
+        """Why the flight is refused for its energy; None where it is not."""
+        return None if self.battery is None else shortage(self.used.between, self.battery)
+
+    @property
+    def eats_reserve(self) -> bool:
+        """Whether one flight in twenty lands with less than the reserve."""
+        return self.battery is not None and self.used.between.high > self.battery.usable_wh
+
+    @cached_property
+    def no_return(self) -> NoReturn | None:
+        """From where on an RTL would not land with the reserve; None without a battery, and where there is no such."""
+        if self.battery is None:
+            return None
+        times = list(self._times())
+        for n, time in enumerate(times):
+            found = self._short_from(time)
+            if found is None:
+                continue
+            clear = times[n - 1] if n else time
+            while found.time - clear > NEAREST_S:
+                between = (found.time + clear) / 2
+                nearer = self._short_from(between)
+                found, clear = (found, between) if nearer is None else (nearer, clear)
+            return found
+        return None
+
+    def _times(self) -> Iterator[float]:
+        """From its lifting off to its last moment in the air, with the ends of items between."""
+        track = self.forecast.estimate.track
+        flies = np.flatnonzero(np.linalg.norm(track.points - track.points[-1], axis=1) > LIFTED)
+        if not len(flies):
+            return
+        begin, end = float(track.times[flies[0]]), float(track.times[flies[-1]])
+        lifted = track.times[np.argmax(np.linalg.norm(track.points - track.points[0], axis=1) > LIFTED)]
+        done = [item.done_s for item in self.forecast.estimate.items if max(begin, lifted) < item.done_s < end]
+        some = [done[round(n)] for n in np.linspace(0, len(done) - 1, min(len(done), LOOKS))]
+        yield from dict.fromkeys([*some, end])
+
+    def _short_from(self, time: float) -> NoReturn | None:
+        seq = next((item.seq for item in self.forecast.estimate.items if item.done_s >= time), 0)
+        try:
+            _, ended = flown_from(self.forecast, Ending.RTL, time)
+        except MissionError as error:
+            return NoReturn(time, seq, None, str(error))
+        if ended is None or self.battery is None:
+            return None
+        after = Interval(*(now + then for now, then in zip(self.used.until(time), ended.between, strict=True)))
+        short = shortage(after, self.battery)
+        return None if short is None else NoReturn(time, seq, ended.between, str(short).removeprefix("battery: "))
+
+
+@lru_cache(maxsize=4)  # asked by the check, the summary and the report of one flight
+def budget_of(forecast: Forecast) -> Budget | None:
+    """The budget of a flight; None where nothing is known of its energy.
+
+    Raises:
+        MissionError: the vehicle has no model, or does not get on.
+    """
+    used = forecast.energy
+    return None if used is None else Budget(forecast, used, battery_of(forecast.scenario))
+
+
+def flown_from(forecast: Forecast, ending: Ending, time: float) -> tuple[tuple[float, float], Consumption | None]:
+    """How long an RTL or LAND that is ordered at a time takes at least and at most [s], and what it takes.
+
+    Raises:
+        MissionError: the vehicle does not get on, or its model knows no such flights.
+    """
+    mission = forecast.mission
+    order = BrokenOff(time, ending)
+    prediction = mission.autopilot.part(FlightModel).broken_off(forecast.itinerary, mission, forecast.wind, None, order)
+    track = prediction.track.between(time, np.inf)
+    lasts = float(prediction.low[-1]) - time, float(prediction.high[-1]) - time
+    if len(track.times) < 2 or not track.times[-1] > track.times[0]:
+        return lasts, None
+    used = flight_energy(forecast.scenario, track.times, track.points, track.speeds, mission.vehicle, forecast.wind)
+    return lasts, None if used is None else used.lasting(*lasts)

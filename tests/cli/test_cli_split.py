@@ -1,0 +1,43 @@
+"""`plan --split`: a survey's rows that one battery does not last for are written as missions for several."""
+
+import json
+from pathlib import Path
+
+from ipoa_mission.mission.files import read_mission
+from tests.cli.conftest import Run
+
+ROWS = [(300, 30), (300, 90), (0, 90), (0, 150), (300, 150), (300, 210)]
+SCENARIO = """
+home = { latitude_deg = 47.397742, longitude_deg = 8.545594, altitude_amsl = 488.0 }
+start = { east = 0.0, north = 30.0, up = 30.0 }
+goal = { east = 0.0, north = 210.0, up = 30.0 }
+via = [ROWS]
+
+[vehicle]
+autopilot = "ardupilot"
+cruise_speed = 8.0
+airframe = { mass_kg = 3.0, rotor_diameter = 0.35 }
+battery = { capacity_mah = 2000.0, voltage = 14.8 }
+""".replace("ROWS", ", ".join(f"{{ east = {east}.0, north = {north}.0, up = 30.0 }}" for east, north in ROWS))
+
+
+def test_a_plan_beyond_its_battery_is_refused_and_written_in_parts_with_split(run: Run, tmp_path: Path) -> None:
+    scenario = tmp_path / "rows.toml"
+    scenario.write_text(SCENARIO, encoding="utf-8")
+    refused = run(f"plan {scenario} --seed 7 --out out")
+    assert refused.code == 1
+    assert "battery: expected a reserve of 20% after landing" in " ".join(refused.err.split())
+    assert "plan --split" in " ".join(refused.err.split())
+    assert not Path("out").exists()
+    told = json.loads(run(f"plan {scenario} --seed 7 --out out --split --json").out)
+    assert [flight["file"] for flight in told["flights"]] == ["rows-1.plan", "rows-2.plan"]
+    assert not Path("out/rows.plan").exists()
+    for flight in told["flights"]:
+        assert len(read_mission(Path("out") / flight["file"]).items) == flight["items"]
+        assert flight["left"][1] > 0.2
+        assert run(f"check out/{flight['file']} --scenario {scenario}").code == 0
+    about = json.loads(Path("out/rows.json").read_text(encoding="utf-8"))
+    assert about["flights"] == told["flights"]
+    assert "2 flights, a battery each" in run(f"plan {scenario} --seed 7 --out out --split --force").out
+    timed = run(f"estimate out/rows-1.plan --scenario {scenario}").out
+    assert "20% required" in timed

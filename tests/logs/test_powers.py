@@ -1,0 +1,114 @@
+"""Power by airspeed and climb, learned from one flight, foretells what the batteries of others gave.
+
+docs/energy.csv: flights of ArduCopter 4.8.0-dev in its simulator, whose battery draws by thrust. `survey_battery` is
+cut from the first of them by `tools.fly.trim_log`, and the only one that is learned from.
+"""
+
+import csv
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from ipoa_mission.cli.app import app
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.logs.learn.evidence import flights_in
+from ipoa_mission.logs.learn.fit import fit
+from ipoa_mission.logs.learn.powers import PowerSeconds, learned_powers
+from ipoa_mission.logs.learn.vehicle_file import read_vehicle
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.energy.curve import PowerCurve
+from ipoa_mission.vehicles.energy.flight import Interval
+from ipoa_mission.vehicles.learned import LearnedVehicle
+from ipoa_mission.wind import CALM, Wind
+
+HERE = Path(__file__).parent
+REPOSITORY = HERE.parents[1]
+LOG = HERE / "survey_battery-ardupilot.bin"
+NAMES = ("hover_power", "square_power", "cube_power", "climb_power", "descent_power")
+RECORDED = (REPOSITORY / "docs" / "energy.csv").read_text(encoding="utf-8").splitlines()
+FLOWN = [row for row in csv.DictReader(RECORDED) if row["likely_wh"]]
+
+
+@cache
+def learned() -> LearnedVehicle:
+    flights, _, _, _ = flights_in(LOG)
+    return LearnedVehicle(Autopilot.ARDUPILOT).with_numbers(learned_powers([flights[0].witness.powers]))  # type: ignore[list-item]
+
+
+def forecast(row: dict[str, str]) -> Interval:
+    height = float(row["gradient_height_m"])
+    wind = Wind(float(row["wind_m_s"]), float(row["from_deg"]), 0.5 if height else 0.0, height)
+    path = REPOSITORY / row["mission"]
+    mission = read_mission(path if path.suffix else path / "mission.waypoints", Autopilot.ARDUPILOT)
+    flown = replace(mission, vehicle=learned(), landing_ground=None)  # the simulator's ground is level
+    used = Forecast(flown, wind=wind if wind.speed else CALM).energy
+    assert used is not None
+    return used.between
+
+
+@pytest.mark.parametrize("row", FLOWN[1::3], ids=lambda row: f"{row['mission']}-{row['wind_m_s']}@{row['from_deg']}")
+def test_after_one_flight_the_energy_of_others_in_wind_is_foretold(row: dict[str, str]) -> None:
+    measured, told = float(row["measured_wh"]), forecast(row)
+    assert told.likely == pytest.approx(measured, rel=0.03)
+    assert told.low < measured < told.high
+    assert told.likely == pytest.approx(float(row["likely_wh"]), abs=0.02)
+
+
+def test_all_recorded_flights_are_foretold_within_five_per_cent_and_inside_their_interval() -> None:
+    errors = [abs(float(row["likely_wh"]) / float(row["measured_wh"]) - 1.0) for row in FLOWN[1:]]
+    assert len(errors) > 20
+    assert max(errors) < 0.05
+    assert all(float(row["low_wh"]) < float(row["measured_wh"]) < float(row["high_wh"]) for row in FLOWN)
+
+
+def test_numbers_that_made_the_seconds_are_found_again() -> None:
+    """A made vehicle with a bucket in its curve, as real ones have, and noise on every second."""
+    rng = np.random.default_rng(3)
+    curve = PowerCurve(300.0, -1.2, 0.16, 25.0, -8.0)
+    airspeed, climb = rng.uniform(0.0, 14.0, 900), rng.uniform(-2.0, 2.5, 900)
+    watts = curve.power(airspeed, climb) * rng.normal(1.0, 0.03, 900)
+    numbers = learned_powers([PowerSeconds(watts, airspeed, climb, np.ones(900, bool))])
+    found = PowerCurve(*(numbers[name].value for name in NAMES))
+    speeds = np.linspace(0.0, 14.0, 8)
+    assert found.level(speeds) == pytest.approx(curve.level(speeds), rel=0.03)
+    assert numbers["climb_power"].low < 25.0 < numbers["climb_power"].high
+
+
+def test_who_never_flew_fast_tells_no_curve_and_who_never_stood_is_less_sure() -> None:
+    slow = PowerSeconds(np.full(300, 200.0), np.full(300, 2.0), np.zeros(300), np.ones(300, bool))
+    assert learned_powers([slow]) == {}
+    assert learned_powers([]) == {}
+    fast = PowerSeconds(np.full(300, 200.0), np.linspace(6.0, 9.0, 300), np.zeros(300), np.ones(300, bool))
+    both = np.concatenate([np.zeros(100), np.linspace(0.0, 9.0, 200)])
+    seen = PowerSeconds(np.full(300, 200.0), both, np.zeros(300), np.ones(300, bool))
+    assert learned_powers([fast])["energy_ratio"].high > 1.09 > learned_powers([seen])["energy_ratio"].high
+
+
+def test_learn_takes_one_flight_for_its_power_alone(tmp_path: Path) -> None:
+    out = tmp_path / "vehicle.toml"
+    done = CliRunner().invoke(app, ["learn", str(LOG), "--out", str(out)])
+    assert done.exit_code == 0, done.output
+    assert "one flight tells its vehicle's power" in " ".join(done.output.split())
+    vehicle = read_vehicle(out)
+    assert vehicle.drag is None
+    assert vehicle.hover_power is not None
+    assert vehicle.hover_power.value == pytest.approx(352.0, rel=0.03)  # 29.3 A at 12.09 V, as the simulator has it
+    assert fit(flights_in(LOG)[0]).square_power is not None
+
+
+def test_real_flights_are_foretold_by_the_others(samples: Path) -> None:
+    """Five flights of a real quadrotor in dronekit's replay log: what the others of that day tell of each."""
+    flights, _, _, _ = flights_in(samples / "dronekit+dronekit-python" / "examples" / "flight_replay" / "flight.tlog")
+    seconds = [flight.witness.powers.flown for flight in flights if flight.witness.powers is not None]
+    errors = []
+    for n, one in enumerate(seconds):
+        numbers = learned_powers([*seconds[:n], *seconds[n + 1 :]])
+        told = PowerCurve(*(numbers[name].value for name in NAMES)).power(one.airspeed, one.climb)
+        errors.append(abs(float(told.sum() / one.watts.sum()) - 1.0))
+    assert len(errors) == 5
+    assert float(np.median(errors)) < 0.08
