@@ -103,10 +103,8 @@ def estimate(
     from ipoa_mission.checks.firmware import check_firmware
     from ipoa_mission.checks.positions import refusals
     from ipoa_mission.cli.reading import read_given, read_world
-    from ipoa_mission.cli.summary import energy_in_words
     from ipoa_mission.finding import Severity
     from ipoa_mission.flight.summary import energy_as_json
-    from ipoa_mission.forecast.energy import budget_of
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.mission.commands import short_name
 
@@ -115,7 +113,11 @@ def estimate(
     if wrong := refusals(given.mission):
         raise BadInput("\n".join(f"{file}: {words}" for words in wrong))
     refused = (f.message for f in check_firmware(given.mission) if f.severity is Severity.ERROR)
-    mission, prediction, budget = forecast.mission, forecast.estimate, budget_of(forecast)
+    mission, prediction, budget = forecast.mission, forecast.estimate, None
+    if forecast.energy is not None:
+        from ipoa_mission.forecast.energy import budget_of
+
+        budget = budget_of(forecast)
     remarks = (*given.remarks, *refused, *prediction.remarks)
     if as_json:
         energy: dict[str, Any] = {"energy_wh": None if budget is None else round(budget.used.energy_wh, 3)}
@@ -148,7 +150,7 @@ def estimate(
     tell(
         *route_in_words(prediction),
         f"estimated {prediction.total_s:.1f} s (between {prediction.low_s:.0f} and {prediction.high_s:.0f})",
-        *([] if budget is None else energy_in_words(budget)),
+        *([] if budget is None else budget.words),
     )
 
 

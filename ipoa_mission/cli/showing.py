@@ -48,9 +48,7 @@ def show(
 
     from ipoa_mission.checks.positions import refusals
     from ipoa_mission.cli.reading import read_given, read_world
-    from ipoa_mission.cli.summary import energy_in_words
     from ipoa_mission.errors import MissionError
-    from ipoa_mission.forecast.energy import budget_of
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.report.exports.table import rows_of, shown
 
@@ -67,8 +65,10 @@ def show(
         if not errors:
             timed = forecast.estimate
             done = {item.seq: item.done_s for item in timed.items}
-            budget = budget_of(forecast)
-            energy = [] if budget is None else energy_in_words(budget)
+            if forecast.energy is not None:
+                from ipoa_mission.forecast.energy import budget_of
+
+                energy = budget.words if (budget := budget_of(forecast)) else []
         total = f"estimated {timed.total_s:.0f} s" if not errors else "no time: a position or height makes no sense"
     except MissionError as error:
         total = f"no time: {error}"

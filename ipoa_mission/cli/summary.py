@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ipoa_mission.cli.telling import tell, tell_table
 from ipoa_mission.flight.flight import Flight
-from ipoa_mission.forecast.energy import Budget, budget_of
+from ipoa_mission.forecast.energy import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.tube.promise import Promise
 from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST
@@ -28,7 +28,7 @@ def describe(flight: Flight) -> list[str]:
         *promised(flight.promise),
         f"estimated {estimate.total_s:.1f} s",
     ]
-    lines += [] if flight.budget is None else energy_in_words(flight.budget)
+    lines += [] if flight.budget is None else flight.budget.words
     warnings = [words for f in flight.findings for words in (str(f), *([f"hint: {f.hint}"] if f.hint else []))]
     return [*lines, *warnings, *(f"note: {remark}" for remark in flight.notes)]
 
@@ -48,21 +48,6 @@ def tell_parts(whole: Flight, parts: Sequence[Forecast], written: Iterable[Path]
         rows.append((str(number), str(len(part.mission.items)), f"{part.estimate.total_s:.1f}", takes, share))
     tell_table(f"{len(parts)} flights, a battery each", ["flight", "items", "takes\ns", "takes\nWh", "left"], rows)
     tell("", f"written: {', '.join(map(str, written))}")
-
-
-def energy_in_words(budget: Budget) -> list[str]:
-    """What the flight takes and leaves in the battery, and whether that is enough."""
-    lines, left = [f"energy {budget.used}"], budget.left(budget.used.between)
-    if left is not None and budget.battery is not None:
-        shares = f"{left.likely:.0%} ({left.low:.0%} to {left.high:.0%})"
-        lines.append(
-            f"lands with {shares} of {budget.battery.capacity_wh:.4g} Wh, {budget.battery.reserve:.0%} required"
-        )
-    if budget.shortage is not None:
-        lines.append(f"not to be flown: {budget.shortage}")
-    elif (late := budget.no_return) is not None:
-        lines.append(f"no RTL from item {late.seq} on, {late.time:.0f} s after arming: {late.why}")
-    return lines
 
 
 def promised(promise: Promise | None) -> list[str]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -79,6 +79,21 @@ class Budget:
         """Whether one flight in twenty lands with less than the reserve."""
         return self.battery is not None and self.used.between.high > self.battery.usable_wh
 
+    @property
+    def words(self) -> list[str]:
+        """What the flight takes and leaves in the battery, and whether that is enough, in lines."""
+        lines, left = [f"energy {self.used}"], self.left(self.used.between)
+        if left is not None and self.battery is not None:
+            shares = f"{left.likely:.0%} ({left.low:.0%} to {left.high:.0%})"
+            lines.append(
+                f"lands with {shares} of {self.battery.capacity_wh:.4g} Wh, {self.battery.reserve:.0%} required"
+            )
+        if self.shortage is not None:
+            lines.append(f"not to be flown: {self.shortage}")
+        elif (late := self.no_return) is not None:
+            lines.append(f"no RTL from item {late.seq} on, {late.time:.0f} s after arming: {late.why}")
+        return lines
+
     @cached_property
     def no_return(self) -> NoReturn | None:
         """From where on an RTL would not land with the reserve; None without a battery, and where there is no such."""
@@ -122,13 +137,16 @@ class Budget:
         return None if short is None else NoReturn(time, seq, ended.between, str(short).removeprefix("battery: "))
 
 
-@lru_cache(maxsize=4)  # asked by the check, the summary and the report of one flight
 def budget_of(forecast: Forecast) -> Budget | None:
-    """The budget of a flight; None where nothing is known of its energy.
+    """The budget of a flight, made once; None where nothing is known of its energy.
 
     Raises:
         MissionError: the vehicle has no model, or does not get on.
     """
+    return forecast.once(_budget)
+
+
+def _budget(forecast: Forecast) -> Budget | None:
     used = forecast.energy
     return None if used is None else Budget(forecast, used, battery_of(forecast.scenario))
 

@@ -1,8 +1,9 @@
 """The flight of a mission as it is expected: made once, and handed on to all who judge, draw, time or fly it."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +28,8 @@ if TYPE_CHECKING:  # what times a flight, or proves it, is imported where it is 
     from ipoa_mission.planning.proof import Proof
     from ipoa_mission.scenario import Scenario
     from ipoa_mission.vehicles.energy.flight import Consumption
+
+Made = TypeVar("Made")
 
 
 class Forecast:
@@ -59,6 +62,7 @@ class Forecast:
         left_out: frozenset[int] = frozenset(),
     ) -> None:
         self.left_out = left_out
+        self._made: dict[Any, Any] = {}
         self.scenario = scenario if scenario is None or wind is None else scenario.in_wind(wind)
         self.wind = wind or (CALM if scenario is None else scenario.wind.air())
         is_same = scenario is not None and mission.autopilot is scenario.vehicle.autopilot
@@ -87,6 +91,13 @@ class Forecast:
         if version is None or self.given.firmware_version is not None:
             return self
         return Forecast(replace(self.given, firmware_version=version), self.scenario, self.wind, self.left_out)
+
+    def once(self, make: "Callable[[Forecast], Made]") -> "Made":
+        """What `make` makes of it, made when it is first asked for."""
+        if make not in self._made:
+            self._made[make] = make(self)
+        made: Made = self._made[make]
+        return made
 
     @property
     def world(self) -> "Scenario":

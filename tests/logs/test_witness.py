@@ -126,7 +126,7 @@ def test_learn_writes_the_power_and_estimate_reckons_with_it(tmp_path: Path) -> 
     assert "hover_power: 26" in done.output
     assert read_vehicle(vehicle, ARDUPILOT).hover_power is not None
     told = CliRunner().invoke(app, ["estimate", str(plan), "--vehicle", str(vehicle)])
-    assert "energy 7.8 Wh" in told.output  # 7.76 Wh were measured
+    assert "energy 7.7 Wh (7.4 to 8.1)" in told.output  # 7.76 Wh were measured
     assert "energy" not in CliRunner().invoke(app, ["estimate", str(plan)]).output
 
 

@@ -278,7 +278,7 @@ def test_the_energy_stands_beside_the_reserve_and_too_little_is_marked(bowed: Bo
         page = report_html(Forecast(mission, Scenario.model_validate(text)))
         left = 1 - used / capacity
         assert f'<div class="{look}"><dt>energy</dt>' in page
-        assert f"{left:.0%} of {capacity:g} Wh left, 25% required" in page
+        assert f"{left:.0%} of {capacity:.4g} Wh left, 25% required" in page
 
 
 def test_the_route_stands_beside_the_least_time_that_its_path_takes(bowed: Bowed) -> None:
