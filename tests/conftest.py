@@ -28,20 +28,27 @@ LONGEST_S = 900.0
 
 #: A file's tests are run by one worker, which begins these files first: no other is left with one of them at the end.
 LONGEST = (
-    "cli/test_cli_both_doors.py",
     "docs/test_commands.py",
-    "studio/test_studio_page.py",
-    "planning/test_planning_planner.py",
-    "routing/test_fastest.py",
-    "report/test_report_browser.py",
-    "logs/test_learning.py",
-    "link/test_link_schedules.py",
+    "cli/test_cli_both_doors.py",
     "docs/test_api.py",
-    "world/test_world_terrain.py",
-    "world/test_world_obstacles.py",
+    "studio/test_studio_page.py",
+    "routing/test_routing_endings.py",
+    "routing/test_fastest.py",
+    "planning/test_planning_planner.py",
+    "optimize/test_independent_implementations.py",
+    "routing/test_promise_kept.py",
+    "paper/test_paper_tables.py",
+    "report/test_report_browser.py",
+    "report/test_report_page.py",
+    "studio/test_studio_ground.py",
+    "simulator/test_flight_recorded.py",
+    "simulator/test_simulator_fly.py",
+    "logs/test_learning.py",
+    "forecast/test_ground.py",
+    "link/test_link_schedules.py",
     "forecast/test_flight_times.py",
-    "cli/test_cli_main_job.py",
     "cli/test_cli_first_minute.py",
+    "cli/test_cli_main_job.py",
 )
 
 settings.register_profile("steady", deadline=None, derandomize=True)  # CI's machines are noisy; a failure comes again

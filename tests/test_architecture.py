@@ -198,7 +198,6 @@ def test_the_readme_has_every_room() -> None:
 
 #: Where names are somebody else's: MAVLink's messages, and what the studio and its page tell each other.
 VOCABULARIES = {"link/messages.py", "studio/answers.py", "studio/requests.py"}
-#: A path in the words of its room, and what the models of flight, whose sources are hashed, call their parts.
 
 
 def test_one_word_is_one_thing() -> None:

@@ -22,7 +22,7 @@ from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.proof import prove_ground
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.returning import ReturnBy
-from ipoa_mission.world.airspace import ROUNDING, Clearance
+from ipoa_mission.world.airspace import NOTHING_NEAR, ROUNDING, Clearance
 
 EVERY_S = 1.0  # between the times that are looked at first [s]
 NEAREST_S = 0.05  # they come no nearer to each other [s]
@@ -162,8 +162,11 @@ class EndingWays:
         """What one look keeps of an obstacle, to the millimeter, and of which."""
         if ending is Ending.SMART_RTL:
             return self._least_noted(looks, n)
-        ways = looks.ways[n][looks.taken[n]]
-        return min((self.roomy.airspace.obstacle_clearance(way) for way in ways), key=lambda found: found.distance)
+        least = NOTHING_NEAR
+        for way in looks.ways[n][looks.taken[n]]:
+            found = self.roomy.airspace.obstacle_clearance(way, within=least.distance)
+            least = min(least, found, key=lambda clearance: clearance.distance)
+        return least
 
     def _least_noted(self, looks: EndingLooks, n: int) -> Clearance:
         leg = int(np.argmin(looks.near[n, 0]))

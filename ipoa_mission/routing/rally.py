@@ -15,7 +15,7 @@ from ipoa_mission.world.frame import Geodetic
 MOST = 4  # rally points
 EVERY_M = 25.0  # along the path a place to land is looked for
 BESIDE = (0.0, 15.0, 30.0)  # and so far beside it [m]
-ROOM = 2.0  # around the place it is so much more than required away from everything [m]
+TO_LAND = 2.0  # around the place it is so much more than required away from everything [m]
 SAMPLED = 60  # moments of the flight from which candidates are weighed
 APART = 12.0  # from home and from each other at least [m]: PX4 passes over those within 10 m of home
 
@@ -90,10 +90,10 @@ def _with_room(ways: EndingWays, places: Points) -> Points:
         return places
     air = ways.roomy.airspace
     top = np.column_stack([places[:, :2], np.full(len(places), air.bounds.upper[2])])
-    near, _ = air.legs_clearance(top, places, ways.required + ROOM)
+    near, _ = air.legs_clearance(top, places, ways.required + TO_LAND)
     middle = (air.bounds.lower[2] + air.bounds.upper[2]) / 2
     inside = air.bounds.margin(np.column_stack([places[:, :2], np.full(len(places), middle)]))
-    return places[(near >= ways.required + ROOM) & (inside > 0.0)]
+    return places[(near >= ways.required + TO_LAND) & (inside > 0.0)]
 
 
 def _rally_point(forecast: Forecast, place: np.ndarray) -> Geodetic:

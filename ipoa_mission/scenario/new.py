@@ -25,7 +25,7 @@ from ipoa_mission.scenario.read import parse_scenario
 from ipoa_mission.vehicles.autopilot import registered
 from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame
 
-ROOM = 12.0  # a suggested take-off or goal has so much room around it [m]
+CLEAR = 12.0  # a suggested take-off or goal has so much room around it [m]
 APART = 200.0  # and lies no farther than this from the middle of the map, along either axis [m]
 TRIED_SPACING = 4.0  # distance between the places that are tried [m]
 
@@ -278,21 +278,21 @@ def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
         raise BadInput(f"{path}: expected buildings, but it has no features")
     west, south, east, north = looked.box.tolist()
     frame = LocalFrame(Geodetic((south + north) / 2, (west + east) / 2))
-    within = np.full(2, -APART - 2 * ROOM), np.full(2, APART + 2 * ROOM)
+    within = np.full(2, -APART - 2 * CLEAR), np.full(2, APART + 2 * CLEAR)
     found = search_buildings(path, BuildingRules(), frame, within)
     if not found.standing:
         found = search_buildings(path, BuildingRules(take="all"), frame, within)
     if not found.standing:
         raise BadInput(f"{path}: expected buildings, but none of {found.features} features stands in the way")
     shapes = [s.shape.buffer(s.reach) if s.reach else s.shape for s in found.standing]
-    reach = np.minimum(np.ptp(found.box.reshape(2, 2), axis=0) / 2 + 2 * ROOM, APART)
+    reach = np.minimum(np.ptp(found.box.reshape(2, 2), axis=0) / 2 + 2 * CLEAR, APART)
     sides = [np.arange(-each, each + TRIED_SPACING, TRIED_SPACING) for each in reach]
     places = np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
     in_doubt = [thing.shape for thing in found.passed_over if thing.may_stand and not shapely.is_empty(thing.shape)]
-    near = shapely.STRtree([*shapes, *in_doubt]).query(shapely.points(places), "dwithin", ROOM)[0]
+    near = shapely.STRtree([*shapes, *in_doubt]).query(shapely.points(places), "dwithin", CLEAR)[0]
     free = np.delete(places, np.unique(near), axis=0)
     if len(free) < 2:
-        raise BadInput(f"{path}: expected {ROOM:g} m of room for a take-off somewhere among the buildings")
+        raise BadInput(f"{path}: expected {CLEAR:g} m of room for a take-off somewhere among the buildings")
     ends = [free[np.argmin(np.linalg.norm(free - corner, axis=1))] for corner in (-0.8 * reach, 0.8 * reach)]
     latitude, longitude, _ = frame.to_geodetic(np.column_stack([ends, np.zeros(2)]))
     return (float(latitude[0]), float(longitude[0])), (float(latitude[1]), float(longitude[1]))

@@ -84,7 +84,7 @@ class Flat:
         return _end(heights := points[:, 2] - self.level, int(np.argmax(heights)))
 
     def legs_height(self, starts: Points, ends: Points) -> Vector:
-        """Least height above ground of each leg from `starts` to `ends` (n, 3) [m], (n,)."""
+        """Least height above ground of legs from `starts` to `ends`, (n, 3) each, (n,) [m]."""
         return np.asarray(np.minimum(starts[:, 2], ends[:, 2]) - self.level)
 
 
@@ -129,7 +129,7 @@ class SeaLevel:
         return float(heights[leg]), leg, float(lowest[leg])
 
     def legs_height(self, starts: Points, ends: Points) -> Vector:
-        """Least height above ground of legs (n, 3), (n,)."""
+        """Least height above ground of legs from `starts` to `ends`, (n, 3) each, (n,) [m]."""
         return self._lowest(starts, ends)[0]
 
     def _lowest(self, starts: Points, ends: Points) -> tuple[Vector, Vector]:
@@ -192,7 +192,7 @@ class Grid:
         return self._lowest(points, 1.0)
 
     def legs_height(self, starts: Points, ends: Points) -> Vector:
-        """Least height above ground of legs (n, 3), (n,)."""
+        """Least height above ground of legs from `starts` to `ends`, (n, 3) each, (n,) [m]."""
         heights, leg, _ = self._tried(starts, ends, 1.0)
         least = np.full(len(starts), np.inf)
         np.minimum.at(least, leg, heights)

@@ -61,6 +61,12 @@ def slow(slowed: Callable[[str], Path], name: str) -> Path:
     return slowed(name)
 
 
+@cache
+def planned(slow: Path) -> api.Flight:
+    """Python's flight of a scenario, planned once for all tests."""
+    return api.plan_flight(api.read_scenario(slow), seed=4)
+
+
 def once(answer: Callable[..., T], asked: Callable[..., object]) -> Callable[..., T]:
     """The same, which answers what it was asked before as it did then; `asked`: what of its arguments counts."""
     answers = list[tuple[object, T]]()
@@ -93,8 +99,7 @@ def looked_for_once() -> Iterator[None]:
 
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_python_the_command_line_and_the_files_give_the_same_numbers_and_bytes(run: Run, slow: Path) -> None:
-    scenario = api.read_scenario(slow)
-    flight = api.plan_flight(scenario, seed=4)
+    scenario, flight = api.read_scenario(slow), planned(slow)
     told = json.loads(run(f"plan {slow} --out cli --seed 4 --report --json").out)
     written = flight.write("api")
     assert told["written"] == [str(Path("cli") / path.name) for path in written] + ["cli/slow.html"]
@@ -127,8 +132,7 @@ def test_python_the_command_line_and_the_files_give_the_same_numbers_and_bytes(r
 
 @pytest.mark.parametrize("name", ["sitl"])
 def test_both_doors_fly_the_same_flight(run: Run, slow: Path) -> None:
-    scenario = api.read_scenario(slow)
-    flight = api.plan_flight(scenario, seed=4)
+    scenario, flight = api.read_scenario(slow), planned(slow)
     flight.report("api.html")
     api.write_report(api.Forecast(flight.mission, scenario), "by_hand.html", flight.plan, remarks=flight.remarks)
     assert Path("api.html").read_bytes() == Path("by_hand.html").read_bytes()
@@ -147,7 +151,7 @@ def test_both_doors_fly_the_same_flight(run: Run, slow: Path) -> None:
 
 @pytest.mark.parametrize("name", ["sitl"])
 def test_what_is_given_goes_before_what_the_mission_carries(run: Run, slow: Path) -> None:
-    flight = api.plan_flight(api.read_scenario(slow), seed=4)
+    flight = planned(slow)
     flight.write()
     by_command = json.loads(run("estimate slow.plan --param MPC_LAND_SPEED=0.7 --json").out)["total_s"]
     by_python = api.estimate(flight.mission, {"MPC_LAND_SPEED": 0.7}).total_s

@@ -2,7 +2,9 @@
 
 import json
 import re
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -68,9 +70,21 @@ class Reader(HTMLParser):
         return [attrs for _, attrs in self.elements if value in attrs.get(name, "").split()]
 
 
+@pytest.fixture(scope="module")
+def planned_page(planned: Planned) -> Callable[[str], str]:
+    """The page of a bowed flight with its plan, made once for all tests that only read it."""
+    return cache(lambda name: report_html(*planned(name)))
+
+
+@pytest.fixture(scope="module")
+def bowed_page(bowed: Bowed) -> Callable[[str], str]:
+    """The same without a plan."""
+    return cache(lambda name: report_html(Forecast(bowed(name)[1], bowed(name)[0])))
+
+
 @pytest.mark.parametrize("name", ["campus.toml", "downtown.toml", "sitl.toml"])
-def test_the_page_is_whole_and_asks_for_nothing_from_outside(planned: Planned, name: str) -> None:
-    page = report_html(*planned(name))
+def test_the_page_is_whole_and_asks_for_nothing_from_outside(planned_page: Callable[[str], str], name: str) -> None:
+    page = planned_page(name)
     read = Reader(page)
     for _, attrs in read.elements:
         assert not {"src", "href", "action", "srcset"} & set(attrs), attrs
@@ -97,9 +111,9 @@ def test_names_from_files_cannot_become_markup(bowed: Bowed) -> None:
     assert sum(tag == "script" for tag, _ in Reader(page).elements) == 2
 
 
-def test_waypoints_stand_on_the_map_where_they_are(bowed: Bowed) -> None:
+def test_waypoints_stand_on_the_map_where_they_are(bowed: Bowed, bowed_page: Callable[[str], str]) -> None:
     scenario, mission, _ = bowed("campus.toml")
-    read = Reader(report_html(Forecast(mission, scenario)))
+    read = Reader(bowed_page("campus.toml"))
     box = read.having("class", "map")[0]
     west, south, width, height = (float(box[f"data-{key}"]) for key in ("west", "south", "width", "height"))
     shown = []
@@ -115,19 +129,17 @@ def test_waypoints_stand_on_the_map_where_they_are(bowed: Bowed) -> None:
     assert np.abs(on_the_map - places[:, :2]).max() < 1e-4 * width
 
 
-def test_the_table_has_every_item_with_its_own_time(bowed: Bowed) -> None:
-    scenario, mission, _ = bowed("campus.toml")
-    forecast = Forecast(mission, scenario)
-    page = report_html(forecast)
-    rows = re.findall(r'<tr data-stop="(\d+)".*?<i>(\d+)</i>.*?<b>([\d.]+)</b>', page)
+def test_the_table_has_every_item_with_its_own_time(bowed: Bowed, bowed_page: Callable[[str], str]) -> None:
+    *_, timed = bowed("campus.toml")
+    rows = re.findall(r'<tr data-stop="(\d+)".*?<i>(\d+)</i>.*?<b>([\d.]+)</b>', bowed_page("campus.toml"))
     assert [(int(seq), float(done)) for _, seq, done in rows] == [
-        (item.seq, round(item.done_s, 1)) for item in forecast.estimate.items
+        (item.seq, round(item.done_s, 1)) for item in timed.items
     ]
 
 
-def test_the_script_is_given_the_world_as_it_is(bowed: Bowed) -> None:
-    scenario, mission, timed = bowed("sitl.toml")
-    data = json.loads(_data(report_html(Forecast(mission, scenario))))
+def test_the_script_is_given_the_world_as_it_is(bowed: Bowed, bowed_page: Callable[[str], str]) -> None:
+    *_, timed = bowed("sitl.toml")
+    data = json.loads(_data(bowed_page("sitl.toml")))
     mast, hangar, balloon = data["world"]["bodies"]
     assert (mast["round"], mast["base"], mast["top"]) == (True, 0.0, 60.0)
     assert len(hangar["rings"][0]) == 4
@@ -184,9 +196,9 @@ def test_a_way_home_through_a_hill_is_a_warning(bowed: Bowed) -> None:
     assert re.search(r'class="verdict bad".*Not to be flown: the path as predicted runs into the ground after', over_it)
 
 
-def test_the_terms_of_the_cost_add_up_to_the_cost(planned: Planned) -> None:
-    forecast, plan = planned("campus.toml")
-    page = report_html(forecast, plan)
+def test_the_terms_of_the_cost_add_up_to_the_cost(planned: Planned, planned_page: Callable[[str], str]) -> None:
+    _, plan = planned("campus.toml")
+    page = planned_page("campus.toml")
     cells = re.findall(r"<td>([\d.]+)</td><td class=\"words share\">.*?<span>(\d+) %", page)
     assert sum(float(cost) for cost, _ in cells) == pytest.approx(plan.cost.total, abs=0.03)
     assert sum(int(part) for _, part in cells) == pytest.approx(100, abs=2)
@@ -263,9 +275,11 @@ def test_numbers_are_written_for_people(words: str, expected: str) -> None:
     assert words.replace("\N{NO-BREAK SPACE}", " ") == expected
 
 
-def test_the_energy_stands_beside_the_reserve_and_too_little_is_marked(bowed: Bowed) -> None:
+def test_the_energy_stands_beside_the_reserve_and_too_little_is_marked(
+    bowed: Bowed, bowed_page: Callable[[str], str]
+) -> None:
     scenario, mission, timed = bowed("sitl.toml")
-    assert "energy" not in report_html(Forecast(mission, scenario))
+    assert "energy" not in bowed_page("sitl.toml")
     text = scenario.model_dump(mode="json")
     text["vehicle"]["airframe"] = {"mass_kg": 2.4, "rotor_diameter": 0.33}
     flown = Scenario.model_validate(text)
@@ -281,9 +295,11 @@ def test_the_energy_stands_beside_the_reserve_and_too_little_is_marked(bowed: Bo
         assert f"{left:.0%} of {capacity:.4g} Wh left, 25% required" in page
 
 
-def test_the_route_stands_beside_the_least_time_that_its_path_takes(bowed: Bowed) -> None:
+def test_the_route_stands_beside_the_least_time_that_its_path_takes(
+    bowed: Bowed, bowed_page: Callable[[str], str]
+) -> None:
     scenario, mission, timed = bowed("sitl.toml")
-    page = report_html(Forecast(mission, scenario)).replace("\N{NO-BREAK SPACE}", " ")
+    page = bowed_page("sitl.toml").replace("\N{NO-BREAK SPACE}", " ")
     done = {item.seq: item.done_s for item in timed.items}
     last = max(n for n, item in enumerate(mission.items, 1) if item.command == Command.NAV_WAYPOINT)
     card = r"first place to last waypoint</dt><dd>([\d.]+) s<small>([\d.]+) times the lower bound, ([\d.]+) s"

@@ -14,12 +14,18 @@ from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario, parse_scenario, read_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.vehicles.ending import Ending
+from tests.quick_search import search_quickly
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 PLANNED = (Ending.RTL, Ending.HOLD, Ending.SMART_RTL)
 SLAB = 'kind = "box"\nname = "roof"\neast = 80.0\nnorth = 0.0\nbase = 40.0\nwidth = 40.0\ndepth = 40.0\nheight = 20.0'
 BALLOON = 'kind = "sphere"\nname = "balloon"\neast = 50.0\nnorth = 1.0\nup = 30.0\nradius = 8.0'
 WALL = 'kind = "box"\nname = "wall"\neast = 45.0\nnorth = 0.0\nwidth = 4.0\ndepth = 60.0\nheight = 90.0'
+
+
+@pytest.fixture(autouse=True)
+def short_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    search_quickly(monkeypatch.setattr)
 
 
 def scene(
