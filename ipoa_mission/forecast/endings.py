@@ -23,7 +23,6 @@ from ipoa_mission.vehicles.failsafe import Failsafe
 from ipoa_mission.world.airspace import Clearance
 
 BEGUN_S = 0.6  # by so much its begin may be early or late: ArduCopter 4.8-dev is early by 0.5 s after its take-off
-AROUND = 9  # looks at one time, from where the flight may be then
 NEAREST_FEW = 6  # so many looks of a row are measured to the millimeter
 ON_GROUND, UNKNOWN = "the ground", "unknown"  # a thing and a goal
 TIMED = 3  # looks of a row from which the flight is timed
@@ -96,7 +95,7 @@ class Endings:
 
     def __init__(self, forecast: Forecast) -> None:
         self.forecast, self.mission = forecast, forecast.mission
-        self.ways = EndingWays(forecast)
+        self.ways = EndingWays(forecast, in_mean=True)
 
     def all_rows(self, timed: bool = True) -> tuple[EndingRow, ...]:
         """Every ending that the vehicle has, one after the other; as `rows`, and raises as it does."""
@@ -123,14 +122,16 @@ class Endings:
         if ending is Ending.RTL and (why := self.ways.why_unknown()) is not None:
             return EndingRow(ending, time, time, False, math.nan, self.ways.required, why, UNKNOWN)
         doubt = float(self._doubts(np.array([time]))[0])
-        looks = self.ways.at(ending, np.clip(time + doubt * np.linspace(-1.0, 1.0, AROUND), *self.ways.in_air))
-        row = self._row(ending, looks, range(AROUND), bool(looks.clear.all()))
-        row = replace(row, from_s=time, to_s=time, goal=self.ways.goal(ending, looks, AROUND // 2))
-        return self._timed(row, looks, range(AROUND // 2, AROUND // 2 + 1)) if timed else row
+        begin, end = np.clip([time - doubt, time + doubt], *self.ways.in_air)
+        looks = self.ways.looks(ending, (begin, end)).merged(self.ways.at(ending, np.clip([time], begin, end)))
+        middle = int(np.searchsorted(looks.times, np.clip(time, begin, end)))
+        row = self._row(ending, looks, range(len(looks.times)), bool(looks.clear.all()))
+        row = replace(row, from_s=time, to_s=time, goal=self.ways.goal(ending, looks, middle))
+        return self._timed(row, looks, range(middle, middle + 1)) if timed else row
 
     def _doubts(self, times: Vector) -> Vector:
         """By how much the flight may be early or late at each of these times (n,) [s]."""
-        prediction = self.forecast.promise.flight.prediction
+        prediction = self.forecast.expected
         return BEGUN_S + np.interp(times, prediction.done, (prediction.high - prediction.low) / 2)
 
     def _clear_at_any_time(self, looks: EndingLooks) -> NDArray[np.bool_]:

@@ -167,7 +167,13 @@ class Forecast:
         """The `estimate`, by arithmetic as in `predicted`."""
         from ipoa_mission.forecast.timing.estimate import times_of
 
-        return times_of(self.mission, self.itinerary, self.predicted(sure=False, fast=fast))
+        expected = self.expected if fast is None else self.predicted(sure=False, fast=fast)
+        return times_of(self.mission, self.itinerary, expected)
+
+    @cached_property
+    def expected(self) -> "Prediction":
+        """When it meets all that in the mean of its flights; raises as `predicted` does."""
+        return self.predicted(sure=False)
 
     @cached_property
     def estimate(self) -> "Estimate":

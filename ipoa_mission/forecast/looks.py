@@ -83,20 +83,32 @@ class EndingLooks:
 
 
 class EndingWays:
-    """Where the endings of one forecast's flight lead, in the world of its scenario."""
+    """Where the endings of one forecast's flight lead, in the world of its scenario.
 
-    def __init__(self, forecast: Forecast) -> None:
-        self.forecast, self.mission = forecast, forecast.mission
+    Times are those of the flight that is sure where it is; with `in_mean` those of the mean of all its flights, of
+    which some come late to a waypoint, and none early.
+    """
+
+    def __init__(self, forecast: Forecast, in_mean: bool = False) -> None:
+        self.forecast, self.mission, self.in_mean = forecast, forecast.mission, in_mean
         self.required = forecast.world.limits.obstacle_distance
         self.rally = rally_places(self.mission)
         self._stops = dict[Ending, Stops]()
 
+    def clock(self, times: Vector) -> Vector:
+        """When the flight is, in the mean, where it is at these times (n,) if it is sure where it is [s]."""
+        if not self.in_mean:
+            return times
+        sure, mean = self.forecast.promise.flight.prediction.done, self.forecast.expected.done
+        late = np.interp(times, np.append(0.0, sure), np.append(0.0, mean - sure))
+        return np.asarray(times + late)
+
     def returning(self, forecast: Forecast) -> "EndingWays":
         """The same of a forecast in this world that differs in its return altitude or rally points only."""
-        other = EndingWays(forecast)
+        other = EndingWays(forecast, self.in_mean)
         other.__dict__["roomy"] = self.roomy
         if not any(item.command == Command.NAV_RETURN_TO_LAUNCH for item in self.mission.items):
-            other.__dict__["in_air"], other._stops = self.in_air, self._stops  # it is flown as before
+            other.__dict__["_lifted"], other._stops = self._lifted, self._stops  # it is flown as before
         return other
 
     @cached_property
@@ -105,16 +117,24 @@ class EndingWays:
         return with_room(self.forecast.world, TIGHT_PLACES)
 
     @cached_property
-    def in_air(self) -> tuple[float, float]:
-        """From when to when it is in the air [s]."""
+    def _lifted(self) -> Vector:
+        """The first and the last of its times in the air, as it flies if it is sure where it is (2,) [s]."""
         track = self.forecast.promise.flight.pieces
         lifted = track.times[track.points[:, 2] > track.points[0, 2] + LIFTED]
-        return (float(lifted[0]), float(lifted[-1])) if len(lifted) else (0.0, 0.0)
+        return lifted[[0, -1]] if len(lifted) else np.zeros(2)
+
+    @cached_property
+    def in_air(self) -> tuple[float, float]:
+        """From when to when it is in the air [s]."""
+        begin, end = self.clock(self._lifted)
+        return float(begin), float(end)
 
     def stops(self, ending: Ending = Ending.RTL) -> Stops:
         """Where it comes to a stand, from every moment at which it is in the air."""
         if ending not in self._stops:
-            self._stops[ending] = stops_of(self.forecast, *self.in_air, ending)
+            begin, end = self._lifted
+            stops = stops_of(self.forecast, float(begin), float(end), ending)
+            self._stops[ending] = replace(stops, times=self.clock(stops.times))
         return self._stops[ending]
 
     def why_unknown(self) -> str | None:
@@ -132,9 +152,9 @@ class EndingWays:
             return "returns round fences are not modeled"
         return None
 
-    def looks(self, ending: Ending) -> EndingLooks:
-        """At an ending from so many times that nothing is missed between two of them."""
-        begin, end = self.in_air
+    def looks(self, ending: Ending, between: tuple[float, float] | None = None) -> EndingLooks:
+        """At an ending from so many times in the air, or between two of these, that nothing is missed."""
+        begin, end = between or self.in_air
         looks = self.at(ending, np.linspace(begin, end, max(2, round((end - begin) / EVERY_S) + 1)))
         while len(between := looks.gaps()):
             looks = looks.merged(self.at(ending, between))
@@ -208,7 +228,7 @@ class EndingWays:
 
     def _with_ground(self, looks: EndingLooks, end: int) -> EndingLooks:
         """The looks with what their ways up to place `end` keep of the ground, where that is less."""
-        begin, last = self.forecast.promise.flight.way
+        begin, last = self.clock(np.array(self.forecast.promise.flight.way))
         near, which, spare = looks.near.copy(), looks.which.copy(), looks.spare.copy()
         on_the_way = np.flatnonzero((looks.times >= begin) & (looks.times <= last))
         ways, terrain = looks.ways[on_the_way, :, :end], self.forecast.world.airspace.terrain

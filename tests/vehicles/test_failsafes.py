@@ -35,8 +35,7 @@ DOCUMENTED = {
     "FENCE_ACTION": "0:Report Only,1:RTL or Land,2:Always Land,3:SmartRTL or RTL or Land,4:Brake or Land,"
     "5:SmartRTL or Land",
     "FS_EKF_ACTION": "0:Report only,1:Switch to Land mode,2:AltHold,3:Switch to Land mode",
-    "FS_DR_ENABLE": "0:Disabled/NoAction,1:Land,2:RTL,3:SmartRTL or RTL,4:SmartRTL or Land,"
-    "6:Auto DO_LAND_START/DO_RETURN_PATH_START or RTL",
+    "FS_DR_ENABLE": "0:Disabled/NoAction,1:Land",  # the others lead home, where it drifts off its way
 }
 GRADES = "0:None,1:Warning,2:Hold mode,3:Return mode,4:Terminate,5:Land mode"
 LINK = "1:Hold mode,2:Return mode,3:Land mode,5:Terminate,6:Disarm"
@@ -50,7 +49,10 @@ OF_PX4 = {
     "COM_ACT_FAIL_ACT": "0:Warning only,1:Hold mode,2:Land mode,3:Return mode,4:Terminate",
     "NAV_TRAFF_AVOID": "0:Disabled,1:Warn only,2:Return mode,3:Land mode,4:Position Hold mode",
 }
-OF_117 = OF_PX4 | {"COM_IMB_PROP_ACT": "-1:Disabled,0:Warning,1:Return,2:Land"}
+OF_117 = OF_PX4 | {
+    "COM_IMB_PROP_ACT": "-1:Disabled,0:Warning,1:Return,2:Land",
+    "NAV_TRAFF_AVOID": "0:Disabled,1:Warn only,2:Return mode,3:Land mode,4:Disabled",  # as flown: docs/returns.csv
+}
 OF_118 = OF_PX4 | {
     "NAV_RCL_ACT": LINK + ",7:Disabled",  # "Hold mode (no failsafe)": only where it is flown by hand
     "NAV_TRAFF_AVOID": OF_PX4["NAV_TRAFF_AVOID"] + ",5:Terminate",
@@ -227,3 +229,16 @@ def test_what_decides_is_a_known_parameter() -> None:
 
 def test_the_page_is_as_the_tables() -> None:
     assert page.PAGE.read_text(encoding="utf-8") == page.page(), "run python -m tools.generate.failsafes"
+
+
+def test_home_by_dead_reckoning_is_not_known() -> None:
+    """Of two that were flown so both went through something that RTL keeps clear of."""
+    for value in (2.0, 3.0, 4.0, 6.0):
+        assert by("FS_DR_ENABLE", {"FS_DR_ENABLE": value}).route.ending is Ending.UNKNOWN
+
+
+def test_a_landing_has_no_floor() -> None:
+    fenced = {"FENCE_ENABLE": 1.0, "FENCE_TYPE": 8.0}
+    assert by("FENCE_ACTION", fenced).at(FlightStage.ROUTE).ending is Ending.RTL
+    assert by("FENCE_ACTION", fenced).at(FlightStage.LANDING).ending is Ending.CONTINUE
+    assert FlightStage.LANDING not in by("FENCE_ACTION", fenced | {"FENCE_TYPE": 15.0}).differs

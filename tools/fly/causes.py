@@ -10,7 +10,8 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 class Trigger:
     """A cause, parameters `before` the flight, and what makes it act: parameters, a command, silence, or sticks.
 
-    `silent`: the ground station says nothing more. `sticks`: they are moved until then, by MAVLink.
+    `silent`: the ground station says nothing more. `sticks`: they are moved until then, by MAVLink. `fails`: unit and
+    type of MAV_CMD_INJECT_FAILURE. `traffic`: an aircraft is told of, on its way to the vehicle.
     """
 
     cause: str
@@ -18,6 +19,8 @@ class Trigger:
     then: Mapping[str, float] = field(default_factory=dict)
     silent: bool = False
     sticks: bool = False
+    fails: tuple[int, int] | None = None
+    traffic: bool = False
 
 
 RC = {"SIM_RC_FAIL": 1.0}
@@ -28,6 +31,9 @@ LOW = {"FENCE_ALT_MAX": 5.0}
 ROUND = {"FENCE_TYPE": 2.0, "FENCE_ENABLE": 1.0, "FENCE_RADIUS": 2000.0, "FENCE_MARGIN": 0.5}
 CRITICAL = {"BATT_CRT_VOLT": 10.2, "BATT_LOW_VOLT": 0.0}
 NO_GPS = {"SIM_GPS1_ENABLE": 0.0}
+CHARGE = {"BATT_LOW_VOLT": 0.0, "BATT_CRT_VOLT": 0.0}
+HIGH = {"FENCE_TYPE": 8.0, "FENCE_ENABLE": 1.0, "FENCE_ALT_MIN": -90.0, "FENCE_MARGIN": 0.5}
+DRAG = {"EK3_DRAG_BCOEF_X": 20.0, "EK3_DRAG_BCOEF_Y": 20.0, "EK3_DRAG_MCOEF": 0.2, "FS_DR_TIMEOUT": 60}
 
 COPTER = (
     Trigger("radio control lost", {"FS_THR_ENABLE": 1}, RC),
@@ -63,6 +69,16 @@ COPTER = (
     Trigger("position lost (EKF)", {"FS_DR_ENABLE": 0, "FS_EKF_ACTION": 1}, NO_GPS),
     Trigger("position lost (EKF)", {"FS_DR_ENABLE": 0, "FS_EKF_ACTION": 3}, NO_GPS),
     Trigger("position lost (EKF)", {"FS_DR_ENABLE": 0, "FS_EKF_ACTION": 2}, NO_GPS),
+    Trigger("radio control lost", {"FS_THR_ENABLE": 3}, {"SIM_RC_FAIL": 2.0}),  # a low throttle
+    Trigger("radio control lost", {"FS_THR_ENABLE": 1}, {"SIM_RC_FAIL": 2.0}),
+    Trigger("low battery", {**CHARGE, "BATT_LOW_MAH": 1.0, "BATT_FS_LOW_ACT": 2}, {"BATT_LOW_MAH": 30000.0}),
+    Trigger("low battery", {**CHARGE, "BATT_LOW_MAH": 1.0, "BATT_FS_LOW_ACT": 1}, {"BATT_LOW_MAH": 30000.0}),
+    Trigger("critical battery", {**CHARGE, "BATT_CRT_MAH": 1.0, "BATT_FS_CRT_ACT": 3}, {"BATT_CRT_MAH": 30000.0}),
+    Trigger("critical battery", {**CHARGE, "BATT_CRT_MAH": 1.0, "BATT_FS_CRT_ACT": 1}, {"BATT_CRT_MAH": 30000.0}),
+    Trigger("fence breached", {**HIGH, "FENCE_ACTION": 1}, {"FENCE_ALT_MIN": 95.0}),
+    Trigger("fence breached", {**HIGH, "FENCE_ACTION": 2}, {"FENCE_ALT_MIN": 95.0}),
+    Trigger("position by dead reckoning", {**DRAG, "FS_DR_ENABLE": 2}, NO_GPS),
+    Trigger("position by dead reckoning", {**DRAG, "FS_DR_ENABLE": 1}, NO_GPS),
 )
 
 GCS = {"COM_DL_LOSS_T": 60}
@@ -72,6 +88,8 @@ FENCE_ROUND = {"GF_MAX_HOR_DIST": 20.0}
 BATTERY = {"SIM_BAT_MIN_PCT": 50.0}
 NEARLY = {"BAT_CRIT_THR": 0.95, "BAT_LOW_THR": 0.99}
 GONE = {"BAT_EMERGEN_THR": 0.94, "BAT_CRIT_THR": 0.95, "BAT_LOW_THR": 0.99}
+BATTERY_OFF = (100, 1)  # FAILURE_UNIT_SYSTEM_BATTERY, FAILURE_TYPE_OFF
+SEES_WIND = {"EKF2_DRAG_CTRL": 1, "COM_WIND_MAX": 50.0}
 
 PX4 = (
     Trigger("ground station lost", {**GCS, "NAV_DLL_ACT": 0}, silent=True),
@@ -105,6 +123,18 @@ PX4 = (
     Trigger("position inaccurate", {"COM_POS_LOW_EPH": 500.0, "COM_POS_LOW_ACT": 5}, {"COM_POS_LOW_EPH": 0.01}),
     Trigger("position lost (EKF)", {}, {"SIM_GPS_USED": 0}),
     Trigger("attitude or motor failure", {"CBRK_FLIGHTTERM": 0}, {"FD_FAIL_R": 1, "FD_FAIL_P": 1}),
+    Trigger("emergency battery", {"SYS_FAILURE_EN": 1, "COM_LOW_BAT_ACT": 2}, fails=BATTERY_OFF),
+    Trigger("emergency battery", {"SYS_FAILURE_EN": 1, "COM_LOW_BAT_ACT": 1}, fails=BATTERY_OFF),
+    Trigger("traffic near", {"NAV_TRAFF_AVOID": 2}, traffic=True),
+    Trigger("traffic near", {"NAV_TRAFF_AVOID": 3}, traffic=True),
+    Trigger("traffic near", {"NAV_TRAFF_AVOID": 4}, traffic=True),
+    Trigger("traffic near", {"NAV_TRAFF_AVOID": 1}, traffic=True),
+    Trigger("wind too strong", {**SEES_WIND, "COM_WIND_MAX_ACT": 3}, {"COM_WIND_MAX": 0.01}),
+    Trigger("wind too strong", {**SEES_WIND, "COM_WIND_MAX_ACT": 5}, {"COM_WIND_MAX": 0.01}),
+    Trigger("wind too strong", {**SEES_WIND, "COM_WIND_MAX_ACT": 2}, {"COM_WIND_MAX": 0.01}),
+    Trigger("propeller out of balance", {"COM_IMB_PROP_ACT": 1}, {"FD_IMB_PROP_THR": 1}),
+    Trigger("propeller out of balance", {"COM_IMB_PROP_ACT": 2}, {"FD_IMB_PROP_THR": 1}),
+    Trigger("flight time left is short", {"COM_FLTT_LOW_ACT": 3, "BAT1_CAPACITY": 9000.0}, {"BAT1_CAPACITY": 40.0}),
 )
 
 TRIGGERS: Mapping[Autopilot, tuple[Trigger, ...]] = {Autopilot.ARDUPILOT: COPTER, Autopilot.PX4: PX4}

@@ -20,7 +20,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -52,6 +52,8 @@ PATIENCE_S = 500.0  # after the order, by the vehicle's clock
 UNHEARD_S = 90.0  # a silence, or a failsafe that does nothing, is waited for so long
 INT32, REAL32 = 6, 9  # MAV_PARAM_TYPE
 BOOTS_S = 60.0
+INJECT_FAILURE = 420  # MAV_CMD_INJECT_FAILURE
+TRAFFIC_S = 20.0  # so long an aircraft is told of, by the vehicle's clock
 TRANSFERS = 5
 EVERYWHERE = 1.0  # SIM_WIND_T: as strong near the ground
 
@@ -81,7 +83,7 @@ def orders(spans: dict[str, tuple[float, float]], autopilot: Autopilot, given: a
     """By the seed: to each mission as many as to any other."""
     flown = dict(WEIGHTS) if "SMART_RTL" in autopilot.modes.names.values() else WEIGHTS | {Ending.SMART_RTL: 0}
     names = sorted(spans)
-    for number in range(given.first, given.first + given.count):
+    for number in _numbers(given, len(TRIGGERS[autopilot])):
         chance = random.Random(f"{given.seed}-{number}")
         begin, end = spans[mission := names[number % len(names)]]
         ending = chance.choices(list(flown), list(flown.values()))[0]
@@ -91,6 +93,17 @@ def orders(spans: dict[str, tuple[float, float]], autopilot: Autopilot, given: a
         if trigger is not None and TRIGGERS[autopilot][trigger].silent:
             second = round(begin, 1)  # it takes a minute to be noticed
         yield Order(number, mission, second, "" if fails else str(ending), trigger)
+
+
+def _numbers(given: argparse.Namespace, failsafes: int) -> Iterator[int]:
+    """Of the orders: one after the other, or those of the failsafes that are asked for."""
+    if not given.triggers:
+        yield from range(given.first, given.first + given.count)
+        return
+    given.failsafes = 1
+    first = failsafes * math.ceil(given.first / failsafes)
+    for n in range(given.count):
+        yield from (first + n * failsafes + trigger for trigger in given.triggers)
 
 
 class Breaker:
@@ -110,7 +123,9 @@ class Breaker:
         if (is_armed or (arming and message.result == 0)) and self.armed_s == math.inf:  # type: ignore[attr-defined]
             self.armed_s = self.clock
         if self.trigger is not None and self.trigger.sticks and self.done_s == math.inf:
-            self._move_sticks()
+            self._say_often(self._sticks)
+        if self.trigger is not None and self.trigger.traffic and self.done_s <= self.clock < self.done_s + TRAFFIC_S:
+            self._say_often(self._traffic)
         since = self.clock - self.armed_s
         if since >= self.order.second and self.done_s == math.inf:
             self.done_s = self.clock
@@ -142,16 +157,32 @@ class Breaker:
             return
         if trigger.silent:
             self.vehicle.line._next_heartbeat = math.inf  # type: ignore[attr-defined]
+        if trigger.fails is not None:
+            self._say(CommandLong(INJECT_FAILURE, (*map(float, trigger.fails), 0.0, 0.0, 0.0, 0.0, 0.0)))
         for name, value in trigger.then.items():
             kind = INT32 if isinstance(value, int) else REAL32
             self._say(ParamSet(name, spelled_parameter(float(value), kind, self.vehicle.autopilot), kind))
 
-    def _move_sticks(self) -> None:
-        from pymavlink.dialects.v20 import common
-
+    def _say_often(self, made: Callable[[], Any]) -> None:
         if time.monotonic() - self.wall_s > 0.05:
             self.wall_s = time.monotonic()
-            self.vehicle.send(common.MAVLink_manual_control_message(self.vehicle.system, 0, 0, 500, 0, 0))
+            self.vehicle.send(made())
+
+    def _sticks(self) -> Any:
+        from pymavlink.dialects.v20 import common
+
+        return common.MAVLink_manual_control_message(self.vehicle.system, 0, 0, 500, 0, 0)
+
+    def _traffic(self) -> Any:
+        """An aircraft north of the vehicle, as high as it, on its way south."""
+        from pymavlink.dialects.v20 import common
+
+        place = self.vehicle.state.position
+        assert place is not None
+        latitude, longitude = round(1e7 * (place.latitude_deg + 0.002)), round(1e7 * place.longitude_deg)
+        return common.MAVLink_adsb_vehicle_message(
+            77, latitude, longitude, 1, round(1000 * place.altitude), 18000, 3000, 0, b"TRAFFIC", 1, 1, 31, 1200
+        )
 
     def _say(self, message: Message) -> None:
         self.vehicle.line.send(message, Target(self.vehicle.system, AUTOPILOT_COMPONENT))
@@ -250,6 +281,7 @@ def main(arguments: list[str]) -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--count", type=int, default=10)
+    parser.add_argument("--triggers", type=int, nargs="*", help="these of its failsafes only, `--count` times each")
     parser.add_argument("--failsafes", type=int, default=0, help="every so many orders it is a failsafe")
     given = parser.parse_args(arguments)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that its simulator ends with it

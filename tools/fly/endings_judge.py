@@ -24,11 +24,12 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import itinerary
 from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel
 from ipoa_mission.geometry import Points
+from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.ending import Ending, FlightStage
 from ipoa_mission.world.ground import LEVEL
 from ipoa_mission.world.obstacles.cylinder import Cylinder
 from ipoa_mission.world.obstacles.prism import Prism
@@ -43,11 +44,20 @@ BOTH_AT_ONCE = "where the voltage falls through both at once"
 FAR_OUTSIDE, FAR_M = "100 m outside it lands", 100.0
 NOTICED_S = 15.0  # longer than a failsafe takes to act [s]
 SILENCE_S = 75.0  # longer than it takes to notice that a ground station is silent [s]
+STAGES = {
+    Command.NAV_TAKEOFF: FlightStage.TAKEOFF,
+    Command.NAV_LAND: FlightStage.LANDING,
+    Command.NAV_RETURN_TO_LAUNCH: FlightStage.RETURN,
+}
 
 
 @dataclass(frozen=True)
 class Judged:
-    """An order: what was forecast of its second, and what was flown. Metres, seconds; NaN where there is none."""
+    """An order: what was forecast of its second, and what was flown. Metres, seconds; NaN where there is none.
+
+    `stage` of its mission; `planned`: "returns" where all its returns were to be planned, "height" by a planner that
+    had nothing for that but their height, nothing where they were not.
+    """
 
     number: int
     autopilot: str
@@ -71,6 +81,8 @@ class Judged:
     high_s: float = math.nan
     goal_off: float = math.nan
     track_off: float = math.nan
+    stage: str = ""
+    planned: str = ""
 
 
 def distances(points: Points, scenario: Scenario) -> tuple[float, str]:
@@ -113,12 +125,25 @@ class Foretold:
 
     def __init__(self, path: Path, others: Mapping[str, float]) -> None:
         """`others`: parameters that were changed for an order."""
-        self.scenario = read_scenario(path.with_suffix(".toml"))
+        self.name, self.scenario = path.stem, read_scenario(path.with_suffix(".toml"))
         autopilot = self.scenario.vehicle.autopilot
         mission = read_mission(path, autopilot).with_parameters(others)
         self.endings = Endings(Forecast(mission, self.scenario))
         self.level = bool(self.scenario.ground.is_level)
         self.over_level_ground = itinerary(self.endings.mission, LEVEL)
+
+    @property
+    def planned(self) -> str:
+        """Whether its returns were, and by what."""
+        if self.scenario.safety.returns != "planned":
+            return ""
+        return "height" if self.name.startswith("p") else "returns"
+
+    def stage(self, time: float) -> FlightStage:
+        """What its mission was forecast to be doing."""
+        mission, stops = self.endings.mission, self.endings.ways.stops()
+        command = mission.items[int(stops.seqs_at(np.array([time]))[0]) - 1].command
+        return STAGES.get(command, FlightStage.ROUTE)
 
     def row(self, ending: Ending, time: float) -> EndingRow:
         """What was forecast of that second."""
@@ -144,16 +169,16 @@ class Foretold:
         return float(times[near][np.linalg.norm(self.endings.ways.stops().places[near] - place, axis=1).argmin()])
 
 
-def asked(order: Mapping[str, Any], away: float, mission: Mission) -> tuple[str, str]:
+def asked(order: Mapping[str, Any], away: float, mission: Mission, stage: FlightStage) -> tuple[str, str]:
     """Which ending was to follow an order that was given so far `away` from home [m], and what brought it about."""
     if order["trigger"] is None:
         return order["ending"], ""
     before: Mapping[str, float] = order["before"]
     said = mission.autopilot.failsafes({**mission.parameters, **before}, mission.firmware_version)
-    route = next(one for one in said if one.cause == order["cause"]).route
+    route = next(one for one in said if one.cause == order["cause"]).at(stage)
     if BOTH_AT_ONCE in route.words:  # so it was made to fall
         said = mission.autopilot.failsafes({**mission.parameters, **before, "BATT_LOW_VOLT": 0.0})
-        route = next(one for one in said if one.cause == order["cause"]).route
+        route = next(one for one in said if one.cause == order["cause"]).at(stage)
     ending = str(route.ending)
     if ending == Ending.LAND_START:  # none of these missions has one
         ending = str(route.otherwise[0])
@@ -171,7 +196,8 @@ def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> 
     left = flight.left_mission()
     second = left if not math.isnan(left) else float(order["ordered_s"])
     ended = flight.track[-1, 0] if math.isnan(flight.ended_s) else flight.ended_s
-    ending, trigger = asked(order, float(np.hypot(*flight.place(second)[:2])), mission)
+    stage = foretold.stage(second)
+    ending, trigger = asked(order, float(np.hypot(*flight.place(second)[:2])), mission, stage)
     after = flight.track[(flight.track[:, 0] >= second) & (flight.track[:, 0] <= ended)]
     least, to = distances(dense(after), foretold.scenario)
     judged = Judged(
@@ -187,6 +213,8 @@ def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> 
         flown_to=to,
         flown_s=flight.ended_s - second,
         level=foretold.level,
+        stage=str(stage),
+        planned=foretold.planned,
     )
     if ending not in (Ending.RTL, Ending.LAND, Ending.SMART_RTL, Ending.HOLD):
         return judged
@@ -275,8 +303,8 @@ def summary(judged: list[Judged]) -> Iterator[str]:
     false = [one for one in alarms if one.flown_least >= one.required]
     yield f"{len(judged)} orders, {len(known)} of them with obstacles; nearer than required {len(nearer)}"
     yield f"of these not foretold: {len(missed)}; alarms {len(alarms)}, of these false {len(false)}"
-    planned = [one for one in known if one.mission.startswith("p") and one.did == "rtl" and not one.trigger]
-    yield f"RTL of planned returns: {len(planned)}, nearer {sum(one.flown_least < one.required for one in planned)}"
+    planned = [one for one in known if one.planned == "returns" and one.ending != Ending.LAND]
+    yield f"of planned returns: {len(planned)}, nearer {sum(one.flown_least < one.required for one in planned)}"
     for name in ("rtl", "land"):
         timed = [one for one in judged if one.did == name and not one.trigger and one.ending == name]
         off = np.array([one.expected_s / one.flown_s - 1.0 for one in timed if one.flown_s > LONG_ENOUGH])

@@ -25,6 +25,7 @@ NOTES = {
   and ground station failsafe `land`; else a `rtl` climbs away again.
 * Bits 0 and 1 of `FS_OPTIONS`: a mission goes on without radio control, without a ground station.
 * A failsafe's `land` holds for 4 s first, but for a fence's. Armed on the ground a failsafe disarms.
+* A landing switches the floor of the fence (`FENCE_ALT_MIN`) off.
 * `smart_rtl` needs `SRTL_POINTS` and `SRTL_ACCURACY` above 0.
 * Once a low battery has acted, a critical one does so only if its action is as urgent: 5, 1, 2, 4, 3, 0; then 6 and 7,
   which so do nothing after a low battery with 0.

@@ -8,7 +8,7 @@ avoidance of other aircraft (AVD_*), advanced failsafe (AFS_*, in no build), cra
 import math
 from dataclasses import replace
 
-from ipoa_mission.vehicles.arducopter.own_fence import MAY_BE_ON
+from ipoa_mission.vehicles.arducopter.own_fence import FLOOR_BIT, MAY_BE_ON
 from ipoa_mission.vehicles.ending import Ending, FlightStage
 from ipoa_mission.vehicles.failsafe import BY_HAND, GOES_ON, Failsafe, FailsafeAction, FailsafeRule, Series, ordered
 from ipoa_mission.vehicles.parameters import Parameters
@@ -32,6 +32,14 @@ ESTIMATE = {
     2: FailsafeAction(Ending.UNKNOWN, (Ending.LAND,), "ALT_HOLD: keeps its height, drifts, waits for the sticks"),
     3: NO_POSITION,
 }
+DRIFTS = "by dead reckoning it drifts"
+RECKONS = {
+    0: GOES_ON,
+    1: replace(LANDS, words=DRIFTS),
+    **dict.fromkeys((2, 3, 4, 6), FailsafeAction(Ending.UNKNOWN, (Ending.LAND,), f"{DRIFTS} on its way home")),
+    5: STOPS,
+    7: replace(BRAKES, words=DRIFTS),
+}
 OUTSIDE = "100 m outside it lands"
 FENCE = {
     0: GOES_ON,
@@ -50,7 +58,7 @@ RULES = (
     FailsafeRule("ground station lost", "FS_GCS_ENABLE", 0.0, STATION, RETURNS),
     FailsafeRule(BREACH, "FENCE_ACTION", 1.0, FENCE, FENCE[1], MAY_BE_ON),
     FailsafeRule("position lost (EKF)", "FS_EKF_ACTION", 1.0, ESTIMATE, NO_POSITION, {"FS_EKF_THRESH": 0.8}),
-    FailsafeRule("position by dead reckoning", "FS_DR_ENABLE", 2.0, ACTIONS, GOES_ON),
+    FailsafeRule("position by dead reckoning", "FS_DR_ENABLE", 2.0, RECKONS, GOES_ON),
     FailsafeRule("terrain data missing", "", math.nan, {}, replace(RETURNS, words="in RTL it goes on without terrain")),
     *ordered(Ending.RTL, Ending.LAND, Ending.HOLD, Ending.SMART_RTL, Ending.LAND_START, Ending.TERMINATE),
 )
@@ -66,7 +74,7 @@ DECIDED_BY = tuple(
     dict.fromkeys(
         (
             *(name for rule in RULES for name in (rule.parameter, *rule.needs) if name),
-            *("FS_OPTIONS", "SRTL_POINTS", "SRTL_ACCURACY"),
+            *("FS_OPTIONS", "SRTL_POINTS", "SRTL_ACCURACY", "FENCE_TYPE"),
         )
     )
 )
@@ -98,6 +106,9 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
             answer = landing = replace(GOES_ON, words="by FS_OPTIONS")
         acts = _first(rule.parameter) in LANDINGS_GO_ON
         landing = replace(LANDS, words="by FS_OPTIONS") if acts and options & LANDS_ON else landing
+    has_only_a_floor = rule.cause == BREACH and int(parameters.get("FENCE_TYPE", 7.0)) == FLOOR_BIT
+    if has_only_a_floor and answer.ending is not Ending.CONTINUE:
+        landing = replace(GOES_ON, words="a landing switches FENCE_ALT_MIN off")
     differs = {} if landing == answer else {FlightStage.LANDING: landing}
     return Failsafe(rule.cause, rule.parameter, rule.value(parameters), answer, differs)
 

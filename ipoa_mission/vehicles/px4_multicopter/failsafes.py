@@ -36,6 +36,7 @@ MOTOR = {0: GOES_ON, 1: HOLDS, 2: LANDS, 3: RETURNS, 4: FALLS}
 SATELLITES = {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: FALLS}
 AT_RETURN_HEIGHT = replace(RETURNS, words="comes down to its return height where it is higher")
 TRAFFIC = {0: GOES_ON, 1: GOES_ON, 2: AT_RETURN_HEIGHT, 3: LANDS, 4: HOLDS, 5: new(FALLS)}
+NO_HOLD = replace(GOES_ON, words="its commander does not know the order to hold")
 TUMBLES, RADIO_SOURCE, NO_RADIO = "attitude or motor failure", "COM_RC_IN_MODE", 4.0
 BALANCE = {-1: GOES_ON, 0: GOES_ON, 1: RETURNS, 2: LANDS}
 ACCURACY = "position inaccurate"
@@ -63,7 +64,8 @@ RULES = (
     FailsafeRule("parachute missing", "COM_PARACHUTE", 0.0, HEALTH, GOES_ON, since=SINCE),
     FailsafeRule("Remote ID lost", "COM_ARM_ODID", 0.0, {**HEALTH, 5: FALLS}, GOES_ON, since=SINCE),
     FailsafeRule("traffic receiver lost", "COM_TRAFF_AVOID", 0.0, HEALTH, GOES_ON, since=SINCE),
-    FailsafeRule("traffic near", "NAV_TRAFF_AVOID", 1.0, TRAFFIC, GOES_ON),
+    FailsafeRule("traffic near", "NAV_TRAFF_AVOID", 1.0, {**TRAFFIC, 4: NO_HOLD}, GOES_ON, until=SINCE),
+    FailsafeRule("traffic near", "NAV_TRAFF_AVOID", 1.0, TRAFFIC, GOES_ON, since=SINCE),
     *ordered(Ending.RTL, Ending.LAND, Ending.HOLD, Ending.TERMINATE),
 )  # fmt: skip
 

@@ -188,7 +188,7 @@ def px4_limits(parameters: Parameters) -> Px4Limits:
         yaw_error=math.radians(p["MIS_YAW_ERR"]),
         turns_first=p["MPC_YAW_MODE"] == TURN_FIRST,
         returning=Px4Return.of(p),
-        land_delay=max(p["RTL_LAND_DELAY"], 0.0),
+        land_delay=p["RTL_LAND_DELAY"],
         land_delay_height=p["RTL_DESCEND_ALT"],
         disarm_delay=max(p["COM_DISARM_LAND"], 0.0),
         touchdown=Px4Touchdown.of(p),

@@ -55,11 +55,12 @@ class NoisyRuns:
     most: int = 90
     batch: int = 6  # after every so many it is asked whether they will do:
     known_share: float = 0.003  # the standard error of the mean is this share of it
+    broken_off_share: float = 0.008  # the same of an ending that is ordered
     doubt_s: float = 0.8  # what the model itself may be off by, standard deviation: this,
     doubt_share: float = 0.0125  # and this share of the time
     landing_s: float = 1.6  # what landings differ by beyond that, in recorded flights
     interval_deviations: float = 1.645  # nine in ten are so many standard deviations on either side of the mean
-    broken_off_deviations: float = 1.95  # the same of endings that are ordered, as flown: where it is then varies too
+    broken_off_deviations: float = 2.3  # the same of endings that are ordered, as flown
     missed_s: float = 3.0  # a waypoint that takes so much longer than in most runs has been missed
 
 
@@ -110,48 +111,38 @@ def fly_px4(
 def break_off(
     route: Itinerary, parameters: Parameters, wind: Wind, fast: bool | None, airframe: Airframe, order: BrokenOff
 ) -> Prediction:
-    """Fly the itinerary up to a moment, and then what is ordered, in the mean of its noise.
+    """Fly the itinerary up to a moment, and then what is ordered, in the mean of its noise: each from where it is then.
 
     Raises:
-        BadInput, MissionError: as `fly_px4` does.
+        BadInput, MissionError: as `fly_px4` does; or what is ordered has no end.
     """
     flights = Flights(route, parameters, wind, airframe)
-    done, samples = flights.flown(False, fast)(0)
-    row = samples[np.searchsorted(samples[:, 0], order.time).clip(max=len(samples) - 1)]
-    here, speed, limits = Enu(*map(float, row[1:4])), Level(float(row[4]), float(row[5])), flights.limits
-    if order.ending is Ending.RTL:
-        goal = Enu(*route.goal_of_return((here.east, here.north, here.up)))
-        ending = way_home(here, limits, goal._replace(up=route.ground.at(goal.east, goal.north)), goal.up)
-    else:
-        stop = stopping_place(here, speed, limits)
-        down = stop._replace(up=route.ground.at(stop.east, stop.north))
-        ending = way_down(stop, down, limits, limits.cruise, limits.disarm_delay)
-    count = int(np.searchsorted(done[1:], order.time, side="right")) + 1
-    begun = flights.plan.orders[: min(count, len(flights.plan.orders))]
-    flights.orders = with_another_end(begun, float(row[0]), ending, limits, airframe.landing_delay)
-    _, samples = flights.flown(False, fast)(0)
-    once = flights.flown(True, fast, RUNS.most * samples[-1, 0] / STEP)
-    lasted: list[float] = []
+    if order.ending is Ending.RTL and flights.limits.land_delay < 0.0:
+        raise MissionError("with an RTL_LAND_DELAY below 0 it waits over its goal for ever")
+    quiet, _ = flights.flown(False, fast)(0)
+    steps = np.diff(quiet)
+    lasted, when = list[float](), list[float]()
     for seed in range(1, RUNS.most + 1):
-        if (seed - 1) % RUNS.batch == 0 and _known([np.array([time]) for time in lasted]):
+        if (seed - 1) % RUNS.batch == 0 and _known([np.array([time]) for time in lasted], RUNS.broken_off_share):
             break
         with suppress(MissionError):
-            ended, _ = once(seed)
-            lasted.append(float(ended[-1] - ended[len(begun)]))
-    if not lasted:
-        lasted = [float(samples[-1, 0] - row[0])]
-    mean = float(np.mean(lasted))
+            flown, _, begun = flights.broken_off(order.ending, order.time, seed, fast)
+            lasted.append(float(flown[-1]) - order.time)
+            when.append(float(quiet[begun - 1] + min(order.time - flown[begun - 1], steps[begun - 1])))
+    then = float(np.mean(when)) if when else order.time
+    flown, samples, _ = flights.broken_off(order.ending, then, None, fast)
+    mean = float(np.mean(lasted)) if lasted else float(flown[-1]) - then
     doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * mean) ** 2 + RUNS.landing_s**2
-    half = RUNS.broken_off_deviations * math.sqrt(float(np.var(lasted)) + doubt)
-    track = Track(samples[:, 0], samples[:, 1:4], np.linalg.norm(samples[:, 4:7], axis=1))
+    half = RUNS.broken_off_deviations * math.sqrt(float(np.var(lasted or [mean])) + doubt)
+    track = Track(samples[:, 0] + order.time - then, samples[:, 1:4], np.linalg.norm(samples[:, 4:7], axis=1))
     end = np.array([order.time + mean])
     return Prediction(end, end - half, end + half, ("",), track)
 
 
-def _known(times: list[Vector]) -> bool:
-    """Whether the mean of the runs is known well enough: its standard error is a small share of it."""
+def _known(times: list[Vector], share: float = RUNS.known_share) -> bool:
+    """Whether the mean of the runs is known well enough: its standard error is so small a share of it."""
     ends = np.array([run[-1] for run in times])
-    return len(ends) > 0 and bool(ends.std() / math.sqrt(len(ends)) <= RUNS.known_share * ends.mean())
+    return len(ends) > 0 and bool(ends.std() / math.sqrt(len(ends)) <= share * ends.mean())
 
 
 def _missed(route: Itinerary, runs: Points) -> tuple[Missed, ...]:
@@ -197,8 +188,39 @@ class Flights:
 
         return once
 
-    def flown(self, noisy: bool, fast: bool | None, steps: float = 0.0) -> Callable[[int], tuple[Vector, Points]]:
-        """The same by order, after the time of the begin (n + 1,) [s]; raises as `prepared` does."""
+    def broken_off(
+        self, ending: Ending, time: float, seed: int | None, fast: bool | None
+    ) -> tuple[Vector, Points, int]:
+        """Flown up to a time [s] with the noise of a seed, or without any, and then what is ordered, as `flown`.
+
+        And how many orders were begun until then.
+        """
+        self.orders = tuple(order._replace(until=time) for order in self.plan.orders)
+        done, samples = self.flown(seed is not None, fast, RUNS.most * time / STEP, True)(seed or 0)
+        begun = min(int(np.searchsorted(done[1:], time)) + 1, len(self.orders))
+        self.orders = with_another_end(
+            self.orders[:begun], self.ending(ending, samples[-1]), self.limits, self.airframe.landing_delay
+        )
+        done, samples = self.flown(seed is not None, fast, RUNS.most * time / STEP)(seed or 0)
+        return done, samples, begun
+
+    def ending(self, ending: Ending, at: Vector) -> list[Order]:
+        """The orders of an RTL or a LAND from one sample (7,) of a flight."""
+        here, speed, ground = Enu(*map(float, at[1:4])), Level(float(at[4]), float(at[5])), self.route.ground
+        if ending is Ending.RTL:
+            goal = Enu(*self.route.goal_of_return((here.east, here.north, here.up)))
+            return way_home(here, self.limits, goal._replace(up=ground.at(goal.east, goal.north)), goal.up)
+        stop = stopping_place(here, speed, self.limits)
+        down = stop._replace(up=ground.at(stop.east, stop.north))
+        return way_down(stop, down, self.limits, self.limits.cruise, self.limits.disarm_delay)
+
+    def flown(
+        self, noisy: bool, fast: bool | None, steps: float = 0.0, sampled: bool = False
+    ) -> Callable[[int], tuple[Vector, Points]]:
+        """The same by order, after the time of the begin (n + 1,) [s]; raises as `prepared` does.
+
+        With noise samples are noted if they are to be `sampled`.
+        """
         orders, height = self.orders, flying_already(self.route) or 0.0
         machine, laws = sooner(fly, fast, steps), [self.quiet._replace(noisy=noisy)]
         asked: Any = orders
@@ -207,7 +229,7 @@ class Flights:
 
         def once(seed: int) -> tuple[Vector, Points]:
             one, two = (float(1 + x % 2_000_000_000) for x in np.random.SeedSequence(seed).generate_state(2))
-            done, samples = machine(asked, laws, height, (one, two), 0 if noisy else SAMPLE_STEPS)
+            done, samples = machine(asked, laws, height, (one, two), SAMPLE_STEPS if sampled or not noisy else 0)
             if len(done) > len(orders):
                 return np.array(done), np.array(samples).reshape(-1, 7)
             goal = orders[len(done) - 1].goal

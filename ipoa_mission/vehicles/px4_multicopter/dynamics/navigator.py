@@ -78,13 +78,15 @@ def stopping_place(here: Enu, speed: Level, limits: Px4Limits) -> Enu:
 def way_home(here: Enu, limits: Px4Limits, home: Enu, up: float = 0.0) -> list[Order]:
     """The orders of RTL: climb as `Px4Return` says, fly to the ground at home at MPC_XY_CRUISE, wait, disarm.
 
-    `home` may be a rally point's ground; the heights then count from `up`, the rally point's own.
+    `home` may be a rally point's ground; the heights then count from `up`, the rally point's own. As it climbs it turns
+    back to `here`, but it flies on as soon as it is high enough (within NAV_LOITER_RAD of it), and then straight.
     """
     far = math.hypot(here.east - home.east, here.north - home.north)
     height, cruise = up + limits.returning.height(here.up - up, far), limits.cruise
     top = here._replace(up=height) if height > here.up + limits.height_radius else here
-    climb = [leg(here, top, None, limits, cruise)] if top != here else []
+    climb = [leg(top, top, None, limits, cruise)._replace(radius=ANYWHERE)] if top != here else []
     *way, down = way_down(top, home, limits, cruise, limits.disarm_delay)
+    way = [order._replace(start=order.goal) for order in way]
     over = down.goal._replace(up=top.up)
     low = over._replace(up=max(min(top.up, up + limits.land_delay_height), home.up))
     waits = [leg(over, low, None, limits, cruise), *stay(low, limits, limits.land_delay)] if limits.land_delay else []
@@ -129,11 +131,10 @@ def _patient(order: Order, before: Enu, limits: Px4Limits) -> Order:
 
 
 def with_another_end(
-    flown: Sequence[Order], time: float, ending: Sequence[Order], limits: Px4Limits, landing_delay: float = 0.0
+    flown: Sequence[Order], ending: Sequence[Order], limits: Px4Limits, landing_delay: float = 0.0
 ) -> tuple[Order, ...]:
-    """Orders that are flown up to a `time` [s], the last of them broken off then, and those of the ending."""
-    *before, last = flown
-    orders, at = [*before, last._replace(until=time)], ending[0].start
+    """Orders that are flown up to the time at which they are broken off, and those of the ending."""
+    orders, at = list(flown), ending[0].start
     for order in ending:
         late = landing_delay if order.kind == LAND else 0.0
         orders.append(_patient(order._replace(holds=order.holds + late), at, limits))
@@ -169,6 +170,8 @@ class _Navigator:
         if command == Command.NAV_DELAY:
             return stay(self.here, self.limits, params[0])
         if command == Command.NAV_RETURN_TO_LAUNCH:
+            if self.limits.land_delay < 0.0:
+                raise BadInput(f"items[{visit.seq - 1}]: with an RTL_LAND_DELAY below 0 RTL never lands")
             self.cruise = self.limits.cruise
             goal = Enu(*self.route.goal_of_return((self.here.east, self.here.north, self.here.up)))
             return self.down(way_home(self.here, self.limits, self.ground(goal), goal.up))
