@@ -241,5 +241,5 @@ def shortage(used: Interval, battery: Battery) -> NotEnoughBattery | None:
     needed = max(used.likely / (1 - battery.reserve), used.high)
     return NotEnoughBattery(
         f"battery: expected a reserve of {battery.reserve:.0%} after landing, but the flight {takes}, {outcome}",
-        hint=f"a battery of {needed:.1f} Wh would do; or a shorter way, another speed, several flights (`plan --split`)",
+        hint=f"a battery of {needed:.1f} Wh would do; or a shorter way, another speed, or flights (`plan --split`)",
     )
