@@ -189,6 +189,11 @@ RULES: Mapping[str, Rule] = {
         "A range finder shortens it.",
         False,
     ),
+    "wind-too-strong": Rule(
+        "The vehicle cannot fly the mission in this wind: it is pushed off its path, or does not get on.",
+        "Fly in less wind, slower, or another way.",
+        True,
+    ),
     "wind-not-measured": Rule(
         "In this wind no flight was measured: what its flights keep is extrapolated.",
         "Fly in less wind, or keep more distance.",

@@ -1,20 +1,36 @@
-"""A steady wind, as it is given: a speed, the direction that it comes from, and how it grows with height."""
+"""A wind, as it is given: a speed and the direction that it comes from, alike everywhere, or by height."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
+
+MOST_LEVELS = 8  # of a profile
+
+
+class WindLevel(NamedTuple):
+    """The wind at one height over home [m]: what it blows towards the east and the north [m/s]."""
+
+    height: float
+    east: float
+    north: float
 
 
 @dataclass(frozen=True)
 class Wind:
-    """A steady wind; it blows everywhere and at all times alike.
+    """A wind that blows everywhere and at all times alike, but for its height.
 
-    Below the `gradient_height` it follows a power law: speed (height / gradient height)^`exponent`.
+    Below the `gradient_height` it follows a power law: speed (height / gradient height)^`exponent`. With `levels` it is
+    as they say, in straight lines between them and as at the nearest one beyond; `speed` and `from_deg` are then those
+    of the strongest.
 
     Attributes:
         speed: how strong it is [m/s].
         from_deg: where it blows from, clockwise: 0 north, 90 east [degrees].
         exponent: of the power law.
         gradient_height: up to where it grows [m above home].
+        spread: by so much it may be stronger or weaker [m/s].
+        levels: the wind by height, upwards.
 
     Example:
         >>> west = Wind(6.0, from_deg=270.0)
@@ -22,28 +38,72 @@ class Wind:
         (6.0, 0.0)
         >>> Wind(6.0, 270.0, exponent=0.5, gradient_height=20.0).at(5.0)
         3.0
+        >>> Wind.of_profile([10.0, 110.0], [2.0, 8.0], [270.0, 270.0]).at(60.0)
+        5.0
     """
 
     speed: float = 0.0
     from_deg: float = 0.0
     exponent: float = 0.0
     gradient_height: float = 0.0
+    spread: float = 0.0
+    levels: tuple[WindLevel, ...] = ()
 
-    def at(self, height: float) -> float:
-        """Its speed at a height over home [m/s]."""
-        if height >= self.gradient_height or self.gradient_height <= 0:
-            return self.speed
-        return self.speed * math.pow(max(height, 0.0) / self.gradient_height, self.exponent)
+    @classmethod
+    def of_profile(
+        cls, heights: Sequence[float], speeds: Sequence[float], from_deg: Sequence[float], spread: float = 0.0
+    ) -> "Wind":
+        """A profile: at growing heights over home [m], at most eight, speeds [m/s] and where it blows from [degrees].
+
+        Args:
+            heights: over home, growing [m].
+            speeds: there [m/s].
+            from_deg: where it blows from there [degrees].
+            spread: by so much it may be stronger or weaker [m/s].
+        """
+        winds = [cls(speed, angle) for speed, angle in zip(speeds, from_deg, strict=True)]
+        levels = tuple(WindLevel(up, wind.east, wind.north) for up, wind in zip(heights, winds, strict=True))
+        strongest = max(winds, key=lambda wind: wind.speed)
+        return cls(strongest.speed, strongest.from_deg, spread=spread, levels=levels)
 
     @classmethod
     def towards_north_east(cls, north: float, east: float) -> "Wind":
         """One that blows towards there [m/s]."""
         return cls(math.hypot(north, east), math.degrees(math.atan2(-east, -north)) % 360.0)
 
+    def at(self, height: float) -> float:
+        """Its speed at a height over home [m/s]."""
+        if self.levels:
+            return math.hypot(*self.towards(height))
+        if height >= self.gradient_height or self.gradient_height <= 0:
+            return self.speed
+        return self.speed * math.pow(max(height, 0.0) / self.gradient_height, self.exponent)
+
     def towards(self, height: float) -> tuple[float, float]:
         """What it blows towards the east and the north at a height over home [m/s]."""
-        share = self.at(height) / self.speed if self.speed else 0.0
-        return self.east * share, self.north * share
+        if not self.levels:
+            share = self.at(height) / self.speed if self.speed else 0.0
+            return self.east * share, self.north * share
+        below = self.levels[0]
+        for level in self.levels:
+            if level.height >= height:
+                share = (height - below.height) / (level.height - below.height) if level.height > below.height else 1.0
+                share = min(max(share, 0.0), 1.0)
+                east = below.east + share * (level.east - below.east)
+                return east, below.north + share * (level.north - below.north)
+            below = level
+        return below.east, below.north
+
+    @property
+    def strongest(self) -> float:
+        """The most that is to be reckoned with at any height [m/s]."""
+        return self.speed + self.spread
+
+    def as_strong_as_may_be(self) -> "Wind":
+        """The same at the upper end of its spread."""
+        share = self.strongest / self.speed if self.speed else 1.0
+        levels = tuple(WindLevel(level.height, level.east * share, level.north * share) for level in self.levels)
+        return Wind(self.strongest, self.from_deg, self.exponent, self.gradient_height, levels=levels)
 
     @property
     def east(self) -> float:

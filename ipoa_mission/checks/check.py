@@ -77,9 +77,11 @@ def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Findi
         if scenario is not None:  # what looks at a world is imported where there is one
             from ipoa_mission.checks.energy import check_energy
             from ipoa_mission.checks.failsafe_return import check_failsafe_return
+            from ipoa_mission.checks.wind import check_wind
 
-            promise = None if refusals(mission) or is_too_long(mission) else flown.promise_if_known
-            findings += _check_world(flown, promise)
+            is_flown = not refusals(mission) and not is_too_long(mission)
+            promise = flown.promise_if_known if is_flown else None
+            findings += [*_check_world(flown, promise), *(check_wind(flown) if is_flown else ())]
             findings += () if promise is None else check_energy(flown)
             if promise is not None and not any(finding.severity is Severity.ERROR for finding in findings):
                 findings += check_failsafe_return(flown)

@@ -18,7 +18,7 @@ def check_clearance(mission: Mission, promise: Promise) -> Iterator[Finding]:
     Something that too many flights would touch is an error anywhere.
     """
     scenario = promise.flight.scenario
-    if promise.confidence is not None and (why := not_measured(mission.autopilot, scenario.wind.speed)):
+    if promise.confidence is not None and (why := not_measured(mission.autopilot, scenario.wind.strongest)):
         yield Finding("wind-not-measured", Severity.WARNING, None, why)
     if promise.confidence is not None and (why := mission.autopilot.not_measured(mission.firmware_version)):
         yield Finding("version-not-measured", Severity.WARNING, None, why)

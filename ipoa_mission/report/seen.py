@@ -58,7 +58,7 @@ def tube_of(forecast: Forecast) -> Rim:
     """How far from the predicted path as many flights are as the scenario asks for."""
     scenario = forecast.world
     chance = scenario.safety.chance
-    return NO_TUBE if chance is None else rim_of(law_of(forecast.mission.autopilot, scenario.wind.speed), chance)
+    return NO_TUBE if chance is None else rim_of(law_of(forecast.mission.autopilot, scenario.wind.strongest), chance)
 
 
 def outline_round(points: Points, level: float) -> list[Points]:

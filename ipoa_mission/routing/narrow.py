@@ -47,7 +47,7 @@ def expect_wide(scenario: Scenario) -> None:
     Raises:
         TooNarrow: on some leg between given places.
     """
-    chance, law = scenario.safety.chance, law_of(scenario.vehicle.autopilot, scenario.wind.speed)
+    chance, law = scenario.safety.chance, law_of(scenario.vehicle.autopilot, scenario.wind.strongest)
     if chance is None or not scenario.airspace.obstacles:
         return
     if tight_places(scenario, 2 * STRAY + law.beside(chance)):

@@ -1,5 +1,7 @@
 """The energy of a flight, by the scenario's airframe and what was learned of the vehicle, against its battery."""
 
+from dataclasses import replace
+
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.scenario.model import Scenario
 from ipoa_mission.vehicles.energy.curve import PowerCurve
@@ -43,7 +45,11 @@ def flight_energy(
         return consumption(airframe, times, points, speeds, altitude, against, hover_w, wind)
 
     used = taken(head_wind)
-    return None if used is None else used.widened(*_share(learned))
+    if used is None:
+        return None
+    if wind.spread > 0.0 and (against := taken(head_wind + wind.spread)) is not None:
+        used = replace(used, most_w=against.most_w)
+    return used.widened(*_share(learned))
 
 
 def _share(learned: LearnedVehicle | None) -> tuple[float, float]:

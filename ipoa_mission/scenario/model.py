@@ -25,6 +25,7 @@ from ipoa_mission.scenario.safety import SafetySection
 from ipoa_mission.scenario.section import NotNegative, Positive, Section
 from ipoa_mission.scenario.surroundings import Surroundings, survey
 from ipoa_mission.scenario.vehicle import VehicleSection
+from ipoa_mission.scenario.wind import WindSection
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, apart
@@ -114,23 +115,6 @@ class RouteSection(Section):
 
 #: What a file may be called on every system: no separators, nothing that Windows keeps for itself, no dot before it.
 FILE_NAME = r"^[^./\\:*?\"<>|\x00-\x1f\x7f][^/\\:*?\"<>|\x00-\x1f\x7f]*$"
-
-
-class WindSection(Section):
-    """The wind that the flight is planned for: it counts for the choice of the route, the tube and the times."""
-
-    speed: NotNegative = 0.0
-    """How strong it is above `gradient_height` [m/s]."""
-    from_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
-    """Where it blows from, clockwise from north."""
-    exponent: NotNegative = 0.0
-    """Below `gradient_height` it is (height / gradient_height)^exponent as strong."""
-    gradient_height: NotNegative = 0.0
-    """Up to where it grows [m above home]."""
-
-    def air(self) -> Wind:
-        """The wind as the models have it."""
-        return Wind(self.speed, self.from_deg, self.exponent, self.gradient_height)
 
 
 class Scenario(Section):
@@ -248,10 +232,7 @@ class Scenario(Section):
 
     def in_wind(self, wind: Wind) -> "Scenario":
         """The same in this wind."""
-        given = WindSection(
-            speed=wind.speed, from_deg=wind.from_deg, exponent=wind.exponent, gradient_height=wind.gradient_height
-        )
-        return self.model_copy(update={"wind": given})
+        return self.model_copy(update={"wind": WindSection.of(wind)})
 
     def why_elsewhere(self, home: Geodetic) -> BadInput | None:
         """That a mission from `home` is of another place than this scenario; None where it is not.

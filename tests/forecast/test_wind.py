@@ -104,3 +104,31 @@ def test_a_wind_that_grows_with_height_is_weaker_below(autopilot: Autopilot) -> 
     )
     assert grown == pytest.approx(weak, rel=0.01)
     assert strong > 1.05 * grown
+
+
+@pytest.mark.parametrize("autopilot", registered())
+def test_a_profile_of_one_wind_is_that_wind_and_one_of_a_power_law_nearly_that(autopilot: Autopilot) -> None:
+    home, there = Geodetic(47.4, 8.5, 400.0), Geodetic(47.403, 8.5, 400.0)
+    mission = Mission(home, (takeoff(home, 10.0), change_speed(8.0), waypoint(there, 40.0), land(there)), autopilot)
+    heights = [0.0, 2.0, 6.0, 12.0, 20.0, 30.0, 45.0, 60.0]
+    law = Wind(6.0, 200.0, 0.5, 60.0)
+    same, profile = (
+        Wind.of_profile([5.0, 50.0], [6.0] * 2, [200.0] * 2),
+        Wind.of_profile(heights, [law.at(height) for height in heights], [200.0] * 8),
+    )
+    for fast in (True, False):
+        plain, levels = (estimate(mission, wind=wind, fast=fast).total_s for wind in (Wind(6.0, 200.0), same))
+        assert levels == pytest.approx(plain, abs=1e-6)
+    by_law, by_levels = (estimate(mission, wind=wind, fast=True).total_s for wind in (law, profile))
+    assert by_levels == pytest.approx(by_law, rel=0.003)
+
+
+def test_a_wind_turns_with_height_between_the_levels_of_its_profile_and_stays_beyond_them() -> None:
+    wind = Wind.of_profile([20.0, 40.0, 100.0], [4.0, 4.0, 8.0], [270.0, 180.0, 180.0])
+    assert wind.towards(5.0) == pytest.approx((4.0, 0.0), abs=1e-9)
+    assert wind.towards(30.0) == pytest.approx((2.0, 2.0), abs=1e-9)
+    assert wind.towards(70.0) == pytest.approx((0.0, 6.0), abs=1e-9)
+    assert wind.towards(500.0) == pytest.approx((0.0, 8.0), abs=1e-9)
+    assert (wind.speed, wind.from_deg) == (8.0, 180.0)
+    stronger = Wind.of_profile([20.0, 40.0], [4.0, 8.0], [270.0, 270.0], spread=2.0).as_strong_as_may_be()
+    assert (stronger.at(0.0), stronger.at(40.0)) == pytest.approx((5.0, 10.0))

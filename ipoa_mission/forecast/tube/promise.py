@@ -113,7 +113,7 @@ class Promise:
 
 def tube_holds(flown: Pieces, autopilot: Autopilot, scenario: Scenario) -> bool:
     """Whether flights keep every limit on a path, as often as the scenario asks."""
-    chance, law = scenario.safety.chance, law_of(autopilot, scenario.wind.speed)
+    chance, law = scenario.safety.chance, law_of(autopilot, scenario.wind.strongest)
     required, airspace = up(scenario.limits.obstacle_distance), scenario.airspace
     if airspace.obstacles:
         free = round_places(flown.points, _tight(scenario, law)) < 0
@@ -189,7 +189,7 @@ class PredictedFlight:
         """Obstacles on the way, before it, after it and at given places; ground, ceiling and bounds on the way."""
         begin, end = self.way
         last = float(self.pieces.times[-1])
-        law = law_of(self.autopilot, self.scenario.wind.speed)
+        law = law_of(self.autopilot, self.scenario.wind.strongest)
         if self.scenario.airspace.obstacles:
             for first, then, its_law, name in (
                 (0.0, begin, law, TAKE_OFF),

@@ -28,7 +28,7 @@ def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False, share: 
     chance = scenario.safety.chance
     if chance is None:
         return scenario
-    law = law_of(scenario.vehicle.autopilot, scenario.wind.speed)
+    law = law_of(scenario.vehicle.autopilot, scenario.wind.strongest)
     rim, level = rim_of(law, chance), law.level.distance(chance / tight)
     airspace = scenario.airspace
     growth = np.full(len(airspace.obstacles), level)

@@ -12,7 +12,7 @@ from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import Airframe
 from ipoa_mission.vehicles.arducopter.dynamics.scurve import AT_REST, Profile
 from ipoa_mission.vehicles.arducopter.limits import CopterLimits
-from ipoa_mission.wind import Wind
+from ipoa_mission.wind import MOST_LEVELS, Wind
 
 STEP = 0.02  # [s]
 ASTRAY, ASTRAY_S = 30.0, 3.0  # so far from its target, and so many seconds of flight, no copter falls behind in calm
@@ -67,6 +67,10 @@ class CopterLeg(NamedTuple):
 NO_LEG = CopterLeg(NOTHING, ZERO, ZERO, ZERO, 0.0, MotionLimits(0.0, 0.0, 0.0))
 
 
+Level = tuple[float, float, float]
+Levels = tuple[Level, Level, Level, Level, Level, Level, Level, Level]
+
+
 class Tuning(NamedTuple):
     """The constants of a flight; shares are those of a first-order lag within one step."""
 
@@ -93,10 +97,17 @@ class Tuning(NamedTuple):
     wind_north: float
     wind_exponent: float
     gradient_height: float
+    wind_levels: Levels  # a profile in place of all that, where the first lies below the last
     slew: float  # of the nose, in one step [rad]; 0: it keeps its heading
     most_astray: float  # a copter that is farther from its target is blown off its path [m]
     turning_from: float  # the nose follows a target that moves at more than this [m/s]
     brakes_climb: float  # 1: with all of its acceleration, as since 4.8; 0: with half of it
+
+
+def levels_of(wind: Wind) -> Levels:
+    """Height, and what it blows towards the east and the north there, the last level repeated; all 0 of no profile."""
+    given = [tuple(level) for level in wind.levels] or [(0.0, 0.0, 0.0)]
+    return tuple(given + given[-1:] * (MOST_LEVELS - len(given)))  # type: ignore[return-value]
 
 
 def tuning(limits: CopterLimits, airframe: Airframe, wind: Wind) -> Tuning:
@@ -129,6 +140,7 @@ def tuning(limits: CopterLimits, airframe: Airframe, wind: Wind) -> Tuning:
         wind_north=wind.north,
         wind_exponent=wind.exponent,
         gradient_height=wind.gradient_height,
+        wind_levels=levels_of(wind),
         slew=limits.yaw_rate * STEP,
         most_astray=ASTRAY + ASTRAY_S * limits.speed if wind.speed > 0 else math.inf,
         turning_from=STANDING_SHARE * limits.speed,

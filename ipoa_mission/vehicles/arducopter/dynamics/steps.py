@@ -270,12 +270,28 @@ def turn_nose(state: State, tuning: Tuning) -> None:
     state.nose_x, state.nose_y = math.sin(state.yaw), math.cos(state.yaw)
 
 
+def wind_at(height: float, tuning: Tuning) -> tuple[float, float]:
+    """What the wind blows towards the east and the north."""
+    levels = tuning.wind_levels
+    if levels[0][0] == levels[-1][0]:
+        gust = 1.0
+        if height < tuning.gradient_height and tuning.gradient_height > 0.0:
+            gust = (max(height, 0.0) / tuning.gradient_height) ** tuning.wind_exponent
+        return gust * tuning.wind_east, gust * tuning.wind_north
+    above = 0
+    while above < len(levels) - 1 and levels[above][0] < height:
+        above += 1
+    low, high = levels[max(above - 1, 0)], levels[above]
+    share = 1.0
+    if high[0] > low[0]:
+        share = min(max((height - low[0]) / (high[0] - low[0]), 0.0), 1.0)
+    return low[1] + share * (high[1] - low[1]), low[2] + share * (high[2] - low[2])
+
+
 def drag(state: State, tuning: Tuning) -> Triple:
     """Acceleration by the air: of the rotors against the way through it, of the body along each of its axes."""
-    gust = 1.0
-    if state.z < tuning.gradient_height and tuning.gradient_height > 0.0:
-        gust = (max(state.z, 0.0) / tuning.gradient_height) ** tuning.wind_exponent
-    x, y, z = state.vx - gust * tuning.wind_east, state.vy - gust * tuning.wind_north, state.vz
+    east, north = wind_at(state.z, tuning)
+    x, y, z = state.vx - east, state.vy - north, state.vz
     size = math.sqrt(GRAVITY**2 + state.lean_x**2 + state.lean_y**2)
     nx, ny, nz = state.lean_x / size, state.lean_y / size, GRAVITY / size  # up, forward and left along the body
     fx, fy = state.nose_x, state.nose_y

@@ -4,6 +4,24 @@ from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Body, Enu, Law, Level, State
 
 
+def wind_at(height: float, law: Law) -> tuple[float, float]:
+    """What the wind blows towards the east and the north."""
+    levels = law.wind_levels
+    if levels[0].height == levels[7].height:
+        blows = 1.0
+        if height < law.gradient_height and law.gradient_height > 0.0:
+            blows = (max(height, 0.0) / law.gradient_height) ** law.wind_exponent
+        return blows * law.wind_east, blows * law.wind_north
+    above = 0
+    while above < 7 and levels[above].height < height:
+        above += 1
+    low, high = levels[max(above - 1, 0)], levels[above]
+    share = 1.0
+    if high.height > low.height:
+        share = min(max((height - low.height) / (high.height - low.height), 0.0), 1.0)
+    return low.east + share * (high.east - low.east), low.north + share * (high.north - low.north)
+
+
 def carried(state: State, asked: Enu, law: Law, stands: bool) -> Body:
     """The vehicle a step later, `asked` for a lean and a thrust.
 
@@ -18,11 +36,9 @@ def carried(state: State, asked: Enu, law: Law, stands: bool) -> Body:
         body.thrust.up + (asked.up - body.thrust.up) * law.turning,
     )
     lift, place, speed, since = 1.0 + thrust.up / GRAVITY, body.place, body.speed, body.airborne_since
-    blows = 1.0
-    if place.up < law.gradient_height and law.gradient_height > 0.0:
-        blows = (max(place.up, 0.0) / law.gradient_height) ** law.wind_exponent
-    felt_east = thrust.east * lift - drag * (speed.east - blows * law.wind_east)
-    felt_north = thrust.north * lift - drag * (speed.north - blows * law.wind_north)
+    blows_east, blows_north = wind_at(place.up, law)
+    felt_east = thrust.east * lift - drag * (speed.east - blows_east)
+    felt_north = thrust.north * lift - drag * (speed.north - blows_north)
     on_ground = stands or (body.on_ground and thrust.up <= 0.0)
     if stands:
         speed = Enu(-drift.east, -drift.north, -drift.up)

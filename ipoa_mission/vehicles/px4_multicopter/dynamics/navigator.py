@@ -12,7 +12,7 @@ from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, Senses
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import GO, LAND, TAKE_OFF, Enu, Law, Level, Order
 from ipoa_mission.vehicles.px4_multicopter.limits import BRAKES_LATE, Px4Limits
-from ipoa_mission.wind import Wind
+from ipoa_mission.wind import MOST_LEVELS, Wind, WindLevel
 
 FLOWN_TO = HOLDING | {Command.NAV_LOITER_TO_ALT}
 ANYWHERE = 1e9  # a radius that everything is within [m]
@@ -24,7 +24,9 @@ def law(limits: Px4Limits, airframe: Airframe, senses: Senses, wind: Wind, dt: f
     senses = senses._replace(sees_ground=senses.sees_ground and limits.has_range_finder)
     steps = (dt, GRAVITY * math.tan(limits.lean), leaning, turning)
     east, north, exponent, height = map(float, (wind.east, wind.north, wind.exponent, wind.gradient_height))
-    return Law(limits, airframe, senses, east, north, exponent, height, *steps, turns=True, noisy=True)
+    given = [*wind.levels] or [WindLevel(0.0, 0.0, 0.0)]
+    levels = given + given[-1:] * (MOST_LEVELS - len(given))
+    return Law(limits, airframe, senses, east, north, exponent, height, levels, *steps, turns=True, noisy=True)
 
 
 def leg(start: Enu, goal: Enu, beyond: Enu | None, limits: Px4Limits, cruise: float) -> Order:

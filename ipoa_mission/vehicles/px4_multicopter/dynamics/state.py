@@ -5,10 +5,11 @@ change in a flight, `Order` and `Law`, goes to compiled code as numpy records of
 """
 
 import math
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, Senses
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
+from ipoa_mission.wind import WindLevel
 
 GO, TAKE_OFF, LAND = 0, 1, 2  # what an order asks for
 ON_LINE, BEYOND, BEFORE, BESIDE, UNKNOWN = 0, 1, 2, 3, 4  # where the vehicle is, seen from its leg
@@ -50,7 +51,8 @@ class Order(NamedTuple):
 class Law(NamedTuple):
     """What stays the same for a whole flight: limits, vehicle, sensors, wind (towards), and the length of a step.
 
-    Below `gradient_height` the wind follows a power law of the height with `wind_exponent`.
+    Below `gradient_height` the wind follows a power law of the height with `wind_exponent`; with `wind_levels` of which
+    the first lies below the last it is as they say.
     `most_lean` is g tan of the greatest one. `leaning`, `turning`: by what share the lean and the rotors follow what is
     asked of them within a step. `turns`: whether it matters where the nose points.
     """
@@ -62,6 +64,7 @@ class Law(NamedTuple):
     wind_north: float
     wind_exponent: float
     gradient_height: float
+    wind_levels: Annotated[list[WindLevel], 8]
     dt: float
     most_lean: float
     leaning: float

@@ -1,0 +1,70 @@
+"""The wind in the scenario: one speed and direction, or a profile by height."""
+
+from itertools import pairwise
+from typing import Annotated
+
+from pydantic import Field, model_validator
+
+from ipoa_mission.scenario.section import NotNegative, Section
+from ipoa_mission.wind import MOST_LEVELS, Wind
+
+
+class WindSection(Section):
+    """The wind that the flight is planned for: it counts for the choice of the route, the tube and the times."""
+
+    speed: NotNegative = 0.0
+    """How strong it is above `gradient_height` [m/s]."""
+    from_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
+    """Where it blows from, clockwise from north."""
+    exponent: NotNegative = 0.0
+    """Below `gradient_height` it is (height / gradient_height)^exponent as strong."""
+    gradient_height: NotNegative = 0.0
+    """Up to where it grows [m above home]."""
+    heights: tuple[NotNegative, ...] = ()
+    """A profile in place of the numbers above: two to eight heights above home [m], upwards; between them the wind
+    changes in straight lines, beyond them it is as at the nearest one."""
+    speeds: tuple[NotNegative, ...] = ()
+    """How strong it is at each of `heights` [m/s]."""
+    directions: tuple[Annotated[float, Field(ge=-360, le=360)], ...] = ()
+    """Where it blows from at each of `heights`, clockwise from north."""
+    spread: NotNegative = 0.0
+    """By so much it may be stronger or weaker, gusts and all [m/s]: it counts for the tube, for the most energy, and a
+    flight that it would push off its path is refused."""
+
+    @model_validator(mode="after")
+    def _one_wind(self) -> "WindSection":
+        numbers = {len(self.heights), len(self.speeds), len(self.directions)}
+        if numbers == {0}:
+            return self
+        if len(numbers) > 1 or not 2 <= len(self.heights) <= MOST_LEVELS:
+            raise ValueError(f"expected as many speeds and directions as heights, two to {MOST_LEVELS}")
+        if any(above <= below for below, above in pairwise(self.heights)):
+            raise ValueError("expected heights that grow")
+        if self.speed or self.exponent or self.gradient_height:
+            raise ValueError("expected either speed, exponent and gradient_height, or heights, speeds and directions")
+        return self
+
+    def air(self) -> Wind:
+        """The wind as the models have it."""
+        if self.heights:
+            return Wind.of_profile(self.heights, self.speeds, self.directions, self.spread)
+        return Wind(self.speed, self.from_deg, self.exponent, self.gradient_height, self.spread)
+
+    @classmethod
+    def of(cls, wind: Wind) -> "WindSection":
+        """The section that says so."""
+        if not wind.levels:
+            plain = ("speed", "from_deg", "exponent", "gradient_height", "spread")
+            return cls(**{name: getattr(wind, name) for name in plain})
+        blowing = [Wind.towards_north_east(level.north, level.east) for level in wind.levels]
+        return cls(
+            heights=tuple(level.height for level in wind.levels),
+            speeds=tuple(one.speed for one in blowing),
+            directions=tuple(one.from_deg for one in blowing),
+            spread=wind.spread,
+        )
+
+    @property
+    def strongest(self) -> float:
+        """The most that is to be reckoned with at any height [m/s]."""
+        return self.air().strongest

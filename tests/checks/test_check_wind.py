@@ -1,0 +1,61 @@
+"""A wind in which the vehicle does not fly its mission is an error of the check, not of the plan alone."""
+
+from pathlib import Path
+
+import pytest
+
+from ipoa_mission.checks.check import check
+from ipoa_mission.errors import BadInput
+from ipoa_mission.finding import Severity
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.scenario import Scenario, parse_scenario, read_scenario
+from ipoa_mission.wind import Wind
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+PLACES = """
+home = { latitude_deg = 47.4, longitude_deg = 8.5, altitude_amsl = 400.0 }
+start = { east = 0.0, north = 0.0, up = 15.0 }
+goal = { east = 90.0, north = 0.0, up = 15.0 }
+"""
+
+
+def too_strong(wind: Wind) -> bool:
+    forecast = Forecast(read_mission(MISSIONS / "sitl.plan"), read_scenario(MISSIONS / "sitl.toml"), wind)
+    found = [finding for finding in check(forecast) if finding.code == "wind-too-strong"]
+    assert all(finding.severity is Severity.ERROR for finding in found)
+    return bool(found)
+
+
+def test_a_wind_that_it_cannot_fly_in_is_an_error_by_itself_or_with_its_spread() -> None:
+    assert too_strong(Wind(25.0, 45.0))
+    assert not too_strong(Wind(3.0, 45.0))
+    assert too_strong(Wind(3.0, 45.0, spread=22.0))
+
+
+def read(text: str) -> Scenario:
+    return parse_scenario(PLACES + text, Path("wind.toml"))
+
+
+def test_a_profile_is_read_and_stays_itself_in_another_scenario() -> None:
+    scenario = read("wind = { heights = [10, 100], speeds = [3, 8], directions = [270, 300], spread = 1.5 }")
+    air = scenario.wind.air()
+    assert (air.at(10.0), air.at(100.0), air.spread) == pytest.approx((3.0, 8.0, 1.5))
+    again = read("").in_wind(air).wind.air()
+    assert again.towards(55.0) == pytest.approx(air.towards(55.0))
+    assert again.strongest == pytest.approx(9.5)
+
+
+@pytest.mark.parametrize(
+    ("wind", "words"),
+    [
+        ("heights = [10, 100], speeds = [3], directions = [270, 270]", "as many speeds and directions as heights"),
+        ("heights = [10], speeds = [3], directions = [270]", "two to 8"),
+        ("heights = [100, 10], speeds = [3, 4], directions = [270, 270]", "heights that grow"),
+        ("speed = 4, heights = [10, 100], speeds = [3, 4], directions = [270, 270]", "expected either speed"),
+        ("speeds = [3, 4]", "as many speeds and directions as heights"),
+    ],
+)
+def test_a_profile_that_makes_no_sense_is_an_error(wind: str, words: str) -> None:
+    with pytest.raises(BadInput, match=words):
+        read(f"wind = {{ {wind} }}")
