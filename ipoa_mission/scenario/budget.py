@@ -9,9 +9,9 @@ from ipoa_mission.vehicles.energy.flight import Battery, Consumption, by_curve, 
 from ipoa_mission.vehicles.learned import LearnedVehicle
 from ipoa_mission.wind import CALM, Wind
 
-#: What flights take as a multiple of what is reckoned, nine in ten. By an airframe's figures alone: published hover
-#: times of seven multirotors come to 0.86 to 1.26 times (docs/lab/profiles.md).
-BY_AIRFRAME = (0.75, 1.35)
+#: What flights take as a multiple of what is reckoned, nine in ten. By an airframe's figures alone: rotors and drives
+#: may be a quarter better or worse than is assumed, and flights came to 0.75 to 1 times (docs/lab/profiles.md).
+BY_AIRFRAME = (0.75, 1.4)
 MORE = ("square", "cube", "climb", "descent")  # what flying takes more than hovering
 #: With the power in hover measured, but not that of flying.
 BY_HOVER = (0.85, 1.25)

@@ -29,6 +29,7 @@ from ipoa_mission.wind import CALM, Wind
 HERE = Path(__file__).parent
 REPOSITORY = HERE.parents[1]
 LOG = HERE / "survey_battery-ardupilot.bin"
+FAR_UP = 50.0  # [m]: a wind that grows so far
 NAMES = ("hover_power", "square_power", "cube_power", "climb_power", "descent_power")
 RECORDED = (REPOSITORY / "docs" / "energy.csv").read_text(encoding="utf-8").splitlines()
 FLOWN = [row for row in csv.DictReader(RECORDED) if row["likely_wh"]]
@@ -40,13 +41,21 @@ def learned() -> LearnedVehicle:
     return LearnedVehicle(Autopilot.ARDUPILOT).with_numbers(learned_powers([flights[0].witness.powers]))  # type: ignore[list-item]
 
 
-def forecast(row: dict[str, str]) -> Interval:
+def wind_of(row: dict[str, str]) -> Wind:
+    """In the simulator it grows with the root of the height; where that goes far up, given as a profile."""
     height = float(row["gradient_height_m"])
-    wind = Wind(float(row["wind_m_s"]), float(row["from_deg"]), 0.5 if height else 0.0, height)
+    law = Wind(float(row["wind_m_s"]), float(row["from_deg"]), 0.5 if height else 0.0, height)
+    if height < FAR_UP or not law.speed:
+        return law if law.speed else CALM
+    heights = [0.0, 2.0, 6.0, 12.0, 20.0, 30.0, 45.0, 60.0]
+    return Wind.of_profile(heights, [law.at(up) for up in heights], [law.from_deg] * len(heights))
+
+
+def forecast(row: dict[str, str], wind: Wind | None = None) -> Interval:
     path = REPOSITORY / row["mission"]
     mission = read_mission(path if path.suffix else path / "mission.waypoints", Autopilot.ARDUPILOT)
     flown = replace(mission, vehicle=learned(), landing_ground=None)  # the simulator's ground is level
-    used = Forecast(flown, wind=wind if wind.speed else CALM).energy
+    used = Forecast(flown, wind=wind or wind_of(row)).energy
     assert used is not None
     return used.between
 
@@ -57,6 +66,15 @@ def test_after_one_flight_the_energy_of_others_in_wind_is_foretold(row: dict[str
     assert told.likely == pytest.approx(measured, rel=0.03)
     assert told.low < measured < told.high
     assert told.likely == pytest.approx(float(row["likely_wh"]), abs=0.02)
+
+
+def test_a_profile_tells_what_one_wind_for_all_heights_does_not() -> None:
+    grown = [row for row in FLOWN if float(row["gradient_height_m"]) >= FAR_UP]
+    assert len(grown) == 2
+    for row in grown:
+        measured, level = float(row["measured_wh"]), Wind(float(row["wind_m_s"]), float(row["from_deg"]))
+        assert forecast(row).likely == pytest.approx(measured, rel=0.015)
+        assert forecast(row, level).likely > 1.05 * measured
 
 
 def test_all_recorded_flights_are_foretold_within_five_per_cent_and_inside_their_interval() -> None:
