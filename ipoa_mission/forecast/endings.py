@@ -16,6 +16,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.looks import GROUND, EndingLooks, EndingWays
 from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel
+from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.geometry import Vector
 from ipoa_mission.planning.proof import prove_heights
 from ipoa_mission.scenario.budget import flight_energy
@@ -179,16 +180,26 @@ class Endings:
         lasts = min(low for (low, _), _ in flown), max(high for (_, high), _ in flown)
         return replace(row, duration_s=lasts, energy_wh=max(used, default=None))
 
+    def lasts(self, ending: Ending, time: float) -> tuple[float, float] | None:
+        """The least and the most time that an ending takes which is ordered at a time [s]; None where nobody knows."""
+        try:
+            prediction = self._broken_off(ending, float(np.clip(time, *self.ways.in_air)))
+        except MissionError:
+            return None
+        return float(prediction.low[-1]) - time, float(prediction.high[-1]) - time
+
+    def _broken_off(self, ending: Ending, time: float) -> Prediction:
+        forecast, model = self.forecast, self.mission.autopilot.part(FlightModel)
+        return model.broken_off(forecast.itinerary, self.mission, forecast.wind, None, BrokenOff(time, ending))
+
     def _flown(self, ending: Ending, looks: EndingLooks, n: int) -> tuple[tuple[float, float], float | None]:
         """The least and the most time that an ending takes from one place [s], and its energy [Wh]."""
-        forecast, mission = self.forecast, self.mission
         time = float(looks.times[n])
-        model, order = mission.autopilot.part(FlightModel), BrokenOff(time, ending)
-        prediction = model.broken_off(forecast.itinerary, mission, forecast.wind, None, order)
+        prediction = self._broken_off(ending, time)
         track = prediction.track
         after = track.times >= time
         used = flight_energy(
-            forecast.world, track.times[after], track.points[after], track.speeds[after], mission.vehicle
+            self.forecast.world, track.times[after], track.points[after], track.speeds[after], self.mission.vehicle
         )
         lasts = float(prediction.low[-1]) - time, float(prediction.high[-1]) - time
         return lasts, None if used is None else used.energy_wh
