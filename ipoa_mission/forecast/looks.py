@@ -153,8 +153,8 @@ class EndingWays:
         """At an ending from so many times in the air, or between two of these, that nothing is missed."""
         begin, end = between or self.in_air
         looks = self.at(ending, np.linspace(begin, end, max(2, round((end - begin) / EVERY_S) + 1)))
-        while len(between := looks.gaps()):
-            looks = looks.merged(self.at(ending, between))
+        while len(times := looks.gaps()):
+            looks = looks.merged(self.at(ending, times))
         return looks
 
     def at(self, ending: Ending, times: Vector) -> EndingLooks:
@@ -225,8 +225,6 @@ class EndingWays:
         """Of returns along the mission also what its own path keeps, whose bends are flown as they are bent there."""
         for n, by in enumerate(self.routes.kinds):
             first = (len(self.rally) + 1 + n) * self._variants
-            if by is ReturnBy.LANDING:
-                continue
             flown, of = self._flown_so_far(times, by is ReturnBy.AHEAD)
             for k in range(first, first + self._variants):
                 nearer = flown < near[:, k, CLIMBS]
@@ -293,10 +291,8 @@ class EndingWays:
                 for share in self._shares
             ]
             ways += [self.routes.over_terrain(places, stands, beyond, up, off) for off in self.routes.off_terrain]
-        for by, share in product(kinds, self._shares):
-            begins = stands + (share if by is ReturnBy.LANDING else 0.0) * back
-            over = np.column_stack([begins[:, :2], self.routes.top(by, stands)])
-            ways.append(self.routes.ways(by, np.stack([places, stands, begins, over], axis=1), seqs))
+        for by, _ in product(kinds, self._shares):
+            ways.append(self.routes.ways(by, np.stack([places, stands, stands, stands], axis=1), seqs))
         if len({way.shape[1] for way in ways}) > 1:
             ways = [_padded(way, max(other.shape[1] for other in ways)) for way in ways]
         goals = [self._goals(stand, int(seq)) for stand, seq in zip(stands, seqs, strict=True)]

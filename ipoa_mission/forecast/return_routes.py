@@ -1,4 +1,4 @@
-"""Returns that lead along the mission: to its landing, ahead to it from waypoint to waypoint, or back to the take-off.
+"""Returns that lead along the mission, ahead to its landing or back to the take-off, and such over the ground.
 
 Which one it is, and whether one is, may change on the way: it is asked anew at every place, with the item flown to.
 """
@@ -22,12 +22,10 @@ from ipoa_mission.vehicles.returning import (
     Place,
     ReturnBy,
     ReturnRoute,
-    level_distance,
 )
 
 FOLLOWING_LEGS = 60  # of a way that follows the ground
-ALONG = (ReturnBy.LANDING, ReturnBy.AHEAD, ReturnBy.BACK)
-WHERE = {ReturnBy.LANDING: "the landing", ReturnBy.AHEAD: "the landing along the mission", ReturnBy.BACK: "home"}
+WHERE = {ReturnBy.AHEAD: "the landing along the mission", ReturnBy.BACK: "home"}
 
 
 class ReturnRoutes:
@@ -45,20 +43,24 @@ class ReturnRoutes:
     @cached_property
     def kinds(self) -> tuple[ReturnBy, ...]:
         """Those that there may be, beside the direct ones."""
-        items, heres = range(1, len(self.mission.items) + 1), [tuple(place.tolist()) for _, place in self._places]
-        found = {self.route(here, seq).by for seq in items for here in (HOME, *heres)}
-        return tuple(by for by in ALONG if by in found)
+        return tuple(by for by in WHERE if by in self._found)
 
     @cached_property
     def why_unknown(self) -> str | None:
         """What of them is not modeled."""
-        here = self._places[-1][1] if self._places else np.zeros(3)
-        if self.route((float(here[0]), float(here[1]), float(here[2])), 1).by is ReturnBy.HERE:
-            return f"returns {ReturnBy.HERE} are not modeled"
+        for by in (ReturnBy.LANDING, ReturnBy.HERE):
+            if by in self._found:
+                sinks = ", on which it sinks already," if by is ReturnBy.LANDING else ""
+                return f"returns {by}{sinks} are not modeled"
         return None
 
+    @cached_property
+    def _found(self) -> frozenset[ReturnBy]:
+        items, heres = range(1, len(self.mission.items) + 1), [tuple(place.tolist()) for _, place in self._places]
+        return frozenset(self.route(here, seq).by for seq in items for here in (HOME, *heres))
+
     def ways(self, by: ReturnBy, starts: NDArray[np.float64], seqs: NDArray[np.intp]) -> NDArray[np.float64]:
-        """From starts (n, k, 3), of which the last lies over the one before, on to the ground, (n, p, 3)."""
+        """From starts (n, k, 3) on to the ground, (n, p, 3)."""
         most, ways = len(self._places) + 2, []
         for start, seq in zip(starts, seqs.tolist(), strict=True):
             nodes = list(self._nodes(by, start[-1], seq))
@@ -103,18 +105,6 @@ class ReturnRoutes:
         down = np.column_stack([beyond[:, :2], np.minimum(lower, ways[:, -1, 2])])
         return np.concatenate([np.stack([places, stands, stands], axis=1), ways, down[:, None]], axis=1)
 
-    def top(self, by: ReturnBy, stands: Points) -> Vector:
-        """To how high it climbs first, over stands (n, 3) [m]."""
-        landing = self._landing(1)
-        if by is not ReturnBy.LANDING or landing is None:
-            return stands[:, 2]
-        far = (level_distance((float(at[0]), float(at[1]), float(at[2])), landing.place) for at in stands)
-        heights = [
-            self.mission.autopilot.return_height(self.parameters, float(at[2]), away, landing.place[2])
-            for at, away in zip(stands, far, strict=True)
-        ]
-        return np.array(heights)
-
     def _nodes(self, by: ReturnBy, at: Vector, seq: int) -> Iterator[Vector]:
         """The places after the climb, in the order in which it comes to them; the last two are over the ground, on it.
 
@@ -125,8 +115,7 @@ class ReturnRoutes:
             last, down = before[-1], np.zeros(3)
             yield from before
         else:
-            first = self._land_start if by is ReturnBy.LANDING else seq
-            *ahead, down = [place for number, place in self._places if number >= first] or [self._places[-1][1]]
+            *ahead, down = [place for number, place in self._places if number >= seq] or [self._places[-1][1]]
             last = ahead[-1] if ahead else at
             yield from ahead
         over = np.array([down[0], down[1], last[2]])

@@ -158,7 +158,8 @@ class Breaker:
         if trigger.silent:
             self.vehicle.line._next_heartbeat = math.inf  # type: ignore[attr-defined]
         if trigger.fails is not None:
-            self._say(CommandLong(INJECT_FAILURE, (*map(float, trigger.fails), 0.0, 0.0, 0.0, 0.0, 0.0)))
+            fails = (*map(float, trigger.fails), 0.0, 0.0, 0.0, 0.0, 0.0)
+            self._say(CommandLong(INJECT_FAILURE, fails))  # type: ignore[arg-type]
         for name, value in trigger.then.items():
             kind = INT32 if isinstance(value, int) else REAL32
             self._say(ParamSet(name, spelled_parameter(float(value), kind, self.vehicle.autopilot), kind))

@@ -45,7 +45,7 @@ BOTH_AT_ONCE = "where the voltage falls through both at once"
 FAR_OUTSIDE, FAR_M = "100 m outside it lands", 100.0
 NOTICED_S = 15.0  # longer than a failsafe takes to act [s]
 SILENCE_S = 75.0  # longer than it takes to notice that a ground station is silent [s]
-STAGES = {
+STAGES: Mapping[int, FlightStage] = {
     Command.NAV_TAKEOFF: FlightStage.TAKEOFF,
     Command.NAV_LAND: FlightStage.LANDING,
     Command.NAV_RETURN_TO_LAUNCH: FlightStage.RETURN,
