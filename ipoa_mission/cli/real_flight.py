@@ -1,19 +1,28 @@
 """A flight on a vehicle at the other end of a link, from the first look at it until it stands again."""
 
 import logging
+import math
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
+from functools import partial
 
 from ipoa_mission.checks.start import begun_at
 from ipoa_mission.cli.flown import flight_as_json
 from ipoa_mission.cli.job import Job
 from ipoa_mission.cli.vehicles import stages_shown
 from ipoa_mission.errors import MissionError
-from ipoa_mission.flight.procedure import fly_forecast
+from ipoa_mission.flight.procedure import Stage, fly_forecast
+from ipoa_mission.forecast.endings_now import EndingsNow
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.link.messages import Message
+from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.progress import Progress
+from ipoa_mission.world.frame import Geodetic
+
+EVERY_S = 1.0  # what an ending would do is told no more often
 
 log = logging.getLogger(__name__)
 
@@ -59,7 +68,7 @@ def fly_there(
             first=first,
             anyway=anyway,
             set_params=set_params,
-            stages=stages_shown,
+            stages=partial(_with_endings, job.forecast, vehicle),
             remark=remarks.append,
         )
     except MissionError as error:
@@ -68,3 +77,38 @@ def fly_there(
         error.known |= {"completed": False, "armed": state.armed, "in_air": state.in_air, "remarks": remarks}
         raise
     return tuple(remarks), record
+
+
+@contextmanager
+def _with_endings(forecast: Forecast, vehicle: Vehicle, stage: Stage) -> Iterator[Progress]:
+    """The stages as they are shown, and in flight what an ending would do at this second, as far as it is known."""
+    with stages_shown(stage) as show:
+        told = None
+        if stage is Stage.FLIGHT and forecast.scenario is not None:
+            with suppress(MissionError):
+                told = ToldEndings(forecast, vehicle, show)
+                vehicle.overhearing = told.hear
+        yield show if told is None else told.show
+
+
+class ToldEndings:
+    """Tells what an ending would do now, as the vehicle says where it is."""
+
+    def __init__(self, forecast: Forecast, vehicle: Vehicle, show: Progress) -> None:
+        self._now, self._frame, self._vehicle, self._show = EndingsNow(forecast), forecast.frame, vehicle, show
+        self._done, self._words, self._told_s = 0.0, "", -math.inf
+
+    def show(self, share: float, words: str) -> None:
+        """What is done."""
+        self._done, self._words = share, words
+        self._show(share, words)
+
+    def hear(self, message: Message) -> None:
+        """One message of the vehicle."""
+        if not isinstance(message, Position) or message.time_s - self._told_s < EVERY_S:
+            return
+        path = self._vehicle.record().path
+        if path and self._vehicle.state.in_air:
+            self._told_s = message.time_s
+            place = self._frame.local(Geodetic(message.latitude_deg, message.longitude_deg, message.altitude))
+            self._show(self._done, f"{self._words}  now: {self._now.words(place, path[-1].time_s)}")

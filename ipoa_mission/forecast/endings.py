@@ -179,6 +179,13 @@ class Endings:
         takes = (min(one.low for one in used), max(one.high for one in used)) if used else None
         return replace(row, duration_s=lasts, energy_wh=takes)
 
+    def lasts(self, ending: Ending, time: float) -> tuple[float, float] | None:
+        """The least and the most time that an ending takes which is ordered at a time [s]; None where nobody knows."""
+        try:
+            return flown_from(self.forecast, ending, float(np.clip(time, *self.ways.in_air)))[0]
+        except MissionError:
+            return None
+
 
 def _runs(taken: NDArray[np.bool_], clear: NDArray[np.bool_]) -> Iterator[range]:
     """Numbers of looks one after the other that lead to the same goals (n, k) and are equally clear (n,)."""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import rally_places
+from ipoa_mission.forecast.return_routes import WHERE, ReturnRoutes
 from ipoa_mission.forecast.stops import Stops, stops_of
 from ipoa_mission.forecast.tube.room import with_room
 from ipoa_mission.geometry import Points, Vector
@@ -32,6 +33,7 @@ BACK = (0.0, 0.5, 1.0)  # shares of the way back to where it was told to return,
 GOAL_DOUBT = 10.0  # it may be so far from where it is thought to be as it chooses its goal [m]
 AROUND = ((0.0, 0.0), (GOAL_DOUBT, 0.0), (-GOAL_DOUBT, 0.0), (0.0, GOAL_DOUBT), (0.0, -GOAL_DOUBT))
 SAGITTA = 0.02  # so far a flown bend is beside the chords between the places at which it is looked at [m]
+ROUND_EARTH = 0.5  # by so much at most level ways are not straight [m]
 SEEN = 8.0  # what is so much farther than required counts as no nearer [m]
 BRAKES, TURNS_BACK, CLIMBS, RETURNS, DESCENDS = range(5)  # the legs of a way on which it returns
 GROUND = -2  # the number of the ground, beside those of obstacles; -1 is nothing
@@ -93,6 +95,7 @@ class EndingWays:
         self.forecast, self.mission, self.in_mean = forecast, forecast.mission, in_mean
         self.required = forecast.world.limits.obstacle_distance
         self.rally = rally_places(self.mission)
+        self.routes = ReturnRoutes(forecast, self.rally)
         self._stops = dict[Ending, Stops]()
 
     def clock(self, times: Vector) -> Vector:
@@ -139,15 +142,9 @@ class EndingWays:
 
     def why_unknown(self) -> str | None:
         """Why it is not known here where a return leads; None where it is."""
-        vehicle, version = self.mission.autopilot, self.mission.firmware_version
-        parameters = vehicle.book.by_old_names(self.mission.parameters)
-        end = self.forecast.promise.flight.pieces.points[-1]
-        here = (float(end[0]), float(end[1]), float(end[2]))
-        by = vehicle.return_route(parameters, here, self.rally, version=version).by
-        if by is not ReturnBy.DIRECT:
-            return f"returns {by} are not modeled"
-        if vehicle.returns_over_terrain(parameters) and not self.forecast.ground.is_level:
-            return "returns that keep their height over the ground are not modeled"
+        if (why := self.routes.why_unknown) is not None:
+            return why
+        vehicle, version, parameters = self.mission.autopilot, self.mission.firmware_version, self.routes.parameters
         if self.mission.fence and vehicle.room_to_fences(parameters, version) is not None:
             return "returns round fences are not modeled"
         return None
@@ -156,8 +153,8 @@ class EndingWays:
         """At an ending from so many times in the air, or between two of these, that nothing is missed."""
         begin, end = between or self.in_air
         looks = self.at(ending, np.linspace(begin, end, max(2, round((end - begin) / EVERY_S) + 1)))
-        while len(between := looks.gaps()):
-            looks = looks.merged(self.at(ending, between))
+        while len(times := looks.gaps()):
+            looks = looks.merged(self.at(ending, times))
         return looks
 
     def at(self, ending: Ending, times: Vector) -> EndingLooks:
@@ -167,13 +164,15 @@ class EndingWays:
         if ending is Ending.LAND:
             ways = np.concatenate([ways, self._ground_below(stands)[:, None, None]], axis=2)
         elif ending is Ending.RTL:
-            ways, taken = self._returns(places, stands)
+            ways, taken = self._returns(places, stands, self.stops(ending).seqs_at(times))
         elif ending is Ending.SMART_RTL:
             home = np.broadcast_to(self.forecast.promise.flight.pieces.points[0], (len(times), 1, 1, 3))
             ways = np.concatenate([ways, home], axis=2)
         near, which = self._near(ways)
         if ending is Ending.SMART_RTL:
             near[:, 0, 1], which[:, 0, 1] = self._flown_so_far(times)
+        if ending is Ending.RTL:
+            self._note_mission(times, near, which)
         spare = np.where(taken, np.minimum(near.min(axis=2) - self.required, SEEN), SEEN).min(axis=1)
         looks = EndingLooks(times, ways, taken, near, which, spare)
         return self._with_ground(looks, -1 if ending is Ending.RTL else 2)
@@ -198,8 +197,10 @@ class EndingWays:
         """Where one look leads, in words."""
         if ending in (Ending.LAND, Ending.HOLD):
             return "here"
-        goals = sorted({int(way) // len(self._shares) for way in np.flatnonzero(looks.taken[n])})
-        return " or ".join("home" if goal == 0 else f"rally point {goal}" for goal in goals)
+        names = ["home", *(f"rally point {k}" for k in range(1, len(self.rally) + 1))]
+        names += [WHERE[by] for by in self.routes.kinds]
+        goals = sorted({int(way) // self._variants for way in np.flatnonzero(looks.taken[n])})
+        return " or ".join(dict.fromkeys(names[goal] for goal in goals))
 
     def _near(self, ways: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
         """What the legs of ways (n, k, p, 3) keep of obstacles, and of which; exactly where one brakes on a slant."""
@@ -207,17 +208,30 @@ class EndingWays:
         starts, ends = ways[:, :, :-1].reshape(-1, 3), ways[:, :, 1:].reshape(-1, 3)
         near, which = air.legs_clearance(starts, ends, self.required + SEEN)
         slanting = (starts[:, 2] != ends[:, 2]) & (starts[:, :2] != ends[:, :2]).any(axis=1)
-        slanting &= np.arange(len(starts)) % shape[2] == BRAKES
+        is_braking = np.arange(len(starts)) % shape[2] == BRAKES
+        slanting &= is_braking | (np.abs(ends[:, 2] - starts[:, 2]) > ROUND_EARTH)
         for leg in np.flatnonzero(slanting & (near < self.required)):
             near[leg], _ = air.obstacles[which[leg]].leg_clearance(starts[leg], ends[leg])
         return near.reshape(shape), which.reshape(shape)
 
-    def _flown_so_far(self, times: Vector) -> tuple[Vector, NDArray[np.intp]]:
-        """How near it came to what on its way until each time (n,)."""
+    def _flown_so_far(self, times: Vector, ahead: bool = False) -> tuple[Vector, NDArray[np.intp]]:
+        """How near it came to what on its way until each time (n,), or will from then on if all is as planned."""
         near, which = (legs[:, 0, 0] for legs in self._flown)
+        turned = slice(None, None, -1) if ahead else slice(None)
+        near, which = near[turned], which[turned]
         nearest = np.maximum.accumulate(np.where(near <= np.minimum.accumulate(near), np.arange(len(near)), 0))
-        until = nearest[np.clip(np.searchsorted(self.stops().times, times) - 1, 0, len(near) - 1)]
+        until = np.clip(np.searchsorted(self.stops().times, times) - 1, 0, len(near) - 1)
+        until = nearest[len(near) - 1 - until if ahead else until]
         return np.asarray(near[until] - SAGITTA), np.asarray(which[until])
+
+    def _note_mission(self, times: Vector, near: NDArray[np.float64], which: NDArray[np.intp]) -> None:
+        """Of returns along the mission also what its own path keeps, whose bends are flown as they are bent there."""
+        for n, by in enumerate(self.routes.kinds):
+            first = (len(self.rally) + 1 + n) * self._variants
+            flown, of = self._flown_so_far(times, by is ReturnBy.AHEAD)
+            for k in range(first, first + self._variants):
+                nearer = flown < near[:, k, CLIMBS]
+                near[nearer, k, CLIMBS], which[nearer, k, CLIMBS] = flown[nearer], of[nearer]
 
     @cached_property
     def _flown(self) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
@@ -248,30 +262,58 @@ class EndingWays:
     def _shares(self) -> tuple[float, ...]:
         return BACK if self.mission.autopilot.guidance.climbs_coming_back else BACK[:1]
 
-    def _returns(self, places: Points, stands: Points) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-        """Every way that a return may take from there: to each goal, each begun where it may; and which may be."""
-        to_goals = self.forecast.returns_from(stands)
+    @property
+    def _variants(self) -> int:
+        """So many ways lead to each goal."""
+        return len(self._shares) + len(self.routes.off_terrain)
+
+    def _returns(
+        self, places: Points, stands: Points, seqs: NDArray[np.intp]
+    ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+        """Every way that a return may take from there: to each goal, each begun where it may; and which may be.
+
+        `seqs` (n,): the items that it is bound for.
+        """
+        to_goals, kinds = self.forecast.returns_from(stands), self.routes.kinds
         back = places - stands
         back[:, 2] = 0.0
-        ways = [
-            np.stack(
-                [places, stands, stands + share * back, over + share * back, beyond, self._ground_below(beyond)], axis=1
-            )
-            for (over, beyond), share in product(((way[:, 1], way[:, 2]) for way in to_goals), self._shares)
-        ]
-        chosen = np.array([[goal in goals for goal in range(len(to_goals))] for goals in map(self._goals, stands)])
-        return np.stack(ways, axis=1), np.repeat(chosen, len(self._shares), axis=1)
+        ways, ups = [], (0.0, *(up for _, _, up in self.rally))
+        for way, up in zip(to_goals, ups, strict=True):
+            over, beyond, ground = way[:, 1], way[:, 2], self._ground_below(way[:, 2])
+            ways += [
+                np.stack([places, stands, stands + share * back, over + share * back, beyond, ground], axis=1)
+                for share in self._shares
+            ]
+            ways += [self.routes.over_terrain(places, stands, beyond, up, off) for off in self.routes.off_terrain]
+        for by, _ in product(kinds, self._shares):
+            ways.append(self.routes.ways(by, np.stack([places, stands, stands, stands], axis=1), seqs))
+        if len({way.shape[1] for way in ways}) > 1:
+            ways = [_padded(way, max(other.shape[1] for other in ways)) for way in ways]
+        goals = [self._goals(stand, int(seq)) for stand, seq in zip(stands, seqs, strict=True)]
+        chosen = np.array([[goal in some for goal in range(len(to_goals) + len(kinds))] for some in goals])
+        taken = np.repeat(chosen, self._variants, axis=1)
+        if self.routes.surely_over_terrain:
+            taken &= np.arange(taken.shape[1]) % self._variants >= len(self._shares)
+        return np.stack(ways, axis=1), taken
 
-    def _goals(self, stand: Vector) -> set[int]:
-        """The goals of a return from near there: 0 is home, n the rally point n."""
-        if not self.rally:
+    def _goals(self, stand: Vector, seq: int) -> set[int]:
+        """The goals of a return from near there: 0 is home, n the rally point n, then those along the mission."""
+        if not self.rally and not self.routes.kinds:
             return {0}
-        parameters = self.mission.autopilot.book.by_old_names(self.mission.parameters)
         east, north, up = (float(x) for x in stand)
-        near = [(east + e, north + n, up) for e, n in AROUND]
-        chosen = (self.mission.autopilot.goal_of_return(parameters, here, self.rally) for here in near)
-        return {0 if goal is None else goal + 1 for goal in chosen}
+        routes = (self.routes.route((east + e, north + n, up), seq) for e, n in AROUND)
+        first = len(self.rally) + 1
+        return {
+            first + self.routes.kinds.index(by) if by in self.routes.kinds else 0 if rally is None else rally + 1
+            for by, rally in ((route.by, route.rally) for route in routes)
+        }
 
     def _ground_below(self, points: Points) -> Points:
         ground = self.roomy.airspace.ground(points)
         return np.column_stack([points[:, :2], np.minimum(ground, points[:, 2])])
+
+
+def _padded(ways: NDArray[np.float64], places: int) -> NDArray[np.float64]:
+    """Ways (n, p, 3) with so many places: it stays at the last but one."""
+    stays = np.repeat(ways[:, -2:-1], places - ways.shape[1], axis=1)
+    return np.concatenate([ways[:, :-1], stays, ways[:, -1:]], axis=1)

@@ -221,6 +221,15 @@ class Loaded(PageMessage):
     remarks: tuple[str, ...]
 
 
+class EndingThen(PageMessage):
+    """What an ending would do if it were ordered now; it takes so many seconds, if anybody knows."""
+
+    ending: Literal["rtl", "land"]
+    clear: bool
+    words: str
+    seconds: Number
+
+
 class Seen(PageMessage):
     """Where the vehicle is, as it says; `expected_s` is when the estimate had the last item that is done."""
 
@@ -232,6 +241,7 @@ class Seen(PageMessage):
     done: int
     flown_s: Number
     expected_s: Number
+    endings: tuple[EndingThen, ...] = ()
 
 
 class Landed(PageMessage):

@@ -12,7 +12,7 @@ from ipoa_mission.files import unused
 from ipoa_mission.studio.answers import State, Trouble
 from ipoa_mission.studio.document import Document
 from ipoa_mission.studio.processes import Died, Process
-from ipoa_mission.studio.requests import Start, Upload
+from ipoa_mission.studio.requests import EndFlight, Start, Upload
 from ipoa_mission.studio.vocabulary import PageMessage
 
 PILOT = "ipoa_mission.studio.pilot"
@@ -27,6 +27,7 @@ class FlightDesk:
         self._process = Process(PILOT)
         self._task: asyncio.Task[None] | None = None
         self._loaded: dict[str, Any] | None = None
+        self._flies = False
         self._folder = Path(tempfile.mkdtemp(prefix="ipoa-studio-"))  # of this user's alone
 
     def upload(self, request: Upload, hand_over: Callable[[Path], Awaitable[bool]]) -> None:
@@ -55,6 +56,16 @@ class FlightDesk:
             if named != there:
                 raise MissionError(f"not started: {what} is {there!r}, not {named!r}", hint="upload again")
         self._loaded = None
+        await self._process.send(request.model_dump(mode="json"))
+
+    async def end(self, request: EndFlight) -> None:
+        """Have the vehicle in flight end it.
+
+        Raises:
+            MissionError: none flies.
+        """
+        if not self._flies:
+            raise MissionError(f"no {request.ending}: nothing flies", hint="start a flight first")
         await self._process.send(request.model_dump(mode="json"))
 
     def abandon(self) -> None:
@@ -90,6 +101,8 @@ class FlightDesk:
             troubled = troubled or answer["kind"] == "trouble"
             if answer["kind"] == "loaded":
                 self._loaded = answer
+            if answer["kind"] == "state":
+                self._flies = answer["phase"] == "flying"
             self._tell(answer)
 
         try:
@@ -102,5 +115,7 @@ class FlightDesk:
         except asyncio.CancelledError:
             self._tell(State(phase="idle", words="the flight was left"))
             raise
+        finally:
+            self._flies = False
         if troubled:
             self._tell(State(phase="idle", words=""))

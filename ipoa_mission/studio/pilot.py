@@ -13,17 +13,23 @@ from pathlib import Path
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.flight.procedure import Stage, begin_mission, load_mission
+from ipoa_mission.forecast.endings_now import EndingsNow
+from ipoa_mission.link.codec import Target
 from ipoa_mission.link.connect import connect
 from ipoa_mission.link.logbook import FlightRecord
-from ipoa_mission.link.messages import Message
+from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, CUSTOM_MODE_FLAG, CommandLong, Message
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.commands import VehicleCommand
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.simulator.fly import board
-from ipoa_mission.studio.answers import Landed, Loaded, Seen, State
+from ipoa_mission.studio.answers import EndingThen, Landed, Loaded, Seen, State
 from ipoa_mission.studio.harness import Answer, Order, work
+from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.world.frame import Geodetic
 
 SEEN_EVERY_S = 0.2  # the vehicle's place is told no more often than this, by its own clock
+THEN_EVERY_S = 1.0  # what an ending would do, no more often than this
 LOOK_S = 0.1
 
 
@@ -54,7 +60,7 @@ class FlightWorker:
             answer(loaded)
             answer(State(phase="loaded", words=f"{len(flight.mission.items)} items are on {name}, read back and equal"))
             self._await_start(loaded)
-            record = _flown(flight, vehicle, answer, order["speedup"] if order["link"] is None else None)
+            record = _flown(flight, vehicle, answer, order["speedup"] if order["link"] is None else None, self._beside)
         answer(
             Landed(
                 completed=record.completed,
@@ -108,8 +114,13 @@ def _upload(flight: Flight, vehicle: Vehicle, tell: Callable[[str], None]) -> tu
     return tuple(remarks)
 
 
-def _flown(flight: Flight, vehicle: Vehicle, answer: Answer, speedup: float | None) -> FlightRecord:
-    """The flight from here to its end; the built-in autopilot, which knows no clock, so many times as fast as real."""
+def _flown(
+    flight: Flight, vehicle: Vehicle, answer: Answer, speedup: float | None, beside: "queue.SimpleQueue[Order]"
+) -> FlightRecord:
+    """The flight from here to its end; the built-in autopilot, which knows no clock, so many times as fast as real.
+
+    `beside` holds how the page would end it.
+    """
 
     @contextmanager
     def stages(stage: Stage) -> Iterator[Progress]:
@@ -118,7 +129,7 @@ def _flown(flight: Flight, vehicle: Vehicle, answer: Answer, speedup: float | No
             yield silent
         else:
             if stage is Stage.START:
-                vehicle.overhearing = Watch(flight, vehicle, answer, speedup).hear
+                vehicle.overhearing = Watch(flight, vehicle, answer, speedup, beside).hear
             yield lambda _, words: answer(State(phase="preparing", words=words))
 
     def remark(words: str) -> None:
@@ -128,9 +139,19 @@ def _flown(flight: Flight, vehicle: Vehicle, answer: Answer, speedup: float | No
 
 
 class Watch:
-    """Tells where the vehicle is, and how it stands against the estimate."""
+    """Tells where the vehicle is, how it stands against the estimate, what an ending would do now; orders it one."""
 
-    def __init__(self, flight: Flight, vehicle: Vehicle, answer: Answer, speedup: float | None) -> None:
+    def __init__(
+        self,
+        flight: Flight,
+        vehicle: Vehicle,
+        answer: Answer,
+        speedup: float | None,
+        beside: "queue.SimpleQueue[Order]",
+    ) -> None:
+        self._endings, self._frame, self._beside = EndingsNow(flight.forecast), flight.forecast.frame, beside
+        self._then: tuple[EndingThen, ...] = ()
+        self._then_s = -THEN_EVERY_S
         self._expected = {item.seq - 1: item.done_s for item in flight.estimate.items}
         self._home = flight.mission.home.altitude
         self._vehicle = vehicle
@@ -147,6 +168,8 @@ class Watch:
             self._answer(State(phase="flying", words=warning or Stage.START))
         if not isinstance(message, Position) or not self._vehicle.state.armed:
             return
+        with suppress(queue.Empty):
+            self._end(self._beside.get_nowait()["ending"])
         if message.time_s - self._told >= SEEN_EVERY_S:
             self._told = message.time_s
             self._keep_pace(message.time_s)
@@ -165,7 +188,33 @@ class Watch:
             done=0 if last is None else last + 1,
             flown_s=None if last is None else round(reached[last], 2),
             expected_s=None if last is None else round(self._expected.get(last, reached[last]), 2),
+            endings=self._endings_then(at, record.path[-1].time_s),
         )
+
+    def _endings_then(self, at: Position, time_s: float) -> tuple[EndingThen, ...]:
+        if not self._vehicle.state.in_air or self._vehicle.interrupted:
+            return ()
+        if time_s - self._then_s >= THEN_EVERY_S:
+            self._then_s = time_s
+            place = self._frame.local(Geodetic(at.latitude_deg, at.longitude_deg, at.altitude))
+            self._then = tuple(
+                EndingThen(
+                    ending="rtl" if row.ending is Ending.RTL else "land",
+                    clear=row.clear,
+                    words=f"{row.leads}: {row.keeps}",
+                    seconds=None if seconds is None else round(seconds, 1),
+                )
+                for row, seconds in self._endings.at(place, time_s)
+            )
+        return self._then
+
+    def _end(self, ending: str) -> None:
+        """Order it; that the vehicle took it is told as its leaving of the mission."""
+        modes = self._vehicle.autopilot.modes
+        mode = modes.numbers(modes.returning if ending == Ending.RTL else min(modes.lands))
+        numbers = (float(CUSTOM_MODE_FLAG), *map(float, mode), *(0.0,) * (6 - len(mode)))
+        order = CommandLong(VehicleCommand.DO_SET_MODE, numbers)  # type: ignore[arg-type]
+        self._vehicle.line.send(order, Target(self._vehicle.system, AUTOPILOT_COMPONENT))
 
     def _keep_pace(self, now_s: float) -> None:
         if self._speedup is None:

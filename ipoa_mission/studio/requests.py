@@ -95,5 +95,12 @@ class Start(PageMessage):
     proof: str
 
 
-Request: TypeAlias = Annotated[Edit | Rewrite | Drag | Do | Upload | Start, Field(discriminator="kind")]
+class EndFlight(PageMessage):
+    """Have the vehicle in flight come home, or land where it is."""
+
+    kind: Literal["end_flight"] = "end_flight"
+    ending: Literal["rtl", "land"]
+
+
+Request: TypeAlias = Annotated[Edit | Rewrite | Drag | Do | Upload | Start | EndFlight, Field(discriminator="kind")]
 REQUESTS: TypeAdapter[Any] = TypeAdapter(Request)

@@ -10,7 +10,7 @@ from ipoa_mission.studio.answers import Trouble
 from ipoa_mission.studio.document import Document
 from ipoa_mission.studio.flights import FlightDesk
 from ipoa_mission.studio.processes import Died, Process
-from ipoa_mission.studio.requests import Do, Drag, Edit, Rewrite, Start, Upload
+from ipoa_mission.studio.requests import Do, Drag, Edit, EndFlight, Rewrite, Start, Upload
 from ipoa_mission.studio.vocabulary import PageMessage
 
 SETTLED_S = 0.6  # without a change, after which the proved path is planned
@@ -91,8 +91,10 @@ class Session:
                     self._flights.upload(request, self._hand_over)
                 case Start():
                     await self._flights.start(request)
+                case EndFlight():
+                    await self._flights.end(request)
         except MissionError as error:
-            of: Literal["flight", "edit"] = "flight" if isinstance(request, Upload | Start) else "edit"
+            of: Literal["flight", "edit"] = "flight" if isinstance(request, Upload | Start | EndFlight) else "edit"
             window.tell(Trouble(of=of, message=str(error), hint=error.hint).model_dump(mode="json"))
             window.tell(self.document.as_answer().model_dump(mode="json"))
 

@@ -21,7 +21,7 @@ from ipoa_mission.vehicles.modes import Modes
 from ipoa_mission.vehicles.own_fence import OwnFence
 from ipoa_mission.vehicles.parameters import ParameterBook, Parameters
 from ipoa_mission.vehicles.refusal import Refusals
-from ipoa_mission.vehicles.returning import MissionLanding, Place, ReturnBy, ReturnRoute
+from ipoa_mission.vehicles.returning import MissionLanding, OverTerrain, Place, ReturnBy, ReturnRoute
 from ipoa_mission.vehicles.slow_landing import SlowedBy, SlowStretch
 from ipoa_mission.vehicles.version import Version
 
@@ -174,9 +174,12 @@ class Autopilot(ABC):
         """
         return ReturnRoute(ReturnBy.DIRECT, self.goal_of_return(parameters, here, rally))
 
-    def returns_over_terrain(self, parameters: Parameters) -> bool:
-        """Whether it keeps its height over the ground on its way home: `return_height` then counts from the ground."""
-        return False
+    def over_terrain(self, parameters: Parameters) -> OverTerrain | None:
+        """How it keeps its height over the ground on its way home; None: it does not.
+
+        `return_height` then counts from the ground.
+        """
+        return None
 
     def room_to_fences(self, parameters: Parameters, version: Version | None = None) -> float | None:
         """How far a return keeps from the fences that it flies around [m]; None: it flies straight through them."""

@@ -48,3 +48,11 @@ class MissionLanding:
     place: Place
     ahead: int
     behind: int
+
+
+@dataclass(frozen=True)
+class OverTerrain:
+    """That a return keeps its height over the ground, by up to `margin` m off; `surely`: it cannot but do so."""
+
+    margin: float
+    surely: bool

@@ -17,8 +17,11 @@ from ipoa_mission import Forecast, plan_flight, read_mission, read_scenario
 from ipoa_mission.cli.app import app
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.endings import LOOKED_AT, EndingRow, Endings, endings_of
+from ipoa_mission.forecast.looks import SEEN
+from ipoa_mission.mission.items import FenceCircle
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.version import Version
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 
@@ -125,12 +128,76 @@ def test_what_is_told_to_be_clear_keeps_its_distance_by_another_geometry(
     assert not row.clear or distance >= row.required_m
 
 
-@pytest.mark.parametrize(("autopilot", "name"), [(Autopilot.PX4, "sitl")])
-def test_a_return_that_is_not_modeled_is_not_called_clear(autopilot: Autopilot, name: str) -> None:
-    (row,) = Endings(forecast_of(name, RTL_TYPE=2.0)).rows(Ending.RTL)
+@pytest.mark.parametrize("kind", [1.0, 3.0])
+def test_a_return_to_the_landing_is_not_called_clear(kind: float) -> None:
+    """PX4 1.17 sinks all the way there: one that was flown went through a hangar."""
+    (row,) = Endings(forecast_of("sitl", RTL_TYPE=kind)).rows(Ending.RTL)
+    assert (row.clear, row.goal) == (False, "unknown")
+    assert "sinks" in row.keeps
+
+
+@pytest.mark.parametrize("parameters", [{"RTL_TYPE": 0.0}, {"RTL_TYPE": 2.0}])
+def test_a_return_round_fences_is_not_called_clear(parameters: dict[str, float]) -> None:
+    """Of the version that flies round them none could be measured."""
+    forecast = forecast_of("sitl", **parameters)
+    home = forecast.mission.home
+    round_all = FenceCircle((home.latitude_deg, home.longitude_deg), 2000.0)
+    fenced = replace(forecast.given, fence=(round_all,), firmware_version=Version(1, 18))
+    (row,) = Endings(Forecast(fenced, forecast.scenario)).rows(Ending.RTL)
     assert not row.clear
     assert math.isnan(row.least_m)
     assert row.goal == "unknown"
+
+
+@pytest.mark.parametrize(
+    ("kind", "first", "last"),
+    [
+        (2.0, "the landing along the mission", "the landing along the mission"),
+        (4.0, "home", "the landing along the mission"),
+    ],
+)
+def test_a_return_leads_along_the_mission_by_its_type(sitl: Endings, kind: float, first: str, last: str) -> None:
+    typed = Endings(forecast_of("sitl", RTL_TYPE=kind))
+    rows = typed.rows(Ending.RTL)
+    assert (rows[0].goal, rows[-1].goal) == (first, last)
+    landing = typed.forecast.estimate.track.points[-1, :2]
+    assert rows[-1].lands == pytest.approx(tuple(landing), abs=1.0)
+    assert all(row.duration_s is None for row in rows)
+
+
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.8])
+def test_back_along_the_mission_it_keeps_what_the_way_out_kept(share: float) -> None:
+    """By dense points of the way from waypoint to waypoint, which the forecast does not look at."""
+    back = Endings(forecast_of("sitl", RTL_TYPE=4.0))
+    begin, end = back.ways.in_air
+    time = begin + share * (end - begin)
+    looks = back.ways.at(Ending.RTL, np.array([time]))
+    way = looks.ways[0][looks.taken[0]][0]
+    dense = np.vstack([np.linspace(a, b, 400) for a, b in pairwise(way)])
+    nearest = back.ways.roomy.airspace.obstacle_distance(dense).min()
+    noted = looks.near[0][looks.taken[0]].min()
+    assert noted <= nearest + 1e-6 or nearest > back.ways.required + SEEN
+    assert np.linalg.norm(way[-1] - way[-2]) > 1.0
+
+
+def test_over_a_hill_a_return_keeps_its_height_over_the_ground() -> None:
+    over = Endings(forecast_of("campus", RTL_ALT_TYPE=1.0))
+    looks = over.ways.at(Ending.RTL, np.array([sum(over.ways.in_air) / 2]))
+    ways = looks.ways[0][looks.taken[0]][:, 3:-1]
+    ground = over.forecast.world.airspace.ground(ways.reshape(-1, 3)).reshape(ways.shape[:2])
+    assert np.ptp(ground[0]) > 1.0
+    above = ways[..., 2] - ground
+    assert np.ptp(above, axis=1).max() < 0.01  # each way keeps its own,
+    assert np.ptp(above[:, 0]) == pytest.approx(20.0)  # as far as WPNAV_TER_MARGIN allows
+    assert np.diff(np.sort(above[:, 0])).max() <= 2 * over.ways.required
+    level = {"RNGFND1_TYPE": 1.0}  # which may not see the ground: then it is as if it were over home
+    seeing = Endings(forecast_of("campus", RTL_ALT_TYPE=1.0, **level))
+    assert seeing.ways.at(Ending.RTL, np.array([20.0])).taken.sum() == looks.taken.sum() + 1
+
+
+def test_who_waits_for_ever_lands_at_no_time() -> None:
+    for endings in (forecast_of("sitl", RTL_LAND_DELAY=-1.0), forecast_of("campus", RTL_ALT_FINAL=500.0)):
+        assert all(row.duration_s is None for row in Endings(endings).rows(Ending.RTL))
 
 
 def test_a_return_altitude_is_planned_for_a_clear_return(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

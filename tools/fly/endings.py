@@ -86,7 +86,7 @@ def orders(spans: dict[str, tuple[float, float]], autopilot: Autopilot, given: a
     for number in _numbers(given, len(TRIGGERS[autopilot])):
         chance = random.Random(f"{given.seed}-{number}")
         begin, end = spans[mission := names[number % len(names)]]
-        ending = chance.choices(list(flown), list(flown.values()))[0]
+        ending = given.ending or chance.choices(list(flown), list(flown.values()))[0]
         second = round(chance.uniform(begin, end), 1)
         fails = given.failsafes > 0 and number % given.failsafes == given.failsafes - 1
         trigger = number // given.failsafes % len(TRIGGERS[autopilot]) if fails else None
@@ -158,7 +158,8 @@ class Breaker:
         if trigger.silent:
             self.vehicle.line._next_heartbeat = math.inf  # type: ignore[attr-defined]
         if trigger.fails is not None:
-            self._say(CommandLong(INJECT_FAILURE, (*map(float, trigger.fails), 0.0, 0.0, 0.0, 0.0, 0.0)))
+            fails = (*map(float, trigger.fails), 0.0, 0.0, 0.0, 0.0, 0.0)
+            self._say(CommandLong(INJECT_FAILURE, fails))  # type: ignore[arg-type]
         for name, value in trigger.then.items():
             kind = INT32 if isinstance(value, int) else REAL32
             self._say(ParamSet(name, spelled_parameter(float(value), kind, self.vehicle.autopilot), kind))
@@ -247,7 +248,8 @@ def fly(order: Order, forecast: Forecast, given: argparse.Namespace) -> dict[str
         breaker = Breaker(vehicle, order)
         while not ((at := vehicle.home()) and at.latitude_deg):
             time.sleep(0.2)
-        for name, value in set_up(vehicle, forecast.wind).items():
+        own = forecast.world.vehicle.autopilot_parameters()
+        for name, value in {**set_up(vehicle, forecast.wind), **own}.items():
             vehicle.set_parameter(name, value)
         load(vehicle, forecast)
         for name, value in (breaker.trigger.before if breaker.trigger else {}).items():
@@ -281,6 +283,7 @@ def main(arguments: list[str]) -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--count", type=int, default=10)
+    parser.add_argument("--ending", choices=[str(ending) for ending in WEIGHTS], help="order this one only")
     parser.add_argument("--triggers", type=int, nargs="*", help="these of its failsafes only, `--count` times each")
     parser.add_argument("--failsafes", type=int, default=0, help="every so many orders it is a failsafe")
     given = parser.parse_args(arguments)

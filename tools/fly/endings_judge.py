@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 import shapely
 
+from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.endings import EndingRow, Endings
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import itinerary
@@ -44,7 +45,7 @@ BOTH_AT_ONCE = "where the voltage falls through both at once"
 FAR_OUTSIDE, FAR_M = "100 m outside it lands", 100.0
 NOTICED_S = 15.0  # longer than a failsafe takes to act [s]
 SILENCE_S = 75.0  # longer than it takes to notice that a ground station is silent [s]
-STAGES = {
+STAGES: Mapping[int, FlightStage] = {
     Command.NAV_TAKEOFF: FlightStage.TAKEOFF,
     Command.NAV_LAND: FlightStage.LANDING,
     Command.NAV_RETURN_TO_LAUNCH: FlightStage.RETURN,
@@ -156,7 +157,10 @@ class Foretold:
         order = BrokenOff(float(np.clip(time, *self.endings.ways.in_air)), ending)
         if ending not in (Ending.RTL, Ending.LAND):
             return math.nan, math.nan, math.nan
-        found = model.broken_off(self.over_level_ground, forecast.mission, forecast.wind, None, order)
+        try:
+            found = model.broken_off(self.over_level_ground, forecast.mission, forecast.wind, None, order)
+        except MissionError:
+            return math.nan, math.nan, math.nan
         low, mean, high = (float(end[-1]) - order.time for end in (found.low, found.done, found.high))
         return low, mean, high
 

@@ -83,10 +83,18 @@ function Watched({ now }: { now: Studio }) {
   if (!seen) return null;
   const late = seen.flown_s !== null && seen.expected_s !== null ? seen.flown_s - seen.expected_s : null;
   return (
+    <>
     <dl class="figures">
       <div><dt>flying for</dt><dd>{seconds(seen.time_s)}<small>{late === null ? "" : `${Math.abs(late).toFixed(1)} s ${late < 0 ? "ahead of" : "behind"} the estimate`}</small></dd></div>
       <div><dt>items done</dt><dd>{seen.done}<small>of {now.loaded?.items ?? "?"}</small></dd></div>
       <div><dt>height</dt><dd>{seen.up.toFixed(1)} m<small>{seen.speed.toFixed(1)} m/s</small></dd></div>
     </dl>
+    {(seen.endings ?? []).map(one => (
+      <p key={one.ending} class={one.clear ? "good" : "bad"}>
+        <button type="button" onClick={() => send({ kind: "end_flight", ending: one.ending })}>{one.ending === "rtl" ? "Return now" : "Land now"}</button>
+        {" "}{one.words}{one.seconds === null ? "" : `, ${seconds(one.seconds)}`}
+      </p>
+    ))}
+    </>
   );
 }

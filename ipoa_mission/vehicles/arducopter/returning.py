@@ -12,11 +12,11 @@ from typing import NamedTuple
 from ipoa_mission.vehicles.arducopter.book import BOOK
 from ipoa_mission.vehicles.arducopter.own_fence import is_within, return_ceiling
 from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.returning import HOME, Place, level_distance
+from ipoa_mission.vehicles.returning import HOME, OverTerrain, Place, level_distance
 
 LEAST_CONE = 0.5  # RTL_CONE_SLOPE counts from here on
 LEAST_HEIGHT = 0.3  # RTL_ALT_MIN [m]
-OVER_TERRAIN = 1.0  # RTL_ALT_TYPE
+ABOVE_TERRAIN = 1.0  # RTL_ALT_TYPE
 
 
 class CopterReturn(NamedTuple):
@@ -59,8 +59,13 @@ def goal_of_return(parameters: Parameters, here: Place, rally: Sequence[Place]) 
     return None if too_far or home_is_nearer else nearest
 
 
-def returns_over_terrain(parameters: Parameters) -> bool:
-    """RTL_ALT_TYPE 1, and a range finder that navigation uses, or terrain data; without either it is as 0."""
+def over_terrain(parameters: Parameters) -> OverTerrain | None:
+    """With RTL_ALT_TYPE 1, and a range finder that navigation uses, or terrain data, without which it is not armed.
+
+    With neither it is as 0, and so is a range finder that does not see the ground.
+    """
     seen = parameters.get("RNGFND1_TYPE", 0.0) > 0.0 and parameters.get("WPNAV_RFND_USE", 1.0) > 0.0
     knows = seen or parameters.get("TERRAIN_ENABLE", 1.0) > 0.0
-    return math.isclose(parameters.get("RTL_ALT_TYPE", 0.0), OVER_TERRAIN) and knows
+    if not (knows and math.isclose(parameters.get("RTL_ALT_TYPE", 0.0), ABOVE_TERRAIN)):
+        return None
+    return OverTerrain(max(parameters.get("WPNAV_TER_MARGIN", 10.0), 0.1), not seen)

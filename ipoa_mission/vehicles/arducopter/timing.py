@@ -95,6 +95,8 @@ def break_off(
         flight.visit(n)
     flight.until, copter = math.inf, flight.copter
     returns = order.ending is Ending.RTL
+    if returns and copter.limits.rtl_final > 0.0:
+        raise MissionError("with an RTL_ALT_FINAL above 0 it waits over its goal, and does not land")
     flight.come_down(copter.return_home(route.goal_of_return(copter.place)) if returns else copter.land(None))
     samples = np.concatenate(flight.samples)
     samples = samples[np.concatenate([[True], np.diff(samples[:, 0]) > 1e-9])]

@@ -21,7 +21,7 @@ from ipoa_mission.vehicles.manners import Manners
 from ipoa_mission.vehicles.modes import Modes
 from ipoa_mission.vehicles.own_fence import OwnFence
 from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.returning import Place
+from ipoa_mission.vehicles.returning import OverTerrain, Place
 from ipoa_mission.vehicles.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.vehicles.version import Version
 
@@ -219,9 +219,13 @@ class ArduCopter(Autopilot):
         """
         return returning.CopterReturn.of(parameters).height(height, distance, goal_up)
 
-    def returns_over_terrain(self, parameters: Parameters) -> bool:
-        """RTL_ALT_TYPE."""
-        return returning.returns_over_terrain(self.book.by_old_names(parameters))
+    def over_terrain(self, parameters: Parameters) -> OverTerrain | None:
+        """By RTL_ALT_TYPE and WPNAV_TER_MARGIN, at which it goes no farther; a range finder may not see the ground.
+
+        >>> ArduCopter().over_terrain({"RTL_ALT_TYPE": 1.0, "WPNAV_TER_MARGIN": 6.0})
+        OverTerrain(margin=6.0, surely=True)
+        """
+        return returning.over_terrain(self.book.by_old_names(parameters))
 
     def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
         """As its source has it.

@@ -45,6 +45,9 @@ STEP = 0.04  # [s]
 SAMPLE_STEPS = 3  # a sample of the track every so many steps
 
 
+ALONG_MISSION = frozenset({1.0, 2.0, 3.0, 4.0})  # RTL_TYPE
+
+
 LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH})
 
 
@@ -117,8 +120,11 @@ def break_off(
         BadInput, MissionError: as `fly_px4` does; or what is ordered has no end.
     """
     flights = Flights(route, parameters, wind, airframe)
-    if order.ending is Ending.RTL and flights.limits.land_delay < 0.0:
-        raise MissionError("with an RTL_LAND_DELAY below 0 it waits over its goal for ever")
+    if order.ending is Ending.RTL:
+        if flights.limits.land_delay < 0.0:
+            raise MissionError("with an RTL_LAND_DELAY below 0 it waits over its goal for ever")
+        if parameters.get("RTL_TYPE", 0.0) in ALONG_MISSION:
+            raise MissionError("how long returns along the mission last is not modeled")
     quiet, _ = flights.flown(False, fast)(0)
     steps = np.diff(quiet)
     lasted, when = list[float](), list[float]()

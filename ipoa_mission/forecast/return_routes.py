@@ -1,0 +1,147 @@
+"""Returns that lead along the mission, ahead to its landing or back to the take-off, and such over the ground.
+
+Which one it is, and whether one is, may change on the way: it is asked anew at every place, with the item flown to.
+"""
+
+import math
+from collections.abc import Iterator
+from functools import cached_property, partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.itinerary.legs import item_places
+from ipoa_mission.forecast.itinerary.program import as_flown
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.mission.commands import FLOWN_TO, Command
+from ipoa_mission.vehicles.returning import (
+    HOME,
+    MissionLanding,
+    OverTerrain,
+    Place,
+    ReturnBy,
+    ReturnRoute,
+)
+
+FOLLOWING_LEGS = 60  # of a way that follows the ground
+WHERE = {ReturnBy.AHEAD: "the landing along the mission", ReturnBy.BACK: "home"}
+
+
+class ReturnRoutes:
+    """The ways of one mission on which a return may lead along it."""
+
+    def __init__(self, forecast: Forecast, rally: tuple[Place, ...]) -> None:
+        self.forecast, self.rally, self.mission = forecast, rally, forecast.mission
+        self.parameters = self.mission.autopilot.book.by_old_names(self.mission.parameters)
+
+    def route(self, here: Place, seq: int) -> ReturnRoute:
+        """Which way a return from here takes on the way to an item."""
+        landing, version = self._landing(seq), self.mission.firmware_version
+        return self.mission.autopilot.return_route(self.parameters, here, self.rally, landing, version=version)
+
+    @cached_property
+    def kinds(self) -> tuple[ReturnBy, ...]:
+        """Those that there may be, beside the direct ones."""
+        return tuple(by for by in WHERE if by in self._found)
+
+    @cached_property
+    def why_unknown(self) -> str | None:
+        """What of them is not modeled."""
+        for by in (ReturnBy.LANDING, ReturnBy.HERE):
+            if by in self._found:
+                sinks = ", on which it sinks already," if by is ReturnBy.LANDING else ""
+                return f"returns {by}{sinks} are not modeled"
+        return None
+
+    @cached_property
+    def _found(self) -> frozenset[ReturnBy]:
+        items, heres = range(1, len(self.mission.items) + 1), [tuple(place.tolist()) for _, place in self._places]
+        return frozenset(self.route(here, seq).by for seq in items for here in (HOME, *heres))
+
+    def ways(self, by: ReturnBy, starts: NDArray[np.float64], seqs: NDArray[np.intp]) -> NDArray[np.float64]:
+        """From starts (n, k, 3) on to the ground, (n, p, 3)."""
+        most, ways = len(self._places) + 2, []
+        for start, seq in zip(starts, seqs.tolist(), strict=True):
+            nodes = list(self._nodes(by, start[-1], seq))
+            ways.append([*start, *[start[-1]] * (most - len(nodes)), *nodes])
+        return np.array(ways)
+
+    @cached_property
+    def off_terrain(self) -> tuple[float, ...]:
+        """By what its height over the ground may be off on its way home [m]; nothing where it does not keep it.
+
+        They are so near to each other that nothing between two of them is farther than required from both.
+        """
+        over = self._over_terrain
+        if over is None:
+            return ()
+        many = math.ceil(over.margin / self.forecast.world.limits.obstacle_distance) + 1
+        return tuple(np.linspace(-over.margin, over.margin, max(2, many)).tolist())
+
+    @property
+    def _over_terrain(self) -> OverTerrain | None:
+        return None if self.forecast.ground.is_level else self.mission.autopilot.over_terrain(self.parameters)
+
+    @property
+    def surely_over_terrain(self) -> bool:
+        """Whether it is never as high as its return altitude is over home instead."""
+        return self._over_terrain is not None and self._over_terrain.surely
+
+    def over_terrain(
+        self, places: Points, stands: Points, beyond: Points, up: float, off: float
+    ) -> NDArray[np.float64]:
+        """The ways from places (n, 3), stands and straight to beyond, to a goal so high above home, over the ground.
+
+        They are so much farther from the ground than they should be. A way has as many legs as any, (n, p, 3).
+        """
+        ground, lower = self.forecast.world.airspace.ground, self.forecast.world.airspace.ground(beyond)
+        under, far = ground(stands), np.hypot(*(beyond - stands)[:, :2].T)
+        return_height = partial(self.mission.autopilot.return_height, self.parameters)
+        above = list(map(return_height, (stands[:, 2] - under).tolist(), far.tolist(), (up - lower).tolist()))
+        along = np.linspace(0.0, 1.0, FOLLOWING_LEGS + 1)[None, :, None]
+        ways = stands[:, None] + along * (beyond - stands)[:, None]
+        ways[..., 2] = ground(ways.reshape(-1, 3)).reshape(ways.shape[:2]) + (np.array(above) + off)[:, None]
+        down = np.column_stack([beyond[:, :2], np.minimum(lower, ways[:, -1, 2])])
+        return np.concatenate([np.stack([places, stands, stands], axis=1), ways, down[:, None]], axis=1)
+
+    def _nodes(self, by: ReturnBy, at: Vector, seq: int) -> Iterator[Vector]:
+        """The places after the climb, in the order in which it comes to them; the last two are over the ground, on it.
+
+        Ahead it goes on to the item that it is bound for, back to the one before.
+        """
+        if by is ReturnBy.BACK:
+            before = [place for number, place in reversed(self._places) if number < seq] or [self._places[0][1]]
+            last, down = before[-1], np.zeros(3)
+            yield from before
+        else:
+            *ahead, down = [place for number, place in self._places if number >= seq] or [self._places[-1][1]]
+            last = ahead[-1] if ahead else at
+            yield from ahead
+        over = np.array([down[0], down[1], last[2]])
+        yield over
+        yield np.array([down[0], down[1], min(float(self.forecast.ground(over[None])[0]), last[2])])
+
+    @cached_property
+    def _places(self) -> list[tuple[int, Vector]]:
+        """The items that it flies to, up to the first landing: number and place."""
+        places = item_places(as_flown(self.mission), self.forecast.frame, self.forecast.ground)
+        found: list[tuple[int, Vector]] = []
+        for seq, (item, place) in enumerate(zip(self.mission.items, places, strict=True), start=1):
+            if item.command in FLOWN_TO and place is not None:
+                found.append((seq, place))
+            if item.command == Command.NAV_LAND:
+                break
+        return found
+
+    @cached_property
+    def _land_start(self) -> int:
+        """From which item on it lands."""
+        starts = (n for n, item in enumerate(self.mission.items, 1) if item.command == Command.DO_LAND_START)
+        return next(starts, self._places[-1][0])
+
+    def _landing(self, seq: int) -> MissionLanding | None:
+        if not self._places or self.mission.items[self._places[-1][0] - 1].command != Command.NAV_LAND:
+            return None
+        east, north, up = (float(x) for x in self._places[-1][1])
+        return MissionLanding((east, north, up), self._land_start - seq, seq - 1)
