@@ -1,6 +1,7 @@
 """RTL from the middle of a mission: how far the real ones flew on, and what stands in the way home."""
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ from ipoa_mission.checks.failsafe_return import check_failsafe_return
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.looks import RETURNS, EndingWays
 from ipoa_mission.forecast.stops import Stops
+from ipoa_mission.mission.items import land
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.route import Route
@@ -135,6 +137,10 @@ def nominal(scenario: Scenario) -> Scenario:
 
 
 def test_a_return_that_is_not_modeled_is_told_of() -> None:
+    """On the way to the landing of the mission PX4 sinks already."""
     forecast = flight_in(scene(Autopilot.PX4, HALL))
-    (finding,) = check_failsafe_return(Forecast(forecast.mission.with_parameters({"RTL_TYPE": 2.0}), forecast.world))
+    items = (*forecast.mission.items[:-1], land(forecast.frame.geodetic(ROUND_THE_HALL[-1])))
+    mission = replace(forecast.mission, items=items).with_parameters({"RTL_TYPE": 3.0})
+    (finding,) = check_failsafe_return(Forecast(mission, forecast.world))
     assert (finding.code, finding.seq) == ("return-too-near", None)
+    assert "sinks" in finding.message
