@@ -133,7 +133,7 @@ def _hours(path: Path, times: np.ndarray, time: np.datetime64 | None) -> list[in
         if len(times) == 1:
             return [0]
         raise BadInput(f"{path}: expected `time` in the scenario, for a forecast of {len(times)} times")
-    begin = np.datetime64(time, "s")
+    begin = time.astype("datetime64[s]")
     if begin + LASTS < times.min() or begin - LASTS > times.max():
         raise BadInput(f"{path}: expected a forecast for {begin}, not of {times.min()} to {times.max()}")
     first = int(np.searchsorted(times, begin, side="right")) - 1
