@@ -207,7 +207,7 @@ class Scenario(Section):
         except ValidationError as error:
             raise explained(error, table, cls) from error
         scenario.survey()
-        return scenario
+        return scenario.with_wind_read()
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> "Scenario":
         """A copy with some values replaced, unchecked; its world is the same one unless they describe it.
@@ -229,6 +229,19 @@ class Scenario(Section):
         copied = self.model_copy(update={})
         copied.__dict__["_surroundings"] = replace(self._surroundings, airspace=airspace)
         return copied
+
+    def with_wind_read(self) -> "Scenario":
+        """The same in the wind of the forecast that it names, if it names one.
+
+        Raises:
+            BadInput, MissionError: as `read_wind`.
+        """
+        if self.wind.file is None:
+            return self
+        from ipoa_mission.maps.winds import read_wind
+
+        begins = None if self.time is None else np.datetime64(int(self.time.timestamp()), "s")
+        return self.in_wind(read_wind(self.wind.file, self.home.geodetic(), begins))
 
     def in_wind(self, wind: Wind) -> "Scenario":
         """The same in this wind."""

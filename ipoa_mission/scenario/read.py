@@ -69,7 +69,7 @@ def scenario_of(table: dict[str, Any], path: Path) -> Scenario:
         if re.split(r"[.:\[ ]", str(error), maxsplit=1)[0] not in Scenario.model_fields:
             raise  # a map names itself
         raise BadInput(f"{path}: {error}", hint=error.hint) from error
-    return scenario
+    return scenario.with_wind_read()
 
 
 def parse_toml(text: str, path: Path) -> dict[str, Any]:

@@ -1,11 +1,13 @@
 """The wind in the scenario: one speed and direction, or a profile by height."""
 
 from itertools import pairwise
+from pathlib import Path
 from typing import Annotated
 
 from pydantic import Field, model_validator
 
-from ipoa_mission.scenario.section import NotNegative, Section
+from ipoa_mission.errors import BadInput
+from ipoa_mission.scenario.section import NotNegative, Section, beside
 from ipoa_mission.wind import MOST_LEVELS, Wind
 
 
@@ -27,12 +29,17 @@ class WindSection(Section):
     """How strong it is at each of `heights` [m/s]."""
     directions: tuple[Annotated[float, Field(ge=-360, le=360)], ...] = ()
     """Where it blows from at each of `heights`, clockwise from north."""
+    file: Annotated[Path | None, beside("a forecast of winds")] = None
+    """A weather forecast (NetCDF or GRIB, extra `wind`) in place of all numbers: the wind at home from `time` on, with
+    what its members and hours differ by as the spread."""
     spread: NotNegative = 0.0
     """By so much it may be stronger or weaker, gusts and all [m/s]: it counts for the tube, for the most energy, and a
     flight that it would push off its path is refused."""
 
     @model_validator(mode="after")
     def _one_wind(self) -> "WindSection":
+        if self.file is not None and self.model_fields_set != {"file"}:
+            raise ValueError("expected either a file, or numbers")
         numbers = {len(self.heights), len(self.speeds), len(self.directions)}
         if numbers == {0}:
             return self
@@ -46,6 +53,8 @@ class WindSection(Section):
 
     def air(self) -> Wind:
         """The wind as the models have it."""
+        if self.file is not None:
+            raise BadInput("wind.file: expected to be read with its scenario, by read_scenario or Scenario.from_dict")
         if self.heights:
             return Wind.of_profile(self.heights, self.speeds, self.directions, self.spread)
         return Wind(self.speed, self.from_deg, self.exponent, self.gradient_height, self.spread)
