@@ -30,6 +30,7 @@ SOURCES = (
     "vehicles/parameters.py",
     "geometry.py",
     "planning/_*.py",
+    "survey/_*.py",
     "planning/banded.py",
     "planning/chart.py",
     "routing/_*.py",

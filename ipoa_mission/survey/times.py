@@ -1,16 +1,51 @@
-"""How long a vehicle takes on a straight line between two turns, and how much a turn costs: from its own time model."""
+"""How long a vehicle takes on straight legs and at the corners between them: from its own model of time.
 
-from dataclasses import dataclass
+A leg takes its length over the speed that was asked for; what braking, turning and getting up to speed cost beyond that
+is counted at its corners, by the angle and by the shorter of the two legs. A few corners are flown by the vehicle's
+model, in one mission; the others lie between.
+"""
 
-from ipoa_mission.mission.items import Mission
+import math
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import TypeAlias
+
+import numpy as np
+
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.timing.flight_model import FlightModel
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.mission.items import Mission, change_speed, takeoff, waypoint
+from ipoa_mission.survey._kernels import Clock, path_seconds
 from ipoa_mission.wind import CALM, Wind
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+ANGLES = np.radians([0.0, 30.0, 60.0, 90.0, 120.0, 150.0, 180.0])
+FLOWN_ANGLES = np.radians([30.0, 60.0, 90.0, 135.0, 180.0])  # between legs on which it is at speed
+LENGTHS = 7  # of legs, each twice as long as the one before
+SHORTEST_S = 0.25  # the shortest takes so long at speed [s]
+BEARINGS = 8  # in which legs are flown in a wind
 
 
 @dataclass(frozen=True, eq=False)
 class LegTimes:
-    """Seconds of legs and turns of one vehicle at one speed, in one wind."""
+    """Seconds of legs and corners of one vehicle at one speed, in one wind.
+
+    Attributes:
+        speed: that is asked for [m/s].
+        clock: the same as the kernels take it.
+
+    Example:
+        >>> from ipoa_mission.vehicles.autopilot import default_autopilot
+        >>> from ipoa_mission.world.frame import Geodetic
+        >>> times = LegTimes.of(Mission(Geodetic(47.4, 8.5, 488.0), (), default_autopilot()), 5.0)
+        >>> there, back = np.array([[0.0, 0.0], [90.0, 0.0]]), np.array([[90.0, 0.0], [0.0, 0.0]])
+        >>> times.seconds(there), times.seconds(np.concatenate([there, back])) > 36.0
+        (18.0, True)
+    """
 
     speed: float
+    clock: Clock
 
     @classmethod
     def of(cls, mission: Mission, speed: float, height: float = 30.0, wind: Wind = CALM) -> "LegTimes":
@@ -25,4 +60,75 @@ class LegTimes:
         Raises:
             MissionError: the vehicle has no time model, or does not get on in this wind.
         """
-        return cls(speed)
+        limits = mission.autopilot.part(FlightModel).kinematics(mission.parameters, speed)
+        to_speed = limits.speed / limits.accel + (limits.accel / limits.jerk if math.isfinite(limits.jerk) else 0.0)
+        shortest, long = SHORTEST_S * speed, 1.5 * to_speed * speed
+        pace = _paces(mission, speed, height, wind, long)
+        lengths = shortest * 2.0 ** np.arange(LENGTHS)
+        wide = _corners(mission, speed, height, wind, _zigzag(FLOWN_ANGLES, long), pace)
+        sharp = _corners(mission, speed, height, wind, _to_and_fro(lengths, long), pace) / 2
+        at = np.interp(ANGLES, [0.0, *FLOWN_ANGLES], np.maximum([0.0, *wide], 0.0))
+        share = np.clip(np.log2(lengths / speed / 2.0) / 2.0, 0.0, 1.0)  # how much a leg counts as a long one
+        corner = np.maximum(share[None, :] * at[:, None] + (1.0 - share)[None, :] * sharp[None, :], 0.0)
+        return cls(speed, Clock(pace, np.ascontiguousarray(corner), shortest, math.log(2.0)))
+
+    def seconds(self, path: Points) -> float:
+        """How long a polyline (n, 2) takes, corners counted, at speed where it begins and ends [s]."""
+        return float(path_seconds(self.clock, np.ascontiguousarray(path, float)))
+
+
+Stretch: TypeAlias = list[tuple[float, float]]  # bearings [rad] and lengths [m]
+
+
+def _zigzag(angles: Vector, long: float) -> list[Stretch]:
+    """From the middle of one long leg to that of the next, by a corner of each angle, left and right by turns."""
+    bearings = np.cumsum([0.0, *angles * np.resize([1.0, -1.0], len(angles))])
+    return [[(a, long / 2), (b, long / 2)] for a, b in pairwise(map(float, bearings))]
+
+
+def _to_and_fro(lengths: Vector, long: float) -> list[Stretch]:
+    """The same by two corners of 90 degrees, and a leg of each length between them."""
+    there, back, across = 0.0, math.pi, math.pi / 2
+    senses = [(there, back) if n % 2 == 0 else (back, there) for n in range(len(lengths))]
+    return [
+        [(a, long / 2), (across, float(length)), (b, long / 2)] for (a, b), length in zip(senses, lengths, strict=True)
+    ]
+
+
+def _corners(
+    mission: Mission, speed: float, height: float, wind: Wind, stretches: list[Stretch], pace: Vector
+) -> Vector:
+    """What each stretch takes beyond its length over the speed (n,) [s]; all are flown in one go."""
+    first, last = stretches[0][0], stretches[-1][-1]
+    legs = [first, *(leg for stretch in stretches for leg in stretch), last]
+    path = _polyline(*np.array(legs).T)
+    done = _done(mission, speed, height, wind, path)
+    ends = 1 + np.cumsum([0, *map(len, stretches)])
+    clock = Clock(pace, np.zeros((2, 2)), 1.0, 1.0)
+    alone = [path_seconds(clock, np.ascontiguousarray(path[a : b + 1])) for a, b in pairwise(ends)]
+    return np.asarray(np.diff(done[ends]) - alone)
+
+
+def _polyline(bearings: Vector, legs: Vector) -> Points:
+    steps = legs[:, None] * np.column_stack([np.cos(bearings), np.sin(bearings)])
+    return np.concatenate([[[0.0, 0.0]], np.cumsum(steps, axis=0)])
+
+
+def _done(mission: Mission, speed: float, height: float, wind: Wind, path: Points) -> Vector:
+    """When the vehicle is at each place of a path (n, 2) [s]."""
+    frame = LocalFrame(mission.home)
+    latitude, longitude, altitude = frame.to_geodetic(np.column_stack([path, np.full(len(path), height)]))
+    places = [Geodetic(*map(float, place)) for place in zip(latitude, longitude, altitude, strict=True)]
+    items = (takeoff(places[0], height), change_speed(speed), *(waypoint(place, height) for place in places))
+    flown = replace(mission, items=items, landing_ground=None, scanned=())
+    return np.asarray(Forecast(flown, wind=wind).predicted(sure=True).done[2:])
+
+
+def _paces(mission: Mission, speed: float, height: float, wind: Wind, long: float) -> Vector:
+    """Seconds per metre by direction, from east counterclockwise; one for all in still air."""
+    if wind.speed <= 0.0:
+        return np.array([1.0 / speed])
+    bearings = 2 * math.pi * np.arange(BEARINGS) / BEARINGS
+    path = _polyline(np.repeat(bearings, 2), np.full(2 * BEARINGS, long))
+    done = _done(mission, speed, height, wind, np.concatenate([path, path[-1:] + path[1:2]]))
+    return np.maximum(np.diff(done)[1::2][:BEARINGS] / long, 1.0 / speed)

@@ -1,0 +1,332 @@
+"""What must be fast, compiled: who sees whom, the ways between the ends of lines, the search for an order of lines.
+
+Line k has the ends 2k and 2k+1; one that is entered at end e is left at e ^ 1. A `Clock` says how long all takes.
+"""
+
+# mypy: disable-error-code="no-untyped-def,misc"
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ipoa_mission.compiled import njit
+from ipoa_mission.geometry import Points, Vector
+
+NO_WAY = 1e9  # [s]
+DIRECT, NONE = -1, -2
+
+
+class Clock(NamedTuple):
+    """Seconds per metre by direction (d,), and what a corner costs (angles, lengths): see `LegTimes`."""
+
+    pace: Vector
+    corner: Points
+    shortest: float
+    ratio: float
+
+
+@njit(cache=True, error_model="numpy")
+def seconds_of(clock, east, north):
+    """How long a straight leg takes at the speed that was asked for."""
+    length = math.sqrt(east * east + north * north)
+    count = clock.pace.size
+    if count == 1:
+        return length * clock.pace[0]
+    at = math.atan2(north, east) / (2.0 * math.pi) * count
+    low = math.floor(at)
+    share, k = at - low, int(low) % count
+    return length * ((1.0 - share) * clock.pace[k] + share * clock.pace[(k + 1) % count])
+
+
+@njit(cache=True, error_model="numpy")
+def corner_at(clock, cosine, length):
+    """What a corner between legs, the shorter one so long, costs beyond their lengths [s]."""
+    angles, lengths = clock.corner.shape
+    a = math.acos(min(max(cosine, -1.0), 1.0)) / math.pi * (angles - 1)
+    i = min(int(a), angles - 2)
+    b = 0.0 if length <= clock.shortest else math.log(length / clock.shortest) / clock.ratio
+    j = min(int(b), lengths - 2)
+    b = min(b, lengths - 1.0)
+    s, t, c = a - i, b - j, clock.corner
+    return (1 - s) * ((1 - t) * c[i, j] + t * c[i, j + 1]) + s * ((1 - t) * c[i + 1, j] + t * c[i + 1, j + 1])
+
+
+@njit(cache=True, error_model="numpy")
+def path_seconds(clock, path):
+    """How long a polyline (n, 2) takes, corners counted, at its ends at speed."""
+    total, before, was_e, was_n = 0.0, 0.0, 0.0, 0.0
+    for k in range(len(path) - 1):
+        e, n = path[k + 1, 0] - path[k, 0], path[k + 1, 1] - path[k, 1]
+        length = math.sqrt(e * e + n * n)
+        if length < 1e-6:
+            continue
+        total += seconds_of(clock, e, n)
+        if before > 0.0:
+            total += corner_at(clock, (e * was_e + n * was_n) / (length * before), min(length, before))
+        before, was_e, was_n = length, e, n
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def _is_clear(edges, px, py, qx, qy):
+    """Whether a segment crosses no edge (m, 4); one that just touches an edge's begin counts as crossing."""
+    west, east, south, north = min(px, qx), max(px, qx), min(py, qy), max(py, qy)
+    for k in range(len(edges)):
+        ax, ay, bx, by = edges[k, 0], edges[k, 1], edges[k, 2], edges[k, 3]
+        if max(ax, bx) < west or min(ax, bx) > east or max(ay, by) < south or min(ay, by) > north:
+            continue
+        a = (qx - px) * (ay - py) - (qy - py) * (ax - px)
+        b = (qx - px) * (by - py) - (qy - py) * (bx - px)
+        if (a >= 0.0) == (b >= 0.0):
+            continue
+        p = (bx - ax) * (py - ay) - (by - ay) * (px - ax)
+        q = (bx - ax) * (qy - ay) - (by - ay) * (qx - ax)
+        if (p > 0.0) != (q > 0.0):
+            return False
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def sights(places, others, edges):
+    """Which of the `others` (m, 2) each of the places (n, 2) sees past the edges, (n, m)."""
+    seen = np.zeros((len(places), len(others)), np.bool_)
+    for i in range(len(places)):
+        for j in range(len(others)):
+            seen[i, j] = _is_clear(edges, places[i, 0], places[i, 1], others[j, 0], others[j, 1])
+    return seen
+
+
+@njit(cache=True, error_model="numpy")
+def _spread(start, ends, corners, near, between, bend, dist, prev):
+    """The shortest ways from one end to all corners, a bend counted as so long, and the corner before each."""
+    count = len(corners)
+    done = np.zeros(count, np.bool_)
+    for c in range(count):
+        dist[c] = prev[c] = NO_WAY
+        prev[c] = DIRECT
+        if near[start, c]:
+            dist[c] = bend + math.hypot(corners[c, 0] - ends[start, 0], corners[c, 1] - ends[start, 1])
+    for _ in range(count):
+        here, least = -1, NO_WAY
+        for c in range(count):
+            if not done[c] and dist[c] < least:
+                here, least = c, dist[c]
+        if here < 0:
+            break
+        done[here] = True
+        for c in range(count):
+            if not done[c] and between[here, c] < NO_WAY:
+                through = least + between[here, c] + bend
+                if through < dist[c]:
+                    dist[c], prev[c] = through, here
+
+
+@njit(cache=True, error_model="numpy")
+def ways_between(clock, ends, corners, edges, bend):
+    """How long the way takes from each end of a line to each other's (n, n) [s], corners at both ends counted.
+
+    Returns the times, and to find the ways again: by which corner an end is reached at last (n, n), and by which one
+    that corner was reached (n, corners); DIRECT where by none, NONE where no way was found.
+    """
+    count, many = len(ends), len(corners)
+    near = sights(ends, corners, edges)
+    between = np.full((many, many), NO_WAY)
+    for i in range(many):
+        for j in range(i):
+            if _is_clear(edges, corners[i, 0], corners[i, 1], corners[j, 0], corners[j, 1]):
+                between[i, j] = math.hypot(corners[i, 0] - corners[j, 0], corners[i, 1] - corners[j, 1])
+                between[j, i] = between[i, j]
+    times = np.full((count, count), NO_WAY)
+    last = np.full((count, count), NONE, np.int16)
+    prev = np.full((count, max(many, 1)), DIRECT, np.int16)
+    dist = np.empty(max(many, 1))
+    for i in range(count):
+        _spread(i, ends, corners, near, between, bend, dist, prev[i])
+        out_e, out_n = ends[i, 0] - ends[i ^ 1, 0], ends[i, 1] - ends[i ^ 1, 1]
+        out = math.hypot(out_e, out_n)
+        for j in range(count):
+            if i == j or j == i ^ 1:
+                continue
+            if _is_clear(edges, ends[i, 0], ends[i, 1], ends[j, 0], ends[j, 1]):
+                last[i, j] = DIRECT
+            else:
+                least = NO_WAY
+                for c in range(many):
+                    if near[j, c] and dist[c] < least:
+                        through = dist[c] + math.hypot(corners[c, 0] - ends[j, 0], corners[c, 1] - ends[j, 1])
+                        if through < least:
+                            least, last[i, j] = through, c
+                if last[i, j] == NONE:
+                    continue
+            # Backward from j: the line there, the corners one after the other, the line at i.
+            in_e, in_n = ends[j ^ 1, 0] - ends[j, 0], ends[j ^ 1, 1] - ends[j, 1]
+            length, total, c = math.hypot(in_e, in_n), 0.0, last[i, j]
+            x, y = ends[j, 0], ends[j, 1]
+            while True:
+                bx, by = (ends[i, 0], ends[i, 1]) if c == DIRECT else (corners[c, 0], corners[c, 1])
+                e, n = x - bx, y - by
+                leg = math.hypot(e, n)
+                if leg > 1e-6:
+                    total += seconds_of(clock, e, n)
+                    if length > 1e-6:
+                        total += corner_at(clock, (e * in_e + n * in_n) / (leg * length), min(leg, length))
+                    in_e, in_n, length = e, n, leg
+                if c == DIRECT:
+                    break
+                x, y, c = bx, by, prev[i, c]
+            if out > 1e-6 and length > 1e-6:
+                total += corner_at(clock, (out_e * in_e + out_n * in_n) / (out * length), min(out, length))
+            times[i, j] = total
+    return times, last, prev
+
+
+@njit(cache=True, error_model="numpy")
+def _sums(entries, times, lines, forth, back):
+    """What the order costs up to each line, flown forth and back."""
+    forth[0], back[0] = lines[entries[0]], lines[entries[0] ^ 1]
+    for k in range(1, len(entries)):
+        here, there = entries[k - 1], entries[k]
+        forth[k] = forth[k - 1] + times[here ^ 1, there] + lines[there]
+        back[k] = back[k - 1] + times[there, here ^ 1] + lines[there ^ 1]
+
+
+@njit(cache=True, error_model="numpy")
+def _flip(entries, i, j):
+    """Fly lines i to j the other way round."""
+    while i <= j:
+        entries[i], entries[j] = entries[j] ^ 1, entries[i] ^ 1
+        i, j = i + 1, j - 1
+
+
+@njit(cache=True, error_model="numpy")
+def _join(times, first, last, x, y):
+    """What it costs to go from exit x to entry y; -1: from where the tour begins, or to where it ends."""
+    if x < 0:
+        return first[y] if y >= 0 else 0.0
+    return last[x] if y < 0 else times[x, y]
+
+
+@njit(cache=True, error_model="numpy")
+def _better(entries, k, times, lines, first, last, forth, back):
+    """The best change that begins at line k: gain, kind (0: none, 1: flip, 2: move, 3: move and flip), and where."""
+    count = len(entries)
+    best, kind, a, b, c = -1e-7, 0, 0, 0, 0
+    before = entries[k - 1] ^ 1 if k > 0 else -1
+    coming = _join(times, first, last, before, entries[k])
+    for m in range(count):  # flip what lies between k and m
+        i, j = min(k, m), max(k, m)
+        x, y = (entries[i - 1] ^ 1 if i > 0 else -1), (entries[j + 1] if j < count - 1 else -1)
+        now = _join(times, first, last, x, entries[i]) + _join(times, first, last, entries[j] ^ 1, y)
+        then = _join(times, first, last, x, entries[j] ^ 1) + _join(times, first, last, entries[i], y)
+        inside = (back[j] - back[i] + lines[entries[i] ^ 1]) - (forth[j] - forth[i] + lines[entries[i]])
+        if then - now + inside < best:
+            best, kind, a, b = then - now + inside, 1, i, j
+    for size in range(1, 4):  # move lines k to e elsewhere
+        e = k + size - 1
+        if e >= count:
+            break
+        after = entries[e + 1] if e < count - 1 else -1
+        head, tail = entries[k], entries[e] ^ 1
+        out = _join(times, first, last, before, after) - coming - _join(times, first, last, tail, after)
+        turned = (back[e] - back[k] + lines[entries[k] ^ 1]) - (forth[e] - forth[k] + lines[entries[k]])
+        for p in range(-1, count):  # behind line p
+            if k - 1 <= p <= e:
+                continue
+            x, y = (entries[p] ^ 1 if p >= 0 else -1), (entries[p + 1] if p < count - 1 else -1)
+            gap = out - _join(times, first, last, x, y)
+            plain = gap + _join(times, first, last, x, head) + _join(times, first, last, tail, y)
+            if plain < best:
+                best, kind, a, b, c = plain, 2, k, e, p
+            other = gap + _join(times, first, last, x, tail) + _join(times, first, last, head, y) + turned
+            if other < best:
+                best, kind, a, b, c = other, 3, k, e, p
+    return best, kind, a, b, c
+
+
+@njit(cache=True, error_model="numpy")
+def _move(entries, i, e, p):
+    """Put lines i to e behind line p: three flips."""
+    if p < i:
+        _flip(entries, p + 1, e)
+        _flip(entries, p + 1, p + e - i + 1)
+        _flip(entries, p + e - i + 2, e)
+    else:
+        _flip(entries, i, p)
+        _flip(entries, i, i + p - e - 1)
+        _flip(entries, i + p - e, p)
+
+
+@njit(cache=True, error_model="numpy")
+def _descend(entries, times, lines, first, last, dirty, forth, back):
+    """Change the order for the better, beginning where it is dirty, until nothing helps."""
+    count = len(entries)
+    _sums(entries, times, lines, forth, back)
+    k, clean = 0, 0
+    while clean < count:
+        if dirty[k]:
+            _, kind, a, b, c = _better(entries, k, times, lines, first, last, forth, back)
+            if kind == 0:
+                dirty[k] = False
+            else:
+                if kind == 1:
+                    _flip(entries, a, b)
+                    near = (a - 1, a, b, b + 1)
+                else:
+                    if kind == 3:
+                        _flip(entries, a, b)
+                    _move(entries, a, b, c)
+                    at = c + 1 if c < a else c - (b - a)
+                    near = (a, b + 1 if c < a else a - 1, at, at + b - a + 1)
+                for m in near:
+                    for n in range(max(m - 1, 0), min(m + 2, count)):
+                        dirty[n] = True
+                _sums(entries, times, lines, forth, back)
+                clean = 0
+                continue
+        clean += 1
+        k = (k + 1) % count
+    return forth[count - 1] + first[entries[0]] + last[entries[count - 1] ^ 1]
+
+
+@njit(cache=True, error_model="numpy")
+def search_order(entries, times, lines, first, last, rounds):
+    """A quick order of the lines, by entries (n,): local search, kicked `rounds` times; and its cost [s].
+
+    Args are the order to begin with, the times of ways between ends (2n, 2n), of lines by their entry (2n,), and what
+    it costs to come to each entry first (2n,) and to leave by each exit last (2n,).
+    """
+    count = len(entries)
+    now, best = entries.copy(), entries.copy()
+    forth, back, dirty = np.empty(count), np.empty(count), np.ones(count, np.bool_)
+    cost = _descend(best, times, lines, first, last, dirty, forth, back)
+    state = np.uint32(2463534242)
+    for _ in range(rounds if count > 3 else 0):
+        now[:] = best
+        reach = min(count, 50)
+        spots = np.empty(3, np.int64)
+        state ^= np.uint32(state << np.uint32(13))
+        state ^= state >> np.uint32(17)
+        state ^= np.uint32(state << np.uint32(5))
+        low = int(state % np.uint32(count - reach + 1))
+        for n in range(3):
+            state ^= np.uint32(state << np.uint32(13))
+            state ^= state >> np.uint32(17)
+            state ^= np.uint32(state << np.uint32(5))
+            spots[n] = low + int(state % np.uint32(reach))
+        spots.sort()
+        i, e, p = spots[0], spots[1], spots[2]
+        if e < p:
+            _move(now, i, e, p)  # two stretches change places
+        else:
+            _flip(now, i, p)
+        for m in (i, e + 1, i + p - e, p, p + 1):
+            for n in range(max(m - 1, 0), min(m + 1, count)):
+                dirty[n] = True
+        found = _descend(now, times, lines, first, last, dirty, forth, back)
+        if found < cost - 1e-9:
+            best[:] = now
+            cost = found
+        else:
+            dirty[:] = False
+    return best, cost

@@ -1,0 +1,132 @@
+"""What a path over an area leaves unseen between the ends of its lines, and the least detours that see it."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import shapely
+
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.survey.free import FreeSpace
+from ipoa_mission.survey.lines import ARC, line_over, parts_of, seen_from
+from ipoa_mission.survey.times import LegTimes
+
+LEFT = 4e-4  # share of the area that may stay unseen
+NEAR = 6  # detours that are tried for a gap
+SEES = 1e-3  # of the spacing squared: a way that sees more of a gap has the sensor on
+WITHIN = 0.999  # of half the width: as circles are polygons
+
+
+@dataclass
+class Route:
+    """Places (n, 2) in the order flown, and whether the sensor is on from each to the next."""
+
+    places: list[Points]
+    is_on: list[bool] = field(default_factory=list)
+
+    def legs(self, on: bool) -> Points:
+        """Those on which the sensor is on, or off, (k, 2, 2)."""
+        chosen = [n for n, each in enumerate(self.is_on) if each is on]
+        return np.array([[self.places[n], self.places[n + 1]] for n in chosen]).reshape(-1, 2, 2)
+
+
+@dataclass(frozen=True, eq=False)
+class Closing:
+    """What is to be seen, in what width, where it may be flown, and what that costs."""
+
+    area: Any
+    width: float
+    space: FreeSpace
+    cost: LegTimes
+
+    def gaps(self, route: Route) -> Any:
+        """What the route leaves unseen, the ways that see some of that switched on."""
+        gaps = self.area.difference(seen_from(route.legs(True), self.width))
+        off = [n for n, on in enumerate(route.is_on) if not on]
+        if gaps.is_empty or not off:
+            return gaps
+        around = shapely.buffer(shapely.linestrings(route.legs(False)), self.width / 2, quad_segs=ARC)
+        shapely.prepare(gaps)
+        touched = np.flatnonzero(shapely.intersects(gaps, around))
+        seen = shapely.area(shapely.intersection(around[touched], gaps))
+        chosen = touched[seen > SEES * self.width**2]
+        for n in chosen:
+            route.is_on[off[n]] = True
+        return gaps.difference(shapely.union_all(around[chosen])) if len(chosen) else gaps
+
+    def close(self, route: Route) -> None:
+        """Lead the route by detours past what it leaves unseen, the largest gaps first, until little is left."""
+        for _ in range(3):
+            parts = sorted(parts_of(self.gaps(route)), key=lambda part: part.area)
+            little = np.cumsum([part.area for part in parts]) <= LEFT * self.area.area
+            wide = [part for part, is_little in zip(parts, little, strict=True) if not is_little]
+            if not wide:
+                return
+            for part in wide[::-1]:
+                self._pass(route, part)
+
+    def _pass(self, route: Route, gap: Any) -> None:
+        """Lead the route past one gap."""
+        around = self._whence(gap)
+        line = None if around is not None else line_over(gap, self.space.inner, self.width)
+        if around is None and line is None:
+            around = shapely.Point(shapely.get_coordinates(shapely.shortest_line(self.space.inner, gap))[0])
+        center = shapely.get_coordinates(gap.centroid)[0]
+        best, least = None, np.inf
+        for n in self._near(route, center):
+            before, after = route.places[max(n - 1, 0) : n + 1], route.places[n + 1 : n + 3]
+            for via in self._vias(around, line, before[-1:], after[:1]):
+                detour = np.array([*before[-1:], *via, *after[:1]])
+                straight = self.space.sees(detour[:-1], detour[1:]).diagonal()
+                if not straight.all():
+                    continue
+                seconds = self.cost.seconds(np.array([*before, *via, *after]))
+                seconds -= self.cost.seconds(np.array([*before, *after]))
+                if seconds < least:
+                    best, least = (n, via), seconds
+        if best is None:
+            return
+        n, via = best
+        if n < 0:
+            route.places[:0], route.is_on[:0] = list(via), [True] * len(via)
+        elif n == len(route.places) - 1:
+            route.places += list(via)
+            route.is_on += [True] * len(via)
+        else:
+            route.places[n + 1 : n + 1] = list(via)
+            route.is_on[n : n + 1] = [True] * (len(via) + 1)
+
+    def _whence(self, gap: Any) -> Any | None:
+        """Where all of a gap is seen from at once."""
+        hull = shapely.get_coordinates(shapely.convex_hull(gap))[:-1]
+        if len(hull) > 1 and np.ptp(hull, axis=0).max() > self.width:
+            return None
+        discs = shapely.buffer(shapely.points(hull), WITHIN * self.width / 2, quad_segs=ARC)
+        around = shapely.intersection(shapely.intersection_all(discs), self.space.inner)
+        return None if around.is_empty else around
+
+    def _near(self, route: Route, center: Vector) -> list[int]:
+        """Legs of ways into which a detour to a place may be put; -1 and the last place: before and after all."""
+        places = np.array(route.places)
+        from_, to = places[:-1], places[1:]
+        leg = to - from_
+        share = np.clip(
+            np.einsum("ij,ij->i", center - from_, leg) / np.maximum(np.einsum("ij,ij->i", leg, leg), 1e-12), 0, 1
+        )
+        away = np.linalg.norm(from_ + share[:, None] * leg - center, axis=1)
+        away[np.array(route.is_on, bool) & self._is_line(route)] = np.inf
+        order = np.argsort(away, kind="stable")[:NEAR]
+        found = [int(n) for n in order if np.isfinite(away[n])]
+        return [*found, -1, len(places) - 1]
+
+    def _is_line(self, route: Route) -> Any:
+        """Which legs must not be bent, as they see what nothing else does."""
+        return np.array(route.is_on, bool)
+
+    def _vias(self, around: Any | None, line: Points | None, before: list[Vector], after: list[Vector]) -> list[Points]:
+        """The places by which a detour from one place to another sees a gap."""
+        if line is not None:
+            return [line, line[::-1]]
+        ends = np.array([*before, *after])
+        leg = shapely.LineString(ends) if len(ends) > 1 else shapely.Point(ends[0])
+        return [shapely.get_coordinates(shapely.shortest_line(around, leg))[:1]]
