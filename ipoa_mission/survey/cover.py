@@ -25,7 +25,7 @@ BUILT = 3  # directions of which the lines are laid out, of all that are looked 
 MOST_LOOKED_AT = 36
 ALIKE_DEG = 1.0  # directions nearer to each other are one
 SHIFTS = (0.0, -1.0, 1.0)
-ROUNDS, STEPS = 4000, 4e6  # of the search, and so many for the square of the number of lines
+ROUNDS, STEPS = 1000, 1e6  # of the search that find nothing better, and so many for the square of the number of lines
 SIMPLER = 0.01  # of the spacing: by so much what is kept out of may grow, to have fewer corners
 
 
@@ -174,8 +174,10 @@ class _Survey:
         ends = np.ascontiguousarray(lines.reshape(-1, 2))
         ways = Ways(ends, self.ways, self.around, self.cost)
         along = np.array([self.cost.seconds(line) for each in lines for line in (each, each[::-1])])
-        first, last = (self._reach(ends, place) for place in (begin, end))
-        best, seconds = search_order(np.asarray(entries, np.int64), ways.times, along, first, last, rounds)
+        times = np.zeros((len(ends) + 2, len(ends) + 2))
+        times[:-2, :-2] = ways.times
+        times[-2, :-2], times[:-2, -2] = (self._reach(ends, place) for place in (begin, end))
+        best, seconds = search_order(np.asarray(entries, np.int64), times, along, rounds)
         if seconds >= NO_WAY:
             raise MissionError("survey: no way leads between all parts of the area", hint="survey them one by one")
         return _Layout(degrees, lines, best, float(seconds)), ways
@@ -191,7 +193,7 @@ class _Survey:
         places, is_on = list[Any](), list[bool]()
         for n, layout in enumerate(layouts):
             count = len(layout.lines)
-            rounds = int(min(ROUNDS, STEPS / count**1.5))
+            rounds = int(min(10 * count, ROUNDS, STEPS / count**2))
             here = begin if n == 0 else np.asarray(places[-1])
             there = end if n == len(layouts) - 1 else None
             ordered, ways = self._ordered(layout.degrees, layout.lines, layout.entries, here, there, rounds)

@@ -72,7 +72,7 @@ def kernels() -> Iterator[Kernel]:
         "path_seconds": (clock, _numbers(2)),
         "sights": (_numbers(2),) * 3,
         "ways_between": (clock, *(_numbers(2),) * 3, 1.0),
-        "search_order": (_numbers(1, np.int64), _numbers(2), *(_numbers(1),) * 3, 0),
+        "search_order": (_numbers(1, np.int64), _numbers(2), _numbers(1), 0),
         "spread": (nodes, _numbers(2, np.int64), _numbers(1), True, 0, chart, rules),
     }
     for name, arguments in examples.items():
