@@ -6,24 +6,13 @@ Line k has the ends 2k and 2k+1; one that is entered at end e is left at e ^ 1. 
 # mypy: disable-error-code="no-untyped-def,misc"
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from ipoa_mission.compiled import njit
-from ipoa_mission.geometry import Points, Vector
 
 NO_WAY = 1e9  # [s]
 DIRECT, NONE = -1, -2
-
-
-class Clock(NamedTuple):
-    """Seconds per metre by direction (d,), and what a corner costs (angles, lengths): see `LegTimes`."""
-
-    pace: Vector
-    corner: Points
-    shortest: float
-    ratio: float
 
 
 @njit(cache=True, error_model="numpy")

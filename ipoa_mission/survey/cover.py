@@ -13,8 +13,8 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.survey._kernels import NO_WAY, search_order
 from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.free import FreeSpace, Ways
-from ipoa_mission.survey.gaps import Closing, Route
-from ipoa_mission.survey.lines import SHORT, Grid, cut, heights, line_over, parts_of, seen_from
+from ipoa_mission.survey.gaps import Closing, SensedPath
+from ipoa_mission.survey.lines import SHORT, LineAxes, cut, heights, line_over, parts_of, seen_from
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Swath, Tour
 
@@ -146,7 +146,7 @@ class _Survey:
         )
 
     def _lines(self, degrees: float, shift: float) -> Points:
-        grid = Grid.of(degrees)
+        grid = LineAxes.of(degrees)
         rings = shapely.get_rings(shapely.get_parts(self.free.inner))
         corners = [shapely.get_coordinates(ring) for ring in rings]
         edges = np.concatenate([np.column_stack([ring[:-1], ring[1:]]) for ring in corners])
@@ -208,10 +208,10 @@ class _Survey:
             is_on += route.is_on
         return _tour_of(np.array(places), is_on)
 
-    def _route(self, layout: _Layout, ways: Ways) -> Route:
+    def _route(self, layout: _Layout, ways: Ways) -> SensedPath:
         """An order as places, and where the sensor is on."""
         ends = ways.ends
-        route = Route([ends[layout.entries[0]]])
+        route = SensedPath([ends[layout.entries[0]]])
         for n, entry in enumerate(layout.entries):
             if n:
                 way = ways.way(int(layout.entries[n - 1]) ^ 1, int(entry))

@@ -18,7 +18,7 @@ WITHIN = 0.999  # of half the width: as circles are polygons
 
 
 @dataclass
-class Route:
+class SensedPath:
     """Places (n, 2) in the order flown, and whether the sensor is on from each to the next."""
 
     places: list[Points]
@@ -39,7 +39,7 @@ class Closing:
     space: FreeSpace
     cost: LegTimes
 
-    def gaps(self, route: Route) -> Any:
+    def gaps(self, route: SensedPath) -> Any:
         """What the route leaves unseen, the ways that see some of that switched on."""
         gaps = self.area.difference(seen_from(route.legs(True), self.width))
         off = [n for n, on in enumerate(route.is_on) if not on]
@@ -54,7 +54,7 @@ class Closing:
             route.is_on[off[n]] = True
         return gaps.difference(shapely.union_all(around[chosen])) if len(chosen) else gaps
 
-    def close(self, route: Route) -> None:
+    def close(self, route: SensedPath) -> None:
         """Lead the route by detours past what it leaves unseen, the largest gaps first, until little is left."""
         for _ in range(3):
             parts = sorted(parts_of(self.gaps(route)), key=lambda part: part.area)
@@ -65,7 +65,7 @@ class Closing:
             for part in wide[::-1]:
                 self._pass(route, part)
 
-    def _pass(self, route: Route, gap: Any) -> None:
+    def _pass(self, route: SensedPath, gap: Any) -> None:
         """Lead the route past one gap."""
         around = self._whence(gap)
         line = None if around is not None else line_over(gap, self.space.inner, self.width)
@@ -105,7 +105,7 @@ class Closing:
         around = shapely.intersection(shapely.intersection_all(discs), self.space.inner)
         return None if around.is_empty else around
 
-    def _near(self, route: Route, center: Vector) -> list[int]:
+    def _near(self, route: SensedPath, center: Vector) -> list[int]:
         """Legs of ways into which a detour to a place may be put; -1 and the last place: before and after all."""
         places = np.array(route.places)
         from_, to = places[:-1], places[1:]
@@ -119,7 +119,7 @@ class Closing:
         found = [int(n) for n in order if np.isfinite(away[n])]
         return [*found, -1, len(places) - 1]
 
-    def _is_line(self, route: Route) -> Any:
+    def _is_line(self, route: SensedPath) -> Any:
         """Which legs must not be bent, as they see what nothing else does."""
         return np.array(route.is_on, bool)
 

@@ -17,7 +17,8 @@ from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission, change_speed, takeoff, waypoint
-from ipoa_mission.survey._kernels import Clock, path_seconds
+from ipoa_mission.survey._kernels import path_seconds
+from ipoa_mission.survey.clock import Clock
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 

@@ -9,7 +9,7 @@ import numpy as np
 from ipoa_mission.compiled import compiled
 from ipoa_mission.compiled.records import records
 from ipoa_mission.planning.chart import Chart, Nodes, Raster, Rules, Soft, Spans
-from ipoa_mission.survey._kernels import Clock
+from ipoa_mission.survey.clock import Clock
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR
 from ipoa_mission.vehicles.arducopter.dynamics.motion import NO_LEG, CopterLeg, State, tuning
 from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg
