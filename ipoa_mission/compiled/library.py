@@ -31,6 +31,7 @@ SOURCES = (
     "geometry.py",
     "planning/_*.py",
     "survey/_*.py",
+    "survey/clock.py",
     "planning/banded.py",
     "planning/chart.py",
     "routing/_*.py",

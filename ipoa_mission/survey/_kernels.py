@@ -6,24 +6,13 @@ Line k has the ends 2k and 2k+1; one that is entered at end e is left at e ^ 1. 
 # mypy: disable-error-code="no-untyped-def,misc"
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from ipoa_mission.compiled import njit
-from ipoa_mission.geometry import Points, Vector
 
 NO_WAY = 1e9  # [s]
 DIRECT, NONE = -1, -2
-
-
-class Clock(NamedTuple):
-    """Seconds per metre by direction (d,), and what a corner costs (angles, lengths): see `LegTimes`."""
-
-    pace: Vector
-    corner: Points
-    shortest: float
-    ratio: float
 
 
 @njit(cache=True, error_model="numpy")
@@ -183,9 +172,9 @@ def ways_between(clock, ends, corners, edges, bend):
 
 @njit(cache=True, error_model="numpy")
 def _sums(entries, times, lines, forth, back):
-    """What the order costs up to each line, flown forth and back."""
-    forth[0], back[0] = lines[entries[0]], lines[entries[0] ^ 1]
-    for k in range(1, len(entries)):
+    """What the order costs up to each line, flown forth and back; the first and the last of `entries` are no lines."""
+    forth[1], back[1] = lines[entries[1]], lines[entries[1] ^ 1]
+    for k in range(2, len(entries) - 1):
         here, there = entries[k - 1], entries[k]
         forth[k] = forth[k - 1] + times[here ^ 1, there] + lines[there]
         back[k] = back[k - 1] + times[there, here ^ 1] + lines[there ^ 1]
@@ -200,48 +189,42 @@ def _flip(entries, i, j):
 
 
 @njit(cache=True, error_model="numpy")
-def _join(times, first, last, x, y):
-    """What it costs to go from exit x to entry y; -1: from where the tour begins, or to where it ends."""
-    if x < 0:
-        return first[y] if y >= 0 else 0.0
-    return last[x] if y < 0 else times[x, y]
-
-
-@njit(cache=True, error_model="numpy")
-def _better(entries, k, times, lines, first, last, forth, back):
-    """The best change that begins at line k: gain, kind (0: none, 1: flip, 2: move, 3: move and flip), and where."""
-    count = len(entries)
+def _better(entries, k, times, lines, forth, back):
+    """The best change that begins at line k: its kind (0: none, 1: flip, 2: move, 3: move and flip), and where."""
+    beyond = len(entries) - 1
     best, kind, a, b, c = -1e-7, 0, 0, 0, 0
-    before = entries[k - 1] ^ 1 if k > 0 else -1
-    coming = _join(times, first, last, before, entries[k])
-    for m in range(count):  # flip what lies between k and m
-        i, j = min(k, m), max(k, m)
-        x, y = (entries[i - 1] ^ 1 if i > 0 else -1), (entries[j + 1] if j < count - 1 else -1)
-        now = _join(times, first, last, x, entries[i]) + _join(times, first, last, entries[j] ^ 1, y)
-        then = _join(times, first, last, x, entries[j] ^ 1) + _join(times, first, last, entries[i], y)
-        inside = (back[j] - back[i] + lines[entries[i] ^ 1]) - (forth[j] - forth[i] + lines[entries[i]])
-        if then - now + inside < best:
-            best, kind, a, b = then - now + inside, 1, i, j
-    for size in range(1, 4):  # move lines k to e elsewhere
-        e = k + size - 1
-        if e >= count:
-            break
-        after = entries[e + 1] if e < count - 1 else -1
-        head, tail = entries[k], entries[e] ^ 1
-        out = _join(times, first, last, before, after) - coming - _join(times, first, last, tail, after)
-        turned = (back[e] - back[k] + lines[entries[k] ^ 1]) - (forth[e] - forth[k] + lines[entries[k]])
-        for p in range(-1, count):  # behind line p
+    before, head = entries[k - 1] ^ 1, entries[k]
+    for i in range(1, k):  # flip what lies between k and another
+        y = entries[k + 1]
+        delta = times[entries[i - 1] ^ 1, head ^ 1] + times[entries[i], y]
+        delta -= times[entries[i - 1] ^ 1, entries[i]] + times[head ^ 1, y]
+        delta += (back[k] - back[i] + lines[entries[i] ^ 1]) - (forth[k] - forth[i] + lines[entries[i]])
+        if delta < best:
+            best, kind, a, b = delta, 1, i, k
+    for j in range(k, beyond):
+        delta = times[before, entries[j] ^ 1] + times[head, entries[j + 1]]
+        delta -= times[before, head] + times[entries[j] ^ 1, entries[j + 1]]
+        delta += (back[j] - back[k] + lines[head ^ 1]) - (forth[j] - forth[k] + lines[head])
+        if delta < best:
+            best, kind, a, b = delta, 1, k, j
+    for e in range(k, min(k + 3, beyond)):  # move lines k to e elsewhere
+        tail, after = entries[e] ^ 1, entries[e + 1]
+        out = times[before, after] - times[before, head] - times[tail, after]
+        if out > -1e-7:
+            continue
+        turned = (back[e] - back[k] + lines[head ^ 1]) - (forth[e] - forth[k] + lines[head])
+        for p in range(beyond):  # behind line p
             if k - 1 <= p <= e:
                 continue
-            x, y = (entries[p] ^ 1 if p >= 0 else -1), (entries[p + 1] if p < count - 1 else -1)
-            gap = out - _join(times, first, last, x, y)
-            plain = gap + _join(times, first, last, x, head) + _join(times, first, last, tail, y)
-            if plain < best:
-                best, kind, a, b, c = plain, 2, k, e, p
-            other = gap + _join(times, first, last, x, tail) + _join(times, first, last, head, y) + turned
-            if other < best:
-                best, kind, a, b, c = other, 3, k, e, p
-    return best, kind, a, b, c
+            x, y = entries[p] ^ 1, entries[p + 1]
+            gap = out - times[x, y]
+            delta = gap + times[x, head] + times[tail, y]
+            if delta < best:
+                best, kind, a, b, c = delta, 2, k, e, p
+            delta = gap + times[x, tail] + times[head, y] + turned
+            if delta < best:
+                best, kind, a, b, c = delta, 3, k, e, p
+    return kind, a, b, c
 
 
 @njit(cache=True, error_model="numpy")
@@ -258,75 +241,78 @@ def _move(entries, i, e, p):
 
 
 @njit(cache=True, error_model="numpy")
-def _descend(entries, times, lines, first, last, dirty, forth, back):
-    """Change the order for the better, beginning where it is dirty, until nothing helps."""
-    count = len(entries)
+def _descend(entries, times, lines, dirty, forth, back):
+    """Change the order for the better, beginning where it is dirty, until nothing helps; what it costs [s]."""
+    beyond = len(entries) - 1
     _sums(entries, times, lines, forth, back)
-    k, clean = 0, 0
-    while clean < count:
+    k, clean = 1, 0
+    while clean < beyond:
         if dirty[k]:
-            _, kind, a, b, c = _better(entries, k, times, lines, first, last, forth, back)
+            kind, a, b, c = _better(entries, k, times, lines, forth, back)
             if kind == 0:
                 dirty[k] = False
             else:
-                if kind == 1:
+                if kind != 2:
                     _flip(entries, a, b)
-                    near = (a - 1, a, b, b + 1)
-                else:
-                    if kind == 3:
-                        _flip(entries, a, b)
+                at = a
+                if kind != 1:
                     _move(entries, a, b, c)
                     at = c + 1 if c < a else c - (b - a)
-                    near = (a, b + 1 if c < a else a - 1, at, at + b - a + 1)
-                for m in near:
-                    for n in range(max(m - 1, 0), min(m + 2, count)):
+                for m in (a, b, at, at + b - a):
+                    for n in range(max(m - 1, 1), min(m + 2, beyond)):
                         dirty[n] = True
                 _sums(entries, times, lines, forth, back)
                 clean = 0
                 continue
         clean += 1
-        k = (k + 1) % count
-    return forth[count - 1] + first[entries[0]] + last[entries[count - 1] ^ 1]
+        k = k + 1 if k < beyond - 1 else 1
+    return forth[beyond - 1] + times[entries[0] ^ 1, entries[1]] + times[entries[beyond - 1] ^ 1, entries[beyond]]
 
 
 @njit(cache=True, error_model="numpy")
-def search_order(entries, times, lines, first, last, rounds):
-    """A quick order of the lines, by entries (n,): local search, kicked `rounds` times; and its cost [s].
+def search_order(lines_in_order, times, lines, rounds):
+    """A quick order of lines, by the ends at which they are entered (n,), and what it costs [s].
 
-    Args are the order to begin with, the times of ways between ends (2n, 2n), of lines by their entry (2n,), and what
-    it costs to come to each entry first (2n,) and to leave by each exit last (2n,).
+    Local search from the given order, kicked until nothing better was found so many times. `times` (2n + 2, 2n + 2) of
+    ways between ends, and from and to two more, where the tour begins and ends; `lines` by their entry (2n,).
     """
-    count = len(entries)
-    now, best = entries.copy(), entries.copy()
-    forth, back, dirty = np.empty(count), np.empty(count), np.ones(count, np.bool_)
-    cost = _descend(best, times, lines, first, last, dirty, forth, back)
-    state = np.uint32(2463534242)
-    for _ in range(rounds if count > 3 else 0):
+    count = len(lines_in_order)
+    best = np.empty(count + 2, np.int64)
+    best[0], best[count + 1] = 2 * count + 1, 2 * count  # left by the one, entered by the other
+    best[1 : count + 1] = lines_in_order
+    now = best.copy()
+    forth, back, dirty = np.empty(count + 2), np.empty(count + 2), np.ones(count + 2, np.bool_)
+    cost = _descend(best, times, lines, dirty, forth, back)
+    state, failed, reach = np.uint32(2463534242), 0, min(count, 30)
+    while failed < rounds and count > 3:
         now[:] = best
-        reach = min(count, 50)
-        spots = np.empty(3, np.int64)
-        state ^= np.uint32(state << np.uint32(13))
-        state ^= state >> np.uint32(17)
-        state ^= np.uint32(state << np.uint32(5))
-        low = int(state % np.uint32(count - reach + 1))
-        for n in range(3):
+        low, i, e, p = 1, 0, 0, 0
+        for n in range(4):
             state ^= np.uint32(state << np.uint32(13))
             state ^= state >> np.uint32(17)
             state ^= np.uint32(state << np.uint32(5))
-            spots[n] = low + int(state % np.uint32(reach))
-        spots.sort()
-        i, e, p = spots[0], spots[1], spots[2]
+            if n == 0:
+                low = 1 + int(state % np.uint32(count - reach + 1))
+                continue
+            at = low + int(state % np.uint32(reach))
+            if n == 1:
+                i = at
+            elif n == 2:
+                i, e = min(i, at), max(i, at)
+            else:
+                i, e, p = min(i, at), max(min(e, at), i), max(e, at)
         if e < p:
             _move(now, i, e, p)  # two stretches change places
         else:
             _flip(now, i, p)
-        for m in (i, e + 1, i + p - e, p, p + 1):
-            for n in range(max(m - 1, 0), min(m + 1, count)):
+        for m in (i, i + p - e, p + 1):
+            for n in range(max(m - 1, 1), min(m + 1, count + 1)):
                 dirty[n] = True
-        found = _descend(now, times, lines, first, last, dirty, forth, back)
+        found = _descend(now, times, lines, dirty, forth, back)
         if found < cost - 1e-9:
             best[:] = now
-            cost = found
+            cost, failed = found, 0
         else:
             dirty[:] = False
-    return best, cost
+            failed += 1
+    return best[1 : count + 1].copy(), cost

@@ -13,8 +13,8 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.survey._kernels import NO_WAY, search_order
 from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.free import FreeSpace, Ways
-from ipoa_mission.survey.gaps import Closing, Route
-from ipoa_mission.survey.lines import SHORT, Grid, cut, heights, line_over, parts_of, seen_from
+from ipoa_mission.survey.gaps import Closing, SensedPath
+from ipoa_mission.survey.lines import SHORT, LineAxes, cut, heights, line_over, parts_of, seen_from
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Swath, Tour
 
@@ -25,7 +25,7 @@ BUILT = 3  # directions of which the lines are laid out, of all that are looked 
 MOST_LOOKED_AT = 36
 ALIKE_DEG = 1.0  # directions nearer to each other are one
 SHIFTS = (0.0, -1.0, 1.0)
-ROUNDS, STEPS = 4000, 4e6  # of the search, and so many for the square of the number of lines
+ROUNDS, STEPS = 1000, 1e6  # of the search that find nothing better, and so many for the square of the number of lines
 SIMPLER = 0.01  # of the spacing: by so much what is kept out of may grow, to have fewer corners
 
 
@@ -146,7 +146,7 @@ class _Survey:
         )
 
     def _lines(self, degrees: float, shift: float) -> Points:
-        grid = Grid.of(degrees)
+        grid = LineAxes.of(degrees)
         rings = shapely.get_rings(shapely.get_parts(self.free.inner))
         corners = [shapely.get_coordinates(ring) for ring in rings]
         edges = np.concatenate([np.column_stack([ring[:-1], ring[1:]]) for ring in corners])
@@ -174,8 +174,10 @@ class _Survey:
         ends = np.ascontiguousarray(lines.reshape(-1, 2))
         ways = Ways(ends, self.ways, self.around, self.cost)
         along = np.array([self.cost.seconds(line) for each in lines for line in (each, each[::-1])])
-        first, last = (self._reach(ends, place) for place in (begin, end))
-        best, seconds = search_order(np.asarray(entries, np.int64), ways.times, along, first, last, rounds)
+        times = np.zeros((len(ends) + 2, len(ends) + 2))
+        times[:-2, :-2] = ways.times
+        times[-2, :-2], times[:-2, -2] = (self._reach(ends, place) for place in (begin, end))
+        best, seconds = search_order(np.asarray(entries, np.int64), times, along, rounds)
         if seconds >= NO_WAY:
             raise MissionError("survey: no way leads between all parts of the area", hint="survey them one by one")
         return _Layout(degrees, lines, best, float(seconds)), ways
@@ -191,7 +193,7 @@ class _Survey:
         places, is_on = list[Any](), list[bool]()
         for n, layout in enumerate(layouts):
             count = len(layout.lines)
-            rounds = int(min(ROUNDS, STEPS / count**1.5))
+            rounds = int(min(10 * count, ROUNDS, STEPS / count**2))
             here = begin if n == 0 else np.asarray(places[-1])
             there = end if n == len(layouts) - 1 else None
             ordered, ways = self._ordered(layout.degrees, layout.lines, layout.entries, here, there, rounds)
@@ -206,10 +208,10 @@ class _Survey:
             is_on += route.is_on
         return _tour_of(np.array(places), is_on)
 
-    def _route(self, layout: _Layout, ways: Ways) -> Route:
+    def _route(self, layout: _Layout, ways: Ways) -> SensedPath:
         """An order as places, and where the sensor is on."""
         ends = ways.ends
-        route = Route([ends[layout.entries[0]]])
+        route = SensedPath([ends[layout.entries[0]]])
         for n, entry in enumerate(layout.entries):
             if n:
                 way = ways.way(int(layout.entries[n - 1]) ^ 1, int(entry))

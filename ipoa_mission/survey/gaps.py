@@ -5,20 +5,23 @@ from typing import Any
 
 import numpy as np
 import shapely
+from shapely.ops import substring
 
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.survey.free import FreeSpace
+from ipoa_mission.survey._kernels import NO_WAY
+from ipoa_mission.survey.free import FreeSpace, Ways
 from ipoa_mission.survey.lines import ARC, line_over, parts_of, seen_from
 from ipoa_mission.survey.times import LegTimes
 
 LEFT = 4e-4  # share of the area that may stay unseen
+PASSES = 6
 NEAR = 6  # detours that are tried for a gap
 SEES = 1e-3  # of the spacing squared: a way that sees more of a gap has the sensor on
 WITHIN = 0.999  # of half the width: as circles are polygons
 
 
 @dataclass
-class Route:
+class SensedPath:
     """Places (n, 2) in the order flown, and whether the sensor is on from each to the next."""
 
     places: list[Points]
@@ -39,7 +42,7 @@ class Closing:
     space: FreeSpace
     cost: LegTimes
 
-    def gaps(self, route: Route) -> Any:
+    def gaps(self, route: SensedPath) -> Any:
         """What the route leaves unseen, the ways that see some of that switched on."""
         gaps = self.area.difference(seen_from(route.legs(True), self.width))
         off = [n for n, on in enumerate(route.is_on) if not on]
@@ -54,9 +57,9 @@ class Closing:
             route.is_on[off[n]] = True
         return gaps.difference(shapely.union_all(around[chosen])) if len(chosen) else gaps
 
-    def close(self, route: Route) -> None:
+    def close(self, route: SensedPath) -> None:
         """Lead the route by detours past what it leaves unseen, the largest gaps first, until little is left."""
-        for _ in range(3):
+        for _ in range(PASSES):
             parts = sorted(parts_of(self.gaps(route)), key=lambda part: part.area)
             little = np.cumsum([part.area for part in parts]) <= LEFT * self.area.area
             wide = [part for part, is_little in zip(parts, little, strict=True) if not is_little]
@@ -65,28 +68,19 @@ class Closing:
             for part in wide[::-1]:
                 self._pass(route, part)
 
-    def _pass(self, route: Route, gap: Any) -> None:
+    def _pass(self, route: SensedPath, gap: Any) -> None:
         """Lead the route past one gap."""
         around = self._whence(gap)
-        line = None if around is not None else line_over(gap, self.space.inner, self.width)
-        if around is None and line is None:
+        lines = [] if around is not None else self._lines(gap)
+        if around is None and not lines:
             around = shapely.Point(shapely.get_coordinates(shapely.shortest_line(self.space.inner, gap))[0])
-        center = shapely.get_coordinates(gap.centroid)[0]
-        best, least = None, np.inf
-        for n in self._near(route, center):
-            before, after = route.places[max(n - 1, 0) : n + 1], route.places[n + 1 : n + 3]
-            for via in self._vias(around, line, before[-1:], after[:1]):
-                detour = np.array([*before[-1:], *via, *after[:1]])
-                straight = self.space.sees(detour[:-1], detour[1:]).diagonal()
-                if not straight.all():
-                    continue
-                seconds = self.cost.seconds(np.array([*before, *via, *after]))
-                seconds -= self.cost.seconds(np.array([*before, *after]))
-                if seconds < least:
-                    best, least = (n, via), seconds
-        if best is None:
+        legs = self._near(route, shapely.get_coordinates(gap.centroid)[0])
+        found = self._detour(route, legs, around, lines, led=False) or self._detour(
+            route, legs, around, lines, led=True
+        )
+        if found is None:
             return
-        n, via = best
+        n, via = found
         if n < 0:
             route.places[:0], route.is_on[:0] = list(via), [True] * len(via)
         elif n == len(route.places) - 1:
@@ -95,6 +89,42 @@ class Closing:
         else:
             route.places[n + 1 : n + 1] = list(via)
             route.is_on[n : n + 1] = [True] * (len(via) + 1)
+
+    def _detour(
+        self, route: SensedPath, legs: list[int], around: Any | None, lines: list[Points], led: bool
+    ) -> tuple[int, Points] | None:
+        """The quickest detour, as a leg and places (k, 2) between its ends; `led` round corners, or straight only."""
+        best, least = None, np.inf
+        for n in legs:
+            before, after = route.places[max(n - 1, 0) : n + 1], route.places[n + 1 : n + 3]
+            for via in self._vias(around, lines, before[-1:], after[:1]):
+                whole = self._led(before[-1:], via, after[:1]) if led else via
+                if whole is None:
+                    continue
+                straight = np.array([*before[-1:], *whole, *after[:1]])
+                if not led and not self.space.sees(straight[:-1], straight[1:]).diagonal().all():
+                    continue
+                seconds = self.cost.seconds(np.array([*before, *whole, *after]))
+                seconds -= self.cost.seconds(np.array([*before, *after]))
+                if seconds < least:
+                    best, least = (n, whole), seconds
+        return best
+
+    def _led(self, before: list[Vector], via: Points, after: list[Vector]) -> Points | None:
+        """The same places with the ways to them and on from them round corners; None where there are none."""
+        stops = [*before, via[0], via[-1], *after]
+        ways = Ways(np.repeat(np.array(stops), 2, axis=0), self.space, self.space, self.cost)
+        first, last = len(before), len(before) + 1
+        way_in, way_out = np.empty((0, 2)), np.empty((0, 2))
+        if before:
+            if ways.times[0, 2 * first] >= NO_WAY:
+                return None
+            way_in = ways.way(0, 2 * first)[1:-1]
+        if after:
+            if ways.times[2 * last, 2 * last + 2] >= NO_WAY:
+                return None
+            way_out = ways.way(2 * last, 2 * last + 2)[1:-1]
+        return np.concatenate([way_in, via, way_out])
 
     def _whence(self, gap: Any) -> Any | None:
         """Where all of a gap is seen from at once."""
@@ -105,7 +135,7 @@ class Closing:
         around = shapely.intersection(shapely.intersection_all(discs), self.space.inner)
         return None if around.is_empty else around
 
-    def _near(self, route: Route, center: Vector) -> list[int]:
+    def _near(self, route: SensedPath, center: Vector) -> list[int]:
         """Legs of ways into which a detour to a place may be put; -1 and the last place: before and after all."""
         places = np.array(route.places)
         from_, to = places[:-1], places[1:]
@@ -119,14 +149,31 @@ class Closing:
         found = [int(n) for n in order if np.isfinite(away[n])]
         return [*found, -1, len(places) - 1]
 
-    def _is_line(self, route: Route) -> Any:
+    def _is_line(self, route: SensedPath) -> Any:
         """Which legs must not be bent, as they see what nothing else does."""
         return np.array(route.is_on, bool)
 
-    def _vias(self, around: Any | None, line: Points | None, before: list[Vector], after: list[Vector]) -> list[Points]:
+    def _lines(self, gap: Any) -> list[Points]:
+        """Lines (k, 2), each of which sees the most of a gap: straight through it, or along the edge that is nearest."""
+        found = [line for line in [line_over(gap, self.space.inner, self.width)] if line is not None]
+        places = shapely.points(shapely.get_coordinates(shapely.segmentize(gap, self.width / 8)))
+        places = places[~shapely.intersects(self.space.shape, places)]
+        rings = shapely.get_rings(shapely.get_parts(self.space.inner))
+        if len(places) and not found:
+            ring = rings[int(shapely.distance(rings, shapely.multipoints(places)).argmin())]
+            at = np.sort(shapely.line_locate_point(ring, places))
+            widest = int(np.diff(at, append=at[0] + ring.length).argmax())
+            start, end = float(at[(widest + 1) % len(at)]), float(at[widest])  # the long way round is left out
+            spans = [(start, end)] if start <= end else [(start, ring.length), (0.0, end)]
+            parts = [shapely.get_coordinates(substring(ring, *span)) for span in spans]
+            line = np.concatenate(parts)
+            found.append(line[np.concatenate([[True], np.linalg.norm(np.diff(line, axis=0), axis=1) > 1e-6])])
+        return found
+
+    def _vias(self, around: Any | None, lines: list[Points], before: list[Vector], after: list[Vector]) -> list[Points]:
         """The places by which a detour from one place to another sees a gap."""
-        if line is not None:
-            return [line, line[::-1]]
+        if lines:
+            return [each for line in lines for each in (line, line[::-1])]
         ends = np.array([*before, *after])
         leg = shapely.LineString(ends) if len(ends) > 1 else shapely.Point(ends[0])
         return [shapely.get_coordinates(shapely.shortest_line(around, leg))[:1]]

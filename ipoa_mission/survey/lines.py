@@ -16,14 +16,14 @@ TRIED = 5  # places of an extra line
 
 
 @dataclass(frozen=True)
-class Grid:
+class LineAxes:
     """Axes along the lines and across, on their left, as unit vectors (2,)."""
 
     along: Vector
     across: Vector
 
     @classmethod
-    def of(cls, degrees: float) -> "Grid":
+    def of(cls, degrees: float) -> "LineAxes":
         """That of a direction, clockwise from north."""
         e, n = math.sin(math.radians(degrees)), math.cos(math.radians(degrees))
         return cls(np.array([e, n]), np.array([-n, e]))
@@ -37,7 +37,7 @@ class Grid:
         return np.asarray(places[:, :1] * self.along + places[:, 1:] * self.across)
 
 
-def heights(area: Any, grid: Grid, spacing: float, shift: float = 0.0) -> Vector:
+def heights(area: Any, grid: LineAxes, spacing: float, shift: float = 0.0) -> Vector:
     """How far across the lines lie: as few as see all of an area from side to side, evenly.
 
     `shift` from -1 to 1 moves them by the share of what the spacing leaves.
@@ -51,7 +51,7 @@ def heights(area: Any, grid: Grid, spacing: float, shift: float = 0.0) -> Vector
     return middle + spacing * (np.arange(count) - (count - 1) / 2)
 
 
-def cut(edges: Points, grid: Grid, at: Vector) -> Points:
+def cut(edges: Points, grid: LineAxes, at: Vector) -> Points:
     """Pieces (n, 2, 2) of lines at these heights that lie between the edges (m, 4) of polygons, along their axis."""
     begins, ends = grid.turned(edges[:, :2]), grid.turned(edges[:, 2:])
     crosses = (begins[None, :, 1] <= at[:, None]) != (ends[None, :, 1] <= at[:, None])
@@ -81,7 +81,7 @@ def line_over(gap: Any, inner: Any, width: float) -> Points | None:
     sides = np.diff(box[:3], axis=0)
     lengths = np.linalg.norm(sides, axis=1)
     along = sides[int(lengths.argmax())] / lengths.max()
-    grid = Grid(along, np.array([-along[1], along[0]]))
+    grid = LineAxes(along, np.array([-along[1], along[0]]))
     places = grid.turned(shapely.get_coordinates(shapely.segmentize(gap.exterior, width / 4)))
     (west, south), (east, north) = places.min(axis=0), places.max(axis=0)
     low, high = sorted((north - width / 2, south + width / 2))

@@ -9,7 +9,7 @@ import numpy as np
 from ipoa_mission.compiled import compiled
 from ipoa_mission.compiled.records import records
 from ipoa_mission.planning.chart import Chart, Nodes, Raster, Rules, Soft, Spans
-from ipoa_mission.survey._kernels import Clock
+from ipoa_mission.survey.clock import Clock
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR
 from ipoa_mission.vehicles.arducopter.dynamics.motion import NO_LEG, CopterLeg, State, tuning
 from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg
@@ -72,7 +72,7 @@ def kernels() -> Iterator[Kernel]:
         "path_seconds": (clock, _numbers(2)),
         "sights": (_numbers(2),) * 3,
         "ways_between": (clock, *(_numbers(2),) * 3, 1.0),
-        "search_order": (_numbers(1, np.int64), _numbers(2), *(_numbers(1),) * 3, 0),
+        "search_order": (_numbers(1, np.int64), _numbers(2), _numbers(1), 0),
         "spread": (nodes, _numbers(2, np.int64), _numbers(1), True, 0, chart, rules),
     }
     for name, arguments in examples.items():
