@@ -14,7 +14,8 @@ from ipoa_mission.survey.lines import ARC, line_over, parts_of, seen_from
 from ipoa_mission.survey.times import LegTimes
 
 LEFT = 4e-4  # share of the area that may stay unseen
-PASSES = 6
+PASSES = 8  # over all gaps that are left
+USEFUL = 0.1  # share of a gap that a line must see
 NEAR = 6  # detours that are tried for a gap
 SEES = 1e-3  # of the spacing squared: a way that sees more of a gap has the sensor on
 WITHIN = 0.999  # of half the width: as circles are polygons
@@ -59,27 +60,30 @@ class Closing:
 
     def close(self, route: SensedPath) -> None:
         """Lead the route by detours past what it leaves unseen, the largest gaps first, until little is left."""
+        hopeless: list[Any] = []
         for _ in range(PASSES):
-            parts = sorted(parts_of(self.gaps(route)), key=lambda part: part.area)
+            parts = [part for part in parts_of(self.gaps(route)) if not any(part.equals(other) for other in hopeless)]
+            parts.sort(key=lambda part: part.area)
             little = np.cumsum([part.area for part in parts]) <= LEFT * self.area.area
             wide = [part for part, is_little in zip(parts, little, strict=True) if not is_little]
             if not wide:
                 return
-            for part in wide[::-1]:
-                self._pass(route, part)
+            hopeless += [part for part in wide[::-1] if not self._pass(route, part)]
 
-    def _pass(self, route: SensedPath, gap: Any) -> None:
-        """Lead the route past one gap."""
+    def _pass(self, route: SensedPath, gap: Any) -> bool:
+        """Lead the route past one gap, where there is a way."""
         around = self._whence(gap)
         lines = [] if around is not None else self._lines(gap)
-        if around is None and not lines:
+        if around is None and not lines:  # what is seen of it from where it is nearest
             around = shapely.Point(shapely.get_coordinates(shapely.shortest_line(self.space.inner, gap))[0])
+            if gap.difference(around.buffer(self.width / 2)).area > (1 - USEFUL) * gap.area:
+                return False
         legs = self._near(route, shapely.get_coordinates(gap.centroid)[0])
         found = self._detour(route, legs, around, lines, led=False) or self._detour(
             route, legs, around, lines, led=True
         )
         if found is None:
-            return
+            return False
         n, via = found
         if n < 0:
             route.places[:0], route.is_on[:0] = list(via), [True] * len(via)
@@ -89,6 +93,7 @@ class Closing:
         else:
             route.places[n + 1 : n + 1] = list(via)
             route.is_on[n : n + 1] = [True] * (len(via) + 1)
+        return True
 
     def _detour(
         self, route: SensedPath, legs: list[int], around: Any | None, lines: list[Points], led: bool
@@ -154,21 +159,20 @@ class Closing:
         return np.array(route.is_on, bool)
 
     def _lines(self, gap: Any) -> list[Points]:
-        """Lines (k, 2), each of which sees the most of a gap: straight through it, or along the edge that is nearest."""
-        found = [line for line in [line_over(gap, self.space.inner, self.width)] if line is not None]
-        places = shapely.points(shapely.get_coordinates(shapely.segmentize(gap, self.width / 8)))
-        places = places[~shapely.intersects(self.space.shape, places)]
+        """The line (k, 2) that sees the most of a gap: straight through it, or along the edge that is nearest."""
+        line, places = line_over(gap, self.space.inner, self.width), shapely.points(_densely(gap, self.width / 8))
         rings = shapely.get_rings(shapely.get_parts(self.space.inner))
-        if len(places) and not found:
-            ring = rings[int(shapely.distance(rings, shapely.multipoints(places)).argmin())]
-            at = np.sort(shapely.line_locate_point(ring, places))
-            widest = int(np.diff(at, append=at[0] + ring.length).argmax())
-            start, end = float(at[(widest + 1) % len(at)]), float(at[widest])  # the long way round is left out
-            spans = [(start, end)] if start <= end else [(start, ring.length), (0.0, end)]
-            parts = [shapely.get_coordinates(substring(ring, *span)) for span in spans]
-            line = np.concatenate(parts)
-            found.append(line[np.concatenate([[True], np.linalg.norm(np.diff(line, axis=0), axis=1) > 1e-6])])
-        return found
+        ring = rings[int(shapely.distance(rings, gap).argmin())]
+        at = np.sort(shapely.line_locate_point(ring, places))
+        widest = int(np.diff(at, append=at[0] + ring.length).argmax())
+        start, end = float(at[(widest + 1) % len(at)]), float(at[widest])  # the long way round is left out
+        spans = [(start, end)] if start <= end else [(start, ring.length), (0.0, end)]
+        edge = np.concatenate([shapely.get_coordinates(substring(ring, *span)) for span in spans])
+        edge = edge[np.concatenate([[True], np.linalg.norm(np.diff(edge, axis=0), axis=1) > 1e-6])]
+        found = [each for each in (line, edge) if each is not None and len(each) > 1]
+        left = [gap.difference(shapely.LineString(each).buffer(self.width / 2, quad_segs=ARC)).area for each in found]
+        quick = [n for n, area in enumerate(left) if area <= min(left) + USEFUL * gap.area]
+        return [found[quick[0]]] if quick and left[quick[0]] < (1 - USEFUL) * gap.area else []
 
     def _vias(self, around: Any | None, lines: list[Points], before: list[Vector], after: list[Vector]) -> list[Points]:
         """The places by which a detour from one place to another sees a gap."""
@@ -177,3 +181,7 @@ class Closing:
         ends = np.array([*before, *after])
         leg = shapely.LineString(ends) if len(ends) > 1 else shapely.Point(ends[0])
         return [shapely.get_coordinates(shapely.shortest_line(around, leg))[:1]]
+
+
+def _densely(shape: Any, spacing: float) -> Points:
+    return np.asarray(shapely.get_coordinates(shapely.segmentize(shape, spacing)))
