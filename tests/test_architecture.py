@@ -37,7 +37,6 @@ MAY_IMPORT = {
     "planning": {"compiled", "scenario", "world", "optimize", "vehicles"},
     "forecast/tube": {"planning", "scenario", *_FLOWN},
     "forecast": {"forecast/tube", "planning", "scenario", "mission", "vehicles/energy", *_FLOWN},
-    "survey": {"compiled", "forecast", "mission", *_FLOWN},
     "checks": {"mission", *_PLANNED},
     "routing": {"checks", "compiled", "mission", *_PLANNED},
     "survey": {"survey/area", "checks", "compiled", "mission", "routing", *_PLANNED},
