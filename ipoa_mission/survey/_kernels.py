@@ -79,7 +79,7 @@ def _is_clear(edges, px, py, qx, qy):
 @njit(cache=True, error_model="numpy")
 def sights(places, others, edges):
     """Which of the `others` (m, 2) each of the places (n, 2) sees past the edges, (n, m)."""
-    seen = np.zeros((len(places), len(others)), np.bool_)
+    seen = np.empty((len(places), len(others)), np.bool_)
     for i in range(len(places)):
         for j in range(len(others)):
             seen[i, j] = _is_clear(edges, places[i, 0], places[i, 1], others[j, 0], others[j, 1])
@@ -90,10 +90,9 @@ def sights(places, others, edges):
 def _spread(start, ends, corners, near, between, bend, dist, prev):
     """The shortest ways from one end to all corners, a bend counted as so long, and the corner before each."""
     count = len(corners)
-    done = np.zeros(count, np.bool_)
+    done = np.empty(count, np.bool_)
     for c in range(count):
-        dist[c] = prev[c] = NO_WAY
-        prev[c] = DIRECT
+        done[c], dist[c], prev[start, c] = False, NO_WAY, DIRECT
         if near[start, c]:
             dist[c] = bend + math.hypot(corners[c, 0] - ends[start, 0], corners[c, 1] - ends[start, 1])
     for _ in range(count):
@@ -108,7 +107,7 @@ def _spread(start, ends, corners, near, between, bend, dist, prev):
             if not done[c] and between[here, c] < NO_WAY:
                 through = least + between[here, c] + bend
                 if through < dist[c]:
-                    dist[c], prev[c] = through, here
+                    dist[c], prev[start, c] = through, here
 
 
 @njit(cache=True, error_model="numpy")
@@ -120,21 +119,23 @@ def ways_between(clock, ends, corners, edges, bend):
     """
     count, many = len(ends), len(corners)
     near = sights(ends, corners, edges)
-    between = np.full((many, many), NO_WAY)
+    between = np.empty((many, many))
     for i in range(many):
+        between[i, i] = NO_WAY
         for j in range(i):
+            apart = NO_WAY
             if _is_clear(edges, corners[i, 0], corners[i, 1], corners[j, 0], corners[j, 1]):
-                between[i, j] = math.hypot(corners[i, 0] - corners[j, 0], corners[i, 1] - corners[j, 1])
-                between[j, i] = between[i, j]
-    times = np.full((count, count), NO_WAY)
-    last = np.full((count, count), NONE, np.int16)
-    prev = np.full((count, max(many, 1)), DIRECT, np.int16)
+                apart = math.hypot(corners[i, 0] - corners[j, 0], corners[i, 1] - corners[j, 1])
+            between[i, j] = between[j, i] = apart
+    times, last = np.empty((count, count)), np.empty((count, count), np.int16)
+    prev = np.empty((count, max(many, 1)), np.int16)
     dist = np.empty(max(many, 1))
     for i in range(count):
-        _spread(i, ends, corners, near, between, bend, dist, prev[i])
+        _spread(i, ends, corners, near, between, bend, dist, prev)
         out_e, out_n = ends[i, 0] - ends[i ^ 1, 0], ends[i, 1] - ends[i ^ 1, 1]
         out = math.hypot(out_e, out_n)
         for j in range(count):
+            times[i, j], last[i, j] = NO_WAY, NONE
             if i == j or j == i ^ 1:
                 continue
             if _is_clear(edges, ends[i, 0], ends[i, 1], ends[j, 0], ends[j, 1]):
@@ -277,24 +278,27 @@ def search_order(lines_in_order, times, lines, rounds):
     ways between ends, and from and to two more, where the tour begins and ends; `lines` by their entry (2n,).
     """
     count = len(lines_in_order)
-    best = np.empty(count + 2, np.int64)
+    best, now = np.empty(count + 2, np.int64), np.empty(count + 2, np.int64)
     best[0], best[count + 1] = 2 * count + 1, 2 * count  # left by the one, entered by the other
-    best[1 : count + 1] = lines_in_order
-    now = best.copy()
-    forth, back, dirty = np.empty(count + 2), np.empty(count + 2), np.ones(count + 2, np.bool_)
+    forth, back, dirty = np.empty(count + 2), np.empty(count + 2), np.empty(count + 2, np.bool_)
+    for k in range(count):
+        best[k + 1] = lines_in_order[k]
+    for k in range(count + 2):
+        dirty[k] = True
     cost = _descend(best, times, lines, dirty, forth, back)
-    state, failed, reach = np.uint32(2463534242), 0, min(count, 30)
+    state, failed, reach = 2463534242, 0, min(count, 30)
     while failed < rounds and count > 3:
-        now[:] = best
+        for k in range(count + 2):
+            now[k] = best[k]
         low, i, e, p = 1, 0, 0, 0
         for n in range(4):
-            state ^= np.uint32(state << np.uint32(13))
-            state ^= state >> np.uint32(17)
-            state ^= np.uint32(state << np.uint32(5))
+            state ^= (state << 13) & 0xFFFFFFFF
+            state ^= state >> 17
+            state ^= (state << 5) & 0xFFFFFFFF
             if n == 0:
-                low = 1 + int(state % np.uint32(count - reach + 1))
+                low = 1 + state % (count - reach + 1)
                 continue
-            at = low + int(state % np.uint32(reach))
+            at = low + state % reach
             if n == 1:
                 i = at
             elif n == 2:
@@ -310,9 +314,12 @@ def search_order(lines_in_order, times, lines, rounds):
                 dirty[n] = True
         found = _descend(now, times, lines, dirty, forth, back)
         if found < cost - 1e-9:
-            best[:] = now
             cost, failed = found, 0
+            for k in range(count + 2):
+                best[k] = now[k]
         else:
-            dirty[:] = False
             failed += 1
-    return best[1 : count + 1].copy(), cost
+    found_order = np.empty(count, np.int64)
+    for k in range(count):
+        found_order[k] = best[k + 1]
+    return found_order, cost
