@@ -39,7 +39,7 @@ MAY_IMPORT = {
     "forecast": {"forecast/tube", "planning", "scenario", "mission", "vehicles/energy", *_FLOWN},
     "checks": {"mission", *_PLANNED},
     "routing": {"checks", "compiled", "mission", *_PLANNED},
-    "survey": {"survey/area", "checks", "compiled", "mission", "routing", *_PLANNED},
+    "survey": {"survey/area", "checks", "compiled", "mission", "routing", "vehicles/energy", *_PLANNED},
     "link": {"checks", "forecast", "mission", *_MISSION},
     "logs": {"link", "mission", *_MISSION},
     "logs/learn": {"logs", "link", "forecast", "vehicles/energy", *_FLOWN},

@@ -1,7 +1,7 @@
 """From some lines to the mission that flies them: there, along them with the camera on, and home."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,21 +16,13 @@ from ipoa_mission.routing.build import build_mission, items_of_waypoints
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.heights import lifted
+from ipoa_mission.survey.qgc_item import survey_item
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.survey.transit import SAME, clear_way
 
 
-@dataclass(frozen=True, eq=False)
-class Assembly:
-    """A mission, and which of its items fly the lines: from `first` on, up to `last`."""
-
-    mission: Mission
-    first: int
-    last: int
-
-
-def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mapping[str, float], seed: int) -> Assembly:
+def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mapping[str, float], seed: int) -> Mission:
     """The mission that flies a tour from home to home.
 
     Raises:
@@ -56,9 +48,11 @@ def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mappin
     items = [*mission.items]
     for place, camera in sorted(after, key=lambda pair: (-pair[0], pair[1] is off)):
         items[place + 1 : place + 1] = camera
-    per = len(on) * len(begins)
-    last = numbers[corners[ends[-1]]] + 2 * per
-    return Assembly(replace(mission, items=tuple(items)), numbers[corners[begins[0]]], last)
+    first, last = max(numbers[corners[begins[0]]], 2), numbers[corners[ends[-1]]] + 2 * len(on) * len(begins)
+    flown = replace(mission, items=tuple(items))
+    if flown.items[first].command != Command.NAV_WAYPOINT:  # the first line begins where the take-off ends
+        return flown
+    return replace(flown, complex_items=(survey_item(flown, first, last, tour, sight, scenario),))
 
 
 def _built(out: Points, points: Points, back: Points, scenario: Scenario) -> tuple[Mission, tuple[int, ...]]:

@@ -23,7 +23,7 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import expect_to_come_home
 from ipoa_mission.scenario.survey import SurveySection
 from ipoa_mission.survey.area import Area
-from ipoa_mission.survey.assembly import Assembly, assemble_survey
+from ipoa_mission.survey.assembly import assemble_survey
 from ipoa_mission.survey.cover import quickest_tour
 from ipoa_mission.survey.coverage import Coverage, coverage
 from ipoa_mission.survey.keep_out import keep_out
@@ -42,10 +42,9 @@ MORE, A_LITTLE = 1.15, 0.05  # times what is missing, and so much [m]
 
 @dataclass(frozen=True, eq=False)
 class SurveyFlight:
-    """One flight of a survey: its lines, its mission, how it is expected to be flown, what a check warns of."""
+    """One flight of a survey: its lines, how it is expected to be flown, what a check warns of."""
 
     tour: Tour
-    assembly: Assembly
     forecast: Forecast
     findings: tuple[Finding, ...]
 
@@ -110,8 +109,7 @@ def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int
         outside = keep_out(scenario, sight, growth)
         tour = _tour(scenario, section, area, sight, outside)
         parts = _parts(tour, scenario, section, sight, growth, seed)
-        made = [_made(part, sight, scenario, growth, seed) for part in parts]
-        forecasts = [forecast for _, forecast in made]
+        forecasts = [_made(part, sight, scenario, growth, seed) for part in parts]
         near = [(kept, forecast.promise) for forecast in forecasts for kept in forecast.promise.forbidding]
         if not near:
             break
@@ -123,11 +121,10 @@ def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int
     else:
         raise _TooNear(*min(near, key=lambda pair: pair[0].slack))
     flights = []
-    for part, (assembly, forecast) in zip(parts, made, strict=True):
-        forecast = _returning(forecast)
+    for part, forecast in zip(parts, map(_returning, forecasts), strict=True):
         findings = refuse_errors(check(forecast))
         expect_to_come_home(scenario, forecast.energy)
-        flights.append(SurveyFlight(part, assembly, forecast, findings))
+        flights.append(SurveyFlight(part, forecast, findings))
     seen = coverage(area, tour, sight.spacing, outside)
     return SurveyPlan(scenario, area, sight, outside, tour, seen, tuple(flights))
 
@@ -194,9 +191,9 @@ def _parts(
 
 def _fits(part: Tour, scenario: Scenario, sight: Sight, growth: dict[str, float], seed: int) -> bool:
     """Whether the vehicle takes so many items, and comes home with its reserve."""
-    assembly, forecast = _made(part, sight, scenario, growth, seed)
+    forecast = _made(part, sight, scenario, growth, seed)
     own = scenario.vehicle.autopilot.firmware(scenario.vehicle.version)
-    if len(assembly.mission.items) + own.home_is_item_0 > own.max_items:
+    if len(forecast.mission.items) + own.home_is_item_0 > own.max_items:
         return False
     try:
         expect_to_come_home(scenario, forecast.energy if scenario.vehicle.battery is not None else None)
@@ -205,11 +202,8 @@ def _fits(part: Tour, scenario: Scenario, sight: Sight, growth: dict[str, float]
     return True
 
 
-def _made(
-    part: Tour, sight: Sight, scenario: Scenario, growth: dict[str, float], seed: int
-) -> tuple[Assembly, Forecast]:
-    assembly = assemble_survey(part, sight, scenario, growth, seed)
-    return assembly, Forecast(assembly.mission, scenario)
+def _made(part: Tour, sight: Sight, scenario: Scenario, growth: dict[str, float], seed: int) -> Forecast:
+    return Forecast(assemble_survey(part, sight, scenario, growth, seed), scenario)
 
 
 def _returning(forecast: Forecast) -> Forecast:
