@@ -20,13 +20,14 @@ from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.endings import settled, why_not_planned
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.budget import expect_to_come_home
+from ipoa_mission.scenario.budget import expect_to_come_home, flight_energy
 from ipoa_mission.scenario.survey import SurveySection
 from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.assembly import assemble_survey
+from ipoa_mission.survey.corridor import corridor_tour, where_allowed
 from ipoa_mission.survey.cover import quickest_tour
 from ipoa_mission.survey.coverage import Coverage, coverage
-from ipoa_mission.survey.keep_out import keep_out
+from ipoa_mission.survey.keep_out import SPARE, keep_out, tube
 from ipoa_mission.survey.sight import Sight, sight_of
 from ipoa_mission.survey.split import fewest_parts, parts_of_equal_length
 from ipoa_mission.survey.times import LegTimes
@@ -105,6 +106,7 @@ def plan_flights(scenario: Scenario, seed: int = 0, progress: Progress = silent)
 def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int) -> SurveyPlan:
     """At the scenario's speed; raises _TooNear where more room does not help."""
     sight, growth = sight_of(section, area, scenario), dict[str, float]()
+    _expect_high_enough(sight, scenario)
     for _ in range(ROUNDS):
         outside = keep_out(scenario, sight, growth)
         tour = _tour(scenario, section, area, sight, outside)
@@ -129,6 +131,20 @@ def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int
     return SurveyPlan(scenario, area, sight, outside, tour, seen, tuple(flights))
 
 
+def _expect_high_enough(sight: Sight, scenario: Scenario) -> None:
+    """Refuse a height above ground at which flights would come too near to it.
+
+    Raises:
+        NoPath: saying from what height on they would not.
+    """
+    needed = scenario.limits.height_above_ground + tube(scenario).down + 2 * SPARE
+    if sight.least < needed:
+        raise NoPath(
+            f"survey: {sight.least:g} m above the ground is too near to it, at least {needed:.2f} m required",
+            hint="fly higher (survey.height_above_ground, or a larger survey.gsd_cm)",
+        )
+
+
 def _tour(scenario: Scenario, section: SurveySection, area: Area, sight: Sight, outside: Any | None) -> Tour:
     """The quickest lines over what obstacles leave of the area.
 
@@ -149,6 +165,13 @@ def _tour(scenario: Scenario, section: SurveySection, area: Area, sight: Sight, 
         vehicle=vehicle.learned,
         firmware_version=vehicle.version,
     )
+    begin = np.array(section.entry or scenario.start_point[:2])
+    middles = section.middles(frame)
+    if len(middles) == 1 and section.width is not None and section.direction_deg == "best":
+        inside = where_allowed(area, outside)
+        along = corridor_tour(middles[0], section.width, sight.spacing, begin, inside)
+        if along is not None:
+            return along
     cost = LegTimes.of(given, vehicle.cruise_speed, sight.middle, scenario.wind.air())
     return quickest_tour(
         area,
@@ -157,7 +180,7 @@ def _tour(scenario: Scenario, section: SurveySection, area: Area, sight: Sight, 
         keep_out=outside,
         direction=section.direction_deg,
         turns_outside=section.turns_outside,
-        begin=np.array(section.entry or scenario.start_point[:2]),
+        begin=begin,
         end=np.array(section.exit or scenario.goal_point[:2]),
     )
 
@@ -191,12 +214,19 @@ def _parts(
 
 def _fits(part: Tour, scenario: Scenario, sight: Sight, growth: dict[str, float], seed: int) -> bool:
     """Whether the vehicle takes so many items, and comes home with its reserve."""
-    forecast = _made(part, sight, scenario, growth, seed)
     own = scenario.vehicle.autopilot.firmware(scenario.vehicle.version)
+    per = 2 if sight.trigger is None else 4  # items of a line at least
+    if per * len(part.swaths) > own.max_items:
+        return False
+    forecast = _made(part, sight, scenario, growth, seed)
     if len(forecast.mission.items) + own.home_is_item_0 > own.max_items:
         return False
+    if scenario.vehicle.battery is None:
+        return True
+    track = forecast.predicted(sure=False).track  # an estimate has more, and takes longer
     try:
-        expect_to_come_home(scenario, forecast.energy if scenario.vehicle.battery is not None else None)
+        used = flight_energy(scenario, track.times, track.points, track.speeds, forecast.mission.vehicle)
+        expect_to_come_home(scenario, used)
     except NotEnoughBattery:
         return False
     return True

@@ -32,21 +32,24 @@ def fewest_parts(tour: Tour, fits: Fits, overlap: float) -> tuple[Tour, ...] | S
             if cut is None:
                 return ahead.swaths[0]
             ahead = cut
-        count = _most(lambda n, ahead=ahead: fits(part_of(ahead, 0, n)), len(ahead.swaths))  # type: ignore[misc]
+        before = len(parts[-1].swaths) if parts else 1
+        count = _most(lambda n, ahead=ahead: fits(part_of(ahead, 0, n)), len(ahead.swaths), before)  # type: ignore[misc]
         parts.append(part_of(ahead, 0, count))
         ahead = part_of(ahead, count, len(ahead.swaths))
     return tuple(parts)
 
 
-def _most(fits: Callable[[int], bool], count: int) -> int:
-    """The greatest number from 1 to `count` that fits; 1 does."""
-    least, step = 1, 1
-    while least < count and fits(min(least + step, count)):
-        least, step = min(least + step, count), 2 * step
-    beyond = min(least + step, count + 1)
+def _most(fits: Callable[[int], bool], count: int, guess: int) -> int:
+    """The greatest number from 1 to `count` that fits, as 1 does; quick where the `guess` is near."""
+    least, beyond, here, step = 1, count + 1, guess, 1
     while beyond - least > 1:
-        middle = (least + beyond) // 2
-        least, beyond = (middle, beyond) if fits(middle) else (least, middle)
+        here = min(max(here, least + 1), beyond - 1)
+        least, beyond = (here, beyond) if fits(here) else (least, here)
+        if least > 1 and beyond <= count:
+            here = (least + beyond) // 2
+        else:
+            here = least + step if beyond > count else beyond - step
+        step *= 2
     return least
 
 
