@@ -134,7 +134,7 @@ def flight_rows(survey: "Survey") -> list[tuple[str, ...]]:
     """What each flight comes to."""
     from ipoa_mission.centimeters import down
 
-    rows = []
+    rows = list[tuple[str, ...]]()
     for name, flight in zip(survey.names, survey.plan.flights, strict=True):
         energy, kept = flight.forecast.energy, flight.forecast.promise.clearance
         photos = sum(survey.plan.sight.photos(swath.length) for swath in flight.tour.swaths)

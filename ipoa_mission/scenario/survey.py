@@ -73,10 +73,10 @@ class SurveySection(Section):
     """A map with the area as polygons, holes as their inner rings: what `maps` reads, such as GeoJSON and KML; relative
     to the scenario file. With `width`, the lines in it are corridors."""
     polygon: Rings | None = None
-    """The area in the file itself: [[east, north], ...] [m from home]; a list of such rings has holes after the first,
-    and a list of these is several areas."""
+    """The area in the file itself: `[[east, north], ...]`, metres from home; a list of such rings has holes after the
+    first, and a list of these is several areas."""
     line: Annotated[tuple[Spot, ...], Field(min_length=2)] | None = None
-    """In place of an area, the middle of a corridor: [[east, north], ...] [m from home]."""
+    """In place of an area, the middle of a corridor: `[[east, north], ...]`, metres from home."""
     width: Positive | None = None
     """Of a corridor [m]."""
     line_spacing: Positive | None = None
@@ -98,9 +98,9 @@ class SurveySection(Section):
     turns_outside: NotNegative = 0.0
     """How far beyond the area the vehicle may be told to fly to turn [m]."""
     entry: Spot | None = None
-    """Near where the first line begins, [east, north] [m]; left out, near home."""
+    """Near where the first line begins, `[east, north]`, metres from home; left out, near home."""
     exit: Spot | None = None
-    """Near where the last line ends, [east, north] [m]; left out, near home or the goal."""
+    """Near where the last line ends, `[east, north]`, metres from home; left out, near home or the goal."""
     flights: PositiveInt | None = None
     """In how many flights; left out, in as few as the battery is enough for, each with its reserve."""
 

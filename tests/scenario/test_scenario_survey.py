@@ -112,7 +112,7 @@ PHOTOS = {"polygon": SQUARE, "camera": NUMBERS, "height_above_ground": 40.0}
         (LINES | {"direction_deg": "north"}, 'survey.direction_deg: expected "best", "crosshatch", degrees'),
         (LINES | {"turns_outside": -1}, "survey.turns_outside: expected a number of at least 0, not -1"),
         (LINES | {"height_above_ground": 0}, "survey.height_above_ground: expected a number greater than 0"),
-        (LINES | {"colour": 1}, "survey.colour: unknown key"),
+        (LINES | {"shade": 1}, "survey.shade: unknown key"),
         (PHOTOS | {"side_overlap": 1.0}, "survey.side_overlap: expected a share from 0 to below 1, not 1: at 100 %"),
         (PHOTOS | {"front_overlap": 75}, r"survey.front_overlap: expected .*, not 75 \(0.75 for 75 %\)"),
         (
