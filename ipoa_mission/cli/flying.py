@@ -85,7 +85,7 @@ def fly(
     from ipoa_mission.cli.job import adapt_scenario, plan, planned, read_job
     from ipoa_mission.cli.overwriting import expect_free, expect_log
     from ipoa_mission.cli.real_flight import begun_with, fly_there, no_flight_yet
-    from ipoa_mission.cli.surveying import expect_no_link, fly_survey
+    from ipoa_mission.cli.surveying import expect_no_link, fly_survey, plan_here, write_survey
     from ipoa_mission.files import unused
     from ipoa_mission.flight.landed import landed_at_rally, landed_elsewhere
     from ipoa_mission.flight.written import not_as_written
@@ -103,8 +103,10 @@ def fly(
     if is_planned:
         scenario = adapt_scenario(read_scenario(source), search, flown_by)
         if scenario.survey is not None:
-            expect_no_link(link, report)
-            fly_survey(scenario, search, flown_by, on_link.log, faults, out=out, force=force, as_json=as_json)
+            expect_no_link(link)
+            survey = plan_here(scenario, search, flown_by)
+            files = write_survey(survey, out, report, force, as_json)
+            fly_survey(survey, search.seed, on_link.log, faults, out, files, as_json)
             return
         expect_free(not_as_written(out, scenario.name, report), force, ask=not as_json)
         job = planned(plan(scenario, search.seed, air))

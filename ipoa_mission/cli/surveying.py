@@ -159,42 +159,31 @@ def write_survey(survey: "Survey", out: Path, report: bool, force: bool, as_json
 
     for name in dict.fromkeys((survey.name, *survey.names)):
         expect_free(not_as_written(out, name, report), force, ask=not as_json)
-    return [*survey.write(out)]
+    return [*survey.write(out), *(survey.report(out) if report else ())]
 
 
-def expect_no_link(link: str | None, report: bool) -> None:
+def expect_no_link(link: str | None) -> None:
     """That a survey is to be flown by the built-in autopilot: on a vehicle somebody changes its battery in between."""
     if link is not None:
         raise BadInput("--link: expected a mission, not a survey of several", hint=EACH_BY_ITSELF)
-    if report:
-        raise BadInput("--report: expected with plan, of a survey")
 
 
 def fly_survey(
-    scenario: "Scenario",
-    search: SearchOptions,
-    flown_by: FlownByOptions,
-    log: Path | None,
-    faults: "Faults",
-    out: Path,
-    force: bool,
-    as_json: bool,
+    survey: "Survey", seed: int, log: Path | None, faults: "Faults", out: Path, written: list[Path], as_json: bool
 ) -> None:
-    """Plan a survey, write its files, and have the built-in autopilot fly its flights, one after the other."""
+    """Have the built-in autopilot fly its flights, one after the other; `written` are its files."""
     from ipoa_mission.cli.flown import flight_as_json, tell_flown
     from ipoa_mission.cli.job import Job
     from ipoa_mission.flight.survey import survey_as_json
     from ipoa_mission.simulator.fly import fly_forecast
 
-    survey = plan_here(scenario, search, flown_by)
-    written = write_survey(survey, out, False, force, as_json)
     if not as_json:
         tell_survey(survey, written)
     flown: list[dict[str, Any]] = []
     for name, forecast in zip(survey.names, survey.flights, strict=True):
         own = log if log is not None and len(survey.names) == 1 else out / f"{name}.tlog"
         with left_behind(f"the flight was broken off; {own} has it so far"), progress_bar("flying") as bar:
-            record = fly_forecast(forecast, search.seed, faults, own, flying=bar)
+            record = fly_forecast(forecast, seed, faults, own, flying=bar)
         written.append(own)
         if as_json:
             flown.append(flight_as_json(forecast.estimate, record) | {"file": f"{name}.plan"})

@@ -112,6 +112,22 @@ class Survey:
             "passed_over": passed_over_as_json(plan.scenario),
         }
 
+    def report(self, folder: str | Path = ".") -> tuple[Path, ...]:
+        """Write the page of each flight, each with what all of them see.
+
+        Raises:
+            BadInput: a file cannot be written.
+        """
+        from ipoa_mission.report.page import report_html
+        from ipoa_mission.report.panels.survey import survey_panel
+
+        panel, pages = survey_panel(self.plan, self.names), list[Path]()
+        for name, flight in zip(self.names, self.plan.flights, strict=True):
+            page = report_html(flight.forecast, None, None, self.remarks, flight.findings, panel)
+            pages.append(Path(folder) / f"{name}.html")
+            write_atomically(pages[-1], page)
+        return tuple(pages)
+
 
 def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
     """What a survey comes to, for machines."""
