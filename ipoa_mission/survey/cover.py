@@ -181,7 +181,7 @@ class _Survey:
         corners = [shapely.get_coordinates(ring) for ring in rings]
         edges = np.concatenate([np.column_stack([ring[:-1], ring[1:]]) for ring in corners])
         lines = cut(edges, grid, heights(self.area, grid, self.spacing, shift))
-        return lines[np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > SHORT * self.spacing]
+        return np.asarray(lines[np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > SHORT * self.spacing])
 
     def _laid(self, degrees: float, shift: float) -> Points:
         """The lines (n, 2, 2) of a direction, with those that holes make necessary besides."""
