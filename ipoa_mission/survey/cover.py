@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -21,12 +22,16 @@ from ipoa_mission.survey.tour import Swath, Tour
 #: Of the lines, clockwise from north [degrees]; several: one pass in each; crosshatch: the best one and the one across.
 Direction: TypeAlias = Literal["best", "crosshatch"] | float | Sequence[float]
 
-BUILT = 3  # directions of which the lines are laid out, of all that are looked at
+BUILT = 8  # directions and shifts of which the lines are laid out, of all that are looked at
+WORKED_OUT = 900  # lines of all that are worked out
+REFINED = 2  # times what closes gaps is put in order with the lines
+LARGE, LONG = 0.05, 2.5  # a gap of such an area, of such an outline, by the spacing, gets a line before all is ordered
+LONG_LEG = 9e3  # [m]
 MOST_LOOKED_AT = 36
 ALIKE_DEG = 1.0  # directions nearer to each other are one
-SHIFTS = (0.0, -1.0, 1.0)
+SHIFTS = (0.0, -1.0, 1.0, -0.5, 0.5)
 ROUNDS, STEPS = 1000, 1e6  # of the search that find nothing better, and so many for the square of the number of lines
-SIMPLER = 0.01  # of the spacing: by so much what is kept out of may grow, to have fewer corners
+SIMPLER = 0.005  # of the spacing: by so much what is kept out of may grow, to have fewer corners
 
 
 def quickest_tour(
@@ -64,15 +69,25 @@ def quickest_tour(
     survey = _Survey.of(area, spacing, keep_out, turns_outside, cost)
     if isinstance(direction, str):
         _expect(direction in ("best", "crosshatch"), "direction: expected best, crosshatch or degrees", direction)
-        best = survey.best_layout(survey.directions(), begin, end)
-        layouts = [best]
-        if direction == "crosshatch":
-            layouts.append(survey.best_layout([best.degrees + 90.0], begin, end))
+        passes = [survey.directions()]
     else:
         given = [float(direction)] if isinstance(direction, int | float) else [float(each) for each in direction]
         _expect(bool(given) and all(map(math.isfinite, given)), "direction: expected degrees", direction)
-        layouts = [survey.best_layout([degrees], begin, end) for degrees in given]
-    return survey.tour(layouts, begin, end)
+        passes = [[degrees] for degrees in given]
+    places, is_on = list[Any](), list[bool]()
+    while passes:
+        is_last = not passes[1:] and direction != "crosshatch"
+        best = survey.quickest(passes.pop(0), begin, end if is_last else None)
+        if places:
+            way = survey.way(places[-1], best.route.places[0])
+            places += list(way[1:-1])
+            is_on += [False] * (len(way) - 1)
+        places += best.route.places
+        is_on += best.route.is_on
+        begin = places[-1]
+        if direction == "crosshatch":
+            direction, passes = "best", [[best.degrees + 90.0]]
+    return _tour_of(np.array(places), is_on)
 
 
 def _expect(is_so: bool, words: str, given: object) -> None:
@@ -81,13 +96,24 @@ def _expect(is_so: bool, words: str, given: object) -> None:
 
 
 @dataclass(frozen=True, eq=False)
-class _Layout:
-    """Lines (n, 2, 2) in one direction, an order of them by entries (n,), and what it costs [s]."""
+class _Pass:
+    """Lines (n, 2, 2), most of them in one direction, and how they are flown: the route, and its seconds.
+
+    `goals` are the lines and places to which detours lead, that see what was left; `unseen` is the share of the area
+    that still is, where that is too much.
+    """
 
     degrees: float
     lines: Points
-    entries: Any
+    route: SensedPath
     seconds: float
+    goals: list[Points]
+    unseen: float
+
+    @property
+    def worth(self) -> tuple[float, float]:
+        """The less, the better: a pass that leaves more unseen is no quicker one."""
+        return self.unseen, self.seconds
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,21 +155,25 @@ class _Survey:
                 found.append(float(degrees[n]))
         return found[:MOST_LOOKED_AT]
 
-    def best_layout(self, degrees: list[float], begin: Vector | None, end: Vector | None) -> _Layout:
-        """The quickest of directions, some of them looked at closely."""
-        looked = [(self._rough(each, shift), each, shift) for each in degrees for shift in SHIFTS]
-        laid = [self._layout(each, shift, begin, end) for _, each, shift in sorted(looked)[:BUILT]]
-        return min(laid, key=lambda layout: layout.seconds)
+    def quickest(self, degrees: list[float], begin: Vector | None, end: Vector | None) -> _Pass:
+        """The quickest pass in one of some directions; of those that promise the most all is worked out."""
+        looked = sorted((self._rough(each, shift), each, shift) for each in degrees for shift in SHIFTS)
+        laid = [(each, self._laid(each, shift)) for _, each, shift in looked[:BUILT]]
+        count = int(max(1, min(BUILT, WORKED_OUT / max(len(lines) for _, lines in laid))))
+        best = min((self._flown(*one, begin, end) for one in laid[:count]), key=lambda one: one.worth)
+        for _ in range(REFINED if best.goals else 0):
+            more = np.array([goal[[0, -1]] for goal in best.goals if len(goal) < 3]).reshape(-1, 2, 2)
+            other = self._flown(best.degrees, np.concatenate([best.lines, more]), begin, end)
+            if other.worth >= best.worth:
+                break
+            best = other
+        return best
 
     def _rough(self, degrees: float, shift: float) -> float:
         """About how long lines in a direction take, ways not counted [s]."""
         lines = self._lines(degrees, shift)
-        away = 1.0 if shift else 0.0
-        turn = self.cost.seconds(np.array([[0.0, 0.0], [9e3, 0.0], [9e3, self.spacing], [0.0, self.spacing]]))
-        turn -= 18e3 / self.cost.speed
-        return (
-            float(np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1).sum()) / self.cost.speed + turn * len(lines) + away
-        )
+        length = float(np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1).sum())
+        return length / self.cost.speed + self._turn * len(lines) + abs(shift)
 
     def _lines(self, degrees: float, shift: float) -> Points:
         grid = LineAxes.of(degrees)
@@ -151,36 +181,54 @@ class _Survey:
         corners = [shapely.get_coordinates(ring) for ring in rings]
         edges = np.concatenate([np.column_stack([ring[:-1], ring[1:]]) for ring in corners])
         lines = cut(edges, grid, heights(self.area, grid, self.spacing, shift))
-        return lines[np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > SHORT * self.spacing]
+        return np.asarray(lines[np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > SHORT * self.spacing])
 
-    def _layout(self, degrees: float, shift: float, begin: Vector | None, end: Vector | None) -> _Layout:
-        """The lines of a direction, with those that holes make necessary besides, quickly put in order."""
+    def _laid(self, degrees: float, shift: float) -> Points:
+        """The lines (n, 2, 2) of a direction, with those that holes make necessary besides."""
         lines = self._lines(degrees, shift)
-        gaps = self.area.difference(seen_from(lines, self.spacing))
         more = []
-        for gap in parts_of(gaps):
-            if gap.area > 0.05 * self.spacing**2 and gap.length > 2.5 * self.spacing:
+        for gap in parts_of(self.area.difference(seen_from(lines, self.spacing))):
+            if gap.area > LARGE * self.spacing**2 and gap.length > LONG * self.spacing:
                 line = line_over(gap, self.free.inner, self.spacing)
                 more += [] if line is None else [line]
-        lines = np.concatenate([lines, np.array(more).reshape(-1, 2, 2)])
-        if not len(lines):
+        if not len(lines) and not more:
             spot = shapely.get_coordinates(self.free.inner.representative_point())
-            lines = np.array([[spot[0], spot[0]]])
-        return self._ordered(degrees, lines, np.arange(len(lines)) * 2, begin, end, 0)[0]
+            more = [np.repeat(spot, 2, axis=0)]
+        return np.concatenate([lines, np.array(more).reshape(-1, 2, 2)])
 
-    def _ordered(
-        self, degrees: float, lines: Points, entries: Any, begin: Vector | None, end: Vector | None, rounds: int
-    ) -> tuple[_Layout, Ways]:
+    def _flown(self, degrees: float, lines: Points, begin: Vector | None, end: Vector | None) -> _Pass:
+        """The lines in a quick order, and past what they leave unseen.
+
+        Raises:
+            MissionError: no way leads from one of them to another.
+        """
         ends = np.ascontiguousarray(lines.reshape(-1, 2))
         ways = Ways(ends, self.ways, self.around, self.cost)
         along = np.array([self.cost.seconds(line) for each in lines for line in (each, each[::-1])])
+        spots = np.repeat((lines[:, 0] == lines[:, 1]).all(axis=1), 2)
+        along[spots] = self._turn / 2  # whatever the corner there will be
         times = np.zeros((len(ends) + 2, len(ends) + 2))
         times[:-2, :-2] = ways.times
         times[-2, :-2], times[:-2, -2] = (self._reach(ends, place) for place in (begin, end))
-        best, seconds = search_order(np.asarray(entries, np.int64), times, along, rounds)
+        rounds = int(min(10 * len(lines), ROUNDS, STEPS / len(lines) ** 2))
+        entries, seconds = search_order(np.arange(len(lines), dtype=np.int64) * 2, times, along, rounds)
         if seconds >= NO_WAY:
             raise MissionError("survey: no way leads between all parts of the area", hint="survey them one by one")
-        return _Layout(degrees, lines, best, float(seconds)), ways
+        route = _route(entries, ways)
+        goals, unseen = Closing(self.area, self.spacing, self.ways, self.cost).close(route)
+        places = np.array(route.places)
+        seconds = self.cost.seconds(places) + self._reach(places[:1], begin)[0] + self._reach(places[-1:], end)[0]
+        return _Pass(degrees, lines, route, float(seconds), goals, round(unseen, 4))
+
+    def way(self, start: Vector, end: Vector) -> Points:
+        """The corners (k, 2) of the way from one place to another."""
+        return Ways(np.array([start, start, end, end]), self.ways, self.around, self.cost).way(0, 2)
+
+    @cached_property
+    def _turn(self) -> float:
+        """What it costs to turn about from one long line to the next [s]."""
+        corners = np.array([[0.0, 0.0], [LONG_LEG, 0.0], [LONG_LEG, self.spacing], [0.0, self.spacing]])
+        return self.cost.seconds(corners) - 2 * LONG_LEG / self.cost.speed
 
     def _reach(self, ends: Points, place: Vector | None) -> Vector:
         """How long it is from each end (n, 2) to a place, or nothing [s]."""
@@ -188,38 +236,18 @@ class _Survey:
             return np.zeros(len(ends))
         return np.asarray(np.linalg.norm(ends - np.asarray(place, float), axis=1) / self.cost.speed)
 
-    def tour(self, layouts: list[_Layout], begin: Vector | None, end: Vector | None) -> Tour:
-        """The tour of one pass after the other, ordered well, its gaps closed."""
-        places, is_on = list[Any](), list[bool]()
-        for n, layout in enumerate(layouts):
-            count = len(layout.lines)
-            rounds = int(min(10 * count, ROUNDS, STEPS / count**2))
-            here = begin if n == 0 else np.asarray(places[-1])
-            there = end if n == len(layouts) - 1 else None
-            ordered, ways = self._ordered(layout.degrees, layout.lines, layout.entries, here, there, rounds)
-            route = self._route(ordered, ways)
-            Closing(self.area, self.spacing, self.ways, self.cost).close(route)
-            if n:
-                join = Ways(np.array([places[-1]] * 2 + [route.places[0]] * 2), self.ways, self.around, self.cost)
-                way = join.way(0, 2)
-                places += list(way[1:-1])
-                is_on += [False] * (len(way) - 1)
-            places += route.places
-            is_on += route.is_on
-        return _tour_of(np.array(places), is_on)
 
-    def _route(self, layout: _Layout, ways: Ways) -> SensedPath:
-        """An order as places, and where the sensor is on."""
-        ends = ways.ends
-        route = SensedPath([ends[layout.entries[0]]])
-        for n, entry in enumerate(layout.entries):
-            if n:
-                way = ways.way(int(layout.entries[n - 1]) ^ 1, int(entry))
-                route.places += list(way[1:])
-                route.is_on += [False] * (len(way) - 1)
-            route.places.append(ends[entry ^ 1])
-            route.is_on.append(True)
-        return route
+def _route(entries: Any, ways: Ways) -> SensedPath:
+    """Lines in an order, by the ends at which they are entered, as places, and where the sensor is on."""
+    route = SensedPath([ways.ends[entries[0]]])
+    for n, entry in enumerate(entries):
+        if n:
+            way = ways.way(int(entries[n - 1]) ^ 1, int(entry))
+            route.places += list(way[1:])
+            route.is_on += [False] * (len(way) - 1)
+        route.places.append(ways.ends[entry ^ 1])
+        route.is_on.append(True)
+    return route
 
 
 def _tour_of(places: Points, is_on: list[bool]) -> Tour:

@@ -13,7 +13,7 @@ from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.tour import Tour
 
 ARC = 64  # segments of a quarter of a circle
-SLIVER = 1e-9  # of the area
+STEP, MOST = 0.1, 20_000  # between places at which it is looked how far a path strays [m], and how many at most
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,12 +49,20 @@ def coverage(area: Area, tour: Tour, width: float, keep_out: Any = None) -> Cove
     gaps = can.difference(seen)
     whole = float(can.area)
     share = 1.0 if whole <= 0.0 else 1.0 - float(gaps.area) / whole
-    return Coverage(share, gaps, float(seen.area), _outside(free, tour))
+    return Coverage(share, gaps, float(seen.area), _outside(area.shape, tour, keep_out))
 
 
-def _outside(free: Any, tour: Tour) -> float:
+def _outside(shape: Any, tour: Tour, keep_out: Any) -> float:
     """The farthest that the path leaves where it may be [m]."""
-    if len(tour.path) < 2 or free.is_empty:
+    if len(tour.path) < 2:
         return 0.0
-    stray = shapely.LineString(tour.path).difference(free)
-    return float(max((free.distance(shapely.Point(at)) for at in shapely.get_coordinates(stray)), default=0.0))
+    path = shapely.LineString(tour.path)
+    farthest = [float(shape.distance(at)) for at in _places(path.difference(shape))]
+    if keep_out is not None:
+        farthest += [float(keep_out.boundary.distance(at)) for at in _places(path.intersection(keep_out))]
+    return max(farthest, default=0.0)
+
+
+def _places(stray: Any) -> list[Any]:
+    """Places along what strays, close to each other."""
+    return list(shapely.points(shapely.get_coordinates(shapely.segmentize(stray, max(STEP, stray.length / MOST)))))

@@ -58,33 +58,40 @@ class Closing:
             route.is_on[off[n]] = True
         return gaps.difference(shapely.union_all(around[chosen])) if len(chosen) else gaps
 
-    def close(self, route: SensedPath) -> None:
-        """Lead the route by detours past what it leaves unseen, the largest gaps first, until little is left."""
-        hopeless: list[Any] = []
-        for _ in range(PASSES):
-            parts = [part for part in parts_of(self.gaps(route)) if not any(part.equals(other) for other in hopeless)]
-            parts.sort(key=lambda part: part.area)
+    def close(self, route: SensedPath) -> tuple[list[Points], float]:
+        """Lead the route by detours past what it leaves unseen, the largest gaps first, until little is left.
+
+        Returns:
+            The lines (k, 2) and places (1, 2) to which the detours lead; the share that is left too much.
+        """
+        hopeless, led = list[Any](), list[Points]()
+        for n in range(PASSES + 1):
+            parts = sorted(parts_of(self.gaps(route)), key=lambda part: part.area)
             little = np.cumsum([part.area for part in parts]) <= LEFT * self.area.area
             wide = [part for part, is_little in zip(parts, little, strict=True) if not is_little]
-            if not wide:
-                return
-            hopeless += [part for part in wide[::-1] if not self._pass(route, part)]
+            tried = [part for part in wide[::-1] if not any(part.equals(other) for other in hopeless)]
+            if not tried or n == PASSES:
+                break
+            for part in tried:
+                via = self._pass(route, part)
+                (hopeless if via is None else led).append(part if via is None else via)
+        return led, sum(part.area for part in wide) / max(self.area.area, 1e-9)
 
-    def _pass(self, route: SensedPath, gap: Any) -> bool:
-        """Lead the route past one gap, where there is a way."""
+    def _pass(self, route: SensedPath, gap: Any) -> Points | None:
+        """Lead the route past one gap, where there is a way; to which places (k, 2)."""
         around = self._whence(gap)
         lines = [] if around is not None else self._lines(gap)
         if around is None and not lines:  # what is seen of it from where it is nearest
             around = shapely.Point(shapely.get_coordinates(shapely.shortest_line(self.space.inner, gap))[0])
             if gap.difference(around.buffer(self.width / 2)).area > (1 - USEFUL) * gap.area:
-                return False
+                return None
         legs = self._near(route, shapely.get_coordinates(gap.centroid)[0])
         found = self._detour(route, legs, around, lines, led=False) or self._detour(
             route, legs, around, lines, led=True
         )
         if found is None:
-            return False
-        n, via = found
+            return None
+        n, via, goal = found
         if n < 0:
             route.places[:0], route.is_on[:0] = list(via), [True] * len(via)
         elif n == len(route.places) - 1:
@@ -93,12 +100,12 @@ class Closing:
         else:
             route.places[n + 1 : n + 1] = list(via)
             route.is_on[n : n + 1] = [True] * (len(via) + 1)
-        return True
+        return goal
 
     def _detour(
         self, route: SensedPath, legs: list[int], around: Any | None, lines: list[Points], led: bool
-    ) -> tuple[int, Points] | None:
-        """The quickest detour, as a leg and places (k, 2) between its ends; `led` round corners, or straight only."""
+    ) -> tuple[int, Points, Points] | None:
+        """The quickest detour: a leg, places (k, 2) between its ends, what is seen from; `led` round corners or not."""
         best, least = None, np.inf
         for n in legs:
             before, after = route.places[max(n - 1, 0) : n + 1], route.places[n + 1 : n + 3]
@@ -112,7 +119,7 @@ class Closing:
                 seconds = self.cost.seconds(np.array([*before, *whole, *after]))
                 seconds -= self.cost.seconds(np.array([*before, *after]))
                 if seconds < least:
-                    best, least = (n, whole), seconds
+                    best, least = (n, whole, via), seconds
         return best
 
     def _led(self, before: list[Vector], via: Points, after: list[Vector]) -> Points | None:
@@ -160,7 +167,10 @@ class Closing:
 
     def _lines(self, gap: Any) -> list[Points]:
         """The line (k, 2) that sees the most of a gap: straight through it, or along the edge that is nearest."""
-        line, places = line_over(gap, self.space.inner, self.width), shapely.points(_densely(gap, self.width / 8))
+        line, places = (
+            line_over(gap, self.space.inner, self.width),
+            shapely.points(_densely(gap.exterior, self.width / 8)),
+        )
         rings = shapely.get_rings(shapely.get_parts(self.space.inner))
         ring = rings[int(shapely.distance(rings, gap).argmin())]
         at = np.sort(shapely.line_locate_point(ring, places))

@@ -46,9 +46,9 @@ def heights(area: Any, grid: LineAxes, spacing: float, shift: float = 0.0) -> Ve
     low, high = float(across.min()), float(across.max())
     count = max(math.ceil((high - low) / spacing - EVEN), 1)
     if shift == 0.0:
-        return low + (high - low) / count * (np.arange(count) + 0.5)
+        return np.asarray(low + (high - low) / count * (np.arange(count) + 0.5))
     middle = (low + high) / 2 + shift * (count * spacing - (high - low)) / 2
-    return middle + spacing * (np.arange(count) - (count - 1) / 2)
+    return np.asarray(middle + spacing * (np.arange(count) - (count - 1) / 2))
 
 
 def cut(edges: Points, grid: LineAxes, at: Vector) -> Points:

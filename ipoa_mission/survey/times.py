@@ -12,6 +12,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.forecast.timing.track import Track
@@ -131,7 +132,10 @@ def _flown(mission: Mission, speed: float, height: float, wind: Wind, path: Poin
     places = [Geodetic(*map(float, place)) for place in zip(latitude, longitude, altitude, strict=True)]
     items = (takeoff(places[0], height), change_speed(speed), *(waypoint(place, height) for place in places))
     flown = replace(mission, items=items, landing_ground=None, scanned=())
-    prediction = Forecast(flown, wind=wind).predicted(sure=True)
+    try:
+        prediction = Forecast(flown, wind=wind).predicted(sure=True)
+    except MissionError as error:
+        raise MissionError(f"survey: no time is known of lines at {speed:g} m/s: {error}", error.hint) from error
     return prediction.done[2:], prediction.track
 
 
