@@ -17,6 +17,8 @@ from ipoa_mission.flight.flight import Flight as Flight
 from ipoa_mission.flight.flight import plan_flight as plan_flight
 from ipoa_mission.flight.procedure import fly_mission as fly_mission
 from ipoa_mission.flight.procedure import upload_mission as upload_mission
+from ipoa_mission.flight.survey import Survey as Survey
+from ipoa_mission.flight.survey import plan_survey as plan_survey
 from ipoa_mission.forecast.forecast import Forecast as Forecast
 from ipoa_mission.forecast.forecast import estimate as estimate
 from ipoa_mission.forecast.timing.estimate import Estimate as Estimate

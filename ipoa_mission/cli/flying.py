@@ -86,9 +86,11 @@ def fly(
     from ipoa_mission.cli.job import adapt_scenario, plan, planned, read_job
     from ipoa_mission.cli.overwriting import expect_free, expect_log
     from ipoa_mission.cli.real_flight import begun_with, fly_there, no_flight_yet
+    from ipoa_mission.cli.surveying import expect_no_link, fly_survey, plan_here, write_survey
     from ipoa_mission.files import unused
     from ipoa_mission.flight.landed import landed_at_rally, landed_elsewhere
     from ipoa_mission.flight.written import not_as_written
+    from ipoa_mission.scenario import read_scenario
     from ipoa_mission.simulator.fly import fly_forecast as fly_here
 
     is_planned = source.suffix.lower() == ".toml"
@@ -100,7 +102,13 @@ def fly(
     expect_log(on_link.log)
     air = flown_by.air
     if is_planned:
-        scenario = adapt_scenario(source, search, flown_by)
+        scenario = adapt_scenario(read_scenario(source), search, flown_by)
+        if scenario.survey is not None:
+            expect_no_link(link)
+            survey = plan_here(scenario, search, flown_by)
+            files = write_survey(survey, out, report, force, as_json)
+            fly_survey(survey, search.seed, on_link.log, faults, out, files, as_json)
+            return
         expect_free(not_as_written(out, scenario.name, report), force, ask=not as_json)
         job = planned(plan(scenario, search.seed, air))
     else:

@@ -17,7 +17,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.logs.learn.vehicle_file import read_vehicle
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.scenario import Scenario, read_scenario
+from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.known_parameters import expect_own
 from ipoa_mission.wind import Wind
@@ -82,10 +82,9 @@ def plan_parts(scenario: Scenario, seed: int, wind: Wind | None = None) -> tuple
         return plan_for_batteries(scenario, wind=wind, seed=seed, progress=show)
 
 
-def adapt_scenario(path: Path, search: SearchOptions, flown_by: FlownByOptions) -> Scenario:
-    """The scenario in a file, with what the command line says in its place."""
+def adapt_scenario(scenario: Scenario, search: SearchOptions, flown_by: FlownByOptions) -> Scenario:
+    """The scenario with what the command line says in its place."""
     optimizer, autopilot, vehicle = search.optimizer, flown_by.autopilot, flown_by.vehicle
-    scenario = read_scenario(path)
     changes: dict[str, Any] = {}
     if optimizer is not None and optimizer != scenario.optimizer.name:
         changes["optimizer"] = type(scenario.optimizer)(name=optimizer)

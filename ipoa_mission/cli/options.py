@@ -69,6 +69,14 @@ def expect_world_of(endings: bool, scenario: Path | None) -> None:
 ScenarioArgument: TypeAlias = Annotated[
     Path, typer.Argument(metavar="SCENARIO", callback=expect_scenario, help="Scenario file (TOML), or `campus`.")
 ]
+ScenarioOrNone: TypeAlias = Annotated[
+    Path | None,
+    typer.Argument(
+        metavar="[SCENARIO]",
+        callback=lambda path: None if path is None else expect_scenario(path),
+        help="Scenario file (TOML), or `campus`; with --survey it may be left out.",
+    ),
+]
 FileArgument: TypeAlias = Annotated[
     Path, typer.Argument(metavar="FILE", callback=expect_mission, help="Mission file: .plan or .waypoints.")
 ]

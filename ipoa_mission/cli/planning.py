@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
-from ipoa_mission.cli.options import ForceOption, JsonOption, OutOption, ReportOption, ScenarioArgument
+from ipoa_mission.cli.options import ForceOption, JsonOption, OutOption, ReportOption, ScenarioOrNone
+from ipoa_mission.cli.surveying import SurveyOptions, plan_here, tell_survey, write_survey
 from ipoa_mission.cli.telling import tell_json
 
 if TYPE_CHECKING:
@@ -14,9 +15,10 @@ if TYPE_CHECKING:
 
 
 def plan(
-    scenario: ScenarioArgument,
     search: SearchOptions,
     flown_by: FlownByOptions,
+    surveyed: SurveyOptions,
+    scenario: ScenarioOrNone = None,
     out: OutOption = Path(),
     split: Annotated[
         bool, typer.Option("--split", help="If one battery is not enough, write the fewest flights: NAME-1.plan ...")
@@ -29,6 +31,9 @@ def plan(
 
     NAME is the scenario's. Files of an earlier plan are written over, unless somebody has changed them.
 
+    A scenario with a [survey], or `--survey AREA` with or without one, is planned as lines that see the area; where one
+    battery is not enough there are NAME-1.plan, NAME-2.plan and so on.
+
     Example: `ipoa-mission plan missions/campus.toml --out out --seed 7`
     """
     from ipoa_mission.cli.job import adapt_scenario
@@ -39,7 +44,15 @@ def plan(
 
     expect_folder(out)
     air = flown_by.air
-    adapted = adapt_scenario(scenario, search, flown_by)
+    adapted = adapt_scenario(surveyed.scenario(scenario), search, flown_by)
+    if adapted.survey is not None:
+        survey = plan_here(adapted, search, flown_by)
+        written = write_survey(survey, out, report, force, as_json)
+        if as_json:
+            tell_json(survey.summary() | {"written": [str(file) for file in written]})
+        else:
+            tell_survey(survey, written)
+        return
     expect_free(not_as_written(out, adapted.name, report), force, ask=not as_json)
     if split:
         _plan_in_parts(adapted, search.seed, flown_by, out, force, as_json)

@@ -30,6 +30,8 @@ SOURCES = (
     "vehicles/parameters.py",
     "geometry.py",
     "planning/_*.py",
+    "survey/_*.py",
+    "survey/clock.py",
     "planning/banded.py",
     "planning/chart.py",
     "routing/_*.py",

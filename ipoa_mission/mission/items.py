@@ -95,6 +95,21 @@ class FenceCircle:
 
 
 @dataclass(frozen=True)
+class ComplexItem:
+    """A survey or scan of QGroundControl's, that stands for some items of a mission.
+
+    Attributes:
+        items: those, in a row.
+        told: what a `.plan` says of it, as JSON, but for the list of its items.
+        lists: whether such a list stands in it.
+    """
+
+    items: tuple[Item, ...]
+    told: str
+    lists: bool
+
+
+@dataclass(frozen=True)
 class Mission:
     """What the vehicle will do.
 
@@ -113,6 +128,7 @@ class Mission:
         firmware_version: whose tables hold; left out, the newest.
         scanned: for each structure scan the index of its first item and the height scanned [m], which QGroundControl
             counts as way.
+        complex_items: what of it QGroundControl edits as a survey or scan; that says nothing once the items are others.
 
     Example:
         >>> home = Geodetic(47.397742, 8.545594, 488.0)
@@ -136,6 +152,7 @@ class Mission:
     landing_ground: Geodetic | None = field(default=None, compare=False, repr=False)
     firmware_version: Version | None = field(default=None, compare=False, repr=False)
     scanned: tuple[tuple[int, float], ...] = field(default=(), compare=False, repr=False)
+    complex_items: tuple[ComplexItem, ...] = field(default=(), compare=False, repr=False)
 
     @property
     def other_vehicle(self) -> str | None:

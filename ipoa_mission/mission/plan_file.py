@@ -7,7 +7,7 @@ item's `doJumpId`, which we write as the item's number.
 import json
 import math
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
 from ipoa_mission.finding import Severity
 from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame, command_name
+from ipoa_mission.mission.complex_items import as_document, complex_items_in, entries
 from ipoa_mission.mission.document import Node, parse_document
 from ipoa_mission.mission.firmware import settle_frames
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
@@ -91,9 +92,10 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
     autopilot = autopilot or autopilot_in(mission["firmwareType"], vehicle_type)
     home, listed = _home(mission["plannedHomePosition"]), _entries(mission["items"])
     ground = plan.get(LANDING_GROUND)
+    items = settle_frames(_items(listed), autopilot)
     read = Mission(
         home=home,
-        items=settle_frames(_items(listed), autopilot),
+        items=items,
         autopilot=autopilot,
         cruise_speed=None if speed is None or speed.value is None else speed.number("a speed in metres per second"),
         fence=_fence(plan.get("geoFence")),
@@ -101,6 +103,7 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
         vehicle_type=vehicle_type,
         landing_ground=None if ground is None else _landing_ground(ground),
         scanned=tuple((index, entry.scanned) for index, entry in enumerate(listed) if entry.scanned > 0.0),
+        complex_items=complex_items_in([entry.part_of for entry in listed], items),
     )
     return MissionFile(read, tuple(plan.findings), text, ".plan")
 
@@ -116,7 +119,7 @@ def _plan(mission: Mission) -> dict[str, Any]:
     header: dict[str, Any] = {
         "firmwareType": mission.autopilot.mav_autopilot,
         "globalPlanAltitudeMode": next(iter(modes), RELATIVE) if len(modes) < 2 else MIXED,
-        "items": [_simple_item(number, item) for number, item in enumerate(items, start=1)],
+        "items": [*_written(items, mission)],
         "plannedHomePosition": _place(mission.home, "home"),
         "vehicleType": mission.vehicle_type,
         "version": 2,
@@ -137,6 +140,14 @@ def _plan(mission: Mission) -> dict[str, Any]:
         },
         "version": 1,
     }
+
+
+def _written(items: Sequence[Item], mission: Mission) -> Iterator[dict[str, Any]]:
+    own = [replace(one, items=settle_frames(one.items, mission.autopilot)) for one in mission.complex_items]
+    for entry in entries(items, own):
+        part = items[entry.first : entry.first + entry.count]
+        simple = [_simple_item(number, item) for number, item in enumerate(part, start=entry.first + 1)]
+        yield simple[0] if entry.of is None else as_document(entry.of, entry.first + 1, simple)
 
 
 def _check(number: int, item: Item, count: int) -> None:
@@ -223,12 +234,16 @@ def _home(node: Node) -> Geodetic:
 
 @dataclass(frozen=True)
 class ListedItem:
-    """An item, where it stands in its file, what DO_JUMP calls it, and the height of the scan that it begins [m]."""
+    """An item, where it stands in its file, what DO_JUMP calls it, and the height of the scan that it begins [m].
+
+    `part_of` is the complex item in which it stands.
+    """
 
     item: Item
     node: Node
     jump_id: int | None
     scanned: float = 0.0
+    part_of: Node | None = None
 
 
 def _entries(node: Node) -> list[ListedItem]:
@@ -258,7 +273,7 @@ def _listed(node: Node) -> list[ListedItem]:
         case "SimpleItem":
             return [read_item(node)]
         case "ComplexItem":
-            return _complex(node)
+            return [replace(entry, part_of=node) for entry in _complex(node)]
         case _:
             raise node["type"].wrong('"SimpleItem" or "ComplexItem"')
 

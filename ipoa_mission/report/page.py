@@ -70,8 +70,9 @@ def report_html(
     flight: FlightRecord | None = None,
     remarks: Sequence[str] = (),
     findings: Sequence[Finding] | None = None,
+    survey: str = "",
 ) -> str:
-    """The whole page; `findings` of the check, where it was checked already."""
+    """The whole page; `findings` of the check, where it was checked already, and the panel of its `survey`."""
     findings = check(forecast) if findings is None else findings
     scenario, mission, estimate, promise = (
         forecast.world,
@@ -104,6 +105,7 @@ def report_html(
             budget_of(forecast),
         ),
         "warnings": warnings(danger, findings, [*remarks, *estimate.remarks]),
+        "survey": survey,
         "map": ground_plan(scenario, extent, stop_list, course, flown, tube),
         "legend": legend(scenario, extent, flown is not None, bool(home)),
         "profile": height_profile(course, airspace, required, stop_list, flown, tube),

@@ -10,12 +10,13 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import AwareDatetime, ConfigDict, Field, ValidationError, model_validator
+from pydantic import AwareDatetime, ConfigDict, Field, ValidationError, ValidationInfo, model_validator
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.maps.passed import PassedCount, PassedOver
 from ipoa_mission.scenario.explain import explained
+from ipoa_mission.scenario.layout import NO_REACH, Reach
 from ipoa_mission.scenario.limits import Limits, low_zones, without_repeats
 from ipoa_mission.scenario.maps import MapSection
 from ipoa_mission.scenario.obstacles import ObstacleSection
@@ -23,9 +24,12 @@ from ipoa_mission.scenario.places import BoundsSection, FenceSection, FlatTerrai
 from ipoa_mission.scenario.profiles import with_profile
 from ipoa_mission.scenario.safety import SafetySection
 from ipoa_mission.scenario.section import NotNegative, Positive, Section
-from ipoa_mission.scenario.surroundings import Surroundings, survey
+from ipoa_mission.scenario.seeking import CostSection, OptimizerSection, PlanningSection
+from ipoa_mission.scenario.surroundings import Surroundings, surroundings_of
+from ipoa_mission.scenario.survey import SurveySection, with_survey
 from ipoa_mission.scenario.vehicle import VehicleSection
 from ipoa_mission.scenario.wind import WindSection
+from ipoa_mission.survey.area import Area
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, apart
@@ -33,67 +37,7 @@ from ipoa_mission.world.ground import EARTH_RADIUS, LEVEL, Ground
 
 EARTH = 40_000_000.0  # its circumference [m]
 #: The tables that the world is made from.
-WORLD = {"home", "start", "goal", "via", "bounds", "terrain", "obstacles", "maps", "fence"}
-
-
-class CostSection(Section):
-    """The paper's cost, eqs. (4)-(10)."""
-
-    omega: tuple[NotNegative, NotNegative, NotNegative] = (0.7, 0.15, 0.15)
-    """Weights of length, turning and threat; their sum is 1."""
-    a1: NotNegative = 1.0
-    """Weight of turning in the turning cost, eq. (8)."""
-    a2: NotNegative = 1.0
-    """Weight of changes in climb angle, eq. (8)."""
-    lambda_obs: NotNegative = 10.0
-    """Penalty coefficient of a near obstacle, eq. (9)."""
-    d_safe: NotNegative = 5.0
-    """Distance beyond which an obstacle is no threat [m], eq. (9)."""
-    form: Literal["integral", "nodes"] = "integral"
-    """`nodes`: the paper's sums over path nodes; `integral`: over arc length, whatever the number of nodes."""
-
-    @model_validator(mode="after")
-    def _weights_sum_to_one(self) -> "CostSection":
-        if abs(sum(self.omega) - 1) > 1e-9:
-            raise ValueError(f"omega: expected three weights that sum to 1, not to {sum(self.omega):g}")
-        return self
-
-
-class PlanningSection(Section):
-    """How the path is sought."""
-
-    planner: Literal["default", "paper"] = "default"
-    """`paper`: the algorithm as printed, in absolute coordinates, one long search and no polish."""
-    polish: bool = True
-    """Refine the best paths found on the smooth problem."""
-    encoding: Literal["absolute", "chord", "sine"] | None = None
-    """What the search varies; left out, the planner's own choice."""
-    control_points: Annotated[int, Field(ge=2, le=60)] = 8
-    """Inner control points of the cubic B-spline."""
-    samples: Annotated[int, Field(ge=20, le=2000)] = 100
-    """Nodes at which the search looks at the curve."""
-    min_height_above_ground: NotNegative | None = None
-    """Left out: the safety distance and the vehicle's radius [m]."""
-    max_height_above_ground: Positive | None = None
-    """Left out, there is no such limit [m]."""
-    max_climb_angle_deg: Annotated[float, Field(gt=0, le=90)] | None = None
-    """Left out, the path may climb as steeply as it likes."""
-    max_descent_angle_deg: Annotated[float, Field(gt=0, le=90)] | None = None
-    """Left out, the path may descend as steeply as it likes."""
-
-
-class OptimizerSection(Section):
-    """The search algorithm by name, and its settings (population, iterations, ...)."""
-
-    model_config = ConfigDict(extra="allow")
-
-    name: str = "ipoa"
-    """Which one; its other keys are that algorithm's own settings."""
-
-    @property
-    def settings(self) -> dict[str, Any]:
-        """Everything but the name, as the optimizer's own fields."""
-        return dict(self.model_extra or {})
+WORLD = {"home", "start", "goal", "via", "bounds", "terrain", "obstacles", "maps", "fence", "survey"}
 
 
 class RouteSection(Section):
@@ -117,6 +61,12 @@ class RouteSection(Section):
 FILE_NAME = r"^[^./\\:*?\"<>|\x00-\x1f\x7f][^/\\:*?\"<>|\x00-\x1f\x7f]*$"
 
 
+def _needs_ends(schema: dict[str, Any]) -> None:
+    """In the schema, that a survey may stand in place of start and goal."""
+    schema["required"] = ["home"]
+    schema["anyOf"] = [{"required": ["start", "goal"]}, {"required": ["survey"]}]
+
+
 class Scenario(Section):
     """A flight to be planned: what a scenario file holds, key by key; docs/scenario.md says what each means.
 
@@ -127,6 +77,8 @@ class Scenario(Section):
         >>> Scenario.from_dict({"name": "field", "home": home, "start": start, "goal": goal}).goal_point
         array([120.,  90.,  20.])
     """
+
+    model_config = ConfigDict(json_schema_extra=_needs_ends)
 
     name: Annotated[str, Field(pattern=FILE_NAME)] = "mission"
     """Also the name of the files that are written; left out, that of the scenario file."""
@@ -142,9 +94,10 @@ class Scenario(Section):
     home: HomeSection
     """Where the vehicle takes off, and the origin of the local frame."""
     start: Place
-    """Where the planned path begins, above home or a little way from it."""
+    """Where the planned path begins, above home or a little way from it; left out with a `survey`, over home, as high
+    as that is flown."""
     goal: Place
-    """Where the planned path ends."""
+    """Where the planned path ends; left out with a `survey`, where it begins."""
     via: tuple[Place, ...] = ()
     """Places to pass on the way, in this order: each is a waypoint of the mission."""
     bounds: BoundsSection = BoundsSection()
@@ -171,11 +124,13 @@ class Scenario(Section):
     """Geofence that the path keeps and that goes into the mission."""
     rally: tuple[Place, ...] = ()
     """Rally points that go into the mission."""
+    survey: SurveySection | None = None
+    """An area to be seen, in place of a goal."""
 
     @model_validator(mode="before")
     @classmethod
-    def _profile_beneath(cls, table: Any) -> Any:
-        return with_profile(table) if isinstance(table, dict) else table
+    def _what_is_left_out(cls, table: Any, info: ValidationInfo) -> Any:
+        return with_survey(with_profile(table), info.context) if isinstance(table, dict) else table
 
     @model_validator(mode="after")
     def _near_home(self) -> "Scenario":
@@ -206,7 +161,7 @@ class Scenario(Section):
             scenario = cls.model_validate(dict(table), context={"folder": str(folder)})
         except ValidationError as error:
             raise explained(error, table, cls) from error
-        scenario.survey()
+        scenario.read_maps()
         return scenario.with_wind_read()
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> "Scenario":
@@ -221,7 +176,9 @@ class Scenario(Section):
         """
         copied = super().model_copy(update=update, deep=deep)
         if not WORLD & (update or {}).keys():
-            copied.__dict__ |= {key: self.__dict__[key] for key in ("frame", "_surroundings") if key in self.__dict__}
+            copied.__dict__ |= {
+                key: self.__dict__[key] for key in ("frame", "survey_area", "_surroundings") if key in self.__dict__
+            }
         return copied
 
     def in_airspace(self, airspace: Airspace) -> "Scenario":
@@ -271,7 +228,7 @@ class Scenario(Section):
         if (elsewhere := self.why_elsewhere(home)) is not None:
             raise elsewhere
 
-    def survey(self) -> None:
+    def read_maps(self) -> None:
         """Read the maps and make the world of them, now rather than when it is first asked for.
 
         Raises:
@@ -304,6 +261,21 @@ class Scenario(Section):
     def rally_points(self) -> Points:
         """Rally points, (k, 3) [m]."""
         return self._points(self.rally)
+
+    @cached_property
+    def survey_area(self) -> Area | None:
+        """What a survey has to see; None without one.
+
+        Raises:
+            BadInput: naming what makes no sense of it.
+        """
+        return None if self.survey is None else self.survey.build(self.frame)
+
+    @property
+    def survey_reach(self) -> Reach:
+        """Where a survey is flown, corners (n, 2), and how high above the ground at most [m]."""
+        area = self.survey_area
+        return NO_REACH if self.survey is None or area is None else self.survey.reach(area)
 
     @property
     def airspace(self) -> Airspace:
@@ -371,4 +343,4 @@ class Scenario(Section):
 
     @cached_property
     def _surroundings(self) -> Surroundings:
-        return survey(self)
+        return surroundings_of(self)

@@ -64,7 +64,7 @@ def scenario_of(table: dict[str, Any], path: Path) -> Scenario:
     except ValidationError as error:
         raise explained(error, table, Scenario, f"{path}: ") from error
     try:
-        scenario.survey()
+        scenario.read_maps()
     except BadInput as error:
         if re.split(r"[.:\[ ]", str(error), maxsplit=1)[0] not in Scenario.model_fields:
             raise  # a map names itself

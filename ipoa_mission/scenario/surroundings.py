@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import shapely
@@ -20,9 +20,9 @@ from ipoa_mission.maps.buildings import Box, Buildings, Standing, raise_building
 from ipoa_mission.maps.feature import many_objects
 from ipoa_mission.maps.passed import Key, PassedCount, PassedOver, count_passed_over
 from ipoa_mission.scenario.fencing import allowed_area, forbidden
-from ipoa_mission.scenario.maps import BuildingsMap, ElevationTerrain, FlightAreaMap, MapSection, NoFlyMap
-from ipoa_mission.scenario.obstacles import ObstacleSection
-from ipoa_mission.scenario.places import BoundsSection, FenceSection, FlatTerrain, Place, TerrainSection
+from ipoa_mission.scenario.layout import Layout
+from ipoa_mission.scenario.maps import BuildingsMap, ElevationTerrain, FlightAreaMap, NoFlyMap
+from ipoa_mission.scenario.places import FenceSection, FlatTerrain
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import LEVEL, Ground
@@ -35,29 +35,6 @@ SPARE = 500.0  # what is so long may draw the bounds towards it without the maps
 BEYOND = f"more than {MARGIN:g} m outside the bounds"
 SAME = 1e-6  # [m]
 GROUND_LINES = 33  # the ground is looked at on so many lines each way to see how high the bounds must be
-
-
-class Layout(Protocol):
-    """What of a scenario its world is made from."""
-
-    start: Place
-    goal: Place
-    via: tuple[Place, ...]
-    bounds: BoundsSection
-    terrain: TerrainSection
-    obstacles: tuple[ObstacleSection, ...]
-    maps: tuple[MapSection, ...]
-    fence: tuple[FenceSection, ...]
-
-    @property
-    def frame(self) -> LocalFrame:
-        """The local frame at home."""
-        ...
-
-    @property
-    def unix_s(self) -> float | None:
-        """When it takes off [s since 1970]."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -86,7 +63,7 @@ class _Zones:
     remarks: Mapping[int, tuple[str, ...]]
 
 
-def survey(scenario: Layout) -> Surroundings:
+def surroundings_of(scenario: Layout) -> Surroundings:
     """The world of a scenario.
 
     Raises:
@@ -94,10 +71,10 @@ def survey(scenario: Layout) -> Surroundings:
         MissionError: a library that reads a map is not installed.
     """
     with many_objects():
-        return _survey(scenario)
+        return _surroundings_of(scenario)
 
 
-def _survey(scenario: Layout) -> Surroundings:
+def _surroundings_of(scenario: Layout) -> Surroundings:
     maps = _read_zones(scenario)
     allowed = allowed_area(scenario.fence, scenario.frame)
     things = _things(scenario)
@@ -211,7 +188,8 @@ def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[MapArea
 def _places(scenario: Layout) -> NDArray[np.float64]:
     """Home, and where the path begins, passes and ends, (n, 2) [m]."""
     places = (scenario.start, scenario.goal, *scenario.via)
-    return np.array([(0.0, 0.0), *(place.east_north(scenario.frame) for place in places)])
+    corners = scenario.survey_reach[0]
+    return np.vstack([(0.0, 0.0), *(place.east_north(scenario.frame) for place in places), corners])
 
 
 def _things(scenario: Layout) -> Box:
@@ -323,6 +301,7 @@ def _up(scenario: Layout, terrain: Terrain, corners: Box, obstacles: tuple[Obsta
     ground = _on_lines(terrain, corners)
     boxes = np.array([obstacle.bounds for obstacle in obstacles], float).reshape(-1, 2, 3)
     inside = boxes[_meets(boxes[:, :, :2], corners, 0.0)]
+    ends += [float(ground.max()) + scenario.survey_reach[1]]
     everything = np.concatenate([ends, [ground.min(), ground.max()], inside[:, :, 2].ravel()])
     return float(everything.min()) - scenario.bounds.margin, float(everything.max()) + scenario.bounds.margin
 

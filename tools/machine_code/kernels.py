@@ -9,6 +9,7 @@ import numpy as np
 from ipoa_mission.compiled import compiled
 from ipoa_mission.compiled.records import records
 from ipoa_mission.planning.chart import Chart, Nodes, Raster, Rules, Soft, Spans
+from ipoa_mission.survey.clock import Clock
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR
 from ipoa_mission.vehicles.arducopter.dynamics.motion import NO_LEG, CopterLeg, State, tuning
 from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg
@@ -27,6 +28,10 @@ MODULES = {
     "farthest": "routing._hausdorff",
     "fewest_legs": "routing._corridor",
     "nearest": "world.obstacles._prism",
+    "path_seconds": "survey._kernels",
+    "sights": "survey._kernels",
+    "ways_between": "survey._kernels",
+    "search_order": "survey._kernels",
 }
 
 
@@ -54,6 +59,7 @@ def kernels() -> Iterator[Kernel]:
     rules = Rules._make([*[1.0] * 11, False, 1.0, 1.0])
     nodes = Nodes(_numbers(3), _numbers(3), _numbers(2))
     soft, spans = Soft._make([1.0] * len(Soft._fields)), Spans(_numbers(1, np.int64), _numbers(3))
+    clock = Clock(_numbers(1), _numbers(2), 1.0, 1.0)
     examples = {
         "path_costs": (_numbers(3), chart, rules),
         "survey": (_numbers(2), chart, rules),
@@ -63,6 +69,10 @@ def kernels() -> Iterator[Kernel]:
         "farthest": (_numbers(2), _numbers(2)),
         "fewest_legs": (_numbers(2), _numbers(3), _numbers(1, np.int64), 1.0),
         "nearest": (_numbers(2), _numbers(2), 0.0, 1.0, _numbers(1), _numbers(1)),
+        "path_seconds": (clock, _numbers(2)),
+        "sights": (_numbers(2),) * 3,
+        "ways_between": (clock, *(_numbers(2),) * 3, 1.0),
+        "search_order": (_numbers(1, np.int64), _numbers(2), _numbers(1), 0),
         "spread": (nodes, _numbers(2, np.int64), _numbers(1), True, 0, chart, rules),
     }
     for name, arguments in examples.items():

@@ -12,7 +12,7 @@ from ipoa_mission.planning.proof import Check, Proof
 from ipoa_mission.report.chart import Graph, axis_over
 from ipoa_mission.report.words import number
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.model import CostSection
+from ipoa_mission.scenario.seeking import CostSection
 
 TOP_SHARE = 1.5  # times the last cost: what is above is cut off
 LIMIT_NAMES = {

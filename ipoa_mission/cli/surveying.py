@@ -1,0 +1,198 @@
+"""Surveys on the command line: an area without a scenario, what was planned in a few lines, and its flights flown."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
+from ipoa_mission.cli.interrupting import left_behind
+from ipoa_mission.cli.telling import notes, progress_bar, tell, tell_json, tell_table
+from ipoa_mission.errors import BadInput
+
+if TYPE_CHECKING:
+    from ipoa_mission.flight.survey import Survey
+    from ipoa_mission.scenario import Scenario
+    from ipoa_mission.simulator.faults import Faults
+
+SPACING, HEIGHT = 20.0, 40.0  # where neither the command line nor a scenario says more [m]
+OPTION = Path("--survey")  # what errors of a survey without a scenario begin with
+EACH_BY_ITSELF = "plan first, then fly the flights one by one: ipoa-mission fly NAME-1.plan --link URL"
+
+
+@dataclass
+class SurveyOptions:
+    """A survey in place of a flight to a goal."""
+
+    survey: Annotated[
+        Path | None,
+        typer.Option("--survey", metavar="AREA", help="See all of the area in this map (GeoJSON, KML) from above."),
+    ] = None
+    height: Annotated[
+        float | None, typer.Option("--height", metavar="M", help="Height of a survey above the ground; 40 without.")
+    ] = None
+    line_spacing: Annotated[
+        float | None, typer.Option("--line-spacing", metavar="M", help="Between its lines; 20 without a camera.")
+    ] = None
+    camera: Annotated[
+        str | None, typer.Option("--camera", metavar="NAME", help="The camera that takes its photos.")
+    ] = None
+    gsd: Annotated[
+        float | None, typer.Option("--gsd", metavar="CM", help="How wide a pixel may be, in place of the height.")
+    ] = None
+
+    def scenario(self, path: Path | None) -> "Scenario":
+        """The scenario in a file, with this survey in place of start, goal and via if one is asked for.
+
+        Without a file home is where the area's outline begins.
+
+        Raises:
+            BadInput: there is neither scenario nor survey, or what is wrong in them.
+        """
+        from ipoa_mission.files import read_text
+        from ipoa_mission.scenario.read import parse_toml, read_scenario, scenario_of
+
+        given = {
+            "height_above_ground": self.height,
+            "line_spacing": self.line_spacing,
+            "camera": self.camera,
+            "gsd_cm": self.gsd,
+        }
+        if self.survey is None:
+            if strays := [name for name, value in given.items() if value is not None]:
+                raise BadInput(f"--{strays[0].split('_')[0]}: expected with --survey")
+            if path is None:
+                raise BadInput("expected a scenario, or an area: --survey AREA")
+            return read_scenario(path)
+        table = {"name": self.survey.stem, "home": _home_beside(self.survey)} if path is None else {}
+        if path is not None:
+            table |= parse_toml(read_text(path), path)
+        own = table.pop("survey", {})
+        asked = {**(own if isinstance(own, dict) else {}), **{k: v for k, v in given.items() if v is not None}}
+        if asked.keys().isdisjoint({"height_above_ground", "gsd_cm"}):
+            asked["height_above_ground"] = HEIGHT
+        if asked.keys().isdisjoint({"line_spacing", "camera"}):
+            asked["line_spacing"] = SPACING
+        for other in ("polygon", "line"):
+            asked.pop(other, None)
+        rest = {key: value for key, value in table.items() if key not in ("start", "goal", "via")}
+        return scenario_of(rest | {"survey": asked | {"area": str(self.survey.absolute())}}, path or OPTION)
+
+
+def _home_beside(area: Path) -> dict[str, float]:
+    """Home where the outline of the first area of a map begins."""
+    import shapely
+
+    from ipoa_mission.maps.read import read_features
+
+    for feature in read_features(area):
+        corners = shapely.get_coordinates(feature.shape)
+        if len(corners):
+            longitude, latitude = corners[0].tolist()
+            return {"latitude_deg": latitude, "longitude_deg": longitude}
+    raise BadInput(f"{area}: expected an area, but there is none")
+
+
+def plan_here(scenario: "Scenario", search: SearchOptions, flown_by: FlownByOptions) -> "Survey":
+    """`plan_survey` with a bar that shows how far it is."""
+    from ipoa_mission.flight.survey import plan_survey
+
+    with left_behind("nothing was written"), progress_bar("planning") as show:
+        return plan_survey(scenario=scenario, wind=flown_by.air, seed=search.seed, progress=show)
+
+
+def tell_survey(survey: "Survey", written: list[Path]) -> None:
+    """Print what is seen, by which flights, and the files written."""
+    tell(*describe(survey))
+    columns = ["file", "lines", "photos", "items", "takes\ns", "energy\nWh", "least clearance\nm"]
+    tell_table("flights, in this order", columns, flight_rows(survey))
+    tell("", f"written: {', '.join(map(str, written))}")
+
+
+def describe(survey: "Survey") -> list[str]:
+    """The survey in a few lines."""
+    from ipoa_mission.centimeters import down
+
+    plan, first = survey.plan, survey.flights[0].mission
+    seen, sight = plan.coverage, plan.sight
+    firmware = first.autopilot.checked_for(first.firmware_version)
+    heights = f"{sight.least:.1f}" + (f" to {sight.least + sight.band:.1f}" if sight.band else "")
+    photos = "" if sight.trigger is None else f", {plan.photos} photos, one each {sight.trigger:.1f} m"
+    share = down(100 * seen.share)
+    inside = "nothing outside" if seen.outside_m < 0.005 else f"up to {seen.outside_m:.1f} m outside"
+    return [
+        f"{survey.name}: {len(plan.tour.swaths)} lines {sight.spacing:.1f} m apart, {heights} m above ground, "
+        f"for {firmware}{photos}",
+        f"{share:.2f} % of what can be seen of {plan.area.shape.area / 1e4:.2f} ha is; {inside}",
+        f"estimated {survey.total_s:.1f} s in {len(survey.flights)} flight{'s' if len(survey.flights) > 1 else ''}",
+        *notes(survey.remarks),
+    ]
+
+
+def flight_rows(survey: "Survey") -> list[tuple[str, ...]]:
+    """What each flight comes to."""
+    from ipoa_mission.centimeters import down
+
+    rows = list[tuple[str, ...]]()
+    for name, flight in zip(survey.names, survey.plan.flights, strict=True):
+        energy, kept = flight.forecast.energy, flight.forecast.promise.clearance
+        photos = sum(survey.plan.sight.photos(swath.length) for swath in flight.tour.swaths)
+        rows.append(
+            (
+                f"{name}.plan",
+                str(len(flight.tour.swaths)),
+                str(photos),
+                str(len(flight.forecast.mission.items)),
+                f"{flight.forecast.estimate.total_s:.1f}",
+                "" if energy is None else f"{energy.energy_wh:.1f}",
+                "" if kept is None else f"{down(kept.kept):.2f} to {kept.to}",
+            )
+        )
+    return rows
+
+
+def write_survey(survey: "Survey", out: Path, report: bool, force: bool, as_json: bool) -> list[Path]:
+    """Write its files, unless others are in the way; raises BadInput where they are."""
+    from ipoa_mission.cli.overwriting import expect_free
+    from ipoa_mission.flight.written import not_as_written
+
+    for name in dict.fromkeys((survey.name, *survey.names)):
+        expect_free(not_as_written(out, name, report), force, ask=not as_json)
+    return [*survey.write(out), *(survey.report(out) if report else ())]
+
+
+def expect_no_link(link: str | None) -> None:
+    """That a survey is to be flown by the built-in autopilot: on a vehicle somebody changes its battery in between."""
+    if link is not None:
+        raise BadInput("--link: expected a mission, not a survey of several", hint=EACH_BY_ITSELF)
+
+
+def fly_survey(
+    survey: "Survey", seed: int, log: Path | None, faults: "Faults", out: Path, written: list[Path], as_json: bool
+) -> None:
+    """Have the built-in autopilot fly its flights, one after the other; `written` are its files."""
+    from ipoa_mission.cli.flown import flight_as_json, tell_flown
+    from ipoa_mission.cli.job import Job
+    from ipoa_mission.flight.survey import survey_as_json
+    from ipoa_mission.simulator.fly import fly_forecast
+
+    if not as_json:
+        tell_survey(survey, written)
+    flown: list[dict[str, Any]] = []
+    for name, forecast in zip(survey.names, survey.flights, strict=True):
+        own = log if log is not None and len(survey.names) == 1 else out / f"{name}.tlog"
+        with left_behind(f"the flight was broken off; {own} has it so far"), progress_bar("flying") as bar:
+            record = fly_forecast(forecast, seed, faults, own, flying=bar)
+        written.append(own)
+        if as_json:
+            flown.append(flight_as_json(forecast.estimate, record) | {"file": f"{name}.plan"})
+        else:
+            tell_flown(Job(name, forecast, ()), record, (), [own])
+        if record.why_not:
+            break
+    if as_json:
+        about = survey_as_json(survey.plan, survey.names)
+        tell_json({"survey": about, "flown": flown, "written": [str(path) for path in written]})
+    if record.why_not:
+        raise typer.Exit(1)

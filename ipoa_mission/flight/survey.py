@@ -1,0 +1,266 @@
+"""A survey from its scenario to its files: one mission for each flight, and one NAME.json about them all."""
+
+import json
+import logging
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+from threadpoolctl import threadpool_limits
+
+from ipoa_mission.files import make_folder, write_atomically
+from ipoa_mission.flight.summary import clearance_as_json, passed_over_as_json, rounded
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geometry import Points
+from ipoa_mission.mission.about_file import KEY, digest
+from ipoa_mission.mission.landing_ground import landing_height
+from ipoa_mission.mission.parameter_file import beside, write_with_parameters
+from ipoa_mission.mission.plan_file import plan_text
+from ipoa_mission.mission.waypoints_file import left_out, waypoints_text
+from ipoa_mission.progress import Progress, silent
+from ipoa_mission.routing.endings import planned_returns
+from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.explain import explained
+from ipoa_mission.scenario.survey import SurveySection, with_survey
+from ipoa_mission.survey.plan import SurveyPlan, plan_flights
+from ipoa_mission.wind import Wind
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, repr=False)
+class Survey:
+    """A planned survey, ready to be flown; `plan_survey` makes it.
+
+    Attributes:
+        plan: its lines, what they see, and its flights.
+        seed: what the random numbers began with.
+        remarks: what the user should know.
+    """
+
+    plan: SurveyPlan
+    seed: int
+    remarks: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return f"<Survey {self.name}: {len(self.plan.tour.swaths)} lines, {len(self.flights)} flights>"
+
+    @property
+    def name(self) -> str:
+        """The scenario's, and that of the files."""
+        return self.plan.scenario.name
+
+    @property
+    def flights(self) -> tuple[Forecast, ...]:
+        """How each of its missions is expected to be flown, in the order flown."""
+        return tuple(flight.forecast for flight in self.plan.flights)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What the files of each flight are called: NAME, or NAME-1, NAME-2, ... where there are several."""
+        count = len(self.flights)
+        return (self.name,) if count == 1 else tuple(f"{self.name}-{n}" for n in range(1, count + 1))
+
+    @property
+    def total_s(self) -> float:
+        """How long all flights take together [s]."""
+        return sum(forecast.estimate.total_s for forecast in self.flights)
+
+    def write(self, folder: str | Path = ".") -> tuple[Path, ...]:
+        """Write the .plan and .waypoints of each flight, what they are about beside them, and NAME.json about all.
+
+        The folder is made if it is not there. The same survey gives the same bytes.
+
+        Raises:
+            BadInput: the folder cannot be made or written.
+        """
+        make_folder(folder := Path(folder))
+        written, digests = list[Path](), dict[str, str]()
+        for name, forecast in zip(self.names, self.flights, strict=True):
+            texts = {".plan": plan_text(forecast.mission), ".waypoints": waypoints_text(forecast.mission)}
+            contents = {folder / f"{name}{suffix}": text for suffix, text in texts.items()}
+            own = {path.name: digest(text) for path, text in contents.items()}
+            digests |= own
+            if name != self.name:
+                told = {"name": name, "version": version("ipoa-mission"), **_about(forecast), "sha256": own}
+                contents[folder / f"{name}.json"] = _text(told)
+            elif len(self.flights) == 1:
+                contents[folder / f"{name}.json"] = _text(self.summary() | {"sha256": digests})
+            write_with_parameters(forecast.mission, contents)
+            plan = next(iter(contents))
+            written += [*contents, *([beside(plan)] if forecast.mission.parameters else [])]
+        if len(self.flights) > 1:
+            about = folder / f"{self.name}.json"
+            write_atomically(about, _text(self.summary() | {"sha256": digests}))
+            written.append(about)
+        return tuple(written)
+
+    def summary(self) -> dict[str, object]:
+        """What NAME.json holds: metres, seconds, watt hours."""
+        plan, first = self.plan, self.flights[0]
+        return {
+            "name": self.name,
+            "version": version("ipoa-mission"),
+            "seed": self.seed,
+            **(_about(first) if len(self.flights) == 1 else {"firmware": _firmware(first)}),
+            "survey": survey_as_json(plan, self.names),
+            "remarks": list(self.remarks),
+            "passed_over": passed_over_as_json(plan.scenario),
+        }
+
+    def report(self, folder: str | Path = ".") -> tuple[Path, ...]:
+        """Write the page of each flight, each with what all of them see.
+
+        Raises:
+            BadInput: a file cannot be written.
+        """
+        from ipoa_mission.report.page import report_html
+        from ipoa_mission.report.panels.survey import survey_panel
+
+        panel, pages = survey_panel(self.plan, self.names), list[Path]()
+        for name, flight in zip(self.names, self.plan.flights, strict=True):
+            page = report_html(flight.forecast, None, None, self.remarks, flight.findings, panel)
+            pages.append(Path(folder) / f"{name}.html")
+            write_atomically(pages[-1], page)
+        return tuple(pages)
+
+
+def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
+    """What a survey comes to, for machines."""
+    seen, sight = plan.coverage, plan.sight
+    return {
+        "lines": len(plan.tour.swaths),
+        "covered_share": rounded(seen.share),
+        "seen_m2": rounded(seen.seen_m2),
+        "outside_m": rounded(seen.outside_m),
+        "photos": plan.photos,
+        "line_spacing_m": rounded(sight.spacing),
+        "trigger_distance_m": None if sight.trigger is None else rounded(sight.trigger),
+        "height_above_ground_m": [rounded(sight.least), rounded(sight.least + sight.band)],
+        "speed_m_s": rounded(plan.scenario.vehicle.cruise_speed),
+        "flights": [
+            {
+                "file": f"{name}.plan",
+                "lines": len(flight.tour.swaths),
+                "photos": sum(sight.photos(swath.length) for swath in flight.tour.swaths),
+                "time_s": rounded(flight.forecast.estimate.total_s),
+                "energy_wh": None if flight.forecast.energy is None else rounded(flight.forecast.energy.energy_wh),
+                "clearance": clearance_as_json(flight.forecast.promise),
+            }
+            for name, flight in zip(names, plan.flights, strict=True)
+        ],
+    }
+
+
+def _firmware(forecast: Forecast) -> dict[str, str]:
+    return forecast.mission.autopilot.facts(forecast.mission.firmware_version)
+
+
+def _about(forecast: Forecast) -> dict[str, Any]:
+    """One mission: what it keeps, how long it takes, and what reading it again needs."""
+    mission, energy, ground = forecast.mission, forecast.energy, landing_height(forecast.mission)
+    parameters = dict(mission.parameters)
+    return {
+        "firmware": _firmware(forecast),
+        "clearance": clearance_as_json(forecast.promise),
+        "items": len(mission.items),
+        **({} if ground is None else {KEY: ground}),
+        "estimate": {
+            "total_s": rounded(forecast.estimate.total_s),
+            "qgroundcontrol_s": rounded(forecast.estimate.qgroundcontrol_s),
+        },
+        "energy_wh": None if energy is None else rounded(energy.energy_wh),
+        **({"parameters": parameters} if parameters else {}),
+    }
+
+
+def _text(told: dict[str, Any]) -> str:
+    return json.dumps(told, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def plan_survey(
+    area: "Points | list[Any] | str | Path | None" = None,
+    camera: str | Mapping[str, Any] | None = None,
+    *,
+    scenario: Scenario,
+    wind: Wind | None = None,
+    seed: int = 0,
+    progress: Progress = silent,
+    **asked: Any,
+) -> Survey:
+    """Plan the lines that see an area, and the flights that fly them: proved, checked, timed, split by battery.
+
+    Args:
+        area: corners as `polygon` of [survey] has them, or a map with polygons; left out, what the scenario's own
+            [survey] says counts, and `asked` goes before it.
+        camera: by name or by its numbers, as `camera` of [survey]; None: none takes photos.
+        scenario: home, world, vehicle and limits.
+        wind: goes before the scenario's own.
+        seed: what the random numbers begin with; the same scenario, seed and wind give the same survey.
+        progress: told the share done and some words.
+        asked: any other key of [survey], such as `line_spacing`, `height_above_ground`, `gsd_cm`, `direction_deg`.
+
+    Returns:
+        The survey, whose `write` makes the files.
+
+    Raises:
+        BadInput: naming the key, or the map, and the place in it that makes no sense.
+        NoPath, NoRoute: obstacles leave nothing of the area, or no safe way was found.
+        NotEnoughBattery: a line cannot be reached and left again with the reserve.
+        Unsafe: a mission fails a check.
+
+    Example:
+        >>> from ipoa_mission import plan_survey, read_scenario
+        >>> field = [[0.0, 40.0], [80.0, 40.0], [80.0, 90.0], [0.0, 90.0]]
+        >>> over = {"line_spacing": 15.0, "height_above_ground": 70.0, "direction_deg": 90.0}
+        >>> survey = plan_survey(field, scenario=read_scenario("missions/sitl.toml"), **over)
+        >>> len(survey.plan.tour.swaths), survey.plan.coverage.share > 0.999
+        (4, True)
+    """
+    if area is not None or camera is not None or asked:
+        scenario = _asking(scenario, area, camera, asked)
+    with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
+        plan = plan_flights(scenario if wind is None else scenario.in_wind(wind), seed, progress)
+    log.info("%s: %d lines in %d flights", scenario.name, len(plan.tour.swaths), len(plan.flights))
+    return Survey(plan, seed, tuple(dict.fromkeys(_remarks(plan, scenario))))
+
+
+def _asking(scenario: Scenario, area: Any, camera: Any, asked: Mapping[str, Any]) -> Scenario:
+    """The scenario with this survey, from home to home."""
+    given: dict[str, Any] = dict(asked) | ({} if camera is None else {"camera": camera})
+    if area is None:
+        own = {} if scenario.survey is None else scenario.survey.model_dump(exclude_unset=True)
+        table = own | given
+    elif isinstance(area, str | Path):
+        table = given | {"area": area}
+    else:
+        table = given | {"polygon": area.tolist() if hasattr(area, "tolist") else area}
+    try:
+        section = SurveySection.model_validate(table)
+        ends = with_survey({"survey": section}, None)
+        places = Scenario.model_validate({"home": scenario.home, **ends})
+    except ValidationError as error:
+        raise explained(error, table, SurveySection, "survey.") from error
+    changed = {"survey": section, "start": places.start, "goal": places.goal, "via": ()}
+    asking = scenario.model_copy(update=changed)
+    asking.read_maps()
+    return asking
+
+
+def _remarks(plan: SurveyPlan, asked: Scenario) -> Iterator[str]:
+    """What a user should know, in words."""
+    for flight in plan.flights:
+        for finding in flight.findings:
+            yield from (words for words in (finding.message, finding.hint) if words)
+    if (speed := plan.scenario.vehicle.cruise_speed) != asked.vehicle.cruise_speed:
+        yield f"flown at {speed:g} m/s: at {asked.vehicle.cruise_speed:g} m/s flights would come too near"
+    for flight in plan.flights:
+        yield from climb_for_way_home(flight.forecast.mission)
+        yield from slowed_for_ground(flight.forecast)
+        yield from planned_returns(flight.forecast)
+        yield from left_out(flight.forecast.mission)
+    yield from plan.scenario.remarks

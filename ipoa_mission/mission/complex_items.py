@@ -1,0 +1,73 @@
+"""QGroundControl's complex items, surveys and scans, as one thing with the items that they stand for.
+
+What a file says of one stays with the mission, so that it is written as such again, and QGroundControl opens and edits
+it: but only while the mission still holds just those items in a row, and no jump leads in among them.
+"""
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any
+
+from ipoa_mission.mission.commands import Command
+from ipoa_mission.mission.document import Node
+from ipoa_mission.mission.items import ComplexItem, Item
+
+TRANSECTS, ITEMS = "TransectStyleComplexItem", "Items"
+
+
+@dataclass(frozen=True)
+class Written:
+    """What of a mission is written as one entry: items from `first` on, or the complex item that they are."""
+
+    first: int
+    count: int
+    of: ComplexItem | None = None
+
+
+def complex_item(items: Sequence[Item], told: Any) -> ComplexItem:
+    """The items of a complex item and what a file says of it, but for the list of the items themselves."""
+    kept = dict(told)
+    lists = isinstance(kept.get(TRANSECTS), dict) and ITEMS in kept[TRANSECTS]
+    if lists:
+        kept[TRANSECTS] = {key: value for key, value in kept[TRANSECTS].items() if key != ITEMS}
+    return ComplexItem(tuple(items), json.dumps(kept, sort_keys=True), lists)
+
+
+def complex_items_in(parts: Sequence[Node | None], items: Sequence[Item]) -> tuple[ComplexItem, ...]:
+    """The complex items of a file: `parts` say in which one each of its items stands."""
+    found = []
+    for place, numbers in groupby(range(len(items)), lambda n: None if (part := parts[n]) is None else part.place):
+        first, *others = numbers
+        if place is not None and (part := parts[first]) is not None:
+            found.append(complex_item(items[first : first + 1 + len(others)], part.value))
+    return tuple(found)
+
+
+def entries(items: Sequence[Item], complexes: Sequence[ComplexItem]) -> Iterator[Written]:
+    """A mission's items, those together that a complex item stands for."""
+    targets = {int(item.params[0]) - 1 for item in items if item.command == Command.DO_JUMP}
+    first = 0
+    while first < len(items):
+        of = next((one for one in complexes if _is_here(one, items, first, targets)), None)
+        yield Written(first, 1 if of is None else len(of.items), of)
+        first += 1 if of is None else len(of.items)
+
+
+def _is_here(one: ComplexItem, items: Sequence[Item], first: int, targets: set[int]) -> bool:
+    last = first + len(one.items)
+    if not one.items or items[first].command != one.items[0].command or last > len(items):
+        return False
+    return repr(tuple(items[first:last])) == repr(one.items) and targets.isdisjoint(range(first, last))  # NaN is NaN
+
+
+def as_document(one: ComplexItem, number: int, simple: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """It as a file has it; `simple` are its items as such, the first of which is the mission's item `number`."""
+    told: dict[str, Any] = json.loads(one.told)
+    if one.lists:
+        own = ("autoContinue", "command", "frame", "params", "type")
+        told[TRANSECTS][ITEMS] = [
+            {key: item[key] for key in own} | {"doJumpId": number + n} for n, item in enumerate(simple)
+        ]
+    return told

@@ -1,0 +1,76 @@
+"""What a survey sees: its area, the lines of every flight, what is kept out of, gaps; and a table of its flights."""
+
+from collections.abc import Sequence
+from html import escape
+from typing import Any
+
+import shapely
+
+from ipoa_mission.report.words import meters, number, seconds
+from ipoa_mission.survey.plan import SurveyPlan
+
+MARGIN = 0.03  # of the map's width round the area
+HUES = 47  # degrees between the colors of one flight and the next
+HEAD = ("flight", "lines", "photos", "takes", "energy, Wh", "least clearance")
+
+
+def survey_panel(plan: SurveyPlan, names: Sequence[str]) -> str:
+    """The section of the page; `names` are those of the flights' files."""
+    seen, area = plan.coverage, plan.area.shape
+    note = (
+        f"{number(100 * seen.share, 2)} % of what can be seen of {number(area.area / 1e4, 2)} ha is seen, by lines "
+        f"{meters(plan.sight.spacing, 1)} apart; a color for each flight, gaps in red."
+    )
+    return f'<section><h2>Survey</h2><p class="note">{note}</p>{_map(plan)}{_table(plan, names)}</section>'
+
+
+def _map(plan: SurveyPlan) -> str:
+    west, south, east, north = plan.area.shape.buffer(plan.sight.spacing).bounds
+    rim = MARGIN * (east - west)
+    west, south, width, height = west - rim, south - rim, east - west + 2 * rim, north - south + 2 * rim
+    frame = shapely.box(west, south, west + width, south + height)
+    outside = shapely.Polygon() if plan.keep_out is None else plan.keep_out.intersection(frame)
+    stroke = max(width, height) / 400
+    layers = [
+        f'<path d="{_rings(plan.area.shape)}" fill="currentColor" fill-opacity=".08" stroke="currentColor" '
+        f'stroke-width="{stroke:.2f}" fill-rule="evenodd"/>',
+        f'<path class="zone" d="{_rings(outside)}" style="fill:none;stroke-width:{stroke:.2f}"/>',
+    ]
+    for n, flight in enumerate(plan.flights):
+        lines = "".join(
+            f"M{a[0]:.1f} {a[1]:.1f}L{b[0]:.1f} {b[1]:.1f}" for a, b in ((s.begin, s.end) for s in flight.tour.swaths)
+        )
+        ways = "".join("M" + "L".join(f"{e:.1f} {h:.1f}" for e, h in way) for way in flight.tour.ways)
+        color = f"stroke:hsl({(210 + n * HUES) % 360} 65% 48%);fill:none"
+        layers.append(f'<path d="{lines}" style="{color};stroke-width:{1.6 * stroke:.2f}"/>')
+        dashes = f"stroke-dasharray:{3 * stroke:.1f}"
+        layers.append(f'<path d="{ways}" style="{color};stroke-width:{0.8 * stroke:.2f};{dashes}"/>')
+    layers.append(f'<path d="{_rings(plan.coverage.gaps)}" style="fill:var(--bad)"/>')
+    return (
+        f'<svg viewBox="0 0 {width:.2f} {height:.2f}" role="img" aria-label="what is seen, north up" '
+        f'style="width:100%;max-height:70vh"><g transform="translate({-west:.3f} {south + height:.3f}) scale(1 -1)">'
+        f"{''.join(layers)}</g></svg>"
+    )
+
+
+def _rings(shape: Any) -> str:
+    polygons = [part for part in shapely.get_parts(shape) if part.geom_type == "Polygon"]
+    rings = (shapely.get_coordinates(ring) for part in polygons for ring in (part.exterior, *part.interiors))
+    return "".join("M" + "L".join(f"{east:.1f} {north:.1f}" for east, north in ring) + "Z" for ring in rings)
+
+
+def _table(plan: SurveyPlan, names: Sequence[str]) -> str:
+    head = "".join(f'<th scope="col">{name}</th>' for name in HEAD)
+    rows = ""
+    for name, flight in zip(names, plan.flights, strict=True):
+        energy, kept = flight.forecast.energy, flight.forecast.promise.clearance
+        photos = sum(plan.sight.photos(swath.length) for swath in flight.tour.swaths)
+        cells = (
+            str(len(flight.tour.swaths)),
+            str(photos),
+            seconds(flight.forecast.estimate.total_s),
+            "" if energy is None else number(energy.energy_wh, 1),
+            "" if kept is None else f"{meters(kept.kept)} to {escape(kept.to)}",
+        )
+        rows += f'<tr><th scope="row">{escape(name)}</th>{"".join(f"<td>{cell}</td>" for cell in cells)}</tr>'
+    return f'<div class="scroll" tabindex="0"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'

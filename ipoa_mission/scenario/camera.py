@@ -1,0 +1,115 @@
+"""A camera that looks straight down: what a photo shows of the ground, by the published figures of its sensor."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Annotated, Any, TypeAlias
+
+from pydantic import BeforeValidator, GetJsonSchemaHandler, PositiveInt
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.scenario.section import Positive, Section
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A camera whose photos are wide across the way; lengths of its sensor and lens in millimetres.
+
+    Attributes:
+        name: what it is called.
+        sensor: width and height of the sensor [mm].
+        focal_length: of the lens itself, not that of a lens for 35 mm film with the same view [mm].
+        pixels: width and height of a photo.
+
+    Example:
+        >>> camera = Camera("24 megapixels", (23.5, 15.6), 16.0, (6000, 4000))
+        >>> across, along = camera.footprint(80.0)
+        >>> across, along, round(camera.height_for(2.0), 1)
+        (117.5, 78.0, 81.7)
+    """
+
+    name: str
+    sensor: tuple[float, float]
+    focal_length: float
+    pixels: tuple[int, int]
+
+    def footprint(self, height: float) -> tuple[float, float]:
+        """What a photo shows from a height above level ground, across and along the way [m]."""
+        across, along = self.sensor
+        return across * height / self.focal_length, along * height / self.focal_length
+
+    def height_for(self, gsd_cm: float) -> float:
+        """The height above ground from which no pixel is wider on the ground than that [cm]."""
+        pitch = max(side / count for side, count in zip(self.sensor, self.pixels, strict=True))
+        return gsd_cm / 100 * self.focal_length / pitch
+
+
+#: By name, as QGroundControl lists them (its CameraMetaData), which has the makers' published figures; the P1's and the
+#: Mavic 3E's are DJI's data sheets, the A6000's Sony's.
+CAMERAS: Mapping[str, Camera] = {
+    camera.name: camera
+    for camera in (
+        Camera("Sony ILCE-QX1", (23.2, 15.4), 16.0, (5456, 3632)),
+        Camera("Sony A6000 16mm", (23.5, 15.6), 16.0, (6000, 4000)),
+        Camera("Canon S100 PowerShot", (7.6, 5.7), 5.2, (4000, 3000)),
+        Camera("Canon SX260 HS PowerShot", (6.17, 4.55), 4.5, (4000, 3000)),
+        Camera("DJI Zenmuse P1 35mm", (35.9, 24.0), 35.0, (8192, 5460)),
+        Camera("DJI Mavic 3E", (17.3, 13.0), 12.29, (5280, 3956)),
+    )
+}
+
+
+def camera_named(name: str) -> Camera:
+    """The camera of that name, in letters large or small.
+
+    Raises:
+        BadInput: there is none, with those that there are.
+    """
+    by_letters = {known.casefold(): camera for known, camera in CAMERAS.items()}
+    if (found := by_letters.get(name.casefold())) is not None:
+        return found
+    near = get_close_matches(name.casefold(), by_letters, n=1)
+    hint = f"; did you mean {by_letters[near[0]].name!r}?" if near else f", one of {', '.join(CAMERAS)}"
+    raise BadInput(
+        f"expected the name of a camera that is known{hint}",
+        hint="give one by its numbers: sensor_mm, focal_length_mm, pixels",
+    )
+
+
+class CameraSection(Section):
+    """A camera by its numbers."""
+
+    sensor_mm: tuple[Positive, Positive]
+    """Width and height of the sensor [mm]; the width lies across the way."""
+    focal_length_mm: Positive
+    """Of the lens itself [mm]; the "35 mm equivalent" is another length."""
+    pixels: tuple[PositiveInt, PositiveInt]
+    """Width and height of a photo."""
+    name: str = "camera"
+    """What it is called."""
+
+    def build(self) -> Camera:
+        """The camera itself."""
+        return Camera(self.name, self.sensor_mm, self.focal_length_mm, self.pixels)
+
+
+class _OrName:
+    """That a name may stand for the table."""
+
+    def __get_pydantic_json_schema__(self, core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        return {"anyOf": [{"type": "string"}, handler(core_schema)]}
+
+
+def _by_name(given: Any) -> Any:
+    """The numbers of the camera of that name."""
+    if not isinstance(given, str):
+        return given
+    try:
+        camera = camera_named(given)
+    except BadInput as error:
+        raise ValueError(f"{error} ({error.hint})") from error
+    numbers = {"sensor_mm": camera.sensor, "focal_length_mm": camera.focal_length, "pixels": camera.pixels}
+    return CameraSection(name=camera.name, **numbers)  # type: ignore[arg-type]
+
+
+GivenCamera: TypeAlias = Annotated[CameraSection, BeforeValidator(_by_name), _OrName()]

@@ -1,0 +1,325 @@
+"""What must be fast, compiled: who sees whom, the ways between the ends of lines, the search for an order of lines.
+
+Line k has the ends 2k and 2k+1; one that is entered at end e is left at e ^ 1. A `Clock` says how long all takes.
+"""
+
+# mypy: disable-error-code="no-untyped-def,misc"
+
+import math
+
+import numpy as np
+
+from ipoa_mission.compiled import njit
+
+NO_WAY = 1e9  # [s]
+DIRECT, NONE = -1, -2
+
+
+@njit(cache=True, error_model="numpy")
+def seconds_of(clock, east, north):
+    """How long a straight leg takes at the speed that was asked for."""
+    length = math.sqrt(east * east + north * north)
+    count = clock.pace.size
+    if count == 1:
+        return length * clock.pace[0]
+    at = math.atan2(north, east) / (2.0 * math.pi) * count
+    low = math.floor(at)
+    share, k = at - low, int(low) % count
+    return length * ((1.0 - share) * clock.pace[k] + share * clock.pace[(k + 1) % count])
+
+
+@njit(cache=True, error_model="numpy")
+def corner_at(clock, cosine, length):
+    """What a corner between legs, the shorter one so long, costs beyond their lengths [s]."""
+    angles, lengths = clock.corner.shape
+    a = math.acos(min(max(cosine, -1.0), 1.0)) / math.pi * (angles - 1)
+    i = min(int(a), angles - 2)
+    b = 0.0 if length <= clock.shortest else math.log(length / clock.shortest) / clock.ratio
+    j = min(int(b), lengths - 2)
+    b = min(b, lengths - 1.0)
+    s, t, c = a - i, b - j, clock.corner
+    return (1 - s) * ((1 - t) * c[i, j] + t * c[i, j + 1]) + s * ((1 - t) * c[i + 1, j] + t * c[i + 1, j + 1])
+
+
+@njit(cache=True, error_model="numpy")
+def path_seconds(clock, path):
+    """How long a polyline (n, 2) takes, corners counted, at its ends at speed."""
+    total, before, was_e, was_n = 0.0, 0.0, 0.0, 0.0
+    for k in range(len(path) - 1):
+        e, n = path[k + 1, 0] - path[k, 0], path[k + 1, 1] - path[k, 1]
+        length = math.sqrt(e * e + n * n)
+        if length < 1e-6:
+            continue
+        total += seconds_of(clock, e, n)
+        if before > 0.0:
+            total += corner_at(clock, (e * was_e + n * was_n) / (length * before), min(length, before))
+        before, was_e, was_n = length, e, n
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def _is_clear(edges, px, py, qx, qy):
+    """Whether a segment crosses no edge (m, 4); one that just touches an edge's begin counts as crossing."""
+    west, east, south, north = min(px, qx), max(px, qx), min(py, qy), max(py, qy)
+    for k in range(len(edges)):
+        ax, ay, bx, by = edges[k, 0], edges[k, 1], edges[k, 2], edges[k, 3]
+        if max(ax, bx) < west or min(ax, bx) > east or max(ay, by) < south or min(ay, by) > north:
+            continue
+        a = (qx - px) * (ay - py) - (qy - py) * (ax - px)
+        b = (qx - px) * (by - py) - (qy - py) * (bx - px)
+        if (a >= 0.0) == (b >= 0.0):
+            continue
+        p = (bx - ax) * (py - ay) - (by - ay) * (px - ax)
+        q = (bx - ax) * (qy - ay) - (by - ay) * (qx - ax)
+        if (p > 0.0) != (q > 0.0):
+            return False
+    return True
+
+
+@njit(cache=True, error_model="numpy")
+def sights(places, others, edges):
+    """Which of the `others` (m, 2) each of the places (n, 2) sees past the edges, (n, m)."""
+    seen = np.empty((len(places), len(others)), np.bool_)
+    for i in range(len(places)):
+        for j in range(len(others)):
+            seen[i, j] = _is_clear(edges, places[i, 0], places[i, 1], others[j, 0], others[j, 1])
+    return seen
+
+
+@njit(cache=True, error_model="numpy")
+def _spread(start, ends, corners, near, between, bend, dist, prev):
+    """The shortest ways from one end to all corners, a bend counted as so long, and the corner before each."""
+    count = len(corners)
+    done = np.empty(count, np.bool_)
+    for c in range(count):
+        done[c], dist[c], prev[start, c] = False, NO_WAY, DIRECT
+        if near[start, c]:
+            dist[c] = bend + math.hypot(corners[c, 0] - ends[start, 0], corners[c, 1] - ends[start, 1])
+    for _ in range(count):
+        here, least = -1, NO_WAY
+        for c in range(count):
+            if not done[c] and dist[c] < least:
+                here, least = c, dist[c]
+        if here < 0:
+            break
+        done[here] = True
+        for c in range(count):
+            if not done[c] and between[here, c] < NO_WAY:
+                through = least + between[here, c] + bend
+                if through < dist[c]:
+                    dist[c], prev[start, c] = through, here
+
+
+@njit(cache=True, error_model="numpy")
+def ways_between(clock, ends, corners, edges, bend):
+    """How long the way takes from each end of a line to each other's (n, n) [s], corners at both ends counted.
+
+    Returns the times, and to find the ways again: by which corner an end is reached at last (n, n), and by which one
+    that corner was reached (n, corners); DIRECT where by none, NONE where no way was found.
+    """
+    count, many = len(ends), len(corners)
+    near = sights(ends, corners, edges)
+    between = np.empty((many, many))
+    for i in range(many):
+        between[i, i] = NO_WAY
+        for j in range(i):
+            apart = NO_WAY
+            if _is_clear(edges, corners[i, 0], corners[i, 1], corners[j, 0], corners[j, 1]):
+                apart = math.hypot(corners[i, 0] - corners[j, 0], corners[i, 1] - corners[j, 1])
+            between[i, j] = between[j, i] = apart
+    times, last = np.empty((count, count)), np.empty((count, count), np.int16)
+    prev = np.empty((count, max(many, 1)), np.int16)
+    dist = np.empty(max(many, 1))
+    for i in range(count):
+        _spread(i, ends, corners, near, between, bend, dist, prev)
+        out_e, out_n = ends[i, 0] - ends[i ^ 1, 0], ends[i, 1] - ends[i ^ 1, 1]
+        out = math.hypot(out_e, out_n)
+        for j in range(count):
+            times[i, j], last[i, j] = NO_WAY, NONE
+            if i == j or j == i ^ 1:
+                continue
+            if _is_clear(edges, ends[i, 0], ends[i, 1], ends[j, 0], ends[j, 1]):
+                last[i, j] = DIRECT
+            else:
+                least = NO_WAY
+                for c in range(many):
+                    if near[j, c] and dist[c] < least:
+                        through = dist[c] + math.hypot(corners[c, 0] - ends[j, 0], corners[c, 1] - ends[j, 1])
+                        if through < least:
+                            least, last[i, j] = through, c
+                if last[i, j] == NONE:
+                    continue
+            # Backward from j: the line there, the corners one after the other, the line at i.
+            in_e, in_n = ends[j ^ 1, 0] - ends[j, 0], ends[j ^ 1, 1] - ends[j, 1]
+            length, total, c = math.hypot(in_e, in_n), 0.0, last[i, j]
+            x, y = ends[j, 0], ends[j, 1]
+            while True:
+                bx, by = (ends[i, 0], ends[i, 1]) if c == DIRECT else (corners[c, 0], corners[c, 1])
+                e, n = x - bx, y - by
+                leg = math.hypot(e, n)
+                if leg > 1e-6:
+                    total += seconds_of(clock, e, n)
+                    if length > 1e-6:
+                        total += corner_at(clock, (e * in_e + n * in_n) / (leg * length), min(leg, length))
+                    in_e, in_n, length = e, n, leg
+                if c == DIRECT:
+                    break
+                x, y, c = bx, by, prev[i, c]
+            if out > 1e-6 and length > 1e-6:
+                total += corner_at(clock, (out_e * in_e + out_n * in_n) / (out * length), min(out, length))
+            times[i, j] = total
+    return times, last, prev
+
+
+@njit(cache=True, error_model="numpy")
+def _sums(entries, times, lines, forth, back):
+    """What the order costs up to each line, flown forth and back; the first and the last of `entries` are no lines."""
+    forth[1], back[1] = lines[entries[1]], lines[entries[1] ^ 1]
+    for k in range(2, len(entries) - 1):
+        here, there = entries[k - 1], entries[k]
+        forth[k] = forth[k - 1] + times[here ^ 1, there] + lines[there]
+        back[k] = back[k - 1] + times[there, here ^ 1] + lines[there ^ 1]
+
+
+@njit(cache=True, error_model="numpy")
+def _flip(entries, i, j):
+    """Fly lines i to j the other way round."""
+    while i <= j:
+        entries[i], entries[j] = entries[j] ^ 1, entries[i] ^ 1
+        i, j = i + 1, j - 1
+
+
+@njit(cache=True, error_model="numpy")
+def _better(entries, k, times, lines, forth, back):
+    """The best change that begins at line k: its kind (0: none, 1: flip, 2: move, 3: move and flip), and where."""
+    beyond = len(entries) - 1
+    best, kind, a, b, c = -1e-7, 0, 0, 0, 0
+    before, head = entries[k - 1] ^ 1, entries[k]
+    for i in range(1, k):  # flip what lies between k and another
+        y = entries[k + 1]
+        delta = times[entries[i - 1] ^ 1, head ^ 1] + times[entries[i], y]
+        delta -= times[entries[i - 1] ^ 1, entries[i]] + times[head ^ 1, y]
+        delta += (back[k] - back[i] + lines[entries[i] ^ 1]) - (forth[k] - forth[i] + lines[entries[i]])
+        if delta < best:
+            best, kind, a, b = delta, 1, i, k
+    for j in range(k, beyond):
+        delta = times[before, entries[j] ^ 1] + times[head, entries[j + 1]]
+        delta -= times[before, head] + times[entries[j] ^ 1, entries[j + 1]]
+        delta += (back[j] - back[k] + lines[head ^ 1]) - (forth[j] - forth[k] + lines[head])
+        if delta < best:
+            best, kind, a, b = delta, 1, k, j
+    for e in range(k, min(k + 3, beyond)):  # move lines k to e elsewhere
+        tail, after = entries[e] ^ 1, entries[e + 1]
+        out = times[before, after] - times[before, head] - times[tail, after]
+        if out > -1e-7:
+            continue
+        turned = (back[e] - back[k] + lines[head ^ 1]) - (forth[e] - forth[k] + lines[head])
+        for p in range(beyond):  # behind line p
+            if k - 1 <= p <= e:
+                continue
+            x, y = entries[p] ^ 1, entries[p + 1]
+            gap = out - times[x, y]
+            delta = gap + times[x, head] + times[tail, y]
+            if delta < best:
+                best, kind, a, b, c = delta, 2, k, e, p
+            delta = gap + times[x, tail] + times[head, y] + turned
+            if delta < best:
+                best, kind, a, b, c = delta, 3, k, e, p
+    return kind, a, b, c
+
+
+@njit(cache=True, error_model="numpy")
+def _move(entries, i, e, p):
+    """Put lines i to e behind line p: three flips."""
+    if p < i:
+        _flip(entries, p + 1, e)
+        _flip(entries, p + 1, p + e - i + 1)
+        _flip(entries, p + e - i + 2, e)
+    else:
+        _flip(entries, i, p)
+        _flip(entries, i, i + p - e - 1)
+        _flip(entries, i + p - e, p)
+
+
+@njit(cache=True, error_model="numpy")
+def _descend(entries, times, lines, dirty, forth, back):
+    """Change the order for the better, beginning where it is dirty, until nothing helps; what it costs [s]."""
+    beyond = len(entries) - 1
+    _sums(entries, times, lines, forth, back)
+    k, clean = 1, 0
+    while clean < beyond:
+        if dirty[k]:
+            kind, a, b, c = _better(entries, k, times, lines, forth, back)
+            if kind == 0:
+                dirty[k] = False
+            else:
+                if kind != 2:
+                    _flip(entries, a, b)
+                at = a
+                if kind != 1:
+                    _move(entries, a, b, c)
+                    at = c + 1 if c < a else c - (b - a)
+                for m in (a, b, at, at + b - a):
+                    for n in range(max(m - 1, 1), min(m + 2, beyond)):
+                        dirty[n] = True
+                _sums(entries, times, lines, forth, back)
+                clean = 0
+                continue
+        clean += 1
+        k = k + 1 if k < beyond - 1 else 1
+    return forth[beyond - 1] + times[entries[0] ^ 1, entries[1]] + times[entries[beyond - 1] ^ 1, entries[beyond]]
+
+
+@njit(cache=True, error_model="numpy")
+def search_order(lines_in_order, times, lines, rounds):
+    """A quick order of lines, by the ends at which they are entered (n,), and what it costs [s].
+
+    Local search from the given order, kicked until nothing better was found so many times. `times` (2n + 2, 2n + 2) of
+    ways between ends, and from and to two more, where the tour begins and ends; `lines` by their entry (2n,).
+    """
+    count = len(lines_in_order)
+    best, now = np.empty(count + 2, np.int64), np.empty(count + 2, np.int64)
+    best[0], best[count + 1] = 2 * count + 1, 2 * count  # left by the one, entered by the other
+    forth, back, dirty = np.empty(count + 2), np.empty(count + 2), np.empty(count + 2, np.bool_)
+    for k in range(count):
+        best[k + 1] = lines_in_order[k]
+    for k in range(count + 2):
+        dirty[k] = True
+    cost = _descend(best, times, lines, dirty, forth, back)
+    state, failed, reach = 2463534242, 0, min(count, 30)
+    while failed < rounds and count > 3:
+        for k in range(count + 2):
+            now[k] = best[k]
+        low, i, e, p = 1, 0, 0, 0
+        for n in range(4):
+            state ^= (state << 13) & 0xFFFFFFFF
+            state ^= state >> 17
+            state ^= (state << 5) & 0xFFFFFFFF
+            if n == 0:
+                low = 1 + state % (count - reach + 1)
+                continue
+            at = low + state % reach
+            if n == 1:
+                i = at
+            elif n == 2:
+                i, e = min(i, at), max(i, at)
+            else:
+                i, e, p = min(i, at), max(min(e, at), i), max(e, at)
+        if e < p:
+            _move(now, i, e, p)  # two stretches change places
+        else:
+            _flip(now, i, p)
+        for m in (i, i + p - e, p + 1):
+            for n in range(max(m - 1, 1), min(m + 1, count + 1)):
+                dirty[n] = True
+        found = _descend(now, times, lines, dirty, forth, back)
+        if found < cost - 1e-9:
+            cost, failed = found, 0
+            for k in range(count + 2):
+                best[k] = now[k]
+        else:
+            failed += 1
+    found_order = np.empty(count, np.int64)
+    for k in range(count):
+        found_order[k] = best[k + 1]
+    return found_order, cost

@@ -1,0 +1,105 @@
+"""What a survey has to see: polygons with holes, which are kept out of, in metres east and north of home."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.geometry import Points
+
+LEAST_M2 = 1e-3  # a ring that holds less has no area
+
+
+@dataclass(frozen=True, eq=False)
+class Area:
+    """One or several polygons that do not meet, with holes; `shape` is a valid `shapely.MultiPolygon` in metres.
+
+    Example:
+        >>> field = [[0.0, 0.0], [90.0, 0.0], [90.0, 60.0], [0.0, 60.0]]
+        >>> pond = [[20.0, 20.0], [30.0, 20.0], [30.0, 30.0]]
+        >>> Area.of([[field, pond]]).shape.area
+        5350.0
+    """
+
+    shape: shapely.MultiPolygon
+
+    @classmethod
+    def of(cls, parts: Sequence[Sequence[Sequence[Sequence[float]] | Points]], where: str = "area") -> "Area":
+        """The area of parts that are rings of corners (n, 2), the outer one first, then its holes, as GeoJSON has them.
+
+        A ring may repeat its first corner at its end.
+
+        Raises:
+            BadInput: naming the place, as `area[0][1][7]`: part, ring, corner.
+        """
+        if not len(parts):
+            raise BadInput(f"{where}: expected one polygon or more")
+        polygons = [_polygon(rings, f"{where}[{n}]") for n, rings in enumerate(parts)]
+        for n, polygon in enumerate(polygons):
+            for m, other in enumerate(polygons[:n]):
+                _expect_apart(polygon, other, f"{where}[{n}]", f"{where}[{m}]")
+        return cls(shapely.MultiPolygon(polygons))
+
+
+def _polygon(rings: Sequence[Sequence[Sequence[float]] | Points], where: str) -> shapely.Polygon:
+    if not len(rings):
+        raise BadInput(f"{where}: expected a ring of corners")
+    names = [f"{where}[{n}]" for n in range(len(rings))]
+    outer, *holes = [_ring(ring, name) for ring, name in zip(rings, names, strict=True)]
+    bare = shapely.Polygon(outer)
+    solid = [shapely.Polygon(hole) for hole in holes]
+    for n, hole in enumerate(solid):
+        name = names[n + 1]
+        if not bare.intersects(hole) or bare.intersection(hole).area < LEAST_M2:
+            raise BadInput(f"{name}: expected a hole inside of its outer ring {names[0]}, but it lies outside")
+        for m, other in enumerate(solid[:n]):
+            if hole.within(other) or other.within(hole):
+                inner, around = (name, names[m + 1]) if hole.within(other) else (names[m + 1], name)
+                raise BadInput(f"{inner}: expected no ring inside of the hole {around}: islands are not surveyed")
+    left = bare.difference(shapely.union_all(solid)) if solid else bare
+    if left.area < LEAST_M2:
+        raise BadInput(f"{where}: expected some area, but its holes cover all of it")
+    if left.geom_type != "Polygon":
+        raise BadInput(f"{where}: expected an area in one piece, but its holes cut it; give each piece as a part")
+    return left
+
+
+def _ring(ring: Sequence[Sequence[float]] | Points, where: str) -> Points:
+    try:
+        corners = np.asarray(ring, float)
+    except (TypeError, ValueError):
+        corners = np.empty(0)
+    if corners.ndim != 2 or corners.shape[1:] != (2,):
+        raise BadInput(f"{where}: expected corners as pairs of numbers, east and north [m]")
+    for n in np.flatnonzero(~np.isfinite(corners).all(axis=1)):
+        raise BadInput(f"{where}[{n}]: expected finite numbers")
+    if len(corners) > 1 and (corners[0] == corners[-1]).all():
+        corners = corners[:-1]
+    for n in np.flatnonzero((corners == np.roll(corners, 1, axis=0)).all(axis=1)):
+        raise BadInput(f"{where}[{n}]: expected another corner than the one before")
+    if len(corners) < 3:
+        raise BadInput(f"{where}: expected three corners or more, not {len(corners)}")
+    polygon = shapely.Polygon(corners)
+    if not polygon.is_valid:
+        if polygon.buffer(0.0).area < LEAST_M2 and np.linalg.matrix_rank(corners - corners[0], 1e-9) < 2:
+            raise BadInput(f"{where}: expected a ring with an area, but its corners lie on one line")
+        why = shapely.is_valid_reason(polygon)
+        place = why[why.find("[") :] if "[" in why else ""
+        raise BadInput(f"{where}: expected a ring that does not cross or touch itself, but it does at {place} [m]")
+    if polygon.area < LEAST_M2:
+        raise BadInput(f"{where}: expected a ring with an area")
+    return corners
+
+
+def _expect_apart(polygon: shapely.Polygon, other: shapely.Polygon, here: str, there: str) -> None:
+    if polygon.intersection(other).area > LEAST_M2:
+        raise BadInput(f"{here}: expected parts that do not overlap, but it overlaps {there}")
+    for inner, outer, name, around in ((polygon, other, here, there), (other, polygon, there, here)):
+        if any(inner.within(hole) for hole in _holes(outer)):
+            raise BadInput(f"{name}: expected no part inside of a hole of {around}: islands are not surveyed")
+
+
+def _holes(polygon: shapely.Polygon) -> Iterator[shapely.Polygon]:
+    return (shapely.Polygon(ring) for ring in polygon.interiors)

@@ -1,0 +1,97 @@
+"""From some lines to the mission that flies them: there, along them with the camera on, and home."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from ipoa_mission.checks.way_home import clear_in
+from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geometry import Points
+from ipoa_mission.mission.commands import Command, Frame
+from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.mission.scan_shapes import trigger
+from ipoa_mission.routing.build import build_mission, items_of_waypoints
+from ipoa_mission.routing.route import Route
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.survey.heights import lifted
+from ipoa_mission.survey.qgc_item import survey_item
+from ipoa_mission.survey.sight import Sight
+from ipoa_mission.survey.tour import Tour
+from ipoa_mission.survey.transit import SAME, clear_way
+
+
+def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mapping[str, float], seed: int) -> Mission:
+    """The mission that flies a tour from home to home.
+
+    Raises:
+        NoPath, NoRoute: there is no clear way there, or home.
+        MissionError: the vehicle triggers no camera.
+        BadInput, Unsafe: as `build_mission`.
+    """
+    path, begins, ends = _path(tour)
+    points, corners = lifted(path, sight, scenario.airspace.ground)
+    out = clear_way(scenario.start_point, points[0], scenario, growth, seed)[:-1]
+    back = np.zeros((0, 3))
+    if np.linalg.norm(scenario.goal_point - scenario.start_point) > SAME:
+        back = clear_way(points[-1], scenario.goal_point, scenario, growth, seed)[1:]
+    built = _built(out, points, back, scenario)
+    if scenario.route.ending == "rtl" and not clear_in(scenario)(Forecast(built[0], scenario).ways_home):
+        here = back[-1] if len(back) else points[-1]
+        home = np.array([0.0, 0.0, scenario.start_point[2]])
+        built = _built(out, points, np.vstack([back, clear_way(here, home, scenario, growth, seed)[1:]]), scenario)
+    mission, numbers = built
+    on, off = camera_items(sight, mission)
+    numbers = numbers[len(out) :]
+    after = [(numbers[corners[n]], on) for n in begins] + [(numbers[corners[n]], off) for n in ends]
+    items = [*mission.items]
+    for place, camera in sorted(after, key=lambda pair: (-pair[0], pair[1] is off)):
+        items[place + 1 : place + 1] = camera
+    first, last = max(numbers[corners[begins[0]]], 2), numbers[corners[ends[-1]]] + 2 * len(on) * len(begins)
+    flown = replace(mission, items=tuple(items))
+    if flown.items[first].command != Command.NAV_WAYPOINT:  # the first line begins where the take-off ends
+        return flown
+    return replace(flown, complex_items=(survey_item(flown, first, last, tour, sight, scenario),))
+
+
+def _built(out: Points, points: Points, back: Points, scenario: Scenario) -> tuple[Mission, tuple[int, ...]]:
+    """The mission through all these, and which item flies to each waypoint."""
+    route = Route(np.vstack([out, points, back]))
+    return build_mission(route, scenario), items_of_waypoints(route)
+
+
+def _path(tour: Tour) -> tuple[Points, list[int], list[int]]:
+    """The corners in the order flown (n, 2), no place twice in a row, and at which of them lines begin and end."""
+    path, begins, ends = list[Points](), list[int](), list[int]()
+
+    def reach(place: Points) -> int:
+        if not path or (path[-1] != place).any():
+            path.append(place)
+        return len(path) - 1
+
+    for n, swath in enumerate(tour.swaths):
+        for place in tour.ways[n - 1] if n else ():
+            reach(place)
+        begins.append(reach(swath.begin))
+        ends.append(reach(swath.end))
+    return np.array(path), begins, ends
+
+
+def camera_items(sight: Sight, mission: Mission) -> tuple[list[Item], list[Item]]:
+    """What starts the camera where a line begins, and stops it where it ends, as this vehicle has it; none without one.
+
+    Raises:
+        MissionError: it has nothing for it.
+    """
+    if sight.trigger is None:
+        return [], []
+    own = mission.autopilot.firmware(mission.firmware_version)
+    if own.takes(Command.DO_SET_CAM_TRIGG_DIST):
+        return [trigger(round(sight.trigger, 2))], [trigger(0.0)]
+    if own.takes(Command.IMAGE_START_CAPTURE) and own.takes(Command.IMAGE_STOP_CAPTURE):
+        every = round(sight.trigger / (mission.cruise_speed or 1.0), 2)
+        return [Item(Command.IMAGE_START_CAPTURE, Frame.MISSION, (0.0, every, 0.0, 0.0))], [
+            Item(Command.IMAGE_STOP_CAPTURE, Frame.MISSION)
+        ]
+    raise MissionError(f"camera: {own} takes no command in a mission that triggers one")

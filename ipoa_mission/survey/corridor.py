@@ -1,0 +1,39 @@
+"""A corridor seen in lines that follow it, to and fro beside its middle."""
+
+import math
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import shapely
+
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.survey.area import Area
+from ipoa_mission.survey.tour import Swath, Tour
+
+INSIDE = 1e-6  # lines may lie so far outside by rounding [m]
+
+
+def corridor_tour(middle: Points, width: float, spacing: float, begin: Vector, inside: Any) -> Tour | None:
+    """Lines `spacing` apart at most, from the end of the corridor that is nearer to `begin` (2,).
+
+    None where one of them would bend back on itself, or leave what `inside` holds: then it is an area like any other.
+    """
+    count = max(math.ceil(width / spacing - 1e-9), 1)
+    if np.linalg.norm(middle[-1] - begin) < np.linalg.norm(middle[0] - begin):
+        middle = middle[::-1]
+    lines = list[Points]()
+    for n in range(count):
+        line = shapely.LineString(middle).offset_curve(width * ((n + 0.5) / count - 0.5), join_style="mitre")
+        corners = shapely.get_coordinates(line)
+        if line.geom_type != "LineString" or len(corners) != len(middle) or not inside.covers(line):
+            return None
+        lines.append(corners if n % 2 == 0 else corners[::-1])
+    swaths = tuple(Swath(a, b) for line in lines for a, b in pairwise(line))
+    return Tour(swaths, tuple(np.array([one.end, other.begin]) for one, other in pairwise(swaths)))
+
+
+def where_allowed(area: Area, keep_out: Any | None) -> Any:
+    """Where its lines may lie."""
+    free = area.shape if keep_out is None else area.shape.difference(keep_out)
+    return free.buffer(INSIDE)

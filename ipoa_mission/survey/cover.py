@@ -1,0 +1,264 @@
+"""The quickest tour of parallel lines that sees all of an area and keeps inside it."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+import shapely
+
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.survey._kernels import NO_WAY, search_order
+from ipoa_mission.survey.area import Area
+from ipoa_mission.survey.free import FreeSpace, Ways
+from ipoa_mission.survey.gaps import Closing, SensedPath
+from ipoa_mission.survey.lines import SHORT, LineAxes, cut, heights, line_over, parts_of, seen_from
+from ipoa_mission.survey.times import LegTimes
+from ipoa_mission.survey.tour import Swath, Tour
+
+#: Of the lines, clockwise from north [degrees]; several: one pass in each; crosshatch: the best one and the one across.
+Direction: TypeAlias = Literal["best", "crosshatch"] | float | Sequence[float]
+
+BUILT = 8  # directions and shifts of which the lines are laid out, of all that are looked at
+WORKED_OUT = 900  # lines of all that are worked out
+REFINED = 2  # times what closes gaps is put in order with the lines
+LARGE, LONG = 0.05, 2.5  # a gap of such an area, of such an outline, by the spacing, gets a line before all is ordered
+LONG_LEG = 9e3  # [m]
+MOST_LOOKED_AT = 36
+ALIKE_DEG = 1.0  # directions nearer to each other are one
+SHIFTS = (0.0, -1.0, 1.0, -0.5, 0.5)
+ROUNDS, STEPS = 1000, 1e6  # of the search that find nothing better, and so many for the square of the number of lines
+SIMPLER = 0.005  # of the spacing: by so much what is kept out of may grow, to have fewer corners
+
+
+def quickest_tour(
+    area: Area,
+    spacing: float,
+    *,
+    cost: LegTimes,
+    keep_out: Any = None,
+    direction: Direction = "best",
+    turns_outside: float = 0.0,
+    begin: Vector | None = None,
+    end: Vector | None = None,
+) -> Tour:
+    """The tour that takes the least time.
+
+    Args:
+        area: what is to be seen; its holes are kept out of.
+        spacing: between lines [m]: what lies within half of it of a line is seen.
+        cost: how long the vehicle takes.
+        keep_out: a shapely geometry that neither lines nor ways enter, obstacles grown by their clearance.
+        direction: of the lines.
+        turns_outside: how far ways may leave the area [m].
+        begin: where the vehicle comes from (2,); left out, it does not matter.
+        end: where it goes afterwards (2,).
+
+    Returns:
+        Lines and ways; the same for the same arguments.
+
+    Raises:
+        BadInput: naming the argument.
+        MissionError: nothing of the area may be flown over, or there is no way between its parts.
+    """
+    _expect(spacing > 0 and math.isfinite(spacing), "spacing: expected more than 0 m", spacing)
+    _expect(turns_outside >= 0 and math.isfinite(turns_outside), "turns_outside: expected 0 m or more", turns_outside)
+    survey = _Survey.of(area, spacing, keep_out, turns_outside, cost)
+    if isinstance(direction, str):
+        _expect(direction in ("best", "crosshatch"), "direction: expected best, crosshatch or degrees", direction)
+        passes = [survey.directions()]
+    else:
+        given = [float(direction)] if isinstance(direction, int | float) else [float(each) for each in direction]
+        _expect(bool(given) and all(map(math.isfinite, given)), "direction: expected degrees", direction)
+        passes = [[degrees] for degrees in given]
+    places, is_on = list[Any](), list[bool]()
+    while passes:
+        is_last = not passes[1:] and direction != "crosshatch"
+        best = survey.quickest(passes.pop(0), begin, end if is_last else None)
+        if places:
+            way = survey.way(places[-1], best.route.places[0])
+            places += list(way[1:-1])
+            is_on += [False] * (len(way) - 1)
+        places += best.route.places
+        is_on += best.route.is_on
+        begin = places[-1]
+        if direction == "crosshatch":
+            direction, passes = "best", [[best.degrees + 90.0]]
+    return _tour_of(np.array(places), is_on)
+
+
+def _expect(is_so: bool, words: str, given: object) -> None:
+    if not is_so:
+        raise BadInput(f"{words}, not {given}")
+
+
+@dataclass(frozen=True, eq=False)
+class _Pass:
+    """Lines (n, 2, 2), most of them in one direction, and how they are flown: the route, and its seconds.
+
+    `goals` are the lines and places to which detours lead, that see what was left; `unseen` is the share of the area
+    that still is, where that is too much.
+    """
+
+    degrees: float
+    lines: Points
+    route: SensedPath
+    seconds: float
+    goals: list[Points]
+    unseen: float
+
+    @property
+    def worth(self) -> tuple[float, float]:
+        """The less, the better: a pass that leaves more unseen is no quicker one."""
+        return self.unseen, self.seconds
+
+
+@dataclass(frozen=True, eq=False)
+class _Survey:
+    """What is to be seen, from where, and where ways lead: in the area, or round what is kept out of to other parts."""
+
+    area: Any
+    free: FreeSpace
+    ways: FreeSpace
+    around: FreeSpace
+    spacing: float
+    cost: LegTimes
+
+    @classmethod
+    def of(cls, area: Area, spacing: float, keep_out: Any, turns_outside: float, cost: LegTimes) -> "_Survey":
+        kept = shapely.Polygon() if keep_out is None else keep_out.buffer(SIMPLER * spacing, quad_segs=4)
+        kept = kept.simplify(SIMPLER * spacing)
+        free = FreeSpace.of(area.shape.difference(kept))
+        if free.inner.is_empty:
+            raise MissionError("survey: nothing of the area may be flown over", hint="it lies in what is kept out of")
+        holes = shapely.union_all([shapely.Polygon(ring) for part in area.shape.geoms for ring in part.interiors])
+        closed = holes.union(kept)
+        ways = FreeSpace.of(area.shape.buffer(turns_outside).difference(closed)) if turns_outside > 0 else free
+        reach = 2 * spacing + max(np.ptp(np.array(area.shape.bounds).reshape(2, 2), axis=0))
+        around = FreeSpace.of(shapely.box(*area.shape.bounds).buffer(reach, join_style="mitre").difference(closed))
+        can = area.shape.intersection(free.shape.buffer(spacing / 2)) if keep_out is not None else area.shape
+        return cls(can, free, ways, around, spacing, cost)
+
+    def directions(self) -> list[float]:
+        """Those of the edges, and of the hull's, the longest first, but no two alike [degrees]."""
+        rings = [*shapely.get_rings(shapely.get_parts(self.free.shape)), self.area.convex_hull.exterior]
+        legs = np.concatenate([np.diff(shapely.get_coordinates(ring), axis=0) for ring in rings])
+        lengths = np.linalg.norm(legs, axis=1)
+        degrees = np.degrees(np.arctan2(legs[:, 0], legs[:, 1])) % 180.0
+        found = list[float]()
+        for n in np.argsort(-lengths, kind="stable"):
+            apart = [abs((degrees[n] - other + 90.0) % 180.0 - 90.0) for other in found]
+            if min(apart, default=90.0) > ALIKE_DEG:
+                found.append(float(degrees[n]))
+        return found[:MOST_LOOKED_AT]
+
+    def quickest(self, degrees: list[float], begin: Vector | None, end: Vector | None) -> _Pass:
+        """The quickest pass in one of some directions; of those that promise the most all is worked out."""
+        looked = sorted((self._rough(each, shift), each, shift) for each in degrees for shift in SHIFTS)
+        laid = [(each, self._laid(each, shift)) for _, each, shift in looked[:BUILT]]
+        count = int(max(1, min(BUILT, WORKED_OUT / max(len(lines) for _, lines in laid))))
+        best = min((self._flown(*one, begin, end) for one in laid[:count]), key=lambda one: one.worth)
+        for _ in range(REFINED if best.goals else 0):
+            more = np.array([goal[[0, -1]] for goal in best.goals if len(goal) < 3]).reshape(-1, 2, 2)
+            other = self._flown(best.degrees, np.concatenate([best.lines, more]), begin, end)
+            if other.worth >= best.worth:
+                break
+            best = other
+        return best
+
+    def _rough(self, degrees: float, shift: float) -> float:
+        """About how long lines in a direction take, ways not counted [s]."""
+        lines = self._lines(degrees, shift)
+        length = float(np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1).sum())
+        return length / self.cost.speed + self._turn * len(lines) + abs(shift)
+
+    def _lines(self, degrees: float, shift: float) -> Points:
+        grid = LineAxes.of(degrees)
+        rings = shapely.get_rings(shapely.get_parts(self.free.inner))
+        corners = [shapely.get_coordinates(ring) for ring in rings]
+        edges = np.concatenate([np.column_stack([ring[:-1], ring[1:]]) for ring in corners])
+        lines = cut(edges, grid, heights(self.area, grid, self.spacing, shift))
+        return np.asarray(lines[np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > SHORT * self.spacing])
+
+    def _laid(self, degrees: float, shift: float) -> Points:
+        """The lines (n, 2, 2) of a direction, with those that holes make necessary besides."""
+        lines = self._lines(degrees, shift)
+        more = []
+        for gap in parts_of(self.area.difference(seen_from(lines, self.spacing))):
+            if gap.area > LARGE * self.spacing**2 and gap.length > LONG * self.spacing:
+                line = line_over(gap, self.free.inner, self.spacing)
+                more += [] if line is None else [line]
+        if not len(lines) and not more:
+            spot = shapely.get_coordinates(self.free.inner.representative_point())
+            more = [np.repeat(spot, 2, axis=0)]
+        return np.concatenate([lines, np.array(more).reshape(-1, 2, 2)])
+
+    def _flown(self, degrees: float, lines: Points, begin: Vector | None, end: Vector | None) -> _Pass:
+        """The lines in a quick order, and past what they leave unseen.
+
+        Raises:
+            MissionError: no way leads from one of them to another.
+        """
+        ends = np.ascontiguousarray(lines.reshape(-1, 2))
+        ways = Ways(ends, self.ways, self.around, self.cost)
+        along = np.array([self.cost.seconds(line) for each in lines for line in (each, each[::-1])])
+        spots = np.repeat((lines[:, 0] == lines[:, 1]).all(axis=1), 2)
+        along[spots] = self._turn / 2  # whatever the corner there will be
+        times = np.zeros((len(ends) + 2, len(ends) + 2))
+        times[:-2, :-2] = ways.times
+        times[-2, :-2], times[:-2, -2] = (self._reach(ends, place) for place in (begin, end))
+        rounds = int(min(10 * len(lines), ROUNDS, STEPS / len(lines) ** 2))
+        entries, seconds = search_order(np.arange(len(lines), dtype=np.int64) * 2, times, along, rounds)
+        if seconds >= NO_WAY:
+            raise MissionError("survey: no way leads between all parts of the area", hint="survey them one by one")
+        route = _route(entries, ways)
+        goals, unseen = Closing(self.area, self.spacing, self.ways, self.cost).close(route)
+        places = np.array(route.places)
+        seconds = self.cost.seconds(places) + self._reach(places[:1], begin)[0] + self._reach(places[-1:], end)[0]
+        return _Pass(degrees, lines, route, float(seconds), goals, round(unseen, 4))
+
+    def way(self, start: Vector, end: Vector) -> Points:
+        """The corners (k, 2) of the way from one place to another."""
+        return Ways(np.array([start, start, end, end]), self.ways, self.around, self.cost).way(0, 2)
+
+    @cached_property
+    def _turn(self) -> float:
+        """What it costs to turn about from one long line to the next [s]."""
+        corners = np.array([[0.0, 0.0], [LONG_LEG, 0.0], [LONG_LEG, self.spacing], [0.0, self.spacing]])
+        return self.cost.seconds(corners) - 2 * LONG_LEG / self.cost.speed
+
+    def _reach(self, ends: Points, place: Vector | None) -> Vector:
+        """How long it is from each end (n, 2) to a place, or nothing [s]."""
+        if place is None:
+            return np.zeros(len(ends))
+        return np.asarray(np.linalg.norm(ends - np.asarray(place, float), axis=1) / self.cost.speed)
+
+
+def _route(entries: Any, ways: Ways) -> SensedPath:
+    """Lines in an order, by the ends at which they are entered, as places, and where the sensor is on."""
+    route = SensedPath([ways.ends[entries[0]]])
+    for n, entry in enumerate(entries):
+        if n:
+            way = ways.way(int(entries[n - 1]) ^ 1, int(entry))
+            route.places += list(way[1:])
+            route.is_on += [False] * (len(way) - 1)
+        route.places.append(ways.ends[entry ^ 1])
+        route.is_on.append(True)
+    return route
+
+
+def _tour_of(places: Points, is_on: list[bool]) -> Tour:
+    """Legs with the sensor on as lines, those between them as ways."""
+    swaths, ways, way = list[Swath](), list[Points](), list[Points]()
+    for n, on in enumerate(is_on):
+        if on:
+            if swaths:
+                ways.append(np.array([swaths[-1].end, *way, places[n]]))
+            swaths.append(Swath(places[n], places[n + 1]))
+            way = []
+        elif swaths and n + 1 < len(is_on) and not is_on[n + 1]:
+            way.append(places[n + 1])
+    return Tour(tuple(swaths), tuple(ways))

@@ -1,0 +1,197 @@
+"""What a path over an area leaves unseen between the ends of its lines, and the least detours that see it."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import shapely
+from shapely.ops import substring
+
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.survey._kernels import NO_WAY
+from ipoa_mission.survey.free import FreeSpace, Ways
+from ipoa_mission.survey.lines import ARC, line_over, parts_of, seen_from
+from ipoa_mission.survey.times import LegTimes
+
+LEFT = 4e-4  # share of the area that may stay unseen
+PASSES = 8  # over all gaps that are left
+USEFUL = 0.1  # share of a gap that a line must see
+NEAR = 6  # detours that are tried for a gap
+SEES = 1e-3  # of the spacing squared: a way that sees more of a gap has the sensor on
+WITHIN = 0.999  # of half the width: as circles are polygons
+
+
+@dataclass
+class SensedPath:
+    """Places (n, 2) in the order flown, and whether the sensor is on from each to the next."""
+
+    places: list[Points]
+    is_on: list[bool] = field(default_factory=list)
+
+    def legs(self, on: bool) -> Points:
+        """Those on which the sensor is on, or off, (k, 2, 2)."""
+        chosen = [n for n, each in enumerate(self.is_on) if each is on]
+        return np.array([[self.places[n], self.places[n + 1]] for n in chosen]).reshape(-1, 2, 2)
+
+
+@dataclass(frozen=True, eq=False)
+class Closing:
+    """What is to be seen, in what width, where it may be flown, and what that costs."""
+
+    area: Any
+    width: float
+    space: FreeSpace
+    cost: LegTimes
+
+    def gaps(self, route: SensedPath) -> Any:
+        """What the route leaves unseen, the ways that see some of that switched on."""
+        gaps = self.area.difference(seen_from(route.legs(True), self.width))
+        off = [n for n, on in enumerate(route.is_on) if not on]
+        if gaps.is_empty or not off:
+            return gaps
+        around = shapely.buffer(shapely.linestrings(route.legs(False)), self.width / 2, quad_segs=ARC)
+        shapely.prepare(gaps)
+        touched = np.flatnonzero(shapely.intersects(gaps, around))
+        seen = shapely.area(shapely.intersection(around[touched], gaps))
+        chosen = touched[seen > SEES * self.width**2]
+        for n in chosen:
+            route.is_on[off[n]] = True
+        return gaps.difference(shapely.union_all(around[chosen])) if len(chosen) else gaps
+
+    def close(self, route: SensedPath) -> tuple[list[Points], float]:
+        """Lead the route by detours past what it leaves unseen, the largest gaps first, until little is left.
+
+        Returns:
+            The lines (k, 2) and places (1, 2) to which the detours lead; the share that is left too much.
+        """
+        hopeless, led = list[Any](), list[Points]()
+        for n in range(PASSES + 1):
+            parts = sorted(parts_of(self.gaps(route)), key=lambda part: part.area)
+            little = np.cumsum([part.area for part in parts]) <= LEFT * self.area.area
+            wide = [part for part, is_little in zip(parts, little, strict=True) if not is_little]
+            tried = [part for part in wide[::-1] if not any(part.equals(other) for other in hopeless)]
+            if not tried or n == PASSES:
+                break
+            for part in tried:
+                via = self._pass(route, part)
+                (hopeless if via is None else led).append(part if via is None else via)
+        return led, sum(part.area for part in wide) / max(self.area.area, 1e-9)
+
+    def _pass(self, route: SensedPath, gap: Any) -> Points | None:
+        """Lead the route past one gap, where there is a way; to which places (k, 2)."""
+        around = self._whence(gap)
+        lines = [] if around is not None else self._lines(gap)
+        if around is None and not lines:  # what is seen of it from where it is nearest
+            around = shapely.Point(shapely.get_coordinates(shapely.shortest_line(self.space.inner, gap))[0])
+            if gap.difference(around.buffer(self.width / 2)).area > (1 - USEFUL) * gap.area:
+                return None
+        legs = self._near(route, shapely.get_coordinates(gap.centroid)[0])
+        found = self._detour(route, legs, around, lines, led=False) or self._detour(
+            route, legs, around, lines, led=True
+        )
+        if found is None:
+            return None
+        n, via, goal = found
+        if n < 0:
+            route.places[:0], route.is_on[:0] = list(via), [True] * len(via)
+        elif n == len(route.places) - 1:
+            route.places += list(via)
+            route.is_on += [True] * len(via)
+        else:
+            route.places[n + 1 : n + 1] = list(via)
+            route.is_on[n : n + 1] = [True] * (len(via) + 1)
+        return goal
+
+    def _detour(
+        self, route: SensedPath, legs: list[int], around: Any | None, lines: list[Points], led: bool
+    ) -> tuple[int, Points, Points] | None:
+        """The quickest detour: a leg, places (k, 2) between its ends, what is seen from; `led` round corners or not."""
+        best, least = None, np.inf
+        for n in legs:
+            before, after = route.places[max(n - 1, 0) : n + 1], route.places[n + 1 : n + 3]
+            for via in self._vias(around, lines, before[-1:], after[:1]):
+                whole = self._led(before[-1:], via, after[:1]) if led else via
+                if whole is None:
+                    continue
+                straight = np.array([*before[-1:], *whole, *after[:1]])
+                if not led and not self.space.sees(straight[:-1], straight[1:]).diagonal().all():
+                    continue
+                seconds = self.cost.seconds(np.array([*before, *whole, *after]))
+                seconds -= self.cost.seconds(np.array([*before, *after]))
+                if seconds < least:
+                    best, least = (n, whole, via), seconds
+        return best
+
+    def _led(self, before: list[Vector], via: Points, after: list[Vector]) -> Points | None:
+        """The same places with the ways to them and on from them round corners; None where there are none."""
+        stops = [*before, via[0], via[-1], *after]
+        ways = Ways(np.repeat(np.array(stops), 2, axis=0), self.space, self.space, self.cost)
+        first, last = len(before), len(before) + 1
+        way_in, way_out = np.empty((0, 2)), np.empty((0, 2))
+        if before:
+            if ways.times[0, 2 * first] >= NO_WAY:
+                return None
+            way_in = ways.way(0, 2 * first)[1:-1]
+        if after:
+            if ways.times[2 * last, 2 * last + 2] >= NO_WAY:
+                return None
+            way_out = ways.way(2 * last, 2 * last + 2)[1:-1]
+        return np.concatenate([way_in, via, way_out])
+
+    def _whence(self, gap: Any) -> Any | None:
+        """Where all of a gap is seen from at once."""
+        hull = shapely.get_coordinates(shapely.convex_hull(gap))[:-1]
+        if len(hull) > 1 and np.ptp(hull, axis=0).max() > self.width:
+            return None
+        discs = shapely.buffer(shapely.points(hull), WITHIN * self.width / 2, quad_segs=ARC)
+        around = shapely.intersection(shapely.intersection_all(discs), self.space.inner)
+        return None if around.is_empty else around
+
+    def _near(self, route: SensedPath, center: Vector) -> list[int]:
+        """Legs of ways into which a detour to a place may be put; -1 and the last place: before and after all."""
+        places = np.array(route.places)
+        from_, to = places[:-1], places[1:]
+        leg = to - from_
+        share = np.clip(
+            np.einsum("ij,ij->i", center - from_, leg) / np.maximum(np.einsum("ij,ij->i", leg, leg), 1e-12), 0, 1
+        )
+        away = np.linalg.norm(from_ + share[:, None] * leg - center, axis=1)
+        away[np.array(route.is_on, bool) & self._is_line(route)] = np.inf
+        order = np.argsort(away, kind="stable")[:NEAR]
+        found = [int(n) for n in order if np.isfinite(away[n])]
+        return [*found, -1, len(places) - 1]
+
+    def _is_line(self, route: SensedPath) -> Any:
+        """Which legs must not be bent, as they see what nothing else does."""
+        return np.array(route.is_on, bool)
+
+    def _lines(self, gap: Any) -> list[Points]:
+        """The line (k, 2) that sees the most of a gap: straight through it, or along the edge that is nearest."""
+        line, places = (
+            line_over(gap, self.space.inner, self.width),
+            shapely.points(_densely(gap.exterior, self.width / 8)),
+        )
+        rings = shapely.get_rings(shapely.get_parts(self.space.inner))
+        ring = rings[int(shapely.distance(rings, gap).argmin())]
+        at = np.sort(shapely.line_locate_point(ring, places))
+        widest = int(np.diff(at, append=at[0] + ring.length).argmax())
+        start, end = float(at[(widest + 1) % len(at)]), float(at[widest])  # the long way round is left out
+        spans = [(start, end)] if start <= end else [(start, ring.length), (0.0, end)]
+        edge = np.concatenate([shapely.get_coordinates(substring(ring, *span)) for span in spans])
+        edge = edge[np.concatenate([[True], np.linalg.norm(np.diff(edge, axis=0), axis=1) > 1e-6])]
+        found = [each for each in (line, edge) if each is not None and len(each) > 1]
+        left = [gap.difference(shapely.LineString(each).buffer(self.width / 2, quad_segs=ARC)).area for each in found]
+        quick = [n for n, area in enumerate(left) if area <= min(left) + USEFUL * gap.area]
+        return [found[quick[0]]] if quick and left[quick[0]] < (1 - USEFUL) * gap.area else []
+
+    def _vias(self, around: Any | None, lines: list[Points], before: list[Vector], after: list[Vector]) -> list[Points]:
+        """The places by which a detour from one place to another sees a gap."""
+        if lines:
+            return [each for line in lines for each in (line, line[::-1])]
+        ends = np.array([*before, *after])
+        leg = shapely.LineString(ends) if len(ends) > 1 else shapely.Point(ends[0])
+        return [shapely.get_coordinates(shapely.shortest_line(around, leg))[:1]]
+
+
+def _densely(shape: Any, spacing: float) -> Points:
+    return np.asarray(shapely.get_coordinates(shapely.segmentize(shape, spacing)))

@@ -1,0 +1,267 @@
+"""From a scenario with a survey to the flights that fly it: each keeps its clearance and comes home on its battery."""
+
+import logging
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+import shapely
+
+from ipoa_mission.checks.check import check
+from ipoa_mission.checks.unsafe import refuse_errors
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.finding import Finding
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.tube.promise import Kept, Promise
+from ipoa_mission.geometry import Vector
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.planning.obstruction import NoPath
+from ipoa_mission.progress import Progress, silent
+from ipoa_mission.routing.endings import settled, why_not_planned
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.budget import expect_to_come_home, flight_energy
+from ipoa_mission.scenario.survey import SurveySection
+from ipoa_mission.survey.area import Area
+from ipoa_mission.survey.assembly import assemble_survey
+from ipoa_mission.survey.corridor import corridor_tour, where_allowed
+from ipoa_mission.survey.cover import quickest_tour
+from ipoa_mission.survey.coverage import Coverage, coverage
+from ipoa_mission.survey.keep_out import SPARE, keep_out, tube
+from ipoa_mission.survey.sight import Sight, sight_of
+from ipoa_mission.survey.split import fewest_parts, parts_of_equal_length
+from ipoa_mission.survey.times import LegTimes
+from ipoa_mission.survey.tour import Tour
+from ipoa_mission.vehicles.energy.flight import NotEnoughBattery
+
+log = logging.getLogger(__name__)
+
+ROUNDS = 5  # so often what comes too near is given more room, at each speed
+SPEEDS = (1.0, 0.7, 0.5)  # times the cruise speed
+MORE, A_LITTLE = 1.15, 0.05  # times what is missing, and so much [m]
+
+
+@dataclass(frozen=True, eq=False)
+class SurveyFlight:
+    """One flight of a survey: its lines, how it is expected to be flown, what a check warns of."""
+
+    tour: Tour
+    forecast: Forecast
+    findings: tuple[Finding, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class SurveyPlan:
+    """A survey that may be flown: what is seen, by which lines, in which flights.
+
+    `speed` is flown, in place of the cruise speed where at that too few flights would keep the clearance.
+    """
+
+    scenario: Scenario
+    area: Area
+    sight: Sight
+    keep_out: Any | None
+    tour: Tour
+    coverage: Coverage
+    flights: tuple[SurveyFlight, ...]
+
+    @property
+    def photos(self) -> int:
+        """How many are taken in all flights."""
+        return sum(self.sight.photos(swath.length) for flight in self.flights for swath in flight.tour.swaths)
+
+
+class _TooNear(Exception):
+    def __init__(self, kept: Kept, promise: Promise) -> None:
+        super().__init__(kept.to)
+        self.kept, self.promise = kept, promise
+
+
+def plan_flights(scenario: Scenario, seed: int = 0, progress: Progress = silent) -> SurveyPlan:
+    """The survey of a scenario, flown as quickly as its vehicle can with the clearance that is required.
+
+    Where too few flights would keep it, more room is given to what comes too near, and then it is flown slower.
+
+    Raises:
+        BadInput: the scenario has no survey, or one that makes no sense.
+        NoPath: obstacles leave nothing of the area, or flights would come too near even slowly: it names the place.
+        NoRoute: there is no clear way there, or home.
+        NotEnoughBattery: a line cannot be reached and left again with the reserve.
+        Unsafe: a mission fails a check.
+    """
+    section, area = scenario.survey, scenario.survey_area
+    if section is None or area is None:
+        raise BadInput("survey: expected in the scenario, but not there")
+    for n, share in enumerate(SPEEDS):
+        vehicle = scenario.vehicle.model_copy(update={"cruise_speed": share * scenario.vehicle.cruise_speed})
+        world = scenario if share == 1.0 else scenario.model_copy(update={"vehicle": vehicle})
+        progress(n / len(SPEEDS), f"lines at {world.vehicle.cruise_speed:g} m/s")
+        try:
+            return _with_room(world, section, area, seed)
+        except _TooNear as error:
+            nearest = error
+    raise _refusal(nearest, scenario)
+
+
+def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int) -> SurveyPlan:
+    """At the scenario's speed; raises _TooNear where more room does not help."""
+    sight, growth = sight_of(section, area, scenario), dict[str, float]()
+    _expect_high_enough(sight, scenario)
+    for _ in range(ROUNDS):
+        outside = keep_out(scenario, sight, growth)
+        tour = _tour(scenario, section, area, sight, outside)
+        parts = _parts(tour, scenario, section, sight, growth, seed)
+        forecasts = [_made(part, sight, scenario, growth, seed) for part in parts]
+        near = [(kept, forecast.promise) for forecast in forecasts for kept in forecast.promise.forbidding]
+        if not near:
+            break
+        for kept, promise in near:
+            if kept.limit not in ("obstacles", "bounds"):
+                raise _TooNear(kept, promise)
+            name = "bounds" if kept.limit == "bounds" else kept.to
+            growth[name] = max(growth.get(name, 0.0), growth.get(name, 0.0) - kept.slack * MORE + A_LITTLE)
+    else:
+        raise _TooNear(*min(near, key=lambda pair: pair[0].slack))
+    flights = []
+    for part, forecast in zip(parts, map(_returning, forecasts), strict=True):
+        findings = refuse_errors(check(forecast))
+        expect_to_come_home(scenario, forecast.energy)
+        flights.append(SurveyFlight(part, forecast, findings))
+    seen = coverage(area, tour, sight.spacing, outside)
+    return SurveyPlan(scenario, area, sight, outside, tour, seen, tuple(flights))
+
+
+def _expect_high_enough(sight: Sight, scenario: Scenario) -> None:
+    """Refuse a height above ground at which flights would come too near to it.
+
+    Raises:
+        NoPath: saying from what height on they would not.
+    """
+    needed = scenario.limits.height_above_ground + tube(scenario).down + 2 * SPARE
+    if sight.least < needed:
+        raise NoPath(
+            f"survey: {sight.least:g} m above the ground is too near to it, at least {needed:.2f} m required",
+            hint="fly higher (survey.height_above_ground, or a larger survey.gsd_cm)",
+        )
+
+
+def _tour(scenario: Scenario, section: SurveySection, area: Area, sight: Sight, outside: Any | None) -> Tour:
+    """The quickest lines over what obstacles leave of the area.
+
+    Raises:
+        NoPath: they leave nothing.
+    """
+    if outside is not None and area.shape.difference(outside).is_empty:
+        raise NoPath(
+            f"survey: obstacles and the clearance to them leave nothing of the area at {sight.least:g} m above ground",
+            hint="fly higher (survey.height_above_ground), or with a smaller safety_distance",
+        )
+    vehicle, frame = scenario.vehicle, scenario.frame
+    given = Mission(
+        frame.home,
+        (),
+        vehicle.autopilot,
+        parameters=vehicle.autopilot_parameters(),
+        vehicle=vehicle.learned,
+        firmware_version=vehicle.version,
+    )
+    begin = np.array(section.entry or scenario.start_point[:2])
+    middles = section.middles(frame)
+    if len(middles) == 1 and section.width is not None and section.direction_deg == "best":
+        inside = where_allowed(area, outside)
+        along = corridor_tour(middles[0], section.width, sight.spacing, begin, inside)
+        if along is not None:
+            return along
+    cost = LegTimes.of(given, vehicle.cruise_speed, sight.middle, scenario.wind.air())
+    return quickest_tour(
+        area,
+        sight.spacing,
+        cost=cost,
+        keep_out=outside,
+        direction=section.direction_deg,
+        turns_outside=section.turns_outside,
+        begin=begin,
+        end=np.array(section.exit or scenario.goal_point[:2]),
+    )
+
+
+def _parts(
+    tour: Tour, scenario: Scenario, section: SurveySection, sight: Sight, growth: dict[str, float], seed: int
+) -> tuple[Tour, ...]:
+    """The flights, as many as are asked for or as few as battery and firmware let.
+
+    Raises:
+        BadInput: more flights are asked for than there are lines.
+        NotEnoughBattery: a line cannot be reached and left again.
+    """
+    if section.flights is not None:
+        if section.flights > len(tour.swaths):
+            raise BadInput(f"survey.flights: expected at most one for each of {len(tour.swaths)} lines")
+        return parts_of_equal_length(tour, section.flights)
+    fits = partial(_fits, scenario=scenario, sight=sight, growth=growth, seed=seed)
+    if fits(tour):
+        return (tour,)
+    parts = fewest_parts(tour, fits, max(sight.trigger or 0.0, sight.along / 2, 1.0))
+    if isinstance(parts, tuple):
+        return parts
+    east, north = parts.begin.tolist()
+    raise NotEnoughBattery(
+        f"battery: expected enough for the way to the line at east {east:.0f}, north {north:.0f} m, and home with the "
+        "reserve, but it is not",
+        hint="begin nearer by, or with a larger battery",
+    )
+
+
+def _fits(part: Tour, scenario: Scenario, sight: Sight, growth: dict[str, float], seed: int) -> bool:
+    """Whether the vehicle takes so many items, and comes home with its reserve."""
+    own = scenario.vehicle.autopilot.firmware(scenario.vehicle.version)
+    per = 2 if sight.trigger is None else 4  # items of a line at least
+    if per * len(part.swaths) > own.max_items:
+        return False
+    forecast = _made(part, sight, scenario, growth, seed)
+    if len(forecast.mission.items) + own.home_is_item_0 > own.max_items:
+        return False
+    if scenario.vehicle.battery is None:
+        return True
+    track = forecast.predicted(sure=False).track  # an estimate has more, and takes longer
+    try:
+        used = flight_energy(scenario, track.times, track.points, track.speeds, forecast.mission.vehicle)
+        expect_to_come_home(scenario, used)
+    except NotEnoughBattery:
+        return False
+    return True
+
+
+def _made(part: Tour, sight: Sight, scenario: Scenario, growth: dict[str, float], seed: int) -> Forecast:
+    return Forecast(assemble_survey(part, sight, scenario, growth, seed), scenario)
+
+
+def _returning(forecast: Forecast) -> Forecast:
+    """The same with what its endings need, where they are to be planned.
+
+    Raises:
+        NoPath: one of them is not clear all the same.
+    """
+    if forecast.world.safety.returns != "planned":
+        return forecast
+    best, short = settled(forecast)
+    if short:
+        raise NoPath(f"the lines are clear, but {why_not_planned(best)}", hint='or [safety] returns = "warn"')
+    return best
+
+
+def _refusal(nearest: _TooNear, scenario: Scenario) -> MissionError:
+    kept = nearest.kept
+    east, north, up = kept.place
+    slowest = SPEEDS[-1] * scenario.vehicle.cruise_speed
+    return NoPath(
+        f"survey: even at {slowest:g} m/s flights would come too near {kept.to} at east {east:.1f}, north {north:.1f}, "
+        f"up {up:.1f} m: {kept.words(nearest.promise.confidence)}",
+        hint="fly higher (survey.height_above_ground), or leave that place out of the area",
+    )
+
+
+def longest_gap(seen: Coverage) -> Vector | None:
+    """Where the largest gap is (2,); None where there is none."""
+    parts = [part for part in shapely.get_parts(seen.gaps) if part.area > 0.0]
+    return None if not parts else shapely.get_coordinates(max(parts, key=lambda part: part.area).centroid)[0]

@@ -1,0 +1,149 @@
+"""How long a vehicle takes on straight legs and at the corners between them: from its own model of time.
+
+A leg takes its length over the speed that was asked for; what braking, turning and getting up to speed cost beyond that
+is counted at its corners, by the angle and by the shorter of the two legs. A few corners are flown by the vehicle's
+model, in one mission; the others lie between.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from itertools import chain, pairwise
+from typing import TypeAlias
+
+import numpy as np
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.timing.flight_model import FlightModel
+from ipoa_mission.forecast.timing.track import Track
+from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.mission.items import Mission, change_speed, takeoff, waypoint
+from ipoa_mission.survey._kernels import path_seconds
+from ipoa_mission.survey.clock import Clock
+from ipoa_mission.wind import CALM, Wind
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+ANGLES = np.radians([0.0, 45.0, 90.0, 135.0, 180.0])
+SHORT_S = np.array([0.3, 1.0, 10 / 3])  # legs that are flown between two corners take so long at speed [s] ...
+RATIO = 10 / 3  # ... and what is longer than the last by as much as that is longer than the one before is long
+LONG = 2.5  # a long leg is so many times as long as it takes to get up to speed and to brake
+BEARINGS = 8  # in which legs are flown in a wind
+
+
+@dataclass(frozen=True, eq=False)
+class LegTimes:
+    """Seconds of legs and corners of one vehicle at one speed, in one wind.
+
+    Attributes:
+        speed: that is asked for [m/s].
+        clock: the same as the kernels take it.
+
+    Example:
+        >>> from ipoa_mission.vehicles.autopilot import default_autopilot
+        >>> from ipoa_mission.world.frame import Geodetic
+        >>> times = LegTimes.of(Mission(Geodetic(47.4, 8.5, 488.0), (), default_autopilot()), 5.0)
+        >>> there, back = np.array([[0.0, 0.0], [90.0, 0.0]]), np.array([[90.0, 0.0], [0.0, 0.0]])
+        >>> times.seconds(there), times.seconds(np.concatenate([there, back])) > 36.0
+        (18.0, True)
+    """
+
+    speed: float
+    clock: Clock
+
+    @classmethod
+    def of(cls, mission: Mission, speed: float, height: float = 30.0, wind: Wind = CALM) -> "LegTimes":
+        """Those of a mission's vehicle: its home, autopilot, parameters and what was learned count, its items do not.
+
+        Args:
+            mission: of the vehicle, with no items or any.
+            speed: of DO_CHANGE_SPEED [m/s].
+            height: above home [m].
+            wind: in which it is flown.
+
+        Raises:
+            MissionError: the vehicle has no time model, or does not get on in this wind.
+        """
+        limits = mission.autopilot.part(FlightModel).kinematics(mission.parameters, speed)
+        to_speed = limits.speed / limits.accel + (limits.accel / limits.jerk if math.isfinite(limits.jerk) else 0.0)
+        long = LONG * to_speed * speed
+        pace = _paces(mission, speed, height, wind, long)
+        stretches = _zigzag(ANGLES[1:], long)
+        stretches += _to_and_fro(SHORT_S * speed, long, stretches[-1][-1][0])
+        costs = np.maximum(_corners(mission, speed, height, wind, stretches, pace), 0.0)
+        wide, sharp = np.array([0.0, *costs[: len(ANGLES) - 1]]), costs[len(ANGLES) - 1 :] / 2
+        corner = np.column_stack([np.repeat(sharp[None, :], len(ANGLES), axis=0), wide])
+        return cls(speed, Clock(pace, np.ascontiguousarray(corner), float(SHORT_S[0]) * speed, math.log(RATIO)))
+
+    def seconds(self, path: Points) -> float:
+        """How long a polyline (n, 2) takes, corners counted, at speed where it begins and ends [s]."""
+        return float(path_seconds(self.clock, np.ascontiguousarray(path, float)))
+
+
+Stretch: TypeAlias = list[tuple[float, float]]  # bearings [rad] and lengths [m]
+
+
+def _zigzag(angles: Vector, long: float) -> list[Stretch]:
+    """From the middle of one long leg to that of the next, by a corner of each angle, left and right by turns."""
+    bearings = np.cumsum([0.0, *angles * np.resize([1.0, -1.0], len(angles))])
+    return [[(a, long / 2), (b, long / 2)] for a, b in pairwise(map(float, bearings))]
+
+
+def _to_and_fro(lengths: Vector, long: float, there: float) -> list[Stretch]:
+    """The same by two corners of 90 degrees, and a leg of each length between them; it begins at a bearing."""
+    back, across = there + math.pi, there + math.pi / 2
+    senses = [(there, back) if n % 2 == 0 else (back, there) for n in range(len(lengths))]
+    return [
+        [(a, long / 2), (across, float(length)), (b, long / 2)] for (a, b), length in zip(senses, lengths, strict=True)
+    ]
+
+
+def _corners(
+    mission: Mission, speed: float, height: float, wind: Wind, stretches: list[Stretch], pace: Vector
+) -> Vector:
+    """What each stretch takes beyond its length over the speed (n,) [s]; all are flown in one go."""
+    first, last = stretches[0][0], stretches[-1][-1]
+    path = _polyline(*np.array([first, *chain(*stretches), last]).T)
+    ends = 1 + np.cumsum([0, *map(len, stretches)])  # in the middle of long legs
+    corners = np.delete(path, ends, axis=0)
+    done, track = _flown(mission, speed, height, wind, corners)
+    middles = np.flatnonzero(np.isin(np.arange(len(path)), ends)) - np.arange(len(ends)) - 1
+    passed = [_passing(track, path[at], corners[n], done[n : n + 2]) for at, n in zip(ends, middles, strict=True)]
+    clock = Clock(pace, np.zeros((2, 2)), 1.0, 1.0)
+    alone = [path_seconds(clock, np.ascontiguousarray(path[a : b + 1])) for a, b in pairwise(ends)]
+    return np.asarray(np.diff(passed) - alone)
+
+
+def _passing(track: Track, place: Vector, start: Vector, between: Vector) -> float:
+    """When a place on the leg from `start` is passed, between two times [s]."""
+    first, last = np.searchsorted(track.times, between)
+    along = (track.points[first:last, :2] - start) @ (place - start)
+    return float(np.interp((place - start) @ (place - start), np.maximum.accumulate(along), track.times[first:last]))
+
+
+def _polyline(bearings: Vector, legs: Vector) -> Points:
+    steps = legs[:, None] * np.column_stack([np.cos(bearings), np.sin(bearings)])
+    return np.concatenate([[[0.0, 0.0]], np.cumsum(steps, axis=0)])
+
+
+def _flown(mission: Mission, speed: float, height: float, wind: Wind, path: Points) -> tuple[Vector, Track]:
+    """When the vehicle is done with each place of a path (n, 2) [s], and how it flew there."""
+    frame = LocalFrame(mission.home)
+    latitude, longitude, altitude = frame.to_geodetic(np.column_stack([path, np.full(len(path), height)]))
+    places = [Geodetic(*map(float, place)) for place in zip(latitude, longitude, altitude, strict=True)]
+    items = (takeoff(places[0], height), change_speed(speed), *(waypoint(place, height) for place in places))
+    flown = replace(mission, items=items, landing_ground=None, scanned=())
+    try:
+        prediction = Forecast(flown, wind=wind).predicted(sure=True)
+    except MissionError as error:
+        raise MissionError(f"survey: no time is known of lines at {speed:g} m/s: {error}", error.hint) from error
+    return prediction.done[2:], prediction.track
+
+
+def _paces(mission: Mission, speed: float, height: float, wind: Wind, long: float) -> Vector:
+    """Seconds per metre by direction, from east counterclockwise; one for all in still air."""
+    if wind.speed <= 0.0:
+        return np.array([1.0 / speed])
+    bearings = 2 * math.pi * np.arange(BEARINGS) / BEARINGS
+    path = _polyline(np.repeat(bearings, 2), np.full(2 * BEARINGS, long))
+    done, _ = _flown(mission, speed, height, wind, np.concatenate([path, path[-1:] + path[1:2]]))
+    return np.maximum(np.diff(done)[1::2][:BEARINGS] / long, 1.0 / speed)

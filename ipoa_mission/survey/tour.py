@@ -1,0 +1,51 @@
+"""What a survey flies: lines with the sensor on, and the ways between them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ipoa_mission.geometry import Points, polyline_length
+
+
+@dataclass(frozen=True, eq=False)
+class Swath:
+    """One straight line that is flown with the sensor on, from `begin` (2,) to `end` (2,), east and north [m]."""
+
+    begin: Points
+    end: Points
+
+    @property
+    def length(self) -> float:
+        """How long it is [m]."""
+        return float(np.linalg.norm(self.end - self.begin))
+
+
+@dataclass(frozen=True, eq=False)
+class Tour:
+    """The lines in the order flown; `ways[n]` (k, 2), k >= 2, leads from the end of line n to the begin of the next.
+
+    Example:
+        >>> there, back = Swath(np.array([0.0, 0.0]), np.array([9.0, 0.0])), Swath(np.array([9.0, 2.0]), np.zeros(2))
+        >>> tour = Tour((there, back), (np.array([[9.0, 0.0], [9.0, 2.0]]),))
+        >>> len(tour.path), round(tour.length, 2)
+        (4, 20.22)
+    """
+
+    swaths: tuple[Swath, ...]
+    ways: tuple[Points, ...]
+
+    @property
+    def path(self) -> Points:
+        """All corners in the order flown (n, 2), no place twice in a row."""
+        if not self.swaths:
+            return np.empty((0, 2))
+        pieces = [np.array([self.swaths[0].begin, self.swaths[0].end])]
+        for way, swath in zip(self.ways, self.swaths[1:], strict=True):
+            pieces += [way, np.array([swath.begin, swath.end])]
+        whole = np.concatenate(pieces)
+        return np.asarray(whole[np.concatenate([[True], (np.diff(whole, axis=0) != 0.0).any(axis=1)])])
+
+    @property
+    def length(self) -> float:
+        """Of the whole path [m]."""
+        return polyline_length(self.path)

@@ -1,0 +1,84 @@
+"""`plan` of a survey, of an area without a scenario, and its flights flown on the built-in autopilot."""
+
+import json
+from pathlib import Path
+
+from tests.cli.conftest import Run
+
+SCENARIO = """
+home = { latitude_deg = 47.3977, longitude_deg = 8.5456, altitude_amsl = 488 }
+[survey]
+polygon = [[20, 10], [120, 10], [120, 60], [20, 60]]
+camera = "Sony A6000 16mm"
+gsd_cm = 2.0
+[vehicle]
+autopilot = "ardupilot"
+cruise_speed = 8.0
+airframe = { mass_kg = 2.0, rotor_diameter = 0.3 }
+"""
+CORNERS = [[8.546, 47.398], [8.547, 47.398], [8.547, 47.3985], [8.546, 47.3985], [8.546, 47.398]]
+AREA = {"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [CORNERS]}}
+
+
+def test_a_survey_is_planned_checked_shown_and_timed(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "field.toml").write_text(SCENARIO)
+    told = run(f"plan {tmp_path}/field.toml --out {tmp_path}/out")
+    assert (told.code, told.err) == (0, "")
+    assert "of what can be seen" in told.out
+    as_json = json.loads(run(f"plan {tmp_path}/field.toml --out {tmp_path}/out --json").out)["survey"]
+    assert as_json["covered_share"] > 0.999
+    assert as_json["outside_m"] == 0.0
+    assert as_json["photos"] > 5
+    (flight,) = as_json["flights"]
+    assert flight["file"] == "field.plan"
+    assert flight["energy_wh"] > 0
+    plan = f"{tmp_path}/out/field.plan"
+    assert run(f"check {plan} --scenario {tmp_path}/field.toml").code == 0
+    assert run(f"show {plan}").code == 0
+    estimate = json.loads(run(f"estimate {plan} --scenario {tmp_path}/field.toml --json").out)
+    assert estimate["total_s"] == flight["time_s"] or abs(estimate["total_s"] - flight["time_s"]) < 0.01
+
+
+def test_an_area_is_enough(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "area.geojson").write_text(json.dumps(AREA))
+    told = run(f"plan --survey {tmp_path}/area.geojson --autopilot ardupilot --out {tmp_path}/out --json")
+    assert (told.code, told.err) == (0, "")
+    assert json.loads(told.out)["survey"]["lines"] > 1
+    assert (tmp_path / "out" / "area.plan").is_file()
+
+
+def test_an_area_goes_before_the_goal_of_a_scenario(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "area.geojson").write_text(json.dumps(AREA))
+    (tmp_path / "field.toml").write_text(SCENARIO)
+    told = run(f"plan {tmp_path}/field.toml --survey {tmp_path}/area.geojson --out {tmp_path}/out --json")
+    assert told.code == 0
+    assert json.loads(told.out)["survey"]["photos"] > 0
+
+
+def test_what_is_wrong_with_it_is_bad_input(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "area.geojson").write_text(json.dumps(AREA))
+    (tmp_path / "field.toml").write_text(SCENARIO.replace('camera = "Sony A6000 16mm"', 'camera = "box"'))
+    for command, words in (
+        ("plan", "expected a scenario, or an area"),
+        (f"plan {tmp_path}/field.toml --height 30", "--height: expected with --survey"),
+        (f"plan {tmp_path}/field.toml", "survey.camera: expected the name of a camera"),
+        (f"plan --survey {tmp_path}/no.geojson", "no.geojson"),
+        (f"plan --survey {tmp_path}/area.geojson --height 0", "survey.height_above_ground: expected a number greater"),
+        (f"plan --survey {tmp_path}/area.geojson --gsd 2", "survey: gsd_cm: expected with a camera"),
+    ):
+        told = run(f"{command} --out {tmp_path}/out" if command != "plan" else command)
+        assert told.code == 2, told
+        assert words in told.err
+
+
+def test_its_flights_are_flown_one_after_the_other(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "field.toml").write_text(SCENARIO.replace("gsd_cm = 2.0", "gsd_cm = 2.0\nflights = 2"))
+    told = run(f"fly {tmp_path}/field.toml --out {tmp_path}/out --json")
+    assert told.code == 0
+    flown = json.loads(told.out)["flown"]
+    assert [one["file"] for one in flown] == ["field-1.plan", "field-2.plan"]
+    assert all(one["completed"] for one in flown)
+    assert (tmp_path / "out" / "field-2.tlog").is_file()
+    refused = run(f"fly {tmp_path}/field.toml --out {tmp_path}/out --link udpin:127.0.0.1:14999")
+    assert refused.code == 2
+    assert "one by one" in refused.err

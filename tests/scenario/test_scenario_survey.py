@@ -1,0 +1,144 @@
+"""[survey]: areas from a file and from a map, cameras, and every mistake told with its place."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.scenario import Scenario, parse_scenario
+from ipoa_mission.scenario.camera import CAMERAS
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+HOME = {"latitude_deg": 47.4, "longitude_deg": 8.5, "altitude_amsl": 400.0}
+SQUARE = [[0.0, 0.0], [100.0, 0.0], [100.0, 80.0], [0.0, 80.0]]
+POND = [[20.0, 20.0], [40.0, 20.0], [40.0, 40.0]]
+LINES = {"polygon": SQUARE, "line_spacing": 20.0, "height_above_ground": 40.0}
+
+
+def scenario(survey: Any, folder: Path | str = "") -> Scenario:
+    return Scenario.from_dict({"home": HOME, "survey": survey}, folder)
+
+
+def test_a_survey_takes_the_place_of_start_and_goal() -> None:
+    world = scenario(LINES)
+    assert world.start_point.tolist() == world.goal_point.tolist() == [0.0, 0.0, 40.0]
+    lower, upper = world.airspace.bounds.lower, world.airspace.bounds.upper
+    assert lower[0] <= -50.0
+    assert upper[0] >= 150.0
+    assert upper[2] >= 90.0
+
+
+@pytest.mark.parametrize("polygon", [[SQUARE, POND], [[SQUARE, POND]]])
+def test_holes_are_inner_rings(polygon: Any) -> None:
+    area = scenario(LINES | {"polygon": polygon}).survey_area
+    assert area is not None
+    assert area.shape.area == pytest.approx(8000.0 - 200.0)
+
+
+def geojson(path: Path, *geometries: dict[str, Any]) -> Path:
+    features = [{"type": "Feature", "properties": {}, "geometry": geometry} for geometry in geometries]
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    return path
+
+
+def degrees(corners: list[list[float]]) -> list[list[float]]:
+    frame = LocalFrame(Geodetic(47.4, 8.5, 400.0))
+    latitude, longitude, _ = frame.to_geodetic(np.column_stack([np.array(corners), np.zeros(len(corners))]))
+    ring = [[float(a), float(b)] for a, b in zip(longitude, latitude, strict=True)]
+    return [*ring, ring[0]]
+
+
+def test_an_area_comes_from_a_map_with_its_holes(tmp_path: Path) -> None:
+    far = [[east + 200.0, north] for east, north in SQUARE]
+    polygons = [{"type": "Polygon", "coordinates": [degrees(SQUARE), degrees(POND)]}]
+    polygons.append({"type": "Polygon", "coordinates": [degrees(far)]})
+    geojson(tmp_path / "field.geojson", *polygons)
+    text = f"[home]\nlatitude_deg = 47.4\nlongitude_deg = 8.5\naltitude_amsl = 400\n[survey]\n{KEYS}"
+    area = parse_scenario(text, tmp_path / "field.toml").survey_area
+    assert area is not None
+    assert [part.area for part in area.shape.geoms] == pytest.approx([7800.0, 8000.0], rel=1e-3)
+
+
+KEYS = 'area = "field.geojson"\nline_spacing = 20\nheight_above_ground = 40\n'
+
+
+def test_a_line_with_a_width_is_a_corridor(tmp_path: Path) -> None:
+    drawn = scenario({"line": [[0, 0], [100, 0]], "width": 30, "line_spacing": 10, "height_above_ground": 40})
+    assert drawn.survey_area is not None
+    assert drawn.survey_area.shape.area == pytest.approx(3000.0)
+    line = {"type": "LineString", "coordinates": degrees([[0.0, 0.0], [100.0, 0.0]])[:2]}
+    path = geojson(tmp_path / "road.geojson", line)
+    mapped = scenario({"area": str(path), "width": 30, "line_spacing": 10, "height_above_ground": 40})
+    assert mapped.survey_area is not None
+    assert mapped.survey_area.shape.area == pytest.approx(3000.0, rel=1e-3)
+
+
+def test_a_camera_says_height_spacing_and_trigger() -> None:
+    survey = scenario({"polygon": SQUARE, "camera": "sony a6000 16mm", "gsd_cm": 2.0, "side_overlap": 0.6}).survey
+    assert survey is not None
+    assert survey.height == pytest.approx(2.0 / 100 * 16.0 / (23.5 / 6000))  # the wider of both pitches
+    assert survey.spacing(80.0) == pytest.approx(0.4 * 23.5 / 16.0 * 80.0)
+    assert survey.trigger(80.0) == pytest.approx(0.3 * 15.6 / 16.0 * 80.0)
+    assert all(camera.footprint(50.0)[0] >= camera.footprint(50.0)[1] for camera in CAMERAS.values())
+
+
+BOW = [[0.0, 0.0], [100.0, 80.0], [100.0, 0.0], [0.0, 80.0]]
+NUMBERS = {"sensor_mm": [23.5, 15.6], "focal_length_mm": 16.0, "pixels": [6000, 4000]}
+PHOTOS = {"polygon": SQUARE, "camera": NUMBERS, "height_above_ground": 40.0}
+
+
+@pytest.mark.parametrize(
+    ("survey", "words"),
+    [
+        (
+            LINES | {"polygon": BOW},
+            r"survey.polygon: expected a ring that does not cross .*, but .* \[50 40",
+        ),
+        (LINES | {"polygon": [SQUARE, BOW]}, r"survey.polygon\[1\]: expected a ring that does not cross"),
+        (LINES | {"polygon": SQUARE[:2]}, "survey.polygon: expected three corners or more, not 2"),
+        (LINES | {"polygon": [[0, 0], [50, 0], [100, 0]]}, "survey.polygon: expected a ring with an area"),
+        (LINES | {"polygon": [[0, 0], [50, 0], [float("nan"), 9]]}, r"survey.polygon\[2\]: expected finite numbers"),
+        (LINES | {"polygon": [SQUARE, SQUARE]}, "survey.polygon: expected some area, but its holes cover all"),
+        (LINES | {"polygon": [SQUARE, POND, [[35, 21], [39, 21], [39, 24]]]}, "islands are not surveyed"),
+        (LINES | {"polygon": 7}, r"survey.polygon: expected \[\[east, north\], ...\]"),
+        (LINES | {"polygon": None}, "survey: expected one of area, polygon or line, not none"),
+        (LINES | {"area": "none.geojson"}, "survey.area: expected a map, but there is no file"),
+        (LINES | {"width": 3}, "survey: width: expected with a line"),
+        (LINES | {"line_spacing": None}, "survey: expected a line_spacing or a camera"),
+        (LINES | {"gsd_cm": 2}, "survey: gsd_cm: expected with a camera"),
+        (LINES | {"direction_deg": "north"}, 'survey.direction_deg: expected "best", "crosshatch", degrees'),
+        (LINES | {"turns_outside": -1}, "survey.turns_outside: expected a number of at least 0, not -1"),
+        (LINES | {"height_above_ground": 0}, "survey.height_above_ground: expected a number greater than 0"),
+        (LINES | {"shade": 1}, "survey.shade: unknown key"),
+        (PHOTOS | {"side_overlap": 1.0}, "survey.side_overlap: expected a share from 0 to below 1, not 1: at 100 %"),
+        (PHOTOS | {"front_overlap": 75}, r"survey.front_overlap: expected .*, not 75 \(0.75 for 75 %\)"),
+        (
+            PHOTOS | {"camera": {k: NUMBERS[k] for k in ("sensor_mm", "pixels")}},
+            "survey.camera.focal_length_mm: expected",
+        ),
+        (PHOTOS | {"camera": NUMBERS | {"focal_length_mm": 0}}, "survey.camera.focal_length_mm: expected a number gr"),
+        (PHOTOS | {"camera": "Sony A600"}, "survey.camera: expected the name of a camera .* did you mean 'Sony A6000"),
+        (PHOTOS | {"gsd_cm": 2}, "survey: expected either height_above_ground or, with a camera, gsd_cm"),
+        (PHOTOS | {"line_spacing": 5, "side_overlap": 0.5}, "survey: expected either line_spacing or side_overlap"),
+    ],
+)
+def test_what_makes_no_sense_is_told_with_its_place(survey: dict[str, Any], words: str) -> None:
+    given = {key: value for key, value in survey.items() if value is not None}
+    with pytest.raises(BadInput, match=words):
+        scenario(given)
+
+
+def test_what_makes_no_sense_in_a_map_is_told_with_its_place(tmp_path: Path) -> None:
+    path = geojson(tmp_path / "bow.geojson", {"type": "Polygon", "coordinates": [degrees(BOW)]})
+    over = {"area": str(path), "line_spacing": 20.0, "height_above_ground": 40.0}
+    with pytest.raises(BadInput, match=r"bow.geojson: features\[0\].geometry\[0\]\[0\]: expected a ring that does not"):
+        scenario(over)
+    geojson(path, {"type": "Point", "coordinates": [8.5, 47.4]})
+    with pytest.raises(BadInput, match=r"bow.geojson: expected a polygon, but there is none"):
+        scenario(over)
+    geojson(path, {"type": "LineString", "coordinates": degrees(SQUARE)[:3]})
+    with pytest.raises(BadInput, match=r"expected a polygon, not an open line"):
+        scenario(over)

@@ -1,0 +1,200 @@
+"""Surveys from their scenario to their flights, judged by dense samples and not by what planned them."""
+
+import json
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.flight.survey import Survey, plan_survey
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.mission.commands import Command
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.planning.obstruction import NoPath
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.survey.split import part_of
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.energy.flight import NotEnoughBattery
+from ipoa_mission.world.frame import Geodetic
+
+HOME = {"latitude_deg": 47.4, "longitude_deg": 8.5, "altitude_amsl": 400.0}
+FIELD = [[20.0, 10.0], [200.0, 10.0], [200.0, 150.0], [20.0, 150.0]]
+LINES = {"polygon": FIELD, "line_spacing": 20.0, "height_above_ground": 40.0}
+PHOTOS = {"polygon": FIELD, "camera": "Sony A6000 16mm", "gsd_cm": 1.5}
+HILL = {"kind": "analytic", "peaks": [{"height": 30.0, "east": 110.0, "north": 80.0, "a": 70.0, "b": 50.0}]}
+TOWER = {"kind": "cylinder", "name": "tower", "east": 110.0, "north": 80.0, "radius": 10.0, "height": 80.0}
+SHED = TOWER | {"name": "shed", "height": 12.0}
+AIRFRAME = {"mass_kg": 2.0, "rotor_diameter": 0.3}
+
+
+def scenario(survey: dict[str, Any], autopilot: Autopilot = Autopilot.ARDUPILOT, **tables: Any) -> Scenario:
+    vehicle = {"autopilot": autopilot, "cruise_speed": 8.0} | tables.pop("vehicle", {})
+    return Scenario.from_dict({"name": "field", "home": HOME, "survey": survey, "vehicle": vehicle, **tables})
+
+
+def waypoints(forecast: Forecast) -> np.ndarray[Any, Any]:
+    """East, north, up of the waypoints of a mission, read from its items (n, 3)."""
+    frame, home = forecast.frame, forecast.mission.home
+    items = [item for item in forecast.mission.items if item.command == Command.NAV_WAYPOINT]
+    places = [Geodetic(i.latitude_deg, i.longitude_deg, home.altitude + i.altitude) for i in items]
+    return np.array([frame.local(place) for place in places])
+
+
+def along(points: np.ndarray[Any, Any], step: float = 0.5) -> np.ndarray[Any, Any]:
+    """Places on straight legs, so far apart at most."""
+    shares = [np.linspace(0, 1, int(np.linalg.norm(b - a) / step) + 2)[:, None] for a, b in pairwise(points)]
+    return np.vstack([a + share * (b - a) for share, (a, b) in zip(shares, pairwise(points), strict=True)])
+
+
+def swaths_of(survey: Survey) -> list[Any]:
+    return [swath for flight in survey.plan.flights for swath in flight.tour.swaths]
+
+
+@pytest.mark.parametrize("autopilot", [Autopilot.PX4, Autopilot.ARDUPILOT])
+def test_every_place_of_a_field_is_seen_and_nothing_outside_is_flown_over(autopilot: Autopilot) -> None:
+    survey = plan_survey(scenario=scenario(LINES, autopilot))
+    (flight,) = survey.flights
+    east, north = np.meshgrid(np.arange(20.5, 200.0, 2.0), np.arange(10.5, 150.0, 2.0))
+    lines = shapely.multilinestrings([[s.begin, s.end] for s in swaths_of(survey)])
+    away = shapely.distance(shapely.points(east.ravel(), north.ravel()), lines)
+    assert (away <= 10.0 + 1e-6).mean() > 0.999
+    lined = along(waypoints(flight)[:, :2])
+    assert shapely.distance(shapely.points(lined), shapely.Polygon(FIELD)).max() < 0.05
+    assert np.abs(waypoints(flight)[:, 2] - 40.0).max() < 0.05
+    assert not flight.promise.forbidding
+    assert flight.estimate.total_s > 0
+
+
+def test_photos_are_triggered_on_lines_only_and_counted() -> None:
+    survey = plan_survey(scenario=scenario(PHOTOS))
+    (flight,) = survey.flights
+    distance, photos, shooting = survey.plan.sight.trigger, 0, 0.0
+    assert distance is not None
+    here = np.zeros(2)
+    for item in flight.mission.items:
+        if item.command == Command.DO_SET_CAM_TRIGG_DIST:
+            shooting = item.params[0]
+            photos += item.params[0] > 0 and item.params[2] == 1.0
+        elif item.command == Command.NAV_WAYPOINT:
+            place = Geodetic(item.latitude_deg, item.longitude_deg, flight.mission.home.altitude)
+            there = flight.frame.local(place)[:2]
+            photos += int(np.linalg.norm(there - here) / shooting + 1e-3) if shooting > 0 else 0
+            here = there
+    assert shooting == 0.0
+    assert photos == survey.plan.photos > 40
+    assert distance == pytest.approx(0.3 * 61.277 * 15.6 / 16.0, abs=0.01)  # a photo of 15.6 by 23.5 mm through 16 mm
+    assert survey.plan.sight.spacing == pytest.approx(0.3 * 61.277 * 23.5 / 16.0, abs=0.01)
+
+
+def test_over_a_hill_no_photo_overlaps_less_than_was_asked() -> None:
+    """On the ground itself: the camera is nowhere nearer to what it sees than on level ground."""
+    world = scenario(PHOTOS, terrain=HILL)
+    survey = plan_survey(scenario=world)
+    sight, (flight,) = survey.plan.sight, survey.flights
+    ground = world.airspace.ground
+    path = along(waypoints(flight), 2.0)
+    within = min(sight.across, sight.along) / 2  # a disc that each photo holds
+    for aside in np.linspace(-within, within, 7):
+        for turn in np.linspace(0, np.pi, 8, endpoint=False):
+            seen = path[:, :2] + aside * np.array([np.cos(turn), np.sin(turn)])
+            assert (path[:, 2] - ground(seen)).min() > sight.least - 0.3
+    below = path[:, 2] - ground(path[:, :2])
+    assert below.min() > sight.least - 0.3
+    assert np.ptp(path[:, 2]) > 10.0  # it follows the hill
+
+
+def test_what_is_low_is_flown_over_and_what_is_high_round() -> None:
+    low = plan_survey(scenario=scenario(LINES, obstacles=[SHED])).plan
+    high = plan_survey(scenario=scenario(LINES, obstacles=[TOWER])).plan
+    assert low.keep_out is None
+    assert low.coverage.share > 0.999
+    (flight,) = high.flights
+    track = flight.forecast.estimate.track.points
+    beside = np.hypot(track[:, 0] - 110.0, track[:, 1] - 80.0)
+    assert beside.min() > 10.0 + 1.5
+    assert not flight.forecast.promise.forbidding
+
+
+def test_a_battery_too_small_for_all_makes_several_flights_that_come_home_with_their_reserve(tmp_path: Path) -> None:
+    vehicle = {"airframe": AIRFRAME, "battery": {"capacity_wh": 16.0, "reserve": 0.2}}
+    survey = plan_survey(scenario=scenario(LINES, vehicle=vehicle))
+    assert len(survey.flights) > 1
+    for forecast in survey.flights:
+        assert forecast.energy is not None
+        assert forecast.energy.energy_wh <= 0.8 * 16.0
+    written = survey.write(tmp_path)
+    assert {path.name for path in written} >= {"field-1.plan", "field-2.plan", "field.json"}
+    told = json.loads((tmp_path / "field.json").read_text())["survey"]
+    assert [flight["file"] for flight in told["flights"]] == [f"{name}.plan" for name in survey.names]
+    assert told["lines"] == len(survey.plan.tour.swaths)
+    assert told["covered_share"] > 0.999
+    assert told["outside_m"] < 1e-6
+    for name, forecast in zip(survey.names, survey.flights, strict=True):
+        assert len(read_mission(tmp_path / f"{name}.plan").items) == len(forecast.mission.items)
+    tour = survey.plan.tour
+    first = len(survey.plan.flights[0].tour.swaths)
+    assert [s.begin.tolist() for s in part_of(tour, 0, first).swaths] == [
+        s.begin.tolist() for s in survey.plan.flights[0].tour.swaths
+    ]
+
+
+def test_the_page_shows_the_area_and_every_flight(tmp_path: Path) -> None:
+    survey = plan_survey(scenario=scenario(PHOTOS | {"flights": 2}, obstacles=[TOWER]))
+    pages = survey.report(tmp_path)
+    assert [page.name for page in pages] == ["field-1.html", "field-2.html"]
+    text = pages[1].read_text(encoding="utf-8")
+    assert "field-1" in text
+    assert "what is seen, north up" in text
+
+
+def test_so_many_flights_as_are_asked_for() -> None:
+    survey = plan_survey(scenario=scenario(LINES | {"flights": 3}))
+    assert survey.names == ("field-1", "field-2", "field-3")
+    times = [forecast.estimate.total_s for forecast in survey.flights]
+    assert max(times) < 1.5 * min(times)
+
+
+def test_the_same_survey_has_the_same_bytes_and_is_read_again_as_one_item(tmp_path: Path) -> None:
+    one, other = (plan_survey(scenario=scenario(PHOTOS)).write(tmp_path / name) for name in "ab")
+    assert [path.read_bytes() for path in one] == [path.read_bytes() for path in other]
+    document = json.loads((tmp_path / "a" / "field.plan").read_text())
+    kinds = [item.get("complexItemType", item.get("command")) for item in document["mission"]["items"]]
+    assert kinds == [Command.NAV_TAKEOFF, Command.DO_CHANGE_SPEED, "survey", Command.NAV_RETURN_TO_LAUNCH]
+    assert len(document["mission"]["items"][2]["TransectStyleComplexItem"]["Items"]) > 10
+
+
+def test_a_corridor_is_followed() -> None:
+    line = [[20.0, 20.0], [200.0, 60.0], [300.0, 200.0]]
+    over = {"line": line, "width": 60.0, "line_spacing": 20.0, "height_above_ground": 40.0}
+    survey = plan_survey(scenario=scenario(over))
+    lines = shapely.multilinestrings([[s.begin, s.end] for s in swaths_of(survey)])
+    assert shapely.hausdorff_distance(lines, shapely.LineString(line)) < 25.0
+    assert survey.plan.coverage.share > 0.999
+
+
+@pytest.mark.parametrize(
+    ("tables", "error", "words"),
+    [
+        ({"obstacles": [TOWER | {"radius": 400.0, "base": 20.0}]}, NoPath, "leave nothing of the area"),
+        ({"survey": LINES | {"height_above_ground": 1.0}}, NoPath, "too near"),
+        ({"survey": LINES | {"flights": 500}}, BadInput, "survey.flights: expected at most"),
+        ({"survey": LINES | {"line_spacing": 0.1}}, BadInput, "survey.line_spacing"),
+        ({"survey": PHOTOS | {"front_overlap": 0.999}}, BadInput, "survey.front_overlap"),
+        ({"vehicle": {"airframe": AIRFRAME, "battery": {"capacity_wh": 2.0}}}, NotEnoughBattery, "battery"),
+    ],
+)
+def test_what_cannot_be_flown_is_refused_with_its_place(tables: dict[str, Any], error: Any, words: str) -> None:
+    with pytest.raises(error, match=words):
+        plan_survey(scenario=scenario(tables.pop("survey", LINES), **tables))
+
+
+def test_the_library_takes_an_area_and_a_camera() -> None:
+    world = scenario(LINES)
+    survey = plan_survey(np.array(FIELD), "DJI Mavic 3E", scenario=world, height_above_ground=60.0)
+    assert survey.plan.photos > 10
+    with pytest.raises(BadInput, match=r"survey.camera: expected the name"):
+        plan_survey(np.array(FIELD), "box brownie", scenario=world, height_above_ground=60.0)

@@ -1,0 +1,1 @@
+"""Surveys of areas with holes, side by side with other planners."""

@@ -1,0 +1,124 @@
+"""How long surveys of areas with holes take that are planned here, and by others, on each autopilot.
+
+    python -m tools.benchmarks.surveys [--holes 0 1 ...] [--maps 20] [--csv FILE]
+
+Each map is planned by `quickest_tour`, by boustrophedon cells as a generalized traveling salesman's problem, and as
+QGroundControl lays out its transects: as they are, through holes, and led round them. All begin and end at a corner of
+the map, have the same spacing, and are flown by the forecast of a mission of their corners. Coverage and how far the
+path leaves the area are told by `coverage`, the sensor on all the way for all but ours. Times are sums [s], CPU is the
+median [s].
+"""
+
+import argparse
+import csv
+import statistics
+import sys
+import time
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geometry import Points
+from ipoa_mission.mission.items import Mission, change_speed, takeoff, waypoint
+from ipoa_mission.survey.area import Area
+from ipoa_mission.survey.cover import quickest_tour
+from ipoa_mission.survey.coverage import Coverage, coverage
+from ipoa_mission.survey.free import FreeSpace, Ways
+from ipoa_mission.survey.times import LegTimes
+from ipoa_mission.survey.tour import Swath, Tour
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+from tools.benchmarks.survey_benchmark.boustrophedon import sweep_cells
+from tools.benchmarks.survey_benchmark.maps import MAPS, MOST_HOLES, SPACING, SPEED, survey_map
+from tools.benchmarks.survey_benchmark.transects import led_round, transects
+
+HOME = Geodetic(47.397742, 8.545594, 488.0)
+HEIGHT = 20.0
+PLACE = np.array([0.05, 0.05])  # where all begin and end
+
+
+def flown_seconds(path: Points, autopilot: Autopilot) -> float:
+    """From the first corner of a path (n, 2) to the last, by the forecast of its mission."""
+    places = np.column_stack([path, np.full(len(path), HEIGHT)])
+    latitude, longitude, altitude = LocalFrame(HOME).to_geodetic(places)
+    corners = [Geodetic(*map(float, at)) for at in zip(latitude, longitude, altitude, strict=True)]
+    items = (takeoff(corners[0], HEIGHT), change_speed(SPEED), *(waypoint(at, HEIGHT) for at in corners))
+    done = Forecast(Mission(HOME, items, autopilot)).predicted(sure=True).done
+    return float(done[-1] - done[2])
+
+
+def all_on(path: Points) -> Tour:
+    """A path with the sensor on all the way."""
+    swaths = tuple(Swath(*leg) for leg in pairwise(path))
+    return Tour(swaths, tuple(np.array([swath.end, swath.end]) for swath in swaths[:-1]))
+
+
+def ours(area: Area, cost: LegTimes) -> tuple[Points, Tour]:
+    """Our tour, with the ways to its begin and from its end."""
+    tour = quickest_tour(area, SPACING, cost=cost, begin=PLACE, end=PLACE)
+    path, space = tour.path, FreeSpace.of(area.shape)
+    ways = Ways(np.array([PLACE, PLACE, path[0], path[0], path[-1], path[-1]]), space, space, cost)
+    return np.concatenate([ways.way(0, 2)[:-1], path, ways.way(4, 0)[1:]]), tour
+
+
+def planned(area: Area, cost: LegTimes) -> Iterator[tuple[str, Points, Tour, float]]:
+    """Name, path, what is seen and CPU of each planner."""
+    started = time.process_time()
+    path, tour = ours(area, cost)
+    yield "ours", path, tour, time.process_time() - started
+    started = time.process_time()
+    path = sweep_cells(area, SPACING, cost, PLACE)
+    yield "cells, salesman", path, all_on(path), time.process_time() - started
+    lines = transects(area, SPACING, HOME)
+    path = np.concatenate([[PLACE], lines, [PLACE]])
+    yield "QGroundControl", path, all_on(path), 0.0
+    path = led_round(lines, area, cost, PLACE)
+    yield "QGroundControl, led round", path, all_on(path), 0.0
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--holes", type=int, nargs="*", default=range(MOST_HOLES + 1))
+    parser.add_argument("--maps", type=int, default=MAPS)
+    parser.add_argument("--csv", type=Path)
+    wanted = parser.parse_args()
+    rows: list[tuple[str, str, int, int, float, float, float, float]] = []
+    for autopilot in registered():
+        cost = LegTimes.of(Mission(HOME, (), autopilot), SPEED, HEIGHT)
+        for holes in wanted.holes:
+            for number in range(wanted.maps):
+                area = survey_map(holes, number)
+                for name, path, tour, cpu in planned(area, cost):
+                    seen: Coverage = coverage(area, tour, SPACING)
+                    seconds = flown_seconds(path, autopilot)
+                    rows.append((str(autopilot), name, holes, number, seconds, seen.share, seen.outside_m, cpu))
+            print(f"{autopilot}, {holes} holes", file=sys.stderr)
+    if wanted.csv:
+        with wanted.csv.open("w", newline="", encoding="utf-8") as file:
+            csv.writer(file).writerows(rows)
+    tell(rows)
+
+
+def tell(rows: list[tuple[str, str, int, int, float, float, float, float]]) -> None:
+    """Tables by number of holes, and over all."""
+    print("| autopilot | holes | planner | flown [s] | of ours | worst of ours | least share | outside [m] | CPU [s] |")
+    print("|---|---:|---|---:|---:|---:|---:|---:|---:|")
+    counts = sorted({row[2] for row in rows})
+    for autopilot in dict.fromkeys(row[0] for row in rows):
+        for some in [*([n] for n in counts), counts]:
+            mine = {row[2:4]: row[4] for row in rows if row[:2] == (autopilot, "ours") and row[2] in some}
+            for name in dict.fromkeys(row[1] for row in rows):
+                those = [row for row in rows if row[:2] == (autopilot, name) and row[2] in some]
+                total, worst = sum(row[4] for row in those), min(row[4] / mine[row[2:4]] for row in those)
+                print(
+                    f"| {autopilot} | {some[0] if len(some) == 1 else 'all'} | {name} | {total:.0f} "
+                    f"| {total / sum(mine.values()):.3f} | {worst:.3f} | {min(row[5] for row in those):.4f} "
+                    f"| {max(row[6] for row in those):.2f} | {statistics.median(row[7] for row in those):.2f} |"
+                )
+
+
+if __name__ == "__main__":
+    main()
