@@ -44,8 +44,8 @@ def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mappin
     mission, numbers = built
     numbers = numbers[len(out) :]
     cameras = [camera_items(sight.triggering(swath.length)[0], mission) for swath in tour.swaths]
-    after = [(numbers[corners[n]], 1, on) for n, (on, _) in zip(begins, cameras, strict=True)]
-    after += [(numbers[corners[n]], 0, off) for n, (_, off) in zip(ends, cameras, strict=True)]
+    after = [(numbers[corners[at]], 2 * n, cameras[n][0]) for n, at in enumerate(begins)]
+    after += [(numbers[corners[at]], 2 * n + 1, cameras[n][1]) for n, at in enumerate(ends)]
     items = [*mission.items]
     for place, _, camera in sorted(after, key=lambda one: one[:2], reverse=True):
         items[place + 1 : place + 1] = camera
