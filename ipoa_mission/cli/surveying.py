@@ -118,7 +118,7 @@ def describe(survey: "Survey") -> list[str]:
     seen, sight = plan.coverage, plan.sight
     firmware = first.autopilot.checked_for(first.firmware_version)
     heights = f"{sight.least:.1f}" + (f" to {sight.least + sight.band:.1f}" if sight.band else "")
-    photos = "" if sight.trigger is None else f", {plan.photos} photos, one each {sight.trigger:.1f} m"
+    photos = "" if sight.trigger is None else f", {plan.photos} photos, one each {sight.trigger:.1f} m or less"
     share = down(100 * seen.share)
     inside = "nothing outside" if seen.outside_m < 0.005 else f"up to {seen.outside_m:.1f} m outside"
     return [

@@ -42,13 +42,15 @@ def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mappin
         home = np.array([0.0, 0.0, scenario.start_point[2]])
         built = _built(out, points, np.vstack([back, clear_way(here, home, scenario, growth, seed)[1:]]), scenario)
     mission, numbers = built
-    on, off = camera_items(sight, mission)
     numbers = numbers[len(out) :]
-    after = [(numbers[corners[n]], on) for n in begins] + [(numbers[corners[n]], off) for n in ends]
+    cameras = [camera_items(sight.triggering(swath.length)[0], mission) for swath in tour.swaths]
+    after = [(numbers[corners[at]], 2 * n, cameras[n][0]) for n, at in enumerate(begins)]
+    after += [(numbers[corners[at]], 2 * n + 1, cameras[n][1]) for n, at in enumerate(ends)]
     items = [*mission.items]
-    for place, camera in sorted(after, key=lambda pair: (-pair[0], pair[1] is off)):
+    for place, _, camera in sorted(after, key=lambda one: one[:2], reverse=True):
         items[place + 1 : place + 1] = camera
-    first, last = max(numbers[corners[begins[0]]], 2), numbers[corners[ends[-1]]] + 2 * len(on) * len(begins)
+    added = sum(len(camera) for *_, camera in after)
+    first, last = max(numbers[corners[begins[0]]], 2), numbers[corners[ends[-1]]] + added
     flown = replace(mission, items=tuple(items))
     if flown.items[first].command != Command.NAV_WAYPOINT:  # the first line begins where the take-off ends
         return flown
@@ -78,20 +80,21 @@ def _path(tour: Tour) -> tuple[Points, list[int], list[int]]:
     return np.array(path), begins, ends
 
 
-def camera_items(sight: Sight, mission: Mission) -> tuple[list[Item], list[Item]]:
-    """What starts the camera where a line begins, and stops it where it ends, as this vehicle has it; none without one.
+def camera_items(distance: float, mission: Mission) -> tuple[list[Item], list[Item]]:
+    """What has this vehicle take a photo where a line begins and then one each so far [m], and what ends that.
+
+    Nothing where the distance is 0.
 
     Raises:
-        MissionError: it has nothing for it.
+        MissionError: it has no command for it.
     """
-    if sight.trigger is None:
+    if distance == 0.0:
         return [], []
     own = mission.autopilot.firmware(mission.firmware_version)
     if own.takes(Command.DO_SET_CAM_TRIGG_DIST):
-        return [trigger(round(sight.trigger, 2))], [trigger(0.0)]
+        return [trigger(round(distance, 2))], [trigger(0.0, at_once=False)]
     if own.takes(Command.IMAGE_START_CAPTURE) and own.takes(Command.IMAGE_STOP_CAPTURE):
-        every = round(sight.trigger / (mission.cruise_speed or 1.0), 2)
-        return [Item(Command.IMAGE_START_CAPTURE, Frame.MISSION, (0.0, every, 0.0, 0.0))], [
-            Item(Command.IMAGE_STOP_CAPTURE, Frame.MISSION)
-        ]
+        every = round(distance / (mission.cruise_speed or 1.0), 2)
+        start = Item(Command.IMAGE_START_CAPTURE, Frame.MISSION, (0.0, every, 0.0, 0.0))
+        return [start], [Item(Command.IMAGE_STOP_CAPTURE, Frame.MISSION)]
     raise MissionError(f"camera: {own} takes no command in a mission that triggers one")

@@ -1,5 +1,6 @@
 """How high a survey is flown, and what is seen from there: spacing of the lines, distance between photos, footprint."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,8 @@ from ipoa_mission.survey.area import Area
 
 LEVEL = 0.05  # ground whose heights differ by less is flat [m]
 LOOKS = 40  # lines each way on which the ground is looked at
+LOOKS_EVERY = 0.02  # autopilots look so often whether the next photo is due [s]
+LEAST_TRIGGER = 0.1  # [m]
 CLOSEST = 0.5  # lines, and photos, nearer to each other are a mistake [m]
 
 
@@ -26,6 +29,7 @@ class Sight:
         trigger: between photos along a line; None: no camera.
         across: how wide what is seen is at the least height; without a camera as wide as the spacing.
         along: how long; 0 without a camera.
+        lag: how much farther apart photos are than they are triggered, as the way is looked at from time to time.
     """
 
     least: float
@@ -34,15 +38,28 @@ class Sight:
     trigger: float | None
     across: float
     along: float
+    lag: float = 0.0
 
     @property
     def middle(self) -> float:
         """The height above the highest ground that is aimed at."""
         return self.least + self.band / 2
 
+    def triggering(self, length: float) -> tuple[float, int]:
+        """How far apart photos are triggered along a line of this length [m], and how many that makes.
+
+        They are no farther apart than they may be, and the last one is half a step before the end: wherever a flight
+        begins and ends the line by a few meters it takes as many, and all of the line is in a photo.
+        """
+        if self.trigger is None:
+            return 0.0, 0
+        steps = max(math.ceil(length / self.trigger - 0.5 - 1e-9), 0)
+        between = length / (steps + 0.5) if steps else self.trigger
+        return max(between - self.lag, LEAST_TRIGGER), 1 + steps
+
     def photos(self, length: float) -> int:
-        """How many are taken along a line of this length [m]: one where it begins, then one each so far."""
-        return 0 if self.trigger is None else 1 + int(np.floor(length / self.trigger + 1e-6))
+        """How many are taken along a line of this length [m]."""
+        return self.triggering(length)[1]
 
 
 def sight_of(section: SurveySection, area: Area, scenario: Scenario) -> Sight:
@@ -63,7 +80,7 @@ def sight_of(section: SurveySection, area: Area, scenario: Scenario) -> Sight:
             raise BadInput(f"survey.{key}: expected lines and photos {CLOSEST:g} m apart or more, not {distance:.2f} m")
     if spacing > across + 1e-9:
         raise BadInput(f"survey.line_spacing: expected at most what a photo shows, {across:.1f} m, not {spacing:g} m")
-    return Sight(least, share * least, spacing, trigger, across, along)
+    return Sight(least, share * least, spacing, trigger, across, along, LOOKS_EVERY / 2 * scenario.vehicle.cruise_speed)
 
 
 def _is_level(area: Area, scenario: Scenario) -> bool:
