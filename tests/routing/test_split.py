@@ -102,7 +102,7 @@ def test_one_battery_that_is_enough_is_one_flight_and_none_is_refused() -> None:
 def test_where_the_straight_way_back_is_not_clear_it_is_as_high_as_the_return() -> None:
     """A wall stands between home and all places but the first, higher than the take-off and lower than the return."""
     wall = {"kind": "box", "name": "wall", "east": 10.0, "north": -10.0, "width": 6.0, "depth": 36.0, "height": 22.0}
-    scenario = world(21.0, wall)
+    scenario = world(22.0, wall)
     mission = strips(scenario, 12.0, [(40, 150), *((east, 0) for east in (90, 150, 210))])
     parts = split(mission, scenario)
     assert len(parts) > 1
