@@ -63,7 +63,7 @@ def test_a_flag_means_the_same_everywhere() -> None:
 
 def test_fly_takes_what_plan_takes() -> None:
     taken = {name: {flag.name for flag in verbs.flags(verb)} for name, verb in verbs.by_name().items()}
-    assert taken["plan"] - {"SCENARIO", "--split"} <= taken["fly"]  # a flight is one battery's
+    assert taken["plan"] - {"SCENARIO", "--split"} <= taken["fly"]  # parts are flown by their files, a battery each
 
 
 @pytest.mark.parametrize(
