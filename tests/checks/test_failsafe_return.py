@@ -1,6 +1,7 @@
 """RTL from the middle of a mission: how far the real ones flew on, and what stands in the way home."""
 
 import csv
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
 from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.version import Version
 
 FLOWN = list(csv.DictReader(Path(__file__).with_name("braked.csv").read_text().splitlines()))
 ROUND_THE_HALL = np.array([(0.0, 0.0, 20.0), (0.0, -40.0, 20.0), (100.0, -40.0, 20.0), (100.0, 0.0, 20.0)])
@@ -136,5 +138,6 @@ def nominal(scenario: Scenario) -> Scenario:
 
 def test_a_return_that_is_not_modeled_is_told_of() -> None:
     forecast = flight_in(scene(Autopilot.PX4, HALL))
-    (finding,) = check_failsafe_return(Forecast(forecast.mission.with_parameters({"RTL_TYPE": 2.0}), forecast.world))
+    here = replace(forecast.mission.with_parameters({"RTL_TYPE": 5.0}), firmware_version=Version(1, 18))
+    (finding,) = check_failsafe_return(Forecast(here, forecast.world))
     assert (finding.code, finding.seq) == ("return-too-near", None)
