@@ -56,8 +56,8 @@ class ReturnRoutes:
 
     @cached_property
     def _found(self) -> frozenset[ReturnBy]:
-        items, heres = range(1, len(self.mission.items) + 1), [tuple(place.tolist()) for _, place in self._places]
-        return frozenset(self.route(here, seq).by for seq in items for here in (HOME, *heres))
+        asked = [(HOME, 1), *((_triple(place), seq) for seq, place in self._places)]
+        return frozenset(self.route(here, seq).by for here, seq in asked)
 
     def ways(self, by: ReturnBy, starts: NDArray[np.float64], seqs: NDArray[np.intp]) -> NDArray[np.float64]:
         """From starts (n, k, 3) on to the ground, (n, p, 3)."""
@@ -143,5 +143,8 @@ class ReturnRoutes:
     def _landing(self, seq: int) -> MissionLanding | None:
         if not self._places or self.mission.items[self._places[-1][0] - 1].command != Command.NAV_LAND:
             return None
-        east, north, up = (float(x) for x in self._places[-1][1])
-        return MissionLanding((east, north, up), self._land_start - seq, seq - 1)
+        return MissionLanding(_triple(self._places[-1][1]), self._land_start - seq, seq - 1)
+
+
+def _triple(place: Vector) -> Place:
+    return float(place[0]), float(place[1]), float(place[2])
