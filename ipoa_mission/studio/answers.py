@@ -4,6 +4,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, TypeAdapter
 
+from ipoa_mission.studio.requests import Change
 from ipoa_mission.studio.vocabulary import LngLat, PageMessage, Path
 
 Number: TypeAlias = float | None
@@ -24,22 +25,34 @@ class Document(PageMessage):
     redo: str | None
 
 
+class Remedy(PageMessage):
+    """What may help, as a button: its words and the changes that it makes."""
+
+    label: str
+    changes: tuple[Change, ...]
+
+
 class Trouble(PageMessage):
-    """Something was not done; `of` says what it was of."""
+    """Something was not done; `of` says what it was of, `message` has one thing that is wrong on a line."""
 
     kind: Literal["trouble"] = "trouble"
     of: Literal["edit", "scenario", "sketch", "plan", "file", "flight"]
     message: str
     hint: str | None = None
     revision: int | None = None
+    remedies: tuple[Remedy, ...] = ()
 
 
 class Body(PageMessage):
-    """An obstacle or a zone on the map; `path` where the scenario itself draws it. `rings`: outer one, then holes."""
+    """An obstacle or a zone on the map; `path` where the scenario itself draws it. `rings`: outer one, then holes.
+
+    `doubt`: a map has it, but not how high it is; a flight near it is refused.
+    """
 
     name: str
     path: Path | None
     solid: bool
+    doubt: bool = False
     base: float
     top: float
     rings: tuple[tuple[LngLat, ...], ...]
@@ -146,6 +159,17 @@ class Binding(PageMessage):
     at: int
 
 
+class Beside(PageMessage):
+    """An obstacle or a zone below or beside the course: between which distances along it, and its heights."""
+
+    name: str
+    look: Literal["below", "beside", "zone"]
+    begins: float
+    ends: float
+    base: float
+    top: float
+
+
 class Stop(PageMessage):
     """An item of the mission as `show` numbers it, and the sample of the course at which it is done."""
 
@@ -199,6 +223,7 @@ class Plan(PageMessage):
     battery_left: Number
     tube_ring: tuple[tuple[LngLat, ...], ...]
     course: Course
+    beside: tuple[Beside, ...]
     stops: tuple[Stop, ...]
     bindings: tuple[Binding, ...]
     choices: tuple[Choice, ...]

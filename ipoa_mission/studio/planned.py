@@ -15,6 +15,7 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.planning.sketch import Sketch
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.report import seen
+from ipoa_mission.report.panels.profile import near_course
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.view import line_of, on_map, without_folders
@@ -69,6 +70,7 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
         battery_left=None if energy is None or battery is None else round(float(energy.left(battery.build())), 3),
         tube_ring=tuple(on_map(scenario.frame, ring) for ring in seen.outline_round(course.points, rim.level)),
         course=_course(course, scenario),
+        beside=tuple(_beside(course, scenario)),
         stops=tuple(answers.Stop(seq=item.seq, at=course.nearest(item.done_s)) for item in estimate.items),
         bindings=tuple(_bindings(flight, course)),
         choices=tuple(_choices(flight)),
@@ -100,6 +102,14 @@ def _course(course: seen.Seen, scenario: Scenario) -> answers.Course:
         ground=tuple(course.ground.round(2).tolist()),
         apart=tuple(apart),
     )
+
+
+def _beside(course: seen.Seen, scenario: Scenario) -> Iterator[answers.Beside]:
+    """What the profile shows below and beside the path, as the report does."""
+    for body, (begins, ends), look in near_course(course, scenario.airspace, scenario.limits.obstacle_distance):
+        base, top = body.bounds[:, 2].round(2).tolist()
+        name = without_folders(body.name, scenario)
+        yield answers.Beside(name=name, look=look, begins=round(begins, 1), ends=round(ends, 1), base=base, top=top)
 
 
 def _bindings(flight: Flight, course: seen.Seen) -> Iterator[answers.Binding]:

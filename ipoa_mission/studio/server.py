@@ -2,7 +2,6 @@
 
 import asyncio
 import json
-import secrets
 import socket
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
@@ -17,10 +16,11 @@ from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, R
 from starlette.routing import BaseRoute, Mount, Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.studio.answers import Trouble
 from ipoa_mission.studio.dropped import LARGEST, keep, use_of
 from ipoa_mission.studio.guard import POLICY, Guard
+from ipoa_mission.studio.memory import address_of, remember
 from ipoa_mission.studio.requests import REQUESTS
 from ipoa_mission.studio.session import Session, Window
 
@@ -89,16 +89,36 @@ def application(session: Session, bundle: Path, token: str, host: str) -> Starle
 def serve(path: Path, bundle: Path, port: int, seed: int, tell_address: Callable[[str], None]) -> None:
     """Serve the studio on this machine until Ctrl-C; `tell_address` is told where, when the port is open.
 
+    A file that was open before gets the address that it had, so that its old page comes back.
+
     Raises:
-        BadInput: the scenario cannot be read.
+        BadInput: the scenario cannot be read, or the port cannot be had.
     """
-    token = secrets.token_urlsafe(24)
-    listener = socket.create_server(("127.0.0.1", port))
-    host = f"127.0.0.1:{listener.getsockname()[1]}"
-    app = application(Session(path, seed), bundle, token, host)
+    known = address_of(path.resolve())
+    listener = _listen(port, known.port)
+    number = listener.getsockname()[1]
+    remember(known, number)
+    host = f"127.0.0.1:{number}"
+    app = application(Session(path, seed), bundle, known.token, host)
     config = uvicorn.Config(app, log_level="warning", access_log=False, server_header=False, ws_max_size=LONGEST)
-    tell_address(f"http://{host}/{token}/")
+    tell_address(f"http://{host}/{known.token}/")
     uvicorn.Server(config).run(sockets=[listener])
+
+
+def _listen(asked: int, before: int) -> socket.socket:
+    """A socket of this machine: on the port that is asked for, else on the one of before, else on any that is free.
+
+    Raises:
+        BadInput: the port that is asked for cannot be had.
+    """
+    if asked:
+        try:
+            return socket.create_server(("127.0.0.1", asked))
+        except OSError as error:
+            raise BadInput(f"--port {asked}: cannot be had: {error.strerror}", hint="leave --port out") from error
+    with suppress(OSError):
+        return socket.create_server(("127.0.0.1", before))
+    return socket.create_server(("127.0.0.1", 0))
 
 
 async def _send(socket: WebSocket, window: Window) -> None:

@@ -257,6 +257,19 @@ def test_the_goal_is_dragged_and_undone(page: Any) -> None:
     page.locator(".saved").wait_for()
 
 
+def test_the_map_stays_where_it_is_while_a_plan_is_awaited_or_refused(page: Any) -> None:
+    proved(page)
+    before = page.locator(".map").bounding_box()
+    rewrite(page, MEADOW.read_text().replace("east = 60.0", "east = 30.0"))  # inside of the barn
+    page.get_by_text("goal: nothing can fly there").wait_for()
+    assert page.locator("[data-spot=goal].lit").count() == 1
+    assert page.locator(".map").bounding_box() == before
+    page.get_by_role("button", name=re.compile("Goal to .* m above home")).click()
+    proved(page)
+    assert page.locator(".map").bounding_box() == before
+    assert page.locator(".lit").count() == 0
+
+
 def test_a_height_is_changed_for_all_at_once(page: Any) -> None:
     field = page.get_by_label("Height of all places")
     field.fill("14")

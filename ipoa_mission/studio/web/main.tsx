@@ -7,7 +7,7 @@ import { render } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import { Bar, listenToKeys } from "./bar";
 import { Bindings, Candidates, Choices, Remarks } from "./findings";
-import { Drop } from "./drop";
+import { Drop, Question } from "./drop";
 import { Fly } from "./fly";
 import { Chosen, Limits } from "./form";
 import { useHands } from "./hands";
@@ -19,7 +19,7 @@ import { Outside, Text } from "./text";
 import { useStudio } from "./use";
 import { Verdict } from "./verdict";
 
-function MapView({ notice }: { notice: string }) {
+function MapView({ notice, known }: { notice: string; known: boolean }) {
   const place = useRef<HTMLDivElement>(null);
   useEffect(() => {
     const map = makeMap(place.current!);
@@ -28,7 +28,7 @@ function MapView({ notice }: { notice: string }) {
     Object.assign(window, { map }); // for tests, and for the curious
   }, []);
   return (
-    <div class="map" role="region" aria-label="Map">
+    <div class={`map${known ? "" : " unknown"}`} role="region" aria-label="Map">
       <div class="canvas" ref={place} />
       {notice && <p class="notice" role="status">{notice}</p>}
     </div>
@@ -47,11 +47,12 @@ function Page() {
       <Bar />
       <main>
         <div class="stage">
-          <MapView notice={now.notice} />
+          <MapView notice={now.notice} known={now.world !== null} />
           <Profile now={now} />
         </div>
         <aside class="side" aria-label="The flight">
           <Outside now={now} />
+          <Question now={now} />
           <Verdict now={now} />
           <Chosen now={now} />
           <Bindings now={now} />

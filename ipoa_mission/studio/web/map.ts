@@ -1,13 +1,13 @@
 // The map: MapLibre with a style of our own, made of nothing but the scenario; no tile is asked for anywhere.
 import { Map as MapLibre, NavigationControl, ScaleControl, setWorkerUrl, type GeoJSONSource, type StyleSpecification } from "maplibre-gl";
-import type { Line, World } from "./messages";
+import type { Line, Trouble, World } from "./messages";
 import { color, onSchemeChange } from "./colors";
 import * as shapes from "./shapes";
-import { listen, proved, studio, type Studio } from "./store";
+import { blocking, coarseOf, isNamed, listen, proved, studio, type Studio } from "./store";
 
 setWorkerUrl(new URL("map-worker.js", document.baseURI).href);
 
-const SOURCES = ["ground", "bodies", "fences", "bounds", "others", "tube", "path", "flown", "ribbon", "flown-ribbon", "kept", "here", "pillar", "vehicle", "draft"] as const;
+const SOURCES = ["ground", "bodies", "lit", "fences", "bounds", "others", "tube", "path", "flown", "ribbon", "flown-ribbon", "kept", "here", "pillar", "vehicle", "draft"] as const;
 type SourceName = (typeof SOURCES)[number];
 const EMPTY = shapes.collection([]);
 const FLAT = ["ground", "roofs", "roof-lines", "tube"];
@@ -20,6 +20,7 @@ export function makeMap(container: HTMLElement): MapLibre {
   });
   map.addControl(new NavigationControl({ visualizePitch: true }), "top-right");
   map.addControl(new ScaleControl({ maxWidth: 120 }), "bottom-left");
+  shown = map;
   map.on("load", () => {
     map.addImage("hatch", hatch());
     drawAll(map, studio);
@@ -44,6 +45,19 @@ export function fit(map: MapLibre, world: World, animate = true): void {
   );
 }
 
+let shown: MapLibre | null = null;
+
+/** Go to what a refusal names. */
+export function showNamed(trouble: Trouble): void {
+  const world = studio.world;
+  if (!shown || !world) return;
+  const rings = world.bodies.filter(body => isNamed(body.name, [trouble])).flatMap(body => body.rings[0] ?? []);
+  const places = [...rings, ...world.spots.filter(spot => isNamed(spot.name, [trouble])).map(spot => spot.place)] as [number, number][];
+  if (!places.length) return fit(shown, world);
+  const lng = places.map(place => place[0]), lat = places.map(place => place[1]);
+  shown.fitBounds([[Math.min(...lng), Math.min(...lat)], [Math.max(...lng), Math.max(...lat)]], { padding: 90, maxZoom: 19, animate: false });
+}
+
 /** Fill in what is drawn while the user draws. */
 export function draft(map: MapLibre, features: GeoJSON.Feature[]): void {
   fill(map, "draft", features);
@@ -52,8 +66,9 @@ export function draft(map: MapLibre, features: GeoJSON.Feature[]): void {
 function update(map: MapLibre, now: Studio, before: Studio): void {
   if (now.world !== before.world && now.world) {
     drawWorld(map, now.world);
-    if (!before.world) fit(map, now.world, false);
+    if (!before.world || wentAway(map, now.world, before.world)) fit(map, now.world, false);
   }
+  if (now.troubles !== before.troubles || now.world !== before.world) drawLit(map, now);
   if (["plan", "sketch", "drag", "document", "world"].some(key => now[key as keyof Studio] !== before[key as keyof Studio])) drawPath(map, now);
   if (now.flown !== before.flown) drawFlown(map, now);
   if (now.candidates !== before.candidates) drawKept(map, now);
@@ -65,6 +80,19 @@ function update(map: MapLibre, now: Studio, before: Studio): void {
   }
 }
 
+/** Whether a place of the flight has moved out of sight, as by a file that was dropped. */
+function wentAway(map: MapLibre, now: World, before: World): boolean {
+  const known = new Set(before.spots.map(spot => String(spot.place)));
+  const moved = now.spots.filter(spot => !known.has(String(spot.place)));
+  return moved.some(spot => !map.getBounds().contains(spot.place as [number, number]));
+}
+
+/** What stands in the way of a plan, by name. */
+function drawLit(map: MapLibre, now: Studio): void {
+  const refusals = blocking(now), bodies = refusals.length && now.world ? now.world.bodies : [];
+  fill(map, "lit", bodies.filter(body => isNamed(body.name, refusals)).map(body => shapes.line(body.rings[0])));
+}
+
 function drawAll(map: MapLibre, now: Studio): void {
   if (now.world) {
     drawWorld(map, now.world);
@@ -74,6 +102,7 @@ function drawAll(map: MapLibre, now: Studio): void {
   drawFlown(map, now);
   drawKept(map, now);
   drawHere(map, now);
+  drawLit(map, now);
   showSpace(map, now.space);
 }
 
@@ -86,12 +115,12 @@ function drawWorld(map: MapLibre, world: World): void {
 
 /** The proved path if there is one of what is here now, else the coarse one, dashed. */
 function drawPath(map: MapLibre, now: Studio): void {
-  const plan = proved(now), coarse = now.drag ?? (plan ? null : now.sketch);
+  const plan = proved(now), coarse = now.drag ?? (plan ? null : coarseOf(now));
   const course: Line | undefined = coarse ? coarse.line : plan?.course.line;
   fill(map, "path", course ? [shapes.line(course.points, { coarse: coarse !== null, holds: coarse?.holds ?? true })] : []);
   fill(map, "others", coarse ? coarse.others.map(other => shapes.line(other.points)) : []);
   fill(map, "tube", plan && !coarse ? shapes.tube(plan) : []);
-  fill(map, "ribbon", course && now.space && now.world ? shapes.ribbon(course, shapes.lowest(now.world), 2.2, 1.4) : []);
+  fill(map, "ribbon", course && now.space && now.world ? shapes.ribbon(course, shapes.lowest(now.world), 2.2, 1.4, coarse !== null) : []);
 }
 
 function drawFlown(map: MapLibre, now: Studio): void {
@@ -150,7 +179,7 @@ function hatch(): ImageData {
 
 function style(): StyleSpecification {
   const ramp = (low: string, high: string): any => ["interpolate", ["linear"], ["get", "share"], 0, color(low), 1, color(high)];
-  const solid: any = ["==", ["get", "solid"], true], zone: any = ["!=", ["get", "solid"], true];
+  const solid: any = ["==", ["get", "solid"], true], zone: any = ["all", ["!=", ["get", "solid"], true], ["!=", ["get", "doubt"], true]], doubt: any = ["==", ["get", "doubt"], true];
   const dash = [2.2, 1.6];
   return {
     version: 8,
@@ -166,6 +195,9 @@ function style(): StyleSpecification {
       { id: "roof-lines", type: "line", source: "bodies", filter: solid, paint: { "line-color": color("edge"), "line-width": 0.8 } },
       { id: "zones", type: "fill", source: "bodies", filter: zone, paint: { "fill-pattern": "hatch" } },
       { id: "zone-lines", type: "line", source: "bodies", filter: zone, paint: { "line-color": color("bad"), "line-width": 1.4 } },
+      { id: "doubts", type: "fill", source: "bodies", filter: doubt, paint: { "fill-color": color("amber"), "fill-opacity": 0.16 } },
+      { id: "doubt-lines", type: "line", source: "bodies", filter: doubt, paint: { "line-color": color("amber"), "line-width": 1.4, "line-dasharray": [3, 2] } },
+      { id: "lit", type: "line", source: "lit", paint: { "line-color": color("focus"), "line-width": 5, "line-opacity": 0.9 } },
       { id: "keep-out", type: "fill", source: "fences", filter: ["!", ["get", "inclusion"]], paint: { "fill-pattern": "hatch" } },
       { id: "fence-lines", type: "line", source: "fences", paint: { "line-color": ["case", ["get", "inclusion"], color("good"), color("bad")], "line-width": 2 } },
       { id: "others", type: "line", source: "others", paint: { "line-color": color("legs"), "line-width": 1.4, "line-dasharray": [1.5, 2], "line-opacity": 0.8 } },
@@ -175,13 +207,14 @@ function style(): StyleSpecification {
       { id: "flown", type: "line", source: "flown", layout: { "line-cap": "round" }, paint: { "line-color": color("flown"), "line-width": 2.2 } },
       { id: "roofs-space", type: "fill-extrusion", source: "bodies", filter: solid, layout: { visibility: "none" }, paint: { "fill-extrusion-color": ramp("low-roof", "high-roof"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-opacity": 0.92 } },
       { id: "zones-space", type: "fill-extrusion", source: "bodies", filter: zone, layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("bad"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-opacity": 0.18 } },
-      { id: "ribbon", type: "fill-extrusion", source: "ribbon", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("planned"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-vertical-gradient": false } },
+      { id: "ribbon", type: "fill-extrusion", source: "ribbon", layout: { visibility: "none" }, paint: { "fill-extrusion-color": ["case", ["get", "coarse"], color("quiet"), color("planned")], "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-vertical-gradient": false } },
       { id: "flown-ribbon", type: "fill-extrusion", source: "flown-ribbon", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("flown"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-vertical-gradient": false } },
       { id: "pillar", type: "fill-extrusion", source: "pillar", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("focus"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"] } },
       { id: "here", type: "circle", source: "here", paint: { "circle-color": color("focus"), "circle-stroke-color": color("ink"), "circle-stroke-width": 2, "circle-radius": 6 } },
       { id: "vehicle", type: "circle", source: "vehicle", paint: { "circle-color": color("flown"), "circle-stroke-color": color("card"), "circle-stroke-width": 2.5, "circle-radius": 8 } },
       { id: "draft-fill", type: "fill", source: "draft", filter: ["==", ["geometry-type"], "Polygon"], paint: { "fill-color": color("focus"), "fill-opacity": 0.25 } },
-      { id: "draft", type: "line", source: "draft", paint: { "line-color": color("focus"), "line-width": 2 } },
+      { id: "draft-closing", type: "line", source: "draft", filter: ["==", ["get", "closing"], true], paint: { "line-color": color("focus"), "line-width": 1.6, "line-dasharray": [2, 2] } },
+      { id: "draft", type: "line", source: "draft", filter: ["!=", ["get", "closing"], true], paint: { "line-color": color("focus"), "line-width": 2 } },
       { id: "draft-points", type: "circle", source: "draft", filter: ["==", ["geometry-type"], "Point"], paint: { "circle-color": color("card"), "circle-stroke-color": color("focus"), "circle-stroke-width": 2, "circle-radius": 5 } },
     ],
   };
