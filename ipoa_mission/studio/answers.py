@@ -83,6 +83,25 @@ class Terrace(PageMessage):
     polygons: tuple[tuple[tuple[LngLat, ...], ...], ...]
 
 
+class Tiles(PageMessage):
+    """Map tiles for below the scenario; `address` has {z}, {x} and {y}, and is beside the page if it names no host."""
+
+    kind: Literal["tiles"] = "tiles"
+    address: str
+    attribution: str
+    min_zoom: int
+    max_zoom: int
+
+
+class Heights(PageMessage):
+    """The ground on a grid, row by row from the south-west corner: `step` in degrees, `up` above home."""
+
+    corner: LngLat
+    step: LngLat
+    columns: int
+    up: tuple[float, ...]
+
+
 class World(PageMessage):
     """What a map shows of a scenario; `box` is west, south, east, north of the flight's bounds.
 
@@ -100,6 +119,8 @@ class World(PageMessage):
     spots: tuple[Spot, ...]
     fences: tuple[Fence, ...]
     ground: tuple[Terrace, ...]
+    heights: Heights
+    home_amsl: float
     required: float
     remarks: tuple[str, ...]
 
@@ -286,7 +307,7 @@ class Written(PageMessage):
 
 
 Answer: TypeAlias = Annotated[
-    Document | Trouble | World | Sketch | Progress | Plan | Loaded | Seen | Landed | State | Written,
+    Document | Trouble | World | Tiles | Sketch | Progress | Plan | Loaded | Seen | Landed | State | Written,
     Field(discriminator="kind"),
 ]
 ANSWERS: TypeAdapter[Any] = TypeAdapter(Answer)

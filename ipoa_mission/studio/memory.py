@@ -54,6 +54,17 @@ def remember(opened: Opened, port: int) -> None:
     _write({"opened": [asdict(replace(opened, port=port)), *others][:KEPT]})
 
 
+def kept_tiles() -> tuple[str, str] | None:
+    """The map tiles of the last time: their source, and whose they are."""
+    known = _read().get("tiles")
+    return (str(known[0]), str(known[1])) if isinstance(known, list) and len(known) == 2 else None
+
+
+def keep_tiles(tiles: tuple[str, str] | None) -> None:
+    """Remember map tiles, or none."""
+    _write({"tiles": tiles})
+
+
 def _read() -> dict[str, Any]:
     try:
         known = json.loads(memory_file().read_text(encoding="utf-8"))

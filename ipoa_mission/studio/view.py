@@ -15,7 +15,7 @@ from ipoa_mission.maps.passed import PassedOver
 from ipoa_mission.report.ground_mesh import ground_mesh, round_step
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.places import FenceSection
-from ipoa_mission.studio.answers import Body, Fence, Spot, Terrace, World
+from ipoa_mission.studio.answers import Body, Fence, Heights, Spot, Terrace, World
 from ipoa_mission.studio.answers import Line as MapLine
 from ipoa_mission.studio.vocabulary import LngLat, as_on_map
 from ipoa_mission.world.frame import LocalFrame, radii_of_curvature
@@ -45,6 +45,8 @@ def world_of(scenario: Scenario, revision: int) -> World:
         spots=tuple(_spots(scenario)),
         fences=tuple(_fence(n, fence, frame) for n, fence in enumerate(scenario.fence)),
         ground=tuple(_terraces(scenario)),
+        heights=_heights(scenario),
+        home_amsl=scenario.home.altitude_amsl,
         required=scenario.limits.obstacle_distance,
         remarks=scenario.remarks,
     )
@@ -141,6 +143,16 @@ def _terraces(scenario: Scenario) -> Iterator[Terrace]:
         ]
         if drawn:
             yield Terrace(up=round(float(level), 2), polygons=tuple(drawn))
+
+
+def _heights(scenario: Scenario) -> Heights:
+    """The ground below the pointer."""
+    east, north, up = ground_mesh(scenario.airspace, CELLS)
+    ends = np.array([[east[0, 0], north[0, 0]], [east[-1, -1], north[-1, -1]]])
+    (west, south), (far, top) = on_map(scenario.frame, ends)
+    rows, columns = up.shape
+    step = (far - west) / (columns - 1), (top - south) / (rows - 1)
+    return Heights(corner=(west, south), step=step, columns=columns, up=tuple(up.ravel().round(1).tolist()))
 
 
 def _closed(ring: tuple[LngLat, ...]) -> tuple[LngLat, ...]:

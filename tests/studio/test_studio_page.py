@@ -260,11 +260,11 @@ def test_the_goal_is_dragged_and_undone(page: Any) -> None:
 def test_the_map_stays_where_it_is_while_a_plan_is_awaited_or_refused(page: Any) -> None:
     proved(page)
     before = page.locator(".map").bounding_box()
-    rewrite(page, MEADOW.read_text().replace("east = 60.0", "east = 30.0"))  # inside of the barn
-    page.get_by_text("goal: nothing can fly there").wait_for()
-    assert page.locator("[data-spot=goal].lit").count() == 1
+    rewrite(page, MEADOW.read_text() + "\n[[via]]\neast = 30.0\nnorth = 0.0\nup = 10.0\n")  # inside of the barn
+    page.get_by_text("via 1: nothing can fly there").wait_for()
+    assert page.locator("[data-spot='via.0'].lit").count() == 1
     assert page.locator(".map").bounding_box() == before
-    page.get_by_role("button", name=re.compile("Goal to .* m above home")).click()
+    page.get_by_role("button", name=re.compile("Via 1 to .* m above home")).click()
     proved(page)
     assert page.locator(".map").bounding_box() == before
     assert page.locator(".lit").count() == 0

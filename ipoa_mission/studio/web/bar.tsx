@@ -32,6 +32,7 @@ export function Bar() {
           onClick={() => send({ kind: "do", what: "redo" })}>↷</button>
       </div>
       <div class="group">
+        {now.tiles && <button type="button" aria-pressed={now.picture} onClick={() => set({ picture: !now.picture })}>Map</button>}
         <button type="button" aria-pressed={space} onClick={() => set({ space: !space })}>3-D</button>
         <button type="button" class="strong" disabled={!shown.unsaved} onClick={() => send({ kind: "do", what: "save" })}>Save</button>
         <button type="button" disabled={!proved(now)} title={`Write ${shown.name}.plan, .waypoints, .json and the report`}

@@ -12,24 +12,27 @@ import { Fly } from "./fly";
 import { Chosen, Limits } from "./form";
 import { useHands } from "./hands";
 import { makeMap } from "./map";
+import { showPointer } from "./pointer";
 import { Profile } from "./profile";
 import { showSpots } from "./spots";
-import { send, studio, type Candidate } from "./store";
+import { send, studio, type Candidate, type Studio } from "./store";
 import { Outside, Text } from "./text";
 import { useStudio } from "./use";
 import { Verdict } from "./verdict";
 
-function MapView({ notice, known }: { notice: string; known: boolean }) {
+function MapView({ now: { notice, tiles, picture, world } }: { now: Studio }) {
   const place = useRef<HTMLDivElement>(null);
   useEffect(() => {
     const map = makeMap(place.current!);
     showSpots(map);
     useHands(map);
+    showPointer(map);
     Object.assign(window, { map }); // for tests, and for the curious
   }, []);
   return (
-    <div class={`map${known ? "" : " unknown"}`} role="region" aria-label="Map">
+    <div class={`map${world ? "" : " unknown"}`} role="region" aria-label="Map">
       <div class="canvas" ref={place} />
+      {tiles && picture && <p class="attribution">{tiles.attribution}</p>}
       {notice && <p class="notice" role="status">{notice}</p>}
     </div>
   );
@@ -47,7 +50,7 @@ function Page() {
       <Bar />
       <main>
         <div class="stage">
-          <MapView notice={now.notice} known={now.world !== null} />
+          <MapView now={now} />
           <Profile now={now} />
         </div>
         <aside class="side" aria-label="The flight">

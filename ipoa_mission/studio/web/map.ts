@@ -3,7 +3,7 @@ import { Map as MapLibre, NavigationControl, ScaleControl, setWorkerUrl, type Ge
 import type { Line, Trouble, World } from "./messages";
 import { color, onSchemeChange } from "./colors";
 import * as shapes from "./shapes";
-import { blocking, coarseOf, isNamed, listen, proved, studio, type Studio } from "./store";
+import { blocking, coarseOf, isNamed, listen, proved, set, studio, type Studio } from "./store";
 
 setWorkerUrl(new URL("map-worker.js", document.baseURI).href);
 
@@ -17,6 +17,10 @@ export function makeMap(container: HTMLElement): MapLibre {
   const map = new MapLibre({
     container, style: style(), center: [0, 0], zoom: 1, maxZoom: 22, maxPitch: 75, attributionControl: false,
     dragRotate: true, fadeDuration: 0, canvasContextAttributes: { antialias: true },
+  });
+  map.on("error", event => {
+    if ((event as { sourceId?: string }).sourceId === "tiles") set({ notice: "Some of the map's tiles could not be had." });
+    else console.error(event.error.message);
   });
   map.addControl(new NavigationControl({ visualizePitch: true }), "top-right");
   map.addControl(new ScaleControl({ maxWidth: 120 }), "bottom-left");
@@ -70,11 +74,13 @@ function update(map: MapLibre, now: Studio, before: Studio): void {
   }
   if (now.troubles !== before.troubles || now.world !== before.world) drawLit(map, now);
   if (["plan", "sketch", "drag", "document", "world"].some(key => now[key as keyof Studio] !== before[key as keyof Studio])) drawPath(map, now);
+  if (now.tiles !== before.tiles || now.picture !== before.picture) showPicture(map, now);
   if (now.flown !== before.flown) drawFlown(map, now);
   if (now.candidates !== before.candidates) drawKept(map, now);
   if (now.at !== before.at || now.plan !== before.plan || now.document !== before.document || now.space !== before.space) drawHere(map, now);
   if (now.space !== before.space) {
     showSpace(map, now.space);
+    showPicture(map, now);
     map.easeTo({ pitch: now.space ? 58 : 0, bearing: now.space ? map.getBearing() || -18 : 0, duration: 500 });
     drawPath(map, now);
   }
@@ -104,6 +110,7 @@ function drawAll(map: MapLibre, now: Studio): void {
   drawHere(map, now);
   drawLit(map, now);
   showSpace(map, now.space);
+  showPicture(map, now);
 }
 
 function drawWorld(map: MapLibre, world: World): void {
@@ -155,6 +162,20 @@ function showSpace(map: MapLibre, space: boolean): void {
   for (const name of FLAT) map.setLayoutProperty(name, "visibility", space ? "none" : "visible");
   for (const name of SPACE) map.setLayoutProperty(name, "visibility", space ? "visible" : "none");
   map.setPaintProperty("path", "line-opacity", space ? 0.25 : 1);
+}
+
+/** The tiles below everything, in place of the ground's own colors; what stands on them is seen through. */
+function showPicture(map: MapLibre, now: Studio): void {
+  const tiles = now.tiles;
+  if (tiles && !map.getSource("tiles")) {
+    const address = tiles.address.includes("://") ? tiles.address : new URL(".", document.baseURI).href + tiles.address;
+    map.addSource("tiles", { type: "raster", tiles: [address], tileSize: 256, minzoom: tiles.min_zoom, maxzoom: tiles.max_zoom });
+    map.addLayer({ id: "tiles", type: "raster", source: "tiles", paint: { "raster-fade-duration": 0 } }, "ground");
+  }
+  const shown = tiles !== null && now.picture;
+  if (map.getLayer("tiles")) map.setLayoutProperty("tiles", "visibility", shown ? "visible" : "none");
+  map.setLayoutProperty("ground", "visibility", now.space || shown ? "none" : "visible");
+  map.setPaintProperty("roofs", "fill-opacity", shown ? 0.55 : 1);
 }
 
 function fill(map: MapLibre, name: SourceName, features: GeoJSON.Feature[]): void {

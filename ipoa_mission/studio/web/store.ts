@@ -1,5 +1,5 @@
 // What this window knows: the latest answer of each kind, and what the user is at. One object, replaced as it changes.
-import type { Answer, Document, Edit, Landed, Loaded, Plan, Put, Progress, Request, Seen, Sketch, State, Trouble, World } from "./messages";
+import type { Answer, Document, Edit, Landed, Loaded, Plan, Put, Progress, Request, Seen, Sketch, State, Tiles, Trouble, World } from "./messages";
 import { connect } from "./link";
 
 export type Change = Edit["changes"][number];
@@ -18,6 +18,8 @@ export interface Studio {
   connected: boolean;
   document: Document | null;
   world: World | null;
+  tiles: Tiles | null;
+  picture: boolean;
   sketch: Sketch | null;
   drag: Sketch | null;
   plan: Plan | null;
@@ -46,7 +48,7 @@ export interface Dropped {
 }
 
 export let studio: Studio = {
-  connected: false, document: null, world: null, sketch: null, drag: null, plan: null, progress: null, troubles: [],
+  connected: false, document: null, world: null, tiles: null, picture: true, sketch: null, drag: null, plan: null, progress: null, troubles: [],
   tool: "select", selected: null, space: false, at: 0, playing: false, candidates: [], loaded: null, seen: null,
   flown: [], landed: null, flight: null, notice: "", dropped: null,
 };
@@ -115,6 +117,9 @@ function hear(answer: Answer): void {
       document.title = `${answer.unsaved ? "● " : ""}${answer.name} · studio`;
       if (answer.revision !== studio.document?.revision) set({ progress: null, troubles: [], drag: null });
       set({ document: answer });
+      break;
+    case "tiles":
+      set({ tiles: answer });
       break;
     case "world":
       set({ world: answer });
