@@ -192,10 +192,19 @@ class Beside(PageMessage):
 
 
 class Stop(PageMessage):
-    """An item of the mission as `show` numbers it, and the sample of the course at which it is done."""
+    """An item of the mission as `show` numbers it, and the sample of the course at which it is done.
+
+    `place`, `up` and `above_ground` are of where it lies, if it lies somewhere; `duration_s` is what it takes.
+    """
 
     seq: int
     at: int
+    words: str
+    done_s: float
+    duration_s: float
+    place: LngLat | None
+    up: Number
+    above_ground: Number
 
 
 class Choice(PageMessage):

@@ -1,5 +1,6 @@
 """A plan that was refused, for the page: short sentences, and a button for each remedy that can be put in numbers."""
 
+import json
 import re
 from collections.abc import Iterator
 
@@ -13,6 +14,8 @@ from ipoa_mission.studio.view import without_folders
 
 ASSIGNMENT = re.compile(r"\b(\w+_height) = (\d+)\b")
 PLACE = re.compile(r"^(start|goal|via)(?:\[(\d+)\])?: nothing can fly there")
+TRIED = re.compile(r"; (\w+)\.(\w+) = (\S+) plans it")
+TRIED_WORDS = {"cruise_speed": "Cruise speed {} m/s", "mode": "Waypoints: {}", "confidence": "Confidence {}"}
 SPARE = 0.5  # how much more than required a place is put above what is below it [m]
 
 
@@ -24,8 +27,16 @@ def refused(error: MissionError, scenario: Scenario, revision: int) -> Trouble:
         message=message,
         hint=error.hint and without_folders(error.hint, scenario),
         revision=revision,
-        remedies=(*_heights(message, scenario), *_higher(str(error), scenario)),
+        remedies=(*_tried(str(error)), *_heights(message, scenario), *_higher(str(error), scenario)),
     )
+
+
+def _tried(message: str) -> Iterator[Remedy]:
+    """The change that the planner has tried, and that plans it."""
+    if found := TRIED.search(message):
+        section, key, value = found[1], found[2], json.loads(found[3])
+        label = TRIED_WORDS.get(key, f"{key}: {{}}").format(value)
+        yield Remedy(label=f"{label}, which was tried", changes=(Put(path=(section, key), value=value),))
 
 
 def _heights(message: str, scenario: Scenario) -> Iterator[Remedy]:

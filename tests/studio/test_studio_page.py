@@ -240,6 +240,15 @@ def test_it_opens_proved(page: Any) -> None:
     assert page.title().endswith("meadow · studio")
 
 
+def test_an_item_is_chosen_in_list_map_and_profile_alike(page: Any) -> None:
+    proved(page)
+    page.locator(".items button").nth(1).click()
+    assert page.locator(".items tr.chosen").count() == page.locator(".chart .mark.chosen").count() == 1
+    assert float(page.get_by_label("Moment of the flight").input_value()) > 0
+    icons = "map.querySourceFeatures('items').map(one => one.properties.icon).filter(icon => icon.endsWith('!'))"
+    until(page, f"{icons}.length > 0")
+
+
 def test_the_goal_is_dragged_and_undone(page: Any) -> None:
     proved(page)
     x, y = at(page, 1.0, 0.0)

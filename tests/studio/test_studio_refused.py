@@ -7,6 +7,7 @@ import pytest
 
 from ipoa_mission import MissionError, Scenario
 from ipoa_mission.planning.sketch import sketch_path
+from ipoa_mission.routing.changes import Looks
 from ipoa_mission.scenario.read import parse_scenario, parse_toml
 from ipoa_mission.studio.edits import changed
 from ipoa_mission.studio.refused import refused
@@ -32,6 +33,18 @@ def test_a_place_that_is_too_low_is_offered_a_height_at_which_it_can_be() -> Non
     assert remedy.label.startswith("Via 1 to ")
     mended = parse_scenario(changed(text, remedy.changes), MEADOW)
     assert sketch_path(mended).proof.holds
+
+
+def test_a_change_that_was_tried_is_offered() -> None:
+    text = MEADOW.read_text()
+    scenario = parse_scenario(text, MEADOW)
+    looks = Looks(scenario, lambda other: None)
+    for change, meant in looks.changes.items():
+        (remedy,) = refused(
+            MissionError(f"a path is there, but too narrow; {change} plans it with 2.10 m kept"), scenario, 1
+        ).remedies
+        assert parse_scenario(changed(text, remedy.changes), MEADOW) == meant
+        assert remedy.label.endswith(", which was tried")
 
 
 def test_a_wood_without_a_height_is_drawn_and_can_be_given_one(tmp_path: Path) -> None:

@@ -3,7 +3,7 @@ import type { Map as MapLibre, MapMouseEvent } from "maplibre-gl";
 import type { Body } from "./messages";
 import { draft, fit } from "./map";
 import { keyPath, line, pathKey } from "./shapes";
-import { drag, edit, endDrag, listen, set, studio, type Change, type LngLat, type Path } from "./store";
+import { chooseItem, drag, edit, endDrag, listen, set, studio, type Change, type LngLat, type Path } from "./store";
 
 const HEIGHT = 15; // of what is drawn, until it is given another [m]
 const RADIUS = 3; // of a mast [m]
@@ -112,6 +112,9 @@ function addRing(ring: LngLat[]): void {
 }
 
 function choose(map: MapLibre, event: MapMouseEvent): void {
+  const { x, y } = event.point, near: [[number, number], [number, number]] = [[x - 6, y - 6], [x + 6, y + 6]];
+  const item = map.queryRenderedFeatures(near, { layers: ["items"] })[0];
+  if (item) chooseItem(Number(item.properties.seq));
   set({ selected: pick(map, event) });
 }
 

@@ -11,6 +11,7 @@ import { Drop, Question } from "./drop";
 import { Fly } from "./fly";
 import { Chosen, Limits } from "./form";
 import { useHands } from "./hands";
+import { Items } from "./items";
 import { makeMap } from "./map";
 import { showPointer } from "./pointer";
 import { Profile } from "./profile";
@@ -59,6 +60,7 @@ function Page() {
           <Verdict now={now} />
           <Chosen now={now} />
           <Bindings now={now} />
+          <Items now={now} />
           <Candidates now={now} take={take} />
           <Fly now={now} />
           <Choices now={now} />

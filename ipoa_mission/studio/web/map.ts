@@ -7,7 +7,7 @@ import { blocking, coarseOf, isNamed, listen, proved, set, studio, type Studio }
 
 setWorkerUrl(new URL("map-worker.js", document.baseURI).href);
 
-const SOURCES = ["ground", "bodies", "lit", "fences", "bounds", "others", "tube", "path", "flown", "ribbon", "flown-ribbon", "kept", "here", "pillar", "vehicle", "draft"] as const;
+const SOURCES = ["ground", "bodies", "lit", "fences", "bounds", "others", "tube", "path", "flown", "ribbon", "flown-ribbon", "kept", "items", "here", "pillar", "vehicle", "draft"] as const;
 type SourceName = (typeof SOURCES)[number];
 const EMPTY = shapes.collection([]);
 const FLAT = ["ground", "roofs", "roof-lines", "tube"];
@@ -26,13 +26,13 @@ export function makeMap(container: HTMLElement): MapLibre {
   map.addControl(new ScaleControl({ maxWidth: 120 }), "bottom-left");
   shown = map;
   map.on("load", () => {
-    map.addImage("hatch", hatch());
+    addImages(map);
     drawAll(map, studio);
     listen((now, before) => update(map, now, before));
   });
   onSchemeChange(() => {
     map.setStyle(style(), { diff: false });
-    map.once("style.load", () => { map.addImage("hatch", hatch()); drawAll(map, studio); });
+    map.once("style.load", () => { addImages(map); drawAll(map, studio); });
   });
   return map;
 }
@@ -75,6 +75,7 @@ function update(map: MapLibre, now: Studio, before: Studio): void {
   if (now.troubles !== before.troubles || now.world !== before.world) drawLit(map, now);
   if (["plan", "sketch", "drag", "document", "world"].some(key => now[key as keyof Studio] !== before[key as keyof Studio])) drawPath(map, now);
   if (now.tiles !== before.tiles || now.picture !== before.picture) showPicture(map, now);
+  if (now.item !== before.item) drawItems(map, now);
   if (now.flown !== before.flown) drawFlown(map, now);
   if (now.candidates !== before.candidates) drawKept(map, now);
   if (now.at !== before.at || now.plan !== before.plan || now.document !== before.document || now.space !== before.space) drawHere(map, now);
@@ -126,8 +127,19 @@ function drawPath(map: MapLibre, now: Studio): void {
   const course: Line | undefined = coarse ? coarse.line : plan?.course.line;
   fill(map, "path", course ? [shapes.line(course.points, { coarse: coarse !== null, holds: coarse?.holds ?? true })] : []);
   fill(map, "others", coarse ? coarse.others.map(other => shapes.line(other.points)) : []);
+  drawItems(map, now);
   fill(map, "tube", plan && !coarse ? shapes.tube(plan) : []);
   fill(map, "ribbon", course && now.space && now.world ? shapes.ribbon(course, shapes.lowest(now.world), 2.2, 1.4, coarse !== null) : []);
+}
+
+/** Where the items lie that have a place, by their numbers; the chosen one stands out. */
+function drawItems(map: MapLibre, now: Studio): void {
+  const stops = now.drag ? [] : proved(now)?.stops ?? [];
+  fill(map, "items", stops.filter(stop => stop.place).map(stop => {
+    const name = `${stop.seq}${stop.seq === now.item ? "!" : ""}`, icon = `item${name}`;
+    if (!map.hasImage(icon)) map.addImage(icon, numbered(name), { pixelRatio: 2 });
+    return { type: "Feature", properties: { seq: stop.seq, icon }, geometry: { type: "Point", coordinates: stop.place as [number, number] } };
+  }));
 }
 
 function drawFlown(map: MapLibre, now: Studio): void {
@@ -182,6 +194,43 @@ function fill(map: MapLibre, name: SourceName, features: GeoJSON.Feature[]): voi
   (map.getSource(name) as GeoJSONSource | undefined)?.setData(shapes.collection(features));
 }
 
+function addImages(map: MapLibre): void {
+  map.addImage("hatch", hatch());
+  map.addImage("arrow", drawn(20, pen => {
+    pen.fillStyle = color("planned");
+    pen.moveTo(3, 3);
+    pen.lineTo(18, 10);
+    pen.lineTo(3, 17);
+    pen.fill();
+  }), { pixelRatio: 2 });
+}
+
+/** An item's number in a small disk; one with "!" behind it is the chosen one. */
+function numbered(seq: string): ImageData {
+  const chosen = seq.endsWith("!");
+  return drawn(32, pen => {
+    pen.fillStyle = color(chosen ? "focus" : "card");
+    pen.strokeStyle = color("planned");
+    pen.lineWidth = 3;
+    pen.arc(16, 16, 14, 0, 7);
+    pen.fill();
+    pen.stroke();
+    pen.fillStyle = chosen ? "#1c2630" : color("ink");
+    pen.font = "600 16px sans-serif";
+    pen.textAlign = "center";
+    pen.textBaseline = "middle";
+    pen.fillText(seq.replace("!", ""), 16, 17);
+  });
+}
+
+function drawn(size: number, draw: (pen: CanvasRenderingContext2D) => void): ImageData {
+  const canvas = document.createElement("canvas");
+  canvas.width = canvas.height = size;
+  const pen = canvas.getContext("2d")!;
+  draw(pen);
+  return pen.getImageData(0, 0, size, size);
+}
+
 /** Strokes across what may not be entered. */
 function hatch(): ImageData {
   const size = 12, canvas = document.createElement("canvas");
@@ -224,6 +273,7 @@ function style(): StyleSpecification {
       { id: "others", type: "line", source: "others", paint: { "line-color": color("legs"), "line-width": 1.4, "line-dasharray": [1.5, 2], "line-opacity": 0.8 } },
       { id: "kept", type: "line", source: "kept", paint: { "line-color": ["get", "color"], "line-width": 2.4, "line-dasharray": [4, 1.5] } },
       { id: "path", type: "line", source: "path", filter: ["!", ["get", "coarse"]], layout: { "line-cap": "round", "line-join": "round" }, paint: { "line-color": color("planned"), "line-width": 3.4 } },
+      { id: "arrows", type: "symbol", source: "path", filter: ["!", ["get", "coarse"]], layout: { "symbol-placement": "line", "symbol-spacing": 90, "icon-image": "arrow", "icon-size": 1.3, "icon-allow-overlap": true } },
       { id: "coarse", type: "line", source: "path", filter: ["get", "coarse"], layout: { "line-join": "round" }, paint: { "line-color": ["case", ["get", "holds"], color("planned"), color("bad")], "line-width": 3, "line-dasharray": dash } },
       { id: "flown", type: "line", source: "flown", layout: { "line-cap": "round" }, paint: { "line-color": color("flown"), "line-width": 2.2 } },
       { id: "roofs-space", type: "fill-extrusion", source: "bodies", filter: solid, layout: { visibility: "none" }, paint: { "fill-extrusion-color": ramp("low-roof", "high-roof"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-opacity": 0.92 } },
@@ -232,6 +282,7 @@ function style(): StyleSpecification {
       { id: "flown-ribbon", type: "fill-extrusion", source: "flown-ribbon", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("flown"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-vertical-gradient": false } },
       { id: "pillar", type: "fill-extrusion", source: "pillar", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("focus"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"] } },
       { id: "here", type: "circle", source: "here", paint: { "circle-color": color("focus"), "circle-stroke-color": color("ink"), "circle-stroke-width": 2, "circle-radius": 6 } },
+      { id: "items", type: "symbol", source: "items", layout: { "icon-image": ["get", "icon"], "icon-allow-overlap": true } },
       { id: "vehicle", type: "circle", source: "vehicle", paint: { "circle-color": color("flown"), "circle-stroke-color": color("card"), "circle-stroke-width": 2.5, "circle-radius": 8 } },
       { id: "draft-fill", type: "fill", source: "draft", filter: ["==", ["geometry-type"], "Polygon"], paint: { "fill-color": color("focus"), "fill-opacity": 0.25 } },
       { id: "draft-closing", type: "line", source: "draft", filter: ["==", ["get", "closing"], true], paint: { "line-color": color("focus"), "line-width": 1.6, "line-dasharray": [2, 2] } },

@@ -29,7 +29,7 @@ export function Profile({ now }: { now: Studio }) {
   const apart = course.apart[at];
   return (
     <footer class="profile">
-      <Chart plan={plan} at={at} flown={now.flown.map(seen => [seen.time_s, seen.up])} />
+      <Chart now={now} plan={plan} at={at} flown={now.flown.map(seen => [seen.time_s, seen.up])} />
       <div class="slider">
         <button type="button" aria-label={now.playing ? "Pause" : "Play"} onClick={() => set({ playing: !now.playing, at: at >= course.times.length - 1 ? 0 : at })}>{now.playing ? "❚❚" : "▶"}</button>
         <input type="range" min="0" max={course.times.length - 1} value={at} aria-label="Moment of the flight"
@@ -50,7 +50,7 @@ function sampleAt(course: Course, time: number): number {
   return low;
 }
 
-function Chart({ plan, at, flown }: { plan: Plan; at: number; flown: [number, number][] }) {
+function Chart({ plan, at, flown, now }: { plan: Plan; at: number; flown: [number, number][]; now: Studio }) {
   const { along, ground, line, times } = plan.course;
   const length = along.at(-1) || 1;
   const low = Math.min(...ground, 0), high = Math.max(...line.up) * 1.12 + 2;
@@ -82,7 +82,7 @@ function Chart({ plan, at, flown }: { plan: Plan; at: number; flown: [number, nu
         <path class="band" d={band} />
         <path class="planned" d={path(line.up)} />
         {seen.length > 1 && <path class="flown" d={`M${seen.join("L")}`} />}
-        {plan.stops.map(stop => <path key={stop.seq} class="mark" d={`M${x(along[stop.at]!)} ${y(line.up[stop.at]!)}v6`} />)}
+        {plan.stops.map(stop => <path key={stop.seq} class={stop.seq === now.item ? "mark chosen" : "mark"} d={`M${x(along[stop.at]!)} ${y(line.up[stop.at]!)}v${stop.seq === now.item ? 14 : 6}`} />)}
         <path class="cursor" d={`M${x(along[at]!)} 0V${HIGH}`} />
       </svg>
       <span class="unit">{times.length ? `${length.toFixed(0)} m` : ""}</span>

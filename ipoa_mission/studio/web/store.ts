@@ -29,6 +29,7 @@ export interface Studio {
   selected: Path | null;
   space: boolean;
   at: number;
+  item: number | null;
   playing: boolean;
   candidates: Candidate[];
   loaded: Loaded | null;
@@ -49,7 +50,7 @@ export interface Dropped {
 
 export let studio: Studio = {
   connected: false, document: null, world: null, tiles: null, picture: true, sketch: null, drag: null, plan: null, progress: null, troubles: [],
-  tool: "select", selected: null, space: false, at: 0, playing: false, candidates: [], loaded: null, seen: null,
+  tool: "select", selected: null, space: false, at: 0, item: null, playing: false, candidates: [], loaded: null, seen: null,
   flown: [], landed: null, flight: null, notice: "", dropped: null,
 };
 
@@ -160,6 +161,12 @@ function hear(answer: Answer): void {
       set({ notice: `written: ${answer.files.join(", ")}` });
       break;
   }
+}
+
+/** An item of the mission is chosen: in the list, on the map and in the profile alike. */
+export function chooseItem(seq: number): void {
+  const stop = proved(studio)?.stops.find(one => one.seq === seq);
+  if (stop) set({ item: seq, at: stop.at, playing: false });
 }
 
 /** The coarse path to show: of a drag, or of the scenario as it is now; never one of an earlier scenario. */
