@@ -93,7 +93,7 @@ def application(session: Session, bundle: Path, token: str, host: str, tiles: Ti
 
     routes: list[BaseRoute] = [WebSocketRoute("/talk", talk), Route("/drop/{name}", drop, methods=["POST"])]
     routes += [Route("/tiles/{z:int}/{x:int}/{y:int}", tile), Route("/", page), Route("/{name}", page)]
-    guard = Middleware(Guard, token=token, hosts=(host,), policy=policy_for(tiles and tiles.origin))
+    guard = Middleware(Guard, token=token, hosts=(host,), policy=policy_for(None if tiles is None else tiles.origin))
     return Starlette(routes=[Mount(f"/{token}", routes=routes)], middleware=[guard], lifespan=alive)
 
 
