@@ -166,7 +166,7 @@ def test_candidates_stand_side_by_side(own_page: Any) -> None:
     cells = "[...document.querySelectorAll('[aria-label=\"Candidates\"] tbody tr:first-child td')]"
     times = f"{cells}.map(cell => parseFloat(cell.textContent))"
     until(own_page, f"({times}).length === 2 && ({times})[1] > ({times})[0]")  # slower takes longer
-    own_page.get_by_role("button", name="Take").click()
+    own_page.get_by_role("button", name="Take", exact=True).click()
     until(own_page, f"document.querySelector('textarea').value === {json.dumps(before)}")
 
 
