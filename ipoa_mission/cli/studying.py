@@ -27,6 +27,17 @@ def studio(
     ] = None,
     port: Annotated[int, typer.Option("--port", metavar="N", min=0, max=65535, help="0: any that is free.")] = 0,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", metavar="", help="Open the page.")] = True,
+    tiles: Annotated[
+        str | None,
+        typer.Option(
+            "--tiles",
+            metavar="URL|FILE",
+            help="A map under it: an address with {z}, {x}, {y}, or an MBTiles or PMTiles file; kept; none: no more.",
+        ),
+    ] = None,
+    attribution: Annotated[
+        str | None, typer.Option("--attribution", metavar="WORDS", help="Whose map that is, shown on it.")
+    ] = None,
     seed: SeedOption = 0,
     as_json: JsonOption = False,
 ) -> None:
@@ -41,21 +52,26 @@ def studio(
         raise MissionError(f"the studio needs {', '.join(missing)}", hint="pip install 'ipoa-mission[studio]'")
     from ipoa_mission.studio.bundle import built_page
     from ipoa_mission.studio.server import serve
+    from ipoa_mission.studio.tiles import chosen_tiles
 
     page = built_page((lambda words: None) if as_json else tell)
     if home is not None or not scenario.exists():
         _begin(scenario, home)
+
+    source = chosen_tiles(tiles, attribution)
 
     def tell_address(address: str) -> None:
         if as_json:
             tell_json({"scenario": str(scenario), "address": address}, indent=None)
         else:
             tell(f"{scenario.name} is open at {address}", "Ctrl-C ends it; whoever has this address can plan and fly")
+            if source is not None:
+                tell(f"map tiles: {source.origin or source.shown.attribution} (kept; --tiles none: no more)")
         if browser:
             webbrowser.open(address)
 
     with suppress(KeyboardInterrupt):  # that is how it is meant to end
-        serve(scenario, page, port, seed, tell_address)
+        serve(scenario, page, port, seed, tell_address, source)
 
 
 def _begin(target: Path, home: tuple[float, float, float] | None) -> None:

@@ -4,6 +4,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, TypeAdapter
 
+from ipoa_mission.studio.requests import Change
 from ipoa_mission.studio.vocabulary import LngLat, PageMessage, Path
 
 Number: TypeAlias = float | None
@@ -24,22 +25,34 @@ class Document(PageMessage):
     redo: str | None
 
 
+class Remedy(PageMessage):
+    """What may help, as a button: its words and the changes that it makes."""
+
+    label: str
+    changes: tuple[Change, ...]
+
+
 class Trouble(PageMessage):
-    """Something was not done; `of` says what it was of."""
+    """Something was not done; `of` says what it was of, `message` has one thing that is wrong on a line."""
 
     kind: Literal["trouble"] = "trouble"
     of: Literal["edit", "scenario", "sketch", "plan", "file", "flight"]
     message: str
     hint: str | None = None
     revision: int | None = None
+    remedies: tuple[Remedy, ...] = ()
 
 
 class Body(PageMessage):
-    """An obstacle or a zone on the map; `path` where the scenario itself draws it. `rings`: outer one, then holes."""
+    """An obstacle or a zone on the map; `path` where the scenario itself draws it. `rings`: outer one, then holes.
+
+    `doubt`: a map has it, but not how high it is; a flight near it is refused.
+    """
 
     name: str
     path: Path | None
     solid: bool
+    doubt: bool = False
     base: float
     top: float
     rings: tuple[tuple[LngLat, ...], ...]
@@ -70,6 +83,25 @@ class Terrace(PageMessage):
     polygons: tuple[tuple[tuple[LngLat, ...], ...], ...]
 
 
+class Tiles(PageMessage):
+    """Map tiles for below the scenario; `address` has {z}, {x} and {y}, and is beside the page if it names no host."""
+
+    kind: Literal["tiles"] = "tiles"
+    address: str
+    attribution: str
+    min_zoom: int
+    max_zoom: int
+
+
+class Heights(PageMessage):
+    """The ground on a grid, row by row from the south-west corner: `step` in degrees, `up` above home."""
+
+    corner: LngLat
+    step: LngLat
+    columns: int
+    up: tuple[float, ...]
+
+
 class World(PageMessage):
     """What a map shows of a scenario; `box` is west, south, east, north of the flight's bounds.
 
@@ -87,6 +119,8 @@ class World(PageMessage):
     spots: tuple[Spot, ...]
     fences: tuple[Fence, ...]
     ground: tuple[Terrace, ...]
+    heights: Heights
+    home_amsl: float
     required: float
     remarks: tuple[str, ...]
 
@@ -146,11 +180,31 @@ class Binding(PageMessage):
     at: int
 
 
+class Beside(PageMessage):
+    """An obstacle or a zone below or beside the course: between which distances along it, and its heights."""
+
+    name: str
+    look: Literal["below", "beside", "zone"]
+    begins: float
+    ends: float
+    base: float
+    top: float
+
+
 class Stop(PageMessage):
-    """An item of the mission as `show` numbers it, and the sample of the course at which it is done."""
+    """An item of the mission as `show` numbers it, and the sample of the course at which it is done.
+
+    `place`, `up` and `above_ground` are of where it lies, if it lies somewhere; `duration_s` is what it takes.
+    """
 
     seq: int
     at: int
+    words: str
+    done_s: float
+    duration_s: float
+    place: LngLat | None
+    up: Number
+    above_ground: Number
 
 
 class Choice(PageMessage):
@@ -199,6 +253,7 @@ class Plan(PageMessage):
     battery_left: Number
     tube_ring: tuple[tuple[LngLat, ...], ...]
     course: Course
+    beside: tuple[Beside, ...]
     stops: tuple[Stop, ...]
     bindings: tuple[Binding, ...]
     choices: tuple[Choice, ...]
@@ -271,7 +326,7 @@ class Written(PageMessage):
 
 
 Answer: TypeAlias = Annotated[
-    Document | Trouble | World | Sketch | Progress | Plan | Loaded | Seen | Landed | State | Written,
+    Document | Trouble | World | Tiles | Sketch | Progress | Plan | Loaded | Seen | Landed | State | Written,
     Field(discriminator="kind"),
 ]
 ANSWERS: TypeAdapter[Any] = TypeAdapter(Answer)

@@ -17,7 +17,7 @@ from typing import Any, Literal, TypeAlias
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.studio.answers import Trouble
-from ipoa_mission.studio.vocabulary import PageMessage
+from ipoa_mission.studio.vocabulary import PageMessage, as_on_map
 
 Order: TypeAlias = dict[str, Any]
 Answer: TypeAlias = Callable[[PageMessage], None]
@@ -88,7 +88,7 @@ class Harness:
         try:
             job(order, answer)
         except MissionError as error:
-            answer(Trouble(of=subject, message=str(error), hint=error.hint, revision=order.get("revision")))
+            answer(Trouble(of=subject, message=as_on_map(str(error)), hint=error.hint, revision=order.get("revision")))
 
 
 def work(make_jobs: Callable[[queue.SimpleQueue[Order]], Mapping[str, tuple[Job, Subject]]]) -> None:

@@ -9,12 +9,15 @@ import numpy as np
 
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.flight.flight import Flight
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.bound import least_time
 from ipoa_mission.forecast.timing.route import kinematics
 from ipoa_mission.geometry import Points
 from ipoa_mission.planning.sketch import Sketch
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.report import seen
+from ipoa_mission.report.panels.profile import near_course
+from ipoa_mission.report.stops import stops
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.view import line_of, on_map, without_folders
@@ -70,7 +73,8 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
         battery_left=None if left is None else round(left.likely, 3),
         tube_ring=tuple(on_map(scenario.frame, ring) for ring in seen.outline_round(course.points, rim.level)),
         course=_course(course, scenario),
-        stops=tuple(answers.Stop(seq=item.seq, at=course.nearest(item.done_s)) for item in estimate.items),
+        beside=tuple(_beside(course, scenario)),
+        stops=tuple(_stops(flight.forecast, course)),
         bindings=tuple(_bindings(flight, course)),
         choices=tuple(_choices(flight)),
         limits=tuple(_limits(flight)),
@@ -101,6 +105,30 @@ def _course(course: seen.Seen, scenario: Scenario) -> answers.Course:
         ground=tuple(course.ground.round(2).tolist()),
         apart=tuple(apart),
     )
+
+
+def _stops(forecast: Forecast, course: seen.Seen) -> Iterator[answers.Stop]:
+    """Every item, in the order flown."""
+    for stop in stops(forecast):
+        place = stop.place
+        yield answers.Stop(
+            seq=stop.time.seq,
+            at=course.nearest(stop.time.done_s),
+            words=stop.name,
+            done_s=round(stop.time.done_s, 1),
+            duration_s=round(stop.time.duration_s, 1),
+            place=None if place is None else on_map(forecast.frame, place[None, :])[0],
+            up=None if place is None else round(float(place[2]), 1),
+            above_ground=None if place is None else round(stop.above_ground, 1),
+        )
+
+
+def _beside(course: seen.Seen, scenario: Scenario) -> Iterator[answers.Beside]:
+    """What the profile shows below and beside the path, as the report does."""
+    for body, (begins, ends), look in near_course(course, scenario.airspace, scenario.limits.obstacle_distance):
+        base, top = body.bounds[:, 2].round(2).tolist()
+        name = without_folders(body.name, scenario)
+        yield answers.Beside(name=name, look=look, begins=round(begins, 1), ends=round(ends, 1), base=base, top=top)
 
 
 def _bindings(flight: Flight, course: seen.Seen) -> Iterator[answers.Binding]:

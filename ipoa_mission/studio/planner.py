@@ -19,6 +19,7 @@ from ipoa_mission.studio.answers import Progress, Written
 from ipoa_mission.studio.edits import apply_changes
 from ipoa_mission.studio.harness import Answer, Job, Order, Subject, work
 from ipoa_mission.studio.planned import planned, proof_digest, sketched
+from ipoa_mission.studio.refused import refused
 from ipoa_mission.studio.requests import Change
 from ipoa_mission.studio.view import world_of
 
@@ -61,9 +62,14 @@ class PlanWorker:
                 answer(Progress(revision=revision, share=share, words=words))
 
         self._flight = None
-        flight = plan_flight(_scenario(order["text"], order["path"]), seed=order["seed"], progress=progress)
-        self._flight = flight
-        answer(planned(flight, revision, time.perf_counter() - begun))
+        scenario = _scenario(order["text"], order["path"])
+        try:
+            flight = plan_flight(scenario, seed=order["seed"], progress=progress)
+        except MissionError as error:
+            answer(refused(error, scenario, revision))
+        else:
+            self._flight = flight
+            answer(planned(flight, revision, time.perf_counter() - begun))
 
     def write(self, order: Order, answer: Answer) -> None:
         """The flight's files, its report among them."""

@@ -2,7 +2,6 @@
 
 import asyncio
 import json
-import secrets
 import socket
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
@@ -17,19 +16,23 @@ from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, R
 from starlette.routing import BaseRoute, Mount, Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.studio.answers import Trouble
 from ipoa_mission.studio.dropped import LARGEST, keep, use_of
-from ipoa_mission.studio.guard import POLICY, Guard
+from ipoa_mission.studio.guard import Guard, policy_for
+from ipoa_mission.studio.memory import address_of, remember
 from ipoa_mission.studio.requests import REQUESTS
 from ipoa_mission.studio.session import Session, Window
+from ipoa_mission.studio.tiles import DEEPEST, TileSource, media_type
 
 LONGEST = 4_000_000  # of a message [bytes]
 TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 
 
-def application(session: Session, bundle: Path, token: str, host: str) -> Starlette:
+def application(session: Session, bundle: Path, token: str, host: str, tiles: TileSource | None = None) -> Starlette:
     """The web application on a session; `bundle` is the folder of the built page, `host` its "name:port"."""
+    if tiles is not None:
+        session.tell_all(tiles.shown)
 
     async def page(request: Request) -> Response:
         name = request.path_params.get("name") or "index.html"
@@ -50,6 +53,14 @@ def application(session: Session, bundle: Path, token: str, host: str) -> Starle
             return JSONResponse(await asyncio.to_thread(use_of, file, document.text))
         except MissionError as error:
             return JSONResponse({"message": str(error)}, 400)
+
+    def tile(request: Request) -> Response:
+        zoom, column, row = (request.path_params[name] for name in ("z", "x", "y"))
+        if tiles is None or tiles.read is None or zoom > DEEPEST:
+            return PlainTextResponse("Not found", 404)
+        picture = tiles.read(zoom, column, row)
+        kind = None if picture is None else media_type(picture)
+        return Response(status_code=204) if kind is None else Response(picture, media_type=kind)
 
     async def talk(socket: WebSocket) -> None:
         await socket.accept()
@@ -81,24 +92,51 @@ def application(session: Session, bundle: Path, token: str, host: str) -> Starle
             await running
 
     routes: list[BaseRoute] = [WebSocketRoute("/talk", talk), Route("/drop/{name}", drop, methods=["POST"])]
-    routes += [Route("/", page), Route("/{name}", page)]
-    guard = Middleware(Guard, token=token, hosts=(host,), policy=POLICY)
+    routes += [Route("/tiles/{z:int}/{x:int}/{y:int}", tile), Route("/", page), Route("/{name}", page)]
+    guard = Middleware(Guard, token=token, hosts=(host,), policy=policy_for(None if tiles is None else tiles.origin))
     return Starlette(routes=[Mount(f"/{token}", routes=routes)], middleware=[guard], lifespan=alive)
 
 
-def serve(path: Path, bundle: Path, port: int, seed: int, tell_address: Callable[[str], None]) -> None:
+def serve(
+    path: Path,
+    bundle: Path,
+    port: int,
+    seed: int,
+    tell_address: Callable[[str], None],
+    tiles: TileSource | None = None,
+) -> None:
     """Serve the studio on this machine until Ctrl-C; `tell_address` is told where, when the port is open.
 
+    A file that was open before gets the address that it had, so that its old page comes back.
+
     Raises:
-        BadInput: the scenario cannot be read.
+        BadInput: the scenario cannot be read, or the port cannot be had.
     """
-    token = secrets.token_urlsafe(24)
-    listener = socket.create_server(("127.0.0.1", port))
-    host = f"127.0.0.1:{listener.getsockname()[1]}"
-    app = application(Session(path, seed), bundle, token, host)
+    known = address_of(path.resolve())
+    listener = _listen(port, known.port)
+    number = listener.getsockname()[1]
+    remember(known, number)
+    host = f"127.0.0.1:{number}"
+    app = application(Session(path, seed), bundle, known.token, host, tiles)
     config = uvicorn.Config(app, log_level="warning", access_log=False, server_header=False, ws_max_size=LONGEST)
-    tell_address(f"http://{host}/{token}/")
+    tell_address(f"http://{host}/{known.token}/")
     uvicorn.Server(config).run(sockets=[listener])
+
+
+def _listen(asked: int, before: int) -> socket.socket:
+    """A socket of this machine: on the port that is asked for, else on the one of before, else on any that is free.
+
+    Raises:
+        BadInput: the port that is asked for cannot be had.
+    """
+    if asked:
+        try:
+            return socket.create_server(("127.0.0.1", asked))
+        except OSError as error:
+            raise BadInput(f"--port {asked}: cannot be had: {error.strerror}", hint="leave --port out") from error
+    with suppress(OSError):
+        return socket.create_server(("127.0.0.1", before))
+    return socket.create_server(("127.0.0.1", 0))
 
 
 async def _send(socket: WebSocket, window: Window) -> None:

@@ -15,7 +15,7 @@ from ipoa_mission.studio.vocabulary import PageMessage
 
 SETTLED_S = 0.6  # without a change, after which the proved path is planned
 LOOK_S = 1.0  # how often the file is looked at for what other programs write
-KEPT = ("world", "sketch", "plan", "loaded", "state", "trouble")  # answers that a window is told when it opens
+KEPT = ("tiles", "world", "sketch", "plan", "loaded", "state", "trouble")  # answers that a window is told when it opens
 PLANNER = "ipoa_mission.studio.planner"
 
 

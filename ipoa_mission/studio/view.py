@@ -11,16 +11,18 @@ from contourpy import FillType, contour_generator
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points
+from ipoa_mission.maps.passed import PassedOver
 from ipoa_mission.report.ground_mesh import ground_mesh, round_step
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.places import FenceSection
-from ipoa_mission.studio.answers import Body, Fence, Spot, Terrace, World
+from ipoa_mission.studio.answers import Body, Fence, Heights, Spot, Terrace, World
 from ipoa_mission.studio.answers import Line as MapLine
-from ipoa_mission.studio.vocabulary import LngLat
+from ipoa_mission.studio.vocabulary import LngLat, as_on_map
 from ipoa_mission.world.frame import LocalFrame, radii_of_curvature
 
 TERRACES, CELLS = 12, 96  # steps of the ground, and cells along the longer side from which they are drawn
 DEGREES = 7
+THIN = 0.75  # half of how wide a line without a height is drawn [m]
 LEVEL = 1e-6  # ground that is exactly at a level is above it [m]
 
 
@@ -43,6 +45,8 @@ def world_of(scenario: Scenario, revision: int) -> World:
         spots=tuple(_spots(scenario)),
         fences=tuple(_fence(n, fence, frame) for n, fence in enumerate(scenario.fence)),
         ground=tuple(_terraces(scenario)),
+        heights=_heights(scenario),
+        home_amsl=scenario.home.altitude_amsl,
         required=scenario.limits.obstacle_distance,
         remarks=scenario.remarks,
     )
@@ -62,10 +66,10 @@ def line_of(frame: LocalFrame, points: Points) -> MapLine:
 
 
 def without_folders(words: str, scenario: Scenario) -> str:
-    """The same with the scenario's maps called by their names alone."""
+    """The same with the scenario's maps called by their names alone, and numbered things as on the map."""
     for section in scenario.maps:
         words = words.replace(str(section.file), section.file.name)
-    return words
+    return as_on_map(words)
 
 
 def _degree(frame: LocalFrame) -> tuple[float, float]:
@@ -88,6 +92,17 @@ def _bodies(scenario: Scenario) -> Iterator[Body]:
             top=round(top, 2),
             rings=tuple(_closed(on_map(frame, np.asarray(ring, float))) for ring in body.outline()),
         )
+    for thing in scenario.passed_over:
+        if thing.may_stand and not shapely.is_empty(thing.shape):
+            yield from _doubtful(thing, frame)
+
+
+def _doubtful(thing: PassedOver, frame: LocalFrame) -> Iterator[Body]:
+    """Something on a map of which nobody knows how high it is: its outline, a line or a point as a thin one."""
+    wide = thing.shape if shapely.get_dimensions(thing.shape) == 2 else thing.shape.buffer(THIN, quad_segs=3)
+    for part in shapely.get_parts(wide):
+        rings = tuple(on_map(frame, shapely.get_coordinates(ring)) for ring in (part.exterior, *part.interiors))
+        yield Body(name=thing.name, path=None, solid=False, doubt=True, base=0.0, top=0.0, rings=rings)
 
 
 def _spots(scenario: Scenario) -> Iterator[Spot]:
@@ -128,6 +143,16 @@ def _terraces(scenario: Scenario) -> Iterator[Terrace]:
         ]
         if drawn:
             yield Terrace(up=round(float(level), 2), polygons=tuple(drawn))
+
+
+def _heights(scenario: Scenario) -> Heights:
+    """The ground below the pointer."""
+    east, north, up = ground_mesh(scenario.airspace, CELLS)
+    ends = np.array([[east[0, 0], north[0, 0]], [east[-1, -1], north[-1, -1]]])
+    (west, south), (far, top) = on_map(scenario.frame, ends)
+    rows, columns = up.shape
+    step = (far - west) / (columns - 1), (top - south) / (rows - 1)
+    return Heights(corner=(west, south), step=step, columns=columns, up=tuple(up.ravel().round(1).tolist()))
 
 
 def _closed(ring: tuple[LngLat, ...]) -> tuple[LngLat, ...]:

@@ -1,5 +1,6 @@
 """What all messages are made of. Positions on the map are [longitude, latitude] in degrees, as in GeoJSON."""
 
+import re
 from typing import Annotated, Any, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, WithJsonSchema
@@ -7,6 +8,18 @@ from pydantic import BaseModel, ConfigDict, WithJsonSchema
 LngLat: TypeAlias = tuple[float, float]
 Path: TypeAlias = tuple[str | int, ...]
 Json: TypeAlias = Annotated[Any, WithJsonSchema({})]
+
+
+_NUMBERED = re.compile(r"\b(via|fence|rally|obstacles|maps)\[(\d+)\]")
+
+
+def as_on_map(words: str) -> str:
+    """Words in which the scenario's things are called as on the map.
+
+    >>> as_on_map("via[0]: expected a place outside fence[1]")
+    'via 1: expected a place outside fence 2'
+    """
+    return _NUMBERED.sub(lambda found: f"{found[1].removesuffix('s')} {int(found[2]) + 1}", words)
 
 
 class PageMessage(BaseModel):

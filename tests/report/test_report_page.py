@@ -20,7 +20,7 @@ from ipoa_mission.mission.items import return_to_launch
 from ipoa_mission.report.chart import GraphAxis, axis_over
 from ipoa_mission.report.page import report_html, write_report
 from ipoa_mission.report.panels.headline import verdict
-from ipoa_mission.report.panels.profile import _near
+from ipoa_mission.report.panels.profile import near_course
 from ipoa_mission.report.seen import dangers, follow
 from ipoa_mission.report.stops import stops
 from ipoa_mission.report.words import meters, number, seconds, share
@@ -226,7 +226,7 @@ def test_a_corner_cut_into_the_safety_distance_takes_the_tick_away(bowed: Bowed)
 def test_obstacles_of_the_profile_are_those_under_the_path(bowed: Bowed) -> None:
     scenario, _, timed = bowed("campus.toml")
     course = follow(timed.track, scenario.airspace)
-    below = [(body.name, run) for body, run, look in _near(course, scenario.airspace, 2.6) if look == "below"]
+    below = [(body.name, run) for body, run, look in near_course(course, scenario.airspace, 2.6) if look == "below"]
     assert len(below) == 5
     for name, (first, last) in below:
         body = next(o for o in scenario.airspace.obstacles if o.name == name)

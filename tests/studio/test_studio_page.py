@@ -166,7 +166,7 @@ def test_candidates_stand_side_by_side(own_page: Any) -> None:
     cells = "[...document.querySelectorAll('[aria-label=\"Candidates\"] tbody tr:first-child td')]"
     times = f"{cells}.map(cell => parseFloat(cell.textContent))"
     until(own_page, f"({times}).length === 2 && ({times})[1] > ({times})[0]")  # slower takes longer
-    own_page.get_by_role("button", name="Take").click()
+    own_page.get_by_role("button", name="Take", exact=True).click()
     until(own_page, f"document.querySelector('textarea').value === {json.dumps(before)}")
 
 
@@ -240,6 +240,15 @@ def test_it_opens_proved(page: Any) -> None:
     assert page.title().endswith("meadow · studio")
 
 
+def test_an_item_is_chosen_in_list_map_and_profile_alike(page: Any) -> None:
+    proved(page)
+    page.locator(".items button").nth(2).click()  # the speed before it lies nowhere
+    assert page.locator(".items tr.chosen").count() == page.locator(".chart .mark.chosen").count() == 1
+    assert float(page.get_by_label("Moment of the flight").input_value()) > 0
+    icons = "map.querySourceFeatures('items').map(one => one.properties.icon).filter(icon => icon.endsWith('!'))"
+    until(page, f"{icons}.length > 0")
+
+
 def test_the_goal_is_dragged_and_undone(page: Any) -> None:
     proved(page)
     x, y = at(page, 1.0, 0.0)
@@ -255,6 +264,19 @@ def test_the_goal_is_dragged_and_undone(page: Any) -> None:
     page.keyboard.press("Control+z")
     until(page, f"document.querySelector('textarea').value === {json.dumps(MEADOW.read_text())}")
     page.locator(".saved").wait_for()
+
+
+def test_the_map_stays_where_it_is_while_a_plan_is_awaited_or_refused(page: Any) -> None:
+    proved(page)
+    before = page.locator(".map").bounding_box()
+    rewrite(page, MEADOW.read_text() + "\n[[via]]\neast = 30.0\nnorth = 0.0\nup = 10.0\n")  # inside of the barn
+    page.get_by_text("via 1: nothing can fly there").wait_for()
+    assert page.locator("[data-spot='via.0'].lit").count() == 1
+    assert page.locator(".map").bounding_box() == before
+    page.get_by_role("button", name=re.compile("Via 1 to .* m above home")).click()
+    proved(page)
+    assert page.locator(".map").bounding_box() == before
+    assert page.locator(".lit").count() == 0
 
 
 def test_a_height_is_changed_for_all_at_once(page: Any) -> None:

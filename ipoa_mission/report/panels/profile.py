@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from html import escape
+from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from ipoa_mission.report.stops import FlownItem
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
 
+Look: TypeAlias = Literal["below", "beside", "zone"]
 BESIDE = 15.0  # obstacles this near beside the path are shown too [m]
 NARROWEST = 0.004  # of the chart's width: what is narrower could not be seen
 
@@ -26,7 +28,7 @@ def height_profile(
     course: Seen, airspace: Airspace, required: float, stops: Sequence[FlownItem], flown: Seen | None, tube: Rim
 ) -> str:
     """Heights over the distance on the ground, with the obstacles under and beside the path."""
-    near = list(_near(course, airspace, required))
+    near = list(near_course(course, airspace, required))
     tops = np.array([min(float(body.bounds[1, 2]), float(course.points[:, 2].max()) * 1.6) for body, *_ in near])
     paths = [course.points[:, 2] + required, course.ground] + ([flown.points[:, 2]] if flown is not None else [])
     chart = Graph(along_axis(course), axis_over("height above home [m]", *paths, tops))
@@ -105,10 +107,13 @@ def _mark(n: int, stop: FlownItem, chart: Graph) -> str:
     )
 
 
-def _near(course: Seen, airspace: Airspace, required: float) -> Iterator[tuple[Obstacle, tuple[float, float], str]]:
+def near_course(
+    course: Seen, airspace: Airspace, required: float
+) -> Iterator[tuple[Obstacle, tuple[float, float], Look]]:
     """Obstacles under or beside the path, each with the stretch of the way along which it is."""
     flat = course.points[:, :2]
-    for look, reach in (("beside", max(BESIDE, 2 * required)), ("below", required)):
+    looks: tuple[tuple[Look, float], ...] = (("beside", max(BESIDE, 2 * required)), ("below", required))
+    for look, reach in looks:
         for body in airspace.obstacles:
             bounds = body.bounds
             close = np.asarray(((flat > bounds[0, :2] - reach) & (flat < bounds[1, :2] + reach)).all(axis=1))

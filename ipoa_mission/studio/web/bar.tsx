@@ -2,13 +2,14 @@
 import { proved, send, set, type Tool } from "./store";
 import { useStudio } from "./use";
 
-const TOOLS: [Tool, string, string, string][] = [
-  ["select", "↖", "Select and drag", "v"],
-  ["via", "◆", "Via point", "w"],
-  ["polygon", "⬠", "Building, corner by corner", "b"],
-  ["cylinder", "○", "Mast or tree", "m"],
-  ["keep-out", "⊘", "Keep-out fence", "x"],
-  ["keep-in", "▢", "Keep-in fence", "f"],
+const TOOLS: [Tool, string, string, string, string][] = [
+  ["select", "↖", "select", "Select and drag", "v"],
+  ["via", "◆", "via", "Via point", "w"],
+  ["polygon", "⬠", "building", "Building, corner by corner", "b"],
+  ["cylinder", "○", "mast", "Mast or tree", "m"],
+  ["keep-out", "⊘", "keep out", "Keep-out fence", "x"],
+  ["keep-in", "▢", "keep in", "Keep-in fence", "f"],
+  ["measure", "↔", "measure", "Measure a distance", "d"],
 ];
 
 export function Bar() {
@@ -19,9 +20,9 @@ export function Bar() {
     <header class="bar">
       <h1>{shown.name}<span class={shown.unsaved ? "unsaved" : "saved"}>{shown.unsaved ? "unsaved" : "saved"}</span></h1>
       <div class="group" role="toolbar" aria-label="Tools">
-        {TOOLS.map(([name, sign, words, key]) => (
+        {TOOLS.map(([name, sign, word, words, key]) => (
           <button type="button" key={name} aria-pressed={tool === name} title={`${words} (${key})`} aria-label={words}
-            onClick={() => set({ tool: name })}><span aria-hidden="true">{sign}</span></button>
+            onClick={() => set({ tool: name })}><span aria-hidden="true">{sign}<small>{word}</small></span></button>
         ))}
       </div>
       <div class="group">
@@ -31,6 +32,7 @@ export function Bar() {
           onClick={() => send({ kind: "do", what: "redo" })}>↷</button>
       </div>
       <div class="group">
+        {now.tiles && <button type="button" aria-pressed={now.picture} onClick={() => set({ picture: !now.picture })}>Map</button>}
         <button type="button" aria-pressed={space} onClick={() => set({ space: !space })}>3-D</button>
         <button type="button" class="strong" disabled={!shown.unsaved} onClick={() => send({ kind: "do", what: "save" })}>Save</button>
         <button type="button" disabled={!proved(now)} title={`Write ${shown.name}.plan, .waypoints, .json and the report`}
@@ -53,7 +55,7 @@ export function listenToKeys(): void {
       event.preventDefault();
       send({ kind: "do", what });
     } else if (!held && !event.altKey) {
-      const tool = TOOLS.find(one => one[3] === event.key);
+      const tool = TOOLS.find(one => one[4] === event.key);
       if (tool) set({ tool: tool[0] });
       if (event.key === "Escape") set({ tool: "select", selected: null });
       if (event.key === "3") set({ space: true });

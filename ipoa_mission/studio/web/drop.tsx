@@ -1,12 +1,6 @@
 // Files that are dropped on the page: the server keeps them beside the scenario, the user says what they are.
-import { useEffect, useState } from "preact/hooks";
-import { edit, set, type Change } from "./store";
-
-interface Dropped {
-  kind: "map" | "elevation" | "mission";
-  file: string;
-  changes: Change[];
-}
+import { useEffect, useRef } from "preact/hooks";
+import { edit, set, type Dropped, type Studio } from "./store";
 
 const KINDS: [string, string][] = [["buildings", "Buildings to fly round"], ["no_fly", "Zones to keep out of"], ["flight_area", "The area to stay in"]];
 
@@ -28,12 +22,26 @@ function use(dropped: Dropped, kind: string): void {
   }
 }
 
+/** What a dropped map is, asked where one looks: on top of all that is said of the flight. */
+export function Question({ now }: { now: Studio }) {
+  const asked = now.dropped, first = useRef<HTMLButtonElement>(null);
+  useEffect(() => first.current?.focus(), [asked]);
+  if (!asked) return null;
+  const close = () => set({ dropped: null });
+  return (
+    <section class="question" role="group" aria-label={`What is ${asked.file}?`}>
+      <p>What is <b>{asked.file}</b>?</p>
+      <p class="column">{KINDS.map(([kind, words], n) => <button type="button" key={kind} ref={n ? null : first} onClick={() => { use(asked, kind); close(); }}>{words}</button>)}
+        <button type="button" onClick={close}>Nothing: leave it</button></p>
+    </section>
+  );
+}
+
 export function Drop() {
-  const [asked, ask] = useState<Dropped | null>(null);
   const take = async (files: FileList | null) => {
     for (const file of files ?? []) {
       const dropped = await keep(file);
-      if (dropped?.kind === "map") ask(dropped);
+      if (dropped?.kind === "map") set({ dropped });
       else if (dropped) use(dropped, "");
     }
   };
@@ -45,20 +53,10 @@ export function Drop() {
     return () => { removeEventListener("dragover", over); removeEventListener("drop", drop); };
   }, []);
   return (
-    <details class="panel" open={asked !== null || undefined}>
+    <details class="panel">
       <summary>Maps and missions from files</summary>
-      {asked ? (
-        <div role="group" aria-label={`What is ${asked.file}?`}>
-          <p>What is <b>{asked.file}</b>?</p>
-          <p class="column">{KINDS.map(([kind, words]) => <button type="button" key={kind} onClick={() => { use(asked, kind); ask(null); }}>{words}</button>)}
-            <button type="button" onClick={() => ask(null)}>Nothing: leave it</button></p>
-        </div>
-      ) : (
-        <>
-          <p class="note">Drop them anywhere on the page: GeoJSON, KML, CityJSON, Shapefile and others for buildings and zones; GeoTIFF or .hgt for the ground; .plan or .waypoints for home, places and fence. They are kept beside the scenario.</p>
-          <label class="field wide"><span>Or choose one</span><input type="file" multiple onChange={event => { void take(event.currentTarget.files); event.currentTarget.value = ""; }} /></label>
-        </>
-      )}
+      <p class="note">Drop them anywhere on the page: GeoJSON, KML, CityJSON, Shapefile and others for buildings and zones; GeoTIFF or .hgt for the ground; .plan or .waypoints for home, places and fence. They are kept beside the scenario.</p>
+      <label class="field wide"><span>Or choose one</span><input type="file" multiple onChange={event => { void take(event.currentTarget.files); event.currentTarget.value = ""; }} /></label>
     </details>
   );
 }

@@ -3,13 +3,14 @@ import type { Map as MapLibre, MapMouseEvent } from "maplibre-gl";
 import type { Body } from "./messages";
 import { draft, fit } from "./map";
 import { keyPath, line, pathKey } from "./shapes";
-import { drag, edit, endDrag, listen, set, studio, type Change, type LngLat, type Path } from "./store";
+import { chooseItem, drag, edit, endDrag, listen, set, studio, type Change, type LngLat, type Path } from "./store";
 
 const HEIGHT = 15; // of what is drawn, until it is given another [m]
 const RADIUS = 3; // of a mast [m]
 const CLOSE = 12; // pixels from the first corner within which a polygon is closed
 const PICKED = ["roofs", "roofs-space", "keep-out", "fence-lines"];
 const WORDS: Record<string, string> = {
+  measure: "Click from place to place. Esc ends it.",
   via: "Click where the flight is to pass. Esc ends it.",
   polygon: "Click corner by corner; click the first again, or press Enter, to close it. Esc gives it up.",
   cylinder: "Click where the mast or tree stands.",
@@ -21,14 +22,17 @@ export function useHands(map: MapLibre): void {
   let corners: LngLat[] = [];
   const show = (pointer?: LngLat) => {
     const points = pointer && corners.length ? [...corners, pointer] : corners;
+    const closes = points.length > 2 && studio.tool !== "measure";
+    if (points.length > 1) set({ notice: lengths(points, closes) });
     draft(map, [
       ...(points.length > 1 ? [line(points)] : []),
+      ...(closes ? [line([points.at(-1)!, points[0]!], { closing: true })] : []),
       ...corners.map(place => ({ type: "Feature" as const, properties: {}, geometry: { type: "Point" as const, coordinates: place } })),
     ]);
   };
   const giveUp = () => { corners = []; show(); };
   const close = () => {
-    if (corners.length > 2) addRing(corners);
+    if (corners.length > 2 && studio.tool !== "measure") addRing(corners);
     giveUp();
   };
 
@@ -38,7 +42,7 @@ export function useHands(map: MapLibre): void {
     if (tool === "via") return addPlace("via", at);
     if (tool === "rally") return addPlace("rally", at);
     if (tool === "cylinder") return addMast(at);
-    if (corners.length > 2 && near(map, event, corners[0]!)) return close();
+    if (tool !== "measure" && corners.length > 2 && near(map, event, corners[0]!)) return close();
     corners.push(at);
     show();
   });
@@ -108,6 +112,9 @@ function addRing(ring: LngLat[]): void {
 }
 
 function choose(map: MapLibre, event: MapMouseEvent): void {
+  const { x, y } = event.point, near: [[number, number], [number, number]] = [[x - 6, y - 6], [x + 6, y + 6]];
+  const item = map.queryRenderedFeatures(near, { layers: ["items"] })[0];
+  if (item) chooseItem(Number(item.properties.seq));
   set({ selected: pick(map, event) });
 }
 
@@ -149,6 +156,18 @@ function ringOf(path: Path): LngLat[] {
   const body: Body | undefined = studio.world?.bodies.find(one => one.path && pathKey(one.path) === key);
   const fence = studio.world?.fences.find(one => pathKey(one.path) === key);
   return (body?.rings[0] ?? fence?.ring ?? []) as LngLat[];
+}
+
+/** How long what is being drawn is: its last edge, the way so far or all round, and its area. */
+function lengths(points: LngLat[], closes: boolean): string {
+  const [wide, high] = studio.world!.degree_m as [number, number];
+  const flat = points.map(([lng, lat]) => [(lng - points[0]![0]) * wide, (lat - points[0]![1]) * high] as const);
+  const edges = flat.slice(1).map((to, n) => Math.hypot(to[0] - flat[n]![0], to[1] - flat[n]![1]));
+  const way = edges.reduce((sum, edge) => sum + edge, 0), last = `${edges.at(-1)!.toFixed(1)} m`;
+  if (!closes) return edges.length > 1 ? `${last}; in all ${way.toFixed(1)} m` : last;
+  const around = way + Math.hypot(...flat.at(-1)!);
+  const area = Math.abs(flat.reduce((sum, [x, y], n) => sum + x * flat[(n + 1) % flat.length]![1] - flat[(n + 1) % flat.length]![0] * y, 0)) / 2;
+  return `${last}; around ${around.toFixed(1)} m; ${area.toFixed(0)} m²`;
 }
 
 function near(map: MapLibre, event: MapMouseEvent, place: LngLat): boolean {

@@ -7,29 +7,33 @@ import { render } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import { Bar, listenToKeys } from "./bar";
 import { Bindings, Candidates, Choices, Remarks } from "./findings";
-import { Drop } from "./drop";
+import { Drop, Question } from "./drop";
 import { Fly } from "./fly";
 import { Chosen, Limits } from "./form";
 import { useHands } from "./hands";
+import { Items } from "./items";
 import { makeMap } from "./map";
+import { showPointer } from "./pointer";
 import { Profile } from "./profile";
 import { showSpots } from "./spots";
-import { send, studio, type Candidate } from "./store";
+import { send, studio, type Candidate, type Studio } from "./store";
 import { Outside, Text } from "./text";
 import { useStudio } from "./use";
 import { Verdict } from "./verdict";
 
-function MapView({ notice }: { notice: string }) {
+function MapView({ now: { notice, tiles, picture, world } }: { now: Studio }) {
   const place = useRef<HTMLDivElement>(null);
   useEffect(() => {
     const map = makeMap(place.current!);
     showSpots(map);
     useHands(map);
+    showPointer(map);
     Object.assign(window, { map }); // for tests, and for the curious
   }, []);
   return (
-    <div class="map" role="region" aria-label="Map">
+    <div class={`map${world ? "" : " unknown"}`} role="region" aria-label="Map">
       <div class="canvas" ref={place} />
+      {tiles && picture && <p class="attribution">{tiles.attribution}</p>}
       {notice && <p class="notice" role="status">{notice}</p>}
     </div>
   );
@@ -47,14 +51,16 @@ function Page() {
       <Bar />
       <main>
         <div class="stage">
-          <MapView notice={now.notice} />
+          <MapView now={now} />
           <Profile now={now} />
         </div>
         <aside class="side" aria-label="The flight">
           <Outside now={now} />
+          <Question now={now} />
           <Verdict now={now} />
           <Chosen now={now} />
           <Bindings now={now} />
+          <Items now={now} />
           <Candidates now={now} take={take} />
           <Fly now={now} />
           <Choices now={now} />

@@ -1,13 +1,13 @@
 // The map: MapLibre with a style of our own, made of nothing but the scenario; no tile is asked for anywhere.
 import { Map as MapLibre, NavigationControl, ScaleControl, setWorkerUrl, type GeoJSONSource, type StyleSpecification } from "maplibre-gl";
-import type { Line, World } from "./messages";
+import type { Line, Trouble, World } from "./messages";
 import { color, onSchemeChange } from "./colors";
 import * as shapes from "./shapes";
-import { listen, proved, studio, type Studio } from "./store";
+import { blocking, coarseOf, isNamed, listen, proved, set, studio, type Studio } from "./store";
 
 setWorkerUrl(new URL("map-worker.js", document.baseURI).href);
 
-const SOURCES = ["ground", "bodies", "fences", "bounds", "others", "tube", "path", "flown", "ribbon", "flown-ribbon", "kept", "here", "pillar", "vehicle", "draft"] as const;
+const SOURCES = ["ground", "bodies", "lit", "fences", "bounds", "others", "tube", "path", "flown", "ribbon", "flown-ribbon", "kept", "items", "here", "pillar", "vehicle", "draft"] as const;
 type SourceName = (typeof SOURCES)[number];
 const EMPTY = shapes.collection([]);
 const FLAT = ["ground", "roofs", "roof-lines", "tube"];
@@ -18,16 +18,21 @@ export function makeMap(container: HTMLElement): MapLibre {
     container, style: style(), center: [0, 0], zoom: 1, maxZoom: 22, maxPitch: 75, attributionControl: false,
     dragRotate: true, fadeDuration: 0, canvasContextAttributes: { antialias: true },
   });
+  map.on("error", event => {
+    if ((event as { sourceId?: string }).sourceId === "tiles") set({ notice: "Some of the map's tiles could not be had." });
+    else console.error(event.error.message);
+  });
   map.addControl(new NavigationControl({ visualizePitch: true }), "top-right");
   map.addControl(new ScaleControl({ maxWidth: 120 }), "bottom-left");
+  shown = map;
   map.on("load", () => {
-    map.addImage("hatch", hatch());
+    addImages(map);
     drawAll(map, studio);
     listen((now, before) => update(map, now, before));
   });
   onSchemeChange(() => {
     map.setStyle(style(), { diff: false });
-    map.once("style.load", () => { map.addImage("hatch", hatch()); drawAll(map, studio); });
+    map.once("style.load", () => { addImages(map); drawAll(map, studio); });
   });
   return map;
 }
@@ -44,6 +49,19 @@ export function fit(map: MapLibre, world: World, animate = true): void {
   );
 }
 
+let shown: MapLibre | null = null;
+
+/** Go to what a refusal names. */
+export function showNamed(trouble: Trouble): void {
+  const world = studio.world;
+  if (!shown || !world) return;
+  const rings = world.bodies.filter(body => isNamed(body.name, [trouble])).flatMap(body => body.rings[0] ?? []);
+  const places = [...rings, ...world.spots.filter(spot => isNamed(spot.name, [trouble])).map(spot => spot.place)] as [number, number][];
+  if (!places.length) return fit(shown, world);
+  const lng = places.map(place => place[0]), lat = places.map(place => place[1]);
+  shown.fitBounds([[Math.min(...lng), Math.min(...lat)], [Math.max(...lng), Math.max(...lat)]], { padding: 90, maxZoom: 19, animate: false });
+}
+
 /** Fill in what is drawn while the user draws. */
 export function draft(map: MapLibre, features: GeoJSON.Feature[]): void {
   fill(map, "draft", features);
@@ -52,17 +70,34 @@ export function draft(map: MapLibre, features: GeoJSON.Feature[]): void {
 function update(map: MapLibre, now: Studio, before: Studio): void {
   if (now.world !== before.world && now.world) {
     drawWorld(map, now.world);
-    if (!before.world) fit(map, now.world, false);
+    if (!before.world || wentAway(map, now.world, before.world)) fit(map, now.world, false);
   }
+  if (now.troubles !== before.troubles || now.world !== before.world) drawLit(map, now);
   if (["plan", "sketch", "drag", "document", "world"].some(key => now[key as keyof Studio] !== before[key as keyof Studio])) drawPath(map, now);
+  if (now.tiles !== before.tiles || now.picture !== before.picture) showPicture(map, now);
+  if (now.item !== before.item) drawItems(map, now);
   if (now.flown !== before.flown) drawFlown(map, now);
   if (now.candidates !== before.candidates) drawKept(map, now);
   if (now.at !== before.at || now.plan !== before.plan || now.document !== before.document || now.space !== before.space) drawHere(map, now);
   if (now.space !== before.space) {
     showSpace(map, now.space);
+    showPicture(map, now);
     map.easeTo({ pitch: now.space ? 58 : 0, bearing: now.space ? map.getBearing() || -18 : 0, duration: 500 });
     drawPath(map, now);
   }
+}
+
+/** Whether a place of the flight has moved out of sight, as by a file that was dropped. */
+function wentAway(map: MapLibre, now: World, before: World): boolean {
+  const known = new Set(before.spots.map(spot => String(spot.place)));
+  const moved = now.spots.filter(spot => !known.has(String(spot.place)));
+  return moved.some(spot => !map.getBounds().contains(spot.place as [number, number]));
+}
+
+/** What stands in the way of a plan, by name. */
+function drawLit(map: MapLibre, now: Studio): void {
+  const refusals = blocking(now), bodies = refusals.length && now.world ? now.world.bodies : [];
+  fill(map, "lit", bodies.filter(body => isNamed(body.name, refusals)).map(body => shapes.line(body.rings[0])));
 }
 
 function drawAll(map: MapLibre, now: Studio): void {
@@ -74,7 +109,9 @@ function drawAll(map: MapLibre, now: Studio): void {
   drawFlown(map, now);
   drawKept(map, now);
   drawHere(map, now);
+  drawLit(map, now);
   showSpace(map, now.space);
+  showPicture(map, now);
 }
 
 function drawWorld(map: MapLibre, world: World): void {
@@ -86,12 +123,23 @@ function drawWorld(map: MapLibre, world: World): void {
 
 /** The proved path if there is one of what is here now, else the coarse one, dashed. */
 function drawPath(map: MapLibre, now: Studio): void {
-  const plan = proved(now), coarse = now.drag ?? (plan ? null : now.sketch);
+  const plan = proved(now), coarse = now.drag ?? (plan ? null : coarseOf(now));
   const course: Line | undefined = coarse ? coarse.line : plan?.course.line;
   fill(map, "path", course ? [shapes.line(course.points, { coarse: coarse !== null, holds: coarse?.holds ?? true })] : []);
   fill(map, "others", coarse ? coarse.others.map(other => shapes.line(other.points)) : []);
+  drawItems(map, now);
   fill(map, "tube", plan && !coarse ? shapes.tube(plan) : []);
-  fill(map, "ribbon", course && now.space && now.world ? shapes.ribbon(course, shapes.lowest(now.world), 2.2, 1.4) : []);
+  fill(map, "ribbon", course && now.space && now.world ? shapes.ribbon(course, shapes.lowest(now.world), 2.2, 1.4, coarse !== null) : []);
+}
+
+/** Where the items lie that have a place, by their numbers; the chosen one stands out. */
+function drawItems(map: MapLibre, now: Studio): void {
+  const stops = now.drag ? [] : proved(now)?.stops ?? [];
+  fill(map, "items", stops.filter(stop => stop.place).map(stop => {
+    const name = `${stop.seq}${stop.seq === now.item ? "!" : ""}`, icon = `item${name}`;
+    if (!map.hasImage(icon)) map.addImage(icon, numbered(name), { pixelRatio: 2 });
+    return { type: "Feature", properties: { seq: stop.seq, icon }, geometry: { type: "Point", coordinates: stop.place as [number, number] } };
+  }));
 }
 
 function drawFlown(map: MapLibre, now: Studio): void {
@@ -128,8 +176,59 @@ function showSpace(map: MapLibre, space: boolean): void {
   map.setPaintProperty("path", "line-opacity", space ? 0.25 : 1);
 }
 
+/** The tiles below everything, in place of the ground's own colors; what stands on them is seen through. */
+function showPicture(map: MapLibre, now: Studio): void {
+  const tiles = now.tiles;
+  if (tiles && !map.getSource("tiles")) {
+    const address = tiles.address.includes("://") ? tiles.address : new URL(".", document.baseURI).href + tiles.address;
+    map.addSource("tiles", { type: "raster", tiles: [address], tileSize: 256, minzoom: tiles.min_zoom, maxzoom: tiles.max_zoom });
+    map.addLayer({ id: "tiles", type: "raster", source: "tiles", paint: { "raster-fade-duration": 0 } }, "ground");
+  }
+  const shown = tiles !== null && now.picture;
+  if (map.getLayer("tiles")) map.setLayoutProperty("tiles", "visibility", shown ? "visible" : "none");
+  map.setLayoutProperty("ground", "visibility", now.space || shown ? "none" : "visible");
+  map.setPaintProperty("roofs", "fill-opacity", shown ? 0.55 : 1);
+}
+
 function fill(map: MapLibre, name: SourceName, features: GeoJSON.Feature[]): void {
   (map.getSource(name) as GeoJSONSource | undefined)?.setData(shapes.collection(features));
+}
+
+function addImages(map: MapLibre): void {
+  map.addImage("hatch", hatch());
+  map.addImage("arrow", drawn(20, pen => {
+    pen.fillStyle = color("planned");
+    pen.moveTo(3, 3);
+    pen.lineTo(18, 10);
+    pen.lineTo(3, 17);
+    pen.fill();
+  }), { pixelRatio: 2 });
+}
+
+/** An item's number in a small disk; one with "!" behind it is the chosen one. */
+function numbered(seq: string): ImageData {
+  const chosen = seq.endsWith("!");
+  return drawn(32, pen => {
+    pen.fillStyle = color(chosen ? "focus" : "card");
+    pen.strokeStyle = color("planned");
+    pen.lineWidth = 3;
+    pen.arc(16, 16, 14, 0, 7);
+    pen.fill();
+    pen.stroke();
+    pen.fillStyle = chosen ? "#1c2630" : color("ink");
+    pen.font = "600 16px sans-serif";
+    pen.textAlign = "center";
+    pen.textBaseline = "middle";
+    pen.fillText(seq.replace("!", ""), 16, 17);
+  });
+}
+
+function drawn(size: number, draw: (pen: CanvasRenderingContext2D) => void): ImageData {
+  const canvas = document.createElement("canvas");
+  canvas.width = canvas.height = size;
+  const pen = canvas.getContext("2d")!;
+  draw(pen);
+  return pen.getImageData(0, 0, size, size);
 }
 
 /** Strokes across what may not be entered. */
@@ -150,7 +249,7 @@ function hatch(): ImageData {
 
 function style(): StyleSpecification {
   const ramp = (low: string, high: string): any => ["interpolate", ["linear"], ["get", "share"], 0, color(low), 1, color(high)];
-  const solid: any = ["==", ["get", "solid"], true], zone: any = ["!=", ["get", "solid"], true];
+  const solid: any = ["==", ["get", "solid"], true], zone: any = ["all", ["!=", ["get", "solid"], true], ["!=", ["get", "doubt"], true]], doubt: any = ["==", ["get", "doubt"], true];
   const dash = [2.2, 1.6];
   return {
     version: 8,
@@ -166,22 +265,28 @@ function style(): StyleSpecification {
       { id: "roof-lines", type: "line", source: "bodies", filter: solid, paint: { "line-color": color("edge"), "line-width": 0.8 } },
       { id: "zones", type: "fill", source: "bodies", filter: zone, paint: { "fill-pattern": "hatch" } },
       { id: "zone-lines", type: "line", source: "bodies", filter: zone, paint: { "line-color": color("bad"), "line-width": 1.4 } },
+      { id: "doubts", type: "fill", source: "bodies", filter: doubt, paint: { "fill-color": color("amber"), "fill-opacity": 0.16 } },
+      { id: "doubt-lines", type: "line", source: "bodies", filter: doubt, paint: { "line-color": color("amber"), "line-width": 1.4, "line-dasharray": [3, 2] } },
+      { id: "lit", type: "line", source: "lit", paint: { "line-color": color("focus"), "line-width": 5, "line-opacity": 0.9 } },
       { id: "keep-out", type: "fill", source: "fences", filter: ["!", ["get", "inclusion"]], paint: { "fill-pattern": "hatch" } },
       { id: "fence-lines", type: "line", source: "fences", paint: { "line-color": ["case", ["get", "inclusion"], color("good"), color("bad")], "line-width": 2 } },
       { id: "others", type: "line", source: "others", paint: { "line-color": color("legs"), "line-width": 1.4, "line-dasharray": [1.5, 2], "line-opacity": 0.8 } },
       { id: "kept", type: "line", source: "kept", paint: { "line-color": ["get", "color"], "line-width": 2.4, "line-dasharray": [4, 1.5] } },
       { id: "path", type: "line", source: "path", filter: ["!", ["get", "coarse"]], layout: { "line-cap": "round", "line-join": "round" }, paint: { "line-color": color("planned"), "line-width": 3.4 } },
+      { id: "arrows", type: "symbol", source: "path", filter: ["!", ["get", "coarse"]], layout: { "symbol-placement": "line", "symbol-spacing": 90, "icon-image": "arrow", "icon-size": 1.3, "icon-allow-overlap": true } },
       { id: "coarse", type: "line", source: "path", filter: ["get", "coarse"], layout: { "line-join": "round" }, paint: { "line-color": ["case", ["get", "holds"], color("planned"), color("bad")], "line-width": 3, "line-dasharray": dash } },
       { id: "flown", type: "line", source: "flown", layout: { "line-cap": "round" }, paint: { "line-color": color("flown"), "line-width": 2.2 } },
       { id: "roofs-space", type: "fill-extrusion", source: "bodies", filter: solid, layout: { visibility: "none" }, paint: { "fill-extrusion-color": ramp("low-roof", "high-roof"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-opacity": 0.92 } },
       { id: "zones-space", type: "fill-extrusion", source: "bodies", filter: zone, layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("bad"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-opacity": 0.18 } },
-      { id: "ribbon", type: "fill-extrusion", source: "ribbon", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("planned"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-vertical-gradient": false } },
+      { id: "ribbon", type: "fill-extrusion", source: "ribbon", layout: { visibility: "none" }, paint: { "fill-extrusion-color": ["case", ["get", "coarse"], color("quiet"), color("planned")], "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-vertical-gradient": false } },
       { id: "flown-ribbon", type: "fill-extrusion", source: "flown-ribbon", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("flown"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-vertical-gradient": false } },
       { id: "pillar", type: "fill-extrusion", source: "pillar", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("focus"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"] } },
       { id: "here", type: "circle", source: "here", paint: { "circle-color": color("focus"), "circle-stroke-color": color("ink"), "circle-stroke-width": 2, "circle-radius": 6 } },
+      { id: "items", type: "symbol", source: "items", layout: { "icon-image": ["get", "icon"], "icon-allow-overlap": true } },
       { id: "vehicle", type: "circle", source: "vehicle", paint: { "circle-color": color("flown"), "circle-stroke-color": color("card"), "circle-stroke-width": 2.5, "circle-radius": 8 } },
       { id: "draft-fill", type: "fill", source: "draft", filter: ["==", ["geometry-type"], "Polygon"], paint: { "fill-color": color("focus"), "fill-opacity": 0.25 } },
-      { id: "draft", type: "line", source: "draft", paint: { "line-color": color("focus"), "line-width": 2 } },
+      { id: "draft-closing", type: "line", source: "draft", filter: ["==", ["get", "closing"], true], paint: { "line-color": color("focus"), "line-width": 1.6, "line-dasharray": [2, 2] } },
+      { id: "draft", type: "line", source: "draft", filter: ["!=", ["get", "closing"], true], paint: { "line-color": color("focus"), "line-width": 2 } },
       { id: "draft-points", type: "circle", source: "draft", filter: ["==", ["geometry-type"], "Point"], paint: { "circle-color": color("card"), "circle-stroke-color": color("focus"), "circle-stroke-width": 2, "circle-radius": 5 } },
     ],
   };

@@ -29,7 +29,7 @@ export function Profile({ now }: { now: Studio }) {
   const apart = course.apart[at];
   return (
     <footer class="profile">
-      <Chart plan={plan} at={at} flown={now.flown.map(seen => [seen.time_s, seen.up])} />
+      <Chart now={now} plan={plan} at={at} flown={now.flown.map(seen => [seen.time_s, seen.up])} />
       <div class="slider">
         <button type="button" aria-label={now.playing ? "Pause" : "Play"} onClick={() => set({ playing: !now.playing, at: at >= course.times.length - 1 ? 0 : at })}>{now.playing ? "❚❚" : "▶"}</button>
         <input type="range" min="0" max={course.times.length - 1} value={at} aria-label="Moment of the flight"
@@ -50,7 +50,7 @@ function sampleAt(course: Course, time: number): number {
   return low;
 }
 
-function Chart({ plan, at, flown }: { plan: Plan; at: number; flown: [number, number][] }) {
+function Chart({ plan, at, flown, now }: { plan: Plan; at: number; flown: [number, number][]; now: Studio }) {
   const { along, ground, line, times } = plan.course;
   const length = along.at(-1) || 1;
   const low = Math.min(...ground, 0), high = Math.max(...line.up) * 1.12 + 2;
@@ -73,11 +73,16 @@ function Chart({ plan, at, flown }: { plan: Plan; at: number; flown: [number, nu
       <svg viewBox={`0 0 ${WIDE} ${HIGH}`} preserveAspectRatio="none" role="img" aria-label={`Height over the way: ${length.toFixed(0)} m, up to ${Math.max(...line.up).toFixed(0)} m above home`}
         onPointerDown={point} onPointerMove={event => { if (event.buttons) point(event); }}>
         {ticks.map(tick => <path key={tick} class="grid" d={`M0 ${y(tick)}H${WIDE}`} />)}
+        {plan.beside.map((body, n) => {
+          const left = Math.max(0, body.begins - 0.002 * length), right = Math.min(length, body.ends + 0.002 * length);
+          const top = Math.min(body.top, high), base = Math.max(body.base, low);
+          return <path key={n} class={body.look} d={`M${x(left)} ${y(base)}V${y(top)}H${x(right)}V${y(base)}Z`}><title>{body.name}: {body.base.toFixed(0)} to {body.top.toFixed(0)} m</title></path>;
+        })}
         <path class="soil" d={soil} />
         <path class="band" d={band} />
         <path class="planned" d={path(line.up)} />
         {seen.length > 1 && <path class="flown" d={`M${seen.join("L")}`} />}
-        {plan.stops.map(stop => <path key={stop.seq} class="mark" d={`M${x(along[stop.at]!)} ${y(line.up[stop.at]!)}v6`} />)}
+        {plan.stops.map(stop => <path key={stop.seq} class={stop.seq === now.item ? "mark chosen" : "mark"} d={`M${x(along[stop.at]!)} ${y(line.up[stop.at]!)}v${stop.seq === now.item ? 14 : 6}`} />)}
         <path class="cursor" d={`M${x(along[at]!)} 0V${HIGH}`} />
       </svg>
       <span class="unit">{times.length ? `${length.toFixed(0)} m` : ""}</span>

@@ -33,7 +33,7 @@ export function bodies(world: World): Feature[] {
   const floor = lowest(world);
   const highest = Math.max(1, ...world.bodies.filter(body => body.solid).map(body => body.top));
   return world.bodies.map(body => polygon(body.rings, {
-    name: body.name, solid: body.solid, base: body.base, top: body.top, path: body.path ? pathKey(body.path) : "",
+    name: body.name, solid: body.solid, doubt: body.doubt ?? false, base: body.base, top: body.top, path: body.path ? pathKey(body.path) : "",
     share: Math.max(0, body.top) / highest,
     from: Math.max(0, body.base - floor), to: Math.max(0.1, Math.min(body.top, world.ceiling + 40) - floor),
   }));
@@ -53,22 +53,29 @@ export function tube(plan: Plan): Feature[] {
 
 export const METERS = 111_320; // of a degree of latitude, closely enough to draw by
 
-/** A path as a band of boxes in the air, `wide` meters across: what a map of extrusions can show of it. */
-export function ribbon(path: Line, floor: number, wide: number, high: number): Feature[] {
+/** A path as a band of boxes in the air, `wide` meters across: what a map of extrusions can show of it; a coarse one broken. */
+export function ribbon(path: Line, floor: number, wide: number, high: number, coarse = false): Feature[] {
   const points = path.points as LngLat[];
   const features: Feature[] = [];
   const narrow = Math.cos(((points[0]?.[1] ?? 0) * Math.PI) / 180);
+  let along = 0;
   for (let n = 1; n < points.length; n++) {
     const [west, south] = points[n - 1]!, [east, north] = points[n]!;
     const dx = (east - west) * METERS * narrow, dy = (north - south) * METERS;
     const length = Math.hypot(dx, dy);
-    if (length < 0.05) continue;
+    const ends = [path.up[n - 1] ?? 0, path.up[n] ?? 0].map(up => up - floor);
+    const heights = { from: Math.max(0, Math.min(...ends) - high / 2), to: Math.max(0.1, Math.max(...ends) + high / 2), coarse };
+    along += length;
+    if (coarse && Math.floor(along / (4 * wide)) % 2) continue;
+    if (length < 0.05) {
+      if (heights.to - heights.from > 1.5 * high) features.push(...pillar([east, north], heights.from, heights.to));
+      continue;
+    }
     const aside = wide / 2 / length / METERS;
     const [x, y] = [(-dy * aside) / narrow, dx * aside];
-    const up = ((path.up[n - 1] ?? 0) + (path.up[n] ?? 0)) / 2 - floor;
     features.push(polygon(
       [[[west + x, south + y], [east + x, north + y], [east - x, north - y], [west - x, south - y], [west + x, south + y]]],
-      { from: Math.max(0, up - high / 2), to: Math.max(0.1, up + high / 2) },
+      heights,
     ));
   }
   return features;
@@ -78,7 +85,7 @@ export function ribbon(path: Line, floor: number, wide: number, high: number): F
 export function pillar([lng, lat]: LngLat, from: number, to: number): Feature[] {
   const half = 0.75 / METERS, wide = half / Math.cos((lat * Math.PI) / 180);
   const ring = [[lng - wide, lat - half], [lng + wide, lat - half], [lng + wide, lat + half], [lng - wide, lat + half], [lng - wide, lat - half]];
-  return [polygon([ring], { from, to: Math.max(to, from + 0.1) })];
+  return [polygon([ring], { from, to: Math.max(to, from + 0.1), coarse: false })];
 }
 
 export function pathKey(path: Path): string {

@@ -2,7 +2,7 @@
 import { Marker, type Map as MapLibre } from "maplibre-gl";
 import type { Spot } from "./messages";
 import { pathKey } from "./shapes";
-import { drag, edit, endDrag, listen, set, studio, type Change, type LngLat } from "./store";
+import { blocking, drag, edit, endDrag, isNamed, listen, set, studio, type Change, type LngLat } from "./store";
 
 const SIGNS: Record<string, string> = { home: "H", start: "S", goal: "G", via: "", rally: "R" };
 const KEYS: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
@@ -38,11 +38,15 @@ export function showSpots(map: MapLibre): void {
   };
   const mark = () => {
     const selected = studio.selected ? pathKey(studio.selected) : "";
-    for (const [key, { button }] of shown) button.classList.toggle("chosen", key === selected);
+    const refusals = blocking(studio);
+    for (const [key, { button, spot }] of shown) {
+      button.classList.toggle("chosen", key === selected);
+      button.classList.toggle("lit", isNamed(spot.name, refusals));
+    }
   };
   listen((now, before) => {
     if (now.world !== before.world) draw();
-    if (now.selected !== before.selected || now.world !== before.world) mark();
+    if (now.selected !== before.selected || now.world !== before.world || now.troubles !== before.troubles) mark();
   });
   draw();
 }

@@ -1,12 +1,12 @@
 // What this window knows: the latest answer of each kind, and what the user is at. One object, replaced as it changes.
-import type { Answer, Document, Edit, Landed, Loaded, Plan, Put, Progress, Request, Seen, Sketch, State, Trouble, World } from "./messages";
+import type { Answer, Document, Edit, Landed, Loaded, Plan, Put, Progress, Request, Seen, Sketch, State, Tiles, Trouble, World } from "./messages";
 import { connect } from "./link";
 
 export type Change = Edit["changes"][number];
 export type Path = Put["path"];
 export type LngLat = [number, number];
 
-export type Tool = "select" | "via" | "box" | "polygon" | "cylinder" | "keep-out" | "keep-in" | "rally";
+export type Tool = "select" | "measure" | "via" | "box" | "polygon" | "cylinder" | "keep-out" | "keep-in" | "rally";
 
 export interface Candidate {
   name: string;
@@ -18,6 +18,8 @@ export interface Studio {
   connected: boolean;
   document: Document | null;
   world: World | null;
+  tiles: Tiles | null;
+  picture: boolean;
   sketch: Sketch | null;
   drag: Sketch | null;
   plan: Plan | null;
@@ -27,6 +29,7 @@ export interface Studio {
   selected: Path | null;
   space: boolean;
   at: number;
+  item: number | null;
   playing: boolean;
   candidates: Candidate[];
   loaded: Loaded | null;
@@ -35,12 +38,20 @@ export interface Studio {
   landed: Landed | null;
   flight: State | null;
   notice: string;
+  dropped: Dropped | null;
+}
+
+/** A file that was dropped, and is kept beside the scenario. */
+export interface Dropped {
+  kind: "map" | "elevation" | "mission";
+  file: string;
+  changes: Change[];
 }
 
 export let studio: Studio = {
-  connected: false, document: null, world: null, sketch: null, drag: null, plan: null, progress: null, troubles: [],
-  tool: "select", selected: null, space: false, at: 0, playing: false, candidates: [], loaded: null, seen: null,
-  flown: [], landed: null, flight: null, notice: "",
+  connected: false, document: null, world: null, tiles: null, picture: true, sketch: null, drag: null, plan: null, progress: null, troubles: [],
+  tool: "select", selected: null, space: false, at: 0, item: null, playing: false, candidates: [], loaded: null, seen: null,
+  flown: [], landed: null, flight: null, notice: "", dropped: null,
 };
 
 type Listener = (now: Studio, before: Studio) => void;
@@ -56,7 +67,10 @@ export function set(change: Partial<Studio>): void {
   for (const listener of listeners) listener(studio, before);
 }
 
-const link = connect(hear, connected => set({ connected }));
+/** A server that comes back numbers its revisions anew: what an earlier one proved counts no more; it tells what it has. */
+const FORGOTTEN = { sketch: null, drag: null, plan: null, progress: null, troubles: [], loaded: null, flight: null };
+
+const link = connect(hear, connected => set({ connected, ...(connected ? FORGOTTEN : {}) }));
 
 export function send(request: Request): void {
   link.send(request);
@@ -105,6 +119,9 @@ function hear(answer: Answer): void {
       if (answer.revision !== studio.document?.revision) set({ progress: null, troubles: [], drag: null });
       set({ document: answer });
       break;
+    case "tiles":
+      set({ tiles: answer });
+      break;
     case "world":
       set({ world: answer });
       break;
@@ -144,6 +161,32 @@ function hear(answer: Answer): void {
       set({ notice: `written: ${answer.files.join(", ")}` });
       break;
   }
+}
+
+/** An item of the mission is chosen: in the list, on the map and in the profile alike. */
+export function chooseItem(seq: number): void {
+  const stop = proved(studio)?.stops.find(one => one.seq === seq);
+  if (stop) set({ item: seq, at: stop.at, playing: false });
+}
+
+/** The coarse path to show: of a drag, or of the scenario as it is now; never one of an earlier scenario. */
+export function coarseOf(now: Studio): Sketch | null {
+  return now.drag ?? (now.sketch && now.sketch.revision === now.document?.revision ? now.sketch : null);
+}
+
+/** What there can be no proved path with; what the planner says counts more than what the coarse look said. */
+export function blocking(now: Studio): Trouble[] {
+  const found = now.troubles.filter(one => one.of === "scenario" || one.of === "sketch" || one.of === "plan");
+  return found.some(one => one.of === "plan") ? found.filter(one => one.of !== "sketch") : found;
+}
+
+/** Whether a thing of the map is named in what is refused. */
+export function isNamed(name: string, refusals: Trouble[]): boolean {
+  const word = (letter: string | undefined) => letter !== undefined && /[\p{L}\p{N}]/u.test(letter);
+  return refusals.some(({ message }) => {
+    const at = message.indexOf(name);
+    return at >= 0 && !word(message[at - 1]) && !word(message[at + name.length]);
+  });
 }
 
 /** The plan, if it is of the scenario as it is now. */

@@ -1,17 +1,18 @@
 // The first thing that one wants to know: is it clear, is that proved, how long will it fly; and what is being done.
+import { useEffect, useRef } from "preact/hooks";
+import { showNamed } from "./map";
 import type { Trouble } from "./messages";
-import { proved, send, type Studio } from "./store";
+import { blocking, coarseOf, edit, proved, send, type Studio } from "./store";
 import { meters, seconds, share } from "./words";
 
-/** What there can be no proved path with. */
-const BLOCKING = new Set<Trouble["of"]>(["scenario", "sketch", "plan"]);
-
 export function Verdict({ now }: { now: Studio }) {
-  const blocking = now.troubles.filter(one => BLOCKING.has(one.of)), others = now.troubles.filter(one => !BLOCKING.has(one.of));
-  const plan = proved(now), coarse = now.drag ?? now.sketch;
+  const refusals = blocking(now), others = now.troubles.filter(one => !["scenario", "sketch", "plan"].includes(one.of));
+  const plan = proved(now), coarse = coarseOf(now), place = useRef<HTMLElement>(null);
+  const first = refusals[0]?.message;
+  useEffect(() => { if (first) place.current?.scrollIntoView({ block: "nearest" }); }, [first]);
   return (
-    <section class="verdict" aria-live="polite">
-      {blocking.length && !now.drag ? <Troubles of={blocking} />
+    <section class="verdict" aria-live="polite" ref={place}>
+      {refusals.length && !now.drag ? <Troubles of={refusals} />
         : plan && !now.drag ? (
           <p class={plan.warnings.length ? "amber" : "good"}><b aria-hidden="true">{plan.warnings.length ? "!" : "✓"}</b> Proved. {
             plan.kept === null ? <>{plan.verdict}.</>
@@ -40,15 +41,18 @@ export function Verdict({ now }: { now: Studio }) {
 function Troubles({ of }: { of: Trouble[] }) {
   return <>{of.map(trouble => (
     <div key={trouble.of} class="trouble">
-      <p class="bad"><b aria-hidden="true">✕</b> {trouble.message}</p>
-      {trouble.hint && <p class="note">Try: {trouble.hint}</p>}
-      {trouble.of === "plan" && <button type="button" onClick={() => send({ kind: "do", what: "plan" })}>Plan again</button>}
+      <ul class="refusal">{trouble.message.split("\n").map(line => <li key={line}><b aria-hidden="true">✕</b> {line}</li>)}</ul>
+      {trouble.hint && !trouble.remedies?.length && <p class="note">Try: {trouble.hint}</p>}
+      <p class="remedies">
+        {trouble.remedies?.map(remedy => <button type="button" key={remedy.label} onClick={() => edit(remedy.label, ...remedy.changes)}>{remedy.label}</button>)}
+        {trouble.of !== "edit" && <button type="button" onClick={() => showNamed(trouble)}>Show on the map</button>}
+        {trouble.of === "plan" && <button type="button" onClick={() => send({ kind: "do", what: "plan" })}>Plan again</button>}</p>
     </div>
   ))}</>;
 }
 
 function Figures({ now }: { now: Studio }) {
-  const plan = proved(now), coarse = now.drag ?? now.sketch;
+  const plan = proved(now), coarse = coarseOf(now);
   if (plan && !now.drag) {
     return (
       <dl class="figures">

@@ -1,0 +1,75 @@
+"""A plan that was refused, for the page: short sentences, and a button for each remedy that can be put in numbers."""
+
+import json
+import re
+from collections.abc import Iterator
+
+import numpy as np
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.studio.answers import Remedy, Trouble
+from ipoa_mission.studio.requests import Put, Take
+from ipoa_mission.studio.view import without_folders
+
+ASSIGNMENT = re.compile(r"\b(\w+_height) = (\d+)\b")
+PLACE = re.compile(r"^(start|goal|via)(?:\[(\d+)\])?: nothing can fly there")
+TRIED = re.compile(r"; (\w+)\.(\w+) = (\S+) plans it")
+TRIED_WORDS = {"cruise_speed": "Cruise speed {} m/s", "mode": "Waypoints: {}", "confidence": "Confidence {}"}
+SPARE = 0.5  # how much more than required a place is put above what is below it [m]
+
+
+def refused(error: MissionError, scenario: Scenario, revision: int) -> Trouble:
+    """What the page is told of a plan's refusal."""
+    message = without_folders(str(error), scenario)
+    return Trouble(
+        of="plan",
+        message=message,
+        hint=error.hint and without_folders(error.hint, scenario),
+        revision=revision,
+        remedies=(*_tried(str(error)), *_heights(message, scenario), *_higher(str(error), scenario)),
+    )
+
+
+def _tried(message: str) -> Iterator[Remedy]:
+    """The change that the planner has tried, and that plans it."""
+    if found := TRIED.search(message):
+        section, key, value = found[1], found[2], json.loads(found[3])
+        label = TRIED_WORDS.get(key, f"{key}: {{}}").format(value)
+        yield Remedy(label=f"{label}, which was tried", changes=(Put(path=(section, key), value=value),))
+
+
+def _heights(message: str, scenario: Scenario) -> Iterator[Remedy]:
+    """For what a map has without a height: the heights that its remedy names, each as a button."""
+    named = [thing for thing in scenario.passed_over if thing.may_stand and f"{thing.name} on {thing.file}" in message]
+    for file, remedy in dict.fromkeys((thing.file, thing.remedy) for thing in named):
+        numbers = [n for n, section in enumerate(scenario.maps) if section.file.name == file]
+        for key, value in dict.fromkeys(ASSIGNMENT.findall(remedy)):
+            what = f"{key.removesuffix('_height')}s of {file}"
+            words = f"{what} are {value} m high" if float(value) else f"nothing stands there: no {what}"
+            changes = tuple(Put(path=("maps", n, key), value=float(value)) for n in numbers)
+            yield Remedy(label=words[0].upper() + words[1:], changes=changes)
+
+
+def _higher(message: str, scenario: Scenario) -> Iterator[Remedy]:
+    """For a place that is too low: above the highest thing there. The next plan says whether that will do."""
+    if (found := PLACE.match(message)) is None:
+        return
+    name, number = found[1], int(found[2] or 0)
+    places = {"start": scenario.start_point, "goal": scenario.goal_point}
+    point = np.asarray(scenario.via_points[number] if name == "via" else places[name], float)
+    required, airspace = scenario.limits.obstacle_distance, scenario.airspace
+    tops = [float(airspace.ground(point[None, :])[0])]
+    for body in airspace.obstacles:
+        middle = np.append(point[:2], body.bounds[:, 2].mean())
+        if float(body.distance(middle[None, :])[0]) < required:
+            tops.append(float(body.bounds[1, 2]))
+    height = round(max(tops) + required + SPARE, 1)
+    if not point[2] < height < airspace.bounds.upper[2]:
+        return
+    path = (name, number) if name == "via" else (name,)
+    section = scenario.via[number] if name == "via" else getattr(scenario, name)
+    others = [key for key in ("height_above_ground", "altitude_amsl") if getattr(section, key, None) is not None]
+    takes = tuple(Take(path=(*path, key)) for key in others)
+    label = f"{name}{f' {number + 1}' if name == 'via' else ''} to {height:g} m above home"
+    yield Remedy(label=label[0].upper() + label[1:], changes=(*takes, Put(path=(*path, "up"), value=height)))

@@ -1,0 +1,141 @@
+"""Map tiles under the scenario: of a server that the user names, or of a file; pictures, by zoom, column and row.
+
+Nothing is asked of anyone who was not named. A server is asked by the page itself; a file is read here.
+"""
+
+import html
+import re
+import sqlite3
+from collections.abc import Callable
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeAlias
+from urllib.parse import quote, urlsplit
+
+from ipoa_mission.errors import BadInput, imported
+from ipoa_mission.studio import answers, memory
+
+Read: TypeAlias = Callable[[int, int, int], bytes | None]
+ORIGIN = re.compile(r"https?://[A-Za-z0-9.-]+(:\d+)?")
+WMTS = {"{TileMatrix}": "{z}", "{TileCol}": "{x}", "{TileRow}": "{y}"}
+PICTURES = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg", b"RIFF": "image/webp"}
+NONE = "none"
+DEEPEST = 22
+MBTILES, PMTILES = ".mbtiles", ".pmtiles"
+
+
+@dataclass(frozen=True)
+class TileSource:
+    """Where tiles come from: `shown` for the page, and `origin` of a server, or `read` for what a file has."""
+
+    shown: answers.Tiles
+    origin: str | None = None
+    read: Read | None = None
+
+
+def chosen_tiles(asked: str | None, attribution: str | None) -> TileSource | None:
+    """What was asked for, remembered for the next time; else what is remembered, if it is still there.
+
+    Raises:
+        BadInput: what is asked for cannot be had.
+    """
+    if asked == NONE:
+        memory.keep_tiles(None)
+        return None
+    if asked is not None:
+        source = asked if "://" in asked else str(Path(asked).resolve())
+        found = open_tiles(source, attribution)
+        memory.keep_tiles((source, found.shown.attribution))
+        return found
+    if (known := memory.kept_tiles()) is None:
+        return None
+    try:
+        return open_tiles(*known)
+    except BadInput:
+        return None
+
+
+def open_tiles(source: str, attribution: str | None = None) -> TileSource:
+    """The tiles of an address with {z}, {x} and {y} in it, or of an MBTiles or PMTiles file.
+
+    Raises:
+        BadInput: it is none of these, or has other than pictures.
+    """
+    if "://" in source:
+        return _of_server(source, attribution)
+    path = Path(source)
+    if path.suffix.lower() not in (MBTILES, PMTILES) or not path.is_file():
+        raise BadInput(
+            f"--tiles: {source}: expected an address with {{z}}, {{x}} and {{y}}, or a file: {MBTILES} or {PMTILES}"
+        )
+    return _of_mbtiles(path, attribution) if path.suffix.lower() == MBTILES else _of_pmtiles(path, attribution)
+
+
+def media_type(tile: bytes) -> str | None:
+    """What sort of picture it is; None if it is none."""
+    return next((kind for begin, kind in PICTURES.items() if tile.startswith(begin)), None)
+
+
+def _of_server(address: str, attribution: str | None) -> TileSource:
+    for theirs, ours in WMTS.items():
+        address = address.replace(theirs, ours)
+    parts = urlsplit(address)
+    origin = f"{parts.scheme}://{parts.netloc}"
+    if not ORIGIN.fullmatch(origin) or not all(key in address for key in ("{z}", "{x}", "{y}")):
+        raise BadInput(f"--tiles: {address}: expected http(s)://HOST/... with {{z}}, {{x}} and {{y}} in it")
+    return TileSource(_shown(address, attribution or parts.netloc, 0, DEEPEST), origin=origin)
+
+
+def _of_mbtiles(path: Path, attribution: str | None) -> TileSource:
+    def ask(question: str, *values: int) -> list[Any]:
+        try:
+            with closing(sqlite3.connect(f"file:{quote(str(path))}?mode=ro", uri=True)) as file:
+                return file.execute(question, values).fetchall()
+        except sqlite3.Error as error:
+            raise BadInput(f"--tiles: {path}: expected MBTiles: {error}") from error
+
+    def read(zoom: int, column: int, row: int) -> bytes | None:
+        where = "zoom_level = ? and tile_column = ? and tile_row = ?"
+        found = ask(f"select tile_data from tiles where {where}", zoom, column, 2**zoom - 1 - row)
+        return bytes(found[0][0]) if found else None
+
+    about = {str(name): str(value) for name, value in ask("select name, value from metadata")}
+    least, most = ask("select min(zoom_level), max(zoom_level) from tiles")[0]
+    if least is None:
+        raise BadInput(f"--tiles: {path}: expected tiles, but there is none")
+    _expect_pictures(path, about.get("format", ""))
+    return TileSource(_shown("", attribution or about.get("attribution") or path.name, least, most), read=read)
+
+
+def _of_pmtiles(path: Path, attribution: str | None) -> TileSource:
+    library = imported("pmtiles.reader", f"{path}: PMTiles need the package pmtiles", "studio", BadInput)
+    kinds = imported("pmtiles.tile", f"{path}: PMTiles need the package pmtiles", "studio", BadInput)
+
+    def ask(question: Callable[[Any], Any]) -> Any:
+        with path.open("rb") as file:
+            try:
+                return question(library.Reader(library.MmapSource(file)))
+            except (ValueError, KeyError, IndexError, OSError, kinds.MagicNumberNotFound) as error:
+                raise BadInput(f"--tiles: {path}: expected PMTiles: {error}") from error
+
+    def read(zoom: int, column: int, row: int) -> bytes | None:
+        tile = ask(lambda reader: reader.get(zoom, column, row))
+        return None if tile is None else bytes(tile)
+
+    header, about = ask(lambda reader: (reader.header(), reader.metadata()))
+    _expect_pictures(path, header["tile_type"].name.lower())
+    told = attribution or str(about.get("attribution") or path.name)
+    return TileSource(_shown("", told, header["min_zoom"], header["max_zoom"]), read=read)
+
+
+def _expect_pictures(path: Path, kind: str) -> None:
+    if kind.lower() not in ("png", "jpg", "jpeg", "webp"):
+        raise BadInput(
+            f"--tiles: {path}: expected pictures (png, jpg, webp), not {kind or 'tiles of no stated format'}"
+        )
+
+
+def _shown(address: str, attribution: str, least: int, most: int) -> answers.Tiles:
+    words = html.unescape(re.sub(r"<[^>]*>", "", attribution))
+    return answers.Tiles(address=address or "tiles/{z}/{x}/{y}", attribution=words, min_zoom=least, max_zoom=most)

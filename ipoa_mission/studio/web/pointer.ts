@@ -1,0 +1,29 @@
+// Where the pointer is: its coordinates, how high the ground is there, and what stands on it.
+import type { Map as MapLibre } from "maplibre-gl";
+import type { World } from "./messages";
+import { studio, type LngLat } from "./store";
+
+export function showPointer(map: MapLibre): void {
+  const shown = document.createElement("p");
+  shown.className = "pointer";
+  map.getContainer().append(shown);
+  const tell = (event: { lngLat: { toArray(): number[] }; point: { x: number; y: number } }) => {
+    const [lng, lat] = event.lngLat.toArray() as LngLat, up = studio.world ? groundAt(studio.world, [lng, lat]) : null;
+    const body = map.queryRenderedFeatures([event.point.x, event.point.y], { layers: ["roofs", "roofs-space"] })[0]?.properties;
+    shown.textContent = `${lat.toFixed(6)}, ${lng.toFixed(6)}` + (up === null ? "" : ` · ground ${(studio.world!.home_amsl + up).toFixed(1)} m AMSL, ${up.toFixed(1)} above home`)
+      + (body ? ` · ${body.name}: ${Number(body.top).toFixed(1)} above home${up === null ? "" : `, ${(Number(body.top) - up).toFixed(1)} above ground`}` : "");
+  };
+  map.on("mousemove", tell);
+  map.on("click", tell);
+  map.on("mouseout", () => { shown.textContent = ""; });
+}
+
+/** The ground between the four heights about a place; none outside of the flight's bounds. */
+function groundAt(world: World, place: LngLat): number | null {
+  const { corner, step, columns, up } = world.heights, rows = up.length / columns;
+  const x = (place[0] - corner[0]!) / step[0]!, y = (place[1] - corner[1]!) / step[1]!;
+  if (!(x >= 0 && y >= 0 && x <= columns - 1 && y <= rows - 1)) return null;
+  const column = Math.min(Math.floor(x), columns - 2), row = Math.min(Math.floor(y), rows - 2), [east, north] = [x - column, y - row];
+  const height = (r: number, c: number) => up[(row + r) * columns + column + c]!;
+  return (1 - north) * ((1 - east) * height(0, 0) + east * height(0, 1)) + north * ((1 - east) * height(1, 0) + east * height(1, 1));
+}

@@ -1,0 +1,49 @@
+"""The studio comes back where it was, and tells nobody else where that is."""
+
+import socket
+from pathlib import Path
+
+import pytest
+
+from ipoa_mission import BadInput
+from ipoa_mission.studio import memory
+from ipoa_mission.studio.server import _listen
+
+
+@pytest.fixture(autouse=True)
+def own_state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+
+
+def test_a_file_has_the_address_that_it_had() -> None:
+    first, other = memory.address_of(Path("/a.toml")), memory.address_of(Path("/b.toml"))
+    assert first.port == 0
+    assert first.token != other.token
+    memory.remember(first, 4711)
+    memory.remember(other, 4712)
+    again = memory.address_of(Path("/a.toml"))
+    assert (again.port, again.token) == (4711, first.token)
+    assert [one.path for one in memory.recent()] == ["/b.toml", "/a.toml"]
+
+
+def test_only_this_user_reads_what_is_kept() -> None:
+    memory.remember(memory.address_of(Path("/a.toml")), 4711)
+    assert memory.memory_file().stat().st_mode & 0o077 == 0
+    assert memory.memory_file().parent.stat().st_mode & 0o077 == 0
+
+
+@pytest.mark.parametrize("text", ["", "[]", '{"opened": [1, {"path": "/a.toml", "port": "x", "token": "y"}]}'])
+def test_what_makes_no_sense_is_forgotten(text: str) -> None:
+    memory.memory_file().parent.mkdir()
+    memory.memory_file().write_text(text)
+    assert memory.recent() == []
+    assert len(memory.address_of(Path("/a.toml")).token) > 20
+
+
+def test_a_port_of_before_that_is_taken_is_another_and_one_that_is_asked_for_is_refused() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        with _listen(0, port) as found:
+            assert found.getsockname()[1] != port
+        with pytest.raises(BadInput, match=f"--port {port}: cannot be had"):
+            _listen(port, 0)

@@ -1,0 +1,65 @@
+"""What is refused is said in names of the map, and what may help is a change that can be made."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from ipoa_mission import MissionError, Scenario
+from ipoa_mission.planning.sketch import sketch_path
+from ipoa_mission.routing.changes import Looks
+from ipoa_mission.scenario.read import parse_scenario, parse_toml
+from ipoa_mission.studio.edits import changed
+from ipoa_mission.studio.refused import refused
+from ipoa_mission.studio.view import world_of
+from ipoa_mission.studio.vocabulary import as_on_map
+from tests.studio.conftest import MEADOW
+
+WOOD = [[[8.5002, 47.3002], [8.5004, 47.3002], [8.5004, 47.3003], [8.5002, 47.3002]]]
+HOUSE = [[[8.5006, 47.2998], [8.5007, 47.2998], [8.5007, 47.2999], [8.5006, 47.2998]]]
+
+
+def test_numbered_things_are_called_as_on_the_map() -> None:
+    assert as_on_map("item 3: leaves fence[0] near via[1]") == "item 3: leaves fence 1 near via 2"
+
+
+def test_a_place_that_is_too_low_is_offered_a_height_at_which_it_can_be() -> None:
+    text = MEADOW.read_text() + "\n[[via]]\neast = 30.0\nnorth = 0.0\nheight_above_ground = 2.0\n"
+    with pytest.raises(MissionError, match="nothing can fly there") as caught:
+        sketch_path(parse_scenario(text, MEADOW))
+    trouble = refused(caught.value, parse_scenario(text, MEADOW), 7)
+    assert trouble.message.startswith("via 1: nothing can fly there")
+    (remedy,) = trouble.remedies
+    assert remedy.label.startswith("Via 1 to ")
+    mended = parse_scenario(changed(text, remedy.changes), MEADOW)
+    assert sketch_path(mended).proof.holds
+
+
+def test_a_change_that_was_tried_is_offered() -> None:
+    text = MEADOW.read_text()
+    scenario = parse_scenario(text, MEADOW)
+    looks = Looks(scenario, lambda other: None)
+    for change, meant in looks.changes.items():
+        (remedy,) = refused(
+            MissionError(f"a path is there, but too narrow; {change} plans it with 2.10 m kept"), scenario, 1
+        ).remedies
+        assert parse_scenario(changed(text, remedy.changes), MEADOW) == meant
+        assert remedy.label.endswith(", which was tried")
+
+
+def test_a_wood_without_a_height_is_drawn_and_can_be_given_one(tmp_path: Path) -> None:
+    features = [
+        {"type": "Feature", "id": name, "properties": tags, "geometry": {"type": "Polygon", "coordinates": ring}}
+        for name, tags, ring in (("way/9", {"natural": "wood"}, WOOD), ("way/8", {"building": "yes"}, HOUSE))
+    ]
+    (tmp_path / "town.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    text = MEADOW.read_text() + '\n[[maps]]\nkind = "buildings"\nfile = "town.geojson"\n'
+    scenario = Scenario.from_dict(parse_toml(text, MEADOW), tmp_path)
+    (doubt,) = [body for body in world_of(scenario, 1).bodies if body.doubt]
+    words = f"item 4: crosses {doubt.name} on town.geojson, a wood of unknown height"
+    high, none = refused(MissionError(words), scenario, 1).remedies
+    assert high.label == "Woods of town.geojson are 35 m high"
+    for remedy, stand in ((high, 1), (none, 0)):
+        mended = Scenario.from_dict(parse_toml(changed(text, remedy.changes), MEADOW), tmp_path)
+        assert not mended.passed_over or not any(thing.may_stand for thing in mended.passed_over)
+        assert len(mended.airspace.obstacles) == len(scenario.airspace.obstacles) + stand

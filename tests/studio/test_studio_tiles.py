@@ -1,0 +1,133 @@
+"""Map tiles come from who was named and from nobody else; a file's are read here; whose they are is shown."""
+
+import sqlite3
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ipoa_mission import BadInput
+from ipoa_mission.studio import tiles
+from ipoa_mission.studio.guard import POLICY, policy_for
+from ipoa_mission.studio.server import application
+from ipoa_mission.studio.session import Session
+from tests.studio.conftest import HOST, MEADOW, TOKEN, testclient
+
+PICTURE = b"\x89PNG\r\n\x1a\n and so on"
+SERVER = "https://tiles.example:8443/{z}/{x}/{y}.png"
+
+
+@pytest.fixture(autouse=True)
+def own_state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+
+
+def mbtiles(path: Path, kind: str = "png", count: int = 1) -> Path:
+    with closing(sqlite3.connect(path)) as file:
+        file.execute("create table metadata (name text, value text)")
+        file.execute("create table tiles (zoom_level int, tile_column int, tile_row int, tile_data blob)")
+        about = {"format": kind, "attribution": '<a href="https://x.example">&copy; The Town</a>'}
+        file.executemany("insert into metadata values (?, ?)", about.items())
+        file.executemany("insert into tiles values (3, 4, 5, ?)", [(PICTURE,)] * count)
+        file.commit()
+    return path
+
+
+def test_a_server_is_asked_by_the_page_and_let_in_alone() -> None:
+    found = tiles.open_tiles(SERVER, "The Town")
+    assert found.shown.address == SERVER
+    assert found.shown.attribution == "The Town"
+    assert found.read is None
+    wider = policy_for(found.origin)
+    assert wider.replace(" https://tiles.example:8443", "") == POLICY
+    assert wider.count("https://tiles.example:8443") == 2
+    assert policy_for(None) == POLICY
+
+
+def test_wmts_templates_are_understood() -> None:
+    found = tiles.open_tiles("http://127.0.0.1/wmts/{TileMatrix}/{TileRow}/{TileCol}.jpg")
+    assert found.shown.address == "http://127.0.0.1/wmts/{z}/{y}/{x}.jpg"
+
+
+@pytest.mark.parametrize(
+    "address",
+    [
+        "https://tiles.example/{z}/{x}.png",
+        "ftp://tiles.example/{z}/{x}/{y}",
+        "https://a b/{z}/{x}/{y}",
+        "https://x; script-src */{z}/{x}/{y}",
+        "https://user:word@tiles.example/{z}/{x}/{y}",
+        "nothing.mbtiles",
+        "tiles.zip",
+    ],
+)
+def test_what_is_no_source_of_tiles_is_refused(address: str) -> None:
+    with pytest.raises(BadInput, match="--tiles: "):
+        tiles.open_tiles(address)
+
+
+def test_a_file_is_read_from_the_north_and_says_whose_it_is(tmp_path: Path) -> None:
+    found = tiles.open_tiles(str(mbtiles(tmp_path / "a.mbtiles")))
+    assert found.origin is None
+    assert (found.shown.min_zoom, found.shown.max_zoom) == (3, 3)
+    assert found.shown.attribution == "© The Town"
+    assert found.read is not None
+    assert found.read(3, 4, 2) == PICTURE  # rows of MBTiles count from the south
+    assert found.read(3, 4, 5) is None
+
+
+@pytest.mark.parametrize(("kind", "count", "why"), [("pbf", 1, "expected pictures"), ("png", 0, "there is none")])
+def test_a_file_without_pictures_is_refused(tmp_path: Path, kind: str, count: int, why: str) -> None:
+    with pytest.raises(BadInput, match=why):
+        tiles.open_tiles(str(mbtiles(tmp_path / "a.mbtiles", kind, count)))
+
+
+@pytest.mark.parametrize("name", ["a.mbtiles", "a.pmtiles"])
+def test_a_file_that_is_something_else_is_refused(tmp_path: Path, name: str) -> None:
+    if name.endswith("pmtiles"):
+        pytest.importorskip("pmtiles")
+    (tmp_path / name).write_bytes(b"no such thing" * 100)
+    with pytest.raises(BadInput, match=r"expected (MBTiles|PMTiles)"):
+        tiles.open_tiles(str(tmp_path / name))
+
+
+def test_pmtiles_are_read(tmp_path: Path) -> None:
+    writer: Any = pytest.importorskip("pmtiles.writer")
+    kinds: Any = pytest.importorskip("pmtiles.tile")
+    with writer.write(str(tmp_path / "a.pmtiles")) as file:
+        file.write_tile(kinds.zxy_to_tileid(3, 4, 2), PICTURE)
+        about = {"tile_type": kinds.TileType.PNG, "tile_compression": kinds.Compression.NONE}
+        file.finalize(about, {"attribution": "<b>The Town</b>"})
+    found = tiles.open_tiles(str(tmp_path / "a.pmtiles"))
+    assert found.shown.attribution == "The Town"
+    assert (found.shown.min_zoom, found.shown.max_zoom) == (3, 3)
+    assert found.read is not None
+    assert found.read(3, 4, 2) == PICTURE
+    assert found.read(3, 4, 3) is None
+
+
+def test_the_last_ones_are_kept_until_they_are_not_wanted(tmp_path: Path) -> None:
+    assert tiles.chosen_tiles(None, None) is None
+    file = mbtiles(tmp_path / "a.mbtiles")
+    assert tiles.chosen_tiles(str(file), "Mine") is not None
+    again = tiles.chosen_tiles(None, None)
+    assert again is not None
+    assert again.shown.attribution == "Mine"
+    file.unlink()
+    assert tiles.chosen_tiles(None, None) is None
+    tiles.chosen_tiles(SERVER, None)
+    assert tiles.chosen_tiles("none", None) is None
+    assert tiles.chosen_tiles(None, None) is None
+
+
+def test_the_page_gets_tiles_of_the_file_and_nothing_more(tmp_path: Path) -> None:
+    source = tiles.open_tiles(str(mbtiles(tmp_path / "a.mbtiles")))
+    client = testclient.TestClient(
+        application(Session(MEADOW), tmp_path, TOKEN, HOST, source), base_url=f"http://{HOST}"
+    )
+    answer = client.get(f"/{TOKEN}/tiles/3/4/2")
+    assert (answer.content, answer.headers["content-type"]) == (PICTURE, "image/png")
+    assert client.get(f"/{TOKEN}/tiles/3/4/3").status_code == 204
+    assert client.get(f"/{TOKEN}/tiles/99/0/0").status_code == 404
+    assert client.get("/tiles/3/4/2").status_code == 403
