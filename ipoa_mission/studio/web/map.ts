@@ -10,7 +10,7 @@ setWorkerUrl(new URL("map-worker.js", document.baseURI).href);
 const SOURCES = ["ground", "bodies", "lit", "fences", "bounds", "others", "tube", "path", "flown", "ribbon", "flown-ribbon", "kept", "items", "here", "pillar", "vehicle", "draft"] as const;
 type SourceName = (typeof SOURCES)[number];
 const EMPTY = shapes.collection([]);
-const FLAT = ["ground", "roofs", "roof-lines", "tube"];
+const FLAT = ["ground", "roofs", "roof-lines", "tube", "arrows", "items"];
 const SPACE = ["ground-space", "roofs-space", "zones-space", "ribbon", "flown-ribbon", "pillar"];
 
 export function makeMap(container: HTMLElement): MapLibre {
@@ -138,7 +138,7 @@ function drawItems(map: MapLibre, now: Studio): void {
   fill(map, "items", stops.filter(stop => stop.place).map(stop => {
     const name = `${stop.seq}${stop.seq === now.item ? "!" : ""}`, icon = `item${name}`;
     if (!map.hasImage(icon)) map.addImage(icon, numbered(name), { pixelRatio: 2 });
-    return { type: "Feature", properties: { seq: stop.seq, icon }, geometry: { type: "Point", coordinates: stop.place as [number, number] } };
+    return { type: "Feature", properties: { seq: stop.seq, icon, rank: name.endsWith("!") ? 0 : 1 }, geometry: { type: "Point", coordinates: stop.place as [number, number] } };
   }));
 }
 
@@ -282,7 +282,7 @@ function style(): StyleSpecification {
       { id: "flown-ribbon", type: "fill-extrusion", source: "flown-ribbon", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("flown"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-vertical-gradient": false } },
       { id: "pillar", type: "fill-extrusion", source: "pillar", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("focus"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"] } },
       { id: "here", type: "circle", source: "here", paint: { "circle-color": color("focus"), "circle-stroke-color": color("ink"), "circle-stroke-width": 2, "circle-radius": 6 } },
-      { id: "items", type: "symbol", source: "items", layout: { "icon-image": ["get", "icon"], "icon-allow-overlap": true } },
+      { id: "items", type: "symbol", source: "items", layout: { "icon-image": ["get", "icon"], "symbol-sort-key": ["get", "rank"] } },
       { id: "vehicle", type: "circle", source: "vehicle", paint: { "circle-color": color("flown"), "circle-stroke-color": color("card"), "circle-stroke-width": 2.5, "circle-radius": 8 } },
       { id: "draft-fill", type: "fill", source: "draft", filter: ["==", ["geometry-type"], "Polygon"], paint: { "fill-color": color("focus"), "fill-opacity": 0.25 } },
       { id: "draft-closing", type: "line", source: "draft", filter: ["==", ["get", "closing"], true], paint: { "line-color": color("focus"), "line-width": 1.6, "line-dasharray": [2, 2] } },
