@@ -139,8 +139,8 @@ def _bindings(flight: Flight, course: seen.Seen) -> Iterator[answers.Binding]:
     for check in sorted(flight.promise.limits, key=lambda kept: kept.slack)[:NEAR]:
         if math.isfinite(check.kept) and check.slack < CLOSE * check.required + 1.0:
             at = int(np.argmin(np.linalg.norm(course.points - np.array(check.place), axis=1)))
-            distance = f"{check.kept:.2f} m" if flight.promise.confidence else f"{check.nominal:.2f} m"
-            words = f"{check.limit}: {distance} to {check.to}, {check.required:.2f} m required"
+            part = f" ({check.part}, of which no promise is)" if check.part else ""
+            words = f"{check.limit}, to {check.to}{part}: {check.words(flight.promise.confidence)}"
             yield answers.Binding(what="near", words=without_folders(words, scenario), at=at)
     slow = sorted((item for item in flight.estimate.items if item.reason), key=lambda item: -item.duration_s)
     for item in slow[:SLOW]:
