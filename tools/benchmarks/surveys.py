@@ -1,12 +1,12 @@
 """How long surveys of areas with holes take that are planned here, and by others, on each autopilot.
 
-    python -m tools.benchmarks.surveys [--holes 0 1 ...] [--maps 20] [--csv FILE]
+    python -m tools.benchmarks.surveys [--holes 0 1 ...] [--maps 20] [--turned] [--csv FILE]
 
 Each map is planned by `quickest_tour`, by boustrophedon cells as a generalized traveling salesman's problem, and as
 QGroundControl lays out its transects: as they are, through holes, and led round them. All begin and end at a corner of
 the map, have the same spacing, and are flown by the forecast of a mission of their corners. Coverage and how far the
 path leaves the area are told by `coverage`, the sensor on all the way for all but ours. Times are sums [s], CPU is the
-median [s].
+median [s]. `--turned`: each map lies at an angle of its own, as fields do.
 """
 
 import argparse
@@ -19,9 +19,10 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+import shapely
 
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.geometry import Points
+from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission, change_speed, takeoff, waypoint
 from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.cover import quickest_tour
@@ -37,7 +38,7 @@ from tools.benchmarks.survey_benchmark.transects import led_round, transects
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
 HEIGHT = 20.0
-PLACE = np.array([0.05, 0.05])  # where all begin and end
+INSIDE = 1e-3  # of the way from a corner to the middle: where all begin and end
 
 
 def flown_seconds(path: Points, autopilot: Autopilot) -> float:
@@ -56,26 +57,29 @@ def all_on(path: Points) -> Tour:
     return Tour(swaths, tuple(np.array([swath.end, swath.end]) for swath in swaths[:-1]))
 
 
-def ours(area: Area, cost: LegTimes) -> tuple[Points, Tour]:
-    """Our tour, with the ways to its begin and from its end."""
-    tour = quickest_tour(area, SPACING, cost=cost, begin=PLACE, end=PLACE)
+def ours(area: Area, cost: LegTimes, place: Vector) -> tuple[Points, Tour]:
+    """Our tour, with the ways to its begin from a place and back."""
+    tour = quickest_tour(area, SPACING, cost=cost, begin=place, end=place)
     path, space = tour.path, FreeSpace.of(area.shape)
-    ways = Ways(np.array([PLACE, PLACE, path[0], path[0], path[-1], path[-1]]), space, space, cost)
+    ways = Ways(np.array([place, place, path[0], path[0], path[-1], path[-1]]), space, space, cost)
     return np.concatenate([ways.way(0, 2)[:-1], path, ways.way(4, 0)[1:]]), tour
 
 
 def planned(area: Area, cost: LegTimes) -> Iterator[tuple[str, Points, Tour, float]]:
     """Name, path, what is seen and CPU of each planner."""
+    ring = area.shape.geoms[0].exterior
+    place = shapely.get_coordinates(ring)[0]
+    place = place + INSIDE * (shapely.get_coordinates(ring.centroid)[0] - place)
     started = time.process_time()
-    path, tour = ours(area, cost)
+    path, tour = ours(area, cost, place)
     yield "ours", path, tour, time.process_time() - started
     started = time.process_time()
-    path = sweep_cells(area, SPACING, cost, PLACE)
+    path = sweep_cells(area, SPACING, cost, place)
     yield "cells, salesman", path, all_on(path), time.process_time() - started
     lines = transects(area, SPACING, HOME)
-    path = np.concatenate([[PLACE], lines, [PLACE]])
+    path = np.concatenate([[place], lines, [place]])
     yield "QGroundControl", path, all_on(path), 0.0
-    path = led_round(lines, area, cost, PLACE)
+    path = led_round(lines, area, cost, place)
     yield "QGroundControl, led round", path, all_on(path), 0.0
 
 
@@ -83,6 +87,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--holes", type=int, nargs="*", default=range(MOST_HOLES + 1))
     parser.add_argument("--maps", type=int, default=MAPS)
+    parser.add_argument("--turned", action="store_true")
     parser.add_argument("--csv", type=Path)
     wanted = parser.parse_args()
     rows: list[tuple[str, str, int, int, float, float, float, float]] = []
@@ -90,7 +95,7 @@ def main() -> None:
         cost = LegTimes.of(Mission(HOME, (), autopilot), SPEED, HEIGHT)
         for holes in wanted.holes:
             for number in range(wanted.maps):
-                area = survey_map(holes, number)
+                area = survey_map(holes, number, wanted.turned)
                 for name, path, tour, cpu in planned(area, cost):
                     seen: Coverage = coverage(area, tour, SPACING)
                     seconds = flown_seconds(path, autopilot)
