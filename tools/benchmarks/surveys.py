@@ -3,8 +3,9 @@
     python -m tools.benchmarks.surveys [--holes 0 1 ...] [--maps 20] [--turned] [--csv FILE]
 
 Each map is planned by `quickest_tour`, by boustrophedon cells as a generalized traveling salesman's problem, and as
-QGroundControl lays out its transects: as they are, through holes, and led round them. All begin and end at a corner of
-the map, have the same spacing, and are flown by the forecast of a mission of their corners. Coverage and how far the
+QGroundControl lays out its transects: as they are, through holes; led round them; and so near to each other that they
+see 99.9 % too. All begin and end at a corner of the map, have the same spacing but for these, and are flown by the
+forecast of a mission of their corners. Coverage and how far the
 path leaves the area are told by `coverage`, the sensor on all the way for all but ours. Times are sums [s], CPU is the
 median [s]. `--turned`: each map lies at an angle of its own, as fields do.
 """
@@ -38,6 +39,7 @@ from tools.benchmarks.survey_benchmark.transects import led_round, transects
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
 HEIGHT = 20.0
+ENOUGH = 0.999  # share of the area
 INSIDE = 1e-3  # of the way from a corner to the middle: where all begin and end
 
 
@@ -81,6 +83,11 @@ def planned(area: Area, cost: LegTimes) -> Iterator[tuple[str, Points, Tour, flo
     yield "QGroundControl", path, all_on(path), 0.0
     path = led_round(lines, area, cost, place)
     yield "QGroundControl, led round", path, all_on(path), 0.0
+    for nearer in np.arange(1.0, 0.3, -0.05):
+        path = led_round(transects(area, SPACING * float(nearer), HOME), area, cost, place)
+        if coverage(area, all_on(path), SPACING).share >= ENOUGH:
+            yield "QGroundControl, led round, sees 99.9 %", path, all_on(path), 0.0
+            break
 
 
 def main() -> None:
@@ -117,10 +124,13 @@ def tell(rows: list[tuple[str, str, int, int, float, float, float, float]]) -> N
             mine = {row[2:4]: row[4] for row in rows if row[:2] == (autopilot, "ours") and row[2] in some}
             for name in dict.fromkeys(row[1] for row in rows):
                 those = [row for row in rows if row[:2] == (autopilot, name) and row[2] in some]
+                if not those:
+                    continue
+                same = sum(mine[row[2:4]] for row in those)
                 total, worst = sum(row[4] for row in those), min(row[4] / mine[row[2:4]] for row in those)
                 print(
                     f"| {autopilot} | {some[0] if len(some) == 1 else 'all'} | {name} | {total:.0f} "
-                    f"| {total / sum(mine.values()):.3f} | {worst:.3f} | {min(row[5] for row in those):.4f} "
+                    f"| {total / same:.3f} | {worst:.3f} | {min(row[5] for row in those):.4f} "
                     f"| {max(row[6] for row in those):.2f} | {statistics.median(row[7] for row in those):.2f} |"
                 )
 
