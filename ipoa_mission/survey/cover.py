@@ -32,7 +32,7 @@ MOST_LOOKED_AT = 36
 ALIKE_DEG = 1.0  # directions nearer to each other are one
 SHIFTS = (0.0, -1.0, 1.0, -0.5, 0.5)
 ROUNDS, STEPS = 1000, 1e6  # of the search that find nothing better, and so many for the square of the number of lines
-SIMPLER = 0.005  # of the spacing: by so much what is kept out of may grow, to have fewer corners
+SIMPLER = 0.03  # of the spacing: by so much what is kept out of may grow, to have fewer corners
 
 
 def quickest_tour(
@@ -130,8 +130,7 @@ class _Survey:
 
     @classmethod
     def of(cls, area: Area, spacing: float, keep_out: Any, turns_outside: float, cost: LegTimes) -> "_Survey":
-        kept = shapely.Polygon() if keep_out is None else keep_out.buffer(SIMPLER * spacing, quad_segs=4)
-        kept = kept.simplify(SIMPLER * spacing)
+        kept = shapely.Polygon() if keep_out is None else _simpler(keep_out, area.shape, spacing)
         free = FreeSpace.of(area.shape.difference(kept))
         if free.inner.is_empty:
             raise MissionError("survey: nothing of the area may be flown over", hint="it lies in what is kept out of")
@@ -241,6 +240,13 @@ class _Survey:
         if place is None:
             return np.zeros(len(ends))
         return np.asarray(np.linalg.norm(ends - np.asarray(place, float), axis=1) / self.cost.speed)
+
+
+def _simpler(kept: Any, area: Any, spacing: float) -> Any:
+    """What is kept out of with fewer corners, grown by so little that hardly anything more is lost to view."""
+    edge = float(kept.boundary.intersection(area).length)
+    most = SIMPLER * spacing if edge <= 0.0 else min(SIMPLER * spacing, LEFT / 4 * area.area / edge)
+    return kept.buffer(most, quad_segs=4).simplify(most)
 
 
 def _route(entries: Any, ways: Ways) -> SensedPath:
