@@ -10,6 +10,7 @@ from threadpoolctl import threadpool_limits
 
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unsafe import refuse_errors
+from ipoa_mission.errors import BadInput
 from ipoa_mission.files import make_folder, write_atomically
 from ipoa_mission.finding import Finding
 from ipoa_mission.flight.summary import (
@@ -199,7 +200,8 @@ def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, 
         The flight, whose `write` makes the files.
 
     Raises:
-        BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place.
+        BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place; the scenario has
+            a survey.
         NoPath, NoRoute: no safe way was found.
         Unsafe: the mission fails a check.
         NotEnoughBattery: it would not come home with its reserve.
@@ -210,6 +212,10 @@ def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, 
         >>> flight.proof.holds, [path.name for path in flight.write(".")]
         (True, ['sitl.plan', 'sitl.waypoints', 'sitl.json'])
     """
+    if scenario.survey is not None:
+        raise BadInput(
+            "survey: expected a scenario without one", hint="plan_survey plans it, as `ipoa-mission plan` does"
+        )
     with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
         flight = _plan_flight(scenario if wind is None else scenario.in_wind(wind), seed, progress)
     expect_to_come_home(flight.scenario, flight.energy)

@@ -87,6 +87,21 @@ def sights(places, others, edges):
 
 
 @njit(cache=True, error_model="numpy")
+def straight_ways(corners, edges):
+    """How far it is straight from each corner (n, 2) to each other (n, n) [m]; NO_WAY where an edge is between."""
+    count = len(corners)
+    apart = np.empty((count, count))
+    for i in range(count):
+        apart[i, i] = NO_WAY
+        for j in range(i):
+            away = NO_WAY
+            if _is_clear(edges, corners[i, 0], corners[i, 1], corners[j, 0], corners[j, 1]):
+                away = math.hypot(corners[i, 0] - corners[j, 0], corners[i, 1] - corners[j, 1])
+            apart[i, j] = apart[j, i] = away
+    return apart
+
+
+@njit(cache=True, error_model="numpy")
 def _spread(start, ends, corners, near, between, bend, dist, prev):
     """The shortest ways from one end to all corners, a bend counted as so long, and the corner before each."""
     count = len(corners)
@@ -111,7 +126,7 @@ def _spread(start, ends, corners, near, between, bend, dist, prev):
 
 
 @njit(cache=True, error_model="numpy")
-def ways_between(clock, ends, corners, edges, bend):
+def ways_between(clock, ends, corners, between, edges, bend):
     """How long the way takes from each end of a line to each other's (n, n) [s], corners at both ends counted.
 
     Returns the times, and to find the ways again: by which corner an end is reached at last (n, n), and by which one
@@ -119,14 +134,6 @@ def ways_between(clock, ends, corners, edges, bend):
     """
     count, many = len(ends), len(corners)
     near = sights(ends, corners, edges)
-    between = np.empty((many, many))
-    for i in range(many):
-        between[i, i] = NO_WAY
-        for j in range(i):
-            apart = NO_WAY
-            if _is_clear(edges, corners[i, 0], corners[i, 1], corners[j, 0], corners[j, 1]):
-                apart = math.hypot(corners[i, 0] - corners[j, 0], corners[i, 1] - corners[j, 1])
-            between[i, j] = between[j, i] = apart
     times, last = np.empty((count, count)), np.empty((count, count), np.int16)
     prev = np.empty((count, max(many, 1)), np.int16)
     dist = np.empty(max(many, 1))

@@ -14,7 +14,7 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.survey._kernels import NO_WAY, search_order
 from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.free import FreeSpace, Ways
-from ipoa_mission.survey.gaps import Closing, SensedPath
+from ipoa_mission.survey.gaps import LEFT, Closing, SensedPath
 from ipoa_mission.survey.lines import SHORT, LineAxes, cut, heights, line_over, parts_of, seen_from
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Swath, Tour
@@ -23,7 +23,8 @@ from ipoa_mission.survey.tour import Swath, Tour
 Direction: TypeAlias = Literal["best", "crosshatch"] | float | Sequence[float]
 
 BUILT = 8  # directions and shifts of which the lines are laid out, of all that are looked at
-WORKED_OUT = 900  # lines of all that are worked out
+BUILT_WHOLE = 4  # of an area without holes
+WORKED_OUT = 800  # lines of all that are worked out
 REFINED = 2  # times what closes gaps is put in order with the lines
 LARGE, LONG = 0.05, 2.5  # a gap of such an area, of such an outline, by the spacing, gets a line before all is ordered
 LONG_LEG = 9e3  # [m]
@@ -31,7 +32,7 @@ MOST_LOOKED_AT = 36
 ALIKE_DEG = 1.0  # directions nearer to each other are one
 SHIFTS = (0.0, -1.0, 1.0, -0.5, 0.5)
 ROUNDS, STEPS = 1000, 1e6  # of the search that find nothing better, and so many for the square of the number of lines
-SIMPLER = 0.005  # of the spacing: by so much what is kept out of may grow, to have fewer corners
+SIMPLER = 0.03  # of the spacing: by so much what is kept out of may grow, to have fewer corners
 
 
 def quickest_tour(
@@ -129,8 +130,7 @@ class _Survey:
 
     @classmethod
     def of(cls, area: Area, spacing: float, keep_out: Any, turns_outside: float, cost: LegTimes) -> "_Survey":
-        kept = shapely.Polygon() if keep_out is None else keep_out.buffer(SIMPLER * spacing, quad_segs=4)
-        kept = kept.simplify(SIMPLER * spacing)
+        kept = shapely.Polygon() if keep_out is None else _simpler(keep_out, area.shape, spacing)
         free = FreeSpace.of(area.shape.difference(kept))
         if free.inner.is_empty:
             raise MissionError("survey: nothing of the area may be flown over", hint="it lies in what is kept out of")
@@ -139,7 +139,9 @@ class _Survey:
         ways = FreeSpace.of(area.shape.buffer(turns_outside).difference(closed)) if turns_outside > 0 else free
         reach = 2 * spacing + max(np.ptp(np.array(area.shape.bounds).reshape(2, 2), axis=0))
         around = FreeSpace.of(shapely.box(*area.shape.bounds).buffer(reach, join_style="mitre").difference(closed))
-        can = area.shape.intersection(free.shape.buffer(spacing / 2)) if keep_out is not None else area.shape
+        can = area.shape
+        if keep_out is not None:
+            can = can.intersection(can.difference(keep_out).buffer(spacing / 2))
         return cls(can, free, ways, around, spacing, cost)
 
     def directions(self) -> list[float]:
@@ -158,8 +160,9 @@ class _Survey:
     def quickest(self, degrees: list[float], begin: Vector | None, end: Vector | None) -> _Pass:
         """The quickest pass in one of some directions; of those that promise the most all is worked out."""
         looked = sorted((self._rough(each, shift), each, shift) for each in degrees for shift in SHIFTS)
-        laid = [(each, self._laid(each, shift)) for _, each, shift in looked[:BUILT]]
-        count = int(max(1, min(BUILT, WORKED_OUT / max(len(lines) for _, lines in laid))))
+        built = BUILT if len(shapely.get_rings(self.free.shape)) > 1 else BUILT_WHOLE
+        laid = [(each, self._laid(each, shift)) for _, each, shift in looked[:built]]
+        count = int(max(1, min(built, WORKED_OUT / max(len(lines) for _, lines in laid))))
         best = min((self._flown(*one, begin, end) for one in laid[:count]), key=lambda one: one.worth)
         for _ in range(REFINED if best.goals else 0):
             more = np.array([goal[[0, -1]] for goal in best.goals if len(goal) < 3]).reshape(-1, 2, 2)
@@ -191,10 +194,12 @@ class _Survey:
             if gap.area > LARGE * self.spacing**2 and gap.length > LONG * self.spacing:
                 line = line_over(gap, self.free.inner, self.spacing)
                 more += [] if line is None else [line]
-        if not len(lines) and not more:
-            spot = shapely.get_coordinates(self.free.inner.representative_point())
-            more = [np.repeat(spot, 2, axis=0)]
-        return np.concatenate([lines, np.array(more).reshape(-1, 2, 2)])
+        lines = np.concatenate([lines, np.array(more).reshape(-1, 2, 2)])
+        drawn = shapely.linestrings(lines)
+        parts = [part for part in shapely.get_parts(self.free.inner) if not shapely.intersects(part, drawn).any()]
+        worth_it = [part for part in parts if part.area > LEFT * self.area.area / 10 or not len(lines)]
+        spots = [shapely.get_coordinates(part.representative_point()) for part in worth_it]
+        return np.concatenate([lines, np.array(spots).repeat(2, axis=0).reshape(-1, 2, 2)])
 
     def _flown(self, degrees: float, lines: Points, begin: Vector | None, end: Vector | None) -> _Pass:
         """The lines in a quick order, and past what they leave unseen.
@@ -235,6 +240,13 @@ class _Survey:
         if place is None:
             return np.zeros(len(ends))
         return np.asarray(np.linalg.norm(ends - np.asarray(place, float), axis=1) / self.cost.speed)
+
+
+def _simpler(kept: Any, area: Any, spacing: float) -> Any:
+    """What is kept out of with fewer corners, grown by so little that hardly anything more is lost to view."""
+    edge = float(kept.boundary.intersection(area).length)
+    most = SIMPLER * spacing if edge <= 0.0 else min(SIMPLER * spacing, LEFT / 4 * area.area / edge)
+    return kept.buffer(most, quad_segs=4).simplify(most)
 
 
 def _route(entries: Any, ways: Ways) -> SensedPath:

@@ -1,6 +1,7 @@
 """Where a survey may fly, and the shortest ways there between the ends of its lines."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points
-from ipoa_mission.survey._kernels import DIRECT, NO_WAY, NONE, sights, ways_between
+from ipoa_mission.survey._kernels import DIRECT, NO_WAY, NONE, sights, straight_ways, ways_between
 from ipoa_mission.survey.times import LegTimes
 
 INSET = 0.02  # lines and ways keep so far inside, more than a mission's whole 1e-7 degrees are off [m]
@@ -39,6 +40,11 @@ class FreeSpace:
             np.ascontiguousarray(np.concatenate([np.empty((0, 2)), *corners])),
         )
 
+    @cached_property
+    def between(self) -> Points:
+        """How far it is straight from corner to corner (n, n) [m]."""
+        return np.asarray(straight_ways(self.corners, self.edges))
+
     def sees(self, places: Points, others: Points) -> NDArray[np.bool_]:
         """Whether there is a straight way from each of the places (n, 2) to each of the others (m, 2), (n, m)."""
         return np.asarray(sights(np.ascontiguousarray(places), np.ascontiguousarray(others), self.edges))
@@ -54,14 +60,15 @@ class Ways:
     def __init__(self, ends: Points, inside: FreeSpace, outside: FreeSpace, cost: LegTimes) -> None:
         self.ends, self._spaces, self._found = ends, (inside, outside), list[Any]()
         bend = BEND_S * cost.speed
-        self._found.append(ways_between(cost.clock, ends, inside.corners, inside.edges, bend))
+        self._found.append(ways_between(cost.clock, ends, inside.corners, inside.between, inside.edges, bend))
         self.times = self._found[0][0]
         partner = np.arange(len(ends)) ^ 1
         lost = self.times >= NO_WAY
         lost[np.arange(len(ends)), np.arange(len(ends))] = lost[np.arange(len(ends)), partner] = False
         self._is_outside = lost
         if lost.any():
-            self._found.append(ways_between(cost.clock, ends, outside.corners, outside.edges, bend))
+            found = ways_between(cost.clock, ends, outside.corners, outside.between, outside.edges, bend)
+            self._found.append(found)
             self.times = np.where(lost, np.minimum(self._found[1][0] + LEAVING_S, NO_WAY), self.times)
 
     def way(self, i: int, j: int) -> Points:

@@ -13,7 +13,7 @@ from ipoa_mission.survey.free import FreeSpace, Ways
 from ipoa_mission.survey.lines import ARC, line_over, parts_of, seen_from
 from ipoa_mission.survey.times import LegTimes
 
-LEFT = 4e-4  # share of the area that may stay unseen
+LEFT = 7e-4  # share of the area that may stay unseen
 PASSES = 8  # over all gaps that are left
 USEFUL = 0.1  # share of a gap that a line must see
 NEAR = 6  # detours that are tried for a gap
@@ -67,15 +67,16 @@ class Closing:
         hopeless, led = list[Any](), list[Points]()
         for n in range(PASSES + 1):
             parts = sorted(parts_of(self.gaps(route)), key=lambda part: part.area)
-            little = np.cumsum([part.area for part in parts]) <= LEFT * self.area.area
-            wide = [part for part, is_little in zip(parts, little, strict=True) if not is_little]
-            tried = [part for part in wide[::-1] if not any(part.equals(other) for other in hopeless)]
+            lost = np.array([any(part.equals(other) for other in hopeless) for part in parts], bool)
+            areas = np.array([part.area for part in parts])
+            too_much = np.cumsum(np.where(lost, 0.0, areas)) + areas[lost].sum() > LEFT * self.area.area
+            tried = [parts[k] for k in np.flatnonzero(too_much & ~lost)[::-1]]
             if not tried or n == PASSES:
                 break
             for part in tried:
                 via = self._pass(route, part)
                 (hopeless if via is None else led).append(part if via is None else via)
-        return led, sum(part.area for part in wide) / max(self.area.area, 1e-9)
+        return led, max(float(areas.sum()) / self.area.area - LEFT, 0.0)
 
     def _pass(self, route: SensedPath, gap: Any) -> Points | None:
         """Lead the route past one gap, where there is a way; to which places (k, 2)."""

@@ -10,6 +10,7 @@ import pytest
 import shapely
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.flight.survey import Survey, plan_survey
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.commands import Command
@@ -196,6 +197,11 @@ def test_a_corridor_is_followed() -> None:
 def test_what_cannot_be_flown_is_refused_with_its_place(tables: dict[str, Any], error: Any, words: str) -> None:
     with pytest.raises(error, match=words):
         plan_survey(scenario=scenario(tables.pop("survey", LINES), **tables))
+
+
+def test_a_flight_to_a_goal_does_not_pass_over_a_survey() -> None:
+    with pytest.raises(BadInput, match="survey: expected a scenario without one"):
+        plan_flight(scenario(LINES))
 
 
 def test_the_library_takes_an_area_and_a_camera() -> None:

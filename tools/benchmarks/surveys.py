@@ -1,12 +1,13 @@
 """How long surveys of areas with holes take that are planned here, and by others, on each autopilot.
 
-    python -m tools.benchmarks.surveys [--holes 0 1 ...] [--maps 20] [--csv FILE]
+    python -m tools.benchmarks.surveys [--holes 0 1 ...] [--maps 20] [--turned] [--csv FILE]
 
 Each map is planned by `quickest_tour`, by boustrophedon cells as a generalized traveling salesman's problem, and as
-QGroundControl lays out its transects: as they are, through holes, and led round them. All begin and end at a corner of
-the map, have the same spacing, and are flown by the forecast of a mission of their corners. Coverage and how far the
+QGroundControl lays out its transects: as they are, through holes; led round them; and so near to each other that they
+see 99.9 % too. All begin and end at a corner of the map, have the same spacing but for these, and are flown by the
+forecast of a mission of their corners. Coverage and how far the
 path leaves the area are told by `coverage`, the sensor on all the way for all but ours. Times are sums [s], CPU is the
-median [s].
+median [s]. `--turned`: each map lies at an angle of its own, as fields do.
 """
 
 import argparse
@@ -19,9 +20,10 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+import shapely
 
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.geometry import Points
+from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission, change_speed, takeoff, waypoint
 from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.cover import quickest_tour
@@ -37,7 +39,8 @@ from tools.benchmarks.survey_benchmark.transects import led_round, transects
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
 HEIGHT = 20.0
-PLACE = np.array([0.05, 0.05])  # where all begin and end
+ENOUGH = 0.999  # share of the area
+INSIDE = 1e-3  # of the way from a corner to the middle: where all begin and end
 
 
 def flown_seconds(path: Points, autopilot: Autopilot) -> float:
@@ -56,33 +59,42 @@ def all_on(path: Points) -> Tour:
     return Tour(swaths, tuple(np.array([swath.end, swath.end]) for swath in swaths[:-1]))
 
 
-def ours(area: Area, cost: LegTimes) -> tuple[Points, Tour]:
-    """Our tour, with the ways to its begin and from its end."""
-    tour = quickest_tour(area, SPACING, cost=cost, begin=PLACE, end=PLACE)
+def ours(area: Area, cost: LegTimes, place: Vector) -> tuple[Points, Tour]:
+    """Our tour, with the ways to its begin from a place and back."""
+    tour = quickest_tour(area, SPACING, cost=cost, begin=place, end=place)
     path, space = tour.path, FreeSpace.of(area.shape)
-    ways = Ways(np.array([PLACE, PLACE, path[0], path[0], path[-1], path[-1]]), space, space, cost)
+    ways = Ways(np.array([place, place, path[0], path[0], path[-1], path[-1]]), space, space, cost)
     return np.concatenate([ways.way(0, 2)[:-1], path, ways.way(4, 0)[1:]]), tour
 
 
 def planned(area: Area, cost: LegTimes) -> Iterator[tuple[str, Points, Tour, float]]:
     """Name, path, what is seen and CPU of each planner."""
+    ring = area.shape.geoms[0].exterior
+    place = shapely.get_coordinates(ring)[0]
+    place = place + INSIDE * (shapely.get_coordinates(ring.centroid)[0] - place)
     started = time.process_time()
-    path, tour = ours(area, cost)
+    path, tour = ours(area, cost, place)
     yield "ours", path, tour, time.process_time() - started
     started = time.process_time()
-    path = sweep_cells(area, SPACING, cost, PLACE)
+    path = sweep_cells(area, SPACING, cost, place)
     yield "cells, salesman", path, all_on(path), time.process_time() - started
     lines = transects(area, SPACING, HOME)
-    path = np.concatenate([[PLACE], lines, [PLACE]])
+    path = np.concatenate([[place], lines, [place]])
     yield "QGroundControl", path, all_on(path), 0.0
-    path = led_round(lines, area, cost, PLACE)
+    path = led_round(lines, area, cost, place)
     yield "QGroundControl, led round", path, all_on(path), 0.0
+    for nearer in np.arange(1.0, 0.3, -0.05):
+        path = led_round(transects(area, SPACING * float(nearer), HOME), area, cost, place)
+        if coverage(area, all_on(path), SPACING).share >= ENOUGH:
+            yield "QGroundControl, led round, sees 99.9 %", path, all_on(path), 0.0
+            break
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--holes", type=int, nargs="*", default=range(MOST_HOLES + 1))
     parser.add_argument("--maps", type=int, default=MAPS)
+    parser.add_argument("--turned", action="store_true")
     parser.add_argument("--csv", type=Path)
     wanted = parser.parse_args()
     rows: list[tuple[str, str, int, int, float, float, float, float]] = []
@@ -90,7 +102,7 @@ def main() -> None:
         cost = LegTimes.of(Mission(HOME, (), autopilot), SPEED, HEIGHT)
         for holes in wanted.holes:
             for number in range(wanted.maps):
-                area = survey_map(holes, number)
+                area = survey_map(holes, number, wanted.turned)
                 for name, path, tour, cpu in planned(area, cost):
                     seen: Coverage = coverage(area, tour, SPACING)
                     seconds = flown_seconds(path, autopilot)
@@ -112,10 +124,13 @@ def tell(rows: list[tuple[str, str, int, int, float, float, float, float]]) -> N
             mine = {row[2:4]: row[4] for row in rows if row[:2] == (autopilot, "ours") and row[2] in some}
             for name in dict.fromkeys(row[1] for row in rows):
                 those = [row for row in rows if row[:2] == (autopilot, name) and row[2] in some]
+                if not those:
+                    continue
+                same = sum(mine[row[2:4]] for row in those)
                 total, worst = sum(row[4] for row in those), min(row[4] / mine[row[2:4]] for row in those)
                 print(
                     f"| {autopilot} | {some[0] if len(some) == 1 else 'all'} | {name} | {total:.0f} "
-                    f"| {total / sum(mine.values()):.3f} | {worst:.3f} | {min(row[5] for row in those):.4f} "
+                    f"| {total / same:.3f} | {worst:.3f} | {min(row[5] for row in those):.4f} "
                     f"| {max(row[6] for row in those):.2f} | {statistics.median(row[7] for row in those):.2f} |"
                 )
 

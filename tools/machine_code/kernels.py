@@ -30,6 +30,7 @@ MODULES = {
     "nearest": "world.obstacles._prism",
     "path_seconds": "survey._kernels",
     "sights": "survey._kernels",
+    "straight_ways": "survey._kernels",
     "ways_between": "survey._kernels",
     "search_order": "survey._kernels",
 }
@@ -71,7 +72,8 @@ def kernels() -> Iterator[Kernel]:
         "nearest": (_numbers(2), _numbers(2), 0.0, 1.0, _numbers(1), _numbers(1)),
         "path_seconds": (clock, _numbers(2)),
         "sights": (_numbers(2),) * 3,
-        "ways_between": (clock, *(_numbers(2),) * 3, 1.0),
+        "straight_ways": (_numbers(2),) * 2,
+        "ways_between": (clock, *(_numbers(2),) * 4, 1.0),
         "search_order": (_numbers(1, np.int64), _numbers(2), _numbers(1), 0),
         "spread": (nodes, _numbers(2, np.int64), _numbers(1), True, 0, chart, rules),
     }

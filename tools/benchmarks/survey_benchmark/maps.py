@@ -9,6 +9,7 @@ import math
 
 import numpy as np
 import shapely
+from shapely.affinity import rotate
 
 from ipoa_mission.survey.area import Area
 
@@ -19,8 +20,8 @@ RADII = 3.0, 9.0  # of the circle around a hole [m]
 APART = 2.0  # holes from each other, and from the edge [m]
 
 
-def survey_map(holes: int, number: int) -> Area:
-    """The area with so many holes, and its number among those."""
+def survey_map(holes: int, number: int, turned: bool = False) -> Area:
+    """The area with so many holes, and its number among those; `turned` by any angle about its corner."""
     rng = np.random.default_rng([holes, number])
     rings: list[list[tuple[float, float]]] = []
     taken = shapely.Polygon()
@@ -36,4 +37,6 @@ def survey_map(holes: int, number: int) -> Area:
         if hole.distance(taken) > APART or not rings:
             rings.append(ring)
             taken = taken.union(hole)
-    return Area.of([[[(0.0, 0.0), (SIDE, 0.0), (SIDE, SIDE), (0.0, SIDE)], *rings]])
+    area = Area.of([[[(0.0, 0.0), (SIDE, 0.0), (SIDE, SIDE), (0.0, SIDE)], *rings]])
+    angle = float(rng.uniform(0.0, 360.0)) if turned else 0.0
+    return Area(rotate(area.shape, angle, origin=(0.0, 0.0))) if turned else area
