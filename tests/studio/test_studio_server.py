@@ -5,6 +5,8 @@ A flight is uploaded, named, started, watched on the built-in autopilot; and ref
 
 from pathlib import Path
 
+import pytest
+
 from ipoa_mission import read_scenario
 from ipoa_mission.files import write_atomically
 from tests.studio.conftest import HOST, MEADOW, TOKEN, Studio
