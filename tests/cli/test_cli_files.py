@@ -129,7 +129,8 @@ def test_export_writes_what_the_suffix_says(run: Run, mission: str, suffix: str)
 
 def test_schema_is_a_json_schema_of_the_scenario(run: Run) -> None:
     schema = json.loads(run("schema").out)
-    assert schema["required"] == ["home", "start", "goal"]
+    assert schema["required"] == ["home"]
+    assert schema["anyOf"] == [{"required": ["start", "goal"]}, {"required": ["survey"]}]
 
 
 def test_new_writes_a_scenario_and_never_over_one(run: Run) -> None:

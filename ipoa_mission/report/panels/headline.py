@@ -107,7 +107,7 @@ def _energy(budget: Budget) -> str:
     if battery is None:
         return _card("energy", value, f"{sure}; {number(used.mean_w, 0)} W on average")
     left = max(used.left(battery), 0.0)
-    note = f"{sure}; {left:.0%} of {battery.capacity_wh:g} Wh left, {battery.reserve:.0%} required"
+    note = f"{sure}; {left:.0%} of {battery.capacity_wh:.4g} Wh left, {battery.reserve:.0%} required"
     if (late := budget.no_return) is not None:
         note += f"; no RTL from item {late.seq} on"
     bar = (
