@@ -122,9 +122,9 @@ def test_a_mission_is_flown_only_after_it_was_named(studio: Studio) -> None:
 @pytest.mark.parametrize("ending", ["rtl", "land"])
 def test_a_flight_is_ended_from_the_page_by_what_it_was_told(studio: Studio, ending: str) -> None:
     with studio.window() as talk:
+        talk.wait("plan")  # which may be there already, and is told once
         talk.say(kind="end_flight", ending=ending)
         assert "nothing flies" in talk.wait_for_trouble("flight")["message"]
-        talk.wait("plan")
         talk.say(kind="upload", link=None, system=None, speedup=10.0)
         loaded = talk.wait("loaded")
         talk.say(kind="start", **{what: loaded[what] for what in ("vehicle", "mission", "proof")})
