@@ -20,7 +20,7 @@ from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.endings import settled, why_not_planned
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.budget import expect_to_come_home, flight_energy
+from ipoa_mission.scenario.budget import expect_to_come_home
 from ipoa_mission.scenario.survey import SurveySection
 from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.assembly import assemble_survey
@@ -223,10 +223,8 @@ def _fits(part: Tour, scenario: Scenario, sight: Sight, growth: dict[str, float]
         return False
     if scenario.vehicle.battery is None:
         return True
-    track = forecast.predicted(sure=False).track  # an estimate has more, and takes longer
     try:
-        used = flight_energy(scenario, track.times, track.points, track.speeds, forecast.mission.vehicle)
-        expect_to_come_home(scenario, used)
+        expect_to_come_home(scenario, forecast.energy)
     except NotEnoughBattery:
         return False
     return True

@@ -221,3 +221,18 @@ def test_the_camera_is_started_and_stopped_in_turn_on_lines_of_no_length_too() -
     mission = assemble_survey(Tour(swaths, (np.array(at[1:3]), np.array([at[2], at[2]]))), sight, world, {}, 0)
     triggers = [item.params[0] for item in mission.items if item.command == Command.DO_SET_CAM_TRIGG_DIST]
     assert [distance > 0 for distance in triggers] == [True, False] * 3
+
+
+def test_a_battery_that_is_not_quite_enough_in_wind_makes_more_flights() -> None:
+    """What the wind takes of the same track is counted as it is when the flights are refused."""
+    wind = {"speed": 6.0, "from_deg": 270.0}
+    used = []
+    for tables in ({}, {"wind": wind}):
+        (flight,) = plan_survey(scenario=scenario(LINES, vehicle={"airframe": AIRFRAME}, **tables)).flights
+        assert flight.energy is not None
+        used.append(flight.energy.between.high)
+    calm, windy = used
+    assert windy > 1.02 * calm
+    battery = {"airframe": AIRFRAME, "battery": {"capacity_wh": 0.993 * windy, "reserve": 0.0}}
+    assert len(plan_survey(scenario=scenario(LINES, vehicle=battery)).flights) == 1
+    assert len(plan_survey(scenario=scenario(LINES, vehicle=battery, wind=wind)).flights) == 2
