@@ -137,7 +137,7 @@ def flight_rows(survey: "Survey") -> list[tuple[str, ...]]:
     rows = list[tuple[str, ...]]()
     for name, flight in zip(survey.names, survey.plan.flights, strict=True):
         energy, kept = flight.forecast.energy, flight.forecast.promise.clearance
-        photos = sum(survey.plan.sight.photos(swath.length) for swath in flight.tour.swaths)
+        photos = survey.plan.sight.photos_of(flight.tour)
         rows.append(
             (
                 f"{name}.plan",

@@ -146,7 +146,7 @@ def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
             {
                 "file": f"{name}.plan",
                 "lines": len(flight.tour.swaths),
-                "photos": sum(sight.photos(swath.length) for swath in flight.tour.swaths),
+                "photos": sight.photos_of(flight.tour),
                 "time_s": rounded(flight.forecast.estimate.total_s),
                 "energy_wh": None if flight.forecast.energy is None else rounded(flight.forecast.energy.energy_wh),
                 "clearance": clearance_as_json(flight.forecast.promise),

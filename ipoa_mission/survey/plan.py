@@ -68,7 +68,7 @@ class SurveyPlan:
     @property
     def photos(self) -> int:
         """How many are taken in all flights."""
-        return sum(self.sight.photos(swath.length) for flight in self.flights for swath in flight.tour.swaths)
+        return sum(self.sight.photos_of(flight.tour) for flight in self.flights)
 
 
 class _TooNear(Exception):

@@ -35,7 +35,7 @@ def survey_item(mission: Mission, first: int, last: int, tour: Tour, sight: Sigh
     told: dict[str, Any] = {
         TRANSECTS: {
             "CameraCalc": _camera(sight, scenario),
-            "CameraShots": sum(sight.photos(swath.length) for swath in tour.swaths),
+            "CameraShots": sight.photos_of(tour),
             "CameraTriggerInTurnAround": False,
             "HoverAndCapture": False,
             ITEMS: [],

@@ -10,6 +10,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.survey import BAND, SurveySection
 from ipoa_mission.survey.area import Area
+from ipoa_mission.survey.tour import Tour
 
 LEVEL = 0.05  # ground whose heights differ by less is flat [m]
 LOOKS = 40  # lines each way on which the ground is looked at
@@ -60,6 +61,10 @@ class Sight:
     def photos(self, length: float) -> int:
         """How many are taken along a line of this length [m]."""
         return self.triggering(length)[1]
+
+    def photos_of(self, tour: Tour) -> int:
+        """How many are taken on all lines of a tour."""
+        return sum(self.photos(swath.length) for swath in tour.swaths)
 
 
 def sight_of(section: SurveySection, area: Area, scenario: Scenario) -> Sight:

@@ -64,7 +64,7 @@ def _table(plan: SurveyPlan, names: Sequence[str]) -> str:
     rows = ""
     for name, flight in zip(names, plan.flights, strict=True):
         energy, kept = flight.forecast.energy, flight.forecast.promise.clearance
-        photos = sum(plan.sight.photos(swath.length) for swath in flight.tour.swaths)
+        photos = plan.sight.photos_of(flight.tour)
         cells = (
             str(len(flight.tour.swaths)),
             str(photos),
