@@ -110,8 +110,8 @@ def test_a_wind_that_grows_with_height_is_weaker_below(autopilot: Autopilot) -> 
 def test_a_profile_of_one_wind_is_that_wind_and_one_of_a_power_law_nearly_that(autopilot: Autopilot) -> None:
     home = Geodetic(47.4, 8.5, 400.0)
     mission, short = (
-        Mission(home, (takeoff(home, 10.0), change_speed(8.0), waypoint(there, 40.0), land(there)), autopilot)
-        for there in (Geodetic(47.403, 8.5, 400.0), Geodetic(47.4005, 8.5, 400.0))
+        Mission(home, (takeoff(home, up / 4), change_speed(8.0), waypoint(there, up), land(there)), autopilot)
+        for there, up in ((Geodetic(47.403, 8.5, 400.0), 40.0), (Geodetic(47.4002, 8.5, 400.0), 12.0))
     )
     heights = [0.0, 2.0, 6.0, 12.0, 20.0, 30.0, 45.0, 60.0]
     law = Wind(6.0, 200.0, 0.5, 60.0)
