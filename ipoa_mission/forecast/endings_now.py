@@ -22,13 +22,13 @@ class EndingsNow:
     """
 
     def __init__(self, forecast: Forecast) -> None:
-        self._endings = Endings(forecast)
+        self._endings = forecast.once(Endings)
         self._rows = {one: self._endings.rows(one, timed=False) for one in endings_of(forecast) if one in ORDERED}
         self._lasts = lru_cache(maxsize=256)(self._endings.lasts)
 
     def at(self, place: Vector, time: float) -> tuple[tuple[EndingRow, float | None], ...]:
         """Of each ending its row and how many seconds it takes, for who is at a place (3,) [m] so late [s]."""
-        stops = self._endings.ways.stops()
+        stops = self._endings.stops()
         near = np.flatnonzero(np.abs(stops.times - time) <= NEAR_S)
         if len(near):
             time = float(stops.times[near][np.linalg.norm(stops.places[near] - place, axis=1).argmin()])

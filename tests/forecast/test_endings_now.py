@@ -26,9 +26,9 @@ def forecast() -> Forecast:
 @pytest.mark.parametrize("share", [0.1, 0.45, 0.9])
 def test_it_is_told_for_where_the_vehicle_is_though_it_is_late(forecast: Forecast, late: float, share: float) -> None:
     endings, now = Endings(forecast), EndingsNow(forecast)
-    begin, end = endings.ways.in_air
+    begin, end = endings.in_air
     time = begin + share * (end - begin)
-    place = endings.ways.stops().at(np.array([time]))[0][0]
+    place = endings.stops().at(np.array([time]))[0][0]
     told = {row.ending: (row, seconds) for row, seconds in now.at(place, time + late)}
     assert set(told) == {Ending.RTL, Ending.LAND}
     for ending, (row, seconds) in told.items():
@@ -40,8 +40,8 @@ def test_it_is_told_for_where_the_vehicle_is_though_it_is_late(forecast: Forecas
 
 def test_the_command_line_tells_it_beside_what_is_done(forecast: Forecast) -> None:
     endings, told = Endings(forecast), list[str]()
-    time = sum(endings.ways.in_air) / 2
-    there = forecast.frame.geodetic(endings.ways.stops().at(np.array([time]))[0][0])
+    time = sum(endings.in_air) / 2
+    there = forecast.frame.geodetic(endings.stops().at(np.array([time]))[0][0])
     record = SimpleNamespace(path=[SimpleNamespace(time_s=time)])
     vehicle: Any = SimpleNamespace(record=lambda: record, state=SimpleNamespace(in_air=True))
     teller = ToldEndings(forecast, vehicle, lambda _, words: told.append(words))
