@@ -10,6 +10,7 @@ from ipoa_mission.cli.job import Job
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.flight.summary import passed_over_as_json
+from ipoa_mission.forecast.energy import ReserveNow
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.commands import command_name
@@ -29,13 +30,32 @@ def flight_as_json(estimate: Estimate, record: FlightRecord) -> dict[str, Any]:
     }
 
 
-def tell_flown_as_json(job: Job, record: FlightRecord, remarks: tuple[str, ...], written: Sequence[Path]) -> None:
-    """Print all that is known of the flight, for machines; `remarks` are those that came with the flight."""
+def tell_flown_as_json(
+    job: Job,
+    record: FlightRecord,
+    remarks: tuple[str, ...],
+    written: Sequence[Path],
+    reserves: tuple[ReserveNow, ...] = (),
+) -> None:
+    """Print all that is known of the flight, for machines; `remarks` and `reserves` are those that came with it."""
     all_remarks = list(dict.fromkeys((*job.remarks, *remarks)))
     outcome: dict[str, Any] = {"remarks": all_remarks, "written": [str(path) for path in written]}
     if job.flight is not None:
         outcome["passed_over"] = passed_over_as_json(job.flight.scenario)
+    if reserves:
+        outcome["battery"] = [_reserve_as_json(one) for one in reserves]
     tell_json(flight_as_json(job.estimate, record) | outcome | ({"error": record.why_not} if record.why_not else {}))
+
+
+def _reserve_as_json(now: ReserveNow) -> dict[str, Any]:
+    lands = [round(share, 4) for share in now.lands]
+    return {
+        "time_s": round(now.time, 2),
+        "left": now.left,
+        "planned": round(now.planned, 4),
+        "lands_with": lands,
+        "reserve": now.reserve,
+    }
 
 
 def tell_flown(job: Job, record: FlightRecord, remarks: tuple[str, ...], written: Sequence[Path]) -> None:

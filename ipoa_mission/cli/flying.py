@@ -27,6 +27,7 @@ from ipoa_mission.files import make_folder
 
 if TYPE_CHECKING:
     from ipoa_mission.flight.flight import Flight
+    from ipoa_mission.forecast.energy import ReserveNow
     from ipoa_mission.simulator.faults import Faults
 
 
@@ -115,7 +116,7 @@ def fly(
         job = read_job(source, flown_by)
     make_folder(out)
     planned_files = [] if job.flight is None else _write(job.flight, out, as_json)
-    remarks: tuple[str, ...] = ()
+    remarks, reserves = tuple[str, ...](), tuple["ReserveNow", ...]()
     usual = out / f"{job.name}.tlog"
     log = on_link.log or (usual if link is None else unused(usual))
     if link is None:
@@ -127,14 +128,14 @@ def fly(
             if not states_firmware(source, flown_by.autopilot):
                 job = read_job(source, flown_by, there.autopilot)
             job = begun_with(replace(job, forecast=job.forecast.on(there.firmware_version())), begin)
-            remarks, record = fly_there(job, there, begin - 1, on_link.anyway, set_params)
+            remarks, record, reserves = fly_there(job, there, begin - 1, on_link.anyway, set_params)
     remarks += landed_at_rally(job.mission, record) + landed_elsewhere(job.forecast, record)
     written = [*map(Path, on_link.written(log))]
     if report and job.flight is not None:
         job.flight.report(page := out / f"{job.name}.html", record)
         written.insert(0, page)
     if as_json:
-        tell_flown_as_json(job, record, remarks, [*planned_files, *written])
+        tell_flown_as_json(job, record, remarks, [*planned_files, *written], reserves)
         if record.why_not:
             print(f"error: not complete: {shown(record.why_not)}", file=sys.stderr)
     else:

@@ -114,7 +114,8 @@ class Endings:
         return np.asarray(np.interp(times, *self._clocks))
 
     def _if_sure(self, times: Vector) -> Vector:
-        return np.asarray(np.interp(times, *reversed(self._clocks)))
+        sure, mean = self._clocks
+        return np.asarray(np.interp(times, mean, sure))
 
     @property
     def in_air(self) -> tuple[float, float]:
@@ -129,8 +130,7 @@ class Endings:
 
     def looks(self, ending: Ending, between: tuple[float, float] | None = None) -> EndingLooks:
         """As those of `ways`."""
-        begin, end = (None, None) if between is None else self._if_sure(np.array(between)).tolist()
-        looks = self.ways.looks(ending, None if begin is None else (begin, end))
+        looks = self.ways.looks(ending, None if between is None else tuple(self._if_sure(np.array(between)).tolist()))
         return replace(looks, times=self._in_mean(looks.times))
 
     def all_rows(self, timed: bool = True) -> tuple[EndingRow, ...]:
