@@ -24,7 +24,7 @@ def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
     """A warning where the vehicle, ordered home, would come nearer to something than the scenario allows."""
     if not forecast.mission.items:
         return
-    ways = EndingWays(forecast)
+    ways = forecast.once(EndingWays)
     if len(ways.stops().times) < 2:
         return
     if (why := ways.why_unknown()) is not None:

@@ -60,7 +60,7 @@ def check(
         from ipoa_mission.forecast.endings import Endings, failsafes_of
 
         if promise is not None:
-            ways = Endings(forecast).all_rows(), failsafes_of(forecast)
+            ways = forecast.once(Endings).all_rows(), failsafes_of(forecast)
     messages = {finding.message for finding in findings}
     remarks = tuple(remark for remark in given.remarks if remark not in messages)
     remarks += () if world is None else world.remarks

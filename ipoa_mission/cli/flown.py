@@ -10,14 +10,15 @@ from ipoa_mission.cli.job import Job
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.flight.summary import passed_over_as_json
+from ipoa_mission.forecast.energy import ReserveNow
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.commands import command_name
 
 
-def flight_as_json(estimate: Estimate, record: FlightRecord) -> dict[str, Any]:
-    """Estimate and flight for machines; items are numbered as in the file, where home is 0."""
-    return {
+def flight_as_json(estimate: Estimate, record: FlightRecord, reserves: tuple[ReserveNow, ...] = ()) -> dict[str, Any]:
+    """Estimate and flight for machines, and its `reserves` on the way; items are numbered as in the file."""
+    told = {
         "completed": record.completed,
         "armed": record.armed,
         "in_air": record.in_air,
@@ -27,15 +28,35 @@ def flight_as_json(estimate: Estimate, record: FlightRecord) -> dict[str, Any]:
         "estimate": estimate_as_json(estimate),
         "messages": list(record.messages),
     }
+    return told | ({"battery": [_reserve_as_json(one) for one in reserves]} if reserves else {})
 
 
-def tell_flown_as_json(job: Job, record: FlightRecord, remarks: tuple[str, ...], written: Sequence[Path]) -> None:
-    """Print all that is known of the flight, for machines; `remarks` are those that came with the flight."""
+def tell_flown_as_json(
+    job: Job,
+    record: FlightRecord,
+    remarks: tuple[str, ...],
+    written: Sequence[Path],
+    reserves: tuple[ReserveNow, ...] = (),
+) -> None:
+    """Print all that is known of the flight, for machines; `remarks` and `reserves` are those that came with it."""
     all_remarks = list(dict.fromkeys((*job.remarks, *remarks)))
     outcome: dict[str, Any] = {"remarks": all_remarks, "written": [str(path) for path in written]}
     if job.flight is not None:
         outcome["passed_over"] = passed_over_as_json(job.flight.scenario)
-    tell_json(flight_as_json(job.estimate, record) | outcome | ({"error": record.why_not} if record.why_not else {}))
+    tell_json(
+        flight_as_json(job.estimate, record, reserves) | outcome | ({"error": record.why_not} if record.why_not else {})
+    )
+
+
+def _reserve_as_json(now: ReserveNow) -> dict[str, Any]:
+    lands = [round(share, 4) for share in now.lands]
+    return {
+        "time_s": round(now.time, 2),
+        "left": now.left,
+        "planned": round(now.planned, 4),
+        "lands_with": lands,
+        "reserve": now.reserve,
+    }
 
 
 def tell_flown(job: Job, record: FlightRecord, remarks: tuple[str, ...], written: Sequence[Path]) -> None:

@@ -14,10 +14,11 @@ from ipoa_mission.cli.vehicles import stages_shown
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.procedure import Stage, fly_forecast
 from ipoa_mission.forecast.endings_now import EndingsNow
+from ipoa_mission.forecast.energy import ReserveNow, budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.messages import Message
-from ipoa_mission.link.telemetry import Position
+from ipoa_mission.link.telemetry import BatteryStatus, Position, SystemStatus
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.progress import Progress
 from ipoa_mission.world.frame import Geodetic
@@ -52,15 +53,15 @@ def begun_with(job: Job, item: int) -> Job:
 
 def fly_there(
     job: Job, vehicle: Vehicle, first: int, anyway: bool, set_params: bool
-) -> tuple[tuple[str, ...], FlightRecord]:
-    """Upload, make ready, arm, start, watch: what the user should know, and the flight.
+) -> tuple[tuple[str, ...], FlightRecord, tuple[ReserveNow, ...]]:
+    """Upload, make ready, arm, start, watch: what the user should know, the flight, and its reserve on the way.
 
     `first`: index of the item to begin with; `anyway`: what fails a check is said, and done all the same.
 
     Raises:
         MissionError: it did not come to a flight, or the vehicle was lost; `known` has what is known of it.
     """
-    remarks: list[str] = []
+    remarks, reserves = list[str](), list[ReserveNow]()
     try:
         record = fly_forecast(
             vehicle,
@@ -68,7 +69,7 @@ def fly_there(
             first=first,
             anyway=anyway,
             set_params=set_params,
-            stages=partial(_with_endings, job.forecast, vehicle),
+            stages=partial(_with_endings, job.forecast, vehicle, reserves),
             remark=remarks.append,
         )
     except MissionError as error:
@@ -76,27 +77,34 @@ def fly_there(
         error.known = flight_as_json(job.estimate, vehicle.record())
         error.known |= {"completed": False, "armed": state.armed, "in_air": state.in_air, "remarks": remarks}
         raise
-    return tuple(remarks), record
+    return tuple(remarks), record, tuple(reserves)
 
 
 @contextmanager
-def _with_endings(forecast: Forecast, vehicle: Vehicle, stage: Stage) -> Iterator[Progress]:
-    """The stages as they are shown, and in flight what an ending would do at this second, as far as it is known."""
+def _with_endings(forecast: Forecast, vehicle: Vehicle, reserves: list[ReserveNow], stage: Stage) -> Iterator[Progress]:
+    """The stages as they are shown, and in flight what an ending would do at this second, as far as it is known.
+
+    What is known of the reserve is kept.
+    """
     with stages_shown(stage) as show:
         told = None
         if stage is Stage.FLIGHT and forecast.scenario is not None:
             with suppress(MissionError):
-                told = ToldEndings(forecast, vehicle, show)
+                told = ToldEndings(forecast, vehicle, show, reserves)
                 vehicle.overhearing = told.hear
         yield show if told is None else told.show
 
 
 class ToldEndings:
-    """Tells what an ending would do now, as the vehicle says where it is."""
+    """Tells what an ending would do now, as the vehicle says where it is, and what is left of the reserve.
 
-    def __init__(self, forecast: Forecast, vehicle: Vehicle, show: Progress) -> None:
+    Of the reserve a line is added to `reserves` whenever another share of the battery is left.
+    """
+
+    def __init__(self, forecast: Forecast, vehicle: Vehicle, show: Progress, reserves: list[ReserveNow]) -> None:
         self._now, self._frame, self._vehicle, self._show = EndingsNow(forecast), forecast.frame, vehicle, show
         self._done, self._words, self._told_s = 0.0, "", -math.inf
+        self._budget, self._left, self._reserves = budget_of(forecast), math.nan, reserves
 
     def show(self, share: float, words: str) -> None:
         """What is done."""
@@ -105,10 +113,24 @@ class ToldEndings:
 
     def hear(self, message: Message) -> None:
         """One message of the vehicle."""
+        is_first = isinstance(message, SystemStatus) or (isinstance(message, BatteryStatus) and message.id == 0)
+        if is_first and message.battery_remaining >= 0:  # type: ignore[attr-defined]
+            self._left = message.battery_remaining / 100.0  # type: ignore[attr-defined]
         if not isinstance(message, Position) or message.time_s - self._told_s < EVERY_S:
             return
         path = self._vehicle.record().path
         if path and self._vehicle.state.in_air:
             self._told_s = message.time_s
             place = self._frame.local(Geodetic(message.latitude_deg, message.longitude_deg, message.altitude))
-            self._show(self._done, f"{self._words}  now: {self._now.words(place, path[-1].time_s)}")
+            time = self._now.time_at(place, path[-1].time_s)
+            words = [self._now.words(place, time), *map(str, self._reserve(time))]
+            self._show(self._done, f"{self._words}  now: {'; '.join(words)}")
+
+    def _reserve(self, time: float) -> Iterator[ReserveNow]:
+        """Where a battery is known, and the vehicle says what is left of it."""
+        if self._budget is None or math.isnan(self._left):
+            return
+        if (now := self._budget.against_plan(self._left, time)) is not None:
+            if not self._reserves or self._reserves[-1].left != now.left:
+                self._reserves.append(now)
+            yield now

@@ -105,7 +105,7 @@ def show(
         from ipoa_mission.forecast.endings import Endings
 
         is_flown = not errors and not is_too_long(mission) and forecast.promise_if_known is not None
-        tell_strip(Endings(forecast).all_rows(timed=False) if is_flown else ())
+        tell_strip(forecast.once(Endings).all_rows(timed=False) if is_flown else ())
 
 
 def export(

@@ -7,6 +7,7 @@ rally point and descends), lands where it stands, goes back along the way that i
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +17,8 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.energy import flown_from
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.looks import GROUND, EndingLooks, EndingWays
+from ipoa_mission.forecast.stops import Stops
 from ipoa_mission.geometry import Vector
-from ipoa_mission.planning.proof import prove_ground
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.failsafe import Failsafe
 from ipoa_mission.world.airspace import Clearance
@@ -25,6 +26,7 @@ from ipoa_mission.world.airspace import Clearance
 BEGUN_S = 0.6  # by so much its begin may be early or late: ArduCopter 4.8-dev is early by 0.5 s after its take-off
 NEAREST_FEW = 6  # so many looks of a row are measured to the millimeter
 ON_GROUND, UNKNOWN = "the ground", "unknown"  # a thing and a goal
+LONG = 1e6  # past the last item both clocks go on alike for so long [s]
 TIMED = 3  # looks of a row from which the flight is timed
 #: What is looked at; the others go on, fall, or lead to where nobody knows.
 LOOKED_AT = (Ending.RTL, Ending.LAND, Ending.SMART_RTL, Ending.HOLD)
@@ -91,11 +93,45 @@ class EndingRow:
 
 
 class Endings:
-    """All ways in which one forecast's flight can end, in the world of its scenario."""
+    """All ways in which one forecast's flight can end, in the world of its scenario: `forecast.once(Endings)`.
+
+    Times are those of the mean of all its flights, of which some come late to a waypoint, and none early; those of
+    `ways` are of the flight that is sure where it is.
+    """
 
     def __init__(self, forecast: Forecast) -> None:
         self.forecast, self.mission = forecast, forecast.mission
-        self.ways = EndingWays(forecast, in_mean=True)
+        self.ways = forecast.once(EndingWays)
+        self._rows = dict[Ending, list[tuple[EndingRow, range]]]()
+
+    @cached_property
+    def _clocks(self) -> tuple[Vector, Vector]:
+        """The times of its items if it is sure where it is, and in the mean, each (n,) [s]."""
+        sure, mean = self.forecast.promise.flight.prediction.done, self.forecast.expected.done
+        return np.concatenate([[0.0], sure, sure[-1:] + LONG]), np.concatenate([[0.0], mean, mean[-1:] + LONG])
+
+    def _in_mean(self, times: Vector) -> Vector:
+        return np.asarray(np.interp(times, *self._clocks))
+
+    def _if_sure(self, times: Vector) -> Vector:
+        sure, mean = self._clocks
+        return np.asarray(np.interp(times, mean, sure))
+
+    @property
+    def in_air(self) -> tuple[float, float]:
+        """From when to when it is in the air [s]."""
+        begin, end = self._in_mean(np.array(self.ways.in_air))
+        return float(begin), float(end)
+
+    def stops(self, ending: Ending = Ending.RTL) -> Stops:
+        """As those of `ways`."""
+        stops = self.ways.stops(ending)
+        return replace(stops, times=self._in_mean(stops.times))
+
+    def looks(self, ending: Ending, between: tuple[float, float] | None = None) -> EndingLooks:
+        """As those of `ways`."""
+        looks = self.ways.looks(ending, None if between is None else tuple(self._if_sure(np.array(between)).tolist()))
+        return replace(looks, times=self._in_mean(looks.times))
 
     def all_rows(self, timed: bool = True) -> tuple[EndingRow, ...]:
         """Every ending that the vehicle has, one after the other; as `rows`, and raises as it does."""
@@ -108,22 +144,22 @@ class Endings:
             MissionError: the vehicle has no model of its flight.
         """
         if ending is Ending.RTL and (why := self.ways.why_unknown()) is not None:
-            return (EndingRow(ending, *self.ways.in_air, False, math.nan, self.ways.required, why, UNKNOWN),)
-        looks = self.ways.looks(ending)
-        clear = self._clear_at_any_time(looks)
-        runs = list(_runs(looks.taken, clear))
-        rows = tuple(self._row(ending, looks, run, bool(clear[run.start])) for run in runs)
-        if not timed:
-            return rows
-        return tuple(self._timed(row, looks, run) for row, run in zip(rows, runs, strict=True))
+            return (EndingRow(ending, *self.in_air, False, math.nan, self.ways.required, why, UNKNOWN),)
+        looks = self.looks(ending)
+        if ending not in self._rows:
+            clear = self._clear_at_any_time(looks)
+            runs = _runs(looks.taken, clear)
+            self._rows[ending] = [(self._row(ending, looks, run, bool(clear[run.start])), run) for run in runs]
+        return tuple(self._timed(row, looks, run) if timed else row for row, run in self._rows[ending])
 
     def at(self, ending: Ending, time: float, timed: bool = True) -> EndingRow:
         """An ending that is ordered at one time in the air [s]; as `rows`, and raises as it does."""
         if ending is Ending.RTL and (why := self.ways.why_unknown()) is not None:
             return EndingRow(ending, time, time, False, math.nan, self.ways.required, why, UNKNOWN)
         doubt = float(self._doubts(np.array([time]))[0])
-        begin, end = np.clip([time - doubt, time + doubt], *self.ways.in_air)
-        looks = self.ways.looks(ending, (begin, end)).merged(self.ways.at(ending, np.clip([time], begin, end)))
+        begin, end = np.clip([time - doubt, time + doubt], *self.in_air)
+        now = self.ways.at(ending, self._if_sure(np.clip([time], begin, end)))
+        looks = self.looks(ending, (begin, end)).merged(replace(now, times=np.clip([time], begin, end)))
         middle = int(np.searchsorted(looks.times, np.clip(time, begin, end)))
         row = self._row(ending, looks, range(len(looks.times)), bool(looks.clear.all()))
         row = replace(row, from_s=time, to_s=time, goal=self.ways.goal(ending, looks, middle))
@@ -147,8 +183,7 @@ class Endings:
         if GROUND in looks.which[run.start : run.stop]:
             on_ground = [n for n in run if GROUND in looks.which[n]]
             worst = min(on_ground, key=lambda n: float(looks.spare[n]))
-            checks = (check for way in looks.ways[worst] for check in prove_ground(way, self.forecast.world))
-            low = min(checks, key=lambda check: check.slack)
+            low = self.ways.lowest(ending, looks, worst)
             least, required, to = low.nearest.distance, low.required, ON_GROUND
         goal, lands = self.ways.goal(ending, looks, run.start), None
         if goal != "here":
@@ -182,7 +217,7 @@ class Endings:
     def lasts(self, ending: Ending, time: float) -> tuple[float, float] | None:
         """The least and the most time that an ending takes which is ordered at a time [s]; None where nobody knows."""
         try:
-            return flown_from(self.forecast, ending, float(np.clip(time, *self.ways.in_air)))[0]
+            return flown_from(self.forecast, ending, float(np.clip(time, *self.in_air)))[0]
         except MissionError:
             return None
 

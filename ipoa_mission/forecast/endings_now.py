@@ -23,17 +23,22 @@ class EndingsNow:
     """
 
     def __init__(self, forecast: Forecast) -> None:
-        self._endings = Endings(forecast)
+        self._endings = forecast.once(Endings)
         self._rows = {one: self._endings.rows(one, timed=False) for one in endings_of(forecast) if one in ORDERED}
         self._lasts = lru_cache(maxsize=256)(self._endings.lasts)
 
     def at(self, place: Vector, time: float) -> tuple[tuple[EndingRow, float | None], ...]:
         """Of each ending its row and how many seconds it takes, for who is at a place (3,) [m] so late [s]."""
-        stops = self._endings.ways.stops()
+        time = self.time_at(place, time)
+        return tuple((row, self._seconds(row, time)) for row in map(self._row, self._rows, (time,) * len(self._rows)))
+
+    def time_at(self, place: Vector, time: float) -> float:
+        """When it was to be where it is, at a place (3,) [m] so late [s]."""
+        stops = self._endings.stops()
         near = np.flatnonzero(np.abs(stops.times - time) <= NEAR_S)
         if len(near):
             time = float(stops.times[near][np.linalg.norm(stops.places[near] - place, axis=1).argmin()])
-        return tuple((row, self._seconds(row, time)) for row in map(self._row, self._rows, (time,) * len(self._rows)))
+        return time
 
     def words(self, place: Vector, time: float) -> str:
         """The same in a line: "rtl clear, 2.13 m from mast, 62 s"."""

@@ -38,6 +38,24 @@ class NoReturn(NamedTuple):
     why: str
 
 
+class ReserveNow(NamedTuple):
+    """In flight at a time [s after arming]: the share of the battery that is `left`, and the one `planned` to be.
+
+    It lands with the share `lands`, if the rest takes what was planned; `reserve` is required.
+    """
+
+    time: float
+    left: float
+    planned: float
+    lands: Interval
+    reserve: float
+
+    def __str__(self) -> str:
+        lands = f"lands with {self.lands.likely:.0%} ({self.lands.low:.0%} to {self.lands.high:.0%})"
+        short = "NOT " if self.lands.likely < self.reserve else ""
+        return f"battery {self.left:.0%}, {self.planned:.0%} planned, {lands}, {short}the {self.reserve:.0%} required"
+
+
 @dataclass(frozen=True, eq=False)
 class Budget:
     """A flight against its battery; `budget_of` makes it.
@@ -57,6 +75,16 @@ class Budget:
         if self.battery is None:
             return None
         return Interval(*(1.0 - wh / self.battery.capacity_wh for wh in (taken.high, taken.likely, taken.low)))
+
+    def against_plan(self, left: float, time: float) -> ReserveNow | None:
+        """What becomes of the reserve where so much is `left` of the battery at a time [s]; None without a battery."""
+        if self.battery is None:
+            return None
+        until, whole, capacity = self.used.until(time), self.used.between, self.battery.capacity_wh
+        rest = (max(all_of_it - so_far, 0.0) for all_of_it, so_far in zip(whole, until, strict=True))
+        low, likely, high = (left - wh / capacity for wh in rest)
+        planned = 1.0 - until.likely / capacity
+        return ReserveNow(time, left, planned, Interval(high, likely, low), self.battery.reserve)
 
     @cached_property
     def items(self) -> tuple[ItemEnergy, ...]:

@@ -92,10 +92,10 @@ class Forecast:
             return self
         return Forecast(replace(self.given, firmware_version=version), self.scenario, self.wind, self.left_out)
 
-    def once(self, make: "Callable[[Forecast], Made]") -> "Made":
-        """What `make` makes of it, made when it is first asked for."""
+    def once(self, make: "Callable[[Forecast], Made]", by: "Callable[[Forecast], Made] | None" = None) -> "Made":
+        """What `make` makes of it, or `by` the same in less time, made when it is first asked for."""
         if make not in self._made:
-            self._made[make] = make(self)
+            self._made[make] = (by or make)(self)
         made: Made = self._made[make]
         return made
 

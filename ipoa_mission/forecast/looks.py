@@ -20,7 +20,7 @@ from ipoa_mission.forecast.tube.room import with_room
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.planning.path_problem import PathTask
-from ipoa_mission.planning.proof import prove_ground
+from ipoa_mission.planning.proof import Check, prove_ground
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.returning import ReturnBy
 from ipoa_mission.world.airspace import NOTHING_NEAR, ROUNDING, Clearance
@@ -85,33 +85,28 @@ class EndingLooks:
 
 
 class EndingWays:
-    """Where the endings of one forecast's flight lead, in the world of its scenario.
+    """Where the endings of one forecast's flight lead, in the world of its scenario: `forecast.once(EndingWays)`.
 
-    Times are those of the flight that is sure where it is; with `in_mean` those of the mean of all its flights, of
-    which some come late to a waypoint, and none early.
+    Times are those of the flight that is sure where it is.
     """
 
-    def __init__(self, forecast: Forecast, in_mean: bool = False) -> None:
-        self.forecast, self.mission, self.in_mean = forecast, forecast.mission, in_mean
+    def __init__(self, forecast: Forecast) -> None:
+        self.forecast, self.mission = forecast, forecast.mission
         self.required = forecast.world.limits.obstacle_distance
         self.rally = rally_places(self.mission)
         self.routes = ReturnRoutes(forecast, self.rally)
-        self._stops = dict[Ending, Stops]()
-
-    def clock(self, times: Vector) -> Vector:
-        """When the flight is, in the mean, where it is at these times (n,) if it is sure where it is [s]."""
-        if not self.in_mean:
-            return times
-        sure, mean = self.forecast.promise.flight.prediction.done, self.forecast.expected.done
-        late = np.interp(times, np.append(0.0, sure), np.append(0.0, mean - sure))
-        return np.asarray(times + late)
+        self._stops, self._looks = dict[Ending, Stops](), dict[Ending, EndingLooks]()
 
     def returning(self, forecast: Forecast) -> "EndingWays":
         """The same of a forecast in this world that differs in its return altitude or rally points only."""
-        other = EndingWays(forecast, self.in_mean)
+        return forecast.once(EndingWays, self._of_another)
+
+    def _of_another(self, forecast: Forecast) -> "EndingWays":
+        other = EndingWays(forecast)
         other.__dict__["roomy"] = self.roomy
         if not any(item.command == Command.NAV_RETURN_TO_LAUNCH for item in self.mission.items):
-            other.__dict__["_lifted"], other._stops = self._lifted, self._stops  # it is flown as before
+            other.__dict__["in_air"], other._stops = self.in_air, self._stops  # it is flown as before
+            other._looks = {ending: looks for ending, looks in self._looks.items() if ending is not Ending.RTL}
         return other
 
     @cached_property
@@ -120,24 +115,16 @@ class EndingWays:
         return with_room(self.forecast.world, TIGHT_PLACES)
 
     @cached_property
-    def _lifted(self) -> Vector:
-        """The first and the last of its times in the air, as it flies if it is sure where it is (2,) [s]."""
-        track = self.forecast.promise.flight.pieces
-        lifted = track.times[track.points[:, 2] > track.points[0, 2] + LIFTED]
-        return lifted[[0, -1]] if len(lifted) else np.zeros(2)
-
-    @cached_property
     def in_air(self) -> tuple[float, float]:
         """From when to when it is in the air [s]."""
-        begin, end = self.clock(self._lifted)
-        return float(begin), float(end)
+        track = self.forecast.promise.flight.pieces
+        lifted = track.times[track.points[:, 2] > track.points[0, 2] + LIFTED]
+        return (float(lifted[0]), float(lifted[-1])) if len(lifted) else (0.0, 0.0)
 
     def stops(self, ending: Ending = Ending.RTL) -> Stops:
         """Where it comes to a stand, from every moment at which it is in the air."""
         if ending not in self._stops:
-            begin, end = self._lifted
-            stops = stops_of(self.forecast, float(begin), float(end), ending)
-            self._stops[ending] = replace(stops, times=self.clock(stops.times))
+            self._stops[ending] = stops_of(self.forecast, *self.in_air, ending)
         return self._stops[ending]
 
     def why_unknown(self) -> str | None:
@@ -151,7 +138,11 @@ class EndingWays:
 
     def looks(self, ending: Ending, between: tuple[float, float] | None = None) -> EndingLooks:
         """At an ending from so many times in the air, or between two of these, that nothing is missed."""
-        begin, end = between or self.in_air
+        if between is None:
+            if ending not in self._looks:
+                self._looks[ending] = self.looks(ending, self.in_air)
+            return self._looks[ending]
+        begin, end = between
         looks = self.at(ending, np.linspace(begin, end, max(2, round((end - begin) / EVERY_S) + 1)))
         while len(times := looks.gaps()):
             looks = looks.merged(self.at(ending, times))
@@ -175,7 +166,7 @@ class EndingWays:
             self._note_mission(times, near, which)
         spare = np.where(taken, np.minimum(near.min(axis=2) - self.required, SEEN), SEEN).min(axis=1)
         looks = EndingLooks(times, ways, taken, near, which, spare)
-        return self._with_ground(looks, -1 if ending is Ending.RTL else 2)
+        return self._with_ground(looks, _come_down(ending))
 
     def exactly(self, ending: Ending, looks: EndingLooks, n: int) -> Clearance:
         """What one look keeps of an obstacle, to the millimeter, and of which."""
@@ -186,6 +177,12 @@ class EndingWays:
             found = self.roomy.airspace.obstacle_clearance(way, within=least.distance)
             least = min(least, found, key=lambda clearance: clearance.distance)
         return least
+
+    def lowest(self, ending: Ending, looks: EndingLooks, n: int) -> Check:
+        """What one look keeps of the ground on the ways that may be taken, before it comes down."""
+        ways = looks.ways[n, looks.taken[n], : _come_down(ending)]
+        checks = (check for way in ways for check in prove_ground(way, self.forecast.world))
+        return min(checks, key=lambda check: check.slack)
 
     def _least_noted(self, looks: EndingLooks, n: int) -> Clearance:
         leg = int(np.argmin(looks.near[n, 0]))
@@ -242,7 +239,7 @@ class EndingWays:
 
     def _with_ground(self, looks: EndingLooks, end: int) -> EndingLooks:
         """The looks with what their ways up to place `end` keep of the ground, where that is less."""
-        begin, last = self.clock(np.array(self.forecast.promise.flight.way))
+        begin, last = self.forecast.promise.flight.way
         near, which, spare = looks.near.copy(), looks.which.copy(), looks.spare.copy()
         on_the_way = np.flatnonzero((looks.times >= begin) & (looks.times <= last))
         ways, terrain = looks.ways[on_the_way, :, :end], self.forecast.world.airspace.terrain
@@ -311,6 +308,11 @@ class EndingWays:
     def _ground_below(self, points: Points) -> Points:
         ground = self.roomy.airspace.ground(points)
         return np.column_stack([points[:, :2], np.minimum(ground, points[:, 2])])
+
+
+def _come_down(ending: Ending) -> int:
+    """Which place of its ways is the first that is on the ground, or no longer braking."""
+    return -1 if ending is Ending.RTL else 2
 
 
 def _padded(ways: NDArray[np.float64], places: int) -> NDArray[np.float64]:

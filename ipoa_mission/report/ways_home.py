@@ -20,10 +20,10 @@ def ways_home(forecast: Forecast) -> list[dict[str, Any]]:
     """
     if forecast.promise_if_known is None or Ending.RTL not in endings_of(forecast):
         return []
-    ways = Endings(forecast).ways
-    if ways.why_unknown() is not None:
+    endings = forecast.once(Endings)
+    if endings.ways.why_unknown() is not None:
         return []
-    looks = ways.looks(Ending.RTL)
+    looks = endings.looks(Ending.RTL)
     shown = np.unique(np.linspace(0, len(looks.times) - 1, min(MOST, len(looks.times))).round().astype(int))
     return [
         {

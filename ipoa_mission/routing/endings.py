@@ -22,7 +22,7 @@ def settled(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
     Returns:
         The forecast of it, and what is still too near: of each body the worst.
     """
-    ways = EndingWays(forecast)
+    ways = forecast.once(EndingWays)
     braking = list(shortfalls(ways, Ending.HOLD, ways.looks(Ending.HOLD)))
     if ways.why_unknown() is not None:
         return forecast, tuple(braking)
@@ -61,7 +61,7 @@ def _with_rally_points(
 
 def why_not_planned(forecast: Forecast) -> str:
     """Which stretch of which ending is not clear, in words that go on."""
-    endings = Endings(forecast)
+    endings = forecast.once(Endings)
     rows = [row for ending in (Ending.HOLD, Ending.RTL) for row in endings.rows(ending, timed=False) if not row.clear]
     worst = min(rows, key=lambda row: row.least_m - row.required_m)
     where = ", where it brakes" if worst.ending is Ending.HOLD else ""

@@ -190,6 +190,10 @@ def test_over_a_hill_a_return_keeps_its_height_over_the_ground() -> None:
     assert np.ptp(above, axis=1).max() < 0.01  # each way keeps its own,
     assert np.ptp(above[:, 0]) == pytest.approx(20.0)  # as far as WPNAV_TER_MARGIN allows
     assert np.diff(np.sort(above[:, 0])).max() <= 2 * over.ways.required
+    sunk = looks.ways.copy()
+    sunk[0, ~looks.taken[0], :, 2] -= 100.0
+    low, same = (over.ways.lowest(Ending.RTL, one, 0).nearest.distance for one in (looks, replace(looks, ways=sunk)))
+    assert same == low > 0.0  # a way that is not taken does not count
     level = {"RNGFND1_TYPE": 1.0}  # which may not see the ground: then it is as if it were over home
     seeing = Endings(forecast_of("campus", RTL_ALT_TYPE=1.0, **level))
     assert seeing.ways.at(Ending.RTL, np.array([20.0])).taken.sum() == looks.taken.sum() + 1

@@ -11,24 +11,38 @@ from ipoa_mission import Forecast, read_mission, read_scenario
 from ipoa_mission.cli.real_flight import ToldEndings
 from ipoa_mission.forecast.endings import Endings
 from ipoa_mission.forecast.endings_now import EndingsNow
-from ipoa_mission.link.telemetry import Position
+from ipoa_mission.forecast.energy import ReserveNow
+from ipoa_mission.link.telemetry import BatteryStatus, Position, SystemStatus
 from ipoa_mission.vehicles.ending import Ending
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 
 
+BATTERY = """
+[vehicle.battery]
+capacity_wh = 60.0
+reserve = 0.25
+
+[vehicle.airframe]
+mass_kg = 2.0
+rotor_diameter = 0.3
+"""
+
+
 @pytest.fixture(scope="module")
-def forecast() -> Forecast:
-    return Forecast(read_mission(MISSIONS / "sitl.plan"), read_scenario(MISSIONS / "sitl.toml"))
+def forecast(tmp_path_factory: pytest.TempPathFactory) -> Forecast:
+    world = tmp_path_factory.mktemp("world") / "sitl.toml"
+    world.write_text((MISSIONS / "sitl.toml").read_text(encoding="utf-8") + BATTERY, encoding="utf-8")
+    return Forecast(read_mission(MISSIONS / "sitl.plan"), read_scenario(world))
 
 
 @pytest.mark.parametrize("late", [-5.0, 0.0, 5.0])
 @pytest.mark.parametrize("share", [0.1, 0.45, 0.9])
 def test_it_is_told_for_where_the_vehicle_is_though_it_is_late(forecast: Forecast, late: float, share: float) -> None:
     endings, now = Endings(forecast), EndingsNow(forecast)
-    begin, end = endings.ways.in_air
+    begin, end = endings.in_air
     time = begin + share * (end - begin)
-    place = endings.ways.stops().at(np.array([time]))[0][0]
+    place = endings.stops().at(np.array([time]))[0][0]
     told = {row.ending: (row, seconds) for row, seconds in now.at(place, time + late)}
     assert set(told) == {Ending.RTL, Ending.LAND}
     for ending, (row, seconds) in told.items():
@@ -39,16 +53,22 @@ def test_it_is_told_for_where_the_vehicle_is_though_it_is_late(forecast: Forecas
 
 
 def test_the_command_line_tells_it_beside_what_is_done(forecast: Forecast) -> None:
-    endings, told = Endings(forecast), list[str]()
-    time = sum(endings.ways.in_air) / 2
-    there = forecast.frame.geodetic(endings.ways.stops().at(np.array([time]))[0][0])
+    endings, told, reserves = Endings(forecast), list[str](), list[ReserveNow]()
+    time = sum(endings.in_air) / 2
+    there = forecast.frame.geodetic(endings.stops().at(np.array([time]))[0][0])
     record = SimpleNamespace(path=[SimpleNamespace(time_s=time)])
     vehicle: Any = SimpleNamespace(record=lambda: record, state=SimpleNamespace(in_air=True))
-    teller = ToldEndings(forecast, vehicle, lambda _, words: told.append(words))
+    teller = ToldEndings(forecast, vehicle, lambda _, words: told.append(words), reserves)
     teller.show(0.5, "item 3 of 6")
     at = (there.latitude_deg, there.longitude_deg, there.altitude, 20.0)
-    for later in (0.0, 0.4, 1.2):  # by the vehicle's clock
+    for later, left in ((0.0, -1), (0.4, 80), (1.2, 80), (2.4, 80), (3.6, 20)):  # by the vehicle's clock
+        teller.hear(SystemStatus(0, 0, 0, battery_remaining=left))
+        teller.hear(BatteryStatus(1, 12.0, -1.0, 50))  # of another battery
         teller.hear(Position(time + later, *at))
     assert told[0] == "item 3 of 6"
-    assert len(told) == 3
+    assert len(told) == 5
     assert all(words.startswith("item 3 of 6  now: rtl ") and "; land " in words for words in told[1:])
+    assert ["; battery " in words for words in told[1:]] == [False, True, True, True]
+    assert "battery 80%, " in told[2]
+    assert told[4].endswith("NOT the 25% required")
+    assert [one.left for one in reserves] == [0.8, 0.2]

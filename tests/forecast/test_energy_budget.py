@@ -49,6 +49,20 @@ def codes(capacity: float) -> dict[str, Severity]:
     return {finding.code: finding.severity for finding in check_mission(forecast.mission, forecast.scenario)}
 
 
+@pytest.mark.parametrize("missing", [0.0, 0.1, 0.7])
+def test_in_flight_the_reserve_is_what_is_measured_less_what_the_rest_takes(missing: float) -> None:
+    found = budget(20.0)
+    middle, left = float(found.used.times[-1]) / 2, found.left(found.used.between)
+    now = found.against_plan(1.0 - found.used.until(middle).likely / 20.0 - missing, middle)
+    assert now is not None
+    assert left is not None
+    assert now.planned - now.left == pytest.approx(missing)
+    assert now.lands.likely == pytest.approx(left.likely - missing)
+    assert left.low - missing < now.lands.low < now.lands.likely < now.lands.high < left.high - missing
+    assert ("NOT the 20% required" in str(now)) == (left.likely - missing < 0.2)
+    assert budget().against_plan(1.0, middle) is None
+
+
 def test_items_come_to_the_whole_and_the_share_left_falls() -> None:
     found = budget(20.0)
     assert sum(item.takes.likely for item in found.items) == pytest.approx(found.used.energy_wh)

@@ -1,8 +1,8 @@
 """What follows a failure: held against what the firmwares' own parameter documentation says of every value.
 
 The values and their words are those of ArduCopter 4.7.0-dev (2598e9d4: @Values of ArduCopter/Parameters.cpp,
-AP_BattMonitor_Params.cpp and AC_Fence.cpp), PX4 1.17.0 (d6f12ad1) and main of 2026-08-13 (bb59c637): @value of
-commander_params, geofence_params and navigator_params.
+AP_BattMonitor_Params.cpp, AC_Fence.cpp and AP_Avoidance.cpp), PX4 1.17.0 (d6f12ad1) and main of 2026-08-13 (bb59c637):
+@value of commander_params, geofence_params and navigator_params.
 """
 
 import math
@@ -35,6 +35,8 @@ DOCUMENTED = {
     "FENCE_ACTION": "0:Report Only,1:RTL or Land,2:Always Land,3:SmartRTL or RTL or Land,4:Brake or Land,"
     "5:SmartRTL or Land",
     "FS_EKF_ACTION": "0:Report only,1:Switch to Land mode,2:AltHold,3:Switch to Land mode",
+    "AVD_F_ACTION": "0:None,1:Report,2:Climb Or Descend,3:Move Horizontally,4:Move Perpendicularly in 3D,5:RTL,6:Hover",
+    "FS_CRASH_CHECK": "0:Disabled,1:Enabled",
     "FS_DR_ENABLE": "0:Disabled/NoAction,1:Land",  # the others lead home, where it drifts off its way
 }
 GRADES = "0:None,1:Warning,2:Hold mode,3:Return mode,4:Terminate,5:Land mode"
@@ -70,11 +72,12 @@ WORDS = {
     r"Land": Ending.LAND,
     r"Terminate|Disarm": Ending.TERMINATE,
     r"Brake|Hold mode": Ending.HOLD,
-    r"AltHold": Ending.UNKNOWN,
+    r"AltHold|Climb|Move|Hover": Ending.UNKNOWN,  # LOITER obeys the sticks: docs/returns.csv
+    r"Enabled": Ending.TERMINATE,  # that it is looked for
 }
 LOOKED_FOR = {
     **{"BATT_CRT_VOLT": 10.0, "BATT_LOW_VOLT": 10.5, "FENCE_ENABLE": 1.0, "BATT_FS_LOW_ACT": 0.0},
-    **{"COM_WIND_MAX": 12.0, "COM_POS_LOW_EPH": 5.0, "SYS_HAS_NUM_GNSS": 1.0},
+    **{"COM_WIND_MAX": 12.0, "COM_POS_LOW_EPH": 5.0, "SYS_HAS_NUM_GNSS": 1.0, "AVD_ENABLE": 1.0},
 }
 
 

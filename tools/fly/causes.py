@@ -11,7 +11,8 @@ class Trigger:
     """A cause, parameters `before` the flight, and what makes it act: parameters, a command, silence, or sticks.
 
     `silent`: the ground station says nothing more. `sticks`: they are moved until then, by MAVLink. `fails`: unit and
-    type of MAV_CMD_INJECT_FAILURE. `traffic`: an aircraft is told of, on its way to the vehicle.
+    type of MAV_CMD_INJECT_FAILURE. `traffic`: an aircraft is told of, on its way to the vehicle. `over_terrain`: the
+    mission's waypoints count from the ground below them.
     """
 
     cause: str
@@ -21,6 +22,7 @@ class Trigger:
     sticks: bool = False
     fails: tuple[int, int] | None = None
     traffic: bool = False
+    over_terrain: bool = False
 
 
 RC = {"SIM_RC_FAIL": 1.0}
@@ -33,6 +35,10 @@ CRITICAL = {"BATT_CRT_VOLT": 10.2, "BATT_LOW_VOLT": 0.0}
 NO_GPS = {"SIM_GPS1_ENABLE": 0.0}
 CHARGE = {"BATT_LOW_VOLT": 0.0, "BATT_CRT_VOLT": 0.0}
 HIGH = {"FENCE_TYPE": 8.0, "FENCE_ENABLE": 1.0, "FENCE_ALT_MIN": -90.0, "FENCE_MARGIN": 0.5}
+SEES = {"ADSB_TYPE": 1, "AVD_ENABLE": 1, "AVD_F_RCVRY": 0}
+#: A range finder stands for the terrain data, and then sees no farther than that.
+FINDER = {"RNGFND1_TYPE": 100, "RNGFND1_ORIENT": 25, "RNGFND1_MAX": 300.0, "TERRAIN_ENABLE": 0}
+CHUTE = {"CHUTE_ENABLED": 1, "CHUTE_TYPE": 10, "SERVO9_FUNCTION": 27, "CHUTE_ALT_MIN": 2, "CHUTE_CRT_SINK": 3.0}
 DRAG = {"EK3_DRAG_BCOEF_X": 20.0, "EK3_DRAG_BCOEF_Y": 20.0, "EK3_DRAG_MCOEF": 0.2, "FS_DR_TIMEOUT": 60}
 
 COPTER = (
@@ -79,6 +85,16 @@ COPTER = (
     Trigger("fence breached", {**HIGH, "FENCE_ACTION": 2}, {"FENCE_ALT_MIN": 95.0}),
     Trigger("position by dead reckoning", {**DRAG, "FS_DR_ENABLE": 2}, NO_GPS),
     Trigger("position by dead reckoning", {**DRAG, "FS_DR_ENABLE": 1}, NO_GPS),
+    Trigger("traffic near", {**SEES, "AVD_F_ACTION": 5}, traffic=True),
+    Trigger("traffic near", {**SEES, "AVD_F_ACTION": 6}, traffic=True),
+    Trigger("traffic near", {**SEES, "AVD_F_ACTION": 1}, traffic=True),
+    Trigger("terrain data missing", FINDER, {"RNGFND1_MAX": 0.5}, over_terrain=True),
+    Trigger("parachute", CHUTE, {"SIM_ENGINE_FAIL": 15, "SIM_ENGINE_MUL": 0.0}),
+    Trigger("thrust lost", {}, {"SIM_ENGINE_FAIL": 15, "SIM_ENGINE_MUL": 0.45}),
+    Trigger("vibration", {}, {f"SIM_ACC{n}_BIAS_Z": 1.2 for n in (1, 2, 3)}),
+    Trigger("satellite position jumps", {}, {"SIM_GPS1_GLTCH_X": 0.0003}),
+    Trigger("compasses lost", {}, {f"SIM_MAG{n}_FAIL": 1 for n in (1, 2, 3)}),
+    Trigger("traffic near", {**SEES, "AVD_F_ACTION": 2}, traffic=True),
 )
 
 GCS = {"COM_DL_LOSS_T": 60}

@@ -19,9 +19,14 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tools.fly.flown import ARMED_STATE, TRUE_PLACE
 
 #: What a mode does, by ArduPilot's number, and by PX4's nav_state.
-COPTER_DOES = {3: "mission", 6: "rtl", 9: "land", 21: "smart_rtl", 17: "hold", 2: "alt_hold", 27: "land_start"}
+COPTER_DOES = {
+    **{3: "mission", 6: "rtl", 9: "land", 21: "smart_rtl", 17: "hold", 5: "loiter", 2: "alt_hold", 27: "land_start"},
+    19: "aside",  # AVOID_ADSB
+}
 PX4_DOES = {3: "mission", 4: "hold", 5: "rtl", 18: "land", 12: "land", 13: "terminate", 17: "take-off"}
 TRACK_EVERY = 0.1  # [s]
+STOPPED_UP = 2.0  # whose motors stop so high has not landed [m]
+CRASHED = "Crash: Disarming"
 
 
 @dataclass(frozen=True)
@@ -46,10 +51,18 @@ class EndedFlight:
         return math.nan
 
     def did(self) -> tuple[str, ...]:
-        """What it did after its mission, each thing once in its order."""
+        """What it did after its mission, each thing once in its order; last that its motors stopped in the air."""
         left = self.left_mission()
         until = math.inf if math.isnan(self.ended_s) else self.ended_s
-        return tuple(dict.fromkeys(does for time, does in self.modes if left <= time < until - 0.05))
+        did = [does for time, does in self.modes if left <= time < until - 0.05]
+        return tuple(dict.fromkeys([*did, "terminate"] if self.stopped else did))
+
+    @property
+    def stopped(self) -> bool:
+        """Whether its motors were stopped before it had landed."""
+        if math.isnan(self.ended_s):
+            return False
+        return self.place(self.ended_s)[2] > STOPPED_UP or any(words.startswith(CRASHED) for _, words in self.texts)
 
     def place(self, time: float) -> Points:
         """Where it truly was (3,) [m]."""

@@ -4,9 +4,9 @@
         --start "COMMAND {latitude} {longitude} {altitude} {folder}" --link tcp:127.0.0.1:5760 [--failsafes 6]
 
 FOLDER has scenarios, NAME.toml, and their planned missions, NAME.plan; `{folder}` is where the simulator keeps its
-logs. What is ordered, on which mission and when follows from the seed alone. A simulator is started for every order,
-and stopped again. DIR/N-MISSION-ENDING gets `order.json`, `flight.json` and `track.csv` (`ended_flight`), which
-`tools.fly.endings_judge` holds against the forecast.
+logs, `{parameters}` a file of NAME,VALUE that it may begin with. What is ordered, on which mission and when follows
+from the seed alone. A simulator is started for every order, and stopped again. DIR/N-MISSION-ENDING gets `order.json`,
+`flight.json` and `track.csv` (`ended_flight`), which `tools.fly.endings_judge` holds against the forecast.
 """
 
 import argparse
@@ -22,7 +22,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -37,13 +37,13 @@ from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, CommandAck, CommandLong, Heartbeat, Message, ParamSet
 from ipoa_mission.link.orders import spelled_parameter
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.mission.commands import Command, VehicleCommand
+from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame, VehicleCommand
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.wind import Wind
-from tools.fly.causes import TRIGGERS
+from tools.fly.causes import TRIGGERS, Trigger
 from tools.fly.ended_flight import flight_from
 
 WEIGHTS = {Ending.RTL: 5, Ending.LAND: 3, Ending.SMART_RTL: 2, Ending.HOLD: 2}
@@ -109,9 +109,8 @@ def _numbers(given: argparse.Namespace, failsafes: int) -> Iterator[int]:
 class Breaker:
     """Hears all that a vehicle says, and at one second of its flight orders what is to be ordered."""
 
-    def __init__(self, vehicle: Vehicle, order: Order) -> None:
-        self.vehicle, self.order = vehicle, order
-        self.trigger = None if order.trigger is None else TRIGGERS[vehicle.autopilot][order.trigger]
+    def __init__(self, vehicle: Vehicle, order: Order, trigger: Trigger | None) -> None:
+        self.vehicle, self.order, self.trigger = vehicle, order, trigger
         self.clock, self.armed_s, self.done_s = 0.0, math.inf, math.inf
         self.wall_s = 0.0
 
@@ -236,23 +235,46 @@ def load(vehicle: Vehicle, forecast: Forecast) -> None:
     load_mission(vehicle, forecast, set_params=True, anyway=True)
 
 
+def began_with(trigger: Trigger | None, path: Path) -> Path:
+    """A file of what has to be set before the simulator starts, as a receiver that it is to have."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    lines = (f"{name},{value:g}\n" for name, value in (trigger.before if trigger else {}).items())
+    path.write_text("".join(lines), encoding="utf-8")
+    return path
+
+
+def over_terrain(forecast: Forecast) -> Forecast:
+    """The same, its waypoints counted from the ground below them."""
+    mission = forecast.given
+    items = tuple(
+        replace(item, frame=Frame.GLOBAL_TERRAIN_ALT) if item.command in FLOWN_TO - {Command.NAV_TAKEOFF} else item
+        for item in mission.items
+    )
+    return Forecast(replace(mission, items=items), forecast.scenario)
+
+
 def fly(order: Order, forecast: Forecast, given: argparse.Namespace) -> dict[str, Any]:
     """One flight; what was ordered, and what the vehicle is."""
     folder = given.work / "sim"
     shutil.rmtree(folder, ignore_errors=True)
     home = forecast.mission.home
+    trigger = None if order.trigger is None else TRIGGERS[forecast.mission.autopilot][order.trigger]
     words = given.start.format(
-        latitude=home.latitude_deg, longitude=home.longitude_deg, altitude=home.altitude, folder=folder
+        latitude=home.latitude_deg,
+        longitude=home.longitude_deg,
+        altitude=home.altitude,
+        folder=folder,
+        parameters=began_with(trigger, folder.with_suffix(".parm")),
     )
     with simulation(words, folder), connected(given.link) as vehicle:
-        breaker = Breaker(vehicle, order)
+        breaker = Breaker(vehicle, order, trigger)
         while not ((at := vehicle.home()) and at.latitude_deg):
             time.sleep(0.2)
         own = forecast.world.vehicle.autopilot_parameters()
         for name, value in {**set_up(vehicle, forecast.wind), **own}.items():
             vehicle.set_parameter(name, value)
-        load(vehicle, forecast)
-        for name, value in (breaker.trigger.before if breaker.trigger else {}).items():
+        load(vehicle, over_terrain(forecast) if trigger and trigger.over_terrain else forecast)
+        for name, value in (trigger.before if trigger else {}).items():
             vehicle.set_parameter(name, value)
         vehicle.overhearing = breaker.hear
         vehicle.prepare(0, permit=lambda there: None)
@@ -261,8 +283,8 @@ def fly(order: Order, forecast: Forecast, given: argparse.Namespace) -> dict[str
             vehicle.watch()
         time.sleep(0.5)
         told = {**asdict(order), "version": str(vehicle.firmware_version())}
-    if breaker.trigger:
-        told |= {"cause": breaker.trigger.cause, "before": dict(breaker.trigger.before)}
+    if trigger:
+        told |= {"cause": trigger.cause, "before": dict(trigger.before)}
     told["ordered_s"] = breaker.done_s - breaker.armed_s
     logs = sorted((*folder.rglob("*.BIN"), *folder.rglob("*.ulg")), key=lambda log: log.stat().st_mtime)
     out = given.out / order.name
@@ -296,7 +318,7 @@ def main(arguments: list[str]) -> None:
             forecasts[path.stem] = Forecast(read_mission(path, autopilot), scenario)
     spans = {}
     for name, forecast in forecasts.items():
-        spans[name] = Endings(forecast).ways.in_air
+        spans[name] = Endings(forecast).in_air
     for order in orders(spans, autopilot, given):
         if (given.out / order.name / "order.json").exists():
             continue

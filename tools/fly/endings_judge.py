@@ -42,6 +42,8 @@ STEP = 0.15  # between the points at which a flight is looked at [m]
 AROUND_S = 12.0  # so many seconds from where it is by the clock, the forecast is searched for its place
 LONG_ENOUGH = 10.0  # shares are counted of longer endings only [s]
 BOTH_AT_ONCE = "where the voltage falls through both at once"
+#: What a vehicle does that is none of the endings, by the words that its failsafe has for it.
+HAS_NO_ENDING = {"ALT_HOLD": "alt_hold", "LOITER": "loiter", "flies aside": "aside"}
 FAR_OUTSIDE, FAR_M = "100 m outside it lands", 100.0
 NOTICED_S = 15.0  # longer than a failsafe takes to act [s]
 SILENCE_S = 75.0  # longer than it takes to notice that a ground station is silent [s]
@@ -142,19 +144,19 @@ class Foretold:
 
     def stage(self, time: float) -> FlightStage:
         """What its mission was forecast to be doing."""
-        mission, stops = self.endings.mission, self.endings.ways.stops()
+        mission, stops = self.endings.mission, self.endings.stops()
         command = mission.items[int(stops.seqs_at(np.array([time]))[0]) - 1].command
         return STAGES.get(command, FlightStage.ROUTE)
 
     def row(self, ending: Ending, time: float) -> EndingRow:
         """What was forecast of that second."""
-        return self.endings.at(ending, float(np.clip(time, *self.endings.ways.in_air)), timed=False)
+        return self.endings.at(ending, float(np.clip(time, *self.endings.in_air)), timed=False)
 
     def timed(self, ending: Ending, time: float) -> tuple[float, float, float]:
         """How long the ending was to last from that time, over level ground: low, mean, high; NaN: not told."""
         forecast = self.endings.forecast
         model = forecast.mission.autopilot.part(FlightModel)
-        order = BrokenOff(float(np.clip(time, *self.endings.ways.in_air)), ending)
+        order = BrokenOff(float(np.clip(time, *self.endings.in_air)), ending)
         if ending not in (Ending.RTL, Ending.LAND):
             return math.nan, math.nan, math.nan
         try:
@@ -166,11 +168,11 @@ class Foretold:
 
     def time_at(self, place: Points, time: float) -> float:
         """When it was forecast to be where it was."""
-        times = self.endings.ways.stops().times
+        times = self.endings.stops().times
         near = np.abs(times - time) <= AROUND_S
         if not near.any():
             return time
-        return float(times[near][np.linalg.norm(self.endings.ways.stops().places[near] - place, axis=1).argmin()])
+        return float(times[near][np.linalg.norm(self.endings.stops().places[near] - place, axis=1).argmin()])
 
 
 def asked(order: Mapping[str, Any], away: float, mission: Mission, stage: FlightStage) -> tuple[str, str]:
@@ -186,8 +188,8 @@ def asked(order: Mapping[str, Any], away: float, mission: Mission, stage: Flight
     ending = str(route.ending)
     if ending == Ending.LAND_START:  # none of these missions has one
         ending = str(route.otherwise[0])
-    if ending == Ending.UNKNOWN and "ALT_HOLD" in route.words:
-        ending = "alt_hold"
+    if ending == Ending.UNKNOWN:
+        ending = next((does for words, does in HAS_NO_ENDING.items() if route.words.startswith(words)), ending)
     radius = TRIGGERS[mission.autopilot][order["trigger"]].then.get("FENCE_RADIUS", math.inf)
     if FAR_OUTSIDE in route.words and away - radius > FAR_M:
         ending = str(Ending.LAND)
@@ -222,9 +224,9 @@ def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> 
     )
     if ending not in (Ending.RTL, Ending.LAND, Ending.SMART_RTL, Ending.HOLD):
         return judged
-    kind, place, stops = Ending(ending), flight.place(second), foretold.endings.ways.stops(Ending(ending))
+    kind, place, stops = Ending(ending), flight.place(second), foretold.endings.stops(Ending(ending))
     row, (low, expected, high) = foretold.row(kind, second), foretold.timed(kind, second)
-    begin, end = foretold.endings.ways.in_air
+    begin, end = foretold.endings.in_air
     stand = stops.at(np.clip([foretold.time_at(place, second)], begin, end))[1][0]
     lands = stand[:2] if row.lands is None else np.array(row.lands)
     return replace(
@@ -259,7 +261,7 @@ def spoiled(order: Mapping[str, Any], flight: EndedFlight) -> str:
         return "the order was not heard before it stood"
     ends = flight.ended_s if math.isfinite(flight.ended_s) else math.inf
     noticed = SILENCE_S if "ground station lost" in str(order.get("cause", "")) else NOTICED_S
-    if math.isnan(left) and ends - ordered < noticed:
+    if math.isnan(left) and ends - ordered < noticed and not flight.stopped:
         return "it stood before the cause could be noticed"
     return ""
 

@@ -29,7 +29,8 @@ NOTES = {
 * `smart_rtl` needs `SRTL_POINTS` and `SRTL_ACCURACY` above 0.
 * Once a low battery has acted, a critical one does so only if its action is as urgent: 5, 1, 2, 4, 3, 0; then 6 and 7,
   which so do nothing after a low battery with 0.
-* Not here: avoidance of aircraft (`AVD_*`), advanced failsafe (`AFS_*`), crash check, lost thrust, scripts.
+* A landing needs no terrain data.
+* Not here: advanced failsafe (`AFS_*`), scripts.
 """,
     "px4": """\
 * Of all stages of a mission. In a return a `rtl` changes nothing, and bit 0 of `COM_RCL_EXCEPT` and `COM_DLL_EXCEPT`,

@@ -23,7 +23,7 @@ def endings_strip(forecast: Forecast, course: Seen) -> str:
     """
     if forecast.promise_if_known is None:
         return ""
-    rows, axis = Endings(forecast).all_rows(timed=False), along_axis(course)
+    rows, axis = forecast.once(Endings).all_rows(timed=False), along_axis(course)
     bars = "".join(
         _bar(ending, [row for row in rows if row.ending is ending], course, axis)
         for ending in dict.fromkeys(row.ending for row in rows)

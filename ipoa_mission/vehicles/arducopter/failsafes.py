@@ -1,8 +1,9 @@
 """What ArduCopter does when something fails.
 
-Read in 4.7.0-dev (2598e9d4): ArduCopter/events.cpp, fence.cpp, ekf_check.cpp, AP_BattMonitor, AC_Fence, AP_SmartRTL.
+Read in 4.7.0-dev (2598e9d4): ArduCopter/events.cpp, fence.cpp, ekf_check.cpp, crash_check.cpp, avoidance_adsb.cpp,
+AP_BattMonitor, AC_Fence, AP_SmartRTL.
 Armed on the ground it disarms instead. Where it lands by a failsafe, but for a fence, it holds for 4 s first. Not here:
-avoidance of other aircraft (AVD_*), advanced failsafe (AFS_*, in no build), crash check, lost thrust, scripts.
+advanced failsafe (AFS_*, in no build), scripts.
 """
 
 import math
@@ -49,7 +50,15 @@ FENCE = {
     4: replace(BRAKES, words=OUTSIDE),
     5: replace(SMART_OR_LANDS, words=OUTSIDE),
 }
-LOW, CRITICAL, BREACH = "low battery", "critical battery", "fence breached"
+UNTIL_IT_IS_GONE = "until it is gone, then by AVD_F_RCVRY"
+TRAFFIC = {
+    **dict.fromkeys((0, 1), GOES_ON),
+    **dict.fromkeys((2, 3, 4), FailsafeAction(Ending.UNKNOWN, words=f"flies aside {UNTIL_IT_IS_GONE}")),
+    5: FailsafeAction(Ending.RTL, words=UNTIL_IT_IS_GONE),
+    6: FailsafeAction(Ending.UNKNOWN, words=f"LOITER {UNTIL_IT_IS_GONE}: a low throttle stick brings it down"),
+}
+SHAKEN = "as FS_EKF_ACTION says where its position is lost for it"
+LOW, CRITICAL, BREACH, TERRAIN = "low battery", "critical battery", "fence breached", "terrain data missing"
 
 RULES = (
     FailsafeRule(LOW, "BATT_FS_LOW_ACT", 0.0, ACTIONS, GOES_ON, {"BATT_LOW_VOLT": 10.5, "BATT_LOW_MAH": 0.0}),
@@ -59,7 +68,14 @@ RULES = (
     FailsafeRule(BREACH, "FENCE_ACTION", 1.0, FENCE, FENCE[1], MAY_BE_ON),
     FailsafeRule("position lost (EKF)", "FS_EKF_ACTION", 1.0, ESTIMATE, NO_POSITION, {"FS_EKF_THRESH": 0.8}),
     FailsafeRule("position by dead reckoning", "FS_DR_ENABLE", 2.0, RECKONS, GOES_ON),
-    FailsafeRule("terrain data missing", "", math.nan, {}, replace(RETURNS, words="in RTL it goes on without terrain")),
+    FailsafeRule(TERRAIN, "", math.nan, {}, replace(RETURNS, words="in RTL it goes on without terrain")),
+    FailsafeRule("traffic near", "AVD_F_ACTION", 1.0, TRAFFIC, GOES_ON, {"AVD_ENABLE": 0.0}),
+    FailsafeRule("parachute", "", math.nan, {}, STOPS, {"CHUTE_ENABLED": 0.0}),
+    FailsafeRule("out of control", "FS_CRASH_CHECK", 1.0, {0: GOES_ON}, STOPS),
+    FailsafeRule("thrust lost", "", math.nan, {}, replace(GOES_ON, words="gives all the thrust that is left")),
+    FailsafeRule("vibration", "", math.nan, {}, replace(GOES_ON, otherwise=(Ending.LAND,), words=SHAKEN)),
+    FailsafeRule("satellite position jumps", "", math.nan, {}, GOES_ON),
+    FailsafeRule("compasses lost", "", math.nan, {}, GOES_ON),
     *ordered(Ending.RTL, Ending.LAND, Ending.HOLD, Ending.SMART_RTL, Ending.LAND_START, Ending.TERMINATE),
 )
 
@@ -109,6 +125,8 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
     has_only_a_floor = rule.cause == BREACH and int(parameters.get("FENCE_TYPE", 7.0)) == FLOOR_BIT
     if has_only_a_floor and answer.ending is not Ending.CONTINUE:
         landing = replace(GOES_ON, words="a landing switches FENCE_ALT_MIN off")
+    if rule.cause == TERRAIN:
+        landing = replace(GOES_ON, words="a landing needs none")
     differs = {} if landing == answer else {FlightStage.LANDING: landing}
     return Failsafe(rule.cause, rule.parameter, rule.value(parameters), answer, differs)
 
