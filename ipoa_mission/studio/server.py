@@ -130,19 +130,18 @@ def serve(
         BadInput: the file cannot be read, or the port cannot be had.
     """
     known = address_of(None if path is None else path.resolve())
-    listener = _listen(port, known.port)
-    number = listener.getsockname()[1]
-    sessions = Sessions(number, seed)
-    lobby = Lobby(Path.cwd(), sessions.open_file)
-    start = address_of(None)
-    sessions.add(start.token, lobby)
-    remember(start, number)
-    token = start.token if path is None else lobby.opened(path, world)
-    host = f"127.0.0.1:{number}"
-    app = application(sessions, bundle, host, tiles)
-    config = uvicorn.Config(app, log_level="warning", access_log=False, server_header=False, ws_max_size=LONGEST)
-    tell_address(f"http://{host}/{token}/")
-    uvicorn.Server(config).run(sockets=[listener])
+    with _listen(port, known.port) as listener:
+        number = listener.getsockname()[1]
+        sessions = Sessions(number, seed)
+        lobby, start = Lobby(Path.cwd(), sessions.open_file), address_of(None)
+        sessions.add(start.token, lobby)
+        remember(start, number)
+        token = start.token if path is None else lobby.opened(path, world)
+        host = f"127.0.0.1:{number}"
+        app = application(sessions, bundle, host, tiles)
+        config = uvicorn.Config(app, log_level="warning", access_log=False, server_header=False, ws_max_size=LONGEST)
+        tell_address(f"http://{host}/{token}/")
+        uvicorn.Server(config).run(sockets=[listener])
 
 
 def _listen(asked: int, before: int) -> socket.socket:

@@ -13,6 +13,8 @@ RENAMED: Mapping[str, tuple[str, float]] = {
     "WP_ACC_Z": ("WPNAV_ACCEL_Z", 100.0),
     "WP_JERK": ("WPNAV_JERK", 1.0),
     "WP_RADIUS_M": ("WPNAV_RADIUS", 100.0),
+    "WP_TER_MARGIN": ("WPNAV_TER_MARGIN", 1.0),
+    "WP_RFND_USE": ("WPNAV_RFND_USE", 1.0),
     "PSC_JERK_NE": ("PSC_JERK_XY", 1.0),
     "PSC_JERK_D": ("PSC_JERK_Z", 1.0),
     "ATC_ANGLE_MAX": ("ANGLE_MAX", 100.0),

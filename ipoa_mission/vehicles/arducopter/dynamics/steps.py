@@ -341,7 +341,9 @@ def pass_over_cruise(state: State, this: CopterLeg) -> None:
     if this.direction.z != 0.0 or abs(state.ax) + abs(state.ay) > STEADY:
         return
     way = left * along(this, state.clock)[1]
-    state.x, state.y = state.x + way * this.direction.x, state.y + way * this.direction.y
+    east, north = way * this.direction.x, way * this.direction.y
+    state.x, state.y = state.x + east, state.y + north
+    state.target_x, state.target_y = state.target_x + east, state.target_y + north  # else it looks far ahead of it
     state.time, state.clock = state.time + left / state.rate, state.clock + left
 
 
