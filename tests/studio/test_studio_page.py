@@ -278,7 +278,7 @@ def test_it_opens_proved(page: Any) -> None:
 def test_an_item_is_chosen_in_list_map_and_profile_alike(page: Any) -> None:
     proved(page)
     page.locator(".items button").nth(2).click()  # the speed before it lies nowhere
-    assert page.locator(".items tr.chosen").count() == page.locator(".chart .mark.chosen").count() == 1
+    until(page, "['.items tr.chosen', '.chart .mark.chosen'].every(one => document.querySelectorAll(one).length === 1)")
     assert float(page.get_by_label("Moment of the flight").input_value()) > 0
     icons = "map.querySourceFeatures('items').map(one => one.properties.icon).filter(icon => icon.endsWith('!'))"
     until(page, f"{icons}.length > 0")
