@@ -1,15 +1,17 @@
 """The one safe way to put a mission on a vehicle, and to fly it: what the command line, the studio and users call."""
 
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, TypeAlias
 
 from ipoa_mission.checks.start import NotAtStart, check_start
+from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.boarding import await_home, expect_fit, expect_slow_landing
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.set_up import OtherValue, idle_fence, other_values
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.items import Mission
@@ -87,8 +89,22 @@ def _put(
     with stages(Stage.STORED):
         idle = idle_fence(vehicle, mission)
         others, missing = other_values(vehicle, mission.parameters)
+        left = left_lists(vehicle, mission)
     lacking = tuple(f"the vehicle has no parameter {name}" for name in missing)
-    return (*remarks, *([idle] if idle else [])), others, lacking
+    return (*remarks, *left, *([idle] if idle else [])), others, lacking
+
+
+def left_lists(vehicle: Vehicle, mission: Mission) -> tuple[str, ...]:
+    """What to say of a fence or rally points that the vehicle holds of another mission, where this one has none."""
+    left: list[str] = []
+    for kind, own, words in (
+        (MissionType.RALLY, mission.rally, "rally points of another mission: RTL flies to one of them"),
+        (MissionType.FENCE, mission.fence, "a fence of another mission: it may end the flight"),
+    ):
+        with suppress(MissionError):  # a vehicle may know no such list
+            if not own and vehicle.download_items(kind):
+                left.append(f"the vehicle holds {words}, and nobody looked at that; `clear` before has it forgotten")
+    return tuple(left)
 
 
 def fly_mission(
