@@ -79,32 +79,35 @@ def upload_mission(
 
 
 def _put(
-    vehicle: Vehicle, mission: Mission, anyway: bool, stages: Stages
+    vehicle: Vehicle, mission: Mission, anyway: bool, stages: Stages, is_flown: bool = False
 ) -> tuple[tuple[str, ...], tuple[OtherValue, ...], tuple[str, ...]]:
     """As `upload_mission`, with the parameters apart that the vehicle has otherwise, or lacks."""
     with stages(Stage.CHECK):
         remarks = expect_fit(vehicle, mission, anyway)
+        left = left_lists(vehicle, mission)
+        if is_flown and not anyway and MissionType.RALLY in left:
+            hint = "clear what it holds (ipoa-mission clear), or fly with --anyway"
+            raise MissionError(left[MissionType.RALLY], hint)
     with stages(Stage.UPLOAD) as show:
         vehicle.upload(replace(mission, autopilot=vehicle.autopilot) if anyway else mission, show, checked=False)
     with stages(Stage.STORED):
         idle = idle_fence(vehicle, mission)
         others, missing = other_values(vehicle, mission.parameters)
-        left = left_lists(vehicle, mission)
     lacking = tuple(f"the vehicle has no parameter {name}" for name in missing)
-    return (*remarks, *left, *([idle] if idle else [])), others, lacking
+    return (*remarks, *left.values(), *([idle] if idle else [])), others, lacking
 
 
-def left_lists(vehicle: Vehicle, mission: Mission) -> tuple[str, ...]:
+def left_lists(vehicle: Vehicle, mission: Mission) -> dict[MissionType, str]:
     """What to say of a fence or rally points that the vehicle holds of another mission, where this one has none."""
-    left: list[str] = []
+    left: dict[MissionType, str] = {}
     for kind, own, words in (
         (MissionType.RALLY, mission.rally, "rally points of another mission: RTL flies to one of them"),
         (MissionType.FENCE, mission.fence, "a fence of another mission: it may end the flight"),
     ):
         with suppress(MissionError):  # a vehicle may know no such list
             if not own and vehicle.download_items(kind):
-                left.append(f"the vehicle holds {words}, and nobody looked at that; `clear` before has it forgotten")
-    return tuple(left)
+                left[kind] = f"the vehicle holds {words}, and nobody looked at that"
+    return left
 
 
 def fly_mission(
@@ -136,7 +139,8 @@ def fly_mission(
     Raises:
         NotReady: it is armed already, does not know where it is, or cannot be armed; with its own reasons.
         FastLanding, NotAtStart, Unsafe, FarFromHome, OutsideOwnFence: a check says no, and nothing was armed.
-        MissionError: as `upload_mission` and `Vehicle.start`, or the vehicle was lost.
+        MissionError: as `upload_mission` and `Vehicle.start`, or the vehicle was lost; or it holds rally points of
+            another mission, and this one has none.
 
     Example:
         >>> from ipoa_mission import connect, fly_mission, read_mission, read_scenario
@@ -183,7 +187,7 @@ def load_mission(
         _set_parameters(vehicle, mission, remark)
     elif not anyway:
         expect_slow_landing(vehicle, forecast)
-    remarks, others, lacking = _put(vehicle, mission, anyway, stages)
+    remarks, others, lacking = _put(vehicle, mission, anyway, stages, is_flown=True)
     for words in (*remarks, *(f"{other}: --set-params writes it" for other in others), *lacking):
         remark(words)
 
