@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from ipoa_mission.cli.options import JsonOption, SeedOption, or_packed
+from ipoa_mission.cli.options import JsonOption, ScenarioOption, SeedOption, or_packed
 from ipoa_mission.cli.telling import tell, tell_json
 from ipoa_mission.errors import BadInput, MissionError
 
@@ -41,12 +41,7 @@ def studio(
     attribution: Annotated[
         str | None, typer.Option("--attribution", metavar="WORDS", help="Whose map that is, shown on it.")
     ] = None,
-    world: Annotated[
-        Path | None,
-        typer.Option(
-            "--scenario", metavar="SCENARIO", help="In whose world a mission is judged; it can be chosen later."
-        ),
-    ] = None,
+    world: ScenarioOption = None,
     seed: SeedOption = 0,
     as_json: JsonOption = False,
 ) -> None:
