@@ -4,6 +4,7 @@ Exit codes: 0 done; 1 not done (refused, collides, unreachable); 2 bad input. Ev
 runs, so that `--help` is quick.
 """
 
+import errno
 import os
 import sys
 from itertools import pairwise
@@ -88,6 +89,12 @@ def main() -> None:
     except MissionError as error:
         telling.tell_error(error, as_json="--json" in sys.argv[1:])
         sys.exit(error.exit_code)
+    except OSError as error:
+        if error.errno != errno.ENOSPC:
+            raise
+        telling.fall_silent()
+        telling.tell_error(MissionError(f"not all could be written: {error.strerror}"))
+        sys.exit(MissionError.exit_code)
     except SystemExit as ended:
         if ended.code == Interrupted.exit_code:  # Typer ends so, without a word
             telling.tell_error(Interrupted("stopped: nothing was done"), as_json="--json" in sys.argv[1:])

@@ -2,6 +2,7 @@
 
 import sys
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -26,8 +27,10 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.files import make_folder
 
 if TYPE_CHECKING:
+    from ipoa_mission.cli.job import Job
+    from ipoa_mission.cli.surveying import Pilot, Piloted
     from ipoa_mission.flight.flight import Flight
-    from ipoa_mission.forecast.energy import ReserveNow
+    from ipoa_mission.link.logbook import FlightRecord
     from ipoa_mission.simulator.faults import Faults
 
 
@@ -86,13 +89,10 @@ def fly(
     from ipoa_mission.cli.flown import tell_flown, tell_flown_as_json
     from ipoa_mission.cli.job import adapt_scenario, plan, planned, read_job
     from ipoa_mission.cli.overwriting import expect_free, expect_log
-    from ipoa_mission.cli.real_flight import begun_with, fly_there, no_flight_yet
-    from ipoa_mission.cli.surveying import expect_no_link, fly_survey, plan_here, write_survey
+    from ipoa_mission.cli.surveying import EACH_BY_ITSELF, expect_flyable, fly_survey, plan_here, write_survey
     from ipoa_mission.files import unused
-    from ipoa_mission.flight.landed import landed_at_rally, landed_elsewhere
     from ipoa_mission.flight.written import not_as_written
     from ipoa_mission.scenario import read_scenario
-    from ipoa_mission.simulator.fly import fly_forecast as fly_here
 
     is_planned = source.suffix.lower() == ".toml"
     if not is_planned:
@@ -102,13 +102,26 @@ def fly(
     expect_folder(out)
     expect_log(on_link.log)
     air = flown_by.air
+    here = partial(_fly_here, seed=search.seed, faults=faults)
+    there = partial(
+        _fly_there,
+        source=source,
+        flown_by=flown_by,
+        link=link or "",
+        on_link=on_link,
+        begin=begin,
+        set_params=set_params,
+    )
+    pilot: Pilot = here if link is None else there
     if is_planned:
         scenario = adapt_scenario(read_scenario(source), search, flown_by)
         if scenario.survey is not None:
-            expect_no_link(link)
+            if begin != 1:
+                raise BadInput("--from: expected a mission, not a survey", hint=EACH_BY_ITSELF)
             survey = plan_here(scenario, search, flown_by)
+            expect_flyable(survey, on_link.log, is_on_link=link is not None)
             files = write_survey(survey, out, report, force, as_json)
-            fly_survey(survey, search.seed, on_link.log, faults, out, files, as_json)
+            fly_survey(survey, pilot, on_link, out, files, as_json, is_on_link=link is not None)
             return
         expect_free(not_as_written(out, scenario.name, report), force, ask=not as_json)
         job = planned(plan(scenario, search.seed, air))
@@ -116,32 +129,60 @@ def fly(
         job = read_job(source, flown_by)
     make_folder(out)
     planned_files = [] if job.flight is None else _write(job.flight, out, as_json)
-    remarks, reserves = tuple[str, ...](), tuple["ReserveNow", ...]()
     usual = out / f"{job.name}.tlog"
     log = on_link.log or (usual if link is None else unused(usual))
-    if link is None:
-        with left_behind(f"the flight was broken off; {log} has it so far"), progress_bar("flying") as bar:
-            record = fly_here(job.forecast, search.seed, faults, log, flying=bar)
-    else:
-        begun_with(job, begin)  # or there is no such item: that is told before anybody is called
-        with no_flight_yet(), connect_to(link, on_link, log) as there:
-            if not states_firmware(source, flown_by.autopilot):
-                job = read_job(source, flown_by, there.autopilot)
-            job = begun_with(replace(job, forecast=job.forecast.on(there.firmware_version())), begin)
-            remarks, record, reserves = fly_there(job, there, begin - 1, on_link.anyway, set_params)
-    remarks += landed_at_rally(job.mission, record) + landed_elsewhere(job.forecast, record)
+    job, remarks, record = pilot(job, log)
     written = [*map(Path, on_link.written(log))]
     if report and job.flight is not None:
         job.flight.report(page := out / f"{job.name}.html", record)
         written.insert(0, page)
     if as_json:
-        tell_flown_as_json(job, record, remarks, [*planned_files, *written], reserves)
+        tell_flown_as_json(job, record, remarks, [*planned_files, *written])
         if record.why_not:
             print(f"error: not complete: {shown(record.why_not)}", file=sys.stderr)
     else:
         tell_flown(job, record, remarks, written)
     if record.why_not:
         raise typer.Exit(1)
+
+
+def _fly_here(job: "Job", log: Path, *, seed: int, faults: "Faults") -> "Piloted":
+    """A flight on the built-in autopilot."""
+    from ipoa_mission.simulator.fly import fly_forecast
+
+    with left_behind(f"the flight was broken off; {log} has it so far"), progress_bar("flying") as bar:
+        record = fly_forecast(job.forecast, seed, faults, log, flying=bar)
+    return job, _where_it_landed(job, record), record
+
+
+def _fly_there(
+    job: "Job",
+    log: Path,
+    *,
+    source: Path,
+    flown_by: FlownByOptions,
+    link: str,
+    on_link: LinkOptions,
+    begin: int,
+    set_params: bool,
+) -> "Piloted":
+    """A flight on a vehicle; the job as this vehicle's firmware flies it."""
+    from ipoa_mission.cli.job import read_job
+    from ipoa_mission.cli.real_flight import begun_with, fly_there, no_flight_yet
+
+    begun_with(job, begin)  # or there is no such item: that is told before anybody is called
+    with no_flight_yet(), connect_to(link, on_link, log) as there:
+        if not states_firmware(source, flown_by.autopilot):
+            job = read_job(source, flown_by, there.autopilot)
+        job = begun_with(replace(job, forecast=job.forecast.on(there.firmware_version())), begin)
+        remarks, record = fly_there(job, there, begin - 1, on_link.anyway, set_params)
+    return job, (*remarks, *_where_it_landed(job, record)), record
+
+
+def _where_it_landed(job: "Job", record: "FlightRecord") -> tuple[str, ...]:
+    from ipoa_mission.flight.landed import landed_at_rally, landed_elsewhere
+
+    return landed_at_rally(job.mission, record) + landed_elsewhere(job.forecast, record)
 
 
 def _expect_no_plan(source: Path, options: dict[str, object]) -> None:

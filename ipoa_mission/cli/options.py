@@ -4,6 +4,7 @@ import math
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
@@ -46,7 +47,8 @@ def expect_scenario(path: Path) -> Path:
     """The scenario's file, or one that is packed; BadInput for a mission file."""
     if path.suffix.lower() in (".plan", ".waypoints"):
         raise BadInput(
-            f"{path}: expected a scenario (.toml), not a mission", hint=f"fly takes missions: ipoa-mission fly {path}"
+            f"{path}: expected a scenario (.toml), not a mission",
+            hint=f"fly takes missions: ipoa-mission fly {quote(str(path))}",
         )
     return or_packed(path)
 
@@ -55,7 +57,8 @@ def expect_mission(path: Path) -> Path:
     """Raise BadInput for a scenario where a mission file is expected."""
     if path.suffix.lower() == ".toml":
         raise BadInput(
-            f"{path}: expected a mission (.plan, .waypoints), not a scenario", hint=f"first: ipoa-mission plan {path}"
+            f"{path}: expected a mission (.plan, .waypoints), not a scenario",
+            hint=f"first: ipoa-mission plan {quote(str(path))}",
         )
     return path
 

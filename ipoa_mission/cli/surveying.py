@@ -1,21 +1,29 @@
 """Surveys on the command line: an area without a scenario, what was planned in a few lines, and its flights flown."""
 
+import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
+from ipoa_mission.cli.groups import FlownByOptions, LinkOptions, SearchOptions
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.telling import notes, progress_bar, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput
 
 if TYPE_CHECKING:
-    from ipoa_mission.flight.survey import Survey
-    from ipoa_mission.scenario import Scenario
-    from ipoa_mission.simulator.faults import Faults
+    from collections.abc import Callable
 
+    from ipoa_mission.cli.job import Job
+    from ipoa_mission.flight.survey import Survey
+    from ipoa_mission.link.logbook import FlightRecord
+    from ipoa_mission.scenario import Scenario
+
+#: The job as it was flown, what the user should know of it, and the flight.
+Piloted: TypeAlias = "tuple[Job, tuple[str, ...], FlightRecord]"
+#: Flies a job, every frame into a log.
+Pilot: TypeAlias = "Callable[[Job, Path], Piloted]"
 SPACING, HEIGHT = 20.0, 40.0  # where neither the command line nor a scenario says more [m]
 OPTION = Path("--survey")  # what errors of a survey without a scenario begin with
 EACH_BY_ITSELF = "plan first, then fly the flights one by one: ipoa-mission fly NAME-1.plan --link URL"
@@ -162,37 +170,68 @@ def write_survey(survey: "Survey", out: Path, report: bool, force: bool, as_json
     return [*survey.write(out), *(survey.report(out) if report else ())]
 
 
-def expect_no_link(link: str | None) -> None:
-    """That a survey is to be flown by the built-in autopilot: on a vehicle somebody changes its battery in between."""
-    if link is not None:
-        raise BadInput("--link: expected a mission, not a survey of several", hint=EACH_BY_ITSELF)
+def expect_flyable(survey: "Survey", log: Path | None, is_on_link: bool) -> None:
+    """That each flight has a log of its own, and on a vehicle that somebody can say when its battery is changed.
+
+    Raises:
+        BadInput: there are several flights, and one log for all, or no terminal.
+    """
+    count = len(survey.names)
+    if count > 1 and log is not None:
+        raise BadInput(f"--log: expected one flight, not {count}", hint="left out, each has a log beside its mission")
+    if count > 1 and is_on_link and not sys.stdin.isatty():
+        words = f"--link: expected a terminal, on which to be told that the battery is changed between {count} flights"
+        raise BadInput(words, hint=EACH_BY_ITSELF)
 
 
 def fly_survey(
-    survey: "Survey", seed: int, log: Path | None, faults: "Faults", out: Path, written: list[Path], as_json: bool
+    survey: "Survey",
+    pilot: "Pilot",
+    on_link: LinkOptions,
+    out: Path,
+    written: list[Path],
+    as_json: bool,
+    is_on_link: bool,
 ) -> None:
-    """Have the built-in autopilot fly its flights, one after the other; `written` are its files."""
+    """Have its flights flown, one after the other; `written` are its files.
+
+    On a vehicle the next one begins when the user says that a charged battery is in. One that was not flown to its end
+    is the last.
+    """
     from ipoa_mission.cli.flown import flight_as_json, tell_flown
     from ipoa_mission.cli.job import Job
+    from ipoa_mission.files import unused
     from ipoa_mission.flight.survey import survey_as_json
-    from ipoa_mission.simulator.fly import fly_forecast
 
     if not as_json:
         tell_survey(survey, written)
-    flown: list[dict[str, Any]] = []
-    for name, forecast in zip(survey.names, survey.flights, strict=True):
-        own = log if log is not None and len(survey.names) == 1 else out / f"{name}.tlog"
-        with left_behind(f"the flight was broken off; {own} has it so far"), progress_bar("flying") as bar:
-            record = fly_forecast(forecast, seed, faults, own, flying=bar)
-        written.append(own)
+    flown, why = list[dict[str, Any]](), ""
+    for n, (name, forecast) in enumerate(zip(survey.names, survey.flights, strict=True)):
+        if n and is_on_link and not _has_new_battery(survey.names[n - 1], name):
+            why = f"{name} and what follows it was not flown"
+            break
+        usual = out / f"{name}.tlog"
+        own = on_link.log or (unused(usual) if is_on_link else usual)
+        job, remarks, record = pilot(Job(name, forecast, ()), own)
+        written += map(Path, on_link.written(own))
         if as_json:
-            flown.append(flight_as_json(forecast.estimate, record) | {"file": f"{name}.plan"})
+            told = flight_as_json(job.estimate, record, job.reserves)
+            flown.append(told | {"file": f"{name}.plan", **({"remarks": list(remarks)} if remarks else {})})
         else:
-            tell_flown(Job(name, forecast, ()), record, (), [own])
+            tell_flown(job, record, remarks, [own])
         if record.why_not:
+            why = f"{name} was not flown to its end: {record.why_not}"
             break
     if as_json:
         about = survey_as_json(survey.plan, survey.names)
-        tell_json({"survey": about, "flown": flown, "written": [str(path) for path in written]})
-    if record.why_not:
+        error = {"error": why} if why else {}
+        tell_json({"survey": about, "flown": flown, "written": [str(path) for path in written], **error})
+    if why:
+        print(f"error: {why}", file=sys.stderr)
         raise typer.Exit(1)
+
+
+def _has_new_battery(landed: str, following: str) -> bool:
+    """Asks whether the vehicle is ready for the next flight."""
+    words = f"{landed} has landed. Fly {following}: a charged battery is in, and nobody is near the propellers?"
+    return typer.confirm(words, err=True)

@@ -16,6 +16,8 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
 
 #: A flight that begins farther from the scenario's home is of another place [m].
 SAME_PLACE = 20_000.0
+#: It rises and sinks straight up and down within so much [m].
+COLUMN = 3.0
 
 
 @dataclass(frozen=True)
@@ -44,13 +46,12 @@ class FlownClearance:
     def words(self) -> str:
         """The finding in a sentence without a full stop."""
         where = f"{self.place.latitude_deg:.6f}, {self.place.longitude_deg:.6f}, up {self.least.place[2]:.1f} m"
-        given = {"promised": self.promised, "planned": self.planned}
-        others = "".join(f", {down(value):.2f} m {name}" for name, value in given.items() if value is not None)
+        promised = "" if self.promised is None else f", {down(self.promised):.2f} m promised"
         strayed = "" if self.strayed is None else f"; at most {self.strayed:.1f} m from the planned legs"
         verdict = "" if self.kept else ", which was NOT kept"
         return (
             f"least clearance flown {down(self.least.distance):.2f} m, to {self.least.what} at {where}, "
-            f"{self.time_s:.1f} s after arming{others}; {up(self.required):.2f} m required{verdict}{strayed}"
+            f"{self.time_s:.1f} s after arming{promised}; {up(self.required):.2f} m required{verdict}{strayed}"
         )
 
 
@@ -58,8 +59,9 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
     """The least clearance of a flown path; None where the log has no path at the scenario's place.
 
     Heights are those above the place of arming, which stands on the scenario's ground. The ground counts from the
-    first time that it was cleared by what is required until the last, so not for take-off and landing; obstacles
-    always count. What is promised is what the mission promises at the scenario's confidence.
+    first time that it was cleared by what is required until the last, so not for take-off and landing; where all of
+    that was kept, the rest of the climb and of the descent is left out too. Obstacles always count. What is
+    promised is what the mission promises at the scenario's confidence.
 
     Raises:
         BadInput: the flight is of another place than the scenario.
@@ -107,9 +109,20 @@ def _least(points: Points, scenario: Scenario) -> tuple[Clearance, float]:
     clearances = [(world.obstacle_clearance(points), limits.obstacle_distance)]
     high = np.flatnonzero(points[:, 2] - world.ground(points) >= limits.height_above_ground)
     if len(high) and high[-1] > high[0]:
-        ground = world.terrain_clearance(points[high[0] : high[-1] + 1])
-        clearances.append((ground, limits.height_above_ground))
+        over = points[high[0] : high[-1] + 1]
+        ground = world.terrain_clearance(over)
+        way = over[_in_column(over) : len(over) - _in_column(over[::-1])]
+        if falls_short(ground.distance, limits.height_above_ground):
+            clearances.append((ground, limits.height_above_ground))
+        elif len(way) > 1:  # where it rose and sank it came through every height, which tells nothing
+            clearances.append((world.terrain_clearance(way), limits.height_above_ground))
     return min(clearances, key=lambda one: one[0].distance - one[1])
+
+
+def _in_column(points: Points) -> int:
+    """How many points, from the first, are above it or below it."""
+    beside = np.flatnonzero(np.linalg.norm((points - points[0])[:, :2], axis=1) > COLUMN)
+    return int(beside[0]) if len(beside) else len(points)
 
 
 def _between(points: Points, first: Points, last: Points) -> Points:

@@ -1,5 +1,6 @@
 """What each ending would do at this very second of a flight, from the forecast of all its seconds."""
 
+import math
 from functools import lru_cache
 
 import numpy as np
@@ -10,7 +11,7 @@ from ipoa_mission.geometry import Vector
 from ipoa_mission.vehicles.ending import Ending
 
 NEAR_S = 12.0  # so early or late the vehicle may be where the forecast has it
-EVERY_S = 4.0  # how long an ending takes is worked out anew as often
+EVERY_S = 10.0  # how long an ending takes is worked out as often, and lies between the two beside a moment
 ORDERED = (Ending.RTL, Ending.LAND)
 
 
@@ -48,5 +49,7 @@ class EndingsNow:
         return next((row for row in self._rows[ending] if time < row.to_s), self._rows[ending][-1])
 
     def _seconds(self, row: EndingRow, time: float) -> float | None:
-        lasts = self._lasts(row.ending, EVERY_S * round(time / EVERY_S))
-        return None if lasts is None else sum(lasts) / 2
+        before = EVERY_S * math.floor(time / EVERY_S)
+        times = np.clip([before, before + EVERY_S], *self._endings.ways.in_air)
+        lasts = {at: sum(both) / 2 for at in times.tolist() if (both := self._lasts(row.ending, at)) is not None}
+        return float(np.interp(time, [*lasts], [*lasts.values()])) if lasts else None

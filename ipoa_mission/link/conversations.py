@@ -87,8 +87,8 @@ class VehicleTexts:
         return "; ".join(self.words)
 
 
-def noting_texts(dialogue: Dialogue[T], texts: VehicleTexts) -> Dialogue[T]:
-    """The same dialogue; what it hears is noted besides."""
+def noting(dialogue: Dialogue[T], note: Callable[[Message | None], object]) -> Dialogue[T]:
+    """The same dialogue; `note` is told first what it hears, and what that raises breaks the dialogue off unheard."""
     move = partial(dialogue.send, None)
     while True:
         try:
@@ -101,7 +101,7 @@ def noting_texts(dialogue: Dialogue[T], texts: VehicleTexts) -> Dialogue[T]:
         except MissionError as error:
             move = partial(dialogue.throw, error)
         else:
-            texts.note(heard)
+            note(heard)
             move = partial(dialogue.send, heard)
 
 

@@ -1,12 +1,19 @@
 """What a flying vehicle is told besides its mission: pause, resume, return to launch; and any change of mode."""
 
+import logging
+import math
+from collections.abc import Callable
+
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
-from ipoa_mission.link.dialogue import Dialogue, Pause, until
-from ipoa_mission.link.messages import CUSTOM_MODE_FLAG, CommandAck, CommandResult, Message
-from ipoa_mission.link.orders import CommandRefused, command
-from ipoa_mission.link.state import NotReady, VehicleState
+from ipoa_mission.link.dialogue import Dialogue, Pause, Remark, until
+from ipoa_mission.link.messages import CommandAck, CommandResult, Message
+from ipoa_mission.link.orders import CommandRefused, command, mode_order, obeyed
+from ipoa_mission.link.state import NotFlown, NotReady, VehicleState
 from ipoa_mission.mission.commands import Command, VehicleCommand
 
+log = logging.getLogger(__name__)
+#: How often a vehicle that is watched is told to end its flight, and how long it may take each time [s].
+SAYINGS, SAID_AGAIN_S = 6, 1.0
 #: How long a vehicle may take to show its mode [s].
 SHOWN_S = 5.0
 #: Answers after which the mode may still come.
@@ -54,13 +61,49 @@ def return_to_launch(state: VehicleState) -> Dialogue[None]:
     yield from _enter(state, state.autopilot.modes.returning)
 
 
+class EndingOrder:
+    """The order to a vehicle that is watched to end its flight in another mode: said until it shows that, or refuses.
+
+    `words`: why it does not do so; nothing while that is not known.
+    """
+
+    def __init__(self, state: VehicleState, now: Callable[[], float]) -> None:
+        self.words = ""
+        self._state, self._now = state, now
+        self._mode: int | None = None
+        self._said, self._due_s = 0, -math.inf
+
+    def give(self, mode: int) -> None:
+        """Order this mode, from the next message that is heard on; it takes the place of an order that was given."""
+        self.words, self._mode, self._said, self._due_s = "", mode, 0, -math.inf
+
+    def look(self, heard: Message, now_s: float) -> Dialogue[None]:
+        """Make of one message what it tells of the order, and say it when it is time."""
+        state, mode = self._state, self._mode
+        if mode is None or state.custom_mode == mode or not state.armed:
+            self._mode = None
+            return
+        name = state.autopilot.modes.name(mode)
+        try:
+            state.expect_flown()
+            match heard:
+                case CommandAck(VehicleCommand.DO_SET_MODE, result) if self._said and result not in HOPEFUL:
+                    raise CommandRefused(f"change to {name}", result)
+            if self._now() >= self._due_s:
+                if self._said == SAYINGS:
+                    raise NotReady(f"{name} was ordered {SAYINGS} times, and the vehicle does not show it")
+                self._said, self._due_s = self._said + 1, self._now() + SAID_AGAIN_S
+                yield Remark(mode_order(mode, state.autopilot))
+        except (NotFlown, NotReady, CommandRefused) as hinders:
+            self.words, self._mode = str(hinders), None
+            log.warning("%s", hinders)
+
+
 def change_mode(state: VehicleState, mode: int) -> Dialogue[str]:
     """Ask for a mode and see it in the heartbeat; what hinders, or nothing."""
     if state.custom_mode == mode:
         return ""
-    result, words = yield from command(
-        VehicleCommand.DO_SET_MODE, CUSTOM_MODE_FLAG, *state.autopilot.modes.numbers(mode)
-    )
+    result, words = yield from obeyed(mode_order(mode, state.autopilot))
     texts = VehicleTexts(words=[words] if words else [])
     if result == CommandResult.ACCEPTED:
         result = yield from _taken_back(state, mode, texts)

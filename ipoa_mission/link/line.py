@@ -20,6 +20,7 @@ from ipoa_mission.link.item_frames import ItemFrames
 from ipoa_mission.link.item_run import ItemRun
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Heartbeat, MavAutopilot, Message
 from ipoa_mission.link.routes import CLAIM_S, Routes
+from ipoa_mission.link.state import NotFlown
 from ipoa_mission.link.tlog import TlogWriter
 
 log = logging.getLogger(__name__)
@@ -287,6 +288,9 @@ def converse(
                     exchange.interrupt(TimeUp("the time is up"), now())
         except NoAnswer as silence:
             raise line.deafness(target) or silence from None
+        except NotFlown:
+            exchange.outgoing()  # not even what was to be said before that was heard
+            raise
         finally:
             for message in exchange.outgoing():
                 line.send(message, target)

@@ -3,9 +3,9 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Protocol
 
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Pause
-from ipoa_mission.link.holding import Lookout
 from ipoa_mission.link.messages import CommandAck, CommandResult, Current, Heartbeat, Message, Reached, Text
 from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, SystemTime
 from ipoa_mission.mission.commands import LAST_NAV, Command
@@ -244,10 +244,17 @@ class Logbook:
         return ""
 
 
-def watch(logbook: Logbook, progress: Progress = silent, lookout: Lookout | None = None) -> Dialogue[FlightRecord]:
+class Aside(Protocol):
+    """What hears a vehicle that is watched, and may say something by the way."""
+
+    def look(self, heard: Message, now_s: float) -> Dialogue[None]:
+        """Something was heard; `now_s` by the vehicle's clock."""
+
+
+def watch(logbook: Logbook, progress: Progress = silent, *asides: Aside) -> Dialogue[FlightRecord]:
     """Listen until the flight is over: disarmed, or, for a mission that does not land, flown.
 
-    The logbook hears the same messages first. `progress` is told of items done; `lookout` looks at the mission.
+    The logbook hears the same messages first. `progress` is told of items done, and `asides` of all that is heard.
 
     Raises:
         NoAnswer: the vehicle is not heard any more.
@@ -260,7 +267,7 @@ def watch(logbook: Logbook, progress: Progress = silent, lookout: Lookout | None
             count(progress, done, logbook.total, "item ")
         if logbook.disarmed_s is not None or (logbook.is_flown and not logbook.lands):
             return logbook.record()
-        if lookout is not None:
-            yield from lookout.look(heard, logbook.clock_s)
+        for aside in asides:
+            yield from aside.look(heard, logbook.clock_s)
         heard = yield Pause(LOST_S)
     raise NoAnswer(f"the vehicle has not been heard for {LOST_S:g} s, after item {done}")

@@ -10,6 +10,7 @@ from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.definitions import message_number
 from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step
 from ipoa_mission.link.messages import (
+    CUSTOM_MODE_FLAG,
     CommandAck,
     CommandLong,
     CommandResult,
@@ -52,11 +53,25 @@ class CommandRefused(MissionError):
         super().__init__(f"{what}: the vehicle answered {name}" + (f": {words}" if words else ""))
 
 
+def order(number: int, *params: float) -> CommandLong:
+    """A COMMAND_LONG; what is left out of its seven parameters is 0."""
+    return CommandLong(number, (*params, *(0.0,) * (7 - len(params))))  # type: ignore[arg-type]
+
+
+def mode_order(mode: int, autopilot: Autopilot) -> CommandLong:
+    """The order to change to a mode, HEARTBEAT.custom_mode."""
+    return order(VehicleCommand.DO_SET_MODE, CUSTOM_MODE_FLAG, *autopilot.modes.numbers(mode))
+
+
 def command(number: int, *params: float) -> Dialogue[tuple[int, str]]:
     """Give a COMMAND_LONG; its result and the words that came with it."""
-    seven = (*params, *(0.0,) * (7 - len(params)))
-    texts = VehicleTexts()
-    step: Step = Ask(CommandLong(number, seven))  # type: ignore[arg-type]
+    return obeyed(order(number, *params))
+
+
+def obeyed(one: CommandLong) -> Dialogue[tuple[int, str]]:
+    """The same of one that is spelled already."""
+    texts, number = VehicleTexts(), one.command
+    step: Step = Ask(one)
     while True:
         heard = yield step
         step = None

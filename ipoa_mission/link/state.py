@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.messages import STANDBY, WARNING, Current, Heartbeat, Message, Text
+from ipoa_mission.link.messages import STANDBY, WARNING, Current, Heartbeat, MavAutopilot, Message, Text
 from ipoa_mission.link.telemetry import ExtendedState, Position, SystemStatus
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.kind import Kind
@@ -33,9 +33,24 @@ class NotFlown(MissionError):
         )
 
 
+class OtherKind(NotFlown):
+    """What speaks with the vehicle's ids turned out to be something else than it was: nothing more is sent to it."""
+
+    def __init__(self, before: Kind, kind: Kind) -> None:
+        self.kind = kind
+        MissionError.__init__(
+            self,
+            f"the vehicle is {with_article(str(kind))}, and was {with_article(str(before))}: it is told nothing more",
+            hint="do two vehicles use its system id? give each its own",
+        )
+
+
 @dataclass
 class VehicleState:
-    """Hears everything that one vehicle says; None is what it has not said yet."""
+    """Hears everything that one vehicle says; None is what it has not said yet.
+
+    `other`: what else has spoken with its ids; such heartbeats tell nothing of it.
+    """
 
     autopilot: Autopilot
     kind: Kind | None = None
@@ -48,11 +63,15 @@ class VehicleState:
     may_arm: bool | None = None  # None: it does not tell
     heard: set[type[Message]] = field(default_factory=set)
     warnings: list[str] = field(default_factory=list)
+    other: Kind | None = None
 
     def note(self, message: Message) -> None:
         """Something was heard."""
         self.heard.add(type(message))
         match message:
+            case Heartbeat() if not self.owns(message):
+                if message.autopilot != MavAutopilot.INVALID:
+                    self.other = self.other or Kind(message.autopilot, message.type)
             case Heartbeat():
                 self.kind = Kind(message.autopilot, message.type)
                 self.booted = message.system_status >= STANDBY
@@ -69,9 +88,20 @@ class VehicleState:
                 self.warnings = [*self.warnings[1 - MOST_WORDS :], text.rstrip("\t ")]
 
     def expect_flown(self) -> None:
-        """Raise NotFlown unless its last heartbeat was that of a vehicle whose flight the package knows."""
+        """Raise NotFlown unless all its heartbeats were those of one vehicle whose flight the package knows."""
         if self.kind is not None and not self.kind.is_flown:
             raise NotFlown(self.kind)
+        if self.kind is not None and self.other is not None:
+            raise OtherKind(self.kind, self.other)
+
+    def owns(self, message: Message) -> bool:
+        """Whether it may have said this: a heartbeat of another kind is of somebody else who uses its ids."""
+        if not isinstance(message, Heartbeat):
+            return True
+        if message.autopilot == MavAutopilot.INVALID:
+            return False
+        told = Kind(message.autopilot, message.type)
+        return self.kind in (None, told) or (told.is_flown and told.autopilot is self.autopilot)
 
     @contextmanager
     def told(self) -> Iterator[None]:

@@ -12,7 +12,7 @@ from ipoa_mission.link.conversations import (
     MissionRefused,
     VehicleTexts,
     list_name,
-    noting_texts,
+    noting,
     offer,
     read_list,
 )
@@ -195,7 +195,7 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
     course = UploadState()
     try:
         try:
-            yield from noting_texts(_store(job, course, progress), course.reports)
+            yield from noting(_store(job, course, progress), course.reports.note)
         except Cancelled:
             yield from _give_in(job, course, progress)
     except TimeUp as late:
@@ -232,7 +232,7 @@ def _settle(job: Upload, reports: MissionReports) -> Dialogue[None]:
 
 def _expect_unchanged(job: Upload, reports: MissionReports) -> Dialogue[None]:
     try:
-        stored = yield from noting_texts(read_list(job.kind), reports)
+        stored = yield from noting(read_list(job.kind), reports.note)
     except (Cancelled, TimeUp, NoAnswer) as broken_off:
         words = f"{broken_off}: the vehicle may no longer hold the {list_name(job.kind)} that was sent"
         raise type(broken_off)(

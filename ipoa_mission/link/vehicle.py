@@ -21,7 +21,7 @@ from ipoa_mission.link.codec import Target
 from ipoa_mission.link.departure import LIMITS, Departure, depart_when_ready, expect_on_ground, prepare, unsubscribe
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Tempo, until
 from ipoa_mission.link.file_transfer import FileRefused
-from ipoa_mission.link.hold import SHOWN_S, pause, resume, return_to_launch
+from ipoa_mission.link.hold import SHOWN_S, EndingOrder, pause, resume, return_to_launch
 from ipoa_mission.link.holding import Holding, Lookout, ReplacedSince, read_again
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.leaving import Leaving
@@ -81,6 +81,8 @@ class Vehicle:
         self._holdings: dict[int, Holding] = {}
         self._logbook = Logbook((), self.autopilot)
         self._leaving = Leaving(self.state)
+        self.ending = EndingOrder(self.state, line.now)
+        """Gives a vehicle that is watched the order to end its flight."""
         self._until = math.inf
         self._numbers = itertools.count(2 * round(1e3 * line.now()), 2)  # not those of the last session
 
@@ -257,7 +259,8 @@ class Vehicle:
         """
         holding = self._holdings.get(MissionType.MISSION)
         with self.state.told(), self._leaving.watched(self._logbook.modes):
-            self._hold(watch(self._logbook, progress, None if holding is None else Lookout(holding)))
+            lookouts = [] if holding is None else [Lookout(holding)]
+            self._hold(watch(self._logbook, progress, self.ending, *lookouts))
         with suppress(MissionError):  # the flight is over and known; a stream too many hurts nobody
             self._hold(unsubscribe())
         if holding is not None:
@@ -267,8 +270,7 @@ class Vehicle:
 
     def record(self) -> FlightRecord:
         """The flight so far; one on which the vehicle came to hold another mission is not complete."""
-        record = self._logbook.record()
-        changed = self.changed
+        record, changed = self._logbook.record(), self.changed
         return replace(record, completed=False, why_not=changed) if changed else record
 
     @property
@@ -303,8 +305,7 @@ class Vehicle:
         A parameter that goes by several names is asked for by all of them at once.
         """
         names = [(one,) if isinstance(one, str) else tuple(one) for one in wanted]
-        values = self._hold(orders.parameters(names, self.autopilot))
-        return {name: value.param_value for name, value in values.items()}
+        return {name: one.param_value for name, one in self._hold(orders.parameters(names, self.autopilot)).items()}
 
     def set_parameter(self, name: str, value: float) -> None:
         """Give the parameter `name` another `value`, and see that the vehicle took it.
@@ -352,7 +353,7 @@ class Vehicle:
     def _tell(self, dialogue: Dialogue[T]) -> T:
         """Hold a dialogue that changes something, with a vehicle on which it is known to mean what is meant."""
         self.state.expect_flown()
-        return self._hold(dialogue)
+        return self._hold(conversations.noting(dialogue, lambda heard: self.state.expect_flown()))
 
     def _hold(self, dialogue: Dialogue[T]) -> T:
         target = Target(self.system, AUTOPILOT_COMPONENT)
@@ -369,8 +370,10 @@ class Vehicle:
             self._until = before
 
     def _overhear(self, message: Message) -> None:
-        self._logbook.note(message)
         self.state.note(message)
+        if not self.state.owns(message):
+            return
+        self._logbook.note(message)
         for holding in self._holdings.values():
             holding.note(message, self._logbook.armed)
         self._leaving.note(message, self.line.now())
@@ -388,8 +391,7 @@ class Vehicle:
         return self._about
 
     def _expect(self, mission: Mission) -> None:
-        armed = self._logbook.armed
-        self._mission = mission
+        self._mission, armed = mission, self._logbook.armed
         self._logbook = Logbook(mission.items, self.autopilot)
         self._logbook.armed = armed
 

@@ -62,9 +62,9 @@ def read_mission_file(path: str | Path, autopilot: Autopilot | None = None) -> M
         >>> read_mission_file("missions/sitl.plan").findings
         ()
     """
+    text = read_text(Path(path))
     lying = beside(Path(path))
     parameters = read_parameters(lying) if lying.is_file() else {}
-    text = read_text(Path(path))
     file = _parsed(Path(path), text, autopilot, firmware_of(parameters) or default_autopilot())
     mission = file.mission
     if landing_height(mission) is None and (height := landing_height_beside(Path(path), text)) is not None:

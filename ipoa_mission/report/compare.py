@@ -167,10 +167,11 @@ def _other_mission(mission: Mission, flight: LoggedFlight) -> tuple[str, ...]:
     difference = compare(to_wire(mission), to_wire(flight.mission), flight.autopilot)
     if difference is None:
         return ()
-    place = "" if difference.seq is None else f"item {difference.seq}: "
-    return (
-        f"another mission was flown: {place}{difference.field}: {difference.got} in the log, not {difference.sent}",
-    )
+    if difference.seq is None:  # their numbers as everywhere: without ArduPilot's home
+        what = f"number of items: {len(flight.mission.items)} in the log, not {len(mission.items)}"
+    else:
+        what = f"item {difference.seq}: {difference.field}: {difference.got} in the log, not {difference.sent}"
+    return (f"another mission was flown: {what}",)
 
 
 def _other_place(mission: Mission, record: FlightRecord) -> tuple[str, ...]:

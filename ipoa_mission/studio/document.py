@@ -27,7 +27,8 @@ class Document:
         self.revision = 1
         self.changed_outside = False
         self._numbered_anew = 1
-        self._journal = Journal.open(path.with_name(path.name + SUFFIX), read_text(path))
+        text = read_text(path)
+        self._journal = Journal.open(path.with_name(path.name + SUFFIX), text)
 
     @property
     def text(self) -> str:

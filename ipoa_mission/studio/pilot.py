@@ -14,13 +14,11 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.flight.procedure import Stage, begin_mission, load_mission
 from ipoa_mission.forecast.endings_now import EndingsNow
-from ipoa_mission.link.codec import Target
 from ipoa_mission.link.connect import connect
 from ipoa_mission.link.logbook import FlightRecord
-from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, CUSTOM_MODE_FLAG, CommandLong, Message
+from ipoa_mission.link.messages import Message
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.mission.commands import VehicleCommand
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.simulator.fly import board
 from ipoa_mission.studio.answers import EndingThen, Landed, Loaded, Seen, State
@@ -162,14 +160,15 @@ class Watch:
         self._begun: tuple[float, float] | None = None
 
     def hear(self, message: Message) -> None:
-        """One message of the vehicle."""
-        if (warning := self._vehicle.changed or self._vehicle.interrupted) != self._warned:
-            self._warned = warning
-            self._answer(State(phase="flying", words=warning or Stage.START))
-        if not isinstance(message, Position) or not self._vehicle.state.armed:
-            return
+        """One message of the vehicle; one that does not say where it is may have to land all the sooner."""
         with suppress(queue.Empty):
             self._end(self._beside.get_nowait()["ending"])
+        vehicle = self._vehicle
+        if (warning := vehicle.changed or vehicle.ending.words or vehicle.interrupted) != self._warned:
+            self._warned = warning
+            self._answer(State(phase="flying", words=warning or Stage.START))
+        if not isinstance(message, Position) or not vehicle.state.armed:
+            return
         if message.time_s - self._told >= SEEN_EVERY_S:
             self._told = message.time_s
             self._keep_pace(message.time_s)
@@ -211,10 +210,7 @@ class Watch:
     def _end(self, ending: str) -> None:
         """Order it; that the vehicle took it is told as its leaving of the mission."""
         modes = self._vehicle.autopilot.modes
-        mode = modes.numbers(modes.returning if ending == Ending.RTL else min(modes.lands))
-        numbers = (float(CUSTOM_MODE_FLAG), *map(float, mode), *(0.0,) * (6 - len(mode)))
-        order = CommandLong(VehicleCommand.DO_SET_MODE, numbers)  # type: ignore[arg-type]
-        self._vehicle.line.send(order, Target(self._vehicle.system, AUTOPILOT_COMPONENT))
+        self._vehicle.ending.give(modes.returning if ending == Ending.RTL else min(modes.lands))
 
     def _keep_pace(self, now_s: float) -> None:
         if self._speedup is None:

@@ -113,14 +113,14 @@ def serve(
         BadInput: the scenario cannot be read, or the port cannot be had.
     """
     known = address_of(path.resolve())
-    listener = _listen(port, known.port)
-    number = listener.getsockname()[1]
-    remember(known, number)
-    host = f"127.0.0.1:{number}"
-    app = application(Session(path, seed), bundle, known.token, host, tiles)
-    config = uvicorn.Config(app, log_level="warning", access_log=False, server_header=False, ws_max_size=LONGEST)
-    tell_address(f"http://{host}/{known.token}/")
-    uvicorn.Server(config).run(sockets=[listener])
+    with _listen(port, known.port) as listener:
+        number = listener.getsockname()[1]
+        remember(known, number)
+        host = f"127.0.0.1:{number}"
+        app = application(Session(path, seed), bundle, known.token, host, tiles)
+        config = uvicorn.Config(app, log_level="warning", access_log=False, server_header=False, ws_max_size=LONGEST)
+        tell_address(f"http://{host}/{known.token}/")
+        uvicorn.Server(config).run(sockets=[listener])
 
 
 def _listen(asked: int, before: int) -> socket.socket:

@@ -19,7 +19,7 @@ from tests.quick_search import search_quickly
 
 T = TypeVar("T")
 MISSIONS = Path(__file__).parents[2] / "missions"
-SCENARIOS = sorted(path.stem for path in MISSIONS.glob("*.toml"))
+OTHERS = sorted(path.stem for path in MISSIONS.glob("*.toml") if path.stem != "sitl")
 #: A slower vehicle than the autopilot's defaults make, so that whoever forgets it is found out.
 SLOW = {
     "ardupilot": "WPNAV_ACCEL = 120\nWP_JERK = 0.6\nLAND_SPEED = 30\nRTL_ALT_M = 22.5",
@@ -97,7 +97,7 @@ def looked_for_once() -> Iterator[None]:
         yield
 
 
-@pytest.mark.parametrize("name", SCENARIOS)
+@pytest.mark.parametrize("name", ["sitl", *(pytest.param(name, marks=pytest.mark.long) for name in OTHERS)])
 def test_python_the_command_line_and_the_files_give_the_same_numbers_and_bytes(run: Run, slow: Path) -> None:
     scenario, flight = api.read_scenario(slow), planned(slow)
     told = json.loads(run(f"plan {slow} --out cli --seed 4 --report --json").out)

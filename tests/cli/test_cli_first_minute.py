@@ -42,6 +42,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return site
 
 
+@pytest.mark.long
 def test_from_a_read_only_wheel_without_home_the_demo_flies_and_nothing_is_compiled(
     installed: Path, tmp_path: Path
 ) -> None:

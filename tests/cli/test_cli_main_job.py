@@ -33,6 +33,14 @@ def test_fly_plans_writes_uploads_flies_and_compares(run: Run, missions: Path) -
     }
 
 
+@pytest.mark.long
+@pytest.mark.parametrize("name", SCENARIOS)
+def test_the_shipped_files_are_what_is_written_today(run: Run, name: str) -> None:
+    assert run(f"plan {REPOSITORY / 'missions' / name}.toml --out out").code == 0
+    for path in Path("out").iterdir():
+        assert path.read_bytes() == (REPOSITORY / "missions" / path.name).read_bytes(), path.name
+
+
 def test_fly_tells_machines_when_each_item_was_done(run: Run, planned: Planned) -> None:
     mission = planned("sitl")[1] / "sitl.plan"
     found = json.loads(run(f"fly {mission} --out out --autopilot ardupilot --json").out)

@@ -159,6 +159,19 @@ def test_a_bar_tells_the_time_gone_and_the_time_left(monkeypatch: pytest.MonkeyP
     assert re.search(r"measuring .* tiny: 3 of 4 0:00:0\d · 0:00:0\d left", said)
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a file that is full")
+def test_a_full_disk_is_told_in_words() -> None:
+    with Path("/dev/full").open("w") as full:
+        ended = subprocess.run(
+            [sys.executable, "-m", "ipoa_mission", "--version"],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+    assert (ended.returncode, ended.stderr) == (1, "error: not all could be written: No space left on device\n")
+
+
 def test_names_that_look_like_markup_are_told_as_they_are(run: Run, mission: Path) -> None:
     Path("[bold]").mkdir()
     assert "written: [bold]/x.csv" in run(f"export {mission} [bold]/x.csv").out
@@ -220,6 +233,9 @@ def test_ctrl_c_while_measuring_says_that_the_runs_are_kept(run: Run, monkeypatc
         ("new first.json --yes", "expected a name that ends in .toml"),
         ("plan {mission}", "expected a scenario (.toml), not a mission"),
         ("show {sitl}", "hint: first: ipoa-mission plan"),
+        ("show 'my flight.toml'", "ipoa-mission plan 'my flight.toml'"),
+        ("check ''", "cannot be read: Is a directory"),
+        ("studio ''", "cannot be read: Is a directory"),
         ("plan {sitl} --optimizer quick", "optimizer.name: expected ipoa, poa"),
         ("mock --home 95 8 400", "--home: expected latitude and longitude in degrees"),
         ("mock --link mavlink:1", "link: expected udpin:HOST:PORT"),

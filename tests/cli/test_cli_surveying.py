@@ -1,9 +1,15 @@
 """`plan` of a survey, of an area without a scenario, and its flights flown on the built-in autopilot."""
 
 import json
+import sys
+from io import StringIO
 from pathlib import Path
 
-from tests.cli.conftest import Run
+import pytest
+
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.world.frame import Geodetic
+from tests.cli.conftest import Run, Serve
 
 SCENARIO = """
 home = { latitude_deg = 47.3977, longitude_deg = 8.5456, altitude_amsl = 488 }
@@ -79,6 +85,31 @@ def test_its_flights_are_flown_one_after_the_other(run: Run, tmp_path: Path) -> 
     assert [one["file"] for one in flown] == ["field-1.plan", "field-2.plan"]
     assert all(one["completed"] for one in flown)
     assert (tmp_path / "out" / "field-2.tlog").is_file()
-    refused = run(f"fly {tmp_path}/field.toml --out {tmp_path}/out --link udpin:127.0.0.1:14999")
-    assert refused.code == 2
-    assert "one by one" in refused.err
+
+
+class Terminal(StringIO):
+    """Somebody who answers."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def test_on_a_vehicle_its_next_flight_begins_when_the_battery_is_changed(
+    run: Run, autopilot: Serve, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    small = SCENARIO.replace("120", "40").replace("gsd_cm = 2.0", "gsd_cm = 0.5\nflights = 3")
+    (tmp_path / "field.toml").write_text(small)
+    fly = f"fly {tmp_path}/field.toml --out {tmp_path}/out --json --link"
+    refused = run(f"{fly} udpin:127.0.0.1:14999")
+    assert (refused.code, "one by one" in refused.err) == (2, True)
+    assert run(f"{fly} udpin:127.0.0.1:14999 --log all.tlog").code == 2
+    assert not (tmp_path / "out").exists()
+    monkeypatch.setattr(sys, "stdin", Terminal("y\nn\n"))
+    with autopilot(Geodetic(47.3977, 8.5456, 488.0), Autopilot.ARDUPILOT) as link:
+        told = run(f"{fly} {link}")
+    outcome = json.loads(told.out)
+    assert [one["file"] for one in outcome["flown"]] == ["field-1.plan", "field-2.plan"]
+    assert all(one["completed"] for one in outcome["flown"])
+    assert "field-1 has landed. Fly field-2" in told.err
+    assert (told.code, outcome["error"]) == (1, "field-3 and what follows it was not flown")
+    assert (tmp_path / "out" / "field-2.tlog").is_file()

@@ -108,16 +108,19 @@ def test_a_wind_that_grows_with_height_is_weaker_below(autopilot: Autopilot) -> 
 
 @pytest.mark.parametrize("autopilot", registered())
 def test_a_profile_of_one_wind_is_that_wind_and_one_of_a_power_law_nearly_that(autopilot: Autopilot) -> None:
-    home, there = Geodetic(47.4, 8.5, 400.0), Geodetic(47.403, 8.5, 400.0)
-    mission = Mission(home, (takeoff(home, 10.0), change_speed(8.0), waypoint(there, 40.0), land(there)), autopilot)
+    home = Geodetic(47.4, 8.5, 400.0)
+    mission, short = (
+        Mission(home, (takeoff(home, up / 4), change_speed(8.0), waypoint(there, up), land(there)), autopilot)
+        for there, up in ((Geodetic(47.403, 8.5, 400.0), 40.0), (Geodetic(47.4002, 8.5, 400.0), 12.0))
+    )
     heights = [0.0, 2.0, 6.0, 12.0, 20.0, 30.0, 45.0, 60.0]
     law = Wind(6.0, 200.0, 0.5, 60.0)
     same, profile = (
         Wind.of_profile([5.0, 50.0], [6.0] * 2, [200.0] * 2),
         Wind.of_profile(heights, [law.at(height) for height in heights], [200.0] * 8),
     )
-    for fast in (True, False):
-        plain, levels = (estimate(mission, wind=wind, fast=fast).total_s for wind in (Wind(6.0, 200.0), same))
+    for flown, fast in ((mission, True), (short, False)):
+        plain, levels = (estimate(flown, wind=wind, fast=fast).total_s for wind in (Wind(6.0, 200.0), same))
         assert levels == pytest.approx(plain, abs=1e-6)
     by_law, by_levels = (estimate(mission, wind=wind, fast=True).total_s for wind in (law, profile))
     assert by_levels == pytest.approx(by_law, rel=0.003)

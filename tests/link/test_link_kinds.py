@@ -10,10 +10,10 @@ import pytest
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.link.codec import Codec, frames
 from ipoa_mission.link.connect import meet
-from ipoa_mission.link.dialogue import until
+from ipoa_mission.link.dialogue import wait
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
-from ipoa_mission.link.messages import Heartbeat, Message
+from ipoa_mission.link.messages import Count, Heartbeat, Message
 from ipoa_mission.link.presence import scan
 from ipoa_mission.link.state import NotFlown
 from ipoa_mission.link.vehicle import Vehicle
@@ -54,16 +54,34 @@ class Disguised(Mock):
 
 
 class Overheard(Loopback):
-    """Keeps what the station says."""
+    """Keeps what the station says; after it has said `turning`, the vehicle says that it is of another kind."""
 
     def __init__(self, far: Any) -> None:
         super().__init__(far)
         self.said: list[Message] = []
+        self.turning: tuple[object, tuple[int, int]] | None = None
+        self.said_since: list[Message] = []  # since that was heard
+        self._is_other = False
+
+    def receive(self, until: float) -> list[tuple[bytes, Any]]:
+        got = super().receive(until)
+        beats = [one for data, _ in got for one in _messages(data) if isinstance(one, Heartbeat)]
+        told = None if self.turning is None else self.turning[1]
+        self._is_other |= any((beat.autopilot, beat.type) == told for beat in beats)
+        return got
 
     def send(self, data: bytes, peer: Any) -> None:
-        heard = [Codec(1, 1).decode(frame) for frame in frames(data)]
-        self.said += [one.message for one in heard if one is not None and one.message is not None]
+        said = _messages(data)
+        self.said += said
+        self.said_since += said if self._is_other else []
         super().send(data, peer)
+        if self.turning and any(self.turning[0] in (type(one), getattr(one, "command", None)) for one in said):
+            self.far.autopilot.told = self.turning[1]  # type: ignore[attr-defined]
+
+
+def _messages(data: bytes) -> list[Message]:
+    heard = [Codec(1, 1).decode(frame) for frame in frames(data)]
+    return [one.message for one in heard if one is not None and one.message is not None]
 
 
 def line_to(firmware: int, mav_type: int) -> tuple[Line, Overheard]:
@@ -99,16 +117,49 @@ def test_every_multicopter_is_taken(mav_type: int) -> None:
 
 
 def test_one_that_turns_out_to_be_something_else_is_refused_from_there_on() -> None:
-    """Two vehicles with one id, one after the other."""
+    """Two vehicles with one id, one after the other, or by turns."""
     line, channel = line_to(3, 2)
     vehicle = meet(line, fast=False)
     vehicle.upload(MISSION)
-    channel.far.autopilot.told = 3, 1  # type: ignore[attr-defined]
-    vehicle._hold(until(lambda: vehicle.state.kind != Kind(3, 2), 5.0))
-    with pytest.raises(NotFlown, match="the vehicle is an ArduPilot plane"):
-        vehicle.upload(MISSION)
+    for told in ((3, 1), (3, 2)):
+        channel.far.autopilot.told = told  # type: ignore[attr-defined]
+        vehicle._hold(wait(3.0))
+        with pytest.raises(NotFlown, match="the vehicle is an ArduPilot plane, and was an ArduPilot multicopter"):
+            vehicle.upload(MISSION)
+        with pytest.raises(NotFlown):
+            vehicle.prepare()
+
+
+def fly_all(vehicle: Vehicle) -> None:
+    vehicle.upload(MISSION)
+    vehicle.prepare()
+    vehicle.start()
+    vehicle.return_to_launch()
+
+
+@pytest.mark.parametrize("after", [Count, 224, 176, 400, 300])
+@pytest.mark.parametrize("other", [(3, 1), (12, 2)])
+def test_one_that_turns_out_to_be_something_else_under_way_is_told_nothing_more(
+    after: object, other: tuple[int, int]
+) -> None:
+    """From the first heartbeat on that says so, whatever the station was about to say; nor is it disarmed."""
+    line, channel = line_to(3, 2)
+    vehicle = meet(line, fast=False)
+    channel.turning = after, other
     with pytest.raises(NotFlown):
-        vehicle.prepare()
+        fly_all(vehicle)
+    assert vehicle.state.other == Kind(*other)
+    assert {type(one) for one in channel.said_since} <= {Heartbeat}
+
+
+def test_what_a_companion_says_with_the_ids_of_the_autopilot_tells_nothing_of_it() -> None:
+    line, channel = line_to(3, 2)
+    vehicle = meet(line, fast=False)
+    vehicle.state.armed = True
+    channel.far.autopilot.told = 8, 18  # type: ignore[attr-defined]
+    vehicle._hold(wait(3.0))
+    vehicle.upload(MISSION)
+    assert (vehicle.state.kind, vehicle.state.armed) == (Kind(3, 2), True)
 
 
 def test_a_mission_for_another_vehicle_is_not_uploaded() -> None:

@@ -6,6 +6,7 @@ import pytest
 
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
+from ipoa_mission.link.hold import SAYINGS
 from ipoa_mission.link.leaving import SETTLED_S, Leaving
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
@@ -113,6 +114,36 @@ def heard(state: VehicleState, leaving: Leaving, *messages: tuple[float, Message
 
 def beat(family: Autopilot, mode: int, armed: bool = True) -> Heartbeat:
     return Heartbeat(QUADROTOR, family.mav_autopilot, 128 * armed, mode)
+
+
+@pytest.mark.parametrize("family", registered())
+@pytest.mark.parametrize("lost", [0, 3, 99])
+def test_an_order_to_end_the_flight_is_given_until_the_vehicle_shows_it(
+    family: Autopilot, lost: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    vehicle, mode = flying(family), min(family.modes.lands)
+    mock = far_end(line_of(vehicle)).autopilot
+    heard, said = mock.receive, list[Message]()
+
+    def receive(message: Message, source: Target, now: float) -> None:
+        if isinstance(message, CommandLong) and message.command == VehicleCommand.DO_SET_MODE:
+            said.append(message)
+            if len(said) <= lost:
+                return
+        heard(message, source, now)
+
+    def overhear(message: Message) -> None:
+        if isinstance(message, Position) and message.height > 15.0 and not ordered:
+            ordered.append(mode)
+            vehicle.ending.give(mode)
+
+    ordered: list[int] = []
+    monkeypatch.setattr(mock, "receive", receive)
+    vehicle.overhearing = overhear
+    record = vehicle.watch()
+    assert record.completed is (lost == 99)
+    assert len(said) == min(lost + 1, SAYINGS)
+    assert ("does not show it" in vehicle.ending.words) is (lost == 99)
 
 
 @pytest.mark.parametrize("family", registered())

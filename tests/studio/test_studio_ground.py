@@ -27,7 +27,11 @@ def test_the_ground_of_a_scenario_goes_to_another_process(path: Path) -> None:
     assert [there.at(east, north) for east, north in places[:5].tolist()] == there(places[:5]).tolist()
 
 
-@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    [path if path.stem == "campus" else pytest.param(path, marks=pytest.mark.long) for path in SHIPPED],
+    ids=[path.stem for path in SHIPPED],
+)
 def test_a_shipped_scenario_is_planned_handed_over_uploaded_and_flown(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -1,17 +1,20 @@
 """How long surveys of areas with holes take that are planned here, and by others, on each autopilot.
 
     python -m tools.benchmarks.surveys [--holes 0 1 ...] [--maps 20] [--turned] [--csv FILE]
+                                       [--autopilots px4 ...]
 
 Each map is planned by `quickest_tour`, by boustrophedon cells as a generalized traveling salesman's problem, and as
 QGroundControl lays out its transects: as they are, through holes; led round them; and so near to each other that they
 see 99.9 % too. All begin and end at a corner of the map, have the same spacing but for these, and are flown by the
 forecast of a mission of their corners. Coverage and how far the
 path leaves the area are told by `coverage`, the sensor on all the way for all but ours. Times are sums [s], CPU is the
-median [s]. `--turned`: each map lies at an angle of its own, as fields do.
+median [s]. `--turned`: each map lies at an angle of its own, as fields do. Maps that are already in FILE are not
+planned again.
 """
 
 import argparse
 import csv
+import io
 import statistics
 import sys
 import time
@@ -22,6 +25,7 @@ from pathlib import Path
 import numpy as np
 import shapely
 
+from ipoa_mission.files import write_atomically
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission, change_speed, takeoff, waypoint
@@ -40,6 +44,7 @@ from tools.benchmarks.survey_benchmark.transects import led_round, transects
 HOME = Geodetic(47.397742, 8.545594, 488.0)
 HEIGHT = 20.0
 ENOUGH = 0.999  # share of the area
+Row = tuple[str, str, int, int, float, float, float, float]
 INSIDE = 1e-3  # of the way from a corner to the middle: where all begin and end
 
 
@@ -94,27 +99,51 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--holes", type=int, nargs="*", default=range(MOST_HOLES + 1))
     parser.add_argument("--maps", type=int, default=MAPS)
+    parser.add_argument("--autopilots", nargs="*", help="their names; left out, all")
     parser.add_argument("--turned", action="store_true")
     parser.add_argument("--csv", type=Path)
     wanted = parser.parse_args()
-    rows: list[tuple[str, str, int, int, float, float, float, float]] = []
-    for autopilot in registered():
-        cost = LegTimes.of(Mission(HOME, (), autopilot), SPEED, HEIGHT)
-        for holes in wanted.holes:
-            for number in range(wanted.maps):
-                area = survey_map(holes, number, wanted.turned)
-                for name, path, tour, cpu in planned(area, cost):
-                    seen: Coverage = coverage(area, tour, SPACING)
-                    seconds = flown_seconds(path, autopilot)
-                    rows.append((str(autopilot), name, holes, number, seconds, seen.share, seen.outside_m, cpu))
-            print(f"{autopilot}, {holes} holes", file=sys.stderr)
-    if wanted.csv:
-        with wanted.csv.open("w", newline="", encoding="utf-8") as file:
-            csv.writer(file).writerows(rows)
+    rows = recorded(wanted.csv) if wanted.csv else []
+    known = {(row[0], *row[2:4]) for row in rows}
+    for number in range(wanted.maps):
+        for autopilot in (one for one in registered() if str(one) in (wanted.autopilots or map(str, registered()))):
+            cost = LegTimes.of(Mission(HOME, (), autopilot), SPEED, HEIGHT)
+            for holes in wanted.holes:
+                if (str(autopilot), holes, number) not in known:
+                    rows += [*judged(survey_map(holes, number, wanted.turned), cost, autopilot, holes, number)]
+                    if wanted.csv:
+                        record(wanted.csv, rows)
+        print(f"map {number} of each number of holes", file=sys.stderr)
     tell(rows)
 
 
-def tell(rows: list[tuple[str, str, int, int, float, float, float, float]]) -> None:
+def judged(area: Area, cost: LegTimes, autopilot: Autopilot, holes: int, number: int) -> Iterator[Row]:
+    """What each planner comes to on one map."""
+    for name, path, tour, cpu in planned(area, cost):
+        seen: Coverage = coverage(area, tour, SPACING)
+        seconds = flown_seconds(path, autopilot)
+        yield str(autopilot), name, holes, number, seconds, seen.share, seen.outside_m, cpu
+
+
+def recorded(file: Path) -> list[Row]:
+    """The rows of a run before, if there was one."""
+    if not file.exists():
+        return []
+    with file.open(newline="", encoding="utf-8") as lines:
+        return [
+            (a, b, int(c), int(d), float(e), float(f), float(g), float(h))
+            for a, b, c, d, e, f, g, h in csv.reader(lines)
+        ]
+
+
+def record(file: Path, rows: list[Row]) -> None:
+    """All rows so far, whole or not at all."""
+    text = io.StringIO()
+    csv.writer(text).writerows(rows)
+    write_atomically(file, text.getvalue())
+
+
+def tell(rows: list[Row]) -> None:
     """Tables by number of holes, and over all."""
     print("| autopilot | holes | planner | flown [s] | of ours | worst of ours | least share | outside [m] | CPU [s] |")
     print("|---|---:|---|---:|---:|---:|---:|---:|---:|")

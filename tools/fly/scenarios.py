@@ -93,8 +93,7 @@ def fly(path: Path, given: argparse.Namespace, out: Path) -> Row:
         return Row(path.stem, False, str(told.get("error", ended.stderr.strip())))
     scenario = read_scenario(path)
     plan = json.loads((out / f"{scenario.name}.json").read_text(encoding="utf-8"))
-    found: dict[str, Any] = {limit["limit"]: limit for limit in plan["limits"]}
-    obstacles = found.get("obstacles", {"found": np.nan, "required": np.nan})
+    promise = plan.get("clearance") or {"kept_m": np.nan, "required_m": np.nan}
     times = {item["seq"]: item["done_s"] for item in told["items"]}
     estimated = {item["seq"]: item["done_s"] for item in told["estimate"]["items"]}
     last = max(seq for seq in times if seq < max(times))
@@ -108,8 +107,8 @@ def fly(path: Path, given: argparse.Namespace, out: Path) -> Row:
         times[last] - times[1],
         told["estimate"]["total_s"] - estimated[last],
         told["flown_s"] - times[last],
-        obstacles["required"],
-        obstacles["found"],
+        promise["required_m"],
+        promise["kept_m"],
         flown_clearance(scenario, out / scenario.name, times[1], times[last]),
     )
 

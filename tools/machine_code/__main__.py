@@ -16,6 +16,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 
@@ -28,6 +29,9 @@ KEPT = "IPOA_MISSION_MADE"  # a folder, for those who build often, each time fro
 def make(folder: Path, cpu: str) -> None:
     """Write the library for one CPU, and the index."""
     gc.disable()  # numba makes millions of small objects that live on: to count them took a quarter of the time
+    import numba
+
+    numba.njit = partial(numba.njit, no_cpython_wrapper=True, no_cfunc_wrapper=True)  # Python calls the library only
     from tools.machine_code.compile import compiled, link
     from tools.machine_code.kernels import kernels
 

@@ -1,0 +1,177 @@
+"""Fly surveys on a simulated autopilot: how long they take, and whether its log has as many photos as were counted.
+
+    python -m tools.fly.surveys --autopilot ardupilot --link tcp:127.0.0.1:5760 --work DIR --rows FILE \\
+        --start "env AC_DIR={folder} ac.sh 0 20 {latitude} {longitude} {altitude}" [--numbers 0 1 ...]
+
+A survey has a number; its area, holes, obstacles, camera and speed are drawn by that, and its wind where the simulation
+has one. Lines are added to FILE; surveys that it has are not flown again. The simulation is started with a camera:
+ArduPilot with CAM1_TYPE = 1 among its parameters, PX4 with TRIG_MODE = 4 and TRIG_INTERFACE = 3.
+"""
+
+import argparse
+import csv
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, fields
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ipoa_mission.flight.procedure import fly_forecast
+from ipoa_mission.flight.survey import Survey, plan_survey
+from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.scenario.read import scenario_of
+from ipoa_mission.vehicles.arducopter.dataflash import read_records
+from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
+from tools.fly.endings import connected, set_up, simulation
+
+COUNT = 20
+HOME = {"latitude_deg": 47.397742, "longitude_deg": 8.545594, "altitude_amsl": 488.0}
+KINDS = ("field", "hole", "concave", "tower", "corridor")
+WINDY = 4  # one of so many
+PHOTO = "camera_trigger"  # PX4's topic, a message a photo
+
+
+@dataclass(frozen=True)
+class Row:
+    """A flight from arming to disarming [s]; photos as they were counted, and in the vehicle's log."""
+
+    survey: int
+    kind: str
+    autopilot: str
+    wind_m_s: float
+    lines: int
+    speed_m_s: float
+    estimated_s: float
+    flown_s: float
+    photos: int
+    photos_logged: int
+
+    @property
+    def off(self) -> float:
+        """Share of the flown time by which the estimate is too long."""
+        return self.estimated_s / self.flown_s - 1
+
+
+def surveyed(number: int, autopilot: Autopilot) -> dict[str, Any]:
+    """The scenario of a survey's number."""
+    rng = np.random.default_rng(number)
+    kind = KINDS[number % len(KINDS)]
+    wide, deep = rng.uniform(60.0, 110.0, 2).round().tolist()
+    middle = rng.uniform(40.0, 70.0) * np.array([math.sin(number), math.cos(number)])
+
+    def ring(*shares: tuple[float, float]) -> list[list[float]]:
+        angle = math.radians(37.0 * number)
+        turn = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
+        return (middle + np.array(shares) * (wide, deep) @ turn).round(2).tolist()
+
+    rings = [ring((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))]
+    if kind == "hole":
+        rings.append(ring((-0.15, -0.2), (0.2, -0.1), (0.05, 0.2)))
+    if kind == "concave":
+        rings = [ring((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (0.1, 0.5), (0.1, 0.0), (-0.5, 0.0))]
+    area: dict[str, Any] = {"polygon": rings}
+    if kind == "corridor":
+        area = {"line": ring((-1.0, -0.5), (0.0, 0.0), (1.2, 0.1)), "width": 30.0}
+    survey = {
+        **area,
+        "camera": "DJI Mavic 3E",
+        "height_above_ground": round(float(rng.uniform(28.0, 45.0)), 1),
+        "side_overlap": 0.7 if kind != "corridor" else 0.75,
+        "front_overlap": round(float(rng.uniform(0.6, 0.75)), 2),
+    }
+    tower = {"kind": "cylinder", "name": "tower", "east": middle[0], "north": middle[1], "radius": 4.0, "height": 70.0}
+    return {
+        "name": f"survey{number:02d}",
+        "home": HOME,
+        "survey": survey,
+        "vehicle": {"autopilot": str(autopilot), "cruise_speed": round(float(rng.uniform(4.0, 8.0)), 1)},
+        **({"obstacles": [tower]} if kind == "tower" else {}),
+        **({"wind": _wind(rng)} if number % WINDY == 1 and autopilot is Autopilot.ARDUPILOT else {}),
+    }
+
+
+def _wind(rng: np.random.Generator) -> dict[str, float]:
+    return {"speed": round(float(rng.uniform(2.5, 4.5)), 1), "from_deg": round(float(rng.uniform(0.0, 360.0)))}
+
+
+def flown(survey: Survey, given: argparse.Namespace) -> tuple[FlightRecord, int]:
+    """One flight, and how many photos the vehicle's log has."""
+    (forecast,) = survey.flights
+    folder, home = given.work / survey.name, forecast.mission.home
+    words = given.start.format(
+        latitude=home.latitude_deg, longitude=home.longitude_deg, altitude=home.altitude, folder=folder
+    )
+    with simulation(words, folder), connected(given.link) as vehicle:
+        while not ((at := vehicle.home()) and at.latitude_deg):
+            time.sleep(0.2)
+        for name, value in set_up(vehicle, forecast.wind).items():
+            vehicle.set_parameter(name, value)
+        record = fly_forecast(vehicle, forecast, set_params=True, anyway=False)
+        time.sleep(1.0)  # the log's last lines are written
+    logs = sorted((*folder.rglob("*.BIN"), *folder.rglob("*.ulg")), key=lambda log: log.stat().st_mtime)
+    return record, photos_in(logs[-1])
+
+
+def photos_in(log: Path) -> int:
+    """How many photos a vehicle took by its own log."""
+    if log.suffix == ".BIN":
+        return sum(1 for _ in read_records(log, frozenset({"CAM"})))
+    topics = import_module("pyulog").ULog(str(log), [PHOTO]).data_list
+    return sum(len(topic.data["timestamp"]) for topic in topics)
+
+
+def rows_of(path: Path) -> Iterator[Row]:
+    """Those of a run before, if there was one."""
+    if path.exists():
+        with path.open(encoding="utf-8", newline="") as lines:
+            for line in csv.DictReader(lines):
+                yield Row(**{each.name: each.type(line[each.name]) for each in fields(Row)})  # type: ignore[operator]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--autopilot", required=True, choices=["px4", "ardupilot"])
+    parser.add_argument("--link", required=True)
+    parser.add_argument("--start", required=True)
+    parser.add_argument("--work", required=True, type=Path, help="where the simulator runs")
+    parser.add_argument("--rows", required=True, type=Path)
+    parser.add_argument("--numbers", type=int, nargs="*", default=range(COUNT))
+    given = parser.parse_args()
+    autopilot = autopilot_named(given.autopilot)
+    rows = list(rows_of(given.rows))
+    for number in given.numbers:
+        if any((row.survey, row.autopilot) == (number, given.autopilot) for row in rows):
+            continue
+        scenario = scenario_of(surveyed(number, autopilot), Path("survey"))
+        survey = plan_survey(scenario=scenario)
+        record, logged = flown(survey, given)
+        if not record.completed:
+            print(f"{survey.name}: not complete: {record.why_not}", flush=True)
+            continue
+        rows.append(
+            Row(
+                survey=number,
+                kind=KINDS[number % len(KINDS)],
+                autopilot=given.autopilot,
+                wind_m_s=scenario.wind.air().speed,
+                lines=len(survey.plan.tour.swaths),
+                speed_m_s=round(survey.plan.scenario.vehicle.cruise_speed, 2),
+                estimated_s=round(survey.total_s, 2),
+                flown_s=round(record.total_s, 2),
+                photos=survey.plan.photos,
+                photos_logged=logged,
+            )
+        )
+        with given.rows.open("w", encoding="utf-8", newline="") as lines:
+            written = csv.DictWriter(lines, [field.name for field in fields(Row)], lineterminator="\n")
+            written.writeheader()
+            written.writerows(map(asdict, rows))
+        print(f"{rows[-1]} {100 * rows[-1].off:+.1f} %", flush=True)
+
+
+if __name__ == "__main__":
+    main()
