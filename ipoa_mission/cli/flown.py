@@ -16,9 +16,9 @@ from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.commands import command_name
 
 
-def flight_as_json(estimate: Estimate, record: FlightRecord, reserves: tuple[ReserveNow, ...] = ()) -> dict[str, Any]:
-    """Estimate and flight for machines, and its `reserves` on the way; items are numbered as in the file."""
-    told = {
+def flight_as_json(estimate: Estimate, record: FlightRecord, reserves: Sequence[ReserveNow] = ()) -> dict[str, Any]:
+    """Estimate and flight for machines; items are numbered as in the file, where home is 0."""
+    return {
         "completed": record.completed,
         "armed": record.armed,
         "in_air": record.in_air,
@@ -27,25 +27,18 @@ def flight_as_json(estimate: Estimate, record: FlightRecord, reserves: tuple[Res
         "items": [{"seq": index + 1, "done_s": round(at, 3)} for index, at in sorted(record.item_reached_s.items())],
         "estimate": estimate_as_json(estimate),
         "messages": list(record.messages),
+        **({"battery": [_reserve_as_json(one) for one in reserves]} if reserves else {}),
     }
-    return told | ({"battery": [_reserve_as_json(one) for one in reserves]} if reserves else {})
 
 
-def tell_flown_as_json(
-    job: Job,
-    record: FlightRecord,
-    remarks: tuple[str, ...],
-    written: Sequence[Path],
-    reserves: tuple[ReserveNow, ...] = (),
-) -> None:
-    """Print all that is known of the flight, for machines; `remarks` and `reserves` are those that came with it."""
+def tell_flown_as_json(job: Job, record: FlightRecord, remarks: tuple[str, ...], written: Sequence[Path]) -> None:
+    """Print all that is known of the flight, for machines; `remarks` are those that came with the flight."""
     all_remarks = list(dict.fromkeys((*job.remarks, *remarks)))
     outcome: dict[str, Any] = {"remarks": all_remarks, "written": [str(path) for path in written]}
     if job.flight is not None:
         outcome["passed_over"] = passed_over_as_json(job.flight.scenario)
-    tell_json(
-        flight_as_json(job.estimate, record, reserves) | outcome | ({"error": record.why_not} if record.why_not else {})
-    )
+    told = flight_as_json(job.estimate, record, job.reserves)
+    tell_json(told | outcome | ({"error": record.why_not} if record.why_not else {}))
 
 
 def _reserve_as_json(now: ReserveNow) -> dict[str, Any]:

@@ -131,13 +131,13 @@ def fly(
     planned_files = [] if job.flight is None else _write(job.flight, out, as_json)
     usual = out / f"{job.name}.tlog"
     log = on_link.log or (usual if link is None else unused(usual))
-    job, remarks, record, reserves = pilot(job, log)
+    job, remarks, record = pilot(job, log)
     written = [*map(Path, on_link.written(log))]
     if report and job.flight is not None:
         job.flight.report(page := out / f"{job.name}.html", record)
         written.insert(0, page)
     if as_json:
-        tell_flown_as_json(job, record, remarks, [*planned_files, *written], reserves)
+        tell_flown_as_json(job, record, remarks, [*planned_files, *written])
         if record.why_not:
             print(f"error: not complete: {shown(record.why_not)}", file=sys.stderr)
     else:
@@ -152,7 +152,7 @@ def _fly_here(job: "Job", log: Path, *, seed: int, faults: "Faults") -> "Piloted
 
     with left_behind(f"the flight was broken off; {log} has it so far"), progress_bar("flying") as bar:
         record = fly_forecast(job.forecast, seed, faults, log, flying=bar)
-    return job, _where_it_landed(job, record), record, ()
+    return job, _where_it_landed(job, record), record
 
 
 def _fly_there(
@@ -175,8 +175,8 @@ def _fly_there(
         if not states_firmware(source, flown_by.autopilot):
             job = read_job(source, flown_by, there.autopilot)
         job = begun_with(replace(job, forecast=job.forecast.on(there.firmware_version())), begin)
-        remarks, record, reserves = fly_there(job, there, begin - 1, on_link.anyway, set_params)
-    return job, (*remarks, *_where_it_landed(job, record)), record, reserves
+        remarks, record = fly_there(job, there, begin - 1, on_link.anyway, set_params)
+    return job, (*remarks, *_where_it_landed(job, record)), record
 
 
 def _where_it_landed(job: "Job", record: "FlightRecord") -> tuple[str, ...]:

@@ -1,7 +1,7 @@
 """What the command line was given to fly: a scenario that was planned here, or a mission file."""
 
 import logging
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.reading import read_given
 from ipoa_mission.cli.telling import progress_bar
 from ipoa_mission.flight.flight import Flight, plan_flight, plan_for_batteries
+from ipoa_mission.forecast.energy import ReserveNow
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.logs.learn.vehicle_file import read_vehicle
@@ -29,7 +30,8 @@ log = logging.getLogger(__name__)
 class Job:
     """A mission ready to fly; `remarks` are what its user should know, `flight` is where it was planned here.
 
-    `begun` is the forecast where it begins with another item than the first.
+    `begun` is the forecast where it begins with another item than the first; `reserves` becomes what its battery had in
+    flight.
     """
 
     name: str
@@ -37,6 +39,7 @@ class Job:
     remarks: tuple[str, ...]
     flight: Flight | None = None
     begun: Forecast | None = None
+    reserves: list[ReserveNow] = field(default_factory=list)
 
     @property
     def mission(self) -> Mission:

@@ -53,15 +53,15 @@ def begun_with(job: Job, item: int) -> Job:
 
 def fly_there(
     job: Job, vehicle: Vehicle, first: int, anyway: bool, set_params: bool
-) -> tuple[tuple[str, ...], FlightRecord, tuple[ReserveNow, ...]]:
-    """Upload, make ready, arm, start, watch: what the user should know, the flight, and its reserve on the way.
+) -> tuple[tuple[str, ...], FlightRecord]:
+    """Upload, make ready, arm, start, watch: what the user should know, and the flight.
 
     `first`: index of the item to begin with; `anyway`: what fails a check is said, and done all the same.
 
     Raises:
         MissionError: it did not come to a flight, or the vehicle was lost; `known` has what is known of it.
     """
-    remarks, reserves = list[str](), list[ReserveNow]()
+    remarks: list[str] = []
     try:
         record = fly_forecast(
             vehicle,
@@ -69,15 +69,15 @@ def fly_there(
             first=first,
             anyway=anyway,
             set_params=set_params,
-            stages=partial(_with_endings, job.forecast, vehicle, reserves),
+            stages=partial(_with_endings, job.forecast, vehicle, job.reserves),
             remark=remarks.append,
         )
     except MissionError as error:
         state = vehicle.state
-        error.known = flight_as_json(job.estimate, vehicle.record())
+        error.known = flight_as_json(job.estimate, vehicle.record(), job.reserves)
         error.known |= {"completed": False, "armed": state.armed, "in_air": state.in_air, "remarks": remarks}
         raise
-    return tuple(remarks), record, tuple(reserves)
+    return tuple(remarks), record
 
 
 @contextmanager

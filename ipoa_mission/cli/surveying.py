@@ -17,12 +17,11 @@ if TYPE_CHECKING:
 
     from ipoa_mission.cli.job import Job
     from ipoa_mission.flight.survey import Survey
-    from ipoa_mission.forecast.energy import ReserveNow
     from ipoa_mission.link.logbook import FlightRecord
     from ipoa_mission.scenario import Scenario
 
-#: The job as it was flown, what the user should know of it, the flight, and its reserve on the way.
-Piloted: TypeAlias = "tuple[Job, tuple[str, ...], FlightRecord, tuple[ReserveNow, ...]]"
+#: The job as it was flown, what the user should know of it, and the flight.
+Piloted: TypeAlias = "tuple[Job, tuple[str, ...], FlightRecord]"
 #: Flies a job, every frame into a log.
 Pilot: TypeAlias = "Callable[[Job, Path], Piloted]"
 SPACING, HEIGHT = 20.0, 40.0  # where neither the command line nor a scenario says more [m]
@@ -213,10 +212,10 @@ def fly_survey(
             break
         usual = out / f"{name}.tlog"
         own = on_link.log or (unused(usual) if is_on_link else usual)
-        job, remarks, record, reserves = pilot(Job(name, forecast, ()), own)
+        job, remarks, record = pilot(Job(name, forecast, ()), own)
         written += map(Path, on_link.written(own))
         if as_json:
-            told = flight_as_json(job.estimate, record, reserves)
+            told = flight_as_json(job.estimate, record, job.reserves)
             flown.append(told | {"file": f"{name}.plan", **({"remarks": list(remarks)} if remarks else {})})
         else:
             tell_flown(job, record, remarks, [own])

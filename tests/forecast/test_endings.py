@@ -18,7 +18,8 @@ from ipoa_mission.cli.app import app
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.endings import LOOKED_AT, EndingRow, Endings, endings_of
 from ipoa_mission.forecast.looks import SEEN
-from ipoa_mission.mission.items import FenceCircle
+from ipoa_mission.mission.commands import Command, Frame
+from ipoa_mission.mission.items import FenceCircle, Item
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.version import Version
@@ -163,6 +164,25 @@ def test_a_return_leads_along_the_mission_by_its_type(sitl: Endings, kind: float
     landing = typed.forecast.estimate.track.points[-1, :2]
     assert rows[-1].lands == pytest.approx(tuple(landing), abs=1.0)
     assert all(row.duration_s is None for row in rows)
+
+
+@pytest.mark.parametrize("kind", [0.0, 2.0, 4.0])
+def test_a_mission_that_ends_in_a_return_is_flown_by_its_type(sitl: Endings, kind: float) -> None:
+    """Back along the mission it comes to every waypoint once more, and down over home."""
+    out = sitl.forecast.given
+    items = (*out.items[:-1], Item(Command.NAV_RETURN_TO_LAUNCH, Frame.MISSION))
+    parameters = {**out.parameters, "RTL_TYPE": kind}
+    forecast = Forecast(replace(out, items=items, parameters=parameters), sitl.forecast.scenario)
+    home, down = [leg for leg in forecast.legs if leg.seq == len(items)]
+    places = [leg.points[-1] for leg in forecast.cruise]
+    passed = [np.linalg.norm(home.points - place, axis=1).min() < 0.01 for place in places[:-1]]
+    assert all(passed) == (kind > 0.0)
+    assert np.hypot(*down.points[-1, :2]) < 0.01
+    track = forecast.estimate.track
+    back = track.points[track.times > forecast.estimate.items[-2].done_s]
+    missed = [np.linalg.norm(back - place, axis=1).min() for place in places[:-1]]
+    assert (max(missed) < 6.0) == (kind > 0.0)
+    assert np.hypot(*back[-1, :2]) < 1.0
 
 
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.8])

@@ -3,12 +3,12 @@
 import math
 from dataclasses import dataclass, field, replace
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.itinerary.program import Place, Program, as_flown
-from ipoa_mission.mission.commands import LAST_NAV, TAKEOFFS, Command, Frame, plain_frame
+from ipoa_mission.mission.commands import FLOWN_TO, LAST_NAV, TAKEOFFS, Command, Frame, plain_frame
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.returning import HOME
+from ipoa_mission.vehicles.returning import HOME, MissionLanding, ReturnBy
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import LEVEL, Ground
 
@@ -46,6 +46,23 @@ class Itinerary:
         """Where a return from `here` leads: home, or a rally point and its height."""
         n = self.program.autopilot.goal_of_return(self.parameters, here, self.rally)
         return HOME if n is None else self.rally[n]
+
+    def way_of_return(self, n: int, here: Place) -> tuple[Place, ...] | None:
+        """The places back along the mission, the last one over home, where visit n returns so; None: straight.
+
+        Raises:
+            MissionError: it returns to a landing of its own, which is not modeled.
+        """
+        lands = next((k for k, visit in enumerate(self.visits) if visit.item.command == Command.NAV_LAND), None)
+        landing = None if lands is None else MissionLanding(self.program.place(lands, here), 0, n)
+        by = self.program.autopilot.return_route(self.parameters, here, self.rally, landing).by
+        if by is ReturnBy.DIRECT:
+            return None
+        if by is not ReturnBy.BACK:
+            raise MissionError(f"how long returns {by} last is not modeled")
+        visited = [k for k, visit in enumerate(self.visits[:n]) if visit.item.command in FLOWN_TO]
+        places = [self.program.place(k, here) for k in reversed(visited)] or [here]
+        return (*places, (0.0, 0.0, places[-1][2]))
 
 
 def itinerary(mission: Mission, ground: Ground = LEVEL) -> Itinerary:

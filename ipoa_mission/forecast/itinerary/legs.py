@@ -20,6 +20,7 @@ from ipoa_mission.forecast.itinerary.program import Place, as_flown, onward
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.vehicles.returning import ReturnBy
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Flat
@@ -184,9 +185,15 @@ class _LegBuilder:
         yield self._vertical(seq, Phase.LANDING, float(self.ground(self.at[None, :])[0]))
 
     def returns(self, seq: int) -> Iterator[Leg]:
-        """Home, or to the rally point that the autopilot chooses; and to all others, to which it may turn as well."""
+        """Home, or to the rally point that the autopilot chooses; and to all others, to which it may turn as well.
+
+        Or back along the mission, without climbing, where the autopilot returns so.
+        """
         places = [_triple(place) for place in self._rally_points()]
         chosen = self.mission.autopilot.goal_of_return(self.parameters, _triple(self.at), places)
+        if self.mission.autopilot.return_route(self.parameters, _triple(self.at), places).by is ReturnBy.BACK:
+            yield from self._back(seq)
+            return
         ways = list(self.return_ways(self.at[None]))
         ways.insert(0, ways.pop(0 if chosen is None else chosen + 1))
         landed = self.at
@@ -196,6 +203,15 @@ class _LegBuilder:
             yield from (replace(leg, alternative=n > 0) for leg in (Leg(seq, Phase.RETURN, way), down))
             landed = self.at if n == 0 else landed
         self.at = landed
+
+    def _back(self, seq: int) -> Iterator[Leg]:
+        flown = zip(self.mission.items[: seq - 1], self.places, strict=False)
+        places = [place for item, place in flown if item.command in FLOWN_TO and place is not None]
+        way = np.array([self.at, *reversed(places)])
+        over_home = np.array([self.home[0], self.home[1], way[-1, 2]])
+        yield Leg(seq, Phase.RETURN, np.vstack([way, over_home]))
+        self.at = over_home
+        yield self._vertical(seq, Phase.LANDING, float(self.ground(self.home[None, :])[0]))
 
     def return_ways(self, places: Points) -> Iterator[tuple[Vector, NDArray[np.float64]]]:
         """Each goal, and the ways to over it from places (n, 3), over them, (n, 3, 3).

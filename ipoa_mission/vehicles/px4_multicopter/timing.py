@@ -41,11 +41,9 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Law, Level
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.wind import CALM, Wind
 
+ALONG_MISSION = frozenset({1.0, 2.0, 3.0, 4.0})  # RTL_TYPE
 STEP = 0.04  # [s]
 SAMPLE_STEPS = 3  # a sample of the track every so many steps
-
-
-ALONG_MISSION = frozenset({1.0, 2.0, 3.0, 4.0})  # RTL_TYPE
 
 
 LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH})
@@ -124,7 +122,7 @@ def break_off(
         if flights.limits.land_delay < 0.0:
             raise MissionError("with an RTL_LAND_DELAY below 0 it waits over its goal for ever")
         if parameters.get("RTL_TYPE", 0.0) in ALONG_MISSION:
-            raise MissionError("how long returns along the mission last is not modeled")
+            raise MissionError("how long returns along the mission last is not known well enough")
     quiet, _ = flights.flown(False, fast)(0)
     steps = np.diff(quiet)
     lasted, when = list[float](), list[float]()

@@ -95,6 +95,18 @@ def way_home(here: Enu, limits: Px4Limits, home: Enu, up: float = 0.0) -> list[O
     return [*climb, *way, *waits, down]
 
 
+def way_along(here: Enu, places: Sequence[Enu], limits: Px4Limits, ground: Enu) -> list[Order]:
+    """The orders of a return from waypoint to waypoint, without climbing, down to the ground below the last place."""
+    way, at = list[Order](), here
+    for n, place in enumerate(places):
+        beyond = places[n + 1] if n + 1 < len(places) else None
+        if math.dist(at, place) > limits.radius:
+            way.append(leg(at, place, beyond, limits, limits.cruise))
+            at = place
+    down = leg(ground, ground, None, limits, limits.cruise)
+    return [*way, down._replace(kind=LAND, holds=limits.disarm_delay)]
+
+
 class Planned(NamedTuple):
     """The orders for an itinerary; for each visit how many of them are done when it is, and remarks."""
 
@@ -175,6 +187,10 @@ class _Navigator:
             if self.limits.land_delay < 0.0:
                 raise BadInput(f"items[{visit.seq - 1}]: with an RTL_LAND_DELAY below 0 RTL never lands")
             self.cruise = self.limits.cruise
+            if (way := self.route.way_of_return(n, tuple(self.here))) is not None:
+                self.remarks.append(f"item {visit.seq}: it returns back along the mission, timed to a sixth only")
+                back = [Enu(*place) for place in way]
+                return self.down(way_along(self.here, back, self.limits, self.ground(back[-1])))
             goal = Enu(*self.route.goal_of_return((self.here.east, self.here.north, self.here.up)))
             return self.down(way_home(self.here, self.limits, self.ground(goal), goal.up))
         if command == Command.NAV_LAND:
