@@ -14,7 +14,6 @@ from ipoa_mission.survey.tour import Tour
 
 LEVEL = 0.05  # ground whose heights differ by less is flat [m]
 LOOKS = 40  # lines each way on which the ground is looked at
-LOOKS_EVERY = 0.02  # autopilots look so often whether the next photo is due [s]
 LEAST_TRIGGER = 0.1  # [m]
 CLOSEST = 0.5  # lines, and photos, nearer to each other are a mistake [m]
 
@@ -30,7 +29,8 @@ class Sight:
         trigger: between photos along a line; None: no camera.
         across: how wide what is seen is at the least height; without a camera as wide as the spacing.
         along: how long; 0 without a camera.
-        lag: how much farther apart photos are than they are triggered, as the way is looked at from time to time.
+        lag: how much farther apart photos are in the mean than they are triggered, as the way is looked at from time to
+            time; at most twice as much.
     """
 
     least: float
@@ -54,8 +54,9 @@ class Sight:
         """
         if self.trigger is None:
             return 0.0, 0
-        steps = max(math.ceil(length / self.trigger - 0.5 - 1e-9), 0)
-        between = length / (steps + 0.5) if steps else self.trigger
+        most = max(self.trigger - self.lag, LEAST_TRIGGER)
+        steps = max(math.ceil(length / most - 0.5 - 1e-9), 0)
+        between = length / (steps + 0.5) if steps else most
         return max(between - self.lag, LEAST_TRIGGER), 1 + steps
 
     def photos(self, length: float) -> int:
@@ -85,7 +86,9 @@ def sight_of(section: SurveySection, area: Area, scenario: Scenario) -> Sight:
             raise BadInput(f"survey.{key}: expected lines and photos {CLOSEST:g} m apart or more, not {distance:.2f} m")
     if spacing > across + 1e-9:
         raise BadInput(f"survey.line_spacing: expected at most what a photo shows, {across:.1f} m, not {spacing:g} m")
-    return Sight(least, share * least, spacing, trigger, across, along, LOOKS_EVERY / 2 * scenario.vehicle.cruise_speed)
+    vehicle = scenario.vehicle
+    lag = vehicle.autopilot.firmware(vehicle.version).photo_looks_s / 2 * vehicle.cruise_speed
+    return Sight(least, share * least, spacing, trigger, across, along, lag)
 
 
 def _is_level(area: Area, scenario: Scenario) -> bool:

@@ -43,6 +43,7 @@ class Firmware:
     longest_hold: float = math.inf  # [s]
     holds_whole_seconds: bool = False
     nan_holds: bool = False  # a hold of NaN is one for ever
+    photo_looks_s: float = 0.02  # so often it is looked whether the vehicle is far enough on for the next photo [s]
     frame_2_is_amsl: bool = False  # of an item that needs a place
     version: Version = NO_VERSION  # of the table: major and minor
     commit: str = ""  # of the source that was read, and its day

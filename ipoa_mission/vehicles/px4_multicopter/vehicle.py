@@ -49,6 +49,7 @@ HABITS = Firmware(
     max_rally_points=32,
     highest_altitude=math.inf,
     nan_holds=True,
+    photo_looks_s=0.05,  # camera_trigger's poll
 )
 
 MODES = Modes(
