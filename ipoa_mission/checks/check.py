@@ -74,6 +74,10 @@ def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Findi
             from ipoa_mission.checks.fence import check_fence
 
             findings += check_fence(flown)
+        if scenario is None and mission.landing_ground is not None:
+            from ipoa_mission.checks.ground import check_landings
+
+            findings += check_landings(flown)
         if scenario is not None:  # what looks at a world is imported where there is one
             from ipoa_mission.checks.energy import check_energy
             from ipoa_mission.checks.failsafe_return import check_failsafe_return

@@ -63,8 +63,8 @@ def landings(forecast: "Forecast") -> Iterator[Landing]:
 
 
 def check_ground(forecast: "Forecast") -> Iterator[Finding]:
-    """Warnings where the vehicle touches down too fast, comes down slowly from far up, or stands at another height."""
-    mission, scenario = forecast.mission, forecast.world
+    """Warnings of `check_landings`, and where a scenario's ground is not at home's altitude."""
+    scenario = forecast.world
     at_home = float(scenario.airspace.ground(np.zeros((1, 3)))[0])
     if abs(at_home) > HOME_AGREES:
         yield Finding(
@@ -75,6 +75,12 @@ def check_ground(forecast: "Forecast") -> Iterator[Finding]:
             f"stands, and flies {abs(at_home):.1f} m {'higher' if at_home > 0 else 'lower'} than planned",
             f"set home.altitude_amsl = {scenario.home.altitude_amsl + at_home:.1f}",
         )
+    yield from check_landings(forecast)
+
+
+def check_landings(forecast: "Forecast") -> Iterator[Finding]:
+    """Warnings where the vehicle touches down too fast, or comes down slowly from far up."""
+    mission = forecast.mission
     stretch = mission.autopilot.slow_stretch(mission.parameters)
     if stretch is None:
         return

@@ -8,19 +8,22 @@ from typing import Annotated
 
 import typer
 
-from ipoa_mission.cli.options import JsonOption, SeedOption, expect_scenario
+from ipoa_mission.cli.options import JsonOption, ScenarioOption, SeedOption, or_packed
 from ipoa_mission.cli.telling import tell, tell_json
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.files import write_atomically
 
 LIBRARIES = ("starlette", "uvicorn", "websockets", "tomlkit")  # beyond what the package itself needs
-NORTHWARDS = 0.0009  # how far from home a new scenario's first goal is [deg], about 100 m
 
 
 def studio(
-    scenario: Annotated[
-        Path, typer.Argument(metavar="[SCENARIO]", callback=expect_scenario, help="Scenario file (TOML).")
-    ] = Path("mission.toml"),
+    file: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="[FILE]",
+            callback=lambda path: None if path is None else or_packed(path),
+            help="Scenario (.toml), mission (.plan, .waypoints) or log (.tlog, .bin, .ulg); left out: a page to begin.",
+        ),
+    ] = None,
     home: Annotated[
         tuple[float, float, float] | None,
         typer.Option("--new", metavar="LAT LON ALT", help="Begin a new scenario, home there: degrees, metres AMSL."),
@@ -38,6 +41,7 @@ def studio(
     attribution: Annotated[
         str | None, typer.Option("--attribution", metavar="WORDS", help="Whose map that is, shown on it.")
     ] = None,
+    world: ScenarioOption = None,
     seed: SeedOption = 0,
     as_json: JsonOption = False,
 ) -> None:
@@ -55,23 +59,25 @@ def studio(
     from ipoa_mission.studio.tiles import chosen_tiles
 
     page = built_page((lambda words: None) if as_json else tell)
-    if home is not None or not scenario.exists():
-        _begin(scenario, home)
+    file = Path("mission.toml") if file is None and home is not None else file
+    if file is not None and (home is not None or not file.exists()):
+        _begin(file, home)
 
     source = chosen_tiles(tiles, attribution)
 
     def tell_address(address: str) -> None:
         if as_json:
-            tell_json({"scenario": str(scenario), "address": address}, indent=None)
+            tell_json({"file": None if file is None else str(file), "address": address}, indent=None)
         else:
-            tell(f"{scenario.name} is open at {address}", "Ctrl-C ends it; whoever has this address can plan and fly")
+            name = "the start page" if file is None else file.name
+            tell(f"{name} is open at {address}", "Ctrl-C ends it; whoever has this address can plan and fly")
             if source is not None:
                 tell(f"map tiles: {source.origin or source.shown.attribution} (kept; --tiles none: no more)")
         if browser:
             webbrowser.open(address)
 
     with suppress(KeyboardInterrupt):  # that is how it is meant to end
-        serve(scenario, page, port, seed, tell_address, source)
+        serve(file, page, port, seed, tell_address, source, world)
 
 
 def _begin(target: Path, home: tuple[float, float, float] | None) -> None:
@@ -80,7 +86,7 @@ def _begin(target: Path, home: tuple[float, float, float] | None) -> None:
     Raises:
         BadInput: nobody says where it is to begin, or there is such a file already.
     """
-    from ipoa_mission.scenario.new import new_scenario
+    from ipoa_mission.studio.lobby import begin_scenario
 
     if home is None:
         raise BadInput(
@@ -89,6 +95,4 @@ def _begin(target: Path, home: tuple[float, float, float] | None) -> None:
         )
     if target.exists():
         raise BadInput(f"--new: {target} is there already", hint="leave --new out, or name another file")
-    latitude, longitude, altitude = home
-    places = {"home": f"{latitude:.7f}, {longitude:.7f}", "goal": f"{latitude + NORTHWARDS:.7f}, {longitude:.7f}"}
-    write_atomically(target, new_scenario({**places, "altitude": f"{altitude:.1f}"}, target))
+    begin_scenario(target, home)

@@ -1,15 +1,17 @@
 """The one safe way to put a mission on a vehicle, and to fly it: what the command line, the studio and users call."""
 
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, TypeAlias
 
 from ipoa_mission.checks.start import NotAtStart, check_start
+from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.boarding import await_home, expect_fit, expect_slow_landing
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.set_up import OtherValue, idle_fence, other_values
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.items import Mission
@@ -77,18 +79,35 @@ def upload_mission(
 
 
 def _put(
-    vehicle: Vehicle, mission: Mission, anyway: bool, stages: Stages
+    vehicle: Vehicle, mission: Mission, anyway: bool, stages: Stages, is_flown: bool = False
 ) -> tuple[tuple[str, ...], tuple[OtherValue, ...], tuple[str, ...]]:
     """As `upload_mission`, with the parameters apart that the vehicle has otherwise, or lacks."""
     with stages(Stage.CHECK):
         remarks = expect_fit(vehicle, mission, anyway)
+        left = left_lists(vehicle, mission)
+        if is_flown and not anyway and MissionType.RALLY in left:
+            hint = "clear what it holds (ipoa-mission clear), or fly with --anyway"
+            raise MissionError(left[MissionType.RALLY], hint)
     with stages(Stage.UPLOAD) as show:
         vehicle.upload(replace(mission, autopilot=vehicle.autopilot) if anyway else mission, show, checked=False)
     with stages(Stage.STORED):
         idle = idle_fence(vehicle, mission)
         others, missing = other_values(vehicle, mission.parameters)
     lacking = tuple(f"the vehicle has no parameter {name}" for name in missing)
-    return (*remarks, *([idle] if idle else [])), others, lacking
+    return (*remarks, *left.values(), *([idle] if idle else [])), others, lacking
+
+
+def left_lists(vehicle: Vehicle, mission: Mission) -> dict[MissionType, str]:
+    """What to say of a fence or rally points that the vehicle holds of another mission, where this one has none."""
+    left: dict[MissionType, str] = {}
+    for kind, own, words in (
+        (MissionType.RALLY, mission.rally, "rally points of another mission: RTL flies to one of them"),
+        (MissionType.FENCE, mission.fence, "a fence of another mission: it may end the flight"),
+    ):
+        with suppress(MissionError):  # a vehicle may know no such list
+            if not own and vehicle.download_items(kind):
+                left[kind] = f"the vehicle holds {words}, and nobody looked at that"
+    return left
 
 
 def fly_mission(
@@ -120,7 +139,8 @@ def fly_mission(
     Raises:
         NotReady: it is armed already, does not know where it is, or cannot be armed; with its own reasons.
         FastLanding, NotAtStart, Unsafe, FarFromHome, OutsideOwnFence: a check says no, and nothing was armed.
-        MissionError: as `upload_mission` and `Vehicle.start`, or the vehicle was lost.
+        MissionError: as `upload_mission` and `Vehicle.start`, or the vehicle was lost; or it holds rally points of
+            another mission, and this one has none.
 
     Example:
         >>> from ipoa_mission import connect, fly_mission, read_mission, read_scenario
@@ -167,7 +187,7 @@ def load_mission(
         _set_parameters(vehicle, mission, remark)
     elif not anyway:
         expect_slow_landing(vehicle, forecast)
-    remarks, others, lacking = _put(vehicle, mission, anyway, stages)
+    remarks, others, lacking = _put(vehicle, mission, anyway, stages, is_flown=True)
     for words in (*remarks, *(f"{other}: --set-params writes it" for other in others), *lacking):
         remark(words)
 

@@ -15,6 +15,8 @@ from pymavlink.dialects.v20 import ardupilotmega
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.layout import Fields
 
+NOT_USED = ("Empty", "Reserved", "empty", "reserved", "Unused")  # as MAVLink says it of a param
+
 
 @dataclass(frozen=True)
 class Definition:
@@ -172,6 +174,17 @@ def message_number(name: str) -> int:
 def message_name(number: int) -> str | None:
     """MAVLink's name of a message number, where it is known."""
     return DEFINITIONS[number].name if number in DEFINITIONS else None
+
+
+def params_in_words(command: int) -> dict[int, str]:
+    """What MAVLink says of param1 to param7 of a command, where it uses them; nothing of one that it does not know.
+
+    >>> params_in_words(177)
+    {1: 'Sequence number', 2: 'Repeat count'}
+    """
+    known = ardupilotmega.enums["MAV_CMD"].get(command)
+    told = {} if known is None else known.param
+    return {number: words for number, words in sorted(told.items()) if words and not words.startswith(NOT_USED)}
 
 
 def definition_of(name: str) -> Definition:

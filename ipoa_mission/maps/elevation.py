@@ -199,7 +199,7 @@ def _level(
             f"home.altitude_amsl: expected about {measured:.1f} m, the ground there in {path}, not {given:g} m",
             hint=f"set home.altitude_amsl = {measured:.1f}, or terrain.level_at_home = true",
         )
-    return grid, (f"ground at home {at_home:+.2f} m from home's altitude",)
+    return grid, (f"ground at home {at_home:+.2f} m from home's altitude",) if round(at_home, 2) else ()
 
 
 _First = tuple[int, int]  # row and column of the first post read

@@ -62,12 +62,20 @@ def read_mission_file(path: str | Path, autopilot: Autopilot | None = None) -> M
         >>> read_mission_file("missions/sitl.plan").findings
         ()
     """
-    text = read_text(Path(path))
-    lying = beside(Path(path))
+    return parse_mission(Path(path), read_text(Path(path)), autopilot)
+
+
+def parse_mission(path: Path, text: str, autopilot: Autopilot | None = None) -> MissionFile:
+    """The same where the file at `path` had this text.
+
+    Raises:
+        BadInput: as `read_mission_file`.
+    """
+    lying = beside(path)
     parameters = read_parameters(lying) if lying.is_file() else {}
-    file = _parsed(Path(path), text, autopilot, firmware_of(parameters) or default_autopilot())
+    file = _parsed(path, text, autopilot, firmware_of(parameters) or default_autopilot())
     mission = file.mission
-    if landing_height(mission) is None and (height := landing_height_beside(Path(path), text)) is not None:
+    if landing_height(mission) is None and (height := landing_height_beside(path, text)) is not None:
         mission = landing_on(mission, height)
     try:
         return replace(file, mission=mission.with_parameters(parameters))

@@ -4,16 +4,16 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, TypeAdapter
 
+from ipoa_mission.studio.mission_answers import Checked, OpenMission
 from ipoa_mission.studio.requests import Change
-from ipoa_mission.studio.vocabulary import LngLat, PageMessage, Path
-
-Number: TypeAlias = float | None
+from ipoa_mission.studio.vocabulary import LngLat, Number, PageMessage, Path
 
 
 class Document(PageMessage):
-    """The scenario as it is now: its table as the text has it, and why it cannot be read, if so."""
+    """The file as it is now; of a scenario its table as the text has it, empty where it cannot be read."""
 
     kind: Literal["document"] = "document"
+    of: Literal["scenario", "mission"] = "scenario"
     revision: int
     name: str
     path: str
@@ -232,10 +232,12 @@ class Limit(PageMessage):
 class Plan(PageMessage):
     """The proved answer; `warnings` are to be read before it is flown, `remarks` are what else is told.
 
-    `proof` is a short digest of mission and promise, which a start must name.
+    `proof` is a short digest of mission and promise, which a start must name. `of` a mission: the flight of an open
+    one as expected, of which nothing is proved but what `kept` says.
     """
 
     kind: Literal["plan"] = "plan"
+    of: Literal["scenario", "mission"] = "scenario"
     revision: int
     name: str
     proof: str
@@ -261,6 +263,55 @@ class Plan(PageMessage):
     warnings: tuple[str, ...]
     remarks: tuple[str, ...]
     took_s: float
+
+
+class StartFile(PageMessage):
+    """A file that can be opened."""
+
+    path: str
+    name: str
+    folder: str
+    of: Literal["scenario", "mission", "log"]
+
+
+class Beginning(PageMessage):
+    """What the start page offers; new files go into the folder."""
+
+    kind: Literal["beginning"] = "beginning"
+    folder: str
+    recent: tuple[StartFile, ...]
+    here: tuple[StartFile, ...]
+    examples: tuple[StartFile, ...]
+
+
+class FlownItem(PageMessage):
+    """An item of a flight in a log: how long since the one before it was to take, and took, and when it was done."""
+
+    seq: int
+    estimated_s: float
+    flown_s: float
+    done_s: float
+
+
+class Replay(PageMessage):
+    """A flight in a log beside the estimate of the mission: where it went, and item by item."""
+
+    kind: Literal["replay"] = "replay"
+    revision: int
+    log: str
+    line: Line
+    times: tuple[float, ...]
+    items: tuple[FlownItem, ...]
+    estimated_s: float
+    flown_s: Number
+    remarks: tuple[str, ...]
+
+
+class Elsewhere(PageMessage):
+    """Another file is open, at this address beside the page's own."""
+
+    kind: Literal["elsewhere"] = "elsewhere"
+    address: str
 
 
 class Loaded(PageMessage):
@@ -319,14 +370,31 @@ class State(PageMessage):
 
 
 class Written(PageMessage):
-    """Files that were written."""
+    """Files that were written, and what their formats cannot hold."""
 
     kind: Literal["written"] = "written"
     files: tuple[str, ...]
+    remarks: tuple[str, ...] = ()
 
 
 Answer: TypeAlias = Annotated[
-    Document | Trouble | World | Tiles | Sketch | Progress | Plan | Loaded | Seen | Landed | State | Written,
+    Document
+    | Trouble
+    | World
+    | Tiles
+    | Sketch
+    | Progress
+    | Plan
+    | OpenMission
+    | Checked
+    | Beginning
+    | Replay
+    | Elsewhere
+    | Loaded
+    | Seen
+    | Landed
+    | State
+    | Written,
     Field(discriminator="kind"),
 ]
 ANSWERS: TypeAdapter[Any] = TypeAdapter(Answer)

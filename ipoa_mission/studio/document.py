@@ -1,4 +1,4 @@
-"""The scenario that is being edited: its text, what was done to it, and the file that it is saved to."""
+"""The file that is being edited, a scenario or a mission: its text, what was done to it, and where it is saved."""
 
 import datetime
 from collections.abc import Iterable
@@ -6,11 +6,15 @@ from pathlib import Path
 from typing import Any
 
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.files import read_text, write_atomically
+from ipoa_mission.files import read_text, unused, write_atomically
+from ipoa_mission.mission.files import parse_mission, write_mission
+from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.edits import changed, parse_table
 from ipoa_mission.studio.journal import SUFFIX, Journal
-from ipoa_mission.studio.requests import Add, Change, Take
+from ipoa_mission.studio.mission_changes import MISSIONS, mission_changed
+from ipoa_mission.studio.requests import Add, Change, InsertItem, PlainItems, Take, TakeItem
+from ipoa_mission.vehicles.autopilot import autopilot_named
 
 BOM = b"\xef\xbb\xbf"
 
@@ -20,10 +24,15 @@ class Stale(MissionError):
 
 
 class Document:
-    """A scenario file and what is done to it; `revision` grows with every change."""
+    """A scenario or a mission file and what is done to it; `revision` grows with every change.
+
+    `autopilot` is whom a mission is read for, where that is not whom its file says.
+    """
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        self.is_mission = path.suffix.lower() in MISSIONS
+        self.autopilot: str | None = None
         self.revision = 1
         self.changed_outside = False
         self._numbered_anew = 1
@@ -36,17 +45,18 @@ class Document:
         return self._journal.text
 
     def edit(self, changes: Iterable[Change], label: str, seen: int) -> bool:
-        """Change the scenario; whether that made a difference. `seen` is the revision that the changes are of.
+        """Change it; whether that made a difference. `seen` is the revision that the changes are of.
 
         Raises:
             Stale: since then the numbers of things in their lists have changed: who knows which is meant?
-            BadInput: there is nothing at a path, or the text is no TOML.
+            BadInput: there is nothing at a path, or the text makes no sense.
         """
         changes = tuple(changes)
         if seen < self._numbered_anew:
-            raise Stale("the scenario was changed elsewhere meanwhile", hint="look at it, and do it again")
-        different = self._stepped(self._journal.write(changed(self.text, changes), label))
-        if any(isinstance(change, Take | Add) for change in changes):
+            raise Stale(f"{self.path.name} was changed elsewhere meanwhile", hint="look at it, and do it again")
+        new = self._mission_with(changes) if self.is_mission else changed(self.text, changes)
+        different = self._stepped(self._journal.write(new, label))
+        if any(isinstance(change, Take | Add | InsertItem | TakeItem | PlainItems) for change in changes):
             self._numbered_anew = self.revision
         return different
 
@@ -57,7 +67,8 @@ class Document:
             Stale: another window has changed it since this one saw it.
         """
         if seen != self.revision:
-            raise Stale("the scenario was changed elsewhere while its text was edited here", hint="copy it, and reload")
+            words = f"{self.path.name} was changed elsewhere while its text was edited here"
+            raise Stale(words, hint="copy it, and reload")
         return self._renumbered(self._journal.write(text, "text edited"))
 
     def undo(self) -> bool:
@@ -83,6 +94,17 @@ class Document:
             write_atomically(self.path, mark + self.text.encode())
         self._journal.mark_saved()
         self.changed_outside = False
+
+    def save_as(self, suffix: str) -> tuple[Path, tuple[str, ...]]:
+        """Write the mission beside its file, over nothing: the file, and in words what its format cannot hold.
+
+        Raises:
+            BadInput: this is no mission, or the format cannot hold it.
+        """
+        if not self.is_mission:
+            raise BadInput(f"{self.path.name}: expected a mission", hint="Mission files writes those of a scenario")
+        file, target = self._mission(), unused(self.path.with_suffix(suffix))
+        return target, write_mission(file.mission, target, suffix, file)
 
     def look_at_disk(self) -> bool:
         """See whether another program has written the file; without changes of ours its text is taken at once.
@@ -110,10 +132,11 @@ class Document:
         """Itself for a page."""
         journal = self._journal
         try:
-            table = _plain(parse_table(self.text).unwrap())
+            table = {} if self.is_mission else _plain(parse_table(self.text).unwrap())
         except BadInput:
             table = {}
         return answers.Document(
+            of="mission" if self.is_mission else "scenario",
             revision=self.revision,
             name=self.path.stem,
             path=str(self.path),
@@ -124,6 +147,12 @@ class Document:
             undo=journal.undo_label,
             redo=journal.redo_label,
         )
+
+    def _mission_with(self, changes: Iterable[Change]) -> str:
+        return mission_changed(self.text, self.path, changes, self.autopilot)
+
+    def _mission(self) -> MissionFile:
+        return parse_mission(self.path, self.text, None if self.autopilot is None else autopilot_named(self.autopilot))
 
     def _renumbered(self, different: bool) -> bool:
         self._stepped(different)

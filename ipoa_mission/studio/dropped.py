@@ -1,7 +1,7 @@
 """Files that are dropped on the page: kept beside the scenario, and what they can be taken for."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,17 +12,18 @@ from ipoa_mission.mission.commands import WAYPOINTS, Command
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import FencePolygon, Item, Mission
 from ipoa_mission.studio.edits import parse_table
+from ipoa_mission.studio.mission_changes import MISSIONS
 from ipoa_mission.studio.requests import Change, Put, Shift
 from ipoa_mission.world.frame import REACH, Geodetic, apart
 
 LARGEST = 200_000_000  # of a file [bytes]
 LONGEST = 200  # of its name without the suffix [bytes]
-MISSIONS = (".plan", ".waypoints")
 MODELS = (".tif", ".tiff", ".hgt")
+KEPT = (*READERS, *MODELS, *MISSIONS)  # what is kept beside a scenario
 PLACES = (*WAYPOINTS, Command.NAV_TAKEOFF, Command.NAV_LAND)
 
 
-def keep(name: str, content: bytes, folder: Path) -> Path:
+def keep(name: str, content: bytes, folder: Path, suffixes: Sequence[str] = KEPT) -> Path:
     """Write a dropped file beside the scenario, over nothing: under another name if there is another such file.
 
     Raises:
@@ -30,9 +31,8 @@ def keep(name: str, content: bytes, folder: Path) -> Path:
     """
     plain = _plain(name)
     stem, suffix = Path(plain).stem, Path(plain).suffix.lower()
-    if not plain or plain.startswith(".") or suffix not in (*READERS, *MODELS, *MISSIONS):
-        suffixes = ", ".join((*READERS, *MODELS, *MISSIONS))
-        raise BadInput(f"{plain or 'the file'}: expected a file that ends in {suffixes}")
+    if not plain or plain.startswith(".") or suffix not in suffixes:
+        raise BadInput(f"{plain or 'the file'}: expected a file that ends in {', '.join(suffixes)}")
     number, target = 1, folder / plain
     while target.exists() and target.read_bytes() != content:
         number += 1
@@ -88,7 +88,7 @@ def changes_of(mission: Mission, scenario: str) -> list[Change]:
         Put(path=("goal",), value=_place(items[-1], mission)),
         Put(path=("via",), value=[_place(item, mission) for item in items[1:-1]]),
     ]
-    fences = list(_fences(mission))
+    fences = list(fences_of(mission))
     return [*changes, Put(path=("fence",), value=fences)] if fences else changes
 
 
@@ -110,7 +110,8 @@ def _same_place(one: Item, other: Item) -> bool:
     return apart < 1e-6
 
 
-def _fences(mission: Mission) -> Iterator[dict[str, Any]]:
+def fences_of(mission: Mission) -> Iterator[dict[str, Any]]:
+    """A mission's geofences as a scenario has them."""
     for fence in mission.fence:
         if isinstance(fence, FencePolygon):
             corners = [[round(lat, 7), round(lon, 7)] for lat, lon in fence.vertices]

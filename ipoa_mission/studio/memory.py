@@ -18,11 +18,16 @@ KEPT = 20  # files that are remembered
 
 @dataclass(frozen=True)
 class Opened:
-    """A file that was open, and the port and the token of its page's address."""
+    """A file that was open, and the port and the token of its page's address; "" is the start page.
+
+    `world` and `log`: the scenario and the log beside which a mission was open.
+    """
 
     path: str
     port: int
     token: str
+    world: str = ""
+    log: str = ""
 
 
 def memory_file() -> Path:
@@ -36,16 +41,18 @@ def recent() -> list[Opened]:
     found = []
     for entry in _read().get("opened", ()):
         try:
-            found.append(Opened(str(entry["path"]), int(entry["port"]), str(entry["token"])))
-        except (KeyError, TypeError, ValueError):
+            about = (str(entry.get(key, "")) for key in ("world", "log"))
+            found.append(Opened(str(entry["path"]), int(entry["port"]), str(entry["token"]), *about))
+        except (AttributeError, KeyError, TypeError, ValueError):
             continue
     return [one for one in found if one.token.isascii() and len(one.token) > 20]
 
 
-def address_of(path: Path) -> Opened:
-    """The address that this file had, with port 0 and a new token if it had none."""
-    known = next((one for one in recent() if one.path == str(path)), None)
-    return known or Opened(str(path), 0, secrets.token_urlsafe(24))
+def address_of(path: Path | None) -> Opened:
+    """The address that this file had, with port 0 and a new token if it had none; None: that of the start page."""
+    name = "" if path is None else str(path)
+    known = next((one for one in recent() if one.path == name), None)
+    return known or Opened(name, 0, secrets.token_urlsafe(24))
 
 
 def remember(opened: Opened, port: int) -> None:

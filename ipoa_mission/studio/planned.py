@@ -11,7 +11,9 @@ from ipoa_mission.centimeters import down, up
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.bound import least_time
+from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.route import kinematics
+from ipoa_mission.forecast.tube.promise import Promise
 from ipoa_mission.geometry import Points
 from ipoa_mission.planning.sketch import Sketch
 from ipoa_mission.planning.spline import Spline
@@ -21,6 +23,7 @@ from ipoa_mission.report.stops import stops
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.view import line_of, on_map, without_folders
+from ipoa_mission.world.frame import LocalFrame
 
 SAMPLES = 500  # of the predicted flight
 NEAR, CLOSE = 5, 1.5  # places that are named as near, and how much nearer than required is near enough to be named
@@ -72,10 +75,10 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
         energy_wh=None if budget is None else round(budget.used.energy_wh, 2),
         battery_left=None if left is None else round(left.likely, 3),
         tube_ring=tuple(on_map(scenario.frame, ring) for ring in seen.outline_round(course.points, rim.level)),
-        course=_course(course, scenario),
-        beside=tuple(_beside(course, scenario)),
+        course=course_of(course, scenario.frame),
+        beside=tuple(beside_course(course, scenario)),
         stops=tuple(_stops(flight.forecast, course)),
-        bindings=tuple(_bindings(flight, course)),
+        bindings=(*near_things(promise, course, scenario), *slow_items(estimate, course)),
         choices=tuple(_choices(flight)),
         limits=tuple(_limits(flight)),
         warnings=tuple(without_folders(finding.message, scenario) for finding in flight.findings),
@@ -95,10 +98,11 @@ def _sampled(curve: Spline) -> Points:
     return curve.sample(math.ceil(min(max(curve.length / 2.0, 40.0), 400.0)))
 
 
-def _course(course: seen.Seen, scenario: Scenario) -> answers.Course:
+def course_of(course: seen.Seen, frame: LocalFrame) -> answers.Course:
+    """A predicted flight for the page."""
     apart = [round(value, 2) if math.isfinite(value) else None for value in course.apart.tolist()]
     return answers.Course(
-        line=line_of(scenario.frame, course.points),
+        line=line_of(frame, course.points),
         times=tuple(course.times.round(2).tolist()),
         along=tuple(course.along.round(1).tolist()),
         speeds=tuple(course.speeds.round(2).tolist()),
@@ -123,7 +127,7 @@ def _stops(forecast: Forecast, course: seen.Seen) -> Iterator[answers.Stop]:
         )
 
 
-def _beside(course: seen.Seen, scenario: Scenario) -> Iterator[answers.Beside]:
+def beside_course(course: seen.Seen, scenario: Scenario) -> Iterator[answers.Beside]:
     """What the profile shows below and beside the path, as the report does."""
     for body, (begins, ends), look in near_course(course, scenario.airspace, scenario.limits.obstacle_distance):
         base, top = body.bounds[:, 2].round(2).tolist()
@@ -131,18 +135,22 @@ def _beside(course: seen.Seen, scenario: Scenario) -> Iterator[answers.Beside]:
         yield answers.Beside(name=name, look=look, begins=round(begins, 1), ends=round(ends, 1), base=base, top=top)
 
 
-def _bindings(flight: Flight, course: seen.Seen) -> Iterator[answers.Binding]:
-    """Where the flight comes nearest to what, and which items something keeps slow, the worst first."""
-    scenario = flight.scenario
+def near_things(promise: Promise | None, course: seen.Seen, scenario: Scenario) -> Iterator[answers.Binding]:
+    """Where the flight comes too near to something, and what it comes nearest to, the worst first."""
     for danger in seen.dangers(course, scenario):
         yield answers.Binding(what="danger", words=danger.words, at=int(np.argmin(course.apart)))
-    for check in sorted(flight.promise.limits, key=lambda kept: kept.slack)[:NEAR]:
-        if math.isfinite(check.kept) and check.slack < CLOSE * check.required + 1.0:
+    limits = () if promise is None else promise.limits
+    for check in sorted(limits, key=lambda kept: kept.slack)[:NEAR]:
+        if promise is not None and math.isfinite(check.kept) and check.slack < CLOSE * check.required + 1.0:
             at = int(np.argmin(np.linalg.norm(course.points - np.array(check.place), axis=1)))
             part = f" ({check.part}, of which no promise is)" if check.part else ""
-            words = f"{check.limit}, to {check.to}{part}: {check.words(flight.promise.confidence)}"
+            words = f"{check.limit}, to {check.to}{part}: {check.words(promise.confidence)}"
             yield answers.Binding(what="near", words=without_folders(words, scenario), at=at)
-    slow = sorted((item for item in flight.estimate.items if item.reason), key=lambda item: -item.duration_s)
+
+
+def slow_items(estimate: Estimate, course: seen.Seen) -> Iterator[answers.Binding]:
+    """Which items something keeps slow, the worst first."""
+    slow = sorted((item for item in estimate.items if item.reason), key=lambda item: -item.duration_s)
     for item in slow[:SLOW]:
         words = f"item {item.seq}: {item.reason}, {item.mean_speed:.1f} m/s on average"
         yield answers.Binding(what="slow", words=words, at=course.nearest(item.done_s))

@@ -11,17 +11,23 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.files import read_text, unused
 from ipoa_mission.flight.flight import Flight, plan_flight
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.mission.files import parse_mission, write_mission
 from ipoa_mission.planning.sketch import sketch_path
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.scenario.read import parse_toml, scenario_of
 from ipoa_mission.studio.answers import Progress, Written
 from ipoa_mission.studio.edits import apply_changes
 from ipoa_mission.studio.harness import Answer, Job, Order, Subject, work
+from ipoa_mission.studio.judged import checked, expected, mission_world, opened
 from ipoa_mission.studio.planned import planned, proof_digest, sketched
 from ipoa_mission.studio.refused import refused
+from ipoa_mission.studio.replay import replayed
 from ipoa_mission.studio.requests import Change
 from ipoa_mission.studio.view import world_of
+from ipoa_mission.vehicles.autopilot import autopilot_named
 
 CHANGES: TypeAdapter[tuple[Change, ...]] = TypeAdapter(tuple[Change, ...])
 TELL_EVERY_S = 0.1  # progress is told no more often
@@ -43,6 +49,25 @@ def sketch(order: Order, answer: Answer) -> None:
         scenario = _scenario(order["text"], order["path"])
     sketch = sketch_path(scenario)
     answer(sketched(sketch, scenario, order["revision"], order["number"], time.perf_counter() - begun))
+
+
+def judge(order: Order, answer: Answer) -> None:
+    """An open mission: its map, its items, what the check finds, and its flight as expected."""
+    begun, revision, path = time.perf_counter(), order["revision"], Path(order["path"])
+    world = None if order["world"] is None else _scenario(read_text(Path(order["world"])), order["world"])
+    autopilot = None if order["autopilot"] is None else autopilot_named(order["autopilot"])
+    if autopilot is None and world is not None and path.suffix.lower() == ".waypoints":
+        autopilot = world.vehicle.autopilot  # whom such a file does not say
+    file = parse_mission(path, order["text"], autopilot)
+    forecast = Forecast(file.mission, world)
+    answer(mission_world(forecast, revision))
+    answer(opened(file, forecast, revision, order["worlds"], order["world"]))
+    findings, flies = checked(file, forecast, revision)
+    answer(findings)
+    if flies:
+        answer(expected(forecast, path.stem, revision, time.perf_counter() - begun))
+        if order["log"] is not None:
+            answer(replayed(Path(order["log"]), forecast, revision))
 
 
 class PlanWorker:
@@ -78,6 +103,13 @@ class PlanWorker:
         flight.report(report)
         answer(Written(files=tuple(file.name for file in (*files, report))))
 
+    def detach(self, order: Order, answer: Answer) -> None:
+        """The flight's mission as a file of its own, over nothing."""
+        flight, folder = self._expect_flight(), Path(order["folder"])
+        target = unused(folder / f"{flight.name}-edited.plan")
+        write_mission(flight.mission, target)
+        answer(Written(files=(target.name,)))
+
     def hand_over(self, order: Order, answer: Answer) -> None:
         """The flight and the digest of its proof, in a file for the process that flies it."""
         flight = self._expect_flight()
@@ -93,6 +125,8 @@ class PlanWorker:
         return {
             "look": (look, "scenario"),
             "sketch": (sketch, "sketch"),
+            "judge": (judge, "scenario"),
+            "detach": (self.detach, "file"),
             "plan": (self.plan, "plan"),
             "write": (self.write, "file"),
             "hand over": (self.hand_over, "flight"),

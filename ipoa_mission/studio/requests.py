@@ -42,7 +42,48 @@ class Add(PageMessage):
     at: int | None = None
 
 
-Change: TypeAlias = Annotated[Put | Take | Shift | Add, Field(discriminator="op")]
+class PutItem(PageMessage):
+    """One value of a mission's item: its command, frame, param1 to param7; None: the autopilot's own."""
+
+    op: Literal["put_item"] = "put_item"
+    seq: int
+    what: Literal["command", "frame", "param1", "param2", "param3", "param4", "param5", "param6", "param7"]
+    value: float | None
+
+
+class MoveItem(PageMessage):
+    """An item of a mission is put somewhere else."""
+
+    op: Literal["move_item"] = "move_item"
+    seq: int
+    place: LngLat
+
+
+class InsertItem(PageMessage):
+    """An item that becomes number `seq`, as high as the one before it."""
+
+    op: Literal["insert_item"] = "insert_item"
+    seq: int
+    command: int
+    place: LngLat | None = None
+
+
+class TakeItem(PageMessage):
+    """An item is taken out of a mission."""
+
+    op: Literal["take_item"] = "take_item"
+    seq: int
+
+
+class PlainItems(PageMessage):
+    """The survey or scan that an item is one of becomes plain items."""
+
+    op: Literal["plain_items"] = "plain_items"
+    seq: int
+
+
+ItemChange: TypeAlias = PutItem | MoveItem | InsertItem | TakeItem | PlainItems
+Change: TypeAlias = Annotated[Put | Take | Shift | Add | ItemChange, Field(discriminator="op")]
 
 
 class Edit(PageMessage):
@@ -70,11 +111,44 @@ class Drag(PageMessage):
     changes: tuple[Change, ...]
 
 
+class SaveAs(PageMessage):
+    """Write the mission beside its file, over nothing, as the other format or under another name."""
+
+    kind: Literal["save_as"] = "save_as"
+    suffix: Literal[".plan", ".waypoints"]
+
+
+class Within(PageMessage):
+    """In the world of which scenario a mission is judged, and who flies it; None: of none, whom the file says."""
+
+    kind: Literal["within"] = "within"
+    scenario: str | None
+    autopilot: str | None
+
+
+class Open(PageMessage):
+    """Open a file that the start page was told of."""
+
+    kind: Literal["open"] = "open"
+    path: str
+
+
+class Begin(PageMessage):
+    """A new scenario, home at a place as people write it, so high [m AMSL]."""
+
+    kind: Literal["begin"] = "begin"
+    place: str
+    altitude: Annotated[float, Field(ge=-450, le=9000)]
+
+
 class Do(PageMessage):
-    """Something with no more to it. `take_theirs`: the file as another program has written it."""
+    """Something with no more to it. `take_theirs`: the file as another program has written it.
+
+    `detach`: the planned flight as a mission file of its own, to be changed item by item.
+    """
 
     kind: Literal["do"] = "do"
-    what: Literal["undo", "redo", "save", "save_over", "take_theirs", "plan", "cancel", "export", "abandon"]
+    what: Literal["undo", "redo", "save", "save_over", "take_theirs", "plan", "cancel", "export", "abandon", "detach"]
 
 
 class Upload(PageMessage):
@@ -102,5 +176,8 @@ class EndFlight(PageMessage):
     ending: Literal["rtl", "land"]
 
 
-Request: TypeAlias = Annotated[Edit | Rewrite | Drag | Do | Upload | Start | EndFlight, Field(discriminator="kind")]
+Request: TypeAlias = Annotated[
+    Edit | Rewrite | Drag | Do | SaveAs | Within | Open | Begin | Upload | Start | EndFlight,
+    Field(discriminator="kind"),
+]
 REQUESTS: TypeAdapter[Any] = TypeAdapter(Request)

@@ -11,7 +11,7 @@ import uvicorn
 from pydantic import ValidationError
 from starlette.applications import Starlette
 from starlette.middleware import Middleware
-from starlette.requests import Request
+from starlette.requests import HTTPConnection, Request
 from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response
 from starlette.routing import BaseRoute, Mount, Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
@@ -20,19 +20,26 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.studio.answers import Trouble
 from ipoa_mission.studio.dropped import LARGEST, keep, use_of
 from ipoa_mission.studio.guard import Guard, policy_for
+from ipoa_mission.studio.lobby import Lobby
 from ipoa_mission.studio.memory import address_of, remember
 from ipoa_mission.studio.requests import REQUESTS
 from ipoa_mission.studio.session import Session, Window
+from ipoa_mission.studio.sessions import Host, Sessions
 from ipoa_mission.studio.tiles import DEEPEST, TileSource, media_type
 
 LONGEST = 4_000_000  # of a message [bytes]
 TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 
 
-def application(session: Session, bundle: Path, token: str, host: str, tiles: TileSource | None = None) -> Starlette:
-    """The web application on a session; `bundle` is the folder of the built page, `host` its "name:port"."""
+def application(sessions: Sessions, bundle: Path, host: str, tiles: TileSource | None = None) -> Starlette:
+    """The web application on what is open; `bundle` is the folder of the built page, `host` its "name:port"."""
     if tiles is not None:
-        session.tell_all(tiles.shown)
+        sessions.tell_everyone(tiles.shown)
+
+    def at(request: HTTPConnection) -> Host:
+        found = sessions.at(request.path_params["token"])
+        assert found is not None, "the guard lets nobody else pass"
+        return found
 
     async def page(request: Request) -> Response:
         name = request.path_params.get("name") or "index.html"
@@ -47,10 +54,13 @@ def application(session: Session, bundle: Path, token: str, host: str, tiles: Ti
             content += chunk
             if len(content) > LARGEST:
                 return JSONResponse({"message": f"expected a file of at most {LARGEST // 1_000_000} MB"}, 413)
-        document = session.document
+        host, name = at(request), request.path_params["name"]
         try:
-            file = await asyncio.to_thread(keep, request.path_params["name"], bytes(content), document.path.parent)
-            return JSONResponse(await asyncio.to_thread(use_of, file, document.text))
+            if isinstance(host, Lobby):
+                return JSONResponse({"address": await asyncio.to_thread(host.take, name, bytes(content))})
+            assert isinstance(host, Session), "whoever is no lobby is a session"
+            file = await asyncio.to_thread(keep, name, bytes(content), host.folder)
+            return JSONResponse(await asyncio.to_thread(use_of, file, host.document.text))
         except MissionError as error:
             return JSONResponse({"message": str(error)}, 400)
 
@@ -64,7 +74,7 @@ def application(session: Session, bundle: Path, token: str, host: str, tiles: Ti
 
     async def talk(socket: WebSocket) -> None:
         await socket.accept()
-        window = Window()
+        window, session = Window(), at(socket)
         sending = asyncio.create_task(_send(socket, window))
         session.join(window)
         try:
@@ -85,7 +95,7 @@ def application(session: Session, bundle: Path, token: str, host: str, tiles: Ti
 
     @asynccontextmanager
     async def alive(app: Starlette) -> AsyncIterator[None]:
-        running = asyncio.create_task(session.run())
+        running = asyncio.create_task(sessions.run())
         yield
         running.cancel()
         with suppress(asyncio.CancelledError):
@@ -93,33 +103,44 @@ def application(session: Session, bundle: Path, token: str, host: str, tiles: Ti
 
     routes: list[BaseRoute] = [WebSocketRoute("/talk", talk), Route("/drop/{name}", drop, methods=["POST"])]
     routes += [Route("/tiles/{z:int}/{x:int}/{y:int}", tile), Route("/", page), Route("/{name}", page)]
-    guard = Middleware(Guard, token=token, hosts=(host,), policy=policy_for(None if tiles is None else tiles.origin))
-    return Starlette(routes=[Mount(f"/{token}", routes=routes)], middleware=[guard], lifespan=alive)
+    guard = Middleware(
+        Guard,
+        knows=lambda token: sessions.at(token) is not None,
+        hosts=(host,),
+        policy=policy_for(None if tiles is None else tiles.origin),
+    )
+    return Starlette(routes=[Mount("/{token}", routes=routes)], middleware=[guard], lifespan=alive)
 
 
 def serve(
-    path: Path,
+    path: Path | None,
     bundle: Path,
     port: int,
     seed: int,
     tell_address: Callable[[str], None],
     tiles: TileSource | None = None,
+    world: Path | None = None,
 ) -> None:
     """Serve the studio on this machine until Ctrl-C; `tell_address` is told where, when the port is open.
 
-    A file that was open before gets the address that it had, so that its old page comes back.
+    A file that was open before gets the address that it had, so that its old page comes back; without one it is the
+    start page. A log is held against the mission in it.
 
     Raises:
-        BadInput: the scenario cannot be read, or the port cannot be had.
+        BadInput: the file cannot be read, or the port cannot be had.
     """
-    known = address_of(path.resolve())
+    known = address_of(None if path is None else path.resolve())
     with _listen(port, known.port) as listener:
         number = listener.getsockname()[1]
-        remember(known, number)
+        sessions = Sessions(number, seed)
+        lobby, start = Lobby(Path.cwd(), sessions.open_file), address_of(None)
+        sessions.add(start.token, lobby)
+        remember(start, number)
+        token = start.token if path is None else lobby.opened(path, world)
         host = f"127.0.0.1:{number}"
-        app = application(Session(path, seed), bundle, known.token, host, tiles)
+        app = application(sessions, bundle, host, tiles)
         config = uvicorn.Config(app, log_level="warning", access_log=False, server_header=False, ws_max_size=LONGEST)
-        tell_address(f"http://{host}/{known.token}/")
+        tell_address(f"http://{host}/{token}/")
         uvicorn.Server(config).run(sockets=[listener])
 
 

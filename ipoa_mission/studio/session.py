@@ -3,20 +3,26 @@
 import asyncio
 from collections.abc import Callable, Coroutine
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.studio.answers import Trouble
+from ipoa_mission.studio.answers import Elsewhere, Trouble, Written
 from ipoa_mission.studio.document import Document
 from ipoa_mission.studio.flights import FlightDesk
+from ipoa_mission.studio.mission_changes import MISSIONS
 from ipoa_mission.studio.processes import Died, Process
-from ipoa_mission.studio.requests import Do, Drag, Edit, EndFlight, Rewrite, Start, Upload
+from ipoa_mission.studio.requests import Do, Drag, Edit, EndFlight, Open, Rewrite, SaveAs, Start, Upload, Within
 from ipoa_mission.studio.vocabulary import PageMessage
 
 SETTLED_S = 0.6  # without a change, after which the proved path is planned
 LOOK_S = 1.0  # how often the file is looked at for what other programs write
-KEPT = ("tiles", "world", "sketch", "plan", "loaded", "state", "trouble")  # answers that a window is told when it opens
+#: Answers that a window is told when it opens.
+KEPT = ("tiles", "world", "mission", "checked", "replay", "sketch", "plan", "loaded", "state", "trouble")
+#: Those that count no more when the file changes.
+FOLLOWS = ("sketch", "plan", "checked", "replay", *(f"trouble of {what}" for what in ("scenario", "sketch", "plan")))
 PLANNER = "ipoa_mission.studio.planner"
+#: Opens another file, a mission in the world of a scenario: the address of its page, beside this one's.
+OpenFile: TypeAlias = Callable[[Path, Path | None], str]
 
 
 class Window:
@@ -33,8 +39,16 @@ class Window:
 class Session:
     """What the windows share. All of it happens in one event loop."""
 
-    def __init__(self, path: Path, seed: int = 0) -> None:
+    def __init__(
+        self,
+        path: Path,
+        seed: int = 0,
+        open_file: OpenFile | None = None,
+        world: Path | None = None,
+        log: Path | None = None,
+    ) -> None:
         self.document = Document(path)
+        self._open_file, self._world, self._log = open_file, world, log
         self.windows: set[Window] = set()
         self._seed = seed
         self._quick, self._thorough = Process(PLANNER), Process(PLANNER)
@@ -42,6 +56,11 @@ class Session:
         self._jobs: dict[str, asyncio.Task[None]] = {}
         self._drags: dict[Window, Drag] = {}
         self._latest: dict[str, dict[str, Any]] = {}
+
+    @property
+    def folder(self) -> Path:
+        """Where the file lies, and where what is dropped is kept."""
+        return self.document.path.parent
 
     # --- windows ------------------------------------------------------------------------------------------------------
 
@@ -85,6 +104,15 @@ class Session:
                     self._job("drag", self._answer_drags)
                 case Do():
                     self._do(request)
+                case Open():
+                    self._open_dropped(request.path, window)
+                case SaveAs():
+                    file, remarks = self.document.save_as(request.suffix)
+                    self.tell_all(Written(files=(file.name,), remarks=remarks))
+                case Within():
+                    self._world = None if request.scenario is None else Path(request.scenario)
+                    self.document.autopilot = request.autopilot
+                    self._follow()
                 case Upload():
                     self._expect_proved()
                     self._latest.pop("trouble of flight", None)
@@ -118,8 +146,19 @@ class Session:
             case "export":
                 self._expect_proved()
                 self._start("write", self._write)
+            case "detach":
+                self._expect_proved()
+                self._start("write", self._detach)
             case "abandon":
                 self._flights.abandon()
+
+    def _open_dropped(self, name: str, window: Window) -> None:
+        """Open a mission that lies beside the scenario, in the scenario's world."""
+        path = self.folder / Path(name).name
+        if self._open_file is None or path.suffix.lower() not in MISSIONS:
+            raise MissionError(f"{path.name}: expected a mission")
+        address = self._open_file(path, None if self.document.is_mission else self.document.path)
+        window.tell(Elsewhere(address=address).model_dump(mode="json"))
 
     def _changed(self, different: bool) -> None:
         if different:
@@ -130,11 +169,14 @@ class Session:
 
     def _follow(self) -> None:
         """Look at the scenario as it is now, sketch it, and when it has settled plan it."""
-        for kind in ("sketch", "plan", "trouble of scenario", "trouble of sketch", "trouble of plan"):
+        for kind in FOLLOWS:
             self._latest.pop(kind, None)
         self._stop("plan")
-        self._job("look", self._look)
-        self._start("plan", self._plan_when_settled)
+        if self.document.is_mission:
+            self._job("look", self._judge)
+        else:
+            self._job("look", self._look)
+            self._start("plan", self._plan_when_settled)
 
     async def _look(self) -> None:
         seen = -1
@@ -145,6 +187,15 @@ class Session:
                 self._stop("plan")
             elif seen == self.document.revision:
                 await self._ask(self._quick, {"job": "sketch", "number": None, "changes": []})
+
+    async def _judge(self) -> None:
+        seen: object = None
+        while seen != (seen := (self.document.revision, self._world, self.document.autopilot)):
+            world = None if self._world is None else str(self._world)
+            beside = await asyncio.to_thread(_scenarios_in, self.folder)
+            worlds = beside if world is None or world in beside else [world, *beside]
+            order = {"job": "judge", "world": world, "worlds": worlds, "autopilot": self.document.autopilot}
+            await self._ask(self._quick, order | {"log": None if self._log is None else str(self._log)})
 
     async def _answer_drags(self) -> None:
         while self._drags:
@@ -162,7 +213,20 @@ class Session:
         await self._ask(self._thorough, {"job": "plan", "seed": self._seed})
 
     async def _write(self) -> None:
-        await self._ask(self._thorough, {"job": "write", "folder": str(self.document.path.parent)})
+        await self._ask(self._thorough, {"job": "write", "folder": str(self.folder)})
+
+    async def _detach(self) -> None:
+        folder, written = self.folder, list[str]()
+
+        def hear(answer: dict[str, Any]) -> None:
+            written.extend(answer.get("files", ()))
+            if answer["kind"] == "trouble":
+                self.tell_all(answer)
+
+        await self._ask(self._thorough, {"job": "detach", "folder": str(folder)}, hear)
+        if written and self._open_file is not None:
+            address = self._open_file(folder / written[0], self.document.path)
+            self.tell_all(Elsewhere(address=address))
 
     async def _hand_over(self, file: Path) -> bool:
         return await self._ask(self._thorough, {"job": "hand over", "file": str(file)})
@@ -222,3 +286,7 @@ class Session:
                 self._stop(name)
             await asyncio.gather(self._flights.close(), self._quick.close(), self._thorough.close())
             await asyncio.gather(*self._jobs.values(), return_exceptions=True)
+
+
+def _scenarios_in(folder: Path) -> list[str]:
+    return sorted(str(path) for path in folder.glob("*.toml"))

@@ -38,12 +38,12 @@ def world_of(scenario: Scenario, revision: int) -> World:
         revision=revision,
         box=(west, south, east, north),
         around=on_map(frame, np.asarray(rim)),
-        degree_m=_degree(frame),
+        degree_m=degree_of(frame),
         floor=float(bounds.lower[2]),
         ceiling=float(bounds.upper[2]),
         bodies=tuple(_bodies(scenario)),
         spots=tuple(_spots(scenario)),
-        fences=tuple(_fence(n, fence, frame) for n, fence in enumerate(scenario.fence)),
+        fences=tuple(fence_of(n, fence, frame) for n, fence in enumerate(scenario.fence)),
         ground=tuple(_terraces(scenario)),
         heights=_heights(scenario),
         home_amsl=scenario.home.altitude_amsl,
@@ -72,7 +72,7 @@ def without_folders(words: str, scenario: Scenario) -> str:
     return as_on_map(words)
 
 
-def _degree(frame: LocalFrame) -> tuple[float, float]:
+def degree_of(frame: LocalFrame) -> tuple[float, float]:
     """Metres of a degree of longitude and of latitude at home."""
     meridian, across = radii_of_curvature(frame.home.latitude_deg)
     shrunk = across * math.cos(math.radians(frame.home.latitude_deg))
@@ -118,7 +118,8 @@ def _spots(scenario: Scenario) -> Iterator[Spot]:
         )
 
 
-def _fence(n: int, fence: FenceSection, frame: LocalFrame) -> Fence:
+def fence_of(n: int, fence: FenceSection, frame: LocalFrame) -> Fence:
+    """A geofence on the map."""
     if fence.center is not None and fence.radius is not None:
         circle = shapely.Point(fence.center.east_north(frame)).buffer(fence.radius, quad_segs=16)
         ring = on_map(frame, shapely.get_coordinates(circle.exterior))

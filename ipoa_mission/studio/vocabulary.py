@@ -7,6 +7,7 @@ from pydantic import BaseModel, ConfigDict, WithJsonSchema
 
 LngLat: TypeAlias = tuple[float, float]
 Path: TypeAlias = tuple[str | int, ...]
+Number: TypeAlias = float | None
 Json: TypeAlias = Annotated[Any, WithJsonSchema({})]
 
 

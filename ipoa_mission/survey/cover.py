@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal, TypeAlias
 
@@ -163,14 +163,23 @@ class _Survey:
         built = BUILT if len(shapely.get_rings(self.free.shape)) > 1 else BUILT_WHOLE
         laid = [(each, self._laid(each, shift)) for _, each, shift in looked[:built]]
         count = int(max(1, min(built, WORKED_OUT / max(len(lines) for _, lines in laid))))
-        best = min((self._flown(*one, begin, end) for one in laid[:count]), key=lambda one: one.worth)
+        ordered = sorted((self._ordered(*one, begin, end) for one in laid[:count]), key=lambda one: one.seconds)
+        best = self._closed(ordered[0], begin, end)
+        for one in ordered[1:]:
+            best = self._better(best, one, begin, end)
         for _ in range(REFINED if best.goals else 0):
             more = np.array([goal[[0, -1]] for goal in best.goals if len(goal) < 3]).reshape(-1, 2, 2)
-            other = self._flown(best.degrees, np.concatenate([best.lines, more]), begin, end)
-            if other.worth >= best.worth:
+            one = self._ordered(best.degrees, np.concatenate([best.lines, more]), begin, end)
+            if (other := self._better(best, one, begin, end)) is best:
                 break
             best = other
         return best
+
+    def _better(self, best: _Pass, other: _Pass, begin: Vector | None, end: Vector | None) -> _Pass:
+        """Of two passes the better one; the other has no detours yet, and is none quicker with them."""
+        if best.worth <= (0.0, other.seconds):
+            return best
+        return min(best, self._closed(other, begin, end), key=lambda one: one.worth)
 
     def _rough(self, degrees: float, shift: float) -> float:
         """About how long lines in a direction take, ways not counted [s]."""
@@ -201,8 +210,8 @@ class _Survey:
         spots = [shapely.get_coordinates(part.representative_point()) for part in worth_it]
         return np.concatenate([lines, np.array(spots).repeat(2, axis=0).reshape(-1, 2, 2)])
 
-    def _flown(self, degrees: float, lines: Points, begin: Vector | None, end: Vector | None) -> _Pass:
-        """The lines in a quick order, and past what they leave unseen.
+    def _ordered(self, degrees: float, lines: Points, begin: Vector | None, end: Vector | None) -> _Pass:
+        """The lines in a quick order; what they leave unseen is not looked at.
 
         Raises:
             MissionError: no way leads from one of them to another.
@@ -220,10 +229,17 @@ class _Survey:
         if seconds >= NO_WAY:
             raise MissionError("survey: no way leads between all parts of the area", hint="survey them one by one")
         route = _route(entries, ways)
-        goals, unseen = Closing(self.area, self.spacing, self.ways, self.cost).close(route)
+        return _Pass(degrees, lines, route, self._seconds(route, begin, end), [], 1.0)
+
+    def _closed(self, one: _Pass, begin: Vector | None, end: Vector | None) -> _Pass:
+        """The same led past what it leaves unseen; its route is changed."""
+        goals, unseen = Closing(self.area, self.spacing, self.ways, self.cost).close(one.route)
+        return replace(one, seconds=self._seconds(one.route, begin, end), goals=goals, unseen=round(unseen, 4))
+
+    def _seconds(self, route: SensedPath, begin: Vector | None, end: Vector | None) -> float:
+        """How long a route takes, with the ways to it and from it."""
         places = np.array(route.places)
-        seconds = self.cost.seconds(places) + self._reach(places[:1], begin)[0] + self._reach(places[-1:], end)[0]
-        return _Pass(degrees, lines, route, float(seconds), goals, round(unseen, 4))
+        return float(self.cost.seconds(places) + self._reach(places[:1], begin)[0] + self._reach(places[-1:], end)[0])
 
     def way(self, start: Vector, end: Vector) -> Points:
         """The corners (k, 2) of the way from one place to another."""

@@ -41,7 +41,7 @@ TAKEN = {
     "--json": "demo new plan studio check estimate show export fly mock compare learn "
     "scan upload download set-current clear pause resume rtl reproduce",
     "--force": "demo learn new plan export fly compare download",
-    "--scenario": "check estimate show export mock compare",
+    "--scenario": "check estimate show export mock compare studio",
     "--param": "plan check estimate show fly mock compare",
     "--wind": "plan check estimate show fly compare",
     "--timeout": "fly upload download set-current clear pause resume rtl",

@@ -37,12 +37,15 @@ def test_a_file_is_read_over_the_ground_that_was_written_beside_it(tmp_path: Pat
 
 
 def test_a_plan_takes_the_ground_along_wherever_it_is_copied(tmp_path: Path) -> None:
-    uphill, path = landing_on(MISSION, 8.5), tmp_path / "elsewhere.plan"
+    uphill, path = landing_on(MISSION, 12.0), tmp_path / "elsewhere.plan"
     path.write_text(plan_text(uphill), encoding="utf-8")
     again = api.read_mission(path)
-    assert landing_height(again) == 8.5
+    assert landing_height(again) == 12.0
     assert plan_text(again) == plan_text(uphill)
     assert LANDING_GROUND not in json.loads(plan_text(MISSION))
+    (fast,) = api.check_mission(again)  # its NAME.params may have stayed where it was
+    assert (fast.code, fast.seq) == ("fast-touchdown", 3)
+    assert api.check_mission(again.with_parameters({"LAND_ALT_LOW": 2200.0})) == ()
     told = json.loads(path.read_text(encoding="utf-8"))
     told["mission"]["items"][-1]["params"][4] += 0.0001  # moved by somebody: nothing is known of the ground there
     path.write_text(json.dumps(told), encoding="utf-8")

@@ -8,6 +8,8 @@ from typing import Any
 import pytest
 
 from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.flight.procedure import load_mission, upload_mission
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link import connect as connecting
 from ipoa_mission.link import orders
 from ipoa_mission.link import vehicle as verbs
@@ -50,6 +52,12 @@ def test_rally_points_go_with_a_mission_and_an_item_is_chosen_as_the_mission_cou
     vehicle.expect_on_ground()
     vehicle.upload(suited(vehicle, MISSION))
     assert vehicle.download().rally == RALLY
+    assert not any("rally points" in remark for remark in upload_mission(vehicle, suited(vehicle, MISSION)))
+    plain = suited(vehicle, replace(MISSION, rally=()))
+    with pytest.raises(MissionError, match="holds rally points of another mission"):
+        load_mission(vehicle, Forecast(plain))
+    assert vehicle.download().rally == RALLY
+    assert any("holds rally points of another mission" in remark for remark in upload_mission(vehicle, plain))
     vehicle.set_current(1)
     vehicle.home()  # while it answers, it tells what its current item is
     current = vehicle.state.current

@@ -14,6 +14,7 @@ testclient = pytest.importorskip("starlette.testclient")
 
 from ipoa_mission.studio.server import application  # noqa: E402
 from ipoa_mission.studio.session import Session  # noqa: E402
+from ipoa_mission.studio.sessions import Sessions  # noqa: E402
 from tests.studio.quick_studio import hasten  # noqa: E402
 
 TOKEN, HOST = "secret-token", "127.0.0.1:8123"
@@ -50,14 +51,15 @@ class Talk:
 class Studio:
     """A running server on `scenario`."""
 
-    def __init__(self, client: Any, scenario: Path) -> None:
+    def __init__(self, client: Any, scenario: Path, token: str = TOKEN) -> None:
         self.client = client
         self.scenario = scenario
+        self._token = token
 
     @contextmanager
     def window(self) -> Iterator[Talk]:
         headers = {"host": HOST, "origin": f"http://{HOST}"}
-        with self.client.websocket_connect(f"/{TOKEN}/talk", headers=headers) as socket:
+        with self.client.websocket_connect(f"/{self._token}/talk", headers=headers) as socket:
             yield Talk(socket)
 
 
@@ -79,7 +81,9 @@ def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
     scenario = Path(shutil.copy(MEADOW, folder / "meadow.toml"))
     with pytest.MonkeyPatch.context() as patch:
         hasten(patch.setattr)
-        app = application(Session(scenario), bundle, TOKEN, HOST)
+        sessions = Sessions()
+        sessions.add(TOKEN, Session(scenario))
+        app = application(sessions, bundle, HOST)
         with testclient.TestClient(app, base_url=f"http://{HOST}") as client:
             yield Studio(client, scenario)
 

@@ -13,9 +13,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from urllib.parse import urljoin
 
 import pytest
 
+from ipoa_mission import read_mission
 from ipoa_mission.errors import MissionError
 from ipoa_mission.files import write_atomically
 from tests.studio.conftest import MEADOW
@@ -98,7 +100,8 @@ class Window:
 
 
 def is_elsewhere(asked: str, url: str) -> bool:
-    return not asked.startswith((url, "blob:", "data:"))
+    """Whether something is asked of anyone but the server that gave out the page."""
+    return not asked.startswith((urljoin(url, "/"), "blob:", "data:"))
 
 
 @pytest.fixture
@@ -233,6 +236,38 @@ def test_a_map_is_dropped(page: Any, tmp_path: Path, address: tuple[str, Path]) 
     page.locator("summary", has_text="Maps and missions").click()
 
 
+def test_a_mission_is_dropped_opened_and_changed_item_by_item(own_page: Any, address: tuple[str, Path]) -> None:
+    proved(own_page)
+    own_page.locator("summary", has_text="Maps and missions").click()
+    own_page.locator("input[type=file]").set_input_files(REPOSITORY / "missions" / "sitl.plan")
+    own_page.get_by_role("button", name="Open it by itself").click()
+    own_page.get_by_role("heading", name="sitl: a mission file").wait_for()
+    until(own_page, "window.map?.isStyleLoaded() && map.querySourceFeatures('items').length > 0")
+    own_page.locator(".items button", has_text="4 ").first.click()
+    there = "map.querySourceFeatures('items').find(one => one.properties.seq === 4).geometry.coordinates"
+    x, y = own_page.evaluate(f"Object.values(map.project({there}))")
+    box = own_page.locator(".map").bounding_box()
+    own_page.mouse.move(box["x"] + x, box["y"] + y)
+    own_page.mouse.down()
+    own_page.mouse.move(box["x"] + x + 30, box["y"] + y - 30, steps=3)
+    own_page.mouse.up()
+    own_page.locator(".unsaved").wait_for()
+    field = own_page.get_by_role("spinbutton", name="Height")
+    field.fill("31.5")
+    field.press("Tab")
+    until(own_page, "/31[.]5/.test(document.querySelector('textarea').value)")
+    own_page.keyboard.press("Control+s")
+    own_page.locator(".saved").wait_for()
+    before, after = (read_mission(folder / "sitl.plan") for folder in (REPOSITORY / "missions", address[1].parent))
+    changed = [
+        n for n, pair in enumerate(zip(before.items, after.items, strict=True), 1) if repr(pair[0]) != repr(pair[1])
+    ]
+    assert changed == [4]
+    assert after.items[3].altitude == 31.5
+    own_page.set_viewport_size({"width": 390, "height": 844})
+    assert own_page.evaluate("document.documentElement.scrollWidth") <= 390
+
+
 def test_it_opens_proved(page: Any) -> None:
     proved(page)
     assert "required" in page.locator(".verdict").inner_text()
@@ -243,7 +278,7 @@ def test_it_opens_proved(page: Any) -> None:
 def test_an_item_is_chosen_in_list_map_and_profile_alike(page: Any) -> None:
     proved(page)
     page.locator(".items button").nth(2).click()  # the speed before it lies nowhere
-    assert page.locator(".items tr.chosen").count() == page.locator(".chart .mark.chosen").count() == 1
+    until(page, "['.items tr.chosen', '.chart .mark.chosen'].every(one => document.querySelectorAll(one).length === 1)")
     assert float(page.get_by_label("Moment of the flight").input_value()) > 0
     icons = "map.querySourceFeatures('items').map(one => one.properties.icon).filter(icon => icon.endsWith('!'))"
     until(page, f"{icons}.length > 0")

@@ -12,6 +12,7 @@ from ipoa_mission.studio import tiles
 from ipoa_mission.studio.guard import POLICY, policy_for
 from ipoa_mission.studio.server import application
 from ipoa_mission.studio.session import Session
+from ipoa_mission.studio.sessions import Sessions
 from tests.studio.conftest import HOST, MEADOW, TOKEN, testclient
 
 PICTURE = b"\x89PNG\r\n\x1a\n and so on"
@@ -123,9 +124,9 @@ def test_the_last_ones_are_kept_until_they_are_not_wanted(tmp_path: Path) -> Non
 
 def test_the_page_gets_tiles_of_the_file_and_nothing_more(tmp_path: Path) -> None:
     source = tiles.open_tiles(str(mbtiles(tmp_path / "a.mbtiles")))
-    client = testclient.TestClient(
-        application(Session(MEADOW), tmp_path, TOKEN, HOST, source), base_url=f"http://{HOST}"
-    )
+    sessions = Sessions()
+    sessions.add(TOKEN, Session(MEADOW))
+    client = testclient.TestClient(application(sessions, tmp_path, HOST, source), base_url=f"http://{HOST}")
     answer = client.get(f"/{TOKEN}/tiles/3/4/2")
     assert (answer.content, answer.headers["content-type"]) == (PICTURE, "image/png")
     assert client.get(f"/{TOKEN}/tiles/3/4/3").status_code == 204

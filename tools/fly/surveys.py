@@ -27,6 +27,7 @@ from ipoa_mission.scenario.read import scenario_of
 from ipoa_mission.vehicles.arducopter.dataflash import read_records
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from tools.fly.endings import connected, set_up, simulation
+from tools.fly.flown import ARMED_STATE
 
 COUNT = 20
 HOME = {"latitude_deg": 47.397742, "longitude_deg": 8.545594, "altitude_amsl": 488.0}
@@ -66,7 +67,8 @@ def surveyed(number: int, autopilot: Autopilot) -> dict[str, Any]:
     def ring(*shares: tuple[float, float]) -> list[list[float]]:
         angle = math.radians(37.0 * number)
         turn = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
-        return (middle + np.array(shares) * (wide, deep) @ turn).round(2).tolist()
+        corners: list[list[float]] = (middle + np.array(shares) * (wide, deep) @ turn).round(2).tolist()
+        return corners
 
     rings = [ring((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))]
     if kind == "hole":
@@ -120,8 +122,11 @@ def photos_in(log: Path) -> int:
     """How many photos a vehicle took by its own log."""
     if log.suffix == ".BIN":
         return sum(1 for _ in read_records(log, frozenset({"CAM"})))
-    topics = import_module("pyulog").ULog(str(log), [PHOTO]).data_list
-    return sum(len(topic.data["timestamp"]) for topic in topics)
+    read: Any = import_module("pyulog").ULog(str(log), [PHOTO, "vehicle_status"])
+    topics = {topic.name: topic.data for topic in read.data_list}
+    status = topics["vehicle_status"]
+    armed = status["timestamp"][np.argmax(status["arming_state"] == ARMED_STATE)]
+    return int((topics[PHOTO]["timestamp"] > armed).sum())  # its driver tells of one when it starts
 
 
 def rows_of(path: Path) -> Iterator[Row]:

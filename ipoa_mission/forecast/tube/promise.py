@@ -74,11 +74,12 @@ class Kept:
     def words(self, confidence: float | None) -> str:
         """What flights keep, what is predicted and what is required, in one line without a full stop."""
         least, most, bound = (up, down, "at most ") if self.limit == "ceiling" else (down, up, "")
-        predicted, required = f"{least(self.nominal):.2f} m", f"{bound}{most(self.required):.2f} m required"
+        nominal, required = least(self.nominal), f"{bound}{most(self.required):.2f} m required"
+        predicted = f"{abs(nominal):.2f} m{' inside' if nominal < 0 else ''}"
         if confidence is None:
             return f"predicted {predicted}; {required}"
-        share = f"{100 * confidence:g} % of flights keep"
-        return f"{share} {bound}{least(self.kept):.2f} m (predicted {predicted}); {required}"
+        kept = f"{bound}{least(self.kept):.2f} m" if self.kept >= 0 else "nothing"
+        return f"{100 * confidence:g} % of flights keep {kept} (predicted {predicted}); {required}"
 
 
 @dataclass(frozen=True)

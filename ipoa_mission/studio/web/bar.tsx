@@ -1,9 +1,11 @@
 // The bar on top: what is open, the tools, undo and redo, saving, the view.
-import { proved, send, set, type Tool } from "./store";
+import { isMission, proved, send, set, studio, type Studio, type Tool } from "./store";
 import { useStudio } from "./use";
 
+const OF_MISSIONS: Tool[] = ["select", "waypoint", "measure"];
 const TOOLS: [Tool, string, string, string, string][] = [
   ["select", "↖", "select", "Select and drag", "v"],
+  ["waypoint", "◆", "waypoint", "Waypoint after the item that is chosen", "w"],
   ["via", "◆", "via", "Via point", "w"],
   ["polygon", "⬠", "building", "Building, corner by corner", "b"],
   ["cylinder", "○", "mast", "Mast or tree", "m"],
@@ -11,6 +13,9 @@ const TOOLS: [Tool, string, string, string, string][] = [
   ["keep-in", "▢", "keep in", "Keep-in fence", "f"],
   ["measure", "↔", "measure", "Measure a distance", "d"],
 ];
+
+/** The tools for what is open. */
+const toolsOf = (now: Studio) => TOOLS.filter(([name]) => (isMission(now) ? OF_MISSIONS.includes(name) : name !== "waypoint"));
 
 export function Bar() {
   const now = useStudio();
@@ -20,7 +25,7 @@ export function Bar() {
     <header class="bar">
       <h1>{shown.name}<span class={shown.unsaved ? "unsaved" : "saved"}>{shown.unsaved ? "unsaved" : "saved"}</span></h1>
       <div class="group" role="toolbar" aria-label="Tools">
-        {TOOLS.map(([name, sign, word, words, key]) => (
+        {toolsOf(now).map(([name, sign, word, words, key]) => (
           <button type="button" key={name} aria-pressed={tool === name} title={`${words} (${key})`} aria-label={words}
             onClick={() => set({ tool: name })}><span aria-hidden="true">{sign}<small>{word}</small></span></button>
         ))}
@@ -35,12 +40,22 @@ export function Bar() {
         {now.tiles && <button type="button" aria-pressed={now.picture} onClick={() => set({ picture: !now.picture })}>Map</button>}
         <button type="button" aria-pressed={space} onClick={() => set({ space: !space })}>3-D</button>
         <button type="button" class="strong" disabled={!shown.unsaved} onClick={() => send({ kind: "do", what: "save" })}>Save</button>
-        <button type="button" disabled={!proved(now)} title={`Write ${shown.name}.plan, .waypoints, .json and the report`}
-          onClick={() => send({ kind: "do", what: "export" })}>Mission files</button>
+        {isMission(now) ? <SaveAs now={now} /> : <button type="button" disabled={!proved(now)} title={`Write ${shown.name}.plan, .waypoints, .json and the report`}
+          onClick={() => send({ kind: "do", what: "export" })}>Mission files</button>}
+        {!isMission(now) && <button type="button" disabled={!proved(now)} title="The planned flight as a mission file of its own, to be changed item by item: it will be planned and proved no more"
+          onClick={() => send({ kind: "do", what: "detach" })}>Edit items</button>}
       </div>
       {!connected && <p class="lost" role="status">The studio does not answer. What was done is kept; it will be back when the program is.</p>}
     </header>
   );
+}
+
+/** The mission in the other format, or as a file of its own. */
+function SaveAs({ now }: { now: Studio }) {
+  return <>{([".plan", ".waypoints"] as const).map(suffix => (
+    <button type="button" key={suffix} disabled={!now.mission} title={`Write ${now.document?.name}${suffix} beside it, over nothing`}
+      onClick={() => send({ kind: "save_as", suffix })}>As {suffix}</button>
+  ))}</>;
 }
 
 /** Keys that work wherever no field is written in. */
@@ -55,7 +70,7 @@ export function listenToKeys(): void {
       event.preventDefault();
       send({ kind: "do", what });
     } else if (!held && !event.altKey) {
-      const tool = TOOLS.find(one => one[4] === event.key);
+      const tool = toolsOf(studio).find(one => one[4] === event.key);
       if (tool) set({ tool: tool[0] });
       if (event.key === "Escape") set({ tool: "select", selected: null });
       if (event.key === "3") set({ space: true });

@@ -1,6 +1,6 @@
 // Files that are dropped on the page: the server keeps them beside the scenario, the user says what they are.
 import { useEffect, useRef } from "preact/hooks";
-import { edit, set, type Dropped, type Studio } from "./store";
+import { edit, send, set, type Dropped, type Studio } from "./store";
 
 const KINDS: [string, string][] = [["buildings", "Buildings to fly round"], ["no_fly", "Zones to keep out of"], ["flight_area", "The area to stay in"]];
 
@@ -22,7 +22,7 @@ function use(dropped: Dropped, kind: string): void {
   }
 }
 
-/** What a dropped map is, asked where one looks: on top of all that is said of the flight. */
+/** What a dropped file is, asked where one looks: on top of all that is said of the flight. */
 export function Question({ now }: { now: Studio }) {
   const asked = now.dropped, first = useRef<HTMLButtonElement>(null);
   useEffect(() => first.current?.focus(), [asked]);
@@ -30,8 +30,11 @@ export function Question({ now }: { now: Studio }) {
   const close = () => set({ dropped: null });
   return (
     <section class="question" role="group" aria-label={`What is ${asked.file}?`}>
-      <p>What is <b>{asked.file}</b>?</p>
-      <p class="column">{KINDS.map(([kind, words], n) => <button type="button" key={kind} ref={n ? null : first} onClick={() => { use(asked, kind); close(); }}>{words}</button>)}
+      <p>{asked.kind === "mission" ? "What is to be done with" : "What is"} <b>{asked.file}</b>?</p>
+      <p class="column">{asked.kind === "mission" && <>
+        <button type="button" ref={first} onClick={() => { use(asked, ""); close(); }}>Take its places, home and fence into this scenario</button>
+        <button type="button" onClick={() => { send({ kind: "open", path: asked.file }); close(); }}>Open it by itself, in this scenario's world</button></>}
+        {asked.kind === "map" && KINDS.map(([kind, words], n) => <button type="button" key={kind} ref={n ? null : first} onClick={() => { use(asked, kind); close(); }}>{words}</button>)}
         <button type="button" onClick={close}>Nothing: leave it</button></p>
     </section>
   );
@@ -41,7 +44,7 @@ export function Drop() {
   const take = async (files: FileList | null) => {
     for (const file of files ?? []) {
       const dropped = await keep(file);
-      if (dropped?.kind === "map") set({ dropped });
+      if (dropped?.kind === "map" || dropped?.kind === "mission") set({ dropped });
       else if (dropped) use(dropped, "");
     }
   };

@@ -72,6 +72,26 @@ export function Limits({ now }: { now: Studio }) {
   );
 }
 
+interface Numeric {
+  label: string;
+  unit?: string;
+  about?: string;
+  value: number | null;
+  step: number | "any";
+  bare?: boolean;
+  change: (value: number | null) => void;
+}
+
+/** A number with its unit; emptied it is none. */
+export function NumberInput({ label, unit, about, value, step, bare, change }: Numeric) {
+  const settle = (text: string) => {
+    const number = text.trim() === "" ? null : Number(text);
+    if (number !== value && (number === null || Number.isFinite(number))) change(number);
+  };
+  const input = <Typed type="number" step={step} value={value === null ? "" : String(value)} label={bare ? label : undefined} change={settle} />;
+  return bare ? input : <label class="field" title={about || undefined}><span>{label}</span>{input}<em>{unit ?? ""}</em></label>;
+}
+
 interface Typing {
   type: "text" | "number";
   value: string;
@@ -79,14 +99,15 @@ interface Typing {
   step?: number | "any";
   placeholder?: string;
   maxLength?: number;
+  label?: string | undefined;
 }
 
 /** An input that keeps what is being typed when an answer arrives meanwhile. */
-function Typed({ type, value, change, ...rest }: Typing) {
+function Typed({ type, value, change, label, ...rest }: Typing) {
   const [draft, setDraft] = useState<string | null>(null);
   const settle = (event: { currentTarget: HTMLInputElement }) => { setDraft(null); change(event.currentTarget.value); };
   const keep = (event: { currentTarget: HTMLInputElement }) => setDraft(event.currentTarget.value);
-  const all = { ...rest, value: draft ?? value, onInput: keep, onChange: settle, onBlur: () => setDraft(null) };
+  const all = { ...rest, "aria-label": label, value: draft ?? value, onInput: keep, onChange: settle, onBlur: () => setDraft(null) };
   return type === "number" ? <input type="number" {...all} /> : <input type="text" {...all} />;
 }
 
@@ -118,7 +139,7 @@ function ChoiceField({ field, now }: { field: Field; now: Studio }) {
 function HeightForAll({ now }: { now: Studio }) {
   const scenario = now.document!.scenario as Scenario;
   const change = (height: number) => {
-    const places: [Path, object][] = [[["start"], scenario.start], [["goal"], scenario.goal], ...(scenario.via ?? []).map((via, n): [Path, object] => [["via", n], via])];
+    const places: [Path, object][] = [[["start"], scenario.start ?? {}], [["goal"], scenario.goal ?? {}], ...(scenario.via ?? []).map((via, n): [Path, object] => [["via", n], via])];
     const changes = places.flatMap(([path, place]) => [
       ...["up", "altitude_amsl"].filter(key => key in place).map(key => ({ op: "take" as const, path: [...path, key] })),
       { op: "put" as const, path: [...path, "height_above_ground"], value: height },

@@ -1,16 +1,19 @@
 // What hands do on the map: choose and drag things, draw new ones. Drawings become tables of the scenario.
-import type { Map as MapLibre, MapMouseEvent } from "maplibre-gl";
+import type { Map as MapLibre, MapMouseEvent, MapTouchEvent } from "maplibre-gl";
 import type { Body } from "./messages";
-import { draft, fit } from "./map";
+import { addItem, placeForNew, takeItem } from "./items";
+import { draft, fit, placesOf } from "./map";
 import { keyPath, line, pathKey } from "./shapes";
-import { chooseItem, drag, edit, endDrag, listen, set, studio, type Change, type LngLat, type Path } from "./store";
+import { chooseItem, drag, edit, endDrag, isMission, listen, set, studio, type Change, type LngLat, type Path } from "./store";
 
 const HEIGHT = 15; // of what is drawn, until it is given another [m]
 const RADIUS = 3; // of a mast [m]
+const WAYPOINT = 16; // its MAV_CMD
 const CLOSE = 12; // pixels from the first corner within which a polygon is closed
 const PICKED = ["roofs", "roofs-space", "keep-out", "fence-lines"];
 const WORDS: Record<string, string> = {
   measure: "Click from place to place. Esc ends it.",
+  waypoint: "Click where the next waypoint is to be; it comes after the item that is chosen. Esc ends it.",
   via: "Click where the flight is to pass. Esc ends it.",
   polygon: "Click corner by corner; click the first again, or press Enter, to close it. Esc gives it up.",
   cylinder: "Click where the mast or tree stands.",
@@ -39,6 +42,7 @@ export function useHands(map: MapLibre): void {
   map.on("click", event => {
     const at = event.lngLat.toArray() as LngLat, tool = studio.tool;
     if (tool === "select") return choose(map, event);
+    if (tool === "waypoint") return addItem(placeForNew(studio), WAYPOINT, at);
     if (tool === "via") return addPlace("via", at);
     if (tool === "rally") return addPlace("rally", at);
     if (tool === "cylinder") return addMast(at);
@@ -48,9 +52,14 @@ export function useHands(map: MapLibre): void {
   });
   map.on("mousemove", event => {
     if (corners.length) show(event.lngLat.toArray() as LngLat);
-    map.getCanvas().style.cursor = studio.tool !== "select" ? "crosshair" : pick(map, event) ? "move" : "";
+    map.getCanvas().style.cursor = studio.tool !== "select" ? "crosshair" : itemAt(map, event) !== null && isMission(studio) || pick(map, event) ? "move" : "";
   });
-  map.on("mousedown", event => { if (studio.tool === "select" && !studio.space) grab(map, event); });
+  map.on("mousedown", event => {
+    if (studio.tool !== "select" || studio.space) return;
+    if (isMission(studio)) grabItem(map, event);
+    else grab(map, event);
+  });
+  map.on("touchstart", event => { if (studio.tool === "select" && isMission(studio) && !studio.space && event.points.length === 1) grabItem(map, event); });
   addEventListener("keydown", event => {
     if (event.key === "Escape") giveUp();
     if (event.key === "Enter" && corners.length) close();
@@ -67,6 +76,7 @@ export function useHands(map: MapLibre): void {
     const free = !(event.target instanceof HTMLElement && event.target.matches("input, textarea, select"));
     if (free && event.key === "Home" && studio.world) fit(map, studio.world);
     if (free && (event.key === "Delete" || event.key === "Backspace") && studio.selected) remove(studio.selected);
+    else if (free && event.key === "Delete" && isMission(studio) && studio.item !== null) takeItem(studio.item);
   });
 }
 
@@ -112,14 +122,48 @@ function addRing(ring: LngLat[]): void {
 }
 
 function choose(map: MapLibre, event: MapMouseEvent): void {
-  const { x, y } = event.point, near: [[number, number], [number, number]] = [[x - 6, y - 6], [x + 6, y + 6]];
-  const item = map.queryRenderedFeatures(near, { layers: ["items"] })[0];
-  if (item) chooseItem(Number(item.properties.seq));
+  const item = itemAt(map, event);
+  if (item !== null) chooseItem(item);
+  else if (isMission(studio)) set({ item: null });
   set({ selected: pick(map, event) });
+}
+
+/** The number of the item under the pointer. */
+function itemAt(map: MapLibre, { point: { x, y } }: Grip): number | null {
+  const item = map.queryRenderedFeatures([[x - 6, y - 6], [x + 6, y + 6]], { layers: ["items"] })[0];
+  return item ? Number(item.properties.seq) : null;
+}
+
+type Grip = MapMouseEvent | MapTouchEvent;
+
+/** Drag an item of a mission: the legs to it and from it go along; where it is let go it is checked and timed. */
+function grabItem(map: MapLibre, event: Grip): void {
+  const seq = itemAt(map, event), from = event.point;
+  if (seq === null) return;
+  const item = studio.mission?.items.find(one => one.seq === seq), places = placesOf(studio), at = places.findIndex(one => one.seq === seq);
+  event.preventDefault();
+  chooseItem(seq);
+  if (!item || item.part_of) return;
+  let put: LngLat | null = null;
+  const move = (to: Grip) => {
+    if (!put && Math.hypot(to.point.x - from.x, to.point.y - from.y) <= 3) return;
+    put = to.lngLat.toArray() as LngLat;
+    const ends = [places[at - 1]?.place, put, places[at + 1]?.place].filter(place => place !== undefined);
+    draft(map, [line(ends), { type: "Feature", properties: {}, geometry: { type: "Point", coordinates: put } }]);
+  };
+  const drop = () => {
+    for (const kind of ["mousemove", "touchmove"] as const) map.off(kind, move);
+    for (const kind of ["mouseup", "touchend"] as const) removeEventListener(kind, drop);
+    draft(map, []);
+    if (put) edit(`item ${seq} moved`, { op: "move_item", seq, place: put });
+  };
+  for (const kind of ["mousemove", "touchmove"] as const) map.on(kind, move);
+  for (const kind of ["mouseup", "touchend"] as const) addEventListener(kind, drop);
 }
 
 /** The path to what is under the pointer, if the scenario itself draws it. */
 function pick(map: MapLibre, event: MapMouseEvent): Path | null {
+  if (isMission(studio)) return null;
   const features = map.queryRenderedFeatures(event.point, { layers: PICKED });
   const key = features.find(feature => feature.properties.path)?.properties.path as string | undefined;
   return key ? keyPath(key) : null;

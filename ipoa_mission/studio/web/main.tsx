@@ -11,12 +11,14 @@ import { Drop, Question } from "./drop";
 import { Fly } from "./fly";
 import { Chosen, Limits } from "./form";
 import { useHands } from "./hands";
-import { Items } from "./items";
+import { ChosenItem, Items } from "./items";
 import { makeMap } from "./map";
+import { Replayed, World } from "./mission";
 import { showPointer } from "./pointer";
 import { Profile } from "./profile";
 import { showSpots } from "./spots";
-import { send, studio, type Candidate, type Studio } from "./store";
+import { StartPage } from "./start";
+import { isMission, send, studio, type Candidate, type Studio } from "./store";
 import { Outside, Text } from "./text";
 import { useStudio } from "./use";
 import { Verdict } from "./verdict";
@@ -46,6 +48,8 @@ function take(candidate: Candidate): void {
 
 function Page() {
   const now = useStudio();
+  if (now.start) return <><Bar /><StartPage now={now} /></>;
+  const isScenario = !isMission(now);
   return (
     <>
       <Bar />
@@ -58,14 +62,11 @@ function Page() {
           <Outside now={now} />
           <Question now={now} />
           <Verdict now={now} />
-          <Chosen now={now} />
+          {isScenario ? <Chosen now={now} /> : <><ChosenItem now={now} /><Items now={now} /><World now={now} /></>}
+          <Replayed now={now} />
           <Bindings now={now} />
-          <Items now={now} />
-          <Candidates now={now} take={take} />
-          <Fly now={now} />
-          <Choices now={now} />
-          <Limits now={now} />
-          <Drop />
+          {isScenario && <Items now={now} />}
+          {isScenario && <><Candidates now={now} take={take} /><Fly now={now} /><Choices now={now} /><Limits now={now} /><Drop /></>}
           <Remarks now={now} />
           <Text now={now} />
         </aside>

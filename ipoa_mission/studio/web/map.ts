@@ -3,7 +3,7 @@ import { Map as MapLibre, NavigationControl, ScaleControl, setWorkerUrl, type Ge
 import type { Line, Trouble, World } from "./messages";
 import { color, onSchemeChange } from "./colors";
 import * as shapes from "./shapes";
-import { blocking, coarseOf, isNamed, listen, proved, set, studio, type Studio } from "./store";
+import { blocking, coarseOf, isMission, isNamed, listen, proved, set, studio, type LngLat, type Studio } from "./store";
 
 setWorkerUrl(new URL("map-worker.js", document.baseURI).href);
 
@@ -38,7 +38,8 @@ export function makeMap(container: HTMLElement): MapLibre {
 }
 
 export function fit(map: MapLibre, world: World, animate = true): void {
-  const places = world.spots.map(spot => spot.place as [number, number]);
+  const items = isMission(studio) ? studio.mission?.items.flatMap(item => (item.place ? [item.place] : [])) ?? [] : [];
+  const places = [...world.spots.map(spot => spot.place), ...items] as [number, number][];
   const [west, south, east, north] = world.box as [number, number, number, number];
   const lng = places.map(place => place[0]), lat = places.map(place => place[1]);
   const near = [Math.min(...lng), Math.min(...lat), Math.max(...lng), Math.max(...lat)] as const;
@@ -73,10 +74,11 @@ function update(map: MapLibre, now: Studio, before: Studio): void {
     if (!before.world || wentAway(map, now.world, before.world)) fit(map, now.world, false);
   }
   if (now.troubles !== before.troubles || now.world !== before.world) drawLit(map, now);
-  if (["plan", "sketch", "drag", "document", "world"].some(key => now[key as keyof Studio] !== before[key as keyof Studio])) drawPath(map, now);
+  if (now.mission && !before.mission && now.world) fit(map, now.world, false);
+  if (["plan", "sketch", "drag", "document", "world", "mission"].some(key => now[key as keyof Studio] !== before[key as keyof Studio])) drawPath(map, now);
   if (now.tiles !== before.tiles || now.picture !== before.picture) showPicture(map, now);
   if (now.item !== before.item) drawItems(map, now);
-  if (now.flown !== before.flown) drawFlown(map, now);
+  if (now.flown !== before.flown || now.replay !== before.replay) drawFlown(map, now);
   if (now.candidates !== before.candidates) drawKept(map, now);
   if (now.at !== before.at || now.plan !== before.plan || now.document !== before.document || now.space !== before.space) drawHere(map, now);
   if (now.space !== before.space) {
@@ -125,7 +127,9 @@ function drawWorld(map: MapLibre, world: World): void {
 function drawPath(map: MapLibre, now: Studio): void {
   const plan = proved(now), coarse = now.drag ?? (plan ? null : coarseOf(now));
   const course: Line | undefined = coarse ? coarse.line : plan?.course.line;
-  fill(map, "path", course ? [shapes.line(course.points, { coarse: coarse !== null, holds: coarse?.holds ?? true })] : []);
+  const untimed = course || !isMission(now) ? [] : placesOf(now).map(item => item.place);
+  fill(map, "path", course ? [shapes.line(course.points, { coarse: coarse !== null, holds: coarse?.holds ?? true })]
+    : untimed.length > 1 ? [shapes.line(untimed, { coarse: true, holds: true })] : []);
   fill(map, "others", coarse ? coarse.others.map(other => shapes.line(other.points)) : []);
   drawItems(map, now);
   fill(map, "tube", plan && !coarse ? shapes.tube(plan) : []);
@@ -134,7 +138,7 @@ function drawPath(map: MapLibre, now: Studio): void {
 
 /** Where the items lie that have a place, by their numbers; the chosen one stands out. */
 function drawItems(map: MapLibre, now: Studio): void {
-  const stops = now.drag ? [] : proved(now)?.stops ?? [];
+  const stops = isMission(now) ? placesOf(now) : now.drag ? [] : proved(now)?.stops ?? [];
   fill(map, "items", stops.filter(stop => stop.place).map(stop => {
     const name = `${stop.seq}${stop.seq === now.item ? "!" : ""}`, icon = `item${name}`;
     if (!map.hasImage(icon)) map.addImage(icon, numbered(name), { pixelRatio: 2 });
@@ -142,8 +146,13 @@ function drawItems(map: MapLibre, now: Studio): void {
   }));
 }
 
+/** The items of an open mission that lie somewhere. */
+export function placesOf(now: Studio): { seq: number; place: LngLat }[] {
+  return now.mission?.items.flatMap(item => (item.place ? [{ seq: item.seq, place: item.place as LngLat }] : [])) ?? [];
+}
+
 function drawFlown(map: MapLibre, now: Studio): void {
-  const points = now.flown.map(seen => seen.place), up = now.flown.map(seen => seen.up);
+  const points = now.replay?.line.points ?? now.flown.map(seen => seen.place), up = now.replay?.line.up ?? now.flown.map(seen => seen.up);
   fill(map, "flown", points.length > 1 ? [shapes.line(points)] : []);
   const last = now.flight?.phase === "flying" ? points.at(-1) : undefined;
   fill(map, "vehicle", last ? [{ type: "Feature", properties: {}, geometry: { type: "Point", coordinates: last as [number, number] } }] : []);

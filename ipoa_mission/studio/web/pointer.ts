@@ -21,6 +21,7 @@ export function showPointer(map: MapLibre): void {
 /** The ground between the four heights about a place; none outside of the flight's bounds. */
 function groundAt(world: World, place: LngLat): number | null {
   const { corner, step, columns, up } = world.heights, rows = up.length / columns;
+  if (!up.length) return null;
   const x = (place[0] - corner[0]!) / step[0]!, y = (place[1] - corner[1]!) / step[1]!;
   if (!(x >= 0 && y >= 0 && x <= columns - 1 && y <= rows - 1)) return null;
   const column = Math.min(Math.floor(x), columns - 2), row = Math.min(Math.floor(y), rows - 2), [east, north] = [x - column, y - row];

@@ -1,7 +1,7 @@
 // Height over the way, with ground below and what stands near; the slider that flies it.
 import { useEffect, useRef } from "preact/hooks";
 import type { Course, Plan } from "./messages";
-import { proved, set, studio, type Studio } from "./store";
+import { isMission, proved, set, studio, type Studio } from "./store";
 import { seconds } from "./words";
 
 const WIDE = 1000, HIGH = 150;
@@ -24,17 +24,17 @@ export function Profile({ now }: { now: Studio }) {
     timer.current = requestAnimationFrame(step);
     return () => cancelAnimationFrame(timer.current);
   }, [now.playing, plan?.proof]);
-  if (!plan) return <footer class="profile empty"><p class="note">The height profile comes with the proved path.</p></footer>;
+  if (!plan) return <footer class="profile empty"><p class="note">{isMission(now) ? "A mission that cannot be timed has no height profile." : "The height profile comes with the proved path."}</p></footer>;
   const course = plan.course, at = Math.min(now.at, course.times.length - 1);
   const apart = course.apart[at];
   return (
     <footer class="profile">
-      <Chart now={now} plan={plan} at={at} flown={now.flown.map(seen => [seen.time_s, seen.up])} />
+      <Chart now={now} plan={plan} at={at} flown={now.replay ? now.replay.times.map((time, n) => [time, now.replay!.line.up[n]!]) : now.flown.map(seen => [seen.time_s, seen.up])} />
       <div class="slider">
         <button type="button" aria-label={now.playing ? "Pause" : "Play"} onClick={() => set({ playing: !now.playing, at: at >= course.times.length - 1 ? 0 : at })}>{now.playing ? "❚❚" : "▶"}</button>
         <input type="range" min="0" max={course.times.length - 1} value={at} aria-label="Moment of the flight"
           aria-valuetext={`${course.times[at]!.toFixed(0)} seconds`} onInput={event => set({ at: Number(event.currentTarget.value), playing: false })} />
-        <output>{seconds(course.times[at]!)} · {course.line.up[at]!.toFixed(1)} m up, {(course.line.up[at]! - course.ground[at]!).toFixed(1)} m above ground · {course.speeds[at]!.toFixed(1)} m/s{apart === null || apart === undefined ? "" : ` · ${apart.toFixed(1)} m clear`}</output>
+        <output>{seconds(course.times[at]!)} · {course.line.up[at]!.toFixed(1)} m above home{isMission(now) && !now.mission?.scenario ? "" : `, ${(course.line.up[at]! - course.ground[at]!).toFixed(1)} m above ground`} · {course.speeds[at]!.toFixed(1)} m/s{apart === null || apart === undefined ? "" : ` · ${apart.toFixed(1)} m clear`}</output>
       </div>
     </footer>
   );

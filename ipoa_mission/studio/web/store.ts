@@ -1,12 +1,12 @@
 // What this window knows: the latest answer of each kind, and what the user is at. One object, replaced as it changes.
-import type { Answer, Document, Edit, Landed, Loaded, Plan, Put, Progress, Request, Seen, Sketch, State, Tiles, Trouble, World } from "./messages";
+import type { Answer, Beginning, Checked, Document, Edit, Landed, Loaded, OpenMission, Plan, Put, Progress, Replay, Request, Seen, Sketch, State, Tiles, Trouble, World } from "./messages";
 import { connect } from "./link";
 
 export type Change = Edit["changes"][number];
 export type Path = Put["path"];
 export type LngLat = [number, number];
 
-export type Tool = "select" | "measure" | "via" | "box" | "polygon" | "cylinder" | "keep-out" | "keep-in" | "rally";
+export type Tool = "select" | "measure" | "waypoint" | "via" | "box" | "polygon" | "cylinder" | "keep-out" | "keep-in" | "rally";
 
 export interface Candidate {
   name: string;
@@ -23,6 +23,10 @@ export interface Studio {
   sketch: Sketch | null;
   drag: Sketch | null;
   plan: Plan | null;
+  mission: OpenMission | null;
+  checked: Checked | null;
+  replay: Replay | null;
+  start: Beginning | null;
   progress: Progress | null;
   troubles: Trouble[];
   tool: Tool;
@@ -44,12 +48,14 @@ export interface Studio {
 /** A file that was dropped, and is kept beside the scenario. */
 export interface Dropped {
   kind: "map" | "elevation" | "mission";
+  path?: string;
   file: string;
   changes: Change[];
 }
 
 export let studio: Studio = {
   connected: false, document: null, world: null, tiles: null, picture: true, sketch: null, drag: null, plan: null, progress: null, troubles: [],
+  mission: null, checked: null, replay: null, start: null,
   tool: "select", selected: null, space: false, at: 0, item: null, playing: false, candidates: [], loaded: null, seen: null,
   flown: [], landed: null, flight: null, notice: "", dropped: null,
 };
@@ -68,7 +74,7 @@ export function set(change: Partial<Studio>): void {
 }
 
 /** A server that comes back numbers its revisions anew: what an earlier one proved counts no more; it tells what it has. */
-const FORGOTTEN = { sketch: null, drag: null, plan: null, progress: null, troubles: [], loaded: null, flight: null };
+const FORGOTTEN = { sketch: null, drag: null, plan: null, mission: null, checked: null, replay: null, progress: null, troubles: [], loaded: null, flight: null };
 
 const link = connect(hear, connected => set({ connected, ...(connected ? FORGOTTEN : {}) }));
 
@@ -76,10 +82,14 @@ export function send(request: Request): void {
   link.send(request);
 }
 
-/** Change the scenario; every window is told. */
+/** Change the file; every window is told. A mission's items are meant by the numbers that are shown. */
 export function edit(label: string, ...changes: Change[]): void {
-  if (studio.document) send({ kind: "edit", seen: studio.document.revision, label, changes });
+  const shown = isMission(studio) ? studio.mission : studio.document;
+  if (shown) send({ kind: "edit", seen: shown.revision, label, changes });
 }
+
+/** Whether a mission file is open, and no scenario. */
+export const isMission = (now: Studio): boolean => now.document?.of === "mission";
 
 let asked = 0;
 let waiting: Change[] | null = null;
@@ -139,6 +149,22 @@ function hear(answer: Answer): void {
     case "plan":
       set({ plan: answer, progress: null, at: Math.min(studio.at, answer.course.times.length - 1) });
       break;
+    case "mission":
+      set({ mission: answer, item: studio.item !== null && studio.item > answer.items.length ? null : studio.item });
+      break;
+    case "checked":
+      set({ checked: answer, ...(answer.timeless === null ? {} : { plan: null, replay: null }) });
+      break;
+    case "replay":
+      set({ replay: answer });
+      break;
+    case "beginning":
+      document.title = "studio";
+      set({ start: answer });
+      break;
+    case "elsewhere":
+      location.assign(new URL(answer.address, document.baseURI));
+      break;
     case "trouble":
       if (answer.of === "sketch" && awaited) dragAnswered();
       set({ troubles: [...studio.troubles.filter(one => one.of !== answer.of), answer] });
@@ -158,7 +184,7 @@ function hear(answer: Answer): void {
       set({ flight: answer });
       break;
     case "written":
-      set({ notice: `written: ${answer.files.join(", ")}` });
+      set({ notice: [`written: ${answer.files.join(", ")}`, ...answer.remarks ?? []].join("; ") });
       break;
   }
 }
@@ -166,7 +192,7 @@ function hear(answer: Answer): void {
 /** An item of the mission is chosen: in the list, on the map and in the profile alike. */
 export function chooseItem(seq: number): void {
   const stop = proved(studio)?.stops.find(one => one.seq === seq);
-  if (stop) set({ item: seq, at: stop.at, playing: false });
+  set({ item: seq, playing: false, ...(stop ? { at: stop.at } : {}) });
 }
 
 /** The coarse path to show: of a drag, or of the scenario as it is now; never one of an earlier scenario. */
@@ -189,7 +215,8 @@ export function isNamed(name: string, refusals: Trouble[]): boolean {
   });
 }
 
-/** The plan, if it is of the scenario as it is now. */
+/** The plan, if it is of the scenario as it is now; of a mission the last one, which the next soon replaces. */
 export function proved(now: Studio): Plan | null {
+  if (isMission(now)) return now.plan?.of === "mission" ? now.plan : null;
   return now.plan && now.document && now.plan.revision === now.document.revision ? now.plan : null;
 }

@@ -8,7 +8,7 @@ export function Text({ now }: { now: Studio }) {
   if (!shown) return null;
   return (
     <details class="panel">
-      <summary>The scenario's text</summary>
+      <summary>{shown.of === "mission" ? "The file's text" : "The scenario's text"}</summary>
       <textarea aria-label="The scenario's text" spellcheck={false} rows={16} value={draft?.text ?? shown.text}
         onInput={event => setDraft({ text: event.currentTarget.value, seen: draft?.seen ?? shown.revision })} />
       <p class="buttons">

@@ -2,7 +2,8 @@
 import { useEffect, useRef } from "preact/hooks";
 import { showNamed } from "./map";
 import type { Trouble } from "./messages";
-import { blocking, coarseOf, edit, proved, send, type Studio } from "./store";
+import { MissionVerdict } from "./mission";
+import { blocking, coarseOf, edit, isMission, proved, send, type Studio } from "./store";
 import { meters, seconds, share } from "./words";
 
 export function Verdict({ now }: { now: Studio }) {
@@ -12,7 +13,8 @@ export function Verdict({ now }: { now: Studio }) {
   useEffect(() => { if (first) place.current?.scrollIntoView({ block: "nearest" }); }, [first]);
   return (
     <section class="verdict" aria-live="polite" ref={place}>
-      {refusals.length && !now.drag ? <Troubles of={refusals} />
+      {isMission(now) ? (refusals.length ? <Troubles of={refusals} /> : <MissionVerdict now={now} checked={now.checked?.revision === now.document?.revision ? now.checked : null} />)
+        : refusals.length && !now.drag ? <Troubles of={refusals} />
         : plan && !now.drag ? (
           <p class={plan.warnings.length ? "amber" : "good"}><b aria-hidden="true">{plan.warnings.length ? "!" : "✓"}</b> Proved. {
             plan.kept === null ? <>{plan.verdict}.</>
@@ -57,7 +59,7 @@ function Figures({ now }: { now: Studio }) {
     return (
       <dl class="figures">
         <div><dt>flight</dt><dd>{seconds(plan.total_s)}<small>{seconds(plan.low_s)} to {seconds(plan.high_s)}</small></dd></div>
-        <div><dt>{plan.confidence === null ? "predicted clearance" : "flights keep"}</dt><dd>{plan.kept === null ? "–" : meters(plan.kept, 2)}<small>{meters(plan.required, 2)} required</small></dd></div>
+        {plan.required > 0 && <div><dt>{plan.confidence === null ? "predicted clearance" : "flights keep"}</dt><dd>{plan.kept === null ? "–" : meters(plan.kept, 2)}<small>{meters(plan.required, 2)} required</small></dd></div>}
         <div><dt>path</dt><dd>{meters(plan.length, 0)}</dd></div>
         {plan.energy_wh !== null && <div><dt>energy</dt><dd>{plan.energy_wh.toFixed(1)} Wh<small>{plan.battery_left === null ? "" : `${share(plan.battery_left)} left`}</small></dd></div>}
       </dl>

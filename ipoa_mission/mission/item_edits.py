@@ -1,0 +1,91 @@
+"""A mission with one item changed, put in or taken out: jumps still lead to the items that they led to."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.mission.commands import Command
+from ipoa_mission.mission.complex_items import entries
+from ipoa_mission.mission.items import Item, Mission
+
+
+def with_item(mission: Mission, seq: int, item: Item) -> Mission:
+    """The mission with another item number `seq`.
+
+    Raises:
+        BadInput: there is no such item, or it is one of a survey or scan.
+    """
+    _expect_alone(mission, seq)
+    return replace(mission, items=(*mission.items[: seq - 1], item, *mission.items[seq:]))
+
+
+def with_inserted(mission: Mission, seq: int, item: Item) -> Mission:
+    """The mission with one more item, which becomes number `seq`.
+
+    Raises:
+        BadInput: that is within a survey or scan, or beyond the end.
+    """
+    if not 1 <= seq <= len(mission.items) + 1:
+        raise BadInput(f"item {seq}: expected a number from 1 to {len(mission.items) + 1}")
+    if (of := _complex_at(mission, seq)) is not None and of.start < seq:
+        raise _one_of(seq, of)
+    items = [_jumping(one, lambda target: target + (target >= seq)) for one in mission.items]
+    scanned = tuple((first + (first >= seq - 1), height) for first, height in mission.scanned)
+    return replace(mission, items=(*items[: seq - 1], item, *items[seq - 1 :]), scanned=scanned)
+
+
+def without_item(mission: Mission, seq: int) -> Mission:
+    """The mission without item number `seq`.
+
+    Raises:
+        BadInput: there is no such item, it is one of a survey or scan, or a jump leads to it.
+    """
+    _expect_alone(mission, seq)
+    for number, item in enumerate(mission.items, start=1):
+        if item.command == Command.DO_JUMP and item.params[0] == seq and number != seq:
+            raise BadInput(f"item {seq}: item {number} jumps to it", hint=f"change item {number} first")
+    items = [_jumping(one, lambda target: target - (target > seq)) for one in mission.items]
+    scanned = tuple((first - (first >= seq), height) for first, height in mission.scanned)
+    return replace(mission, items=(*items[: seq - 1], *items[seq:]), scanned=scanned)
+
+
+def with_plain_items(mission: Mission, seq: int) -> Mission:
+    """The mission in which the survey or scan that item `seq` is one of is no more than its items."""
+    of = _complex_at(mission, seq)
+    if of is None:
+        return mission
+    here = repr(mission.items[of.start - 1 : of.stop - 1])  # NaN is NaN
+    return replace(mission, complex_items=tuple(one for one in mission.complex_items if repr(one.items) != here))
+
+
+def complex_at(mission: Mission) -> tuple[range | None, ...]:
+    """Of each item the numbers of those of the survey or scan that it is one of; None: of none."""
+    found: list[range | None] = []
+    for entry in entries(mission.items, mission.complex_items):
+        numbers = None if entry.of is None else range(entry.first + 1, entry.first + 1 + entry.count)
+        found += [numbers] * entry.count
+    return tuple(found)
+
+
+def _complex_at(mission: Mission, seq: int) -> range | None:
+    found: Sequence[range | None] = complex_at(mission)
+    return found[seq - 1] if 1 <= seq <= len(found) else None
+
+
+def _expect_alone(mission: Mission, seq: int) -> None:
+    if not 1 <= seq <= len(mission.items):
+        raise BadInput(f"item {seq}: expected a number from 1 to {len(mission.items)}")
+    if (of := _complex_at(mission, seq)) is not None:
+        raise _one_of(seq, of)
+
+
+def _one_of(seq: int, of: range) -> BadInput:
+    words = f"item {seq} is one of a survey or scan of QGroundControl's (items {of.start} to {of.stop - 1})"
+    return BadInput(f"{words}: with it changed that would no longer be one", hint="make plain items of it first")
+
+
+def _jumping(item: Item, moved: Callable[[int], int]) -> Item:
+    """A jump leads to where its target stands now."""
+    if item.command != Command.DO_JUMP or not float(item.params[0]).is_integer():
+        return item
+    return replace(item, params=(float(moved(int(item.params[0]))), *item.params[1:]))

@@ -1,0 +1,76 @@
+"""What param1 to param7 of an item are, in words with units: ours where they are often used, else MAVLink's."""
+
+import re
+from collections.abc import Iterator, Mapping
+
+from ipoa_mission.link.definitions import params_in_words
+from ipoa_mission.mission.commands import Command, short_name
+from ipoa_mission.studio.mission_answers import ItemField, ItemKind
+from ipoa_mission.vehicles.firmware import Firmware
+
+LONGEST = 32  # of a label [letters]
+HOLD, HEADING = ("Stay for", "s"), ("Heading there", "°, empty: its own")
+#: By command, of each param that matters its label and unit; others of these commands are shown if they are not zero.
+OURS: Mapping[int, Mapping[int, tuple[str, str]]] = {
+    Command.NAV_WAYPOINT: {1: HOLD, 2: ("Counts as reached within", "m"), 4: HEADING},
+    Command.NAV_SPLINE_WAYPOINT: {1: HOLD},
+    Command.NAV_ARC_WAYPOINT: {1: ("Turn by", "°")},
+    Command.NAV_LOITER_UNLIM: {3: ("Radius", "m"), 4: HEADING},
+    Command.NAV_LOITER_TURNS: {1: ("Turns", ""), 3: ("Radius", "m")},
+    Command.NAV_LOITER_TIME: {1: HOLD, 3: ("Radius", "m")},
+    Command.NAV_RETURN_TO_LAUNCH: {},
+    Command.NAV_LAND: {4: HEADING},
+    Command.NAV_TAKEOFF: {4: HEADING},
+    Command.NAV_DELAY: {1: ("Wait for", "s")},
+    Command.CONDITION_DELAY: {1: ("Wait for", "s")},
+    Command.CONDITION_DISTANCE: {1: ("Until so near", "m")},
+    Command.CONDITION_YAW: {
+        1: ("Heading", "°"), 2: ("Turn at", "°/s"), 3: ("Way round, 1 or -1", ""), 4: ("Relative", "0 or 1")
+    },
+    Command.DO_JUMP: {1: ("To item", ""), 2: ("So many times", "-1: for ever")},
+    Command.DO_CHANGE_SPEED: {1: ("Kind, 1: over ground", ""), 2: ("Speed", "m/s"), 3: ("Throttle", "%, -1: as it is")},
+    Command.DO_SET_SERVO: {1: ("Servo", ""), 2: ("Pulse", "µs")},
+    Command.DO_SET_RELAY: {1: ("Relay", ""), 2: ("On", "0 or 1")},
+    Command.DO_SET_ROI_LOCATION: {},
+    Command.DO_MOUNT_CONTROL: {1: ("Pitch", "°"), 2: ("Roll", "°"), 3: ("Yaw", "°")},
+    Command.DO_SET_CAM_TRIGG_DIST: {1: ("A photo every", "m, 0: no more"), 3: ("One at once", "0 or 1")},
+    Command.DO_SET_CAM_TRIGG_INTERVAL: {1: ("A photo every", "ms")},
+    Command.IMAGE_START_CAPTURE: {2: ("A photo every", "s"), 3: ("Photos", "0: no end")},
+    Command.IMAGE_STOP_CAPTURE: {},
+    Command.DO_GRIPPER: {1: ("Gripper", ""), 2: ("Hold", "0: let go, 1")},
+}  # fmt: skip
+
+
+def kinds_of(firmware: Firmware) -> tuple[ItemKind, ...]:
+    """The commands that a firmware takes in a mission, the moving ones first, each with its fields."""
+    lists = firmware.fence.keys() | firmware.rally.keys()
+    taken = sorted((firmware.placed.keys() | firmware.plain.keys()) - lists)
+    return tuple(kind_of(command, command in firmware.placed) for command in taken)
+
+
+def kind_of(command: int, placed: bool) -> ItemKind:
+    """One command with its fields."""
+    name = "take off" if command == Command.NAV_TAKEOFF else short_name(command)
+    return ItemKind(command=command, name=name, placed=placed, fields=tuple(_fields(command, placed)))
+
+
+def _fields(command: int, placed: bool) -> Iterator[ItemField]:
+    ours, theirs = OURS.get(command), params_in_words(command)
+    for number in range(1, 5 if placed else 8):
+        label, unit = (ours or {}).get(number, ("", ""))
+        if not label and ours is not None:
+            continue
+        if label or number in theirs:
+            about = theirs.get(number, "")
+            what = f"param{number}"
+            yield ItemField.model_validate(
+                {"what": what, "label": label or _shortened(about), "unit": unit, "about": about}
+            )
+
+
+def _shortened(words: str) -> str:
+    """The beginning of a description, to the end of what it says first."""
+    first = re.split(r"[.,;:(]", words, maxsplit=1)[0].strip() or words
+    if len(first) <= LONGEST:
+        return first
+    return first[:LONGEST].rsplit(" ", 1)[0] + " …"

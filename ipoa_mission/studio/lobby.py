@@ -1,0 +1,155 @@
+"""The start page: what was open lately, what lies in this folder, a new scenario from a place, a mission or a log."""
+
+import asyncio
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.files import packed, unused, write_atomically
+from ipoa_mission.logs.flight_log import read_flights
+from ipoa_mission.mission.files import write_mission
+from ipoa_mission.mission.plan_file import plan_text
+from ipoa_mission.report.compare import compare_logged
+from ipoa_mission.scenario.new import new_scenario
+from ipoa_mission.studio import memory
+from ipoa_mission.studio.answers import Beginning, Elsewhere, StartFile, Trouble
+from ipoa_mission.studio.dropped import keep
+from ipoa_mission.studio.mission_changes import MISSIONS
+from ipoa_mission.studio.place import place_of
+from ipoa_mission.studio.requests import Begin, Open
+from ipoa_mission.studio.session import Window
+from ipoa_mission.studio.vocabulary import PageMessage
+
+SCENARIO, LOGS = ".toml", (".tlog", ".bin", ".ulg")
+EXAMPLES = ("campus.toml",)
+SHOWN = 40  # files of the folder
+NORTHWARDS = 0.0009  # how far from home a new scenario's first goal is [deg], about 100 m
+#: Opens a file, a mission in the world of a scenario and beside a log: the token of its address.
+OpenAt: TypeAlias = Callable[[Path, Path | None, Path | None], str]
+
+
+class Lobby:
+    """What is told and asked before a file is open; new files go into `folder`, over nothing."""
+
+    def __init__(self, folder: Path, open_file: OpenAt) -> None:
+        self._folder, self._open_file = folder, open_file
+        self._windows: set[Window] = set()
+
+    @property
+    def folder(self) -> Path:
+        """Where new files go."""
+        return self._folder
+
+    def join(self, window: Window) -> None:
+        """A window opens: it is told what there is to open."""
+        self._windows.add(window)
+        window.tell(self._start().model_dump(mode="json"))
+
+    def leave(self, window: Window) -> None:
+        """A window closes."""
+        self._windows.discard(window)
+
+    def tell_all(self, message: PageMessage | dict[str, Any]) -> None:
+        """It has no map: nobody is told of one."""
+
+    async def run(self) -> None:
+        """There is nothing to look at."""
+
+    async def handle(self, request: Any, window: Window) -> None:
+        """Open what a window asks for; what cannot be opened is told to it."""
+        try:
+            match request:
+                case Open():
+                    path = self._offered(request.path)
+                    token = await asyncio.to_thread(self.opened, path)
+                case Begin():
+                    token = await asyncio.to_thread(self._begin, request)
+                case _:
+                    raise BadInput("expected a file that is open", hint="open one first")
+            window.tell(Elsewhere(address=f"../{token}/").model_dump(mode="json"))
+        except MissionError as error:
+            window.tell(Trouble(of="file", message=str(error), hint=error.hint).model_dump(mode="json"))
+
+    def opened(self, path: Path, world: Path | None = None) -> str:
+        """Open a scenario, a mission, or a log beside the mission in it: the token of its address.
+
+        Raises:
+            BadInput: it cannot be read.
+            MissionError: nothing in the log was flown, or it does not say which mission.
+        """
+        if path.suffix.lower() in LOGS:
+            return self._open_file(_mission_of(path), world, path)
+        return self._open_file(path, world, None)
+
+    def take(self, name: str, content: bytes) -> str:
+        """A file that was dropped: kept in the folder, and open at an address beside the page's.
+
+        Raises:
+            BadInput: no such file can be opened, or it makes no sense.
+        """
+        path = keep(name, content, self._folder, (SCENARIO, *MISSIONS, *LOGS))
+        return f"../{self.opened(path)}/"
+
+    def _begin(self, request: Begin) -> str:
+        latitude, longitude = place_of(request.place)
+        target = unused(self._folder / "mission.toml")
+        begin_scenario(target, (latitude, longitude, request.altitude))
+        return self._open_file(target, None, None)
+
+    def _start(self) -> Beginning:
+        recent = [Path(one.path) for one in memory.recent() if one.path]
+        here = sorted(path for path in self._folder.iterdir() if path.suffix.lower() in (SCENARIO, *MISSIONS, *LOGS))
+        return Beginning(
+            folder=str(self._folder),
+            recent=_files(path for path in recent if path.is_file()),
+            here=_files(path for path in here[:SHOWN] if path not in recent),
+            examples=_files(packed(name) for name in EXAMPLES),
+        )
+
+    def _offered(self, asked: str) -> Path:
+        """A file that the page was told of; an example is copied into the folder first."""
+        told = self._start()
+        if asked in [one.path for one in told.examples]:
+            return keep(Path(asked).name, Path(asked).read_bytes(), self._folder, (SCENARIO,))
+        if asked not in [one.path for one in (*told.recent, *told.here)]:
+            raise BadInput(f"{asked}: expected a file that the page has told", hint="drop it on the page")
+        return Path(asked)
+
+
+def begin_scenario(target: Path, home: tuple[float, float, float]) -> None:
+    """Write a new scenario with a goal north of home, to be dragged.
+
+    Raises:
+        BadInput: home is no place, or the file cannot be written.
+    """
+    latitude, longitude, altitude = home
+    places = {"home": f"{latitude:.7f}, {longitude:.7f}", "goal": f"{latitude + NORTHWARDS:.7f}, {longitude:.7f}"}
+    write_atomically(target, new_scenario({**places, "altitude": f"{altitude:.1f}"}, target))
+
+
+def _files(paths: Iterable[Path]) -> tuple[StartFile, ...]:
+    return tuple(
+        StartFile.model_validate({"path": str(path), "name": path.name, "folder": str(path.parent), "of": _sort(path)})
+        for path in paths
+    )
+
+
+def _sort(path: Path) -> str:
+    suffix = path.suffix.lower()
+    return "scenario" if suffix == SCENARIO else "log" if suffix in LOGS else "mission"
+
+
+def _mission_of(log: Path) -> Path:
+    """The mission that was flown in a log, as a file beside it, with the parameters that count."""
+    for flight in read_flights(log).flights:
+        held = compare_logged(flight, None, {}) if flight.in_mission else None
+        if held is not None:
+            mission = replace(held.forecast.given, parameters=held.parameters)
+            target = keep(f"{log.stem}-flown.plan", plan_text(mission).encode(), log.parent, MISSIONS)
+            write_mission(mission, target)
+            return target
+    raise MissionError(
+        f"{log.name}: it does not say which mission was flown", hint="open the mission, and the log on it"
+    )

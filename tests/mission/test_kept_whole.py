@@ -1,0 +1,80 @@
+"""A mission file that is changed by one item keeps all else that it says, and is read by others as before."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from ipoa_mission import BadInput
+from ipoa_mission.mission.commands import Command
+from ipoa_mission.mission.files import read_mission_file
+from ipoa_mission.mission.item_edits import with_inserted, with_item, with_plain_items, without_item
+from ipoa_mission.mission.items import Item
+from ipoa_mission.mission.kept_whole import text_with
+from ipoa_mission.mission.mission_file import MissionFile
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+SURVEY = next(Path(__file__).parents[1].rglob("survey.plan"))
+
+
+def opened(path: Path) -> MissionFile:
+    return read_mission_file(path)
+
+
+def moved(file: MissionFile, seq: int) -> str:
+    item = file.mission.items[seq - 1]
+    there = replace(item, latitude_deg=round(item.latitude_deg + 1e-4, 7))
+    return text_with(with_item(file.mission, seq, there), file, Path("a"))
+
+
+@pytest.mark.parametrize("name", ["campus.plan", "campus.waypoints", "sitl.plan", "oldtown.waypoints"])
+def test_only_the_line_of_what_was_moved_differs(name: str) -> None:
+    file = opened(MISSIONS / name)
+    before, after = file.source.splitlines(), moved(file, 4).splitlines()
+    assert len(before) == len(after)
+    assert sum(one != other for one, other in zip(before, after, strict=True)) == 1
+
+
+def test_what_nobody_here_reads_stays(tmp_path: Path) -> None:
+    told = json.loads((MISSIONS / "sitl.plan").read_text())
+    told["mission"] |= {"cruiseSpeed": 15, "theirs": {"a": [1, None]}}
+    told["geoFence"]["breachReturn"] = [47.0, 8.0, 20]
+    told["mission"]["items"][2] |= {"theirs": 3, "AMSLAltAboveTerrain": 500.0}
+    told["mission"]["items"][3]["theirs"] = 4
+    path = tmp_path / "a.plan"
+    path.write_text(json.dumps(told))
+    again = json.loads(moved(opened(path), 4))
+    for place in (told, again):
+        place["mission"]["items"][3]["params"] = []
+    assert again == told
+
+
+def test_comments_of_a_waypoints_file_stay(tmp_path: Path) -> None:
+    first, rest = (MISSIONS / "sitl.waypoints").read_text().split("\n", 1)
+    path = tmp_path / "a.waypoints"
+    path.write_text(f"{first}\n# of the north field\n{rest}")
+    assert "# of the north field\n" in moved(opened(path), 4)
+
+
+def test_a_jump_leads_where_it_led() -> None:
+    mission = opened(MISSIONS / "sitl.plan").mission
+    jump = Item(Command.DO_JUMP, 2, (4.0, 2.0, 0.0, 0.0))
+    mission = with_inserted(mission, 6, jump)
+    assert with_inserted(mission, 2, mission.items[2]).items[6].params[0] == 5.0
+    assert without_item(mission, 2).items[4].params[0] == 3.0
+    with pytest.raises(BadInput, match="item 4: item 6 jumps to it"):
+        without_item(mission, 4)
+
+
+def test_an_item_of_a_survey_is_left_to_it_until_it_is_plain() -> None:
+    file = opened(SURVEY)
+    with pytest.raises(BadInput, match="item 5 is one of a survey or scan of QGroundControl's"):
+        moved(file, 5)
+    with pytest.raises(BadInput, match="item 5 is one of a survey"):
+        with_inserted(file.mission, 5, file.mission.items[0])
+    before = with_inserted(file.mission, 2, file.mission.items[0])  # in front of it
+    assert "ComplexItem" in text_with(before, file, Path("a.plan"))
+    plain = with_plain_items(file.mission, 5)
+    assert "ComplexItem" not in text_with(plain, file, Path("a.plan"))
+    assert with_item(plain, 5, plain.items[4]).items == file.mission.items

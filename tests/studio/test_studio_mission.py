@@ -1,0 +1,118 @@
+"""A mission file on the page's server: opened without a scenario, changed item by item, checked and timed, saved."""
+
+import json
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ipoa_mission import BadInput, estimate, read_mission
+from ipoa_mission.studio.mission_changes import mission_changed
+from ipoa_mission.studio.requests import InsertItem, MoveItem, PutItem
+from ipoa_mission.studio.server import application
+from ipoa_mission.studio.session import Session
+from ipoa_mission.studio.sessions import Sessions
+from tests.studio.conftest import HOST, TOKEN, Studio, testclient
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+
+
+@pytest.fixture(scope="module")
+def opened(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
+    folder = tmp_path_factory.mktemp("missions")
+    for name in ("sitl.plan", "sitl.toml"):
+        shutil.copy(MISSIONS / name, folder / name)
+    sessions = Sessions()
+    sessions.add(TOKEN, Session(folder / "sitl.plan"))
+    with testclient.TestClient(application(sessions, folder, HOST), base_url=f"http://{HOST}") as client:
+        yield Studio(client, folder / "sitl.plan")
+
+
+def edit(talk: Any, seen: int, *changes: dict[str, Any]) -> dict[str, Any]:
+    """What the page is told of the mission after a change."""
+    talk.say(kind="edit", seen=seen, label="changed", changes=list(changes))
+    document = talk.wait("document")
+    return dict(talk.wait("mission", lambda told: told["revision"] == document["revision"]))
+
+
+def test_it_is_opened_checked_and_timed_without_a_scenario(opened: Studio) -> None:
+    with opened.window() as talk:
+        assert talk.wait("document")["of"] == "mission"
+        mission = talk.wait("mission")
+        assert mission["scenario"] is None
+        assert [item["words"] for item in mission["items"]][:2] == ["take off", "speed 8 m/s"]
+        checked, plan = talk.wait("checked"), talk.wait("plan")
+        assert (checked["timeless"], plan["kept"]) == (None, None)
+        assert plan["total_s"] == pytest.approx(estimate(read_mission(MISSIONS / "sitl.plan")).total_s, abs=0.01)
+
+
+def test_items_are_moved_put_in_and_taken_out_and_undone(opened: Studio) -> None:
+    before = opened.scenario.read_bytes()
+    with opened.window() as talk:
+        revision = talk.wait("document")["revision"]
+        items = talk.wait("mission")["items"]
+        moved = edit(talk, revision, {"op": "move_item", "seq": 4, "place": [8.546, 47.398]})
+        assert moved["items"][3]["place"] == [8.546, 47.398]
+        more = edit(talk, moved["revision"], {"op": "insert_item", "seq": 4, "command": 16, "place": [8.5461, 47.3981]})
+        assert len(more["items"]) == len(items) + 1
+        talk.say(kind="edit", seen=revision, label="late", changes=[{"op": "take_item", "seq": 5}])
+        assert "changed elsewhere" in talk.wait_for_trouble("edit")["message"]  # which is meant by 5?
+        talk.wait("document")
+        edit(talk, more["revision"], {"op": "take_item", "seq": 5})
+        talk.say(kind="do", what="save")
+        talk.wait("document", lambda told: not told["unsaved"])
+        assert len(read_mission(opened.scenario).items) == len(items)
+        assert read_mission(opened.scenario).items[3].latitude_deg == 47.3981
+        for _ in range(3):
+            talk.say(kind="do", what="undo")
+        talk.wait("document", lambda told: told["undo"] is None)
+        talk.say(kind="do", what="save")
+        talk.wait("document", lambda told: not told["unsaved"])
+    assert opened.scenario.read_bytes() == before
+
+
+def test_in_a_scenario_s_world_it_is_told_what_it_keeps(opened: Studio) -> None:
+    with opened.window() as talk:
+        world = talk.wait("mission")["worlds"][0]
+        talk.say(kind="within", scenario=world, autopilot=None)
+        assert talk.wait("mission", lambda told: told["scenario"] is not None)["scenario"].endswith("sitl.toml")
+        assert talk.wait("plan", lambda told: told["kept"] is not None)["required"] > 0
+        talk.say(kind="within", scenario=None, autopilot=None)
+        talk.wait("mission", lambda told: told["scenario"] is None)
+
+
+def test_it_is_saved_as_the_other_format_over_nothing(opened: Studio) -> None:
+    with opened.window() as talk:
+        for name in ("sitl.waypoints", "sitl-2.waypoints"):
+            talk.say(kind="save_as", suffix=".waypoints")
+            written = talk.wait("written")
+            assert written["files"] == [name]
+            assert "loses the take-off" in written["remarks"][0]
+    assert len(read_mission(opened.scenario.with_name(name)).items) == len(read_mission(opened.scenario).items)
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        (PutItem(seq=4, what="frame", value=0.0), {"frame": 0, "Altitude": 508.0}),  # as high as before
+        (PutItem(seq=4, what="param1", value=3.0), {"params": 3}),
+        (InsertItem(seq=5, command=178), {"command": 178, "frame": 2}),
+        (InsertItem(seq=5, command=21), {"command": 21, "Altitude": 0}),
+    ],
+)
+def test_a_change_is_written_as_ground_stations_write_it(change: Any, expected: dict[str, Any]) -> None:
+    told = json.loads((MISSIONS / "sitl.plan").read_text())
+    told["mission"]["items"][3] |= {"Altitude": 20, "params": [*told["mission"]["items"][3]["params"][:6], 20]}
+    text = mission_changed(json.dumps(told), Path("a.plan"), [change])
+    item = json.loads(text)["mission"]["items"][change.seq - 1]
+    found = {key: item["params"][0] if key == "params" else item[key] for key in expected}
+    assert found == expected
+
+
+def test_who_changes_what_is_not_there_is_told_so() -> None:
+
+    text = (MISSIONS / "sitl.plan").read_text()
+    with pytest.raises(BadInput, match="item 99: expected a number from 1 to 6"):
+        mission_changed(text, Path("a.plan"), [MoveItem(seq=99, place=(8.5, 47.4))])

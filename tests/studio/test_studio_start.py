@@ -1,0 +1,85 @@
+"""The start page: it opens what it told of and nothing else, begins a scenario at a place, lays a log beside a plan."""
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from ipoa_mission import BadInput, read_scenario
+from ipoa_mission.studio.lobby import Lobby
+from ipoa_mission.studio.place import place_of
+from ipoa_mission.studio.server import application
+from ipoa_mission.studio.sessions import Sessions
+from tests.studio.conftest import HOST, TOKEN, Studio, testclient
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+
+
+@pytest.fixture
+def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Studio]:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    shutil.copy(MISSIONS / "sitl.plan", tmp_path / "sitl.plan")
+    sessions = Sessions()
+    sessions.add(TOKEN, Lobby(tmp_path, sessions.open_file))
+    with testclient.TestClient(application(sessions, tmp_path, HOST), base_url=f"http://{HOST}") as client:
+        yield Studio(client, tmp_path)
+
+
+def other(start: Studio, address: str) -> Studio:
+    """What is open at an address beside the start page's."""
+    return Studio(start.client, start.scenario, address.strip("./"))
+
+
+def test_it_opens_what_lies_there_and_nothing_that_it_did_not_tell(start: Studio) -> None:
+    with start.window() as talk:
+        told = talk.wait("beginning")
+        assert [one["name"] for one in told["here"]] == ["sitl.plan"]
+        talk.say(kind="open", path="/etc/passwd")
+        assert "expected a file that the page has told" in talk.wait_for_trouble("file")["message"]
+        talk.say(kind="open", path=told["examples"][0]["path"])
+        talk.wait("elsewhere")
+        assert (start.scenario / "campus.toml").read_bytes() == (MISSIONS / "campus.toml").read_bytes()
+        talk.say(kind="open", path=told["here"][0]["path"])
+        address = talk.wait("elsewhere")["address"]
+    with other(start, address).window() as talk:
+        assert talk.wait("document")["name"] == "sitl"
+    with start.window() as talk:
+        assert [one["name"] for one in talk.wait("beginning")["recent"]] == ["sitl.plan", "campus.toml"]
+
+
+def test_a_scenario_begins_at_a_place_over_nothing(start: Studio) -> None:
+    with start.window() as talk:
+        for name in ("mission.toml", "mission-2.toml"):
+            talk.say(kind="begin", place="47.397742 N 8.545594 E", altitude=488.0)
+            talk.wait("elsewhere")
+            scenario = read_scenario(start.scenario / name)
+            assert scenario.home.latitude_deg == 47.397742
+            assert scenario.goal_point[:2] == pytest.approx((0.0, 100.0), abs=1.0)
+
+
+def test_a_log_that_is_dropped_is_laid_beside_the_mission_in_it(start: Studio) -> None:
+    log = (MISSIONS / "logs" / "campus-arducopter.tlog").read_bytes()
+    dropped = start.client.post(
+        f"/{TOKEN}/drop/a.tlog", content=log, headers={"host": HOST, "origin": f"http://{HOST}"}
+    )
+    with other(start, dropped.json()["address"]).window() as talk:
+        replay = talk.wait("replay")
+    assert (replay["log"], len(replay["items"])) == ("a.tlog", 21)
+    assert (replay["estimated_s"], replay["flown_s"]) == (87.8, 88.8)  # as README has it
+
+
+@pytest.mark.parametrize(
+    "words", ["47.397742, 8.545594", "47.397742° N 8.545594° E", "32TMT6569449438", "8FVC9GXW+3686"]
+)
+def test_a_place_is_read_as_people_write_it(words: str) -> None:
+    if words[0] == "3" or "+" in words:
+        pytest.importorskip("mgrs" if words[0] == "3" else "openlocationcode")
+    latitude, longitude = place_of(words)
+    assert (latitude, longitude) == pytest.approx((47.3977, 8.5456), abs=0.01)
+
+
+@pytest.mark.parametrize("words", ["", "somewhere", "95, 8", "9GXW+36", "32TMT65695"])
+def test_what_is_no_place_is_refused(words: str) -> None:
+    with pytest.raises(BadInput, match="place: expected"):
+        place_of(words)
