@@ -187,7 +187,7 @@ class _Navigator:
             if self.limits.land_delay < 0.0:
                 raise BadInput(f"items[{visit.seq - 1}]: with an RTL_LAND_DELAY below 0 RTL never lands")
             self.cruise = self.limits.cruise
-            if (way := self.route.way_of_return(n, tuple(self.here))) is not None:
+            if (way := self.route.way_of_return(n, (self.here.east, self.here.north, self.here.up))) is not None:
                 self.remarks.append(f"item {visit.seq}: it returns back along the mission, timed to a sixth only")
                 back = [Enu(*place) for place in way]
                 return self.down(way_along(self.here, back, self.limits, self.ground(back[-1])))
