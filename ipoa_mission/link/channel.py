@@ -312,3 +312,12 @@ def _broken_by_errors() -> Iterator[None]:
         yield
     except (OSError, TypeError, ValueError) as error:
         raise LinkDown(f"the link broke: {_reason(error)}", hint="is it still plugged in?") from error
+
+
+def serial_ports() -> tuple[str, ...]:
+    """The serial ports of this machine, by the names that links have; none where pyserial is not installed."""
+    try:
+        from serial.tools.list_ports import comports
+    except ImportError:
+        return ()
+    return tuple(sorted(str(port.device) for port in comports()))

@@ -4,6 +4,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, TypeAdapter
 
+from ipoa_mission.studio.flight_answers import Heard, Landed, Loaded, Seen, State
 from ipoa_mission.studio.mission_answers import Checked, OpenMission
 from ipoa_mission.studio.requests import Change
 from ipoa_mission.studio.vocabulary import LngLat, Number, PageMessage, Path
@@ -162,7 +163,10 @@ class Progress(PageMessage):
 
 
 class Course(PageMessage):
-    """The flight as predicted, sample by sample: time [s], distance over ground [m], speed [m/s], ground's height."""
+    """The flight as predicted, sample by sample: time [s], distance over ground [m], speed [m/s], ground's height.
+
+    `returns_at` is the sample at which it turns home, where it ends by a return.
+    """
 
     line: Line
     times: tuple[float, ...]
@@ -170,6 +174,7 @@ class Course(PageMessage):
     speeds: tuple[float, ...]
     ground: tuple[float, ...]
     apart: tuple[Number, ...]
+    returns_at: int | None
 
 
 class Binding(PageMessage):
@@ -229,6 +234,14 @@ class Limit(PageMessage):
     holds: bool
 
 
+class Homeward(PageMessage):
+    """The way home if RTL were ordered at a time; of several that it may take the first."""
+
+    from_s: float
+    clear: bool
+    line: Line
+
+
 class Plan(PageMessage):
     """The proved answer; `warnings` are to be read before it is flown, `remarks` are what else is told.
 
@@ -258,6 +271,7 @@ class Plan(PageMessage):
     beside: tuple[Beside, ...]
     stops: tuple[Stop, ...]
     bindings: tuple[Binding, ...]
+    homeward: tuple[Homeward, ...]
     choices: tuple[Choice, ...]
     limits: tuple[Limit, ...]
     warnings: tuple[str, ...]
@@ -314,61 +328,6 @@ class Elsewhere(PageMessage):
     address: str
 
 
-class Loaded(PageMessage):
-    """The mission is on a vehicle and was read back equal; what a start must name."""
-
-    kind: Literal["loaded"] = "loaded"
-    revision: int
-    vehicle: str
-    mission: str
-    proof: str
-    items: int
-    built_in: bool
-    remarks: tuple[str, ...]
-
-
-class EndingThen(PageMessage):
-    """What an ending would do if it were ordered now; it takes so many seconds, if anybody knows."""
-
-    ending: Literal["rtl", "land"]
-    clear: bool
-    words: str
-    seconds: Number
-
-
-class Seen(PageMessage):
-    """Where the vehicle is, as it says; `expected_s` is when the estimate had the last item that is done."""
-
-    kind: Literal["seen"] = "seen"
-    time_s: float
-    place: LngLat
-    up: float
-    speed: float
-    done: int
-    flown_s: Number
-    expected_s: Number
-    endings: tuple[EndingThen, ...] = ()
-
-
-class Landed(PageMessage):
-    """The flight is over."""
-
-    kind: Literal["landed"] = "landed"
-    completed: bool
-    why_not: str
-    flown_s: float
-    estimated_s: float
-    log: str
-
-
-class State(PageMessage):
-    """What the flight is at, in words; `phase` for what the page offers."""
-
-    kind: Literal["state"] = "state"
-    phase: Literal["idle", "uploading", "loaded", "preparing", "flying", "over"]
-    words: str
-
-
 class Written(PageMessage):
     """Files that were written, and what their formats cannot hold."""
 
@@ -390,6 +349,7 @@ Answer: TypeAlias = Annotated[
     | Beginning
     | Replay
     | Elsewhere
+    | Heard
     | Loaded
     | Seen
     | Landed

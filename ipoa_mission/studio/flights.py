@@ -4,13 +4,15 @@ import asyncio
 import shutil
 import tempfile
 from collections.abc import Awaitable, Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.files import unused
-from ipoa_mission.studio.answers import State, Trouble
+from ipoa_mission.studio.answers import Trouble
 from ipoa_mission.studio.document import Document
+from ipoa_mission.studio.flight_answers import State
 from ipoa_mission.studio.processes import Died, Process
 from ipoa_mission.studio.requests import EndFlight, Start, Upload
 from ipoa_mission.studio.vocabulary import PageMessage
@@ -36,10 +38,20 @@ class FlightDesk:
         Raises:
             MissionError: a flight is under way.
         """
-        if self._task is not None and not self._task.done():
+        if self.is_busy:
             raise MissionError("a flight is under way", hint="let it end, or stop watching it")
         self._loaded = None
         self._task = asyncio.create_task(self._fly(request, hand_over))
+
+    def listen(self, link: str) -> None:
+        """Tell who is heard on the links that there may be.
+
+        Raises:
+            MissionError: a flight is under way.
+        """
+        if self.is_busy:
+            raise MissionError("a flight is under way: nothing else is listened to", hint="let it end")
+        self._task = asyncio.create_task(self._listen(link))
 
     async def start(self, request: Start) -> None:
         """The second step.
@@ -68,6 +80,11 @@ class FlightDesk:
             raise MissionError(f"no {request.ending}: nothing flies", hint="start a flight first")
         await self._process.send(request.model_dump(mode="json"))
 
+    @property
+    def is_busy(self) -> bool:
+        """Whether a flight is under way, or is about to be."""
+        return self._task is not None and not self._task.done()
+
     def abandon(self) -> None:
         """Leave the flight: what is not started is not; a vehicle in the air flies on, unwatched."""
         if self._task is not None:
@@ -81,6 +98,10 @@ class FlightDesk:
         if self._task is not None:
             await asyncio.gather(self._task, return_exceptions=True)
         shutil.rmtree(self._folder, ignore_errors=True)
+
+    async def _listen(self, link: str) -> None:
+        with suppress(Died):
+            await self._process.ask({"job": "listen", "link": link}, self._tell)
 
     async def _fly(self, request: Upload, hand_over: Callable[[Path], Awaitable[bool]]) -> None:
         file, document = self._folder / "flight.pickle", self._document

@@ -27,7 +27,7 @@ from ipoa_mission.studio import answers
 from ipoa_mission.studio.dropped import fences_of
 from ipoa_mission.studio.item_fields import kind_of, kinds_of
 from ipoa_mission.studio.mission_answers import Checked, Flaw, MissionItem, OpenMission
-from ipoa_mission.studio.planned import SAMPLES, beside_course, course_of, near_things, slow_items
+from ipoa_mission.studio.planned import SAMPLES, beside_course, course_of, homeward, near_things, slow_items
 from ipoa_mission.studio.view import degree_of, fence_of, on_map, without_folders, world_of
 from ipoa_mission.studio.vocabulary import Number
 from ipoa_mission.vehicles.autopilot import registered
@@ -185,10 +185,11 @@ def expected(forecast: Forecast, name: str, revision: int, took_s: float) -> ans
         energy_wh=None if budget is None else round(budget.used.energy_wh, 2),
         battery_left=None if left is None else round(left.likely, 3),
         tube_ring=tuple(on_map(forecast.frame, one) for one in ring),
-        course=course_of(course, forecast.frame),
+        course=course_of(course, forecast),
         beside=() if scenario is None else tuple(beside_course(course, scenario)),
         stops=tuple(_stops(forecast, course)),
         bindings=(*near, *slow_items(estimate, course)),
+        homeward=() if promise is None else homeward(forecast),
         choices=(),
         limits=(),
         warnings=(),

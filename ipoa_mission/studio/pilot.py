@@ -21,8 +21,9 @@ from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.simulator.fly import board
-from ipoa_mission.studio.answers import EndingThen, Landed, Loaded, Seen, State
+from ipoa_mission.studio.flight_answers import EndingThen, Landed, Loaded, Seen, State
 from ipoa_mission.studio.harness import Answer, Order, work
+from ipoa_mission.studio.listening import listen
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.world.frame import Geodetic
 
@@ -224,4 +225,4 @@ class Watch:
 
 
 if __name__ == "__main__":
-    work(lambda beside: {"fly": (FlightWorker(beside).fly, "flight")})
+    work(lambda beside: {"fly": (FlightWorker(beside).fly, "flight"), "listen": (listen, "flight")})

@@ -15,15 +15,16 @@ from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.route import kinematics
 from ipoa_mission.forecast.tube.promise import Promise
 from ipoa_mission.geometry import Points
+from ipoa_mission.mission.commands import Command
 from ipoa_mission.planning.sketch import Sketch
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.report import seen
 from ipoa_mission.report.panels.profile import near_course
 from ipoa_mission.report.stops import stops
+from ipoa_mission.report.ways_home import ways_home
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.view import line_of, on_map, without_folders
-from ipoa_mission.world.frame import LocalFrame
 
 SAMPLES = 500  # of the predicted flight
 NEAR, CLOSE = 5, 1.5  # places that are named as near, and how much nearer than required is near enough to be named
@@ -75,10 +76,11 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
         energy_wh=None if budget is None else round(budget.used.energy_wh, 2),
         battery_left=None if left is None else round(left.likely, 3),
         tube_ring=tuple(on_map(scenario.frame, ring) for ring in seen.outline_round(course.points, rim.level)),
-        course=course_of(course, scenario.frame),
+        course=course_of(course, flight.forecast),
         beside=tuple(beside_course(course, scenario)),
         stops=tuple(_stops(flight.forecast, course)),
         bindings=(*near_things(promise, course, scenario), *slow_items(estimate, course)),
+        homeward=homeward(flight.forecast),
         choices=tuple(_choices(flight)),
         limits=tuple(_limits(flight)),
         warnings=tuple(without_folders(finding.message, scenario) for finding in flight.findings),
@@ -98,16 +100,35 @@ def _sampled(curve: Spline) -> Points:
     return curve.sample(math.ceil(min(max(curve.length / 2.0, 40.0), 400.0)))
 
 
-def course_of(course: seen.Seen, frame: LocalFrame) -> answers.Course:
+def course_of(course: seen.Seen, forecast: Forecast) -> answers.Course:
     """A predicted flight for the page."""
     apart = [round(value, 2) if math.isfinite(value) else None for value in course.apart.tolist()]
     return answers.Course(
-        line=line_of(frame, course.points),
+        line=line_of(forecast.frame, course.points),
         times=tuple(course.times.round(2).tolist()),
         along=tuple(course.along.round(1).tolist()),
         speeds=tuple(course.speeds.round(2).tolist()),
         ground=tuple(course.ground.round(2).tolist()),
         apart=tuple(apart),
+        returns_at=_turns_home(course, forecast),
+    )
+
+
+def _turns_home(course: seen.Seen, forecast: Forecast) -> int | None:
+    """The sample at which a flight that ends by a return has done all else."""
+    items = forecast.estimate.items
+    if len(items) < 2:
+        return None
+    *others, last = items
+    is_return = forecast.mission.items[last.seq - 1].command == Command.NAV_RETURN_TO_LAUNCH
+    return course.nearest(others[-1].done_s) if is_return else None
+
+
+def homeward(forecast: Forecast) -> tuple[answers.Homeward, ...]:
+    """Where RTL would lead at moments of the flight."""
+    return tuple(
+        answers.Homeward(from_s=way["from"], clear=way["clear"], line=line_of(forecast.frame, np.array(way["points"])))
+        for way in ways_home(forecast)
     )
 
 

@@ -169,6 +169,13 @@ class Start(PageMessage):
     proof: str
 
 
+class Listen(PageMessage):
+    """Who is heard on the links that there may be, and on this one?"""
+
+    kind: Literal["listen"] = "listen"
+    link: str
+
+
 class EndFlight(PageMessage):
     """Have the vehicle in flight come home, or land where it is."""
 
@@ -177,7 +184,7 @@ class EndFlight(PageMessage):
 
 
 Request: TypeAlias = Annotated[
-    Edit | Rewrite | Drag | Do | SaveAs | Within | Open | Begin | Upload | Start | EndFlight,
+    Edit | Rewrite | Drag | Do | SaveAs | Within | Open | Begin | Upload | Start | EndFlight | Listen,
     Field(discriminator="kind"),
 ]
 REQUESTS: TypeAdapter[Any] = TypeAdapter(Request)

@@ -11,10 +11,11 @@ from ipoa_mission.studio.document import Document
 from ipoa_mission.studio.flights import FlightDesk
 from ipoa_mission.studio.mission_changes import MISSIONS
 from ipoa_mission.studio.processes import Died, Process
-from ipoa_mission.studio.requests import Do, Drag, Edit, EndFlight, Open, Rewrite, SaveAs, Start, Upload, Within
+from ipoa_mission.studio.requests import Do, Drag, Edit, EndFlight, Listen, Open, Rewrite, SaveAs, Start, Upload, Within
 from ipoa_mission.studio.vocabulary import PageMessage
 
 SETTLED_S = 0.6  # without a change, after which the proved path is planned
+ALONE_S = 120.0  # without a window and without a flight, after which the planners end; they begin anew when one opens
 LOOK_S = 1.0  # how often the file is looked at for what other programs write
 #: Answers that a window is told when it opens.
 KEPT = ("tiles", "world", "mission", "checked", "replay", "sketch", "plan", "loaded", "state", "trouble")
@@ -119,10 +120,14 @@ class Session:
                     self._flights.upload(request, self._hand_over)
                 case Start():
                     await self._flights.start(request)
+                case Listen():
+                    self._flights.listen(request.link)
                 case EndFlight():
                     await self._flights.end(request)
         except MissionError as error:
-            of: Literal["flight", "edit"] = "flight" if isinstance(request, Upload | Start | EndFlight) else "edit"
+            of: Literal["flight", "edit"] = (
+                "flight" if isinstance(request, Upload | Start | EndFlight | Listen) else "edit"
+            )
             window.tell(Trouble(of=of, message=str(error), hint=error.hint).model_dump(mode="json"))
             window.tell(self.document.as_answer().model_dump(mode="json"))
 
@@ -273,9 +278,13 @@ class Session:
 
     async def run(self) -> None:
         """Look at the file now and then, until cancelled; then end the workers."""
+        alone_s = 0.0
         try:
             while True:
                 await asyncio.sleep(LOOK_S)
+                alone_s = 0.0 if self.windows or self._flights.is_busy else alone_s + LOOK_S
+                if ALONE_S <= alone_s < ALONE_S + LOOK_S:
+                    await self._rest()
                 revision = self.document.revision
                 if self.document.look_at_disk():
                     self.tell_all(self.document.as_answer())
@@ -286,6 +295,15 @@ class Session:
                 self._stop(name)
             await asyncio.gather(self._flights.close(), self._quick.close(), self._thorough.close())
             await asyncio.gather(*self._jobs.values(), return_exceptions=True)
+
+    async def _rest(self) -> None:
+        """End the planners, and forget what they said."""
+        for name in self._jobs:
+            self._stop(name)
+        await asyncio.gather(*self._jobs.values(), return_exceptions=True)
+        await asyncio.gather(self._quick.close(), self._thorough.close())
+        for kind in (*FOLLOWS, "world", "mission"):
+            self._latest.pop(kind, None)
 
 
 def _scenarios_in(folder: Path) -> list[str]:

@@ -5,7 +5,7 @@ import time
 from collections.abc import Mapping
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.studio.answers import State
+from ipoa_mission.studio.flight_answers import State
 from ipoa_mission.studio.harness import Answer, Job, Order, Subject, work
 
 

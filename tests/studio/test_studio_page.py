@@ -171,6 +171,9 @@ def test_candidates_stand_side_by_side(own_page: Any) -> None:
     until(own_page, f"({times}).length === 2 && ({times})[1] > ({times})[0]")  # slower takes longer
     own_page.get_by_role("button", name="Take", exact=True).click()
     until(own_page, f"document.querySelector('textarea').value === {json.dumps(before)}")
+    own_page.reload()
+    until(own_page, f"{cells}.length > 0")  # what was kept is there when the page comes back
+    own_page.get_by_label("forget A").click()
 
 
 #: Notes that the page has told of a flight: a busy machine may look only after the landing.
@@ -242,6 +245,8 @@ def test_a_mission_is_dropped_opened_and_changed_item_by_item(own_page: Any, add
     own_page.locator("input[type=file]").set_input_files(REPOSITORY / "missions" / "sitl.plan")
     own_page.get_by_role("button", name="Open it by itself").click()
     own_page.get_by_role("heading", name="sitl: a mission file").wait_for()
+    own_page.get_by_label("In the world of").select_option("")
+    until(own_page, "document.querySelectorAll('.chart .grip').length > 1")
     until(own_page, "window.map?.isStyleLoaded() && map.querySourceFeatures('items').length > 0")
     own_page.locator(".items button", has_text="4 ").first.click()
     there = "map.querySourceFeatures('items').find(one => one.properties.seq === 4).geometry.coordinates"
@@ -252,6 +257,14 @@ def test_a_mission_is_dropped_opened_and_changed_item_by_item(own_page: Any, add
     own_page.mouse.move(box["x"] + x + 30, box["y"] + y - 30, steps=3)
     own_page.mouse.up()
     own_page.locator(".unsaved").wait_for()
+    grip = own_page.evaluate("document.querySelectorAll('.chart .grip')[1].getBoundingClientRect().toJSON()")
+    own_page.mouse.move(grip["x"], grip["y"])
+    own_page.mouse.down()
+    own_page.mouse.move(grip["x"], grip["y"] - 15, steps=3)
+    own_page.mouse.up()
+    until(own_page, "document.querySelector('[title^=\"Undo\"]').title.includes('height')")
+    own_page.get_by_role("button", name="Undo").click()
+    own_page.locator(".items button", has_text="4 ").first.click()
     field = own_page.get_by_role("spinbutton", name="Height")
     field.fill("31.5")
     field.press("Tab")
@@ -273,6 +286,9 @@ def test_it_opens_proved(page: Any) -> None:
     assert "required" in page.locator(".verdict").inner_text()
     assert page.locator(".chart .planned").get_attribute("d").startswith("M")
     assert page.title().endswith("meadow · studio")
+    page.get_by_role("button", name="Ways home").click()
+    until(page, "map.querySourceFeatures('homeward').length > 0")
+    page.get_by_role("button", name="Ways home").click()
 
 
 def test_an_item_is_chosen_in_list_map_and_profile_alike(page: Any) -> None:

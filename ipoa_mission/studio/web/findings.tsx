@@ -1,6 +1,6 @@
 // What binds the flight and where; the ways to choose waypoints; plans that were kept, side by side; what to know.
 import type { Plan } from "./messages";
-import { edit, proved, set, type Candidate, type Studio } from "./store";
+import { edit, keepCandidates, proved, set, type Candidate, type Studio } from "./store";
 import { meters, seconds, share } from "./words";
 
 export function Bindings({ now }: { now: Studio }) {
@@ -56,12 +56,12 @@ export function Candidates({ now, take }: { now: Studio; take: (candidate: Candi
   const shown: { name: string; plan: Plan; candidate?: Candidate }[] = now.candidates.map(candidate => ({ ...candidate, candidate }));
   if (plan) shown.push({ name: "now", plan });
   const keep = () => {
-    const name = String.fromCharCode(65 + (now.candidates.length % 26));
-    set({ candidates: [...now.candidates, { name, plan: plan!, text: now.document!.text }] });
+    const name = [..."ABCD"].find(letter => !now.candidates.some(one => one.name === letter)) ?? "E";
+    keepCandidates([...now.candidates, { name, plan: plan!, text: now.document!.text }]);
   };
   if (!shown.length) return null;
   return (
-    <section aria-label="Candidates">
+    <section class="candidates" aria-label="Candidates">
       <h2>Candidates <button type="button" disabled={!plan || now.candidates.length > 3} onClick={keep}>Keep this one</button></h2>
       {now.candidates.length > 0 && (
         <div class="scroll" tabIndex={0} role="region" aria-label="Candidates side by side">
@@ -70,7 +70,7 @@ export function Candidates({ now, take }: { now: Studio; take: (candidate: Candi
             <tbody>{ROWS.map(([label, value]) => <tr key={label}><th scope="row">{label}</th>{shown.map(one => <td key={one.name}>{value(one.plan)}</td>)}</tr>)}
               <tr><th scope="row"><span class="hidden">do</span></th>{shown.map(one => <td key={one.name}>{one.candidate && <>
                 <button type="button" onClick={() => take(one.candidate!)}>Take</button>
-                <button type="button" aria-label={`forget ${one.name}`} onClick={() => set({ candidates: now.candidates.filter(other => other !== one.candidate) })}>×</button></>}</td>)}</tr>
+                <button type="button" aria-label={`forget ${one.name}`} onClick={() => keepCandidates(now.candidates.filter(other => other !== one.candidate))}>×</button></>}</td>)}</tr>
             </tbody>
           </table>
         </div>

@@ -7,6 +7,9 @@ export function Fly({ now }: { now: Studio }) {
   const plan = proved(now);
   const [real, setReal] = useState(false);
   const [link, setLink] = useState("udpin:127.0.0.1:14550");
+  const [system, setSystem] = useState<number | null>(null);
+  const [listening, setListening] = useState(false);
+  useEffect(() => setListening(false), [now.heard, now.troubles]);
   const [speedup, setSpeedup] = useState(5);
   const phase = now.flight?.phase ?? "idle";
   const [open, setOpen] = useState(false);
@@ -23,10 +26,14 @@ export function Fly({ now }: { now: Studio }) {
             <label><input type="radio" name="on" checked={real} onChange={() => setReal(true)} /> a vehicle, or SITL</label>
           </fieldset>
           {real
-            ? <label class="field wide"><span>Link</span><input type="text" value={link} spellcheck={false} onInput={event => setLink(event.currentTarget.value)} /></label>
+            ? <><label class="field wide"><span>Link</span><input type="text" value={link} spellcheck={false} onInput={event => { setLink(event.currentTarget.value); setSystem(null); }} /></label>
+              <p class="buttons"><button type="button" disabled={listening} onClick={() => { setListening(true); send({ kind: "listen", link }); }}>{listening ? "listening …" : "Who is there?"}</button></p>
+              {now.heard && <ul class="plain">{now.heard.links.map(row => (
+                <li key={row.link + row.system}>{row.system === null ? <>{row.link}: {row.words}</>
+                  : <button type="button" onClick={() => { setLink(row.link); setSystem(row.system); }}>{row.link}: <b>{row.words}</b></button>}</li>))}</ul>}</>
             : <label class="field"><span>So many times as fast</span><input type="number" min="0.5" max="1000" value={speedup} onChange={event => setSpeedup(Number(event.currentTarget.value) || 1)} /><em>×</em></label>}
           <button type="button" class="strong" disabled={!plan}
-            onClick={() => send({ kind: "upload", link: real ? link : null, system: null, speedup })}>Upload</button>
+            onClick={() => send({ kind: "upload", link: real ? link : null, system: real ? system : null, speedup })}>Upload</button>
           {!plan && <p class="note">Only a proved path is uploaded.</p>}
         </div>
       )}

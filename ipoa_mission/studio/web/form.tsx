@@ -2,7 +2,7 @@
 import { useState } from "preact/hooks";
 import type { Scenario } from "./messages";
 import { nameOf, remove } from "./hands";
-import { edit, type Path, type Studio } from "./store";
+import { edit, studio, type Path, type Studio } from "./store";
 
 interface Field {
   path: Path;
@@ -54,9 +54,26 @@ export function Chosen({ now }: { now: Studio }) {
       {sizes.filter(([key]) => key in table).map(([key, unit]) => (
         <NumberField key={key} field={{ path: [...path, key], label: key.replaceAll("_", " ").replace(" deg", ""), unit, step: key === "heading_deg" ? 5 : 1 }} now={now} />
       ))}
+      {["via", "start", "goal", "rally"].includes(kind) && <Datum path={path} table={table} />}
       {kind === "fence" && <p class="note">{table.inclusion === false ? "The vehicle keeps out of it." : "The vehicle stays inside of it."} It goes into the mission.</p>}
       {typeof path.at(-1) === "number" && <button type="button" onClick={() => remove(path)}>Remove</button>}
     </section>
+  );
+}
+
+const DATA: [string, string][] = [["up", "home"], ["height_above_ground", "the ground"], ["altitude_amsl", "the sea (AMSL)"]];
+
+/** What a place's height counts from; it stays as high when that is changed. */
+function Datum({ path, table }: { path: Path; table: Record<string, unknown> }) {
+  const spot = studio.world?.spots.find(one => one.path.join() === path.join()), now = DATA.find(([key]) => key in table)?.[0];
+  if (!spot || !now) return null;
+  const change = (key: string) => {
+    const height = key === "up" ? spot.up : key === "altitude_amsl" ? spot.up + studio.world!.home_amsl : spot.above_ground;
+    edit("height counts from elsewhere", { op: "take", path: [...path, now] }, { op: "put", path: [...path, key], value: Math.round(height * 10) / 10 });
+  };
+  return (
+    <label class="field"><span>Height counts from</span>
+      <select value={now} onChange={event => change(event.currentTarget.value)}>{DATA.map(([key, words]) => <option key={key} value={key}>{words}</option>)}</select></label>
   );
 }
 

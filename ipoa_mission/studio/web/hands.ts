@@ -1,6 +1,6 @@
 // What hands do on the map: choose and drag things, draw new ones. Drawings become tables of the scenario.
 import type { Map as MapLibre, MapMouseEvent, MapTouchEvent } from "maplibre-gl";
-import type { Body } from "./messages";
+import type { Body, Spot } from "./messages";
 import { addItem, placeForNew, takeItem } from "./items";
 import { draft, fit, placesOf } from "./map";
 import { keyPath, line, pathKey } from "./shapes";
@@ -97,8 +97,14 @@ export function nameOf(path: Path): string {
 function addPlace(to: "via" | "rally", place: LngLat): void {
   const start = studio.world?.spots.find(spot => spot.name === "start");
   const at = (studio.document?.scenario[to] ?? []).length;
-  edit(`${to === "via" ? "via point" : "rally point"} added`, { op: "add", to, table: { up: round(start?.up ?? 20) }, place, ring: null, at: null });
+  edit(`${to === "via" ? "via point" : "rally point"} added`, { op: "add", to, table: like(start), place, ring: null, at: null });
   set({ selected: [to, at] });
+}
+
+/** As high as the start, and counted from where the goal's height is. */
+function like(start: Spot | undefined): Record<string, number> {
+  const goal = studio.document?.scenario.goal ?? {};
+  return "height_above_ground" in goal ? { height_above_ground: round(start?.above_ground ?? 20) } : { up: round(start?.up ?? 20) };
 }
 
 function addMast(place: LngLat): void {

@@ -18,12 +18,12 @@ import { showPointer } from "./pointer";
 import { Profile } from "./profile";
 import { showSpots } from "./spots";
 import { StartPage } from "./start";
-import { isMission, send, studio, type Candidate, type Studio } from "./store";
+import { isMission, send, set, studio, type Candidate, type Studio } from "./store";
 import { Outside, Text } from "./text";
 import { useStudio } from "./use";
 import { Verdict } from "./verdict";
 
-function MapView({ now: { notice, tiles, picture, world } }: { now: Studio }) {
+function MapView({ now: { notice, tiles, picture, world, whole } }: { now: Studio }) {
   const place = useRef<HTMLDivElement>(null);
   useEffect(() => {
     const map = makeMap(place.current!);
@@ -33,9 +33,10 @@ function MapView({ now: { notice, tiles, picture, world } }: { now: Studio }) {
     Object.assign(window, { map }); // for tests, and for the curious
   }, []);
   return (
-    <div class={`map${world ? "" : " unknown"}`} role="region" aria-label="Map">
+    <div class={`map${world ? "" : " unknown"}${whole ? " whole" : ""}`} role="region" aria-label="Map">
       <div class="canvas" ref={place} />
       {tiles && picture && <p class="attribution">{tiles.attribution}</p>}
+      <button type="button" class="enlarge" aria-pressed={whole} onClick={() => set({ whole: !whole })}>{whole ? "✕ close" : "⤢ whole screen"}</button>
       {notice && <p class="notice" role="status">{notice}</p>}
     </div>
   );

@@ -7,11 +7,11 @@ import { blocking, coarseOf, isMission, isNamed, listen, proved, set, studio, ty
 
 setWorkerUrl(new URL("map-worker.js", document.baseURI).href);
 
-const SOURCES = ["ground", "bodies", "lit", "fences", "bounds", "others", "tube", "path", "flown", "ribbon", "flown-ribbon", "kept", "items", "here", "pillar", "vehicle", "draft"] as const;
+const SOURCES = ["ground", "bodies", "lit", "fences", "bounds", "others", "tube", "homeward", "path", "flown", "ribbon", "flown-ribbon", "kept", "items", "here", "posts", "pillar", "vehicle", "draft"] as const;
 type SourceName = (typeof SOURCES)[number];
 const EMPTY = shapes.collection([]);
-const FLAT = ["ground", "roofs", "roof-lines", "tube", "arrows", "items"];
-const SPACE = ["ground-space", "roofs-space", "zones-space", "ribbon", "flown-ribbon", "pillar"];
+const FLAT = ["ground", "roofs", "roof-lines", "tube", "arrows", "homeward", "items"];
+const SPACE = ["ground-space", "roofs-space", "zones-space", "posts", "ribbon", "flown-ribbon", "pillar"];
 
 export function makeMap(container: HTMLElement): MapLibre {
   const map = new MapLibre({
@@ -40,13 +40,13 @@ export function makeMap(container: HTMLElement): MapLibre {
 export function fit(map: MapLibre, world: World, animate = true): void {
   const items = isMission(studio) ? studio.mission?.items.flatMap(item => (item.place ? [item.place] : [])) ?? [] : [];
   const places = [...world.spots.map(spot => spot.place), ...items] as [number, number][];
-  const [west, south, east, north] = world.box as [number, number, number, number];
+  const [west, south, east, north] = isMission(studio) ? [-180, -85, 180, 85] as const : world.box as [number, number, number, number];
   const lng = places.map(place => place[0]), lat = places.map(place => place[1]);
   const near = [Math.min(...lng), Math.min(...lat), Math.max(...lng), Math.max(...lat)] as const;
   const room = 0.25 * Math.max(near[2] - near[0], near[3] - near[1], 0.0003);
   map.fitBounds(
     [[Math.max(west, near[0] - room), Math.max(south, near[1] - room)], [Math.min(east, near[2] + room), Math.min(north, near[3] + room)]],
-    { padding: 30, animate: animate && !matchMedia("(prefers-reduced-motion: reduce)").matches, pitch: studio.space ? 58 : 0 },
+    { padding: studio.space ? { top: 150, bottom: 30, left: 50, right: 50 } : 30, animate: animate && !matchMedia("(prefers-reduced-motion: reduce)").matches, pitch: studio.space ? 58 : 0 },
   );
 }
 
@@ -80,6 +80,7 @@ function update(map: MapLibre, now: Studio, before: Studio): void {
   if (now.item !== before.item) drawItems(map, now);
   if (now.flown !== before.flown || now.replay !== before.replay) drawFlown(map, now);
   if (now.candidates !== before.candidates) drawKept(map, now);
+  if (now.at !== before.at || now.plan !== before.plan || now.document !== before.document || now.homeward !== before.homeward) drawHomeward(map, now);
   if (now.at !== before.at || now.plan !== before.plan || now.document !== before.document || now.space !== before.space) drawHere(map, now);
   if (now.space !== before.space) {
     showSpace(map, now.space);
@@ -111,6 +112,7 @@ function drawAll(map: MapLibre, now: Studio): void {
   drawFlown(map, now);
   drawKept(map, now);
   drawHere(map, now);
+  drawHomeward(map, now);
   drawLit(map, now);
   showSpace(map, now.space);
   showPicture(map, now);
@@ -119,6 +121,7 @@ function drawAll(map: MapLibre, now: Studio): void {
 function drawWorld(map: MapLibre, world: World): void {
   fill(map, "ground", shapes.ground(world));
   fill(map, "bodies", shapes.bodies(world));
+  fill(map, "posts", world.spots.flatMap(spot => shapes.pillar(spot.place as LngLat, spot.up - spot.above_ground - shapes.lowest(world), spot.up - shapes.lowest(world))));
   fill(map, "fences", shapes.fences(world));
   fill(map, "bounds", shapes.bounds(world));
 }
@@ -128,7 +131,9 @@ function drawPath(map: MapLibre, now: Studio): void {
   const plan = proved(now), coarse = now.drag ?? (plan ? null : coarseOf(now));
   const course: Line | undefined = coarse ? coarse.line : plan?.course.line;
   const untimed = course || !isMission(now) ? [] : placesOf(now).map(item => item.place);
-  fill(map, "path", course ? [shapes.line(course.points, { coarse: coarse !== null, holds: coarse?.holds ?? true })]
+  const turns = coarse ? null : plan?.course.returns_at ?? null; // what comes then is the way home
+  fill(map, "path", course && turns !== null ? [shapes.line(course.points.slice(0, turns + 1), { coarse: false }), shapes.line(course.points.slice(turns), { coarse: false, home: true })]
+    : course ? [shapes.line(course.points, { coarse: coarse !== null, holds: coarse?.holds ?? true })]
     : untimed.length > 1 ? [shapes.line(untimed, { coarse: true, holds: true })] : []);
   fill(map, "others", coarse ? coarse.others.map(other => shapes.line(other.points)) : []);
   drawItems(map, now);
@@ -166,6 +171,13 @@ function drawKept(map: MapLibre, now: Studio): void {
   fill(map, "kept", now.candidates.map((kept, n) => shapes.line(kept.plan.course.line.points, { color: color(colors[n % 4]!), name: kept.name })));
 }
 
+/** The ways home, and that of the moment that the slider stands at. */
+function drawHomeward(map: MapLibre, now: Studio): void {
+  const plan = proved(now), ways = now.homeward ? plan?.homeward ?? [] : [];
+  const time = plan?.course.times[now.at] ?? 0, chosen = ways.findLastIndex(way => way.from_s <= time + 0.01);
+  fill(map, "homeward", ways.map((way, n) => shapes.line(way.line.points, { clear: way.clear, now: n === chosen })));
+}
+
 /** The moment that the slider stands at: a dot from above, a pillar in space. */
 function drawHere(map: MapLibre, now: Studio): void {
   const plan = proved(now);
@@ -182,7 +194,7 @@ function drawHere(map: MapLibre, now: Studio): void {
 function showSpace(map: MapLibre, space: boolean): void {
   for (const name of FLAT) map.setLayoutProperty(name, "visibility", space ? "none" : "visible");
   for (const name of SPACE) map.setLayoutProperty(name, "visibility", space ? "visible" : "none");
-  map.setPaintProperty("path", "line-opacity", space ? 0.25 : 1);
+  for (const name of ["path", "path-home"]) map.setPaintProperty(name, "line-opacity", space ? 0.25 : 1);
 }
 
 /** The tiles below everything, in place of the ground's own colors; what stands on them is seen through. */
@@ -281,14 +293,17 @@ function style(): StyleSpecification {
       { id: "fence-lines", type: "line", source: "fences", paint: { "line-color": ["case", ["get", "inclusion"], color("good"), color("bad")], "line-width": 2 } },
       { id: "others", type: "line", source: "others", paint: { "line-color": color("legs"), "line-width": 1.4, "line-dasharray": [1.5, 2], "line-opacity": 0.8 } },
       { id: "kept", type: "line", source: "kept", paint: { "line-color": ["get", "color"], "line-width": 2.4, "line-dasharray": [4, 1.5] } },
-      { id: "path", type: "line", source: "path", filter: ["!", ["get", "coarse"]], layout: { "line-cap": "round", "line-join": "round" }, paint: { "line-color": color("planned"), "line-width": 3.4 } },
+      { id: "path-home", type: "line", source: "path", filter: ["==", ["get", "home"], true], layout: { "line-cap": "round", "line-join": "round" }, paint: { "line-color": color("planned"), "line-width": 3, "line-dasharray": [0.1, 2] } },
+      { id: "path", type: "line", source: "path", filter: ["all", ["!", ["get", "coarse"]], ["!=", ["get", "home"], true]], layout: { "line-cap": "round", "line-join": "round" }, paint: { "line-color": color("planned"), "line-width": 3.4 } },
       { id: "arrows", type: "symbol", source: "path", filter: ["!", ["get", "coarse"]], layout: { "symbol-placement": "line", "symbol-spacing": 90, "icon-image": "arrow", "icon-size": 1.3, "icon-allow-overlap": true } },
+      { id: "homeward", type: "line", source: "homeward", layout: { "line-sort-key": ["case", ["get", "now"], 1, 0] }, paint: { "line-color": ["case", ["get", "clear"], color("good"), color("bad")], "line-width": ["case", ["get", "now"], 3.2, 1], "line-opacity": ["case", ["get", "now"], 1, 0.3] } },
       { id: "coarse", type: "line", source: "path", filter: ["get", "coarse"], layout: { "line-join": "round" }, paint: { "line-color": ["case", ["get", "holds"], color("planned"), color("bad")], "line-width": 3, "line-dasharray": dash } },
       { id: "flown", type: "line", source: "flown", layout: { "line-cap": "round" }, paint: { "line-color": color("flown"), "line-width": 2.2 } },
       { id: "roofs-space", type: "fill-extrusion", source: "bodies", filter: solid, layout: { visibility: "none" }, paint: { "fill-extrusion-color": ramp("low-roof", "high-roof"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-opacity": 0.92 } },
       { id: "zones-space", type: "fill-extrusion", source: "bodies", filter: zone, layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("bad"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-opacity": 0.18 } },
       { id: "ribbon", type: "fill-extrusion", source: "ribbon", layout: { visibility: "none" }, paint: { "fill-extrusion-color": ["case", ["get", "coarse"], color("quiet"), color("planned")], "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-vertical-gradient": false } },
       { id: "flown-ribbon", type: "fill-extrusion", source: "flown-ribbon", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("flown"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-vertical-gradient": false } },
+      { id: "posts", type: "fill-extrusion", source: "posts", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("ink"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-opacity": 0.55 } },
       { id: "pillar", type: "fill-extrusion", source: "pillar", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("focus"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"] } },
       { id: "here", type: "circle", source: "here", paint: { "circle-color": color("focus"), "circle-stroke-color": color("ink"), "circle-stroke-width": 2, "circle-radius": 6 } },
       { id: "items", type: "symbol", source: "items", layout: { "icon-image": ["get", "icon"], "symbol-sort-key": ["get", "rank"] } },

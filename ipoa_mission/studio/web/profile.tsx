@@ -1,10 +1,11 @@
 // Height over the way, with ground below and what stands near; the slider that flies it.
-import { useEffect, useRef } from "preact/hooks";
-import type { Course, Plan } from "./messages";
-import { isMission, proved, set, studio, type Studio } from "./store";
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { Course, Plan, Stop } from "./messages";
+import { chooseItem, edit, isMission, proved, set, studio, type Studio } from "./store";
 import { seconds } from "./words";
 
 const WIDE = 1000, HIGH = 150;
+const LAND = 21; // its MAV_CMD
 
 export function Profile({ now }: { now: Studio }) {
   const plan = proved(now);
@@ -51,7 +52,7 @@ function sampleAt(course: Course, time: number): number {
 }
 
 function Chart({ plan, at, flown, now }: { plan: Plan; at: number; flown: [number, number][]; now: Studio }) {
-  const { along, ground, line, times } = plan.course;
+  const { along, ground, line, times } = plan.course, turns = plan.course.returns_at ?? null;
   const length = along.at(-1) || 1;
   const low = Math.min(...ground, 0), high = Math.max(...line.up) * 1.12 + 2;
   const x = (value: number) => ((value / length) * WIDE).toFixed(1);
@@ -62,6 +63,35 @@ function Chart({ plan, at, flown, now }: { plan: Plan; at: number; flown: [numbe
   const step = niceStep((high - low) / 3), ticks: number[] = [];
   for (let tick = Math.ceil(low / step) * step; tick < high; tick += step) ticks.push(tick);
   const seen = flown.map(([time, up]) => `${x(along[sampleAt(plan.course, time)]!)} ${y(up)}`);
+  const grip = useRef<{ stop: Stop; up: number } | null>(null), [held, hold] = useState<{ stop: Stop; up: number } | null>(null);
+  const heightAt = (event: PointerEvent & { currentTarget: SVGSVGElement }) => {
+    const box = event.currentTarget.getBoundingClientRect();
+    return Math.round((low + (1 - (event.clientY - box.top) / box.height) * (high - low)) * 2) / 2;
+  };
+  const take = (event: PointerEvent & { currentTarget: SVGSVGElement }) => {
+    const box = event.currentTarget.getBoundingClientRect(), wanted = ((event.clientX - box.left) / box.width) * WIDE;
+    const stop = plan.stops.filter(one => one.up !== null && isDraggable(now, one.seq))
+      .find(one => Math.abs(Number(x(along[one.at]!)) - wanted) < 8 && Math.abs(Number(y(line.up[one.at]!)) - ((event.clientY - box.top) / box.height) * HIGH) < 14);
+    if (!stop) return point(event);
+    event.currentTarget.setPointerCapture(event.pointerId);
+    grip.current = { stop, up: stop.up! };
+    chooseItem(stop.seq);
+  };
+  const pull = (event: PointerEvent & { currentTarget: SVGSVGElement }) => {
+    if (!event.buttons) return;
+    if (!grip.current) return point(event);
+    grip.current = { ...grip.current, up: heightAt(event) };
+    hold(grip.current);
+  };
+  const drop = () => {
+    const done = grip.current;
+    grip.current = null;
+    hold(null);
+    const item = now.mission?.items.find(one => one.seq === done?.stop.seq);
+    if (!done || !item || Math.abs(done.up - done.stop.up!) < 0.25) return;
+    const value = Math.round(((item.values[6] ?? 0) + done.up - done.stop.up!) * 100) / 100;
+    edit(`item ${item.seq}: height ${value} m`, { op: "put_item", seq: item.seq, what: "param7", value });
+  };
   const point = (event: PointerEvent & { currentTarget: SVGSVGElement }) => {
     const box = event.currentTarget.getBoundingClientRect();
     const wanted = ((event.clientX - box.left) / box.width) * length;
@@ -71,7 +101,7 @@ function Chart({ plan, at, flown, now }: { plan: Plan; at: number; flown: [numbe
     <div class="chart">
       {ticks.map(tick => <span class="tick" key={tick} style={{ top: `${(Number(y(tick)) / HIGH) * 100}%` }}>{tick} m</span>)}
       <svg viewBox={`0 0 ${WIDE} ${HIGH}`} preserveAspectRatio="none" role="img" aria-label={`Height over the way: ${length.toFixed(0)} m, up to ${Math.max(...line.up).toFixed(0)} m above home`}
-        onPointerDown={point} onPointerMove={event => { if (event.buttons) point(event); }}>
+        onPointerDown={take} onPointerMove={pull} onPointerUp={drop} onPointerCancel={() => { grip.current = null; hold(null); }}>
         {ticks.map(tick => <path key={tick} class="grid" d={`M0 ${y(tick)}H${WIDE}`} />)}
         {plan.beside.map((body, n) => {
           const left = Math.max(0, body.begins - 0.002 * length), right = Math.min(length, body.ends + 0.002 * length);
@@ -80,14 +110,23 @@ function Chart({ plan, at, flown, now }: { plan: Plan; at: number; flown: [numbe
         })}
         <path class="soil" d={soil} />
         <path class="band" d={band} />
-        <path class="planned" d={path(line.up)} />
+        <path class="planned" d={path(turns === null ? line.up : line.up.slice(0, turns + 1))} />
+        {turns !== null && <path class="planned home" d={"M" + line.up.slice(turns).map((up, n) => `${x(along[turns + n]!)} ${y(up)}`).join("L")} />}
         {seen.length > 1 && <path class="flown" d={`M${seen.join("L")}`} />}
         {plan.stops.map(stop => <path key={stop.seq} class={stop.seq === now.item ? "mark chosen" : "mark"} d={`M${x(along[stop.at]!)} ${y(line.up[stop.at]!)}v${stop.seq === now.item ? 14 : 6}`} />)}
+        {plan.stops.filter(stop => stop.up !== null && isDraggable(now, stop.seq)).map(stop => <path key={`grip ${stop.seq}`} class="grip" d={`M${x(along[stop.at]!)} ${y(held?.stop.seq === stop.seq ? held.up : line.up[stop.at]!)}h0.01`} />)}
         <path class="cursor" d={`M${x(along[at]!)} 0V${HIGH}`} />
       </svg>
+      {held && <span class="unit held">item {held.stop.seq}: {held.up.toFixed(1)} m above home</span>}
       <span class="unit">{times.length ? `${length.toFixed(0)} m` : ""}</span>
     </div>
   );
+}
+
+/** An item of an open mission whose height is its own: not one of a survey, no landing. */
+function isDraggable(now: Studio, seq: number): boolean {
+  const item = isMission(now) ? now.mission?.items.find(one => one.seq === seq) : undefined;
+  return item !== undefined && !item.part_of && item.place !== null && item.command !== LAND;
 }
 
 function niceStep(value: number): number {

@@ -58,16 +58,19 @@ export function ribbon(path: Line, floor: number, wide: number, high: number, co
   const points = path.points as LngLat[];
   const features: Feature[] = [];
   const narrow = Math.cos(((points[0]?.[1] ?? 0) * Math.PI) / 180);
-  let along = 0;
+  let along = 0, from = 0;
   for (let n = 1; n < points.length; n++) {
-    const [west, south] = points[n - 1]!, [east, north] = points[n]!;
+    const [west, south] = points[from]!, [east, north] = points[n]!;
     const dx = (east - west) * METERS * narrow, dy = (north - south) * METERS;
     const length = Math.hypot(dx, dy);
-    const ends = [path.up[n - 1] ?? 0, path.up[n] ?? 0].map(up => up - floor);
+    const steep = length < UPRIGHT && n < points.length - 1 && nearly(points[from]!, points[n + 1]!, narrow);
+    if (steep) continue; // a climb on the spot is one post, not as many specks as it has samples
+    const ends = path.up.slice(from, n + 1).map(up => up - floor);
+    from = n;
     const heights = { from: Math.max(0, Math.min(...ends) - high / 2), to: Math.max(0.1, Math.max(...ends) + high / 2), coarse };
     along += length;
     if (coarse && Math.floor(along / (4 * wide)) % 2) continue;
-    if (length < 0.05) {
+    if (length < UPRIGHT) {
       if (heights.to - heights.from > 1.5 * high) features.push(...pillar([east, north], heights.from, heights.to));
       continue;
     }
@@ -79,6 +82,12 @@ export function ribbon(path: Line, floor: number, wide: number, high: number, co
     ));
   }
   return features;
+}
+
+const UPRIGHT = 0.3; // what goes no farther than this goes straight up or down [m]
+
+function nearly([west, south]: LngLat, [east, north]: LngLat, narrow: number): boolean {
+  return Math.hypot((east - west) * METERS * narrow, (north - south) * METERS) < UPRIGHT;
 }
 
 /** An upright post, a meter and a half wide. */

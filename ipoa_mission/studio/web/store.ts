@@ -1,5 +1,5 @@
 // What this window knows: the latest answer of each kind, and what the user is at. One object, replaced as it changes.
-import type { Answer, Beginning, Checked, Document, Edit, Landed, Loaded, OpenMission, Plan, Put, Progress, Replay, Request, Seen, Sketch, State, Tiles, Trouble, World } from "./messages";
+import type { Answer, Beginning, Checked, Document, Edit, Heard, Landed, Loaded, OpenMission, Plan, Put, Progress, Replay, Request, Seen, Sketch, State, Tiles, Trouble, World } from "./messages";
 import { connect } from "./link";
 
 export type Change = Edit["changes"][number];
@@ -27,6 +27,9 @@ export interface Studio {
   checked: Checked | null;
   replay: Replay | null;
   start: Beginning | null;
+  heard: Heard | null;
+  homeward: boolean;
+  whole: boolean;
   progress: Progress | null;
   troubles: Trouble[];
   tool: Tool;
@@ -55,7 +58,7 @@ export interface Dropped {
 
 export let studio: Studio = {
   connected: false, document: null, world: null, tiles: null, picture: true, sketch: null, drag: null, plan: null, progress: null, troubles: [],
-  mission: null, checked: null, replay: null, start: null,
+  mission: null, checked: null, replay: null, start: null, heard: null, homeward: false, whole: false,
   tool: "select", selected: null, space: false, at: 0, item: null, playing: false, candidates: [], loaded: null, seen: null,
   flown: [], landed: null, flight: null, notice: "", dropped: null,
 };
@@ -127,7 +130,7 @@ function hear(answer: Answer): void {
     case "document":
       document.title = `${answer.unsaved ? "● " : ""}${answer.name} · studio`;
       if (answer.revision !== studio.document?.revision) set({ progress: null, troubles: [], drag: null });
-      set({ document: answer });
+      set({ document: answer, ...(studio.document ? {} : { candidates: keptCandidates(answer.path) }) });
       break;
     case "tiles":
       set({ tiles: answer });
@@ -162,6 +165,9 @@ function hear(answer: Answer): void {
       document.title = "studio";
       set({ start: answer });
       break;
+    case "heard":
+      set({ heard: answer });
+      break;
     case "elsewhere":
       location.assign(new URL(answer.address, document.baseURI));
       break;
@@ -186,6 +192,27 @@ function hear(answer: Answer): void {
     case "written":
       set({ notice: [`written: ${answer.files.join(", ")}`, ...answer.remarks ?? []].join("; ") });
       break;
+  }
+}
+
+const keyOf = (path: string) => `candidates of ${path}`;
+
+/** The plans that were kept of a scenario in this browser. */
+function keptCandidates(path: string): Candidate[] {
+  try {
+    return JSON.parse(localStorage.getItem(keyOf(path)) ?? "[]") as Candidate[];
+  } catch {
+    return [];
+  }
+}
+
+/** Keep plans beside each other, also for when the page is opened again. */
+export function keepCandidates(candidates: Candidate[]): void {
+  set({ candidates });
+  try {
+    localStorage.setItem(keyOf(studio.document!.path), JSON.stringify(candidates.map(one => ({ ...one, plan: { ...one.plan, homeward: [] } }))));
+  } catch {
+    set({ notice: "This browser has no room to keep it: it is gone when the page is closed." });
   }
 }
 

@@ -1,0 +1,28 @@
+"""Who is heard on links: what cannot be opened, or says nothing, is told as such, and the next one is listened to."""
+
+import socket
+
+import pytest
+
+from ipoa_mission.studio import listening
+from ipoa_mission.studio.flight_answers import Heard
+
+
+def free_port() -> int:
+    with socket.socket() as found:
+        found.bind(("127.0.0.1", 0))
+        return int(found.getsockname()[1])
+
+
+def test_each_link_is_told_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    silent, closed = f"udpin:127.0.0.1:{free_port()}", f"tcp:127.0.0.1:{free_port()}"
+    monkeypatch.setattr(listening, "USUAL", (silent, closed))
+    monkeypatch.setattr(listening, "LISTEN_S", 0.02)
+    monkeypatch.setattr(listening, "serial_ports", lambda: ())
+    told: list[Heard] = []
+    listening.listen({"link": "nonsense"}, told.append)  # type: ignore[arg-type]
+    rows = {row.link: (row.system, row.words) for row in told[0].links}
+    assert list(rows) == ["nonsense", silent, closed]
+    assert rows[silent] == (None, "nobody is heard")
+    assert rows[closed][0] is rows["nonsense"][0] is None
+    assert "cannot be opened" in rows[closed][1]
