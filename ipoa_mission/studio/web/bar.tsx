@@ -38,8 +38,8 @@ export function Bar() {
       </div>
       <div class="group">
         {now.tiles && <button type="button" aria-pressed={now.picture} onClick={() => set({ picture: !now.picture })}>Map</button>}
-        {(proved(now)?.homeward.length ?? 0) > 0 && <button type="button" aria-pressed={now.homeward} title="Where RTL would lead at the moment that the slider stands at, and from everywhere else; red: not clear"
-          onClick={() => set({ homeward: !now.homeward })}>Ways home</button>}
+        <button type="button" disabled={!proved(now)?.homeward.length} aria-pressed={now.homeward} title="Where RTL would lead at the moment that the slider stands at, and from everywhere else; red: not clear"
+          onClick={() => set({ homeward: !now.homeward })}>Ways home</button>
         <button type="button" aria-pressed={space} onClick={() => set({ space: !space })}>3-D</button>
         <button type="button" class="strong" disabled={!shown.unsaved} onClick={() => send({ kind: "do", what: "save" })}>Save</button>
         {isMission(now) ? <SaveAs now={now} /> : <button type="button" disabled={!proved(now)} title={`Write ${shown.name}.plan, .waypoints, .json and the report`}
