@@ -67,7 +67,8 @@ def surveyed(number: int, autopilot: Autopilot) -> dict[str, Any]:
     def ring(*shares: tuple[float, float]) -> list[list[float]]:
         angle = math.radians(37.0 * number)
         turn = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
-        return (middle + np.array(shares) * (wide, deep) @ turn).round(2).tolist()
+        corners: list[list[float]] = (middle + np.array(shares) * (wide, deep) @ turn).round(2).tolist()
+        return corners
 
     rings = [ring((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))]
     if kind == "hole":
