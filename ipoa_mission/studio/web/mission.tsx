@@ -9,10 +9,11 @@ export function MissionVerdict({ now, checked }: { now: Studio; checked: Checked
   const plan = proved(now);
   if (!checked) return <p class="coarse">Looking at the mission …</p>;
   const errors = checked.flaws.filter(flaw => flaw.severity === "error"), warnings = checked.flaws.length - errors.length;
+  const isUnsure = warnings > 0 || !now.mission?.scenario;  // nothing is green of which no clearance is known
   const shown = checked.flaws.slice(0, MOST), rest = checked.flaws.slice(MOST);
   return (
     <>
-      <p class={errors.length ? "bad" : warnings ? "amber" : "good"}><b aria-hidden="true">{errors.length ? "✕" : warnings ? "!" : "✓"}</b> {
+      <p class={errors.length ? "bad" : isUnsure ? "amber" : "good"}><b aria-hidden="true">{errors.length ? "✕" : isUnsure ? "!" : "✓"}</b> {
         errors.length ? `Not to be flown: ${count(errors.length, "error")}${warnings ? `, ${count(warnings, "warning")}` : ""}.`
           : warnings ? `No error; ${count(warnings, "warning")} to read before it flies.` : "The check finds nothing wrong."} {kept(now, plan)}</p>
       <ul class="refusal">{shown.map(flaw => <Line key={flaw.words} flaw={flaw} />)}</ul>

@@ -27,7 +27,7 @@ export function StartPage({ now }: { now: Studio }) {
       <section><h2>Open a file</h2>
         <label class="field wide"><span>A scenario (.toml), a mission (.plan, .waypoints) or a log (.tlog, .bin, .ulg); or drop it anywhere</span>
           <input type="file" accept=".toml,.plan,.waypoints,.tlog,.bin,.ulg" onChange={event => void take(event.currentTarget.files?.[0])} /></label>
-        <p class="note">It is kept in {start.folder}, over nothing.</p></section>
+        <p class="note">It is kept in {start.folder}; nothing there is written over.</p></section>
       <section><h2>A new scenario</h2>
         <form onSubmit={begin}>
           <label class="field wide"><span>Home: degrees, MGRS or a plus code</span><input type="text" value={place} required placeholder="47.397742, 8.545594" onInput={event => setPlace(event.currentTarget.value)} /></label>
