@@ -36,6 +36,9 @@ from ipoa_mission.report.stops import stops
 from ipoa_mission.report.ways_home import ways_home
 from ipoa_mission.scenario import Scenario
 
+#: What a name may hold and a page may not.
+_CONTROLS = dict.fromkeys((*range(9), 11, 12, *range(14, 32), *range(127, 160)), "\N{REPLACEMENT CHARACTER}")
+
 
 def write_report(
     forecast: Forecast,
@@ -127,7 +130,7 @@ def report_html(
         "page_js": _asset("page.js"),
         "data": page_data(scenario, extent, course, stop_list, flown, tube, home),
     }
-    return Template(_asset("page.html")).substitute(parts)
+    return Template(_asset("page.html")).substitute(parts).translate(_CONTROLS)
 
 
 LEGS_NOTE = (

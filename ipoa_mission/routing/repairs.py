@@ -36,7 +36,7 @@ def slow_landings(mission: Mission, scenario: Scenario) -> Mission:
     slowed = mission.autopilot.slow_stretch({**mission.parameters, **wanted})
     if slowed is not None and slowed.is_fast(highest.counted):
         raise Unsafe(
-            f"{highest.words}, and {' and '.join(names)} reach to {most:.0f} m above home: "
+            f"{highest.words}, and {' and '.join(names)} count up to {most:.0f} m above home: "
             f"{touches_down(slowed, highest)}",
             hint=f"land elsewhere, descend no faster than {slowed.landing:g} m/s (vehicle.descent_speed), or name "
             f"{' or '.join(filter(None, (mission.autopilot.slowed_by.spared_by, names[0])))} under "

@@ -103,11 +103,12 @@ def test_the_same_mission_gives_the_same_page(planned: Planned, tmp_path: Path) 
 
 def test_names_from_files_cannot_become_markup(bowed: Bowed) -> None:
     scenario, mission, _ = bowed("sitl.toml")
-    evil = '</script><script>alert(1)</script><b title="x" on=\''
+    evil = '\x1b[31m</script><script>alert(1)</script><b title="x" on=\''
     text = scenario.model_dump(mode="json")
     text["obstacles"][0]["name"] = evil
     page = report_html(Forecast(mission, Scenario.model_validate(text)), remarks=[evil])
     assert "<script>alert" not in page
+    assert "\x1b" not in page
     assert sum(tag == "script" for tag, _ in Reader(page).elements) == 2
 
 
