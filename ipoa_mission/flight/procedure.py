@@ -186,7 +186,7 @@ def load_mission(
         await_home(vehicle, show)
     if set_params:
         _set_parameters(vehicle, mission, remark)
-    elif not anyway:
+    if not anyway:  # also of what was set: a vehicle may lack it, or have lost it again
         expect_slow_landing(vehicle, forecast)
     remarks, others, lacking = _put(vehicle, mission, anyway, stages, is_flown=True)
     for words in (*remarks, *(f"{other}: --set-params writes it" for other in others), *lacking):
