@@ -1,5 +1,6 @@
 """`check` and `estimate`: what a mission file is worth before it flies."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,7 +13,10 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
 
 if TYPE_CHECKING:
+    from ipoa_mission.cli.reading import Given
     from ipoa_mission.forecast.timing.estimate import Estimate
+
+SAME_S = 0.05  # times that differ by less are told as one, or nearly so [s]
 
 
 def check(
@@ -118,7 +122,7 @@ def estimate(
         from ipoa_mission.forecast.energy import budget_of
 
         budget = budget_of(forecast)
-    remarks = (*given.remarks, *refused, *prediction.remarks)
+    remarks = (*given.remarks, *refused, *prediction.remarks, *_planned_otherwise(given, prediction))
     if as_json:
         energy: dict[str, Any] = {"energy_wh": None if budget is None else round(budget.used.energy_wh, 3)}
         energy |= {} if budget is None else {"energy": energy_as_json(budget)}
@@ -152,6 +156,14 @@ def estimate(
         f"estimated {prediction.total_s:.1f} s (between {prediction.low_s:.0f} and {prediction.high_s:.0f})",
         *([] if budget is None else budget.words),
     )
+
+
+def _planned_otherwise(given: "Given", estimate: "Estimate") -> Iterator[str]:
+    """That the file has another time where it was planned, and why that may be."""
+    if given.planned is not None and abs(given.planned[1] - estimate.total_s) > SAME_S:
+        about, planned_s = given.planned
+        why = "in its scenario's world and wind (--scenario), with its parameters"
+        yield f"{about} has {planned_s:.1f} s for it: {why}"
 
 
 def route_in_words(estimate: "Estimate") -> list[str]:

@@ -174,6 +174,7 @@ def _fly_there(
     with no_flight_yet(), connect_to(link, on_link, log) as there:
         if not states_firmware(source, flown_by.autopilot):
             job = read_job(source, flown_by, there.autopilot)
+        on_link.system = there.system  # whoever else is heard by then, a survey's next flight is this vehicle's
         job = begun_with(replace(job, forecast=job.forecast.on(there.firmware_version())), begin)
         remarks, record = fly_there(job, there, begin - 1, on_link.anyway, set_params)
     return job, (*remarks, *_where_it_landed(job, record)), record

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.finding import Finding
 from ipoa_mission.logs.learn.vehicle_file import read_vehicle
+from ipoa_mission.mission.about_file import planned_time_beside
 from ipoa_mission.mission.files import read_mission_file
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.parameter_file import beside
@@ -23,12 +24,14 @@ SHOWN = 6  # parameters in a note
 class Given:
     """The mission in a file, on the vehicle that the command line asks for; `findings` are those of reading the file.
 
-    `remarks` are for the user: the findings in words, and which parameters lay beside it.
+    `remarks` are for the user: the findings in words, and which parameters lay beside it. `planned`: the NAME.json that
+    was written with it, and the time that this has for it [s].
     """
 
     mission: Mission
     findings: tuple[Finding, ...]
     remarks: tuple[str, ...]
+    planned: tuple[str, float] | None = None
 
 
 def read_given(file: Path, flown_by: FlownByOptions, autopilot: Autopilot | None = None) -> Given:
@@ -47,7 +50,8 @@ def read_given(file: Path, flown_by: FlownByOptions, autopilot: Autopilot | None
         remarks += (f"parameters from {beside(file)}: {some}{f' and {more} more' if more > 0 else ''}",)
     if flown_by.vehicle is not None:
         mission = replace(mission, vehicle=read_vehicle(flown_by.vehicle, mission.autopilot))
-    return Given(mission.with_parameters(flown_by.parameters), read.findings, remarks)
+    planned = planned_time_beside(file, read.source)
+    return Given(mission.with_parameters(flown_by.parameters), read.findings, remarks, planned)
 
 
 def read_world(file: Path | None, wind: "Wind | None" = None) -> "Scenario | None":

@@ -18,7 +18,7 @@ from ipoa_mission.forecast.energy import ReserveNow, budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.messages import Message
-from ipoa_mission.link.telemetry import BatteryStatus, Position, SystemStatus
+from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.progress import Progress
 from ipoa_mission.world.frame import Geodetic
@@ -104,7 +104,7 @@ class ToldEndings:
     def __init__(self, forecast: Forecast, vehicle: Vehicle, show: Progress, reserves: list[ReserveNow]) -> None:
         self._now, self._frame, self._vehicle, self._show = EndingsNow(forecast), forecast.frame, vehicle, show
         self._done, self._words, self._told_s = 0.0, "", -math.inf
-        self._budget, self._left, self._reserves = budget_of(forecast), math.nan, reserves
+        self._budget, self._reserves = budget_of(forecast), reserves
 
     def show(self, share: float, words: str) -> None:
         """What is done."""
@@ -113,9 +113,6 @@ class ToldEndings:
 
     def hear(self, message: Message) -> None:
         """One message of the vehicle."""
-        is_first = isinstance(message, SystemStatus) or (isinstance(message, BatteryStatus) and message.id == 0)
-        if is_first and message.battery_remaining >= 0:  # type: ignore[attr-defined]
-            self._left = message.battery_remaining / 100.0  # type: ignore[attr-defined]
         if not isinstance(message, Position) or message.time_s - self._told_s < EVERY_S:
             return
         path = self._vehicle.record().path
@@ -128,9 +125,10 @@ class ToldEndings:
 
     def _reserve(self, time: float) -> Iterator[ReserveNow]:
         """Where a battery is known, and the vehicle says what is left of it."""
-        if self._budget is None or math.isnan(self._left):
+        left = self._vehicle.state.battery_left
+        if self._budget is None or left is None:
             return
-        if (now := self._budget.against_plan(self._left, time)) is not None:
+        if (now := self._budget.against_plan(left, time)) is not None:
             if not self._reserves or self._reserves[-1].left != now.left:
                 self._reserves.append(now)
             yield now

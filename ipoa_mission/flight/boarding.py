@@ -10,6 +10,7 @@ from ipoa_mission.checks.own_fence import breaches
 from ipoa_mission.checks.positions import refusals
 from ipoa_mission.checks.unsafe import Unsafe, refuse_errors
 from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.energy import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
 from ipoa_mission.link.set_up import own_values
@@ -22,6 +23,7 @@ from ipoa_mission.world.frame import Geodetic, apart
 
 FAR = 100.0  # [m] over the ground
 HIGHER = 5.0  # [m]
+CHARGED = 0.95  # a charged battery is told as so full or fuller
 log = logging.getLogger(__name__)
 
 
@@ -96,6 +98,31 @@ def expect_slow_landing(vehicle: Vehicle, forecast: Forecast) -> None:
                 hint="give it those that the mission was made for (NAME.params): `fly --set-params` does; "
                 "--anyway flies with its own",
             )
+
+
+class LowBattery(MissionError):
+    """By the vehicle's own word its battery is not enough for the flight and its reserve."""
+
+
+def expect_charge(vehicle: Vehicle, forecast: Forecast, first: int = 0) -> None:
+    """Refuse a vehicle that would land with less than the scenario's reserve, by what it says of its battery.
+
+    `first`: index of the item with which the flight begins.
+
+    Raises:
+        LowBattery: with how much is left, and with what it would land.
+    """
+    left, budget = vehicle.state.battery_left, None if forecast.scenario is None else budget_of(forecast)
+    if left is None or left >= CHARGED or budget is None:
+        return
+    begins = next((item.done_s for item in forecast.estimate.items if item.seq == first), 0.0)
+    now = budget.against_plan(left, begins)
+    if now is not None and now.lands.likely < now.reserve:
+        raise LowBattery(
+            f"the vehicle says that {left:.0%} of its battery is left, and this flight takes "
+            f"{left - now.lands.likely:.1%}: {now.reserve:.0%} must be left after landing",
+            hint="put in a charged one; or, if the vehicle has not noticed that one is in, begin with --anyway",
+        )
 
 
 class OutsideOwnFence(MissionError):

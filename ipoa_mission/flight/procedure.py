@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from ipoa_mission.checks.start import NotAtStart, check_start
 from ipoa_mission.errors import MissionError
-from ipoa_mission.flight.boarding import await_home, expect_fit, expect_slow_landing
+from ipoa_mission.flight.boarding import await_home, expect_charge, expect_fit, expect_slow_landing
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.messages import MissionType
@@ -138,7 +138,8 @@ def fly_mission(
 
     Raises:
         NotReady: it is armed already, does not know where it is, or cannot be armed; with its own reasons.
-        FastLanding, NotAtStart, Unsafe, FarFromHome, OutsideOwnFence: a check says no, and nothing was armed.
+        FastLanding, LowBattery, NotAtStart, Unsafe, FarFromHome, OutsideOwnFence: a check says no, and nothing was
+            armed.
         MissionError: as `upload_mission` and `Vehicle.start`, or the vehicle was lost; or it holds rally points of
             another mission, and this one has none.
 
@@ -185,7 +186,7 @@ def load_mission(
         await_home(vehicle, show)
     if set_params:
         _set_parameters(vehicle, mission, remark)
-    elif not anyway:
+    if not anyway:  # also of what was set: a vehicle may lack it, or have lost it again
         expect_slow_landing(vehicle, forecast)
     remarks, others, lacking = _put(vehicle, mission, anyway, stages, is_flown=True)
     for words in (*remarks, *(f"{other}: --set-params writes it" for other in others), *lacking):
@@ -204,6 +205,8 @@ def begin_mission(
     """The second half of `fly_forecast`: the vehicle is made ready, armed, started and watched."""
 
     def permit(there: Geodetic) -> None:
+        if not anyway:
+            expect_charge(vehicle, forecast, first)
         try:
             told = check_start(forecast, first, there)
         except NotAtStart as elsewhere:

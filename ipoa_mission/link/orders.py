@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.definitions import message_number
 from ipoa_mission.link.dialogue import Ask, Dialogue, NoAnswer, Pause, Remark, Step
@@ -206,13 +206,17 @@ def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[Non
 
     Raises:
         NoAnswer: there is no such parameter, or nothing is heard of it any more.
+        BadInput: its type has no such value.
         MissionError: it keeps another value.
     """
     found = yield from parameters([(name,)], autopilot)
     if name not in found:
         raise NoAnswer(f"the vehicle has no parameter {name}")
     kind = found[name].param_type
-    order = ParamSet(name, spelled_parameter(value, kind, autopilot), kind)
+    try:
+        order = ParamSet(name, spelled_parameter(value, kind, autopilot), kind)
+    except BadInput as error:
+        raise BadInput(f"{name}: {error}") from None
     kept: float | None = None
     for seconds in SETTING_S:
         yield Remark(order)
@@ -236,7 +240,13 @@ def parameter_value(heard: ParamValue, autopilot: Autopilot) -> float:
 
 
 def spelled_parameter(value: float, kind: int, autopilot: Autopilot) -> float:
-    """The inverse of `parameter_value`, for a parameter of this type."""
+    """The inverse of `parameter_value`, for a parameter of this type.
+
+    Raises:
+        BadInput: it is no whole number that the type has.
+    """
     if kind not in INT_TYPES or not autopilot.book.packs_integers:
         return value
+    if not abs(value) < 2**31:
+        raise BadInput(f"expected a value of 32 bits, not {value:g}")
     return float(struct.unpack("<f", struct.pack("<i", round(value)))[0])

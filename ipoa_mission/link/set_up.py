@@ -44,7 +44,7 @@ def other_values(vehicle: HasParameters, wanted: Parameters) -> tuple[tuple[Othe
     for one, value in wanted.items():
         for name, unit in spelled(one):
             if name in values:
-                if abs(values[name] - value * unit) > ROUNDING * max(1.0, abs(value * unit)):
+                if not abs(values[name] - value * unit) <= ROUNDING * max(1.0, abs(value * unit)):  # NaN is another
                     others.append(OtherValue(name, value * unit, values[name]))
                 break
         else:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.messages import STANDBY, WARNING, Current, Heartbeat, MavAutopilot, Message, Text
-from ipoa_mission.link.telemetry import ExtendedState, Position, SystemStatus
+from ipoa_mission.link.telemetry import BatteryStatus, ExtendedState, Position, SystemStatus
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.kind import Kind
 from ipoa_mission.vehicles.kinds import with_article
@@ -61,6 +61,7 @@ class VehicleState:
     position: Position | None = None
     current: Current | None = None
     may_arm: bool | None = None  # None: it does not tell
+    battery_left: float | None = None  # the share of its first battery
     heard: set[type[Message]] = field(default_factory=set)
     warnings: list[str] = field(default_factory=list)
     other: Kind | None = None
@@ -68,6 +69,9 @@ class VehicleState:
     def note(self, message: Message) -> None:
         """Something was heard."""
         self.heard.add(type(message))
+        is_first = isinstance(message, SystemStatus) or (isinstance(message, BatteryStatus) and message.id == 0)
+        if is_first and message.battery_remaining >= 0:  # type: ignore[attr-defined]
+            self.battery_left = message.battery_remaining / 100.0  # type: ignore[attr-defined]
         match message:
             case Heartbeat() if not self.owns(message):
                 if message.autopilot != MavAutopilot.INVALID:

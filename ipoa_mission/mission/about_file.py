@@ -1,4 +1,4 @@
-"""NAME.json, as far as it is read again: the digests of the files written with it, and the ground where they land."""
+"""NAME.json, as far as it is read again: digests of the files written with it, where they land, what time they take."""
 
 import json
 import math
@@ -28,6 +28,24 @@ def landing_height_beside(path: Path, text: str) -> float | None:
     height = told.get(KEY)
     is_of_it = _digests(told).get(path.name) == digest(text)
     return height if is_of_it and isinstance(height, float) and math.isfinite(height) else None
+
+
+def planned_time_beside(path: Path, text: str) -> tuple[str, float] | None:
+    """Which NAME.json was written with the mission at `path`, if it is of this very text, and how long that has it [s].
+
+    Of a flight that was split there is one about all its parts.
+    """
+    for about in (path.with_suffix(".json"), path.with_name(f"{path.stem.rpartition('-')[0]}.json")):
+        told = _read(about)
+        if _digests(told).get(path.name) != digest(text):
+            continue
+        flights, whole = told.get("flights"), told.get("estimate")
+        parts = [one for one in flights if isinstance(one, dict)] if isinstance(flights, list) else []
+        times = [one.get("time_s") for one in parts if one.get("file") == path.with_suffix(".plan").name]
+        times += [whole.get("total_s")] if isinstance(whole, dict) and not parts else []
+        if times and isinstance(times[0], int | float) and math.isfinite(times[0]):
+            return about.name, float(times[0])
+    return None
 
 
 def _read(about: Path) -> dict[str, object]:

@@ -26,6 +26,7 @@ from ipoa_mission.world.frame import Geodetic
 
 SUFFIX, FIRST_LINE = ".waypoints", "QGC WPL 110"
 TAKEOFF_LOST = "QGroundControl 4.4 loses the take-off of a .waypoints file: open the .plan there"
+HOMEWARDS = ": its RTL flies home, by another way, time and energy"
 NO_COMMAND = 0  # what Mission Planner gives a home that it does not know
 OTHER_LISTS = frozenset({*POLYGON, *CIRCLE, Command.NAV_FENCE_RETURN_POINT, Command.NAV_RALLY_POINT})
 PARAMS = ("param1", "param2", "param3", "param4")
@@ -78,8 +79,11 @@ def lost_in_waypoints(mission: Mission) -> tuple[str, ...]:
 
 def left_out(mission: Mission) -> tuple[str, ...]:
     """What of a mission a `.waypoints` file cannot hold, in words."""
-    parts = {"the geofence": mission.fence, "the rally points": mission.rally}
-    return tuple(f"{name} cannot be held by a .waypoints file" for name, what in parts.items() if what)
+    parts = (
+        ("the geofence cannot be held by a .waypoints file", mission.fence),
+        (f"the rally points cannot be held by a .waypoints file{HOMEWARDS}", mission.rally),
+    )
+    return tuple(words for words, what in parts if what)
 
 
 def read_waypoints(path: str | Path, autopilot: Autopilot | None = None) -> MissionFile:

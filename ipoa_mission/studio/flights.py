@@ -105,6 +105,7 @@ class FlightDesk:
 
     async def _fly(self, request: Upload, hand_over: Callable[[Path], Awaitable[bool]]) -> None:
         file, document = self._folder / "flight.pickle", self._document
+        revision = document.revision  # what is handed over is of this one, whatever is changed meanwhile
         self._tell(State(phase="uploading", words="getting the plan"))
         if not await hand_over(file):
             self._tell(State(phase="idle", words=""))
@@ -112,7 +113,7 @@ class FlightDesk:
         order = request.model_dump(mode="json") | {
             "job": "fly",
             "file": str(file),
-            "revision": document.revision,
+            "revision": revision,
             "log": str(unused(document.path.with_suffix(".tlog"))),
         }
         troubled = False

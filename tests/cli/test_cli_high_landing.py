@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.link.vehicle import Vehicle
 from tests.checks.test_check_ground import PX4
 from tests.cli.conftest import Run, Serve
 from tests.quick_search import search_quickly
@@ -25,6 +26,10 @@ def test_fly_refuses_a_vehicle_that_would_touch_down_fast(
         )
         assert "hint: give it those that the mission was made for (NAME.params): `fly --set-params` does" in ended.err
         assert "not complete" not in ended.out
+        with monkeypatch.context() as lost:  # as by a reboot after it had said that it took them
+            lost.setattr(Vehicle, "set_parameter", lambda *_: None)
+            ended = run(f"fly {tmp_path / 'slope.plan'} --link {link} --out {tmp_path} --set-params")
+            assert (ended.code, "vehicle touches down at up to 1.5 m/s" in ended.err) == (1, True)
         ended = run(f"fly {tmp_path / 'slope.plan'} --link {link} --out {tmp_path} --set-params")
         assert "MPC_LAND_ALT2 set to 17 (it was 5)" in ended.out
         assert ended.code == 0

@@ -41,3 +41,10 @@ def test_a_plan_beyond_its_battery_is_refused_and_written_in_parts_with_split(ru
     assert "2 flights, a battery each" in run(f"plan {scenario} --seed 7 --out out --split --force").out
     timed = run(f"estimate out/rows-1.plan --scenario {scenario}").out
     assert "20% required" in timed
+    assert "rows.json" not in timed
+    seconds = told["flights"][0]["time_s"]
+    alone = run("estimate out/rows-1.plan --param WPNAV_ACCEL=60").out
+    assert f"note: rows.json has {seconds:.1f} s for it: in its scenario's world and wind (--scenario)" in alone
+    with Path("out/rows-1.plan").open("a") as file:
+        file.write("\n")  # another file than it was
+    assert "rows.json" not in run("estimate out/rows-1.plan --param WPNAV_ACCEL=60").out

@@ -7,6 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from ipoa_mission.cli import vehicles
+from ipoa_mission.cli.groups import LinkOptions
+from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.cli.conftest import Run, Serve
@@ -105,8 +108,16 @@ def test_on_a_vehicle_its_next_flight_begins_when_the_battery_is_changed(
     assert run(f"{fly} udpin:127.0.0.1:14999 --log all.tlog").code == 2
     assert not (tmp_path / "out").exists()
     monkeypatch.setattr(sys, "stdin", Terminal("y\nn\n"))
+    systems: list[int | None] = []
+
+    def connect_to(link: str, options: LinkOptions, log: Path | None) -> Vehicle:
+        systems.append(options.system)
+        return vehicles.connect_to(link, options, log)
+
+    monkeypatch.setattr("ipoa_mission.cli.flying.connect_to", connect_to)
     with autopilot(Geodetic(47.3977, 8.5456, 488.0), Autopilot.ARDUPILOT) as link:
-        told = run(f"{fly} {link}")
+        told = run(f"{fly} {link.removesuffix(' --system 1')}")
+    assert systems == [None, 1]  # nobody else's vehicle is armed for the second flight
     outcome = json.loads(told.out)
     assert [one["file"] for one in outcome["flown"]] == ["field-1.plan", "field-2.plan"]
     assert all(one["completed"] for one in outcome["flown"])

@@ -1,5 +1,7 @@
 """What RTL and LAND would do at one second of a flight, for where the vehicle is then."""
 
+import math
+from contextlib import nullcontext
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -9,9 +11,11 @@ import pytest
 
 from ipoa_mission import Forecast, read_mission, read_scenario
 from ipoa_mission.cli.real_flight import ToldEndings
+from ipoa_mission.flight.boarding import LowBattery, expect_charge
 from ipoa_mission.forecast.endings import Endings
 from ipoa_mission.forecast.endings_now import EndingsNow
-from ipoa_mission.forecast.energy import ReserveNow
+from ipoa_mission.forecast.energy import ReserveNow, budget_of
+from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.telemetry import BatteryStatus, Position, SystemStatus
 from ipoa_mission.vehicles.ending import Ending
 
@@ -57,13 +61,12 @@ def test_the_command_line_tells_it_beside_what_is_done(forecast: Forecast) -> No
     time = sum(endings.in_air) / 2
     there = forecast.frame.geodetic(endings.stops().at(np.array([time]))[0][0])
     record = SimpleNamespace(path=[SimpleNamespace(time_s=time)])
-    vehicle: Any = SimpleNamespace(record=lambda: record, state=SimpleNamespace(in_air=True))
+    vehicle: Any = SimpleNamespace(record=lambda: record, state=SimpleNamespace(in_air=True, battery_left=None))
     teller = ToldEndings(forecast, vehicle, lambda _, words: told.append(words), reserves)
     teller.show(0.5, "item 3 of 6")
     at = (there.latitude_deg, there.longitude_deg, there.altitude, 20.0)
-    for later, left in ((0.0, -1), (0.4, 80), (1.2, 80), (2.4, 80), (3.6, 20)):  # by the vehicle's clock
-        teller.hear(SystemStatus(0, 0, 0, battery_remaining=left))
-        teller.hear(BatteryStatus(1, 12.0, -1.0, 50))  # of another battery
+    for later, left in ((0.0, None), (0.4, 0.8), (1.2, 0.8), (2.4, 0.8), (3.6, 0.2)):  # by the vehicle's clock
+        vehicle.state.battery_left = left
         teller.hear(Position(time + later, *at))
     assert told[0] == "item 3 of 6"
     assert len(told) == 5
@@ -72,3 +75,24 @@ def test_the_command_line_tells_it_beside_what_is_done(forecast: Forecast) -> No
     assert "battery 80%, " in told[2]
     assert told[4].endswith("NOT the 25% required")
     assert [one.left for one in reserves] == [0.8, 0.2]
+
+
+def test_a_vehicle_that_says_its_battery_is_not_enough_is_not_flown(forecast: Forecast) -> None:
+    state = VehicleState(forecast.mission.autopilot)
+    vehicle: Any = SimpleNamespace(state=state)
+    expect_charge(vehicle, forecast)  # it has told nothing
+    for message in (SystemStatus(0, 0, 0, battery_remaining=-1), BatteryStatus(1, 12.0, -1.0, 10)):
+        state.note(message)  # not measured; of another battery
+        expect_charge(vehicle, forecast)
+    budget = budget_of(forecast)
+    assert budget is not None
+    assert budget.battery is not None
+    takes = budget.used.between.likely / budget.battery.capacity_wh
+    enough = math.ceil(100 * (takes + budget.battery.reserve))
+    for left, is_flown in ((enough, True), (enough - 2, False), (97, True)):
+        state.note(BatteryStatus(0, 12.0, -1.0, left))
+        with nullcontext() if is_flown else pytest.raises(LowBattery, match=f"says that {left}% of its battery"):
+            expect_charge(vehicle, forecast)
+    state.note(BatteryStatus(0, 12.0, -1.0, enough - 2))
+    expect_charge(vehicle, forecast, first=len(forecast.mission.items) - 1)  # what is left out takes nothing
+    expect_charge(vehicle, Forecast(forecast.given))  # whose battery nobody knows

@@ -1,5 +1,6 @@
 """What a vehicle has told of its state, in words and as numbers, and by what it carries with a mission."""
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -60,6 +61,8 @@ def test_a_parameter_is_held_against_the_vehicle_by_whichever_name_that_has_for_
     assert [str(other) for other in others] == ["WP_SPD is 5 on the vehicle, and the mission was made for 7.5"]
     assert missing == ("WP_JERK",)
     assert other_values(vehicle, {}) == ((), ())
+    ((other,), _) = other_values(Table(Autopilot.PX4, {"MPC_XY_CRUISE": math.nan}), {"MPC_XY_CRUISE": 5.0})
+    assert str(other) == "MPC_XY_CRUISE is nan on the vehicle, and the mission was made for 5"
 
 
 @pytest.mark.parametrize(("switch", "idle"), [(0.0, True), (1.0, False), (None, False)])

@@ -79,6 +79,12 @@ def test_a_parameter_that_is_set_is_kept_and_one_that_there_is_not_is_an_error(a
         vehicle.set_parameter("NO_SUCH_NAME", 1.0)
 
 
+def test_a_value_that_its_type_has_not_is_bad_input() -> None:
+    vehicle = met(Autopilot.PX4)
+    with pytest.raises(BadInput, match="MPC_YAW_MODE: expected a value of 32 bits, not 1e\\+12"):
+        vehicle.set_parameter("MPC_YAW_MODE", 1e12)
+
+
 def test_a_vehicle_that_is_armed_is_not_on_the_ground_to_be_prepared() -> None:
     vehicle = met(Autopilot.PX4)
     vehicle.upload(suited(vehicle, replace(MISSION, rally=())))

@@ -80,7 +80,7 @@ def test_what_does_not_fit_is_said(tmp_path: Path) -> None:
     mission = replace(FLIGHT, fence=(FenceCircle((39.1, 121.8), 100.0),), rally=(HOME,))
     assert write_waypoints(mission, tmp_path / "fence.waypoints") == (
         "the geofence cannot be held by a .waypoints file",
-        "the rally points cannot be held by a .waypoints file",
+        "the rally points cannot be held by a .waypoints file: its RTL flies home, by another way, time and energy",
         TAKEOFF_LOST,
     )
 

@@ -2,11 +2,15 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable
+from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from ipoa_mission.studio.flights import FlightDesk
 from ipoa_mission.studio.processes import Died, Process
+from ipoa_mission.studio.requests import Upload
 
 WORDS = ("one", "two\n\u2028", "three")
 
@@ -67,3 +71,31 @@ def test_one_that_dies_is_replaced() -> None:
         assert heard[0]["words"] == "again"
 
     run(test)
+
+
+def test_what_is_changed_while_a_plan_is_handed_over_is_not_what_is_loaded(tmp_path: Path) -> None:
+    document: Any = SimpleNamespace(revision=7, path=tmp_path / "meadow.toml")
+    orders: list[dict[str, Any]] = []
+
+    class Pilot:
+        async def ask(self, order: dict[str, Any], hear: Callable[[dict[str, Any]], None]) -> None:
+            orders.append(order)
+
+        async def close(self) -> None:
+            """It has no process."""
+
+    async def hand_over(file: Path) -> bool:
+        document.revision += 1
+        return True
+
+    async def whole() -> None:
+        desk = FlightDesk(document, lambda message: None)
+        desk._process = Pilot()  # type: ignore[assignment]
+        desk.upload(Upload(), hand_over)
+        await asyncio.sleep(0)
+        assert desk._task is not None
+        await desk._task
+        await desk.close()
+
+    asyncio.run(whole())
+    assert [order["revision"] for order in orders] == [7]  # and so a start is refused: the plan shown is another
