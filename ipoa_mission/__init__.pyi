@@ -11,6 +11,7 @@ from ipoa_mission.finding import Finding as Finding
 from ipoa_mission.finding import Severity as Severity
 from ipoa_mission.flight.boarding import FarFromHome as FarFromHome
 from ipoa_mission.flight.boarding import FastLanding as FastLanding
+from ipoa_mission.flight.boarding import LowBattery as LowBattery
 from ipoa_mission.flight.boarding import OutsideOwnFence as OutsideOwnFence
 from ipoa_mission.flight.boarding import expect_fit as expect_fit
 from ipoa_mission.flight.flight import Flight as Flight
