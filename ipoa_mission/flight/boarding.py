@@ -10,7 +10,6 @@ from ipoa_mission.checks.own_fence import breaches
 from ipoa_mission.checks.positions import refusals
 from ipoa_mission.checks.unsafe import Unsafe, refuse_errors
 from ipoa_mission.errors import MissionError
-from ipoa_mission.forecast.energy import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
 from ipoa_mission.link.set_up import own_values
@@ -112,8 +111,13 @@ def expect_charge(vehicle: Vehicle, forecast: Forecast, first: int = 0) -> None:
     Raises:
         LowBattery: with how much is left, and with what it would land.
     """
-    left, budget = vehicle.state.battery_left, None if forecast.scenario is None else budget_of(forecast)
-    if left is None or left >= CHARGED or budget is None:
+    left = vehicle.state.battery_left
+    if forecast.scenario is None or left is None or left >= CHARGED:
+        return
+    from ipoa_mission.forecast.energy import budget_of
+
+    budget = budget_of(forecast)
+    if budget is None:
         return
     begins = next((item.done_s for item in forecast.estimate.items if item.seq == first), 0.0)
     now = budget.against_plan(left, begins)
