@@ -25,14 +25,17 @@ def write_atomically(path: Path, content: str | bytes) -> None:
 def write_together(contents: Mapping[Path, str | bytes]) -> None:
     """Write several files, as `write_atomically` does: every one is whole before the first takes its place.
 
+    A symbolic link stays one: what it leads to is written.
+
     Raises:
         BadInput: one of them cannot be written; none of them was.
     """
     staged: dict[Path, Path] = {}
+    targets = {path: Path(os.path.realpath(path)) for path in contents}
     try:
         for path, content in contents.items():
             try:
-                handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+                handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=targets[path].parent)
                 staged[path] = Path(temporary)
                 with os.fdopen(handle, "wb") as file:
                     file.write(content.encode() if isinstance(content, str) else content)
@@ -40,9 +43,9 @@ def write_together(contents: Mapping[Path, str | bytes]) -> None:
                 _expect_file(path)
             except OSError as error:
                 raise BadInput(f"{path}: cannot be written: {error.strerror}") from error
-        for path in contents:
+        for path, target in targets.items():
             try:
-                staged[path].replace(path)
+                staged[path].replace(target)
             except OSError as error:
                 raise BadInput(f"{path}: cannot be written: {error.strerror}") from error
     finally:

@@ -181,6 +181,15 @@ def test_files_of_one_flight_are_written_together_or_not_at_all(
     assert (tmp_path / "a").read_text() == "before"
 
 
+def test_what_a_symbolic_link_leads_to_is_written_and_the_link_stays(tmp_path: Path) -> None:
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "elsewhere" / "a").write_text("before")
+    (tmp_path / "a").symlink_to(tmp_path / "elsewhere" / "a")
+    write_together({tmp_path / "a": "new"})
+    assert (tmp_path / "a").is_symlink()
+    assert (tmp_path / "elsewhere" / "a").read_text() == "new"
+
+
 @pytest.mark.skipif(not hasattr(os, "setgid") or os.getuid() != 0, reason="mounts a small disk")
 def test_a_full_disk_leaves_nothing_half_written(planned: Planned, tmp_path: Path) -> None:
     disk = tmp_path / "disk"
