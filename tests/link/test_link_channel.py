@@ -2,15 +2,17 @@
 
 import os
 import select
+import sys
 import time
 import tty
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
 from ipoa_mission.link.address import parse_address
-from ipoa_mission.link.channel import MOST_UNSENT, LinkDown, SerialChannel, UdpChannel, open_channel
+from ipoa_mission.link.channel import MOST_UNSENT, LinkDown, SerialChannel, UdpChannel, open_channel, serial_ports
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, frames
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, TimeUp
@@ -131,3 +133,11 @@ def test_a_stranger_whose_address_cannot_be_answered_does_not_break_the_link() -
         channel.send(b"\xfd", ("255.255.255.255", 9))
     finally:
         channel.close()
+
+
+def test_serial_ports_are_told_by_their_names_and_are_none_without_pyserial(monkeypatch: pytest.MonkeyPatch) -> None:
+    ports = [SimpleNamespace(device=name) for name in ("/dev/ttyUSB1", "/dev/ttyACM0")]
+    monkeypatch.setattr("serial.tools.list_ports.comports", lambda: ports)
+    assert serial_ports() == ("/dev/ttyACM0", "/dev/ttyUSB1")
+    monkeypatch.setitem(sys.modules, "serial.tools.list_ports", None)
+    assert serial_ports() == ()

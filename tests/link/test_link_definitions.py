@@ -70,3 +70,8 @@ def test_what_is_no_dialect_or_contradicts_ours_is_bad_input() -> None:
         definitions.add_dialect(SimpleNamespace(mavlink_map={0: other}))  # type: ignore[arg-type]
     with pytest.raises(BadInput, match="of a dialect that is in use"):
         definitions.dialect_of(65_000)
+
+
+def test_what_a_command_s_params_mean_is_told_where_it_is_known() -> None:
+    assert definitions.params_in_words(177) == {1: "Sequence number", 2: "Repeat count"}
+    assert definitions.params_in_words(64_999) == {}

@@ -6,11 +6,11 @@ import pytest
 
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
-from ipoa_mission.link.hold import SAYINGS
+from ipoa_mission.link.hold import SAYINGS, EndingOrder
 from ipoa_mission.link.leaving import SETTLED_S, Leaving
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
-from ipoa_mission.link.messages import CommandLong, Heartbeat, Message, Text
+from ipoa_mission.link.messages import CommandAck, CommandLong, CommandResult, Heartbeat, Message, Text
 from ipoa_mission.link.state import ON_GROUND, VehicleState
 from ipoa_mission.link.telemetry import ExtendedState, Position
 from ipoa_mission.link.vehicle import Vehicle
@@ -144,6 +144,18 @@ def test_an_order_to_end_the_flight_is_given_until_the_vehicle_shows_it(
     assert record.completed is (lost == 99)
     assert len(said) == min(lost + 1, SAYINGS)
     assert ("does not show it" in vehicle.ending.words) is (lost == 99)
+
+
+@pytest.mark.parametrize("family", registered())
+def test_an_order_to_end_the_flight_that_is_refused_is_told_and_given_no_more(family: Autopilot) -> None:
+    state, refused = VehicleState(family), CommandAck(VehicleCommand.DO_SET_MODE, CommandResult.DENIED)
+    state.note(beat(family, family.modes.mission))
+    order = EndingOrder(state, lambda: 0.0)
+    order.give(min(family.modes.lands))
+    assert len(list(order.look(refused, 0.0))) == 1  # what was refused before it was another's
+    assert list(order.look(refused, 0.0)) == []
+    assert "DENIED" in order.words
+    assert list(order.look(beat(family, family.modes.mission), 0.0)) == []
 
 
 @pytest.mark.parametrize("family", registered())

@@ -63,6 +63,7 @@ def test_a_mission_that_goes_as_a_file(written: bool) -> None:
     if written:
         said = [(FileMessage(2, Opcode.CREATE_FILE, data=MISSION_FILE.encode()).pack(), False)]
         said += [(FileMessage(4, Opcode.WRITE_FILE, offset=at, data=piece).pack(), False) for at, piece in pieces]
+        said += [(FileMessage(8, Opcode.ACK, request=Opcode.WRITE_FILE).pack(), True)]
         said += [(FileMessage(9, Opcode.ACK, request=Opcode.TERMINATE_SESSION).pack(), True)]
         assert held(*said[:-1]) == []
     else:
