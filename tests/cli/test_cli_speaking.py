@@ -160,10 +160,11 @@ def test_a_bar_tells_the_time_gone_and_the_time_left(monkeypatch: pytest.MonkeyP
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a file that is full")
-def test_a_full_disk_is_told_in_words() -> None:
+@pytest.mark.parametrize("verb", ["--version", "schema"])
+def test_a_full_disk_is_told_in_words(verb: str) -> None:
     with Path("/dev/full").open("w") as full:
         ended = subprocess.run(
-            [sys.executable, "-m", "ipoa_mission", "--version"],
+            [sys.executable, "-m", "ipoa_mission", verb],
             stdout=full,
             stderr=subprocess.PIPE,
             text=True,
