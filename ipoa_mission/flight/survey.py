@@ -141,6 +141,7 @@ def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
         "line_spacing_m": rounded(sight.spacing),
         "trigger_distance_m": None if sight.trigger is None else rounded(sight.trigger),
         "height_above_ground_m": [rounded(sight.least), rounded(sight.least + sight.band)],
+        "overlap": _overlap_as_json(plan),
         "speed_m_s": rounded(plan.scenario.vehicle.cruise_speed),
         "flights": [
             {
@@ -153,6 +154,19 @@ def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
             }
             for name, flight in zip(names, plan.flights, strict=True)
         ],
+    }
+
+
+def _overlap_as_json(plan: SurveyPlan) -> dict[str, Any] | None:
+    """The smallest overlaps, where they are and what was asked; None without a camera."""
+    if (found := plan.overlaps) is None:
+        return None
+    asked = plan.sight.overlaps
+    return {
+        way: None
+        if least is None
+        else {"least": rounded(least.share), "asked": rounded(asked[n]), "at": [rounded(x) for x in least.at]}
+        for n, (way, least) in enumerate((("front", found.front), ("side", found.side)))
     }
 
 
@@ -258,6 +272,8 @@ def _remarks(plan: SurveyPlan, asked: Scenario) -> Iterator[str]:
             yield from (words for words in (finding.message, finding.hint) if words)
     if (speed := plan.scenario.vehicle.cruise_speed) != asked.vehicle.cruise_speed:
         yield f"flown at {speed:g} m/s: at {asked.vehicle.cruise_speed:g} m/s flights would come too near"
+    if plan.overlaps is not None:
+        yield from plan.overlaps.falls_short(*plan.sight.overlaps)
     for flight in plan.flights:
         yield from climb_for_way_home(flight.forecast.mission)
         yield from slowed_for_ground(flight.forecast)

@@ -21,6 +21,9 @@ from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.survey.transit import SAME, clear_way
 
+STRAIGHT_DOWN = -90.0  # pitch of a gimbal [degrees]
+BY_ANGLES = 2.0  # MAV_MOUNT_MODE_MAVLINK_TARGETING
+
 
 def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mapping[str, float], seed: int) -> Mission:
     """The mission that flies a tour from home to home.
@@ -50,7 +53,10 @@ def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mappin
     for place, _, camera in sorted(after, key=lambda one: one[:2], reverse=True):
         items[place + 1 : place + 1] = camera
     added = sum(len(camera) for *_, camera in after)
-    first, last = max(numbers[corners[begins[0]]], 2), numbers[corners[ends[-1]]] + added
+    gimbal = gimbal_items(scenario, mission)
+    items[1:1] = gimbal  # it turns while the vehicle is on its way
+    first = max(numbers[corners[begins[0]]], 2) + len(gimbal)
+    last = numbers[corners[ends[-1]]] + added + len(gimbal)
     flown = replace(mission, items=tuple(items))
     if flown.items[first].command != Command.NAV_WAYPOINT:  # the first line begins where the take-off ends
         return flown
@@ -78,6 +84,20 @@ def _path(tour: Tour) -> tuple[Points, list[int], list[int]]:
         begins.append(reach(swath.begin))
         ends.append(reach(swath.end))
     return np.array(path), begins, ends
+
+
+def gimbal_items(scenario: Scenario, mission: Mission) -> list[Item]:
+    """What has the gimbal look straight down, where it is asked for.
+
+    Raises:
+        MissionError: the vehicle has no command for it.
+    """
+    if scenario.survey is None or scenario.survey.gimbal is None:
+        return []
+    own = mission.autopilot.firmware(mission.firmware_version)
+    if not own.takes(Command.DO_MOUNT_CONTROL):
+        raise MissionError(f"survey.gimbal: {own} takes no command in a mission that turns one")
+    return [Item(Command.DO_MOUNT_CONTROL, Frame.MISSION, (STRAIGHT_DOWN, 0.0, 0.0, 0.0), altitude=BY_ANGLES)]
 
 
 def camera_items(distance: float, mission: Mission) -> tuple[list[Item], list[Item]]:

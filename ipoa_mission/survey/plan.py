@@ -2,7 +2,7 @@
 
 import logging
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,7 @@ from ipoa_mission.survey.corridor import corridor_tour, where_allowed
 from ipoa_mission.survey.cover import quickest_tour
 from ipoa_mission.survey.coverage import Coverage, coverage
 from ipoa_mission.survey.keep_out import SPARE, keep_out, tube
+from ipoa_mission.survey.overlap import Overlaps, smallest_overlaps
 from ipoa_mission.survey.sight import Sight, sight_of
 from ipoa_mission.survey.split import fewest_parts, parts_of_equal_length
 from ipoa_mission.survey.times import LegTimes
@@ -69,6 +70,15 @@ class SurveyPlan:
     def photos(self) -> int:
         """How many are taken in all flights."""
         return sum(self.sight.photos_of(flight.tour) for flight in self.flights)
+
+    @cached_property
+    def overlaps(self) -> Overlaps | None:
+        """How much photos overlap at least; None without a camera."""
+        section = self.scenario.survey
+        if section is None or (camera := section.taken_by) is None:
+            return None
+        forecasts = [flight.forecast for flight in self.flights]
+        return smallest_overlaps(forecasts, camera, self.scenario.airspace.ground, self.sight.spacing, self.sight.lag)
 
 
 class _TooNear(Exception):
