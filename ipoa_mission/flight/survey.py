@@ -2,12 +2,13 @@
 
 import json
 import logging
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import ValidationError
 from threadpoolctl import threadpool_limits
 
@@ -15,6 +16,7 @@ from ipoa_mission.files import make_folder, write_atomically
 from ipoa_mission.flight.summary import clearance_as_json, passed_over_as_json, rounded
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
+from ipoa_mission.logs.flight_log import read_flights
 from ipoa_mission.mission.about_file import KEY, digest
 from ipoa_mission.mission.landing_ground import landing_height
 from ipoa_mission.mission.parameter_file import beside, write_with_parameters
@@ -26,7 +28,7 @@ from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.explain import explained
 from ipoa_mission.scenario.survey import SurveySection, with_survey
-from ipoa_mission.survey.plan import SurveyPlan, plan_flights
+from ipoa_mission.survey.plan import SurveyPlan, plan_flights, rest_of
 from ipoa_mission.wind import Wind
 
 log = logging.getLogger(__name__)
@@ -203,6 +205,7 @@ def plan_survey(
     scenario: Scenario,
     wind: Wind | None = None,
     seed: int = 0,
+    flown: Sequence[str | Path] = (),
     progress: Progress = silent,
     **asked: Any,
 ) -> Survey:
@@ -215,6 +218,8 @@ def plan_survey(
         scenario: home, world, vehicle and limits.
         wind: goes before the scenario's own.
         seed: what the random numbers begin with; the same scenario, seed and wind give the same survey.
+        flown: logs (`.tlog`, `.bin`, `.ulg`) of what was flown of the same survey before: what is left of it is
+            planned, from a little before where it was left, and is called NAME-rest.
         progress: told the share done and some words.
         asked: any other key of [survey], such as `line_spacing`, `height_above_ground`, `gsd_cm`, `direction_deg`.
 
@@ -222,7 +227,7 @@ def plan_survey(
         The survey, whose `write` makes the files.
 
     Raises:
-        BadInput: naming the key, or the map, and the place in it that makes no sense.
+        BadInput: naming the key, or the map, and the place in it that makes no sense; or nothing is left.
         NoPath, NoRoute: obstacles leave nothing of the area, or no safe way was found.
         NotEnoughBattery: a line cannot be reached and left again with the reserve.
         Unsafe: a mission fails a check.
@@ -239,8 +244,28 @@ def plan_survey(
         scenario = _asking(scenario, area, camera, asked)
     with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
         plan = plan_flights(scenario if wind is None else scenario.in_wind(wind), seed, progress)
+        if flown:
+            whole = plan
+            plan = rest_of(whole, [path for log in flown for path in _paths(log, scenario)], seed)
+            plan = replace(plan, scenario=plan.scenario.model_copy(update={"name": f"{scenario.name}-rest"}))
     log.info("%s: %d lines in %d flights", scenario.name, len(plan.tour.swaths), len(plan.flights))
-    return Survey(plan, seed, tuple(dict.fromkeys(_remarks(plan, scenario))))
+    before = () if not flown else (_flown_words(whole, plan, len(flown)),)
+    return Survey(plan, seed, tuple(dict.fromkeys((*before, *_remarks(plan, scenario)))))
+
+
+def _paths(log: str | Path, scenario: Scenario) -> Iterator[Points]:
+    """Where the flights in a log went in the mission mode, (n, 3) each, heights over home."""
+    for flight in read_flights(log).flights:
+        places = [(one.latitude_deg, one.longitude_deg, one.height) for one in flight.flown_in_mission()]
+        if places:
+            latitude, longitude, height = np.array(places).T
+            yield scenario.frame.to_local(latitude, longitude, scenario.frame.home.altitude + height)
+
+
+def _flown_words(whole: SurveyPlan, rest: SurveyPlan, logs: int) -> str:
+    every, left = (sum(swath.length for swath in plan.tour.swaths) for plan in (whole, rest))
+    source = "the log" if logs == 1 else f"{logs} logs"
+    return f"by {source}, {max(every - left, 0.0):.0f} m of {every:.0f} m of lines were flown before"
 
 
 def _asking(scenario: Scenario, area: Any, camera: Any, asked: Mapping[str, Any]) -> Scenario:

@@ -1,7 +1,8 @@
 """From a scenario with a survey to the flights that fly it: each keeps its clearance and comes home on its battery."""
 
 import logging
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
@@ -14,7 +15,7 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.tube.promise import Kept, Promise
-from ipoa_mission.geometry import Vector
+from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.progress import Progress, silent
@@ -25,10 +26,11 @@ from ipoa_mission.scenario.survey import SurveySection
 from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.assembly import assemble_survey
 from ipoa_mission.survey.corridor import corridor_tour, where_allowed
-from ipoa_mission.survey.cover import quickest_tour
+from ipoa_mission.survey.cover import quickest_tour, way_between
 from ipoa_mission.survey.coverage import Coverage, coverage
 from ipoa_mission.survey.keep_out import SPARE, keep_out, tube
 from ipoa_mission.survey.overlap import Overlaps, smallest_overlaps
+from ipoa_mission.survey.resume import left_to_fly
 from ipoa_mission.survey.sight import Sight, sight_of
 from ipoa_mission.survey.split import fewest_parts, parts_of_equal_length
 from ipoa_mission.survey.times import LegTimes
@@ -55,7 +57,8 @@ class SurveyFlight:
 class SurveyPlan:
     """A survey that may be flown: what is seen, by which lines, in which flights.
 
-    `speed` is flown, in place of the cruise speed where at that too few flights would keep the clearance.
+    The scenario's cruise speed is that which is flown, a lower one where at that of the file too few flights would keep
+    the clearance; `growth`: so much more room than others some obstacles were given [m], by name.
     """
 
     scenario: Scenario
@@ -65,6 +68,7 @@ class SurveyPlan:
     tour: Tour
     coverage: Coverage
     flights: tuple[SurveyFlight, ...]
+    growth: Mapping[str, float]
 
     @property
     def photos(self) -> int:
@@ -132,13 +136,46 @@ def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int
             growth[name] = max(growth.get(name, 0.0), growth.get(name, 0.0) - kept.slack * MORE + A_LITTLE)
     else:
         raise _TooNear(*min(near, key=lambda pair: pair[0].slack))
-    flights = []
+    seen = coverage(area, tour, sight.spacing, outside)
+    return SurveyPlan(scenario, area, sight, outside, tour, seen, _checked(parts, forecasts), growth)
+
+
+def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyPlan:
+    """What of a planned survey is left, where a vehicle has flown (n, 3) each already, east, north, up [m].
+
+    Raises:
+        BadInput: nothing is left.
+        NoPath, NoRoute, NotEnoughBattery, Unsafe: as `plan_flights`.
+    """
+    scenario, sight, section = plan.scenario, plan.sight, plan.scenario.survey
+    assert section is not None
+    way = way_between(
+        plan.area,
+        sight.spacing,
+        cost=_times(scenario, sight),
+        keep_out=plan.keep_out,
+        turns_outside=section.turns_outside,
+    )
+    tour = left_to_fly(plan.tour, flown, sight, scenario.airspace.ground, way)
+    if tour is None:
+        raise BadInput("survey: nothing of it is left to be flown")
+    fewest = section.model_copy(update={"flights": None})
+    parts = _parts(tour, scenario, fewest, sight, plan.growth, seed)
+    forecasts = [_made(part, sight, scenario, plan.growth, seed) for part in parts]
+    near = [(kept, one.promise) for one in forecasts for kept in one.promise.forbidding]
+    if near:
+        raise _refusal(_TooNear(*near[0]), scenario)
+    return replace(plan, tour=tour, flights=_checked(parts, forecasts))
+
+
+def _checked(parts: Sequence[Tour], forecasts: Sequence[Forecast]) -> tuple[SurveyFlight, ...]:
+    """Those flights, if each passes all checks and comes home."""
+    flights = list[SurveyFlight]()
     for part, forecast in zip(parts, map(_returning, forecasts), strict=True):
         findings = refuse_errors(check(forecast))
-        expect_to_come_home(scenario, forecast.energy)
+        expect_to_come_home(forecast.world, forecast.energy)
         flights.append(SurveyFlight(part, forecast, findings))
-    seen = coverage(area, tour, sight.spacing, outside)
-    return SurveyPlan(scenario, area, sight, outside, tour, seen, tuple(flights))
+    return tuple(flights)
 
 
 def _expect_high_enough(sight: Sight, scenario: Scenario) -> None:
@@ -166,15 +203,7 @@ def _tour(scenario: Scenario, section: SurveySection, area: Area, sight: Sight, 
             f"survey: obstacles and the clearance to them leave nothing of the area at {sight.least:g} m above ground",
             hint="fly higher (survey.height_above_ground), or with a smaller safety_distance",
         )
-    vehicle, frame = scenario.vehicle, scenario.frame
-    given = Mission(
-        frame.home,
-        (),
-        vehicle.autopilot,
-        parameters=vehicle.autopilot_parameters(),
-        vehicle=vehicle.learned,
-        firmware_version=vehicle.version,
-    )
+    frame = scenario.frame
     begin = np.array(section.entry or scenario.start_point[:2])
     middles = section.middles(frame)
     if len(middles) == 1 and section.width is not None and section.direction_deg == "best":
@@ -182,11 +211,10 @@ def _tour(scenario: Scenario, section: SurveySection, area: Area, sight: Sight, 
         along = corridor_tour(middles[0], section.width, sight.spacing, begin, inside)
         if along is not None:
             return along
-    cost = LegTimes.of(given, vehicle.cruise_speed, sight.middle, scenario.wind.air())
     return quickest_tour(
         area,
         sight.spacing,
-        cost=cost,
+        cost=_times(scenario, sight),
         keep_out=outside,
         direction=section.direction_deg,
         turns_outside=section.turns_outside,
@@ -195,8 +223,22 @@ def _tour(scenario: Scenario, section: SurveySection, area: Area, sight: Sight, 
     )
 
 
+def _times(scenario: Scenario, sight: Sight) -> LegTimes:
+    """How long its vehicle takes for legs and corners."""
+    vehicle = scenario.vehicle
+    given = Mission(
+        scenario.frame.home,
+        (),
+        vehicle.autopilot,
+        parameters=vehicle.autopilot_parameters(),
+        vehicle=vehicle.learned,
+        firmware_version=vehicle.version,
+    )
+    return LegTimes.of(given, vehicle.cruise_speed, sight.middle, scenario.wind.air())
+
+
 def _parts(
-    tour: Tour, scenario: Scenario, section: SurveySection, sight: Sight, growth: dict[str, float], seed: int
+    tour: Tour, scenario: Scenario, section: SurveySection, sight: Sight, growth: Mapping[str, float], seed: int
 ) -> tuple[Tour, ...]:
     """The flights, as many as are asked for or as few as battery and firmware let.
 
@@ -222,7 +264,7 @@ def _parts(
     )
 
 
-def _fits(part: Tour, scenario: Scenario, sight: Sight, growth: dict[str, float], seed: int) -> bool:
+def _fits(part: Tour, scenario: Scenario, sight: Sight, growth: Mapping[str, float], seed: int) -> bool:
     """Whether the vehicle takes so many items, and comes home with its reserve."""
     own = scenario.vehicle.autopilot.firmware(scenario.vehicle.version)
     per = 2 if sight.trigger is None else 4  # items of a line at least
@@ -240,7 +282,7 @@ def _fits(part: Tour, scenario: Scenario, sight: Sight, growth: dict[str, float]
     return True
 
 
-def _made(part: Tour, sight: Sight, scenario: Scenario, growth: dict[str, float], seed: int) -> Forecast:
+def _made(part: Tour, sight: Sight, scenario: Scenario, growth: Mapping[str, float], seed: int) -> Forecast:
     return Forecast(assemble_survey(part, sight, scenario, growth, seed), scenario)
 
 
