@@ -12,6 +12,7 @@ import numpy as np
 from pydantic import ValidationError
 from threadpoolctl import threadpool_limits
 
+from ipoa_mission.errors import BadInput
 from ipoa_mission.files import make_folder, write_atomically
 from ipoa_mission.flight.summary import clearance_as_json, passed_over_as_json, rounded
 from ipoa_mission.forecast.forecast import Forecast
@@ -227,7 +228,8 @@ def plan_survey(
         The survey, whose `write` makes the files.
 
     Raises:
-        BadInput: naming the key, or the map, and the place in it that makes no sense; or nothing is left.
+        BadInput: naming the key, or the map, and the place in it that makes no sense; or nothing is
+            left, or was flown of it.
         NoPath, NoRoute: obstacles leave nothing of the area, or no safe way was found.
         NotEnoughBattery: a line cannot be reached and left again with the reserve.
         Unsafe: a mission fails a check.
@@ -249,7 +251,7 @@ def plan_survey(
             plan = rest_of(whole, [path for log in flown for path in _paths(log, scenario)], seed)
             plan = replace(plan, scenario=plan.scenario.model_copy(update={"name": f"{scenario.name}-rest"}))
     log.info("%s: %d lines in %d flights", scenario.name, len(plan.tour.swaths), len(plan.flights))
-    before = () if not flown else (_flown_words(whole, plan, len(flown)),)
+    before = () if not flown else (_flown_words(whole, plan, flown),)
     return Survey(plan, seed, tuple(dict.fromkeys((*before, *_remarks(plan, scenario)))))
 
 
@@ -262,10 +264,13 @@ def _paths(log: str | Path, scenario: Scenario) -> Iterator[Points]:
             yield scenario.frame.to_local(latitude, longitude, scenario.frame.home.altitude + height)
 
 
-def _flown_words(whole: SurveyPlan, rest: SurveyPlan, logs: int) -> str:
+def _flown_words(whole: SurveyPlan, rest: SurveyPlan, logs: Sequence[str | Path]) -> str:
+    """How much of it was flown; raises BadInput where nothing was."""
     every, left = (sum(swath.length for swath in plan.tour.swaths) for plan in (whole, rest))
-    source = "the log" if logs == 1 else f"{logs} logs"
-    return f"by {source}, {max(every - left, 0.0):.0f} m of {every:.0f} m of lines were flown before"
+    if left >= every:
+        raise BadInput(f"{', '.join(map(str, logs))}: nothing in it was flown along the lines of this survey")
+    source = "the log" if len(logs) == 1 else f"{len(logs)} logs"
+    return f"by {source}, {every - left:.0f} m of {every:.0f} m of lines were flown before"
 
 
 def _asking(scenario: Scenario, area: Any, camera: Any, asked: Mapping[str, Any]) -> Scenario:

@@ -96,6 +96,8 @@ def test_its_flights_are_flown_one_after_the_other(run: Run, tmp_path: Path) -> 
     assert [flight["file"] for flight in left["flights"]] == ["field-rest.plan"]
     assert left["lines"] == flown_lines(tmp_path, 2)
     assert "of lines were flown before" in str(json.loads(rest.out)["remarks"])
+    other = run(f"plan {tmp_path}/field.toml --flown {MISSIONS}/logs/campus-arducopter.tlog")
+    assert (other.code, "campus-arducopter.tlog: nothing in it was flown along" in other.err) == (2, True)
     done = run(f"plan {tmp_path}/field.toml --flown {tmp_path}/out/field-1.tlog --flown {tmp_path}/out/field-2.tlog")
     assert (done.code, "nothing of it is left" in done.err) == (2, True)
 
