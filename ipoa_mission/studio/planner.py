@@ -21,8 +21,8 @@ from ipoa_mission.scenario.read import parse_toml, scenario_of
 from ipoa_mission.studio.answers import Progress, Written
 from ipoa_mission.studio.edits import apply_changes
 from ipoa_mission.studio.harness import Answer, Job, Order, Subject, work
-from ipoa_mission.studio.judged import checked, expected, mission_world, opened
-from ipoa_mission.studio.planned import planned, proof_digest, sketched
+from ipoa_mission.studio.judged import checked, mission_world, opened
+from ipoa_mission.studio.planned import expected, planned, proof_digest, sketched
 from ipoa_mission.studio.refused import refused
 from ipoa_mission.studio.replay import replayed
 from ipoa_mission.studio.requests import Change
