@@ -5,10 +5,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ipoa_mission.checks.check import check
 from ipoa_mission.checks.firmware import is_too_long
 from ipoa_mission.checks.positions import refusals
 from ipoa_mission.errors import MissionError
+from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.legs import item_places
 from ipoa_mission.mission.firmware import values_of
@@ -112,7 +112,7 @@ def mission_world(forecast: Forecast, revision: int) -> answers.World:
     )
 
 
-def checked(file: MissionFile, forecast: Forecast, revision: int) -> tuple[Checked, bool]:
+def checked(findings: Sequence[Finding], forecast: Forecast, revision: int) -> tuple[Checked, bool]:
     """What the check finds, and whether the mission has a flight to be shown."""
     mission, scenario = forecast.given, forecast.scenario
     flaws = tuple(
@@ -122,7 +122,7 @@ def checked(file: MissionFile, forecast: Forecast, revision: int) -> tuple[Check
             words=_words(finding.message, scenario),
             hint=finding.hint and _words(finding.hint, scenario),
         )
-        for finding in check(forecast, read=file.findings)
+        for finding in findings
     )
     why: str | None = None
     if not mission.items:

@@ -1,7 +1,5 @@
 """What the page shows of a flight as expected, of one that was planned, and of a coarse path."""
 
-import hashlib
-import json
 import math
 from collections.abc import Iterator
 
@@ -27,6 +25,7 @@ from ipoa_mission.report.panels.profile import near_course
 from ipoa_mission.report.ways_home import ways_home
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio import answers
+from ipoa_mission.studio.handed import proof_digest
 from ipoa_mission.studio.view import line_of, on_map, without_folders
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.terrain import Flat
@@ -113,13 +112,6 @@ def expected(forecast: Forecast, name: str, revision: int, took_s: float) -> ans
         remarks=tuple(estimate.remarks),
         took_s=round(took_s, 2),
     )
-
-
-def proof_digest(flight: Flight) -> str:
-    """Ten hexadecimal digits of the mission and of what was proved and promised about it."""
-    mission, about = flight.mission, json.dumps(flight.summary(), sort_keys=True)
-    written = repr((mission.home, mission.items, mission.fence, mission.rally, sorted(mission.parameters.items())))
-    return hashlib.sha256(f"{mission.autopilot} {written} {about}".encode()).hexdigest()[:10]
 
 
 def _sampled(curve: Spline) -> Points:
