@@ -4,17 +4,20 @@ A table of `check`, bars of `show`.
 """
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
 
 from ipoa_mission.cli.telling import picked, tell, tell_table
 from ipoa_mission.forecast.endings import EndingRow
+from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.vehicles.failsafe import Failsafe
 
 CELLS = 50  # characters of a bar
-CLEAR, NOT_CLEAR, NOT_KNOWN = "-#?"
-LEGEND = f"{CLEAR} clear  {NOT_CLEAR} not clear at some time in it  {NOT_KNOWN} not known"
+SIGNS = {Grade.WOULD: "#", Grade.UNKNOWN: "?", Grade.MAY: "+", Grade.CLEAR: "-"}  # the first that is there is drawn
+LEGEND = "- clear  + perhaps not clear  # not clear, at some time in it  ? not known"
+CELL = {Grade.CLEAR: "yes", Grade.MAY: "perhaps", Grade.WOULD: "NO", Grade.UNKNOWN: "?"}
 NO_ENDINGS = "endings: nothing is known of them, as of the flight"
 
 
@@ -33,6 +36,7 @@ def _row(row: EndingRow) -> dict[str, Any]:
         "from_s": _rounded(row.from_s),
         "to_s": _rounded(row.to_s),
         "clear": row.clear,
+        "grade": str(row.grade),
         "least_m": _rounded(row.least_m),
         "required_m": _rounded(row.required_m),
         **picked(row, "to", "goal"),
@@ -65,8 +69,9 @@ def tell_endings(rows: tuple[EndingRow, ...], failsafes: tuple[Failsafe, ...]) -
     decided = [(one.cause, _setting(one), str(one.route)) for one in failsafes]
     if decided:
         tell_table("what ends it, by the parameters of the mission and the firmware's defaults", causes, decided)
-    unclear = sum(not row.clear for row in rows)
-    tell("every ending is clear" if not unclear else f"{unclear} of {len(rows)} stretches are not clear")
+    many, grades = len(rows), Counter(row.grade for row in rows)
+    told = [f"{grades[grade]} of {many} stretches are {grade}" for grade in tuple(Grade)[1:] if grades[grade]]
+    tell("; ".join(told) or "every ending is clear")
 
 
 def tell_strip(rows: tuple[EndingRow, ...]) -> None:
@@ -92,26 +97,22 @@ def bar_of(rows: Sequence[EndingRow]) -> str:
     """One ending as characters, each for as much of its time: of the rows that it has a part in, the worst.
 
     >>> from ipoa_mission.vehicles.ending import Ending
-    >>> clear = EndingRow(Ending.LAND, 0.0, 24.5, True, 3.0, 2.5, "mast", "here")
-    >>> unclear = EndingRow(Ending.LAND, 24.5, 50.0, False, 1.0, 2.5, "mast", "here")
+    >>> clear = EndingRow(Ending.LAND, 0.0, 24.5, Grade.CLEAR, 3.0, 2.5, "mast", "here")
+    >>> unclear = EndingRow(Ending.LAND, 24.5, 50.0, Grade.WOULD, 1.0, 2.5, "mast", "here")
     >>> bar_of((clear, unclear)).count("-")
     24
     """
     begin, end = rows[0].from_s, rows[-1].to_s
     edges = [begin + n * (end - begin) / CELLS for n in range(CELLS)] + [end]
-    cells = [{_sign(row) for row in rows if row.from_s <= b and a <= row.to_s} for a, b in pairwise(edges)]
-    return "".join(next(sign for sign in (NOT_CLEAR, NOT_KNOWN, CLEAR) if sign in cell) for cell in cells)
-
-
-def _sign(row: EndingRow) -> str:
-    return CLEAR if row.clear else NOT_KNOWN if math.isnan(row.least_m) else NOT_CLEAR
+    cells = [{row.grade for row in rows if row.from_s <= b and a <= row.to_s} for a, b in pairwise(edges)]
+    return "".join(next(sign for grade, sign in SIGNS.items() if grade in cell) for cell in cells)
 
 
 def _cells(row: EndingRow) -> tuple[str, ...]:
     takes = "" if row.duration_s is None else f"{row.duration_s[0]:.0f} to {row.duration_s[1]:.0f}"
     energy = "" if row.energy_wh is None else f"{row.energy_wh[0]:.1f} to {row.energy_wh[1]:.1f}"
     least = f"{row.least_m:.2f}" if math.isfinite(row.least_m) else ""
-    clear = "yes" if row.clear else "NO"
+    clear = CELL[row.grade]
     times = f"{row.from_s:.1f}", f"{row.to_s:.1f}"
     return (str(row.ending), *times, clear, least, f"{row.required_m:.2f}", row.to, row.goal, takes, energy)
 

@@ -5,9 +5,10 @@ rally point and descends), lands where it stands, goes back along the way that i
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.energy import flown_from
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.grades import Grade, clear_at_any_time, graded, share_nearer
 from ipoa_mission.forecast.looks import GROUND, EndingLooks, EndingWays
 from ipoa_mission.forecast.stops import Stops
 from ipoa_mission.geometry import Vector
@@ -28,6 +30,7 @@ NEAREST_FEW = 6  # so many looks of a row are measured to the millimeter
 ON_GROUND, UNKNOWN = "the ground", "unknown"  # a thing and a goal
 LONG = 1e6  # past the last item both clocks go on alike for so long [s]
 TIMED = 3  # looks of a row from which the flight is timed
+WEIGHED_S = 0.25  # between the times that are weighed for how likely it is that one is not clear [s]
 #: What is looked at; the others go on, fall, or lead to where nobody knows.
 LOOKED_AT = (Ending.RTL, Ending.LAND, Ending.SMART_RTL, Ending.HOLD)
 OF_ANY_VEHICLE = frozenset({Ending.RTL, Ending.LAND, Ending.HOLD})  # of whose failsafes nothing is known
@@ -49,7 +52,7 @@ def endings_of(forecast: Forecast) -> tuple[Ending, ...]:
 
 @dataclass(frozen=True)
 class EndingRow:
-    """From `from_s` to `to_s` [s after arming] an ending leads to the same goal, and is clear or is not.
+    """From `from_s` to `to_s` [s after arming] an ending leads to the same goal, and its `grade` stays the same.
 
     `least_m` is what is kept at least of the nearest thing, `to`, once the tube is taken off: a distance, or where `to`
     is the ground a height; infinite where nothing is near, NaN where it is not known where the ending leads, and `to`
@@ -61,7 +64,7 @@ class EndingRow:
     ending: Ending
     from_s: float
     to_s: float
-    clear: bool
+    grade: Grade
     least_m: float
     required_m: float
     to: str
@@ -71,6 +74,11 @@ class EndingRow:
     energy_wh: tuple[float, float] | None = None
 
     @property
+    def clear(self) -> bool:
+        """Whether nothing that the flight may do comes nearer than is required."""
+        return self.grade is Grade.CLEAR
+
+    @property
     def leads(self) -> str:
         """Where it leads: "here", "to home", "to home or rally point 1"; where nobody knows, that."""
         return {"here": "here", UNKNOWN: "nobody knows where"}.get(self.goal, f"to {self.goal}")
@@ -78,15 +86,17 @@ class EndingRow:
     @property
     def keeps(self) -> str:
         """Whether it is clear, and what is nearest: "not clear, 0.81 m inside mast"."""
-        clear = "clear" if self.clear else "not clear"
         if math.isnan(self.least_m):
-            return f"{clear}: {self.to}"
+            return f"not clear: {self.to}"
         if not math.isfinite(self.least_m):
-            return f"{clear}, nothing near"
+            return f"{self.grade}, nothing near"
         if down(self.least_m) < 0.0:
-            return f"{clear}, {-down(self.least_m):.2f} m {'below' if self.to == ON_GROUND else 'inside'} {self.to}"
+            return (
+                f"{self.grade}, {-down(self.least_m):.2f} m {'below' if self.to == ON_GROUND else 'inside'} {self.to}"
+            )
         required = "" if self.clear else f", {up(self.required_m):.2f} m required"
-        return f"{clear}, {down(self.least_m):.2f} m {'above' if self.to == ON_GROUND else 'from'} {self.to}{required}"
+        beside = "above" if self.to == ON_GROUND else "from"
+        return f"{self.grade}, {down(self.least_m):.2f} m {beside} {self.to}{required}"
 
     def __str__(self) -> str:
         return f"{self.ending} {self.from_s:.1f} to {self.to_s:.1f} s, {self.leads}: {self.keeps}"
@@ -144,24 +154,24 @@ class Endings:
             MissionError: the vehicle has no model of its flight.
         """
         if ending is Ending.RTL and (why := self.ways.why_unknown()) is not None:
-            return (EndingRow(ending, *self.in_air, False, math.nan, self.ways.required, why, UNKNOWN),)
+            return (EndingRow(ending, *self.in_air, Grade.UNKNOWN, math.nan, self.ways.required, why, UNKNOWN),)
         looks = self.looks(ending)
         if ending not in self._rows:
-            clear = self._clear_at_any_time(looks)
-            runs = _runs(looks.taken, clear)
-            self._rows[ending] = [(self._row(ending, looks, run, bool(clear[run.start])), run) for run in runs]
+            grades = self._grades(ending, looks)
+            runs = _runs(looks.taken, grades)
+            self._rows[ending] = [(self._row(ending, looks, run, grades[run.start]), run) for run in runs]
         return tuple(self._timed(row, looks, run) if timed else row for row, run in self._rows[ending])
 
     def at(self, ending: Ending, time: float, timed: bool = True) -> EndingRow:
         """An ending that is ordered at one time in the air [s]; as `rows`, and raises as it does."""
         if ending is Ending.RTL and (why := self.ways.why_unknown()) is not None:
-            return EndingRow(ending, time, time, False, math.nan, self.ways.required, why, UNKNOWN)
+            return EndingRow(ending, time, time, Grade.UNKNOWN, math.nan, self.ways.required, why, UNKNOWN)
         doubt = float(self._doubts(np.array([time]))[0])
         begin, end = np.clip([time - doubt, time + doubt], *self.in_air)
         now = self.ways.at(ending, self._if_sure(np.clip([time], begin, end)))
         looks = self.looks(ending, (begin, end)).merged(replace(now, times=np.clip([time], begin, end)))
         middle = int(np.searchsorted(looks.times, np.clip(time, begin, end)))
-        row = self._row(ending, looks, range(len(looks.times)), bool(looks.clear.all()))
+        row = self._row(ending, looks, range(len(looks.times)), self._grades(ending, looks)[middle])
         row = replace(row, from_s=time, to_s=time, goal=self.ways.goal(ending, looks, middle))
         return self._timed(row, looks, range(middle, middle + 1)) if timed else row
 
@@ -170,18 +180,34 @@ class Endings:
         prediction = self.forecast.expected
         return BEGUN_S + np.interp(times, prediction.done, (prediction.high - prediction.low) / 2)
 
-    def _clear_at_any_time(self, looks: EndingLooks) -> NDArray[np.bool_]:
-        """Whether each look (n,) is clear from wherever the vehicle may be then: none that soon is not."""
-        doubts, unclear = self._doubts(looks.times), looks.times[~looks.clear]
-        after = np.searchsorted(unclear, looks.times - doubts, side="left")
-        return np.asarray(after == np.searchsorted(unclear, looks.times + doubts, side="right"))
+    def _grades(self, ending: Ending, looks: EndingLooks) -> list[Grade]:
+        """Of each look (n,), from wherever the vehicle may be then."""
+        times, doubts = looks.times, self._doubts(looks.times)
+        clear, shares = clear_at_any_time(times, looks.clear, doubts), np.zeros(len(times))
+        if not clear.all():
+            evenly, nearer = self._nearer(ending, looks)
+            shares[~clear] = share_nearer(times[~clear], doubts[~clear], evenly, nearer)
+        return graded(clear, shares)
 
-    def _row(self, ending: Ending, looks: EndingLooks, run: range, is_clear: bool) -> EndingRow:
-        """The row of the looks in a run, as its worst one has it."""
-        worst, near = min(self._nearest(ending, looks, run), key=lambda found: found[1].distance)
+    def _nearer(self, ending: Ending, looks: EndingLooks) -> tuple[Vector, NDArray[np.bool_]]:
+        """Times (m,), evenly spaced, and whether the ways that are predicted from there come nearer than required."""
+        begin, end = looks.times[0], looks.times[-1]
+        evenly = np.linspace(begin, end, max(2, round((end - begin) / WEIGHED_S) + 1))
+        after = np.clip(np.searchsorted(looks.times, evenly), 1, len(looks.times) - 1)
+        asked = ~(looks.clear[after - 1] & looks.clear[after])
+        nearer = np.zeros(len(evenly), dtype=bool)
+        if asked.any():
+            predicted = self.ways.as_flown.at(ending, self._if_sure(evenly[asked]))
+            nearer[asked] = predicted.all_nearer(self.ways.required)
+        return evenly, nearer
+
+    def _row(self, ending: Ending, looks: EndingLooks, run: range, grade: Grade) -> EndingRow:
+        """The row of the looks in a run, as the worst one has it at which the vehicle may be there."""
+        seen = run if grade is Grade.CLEAR else self._seen(looks, run)
+        worst, near = min(self._nearest(ending, looks, seen), key=lambda found: found[1].distance)
         least, required, to = near.distance, self.ways.required, near.what
-        if GROUND in looks.which[run.start : run.stop]:
-            on_ground = [n for n in run if GROUND in looks.which[n]]
+        if GROUND in looks.which[seen.start : seen.stop]:
+            on_ground = [n for n in seen if GROUND in looks.which[n]]
             worst = min(on_ground, key=lambda n: float(looks.spare[n]))
             low = self.ways.lowest(ending, looks, worst)
             least, required, to = low.nearest.distance, low.required, ON_GROUND
@@ -190,7 +216,14 @@ class Endings:
             east, north, _ = looks.ways[run.start][looks.taken[run.start]][0, -1]
             lands = float(east), float(north)
         until = float(looks.times[min(run.stop, len(looks.times) - 1)])
-        return EndingRow(ending, float(looks.times[run.start]), until, is_clear, least, required, to, goal, lands)
+        return EndingRow(ending, float(looks.times[run.start]), until, grade, least, required, to, goal, lands)
+
+    def _seen(self, looks: EndingLooks, run: range) -> range:
+        """The looks of a run and those so soon before and after it that the vehicle may be there instead."""
+        edges = looks.times[[run.start, run.stop - 1]]
+        early, late = edges + np.array([-1.0, 1.0]) * self._doubts(edges)
+        begin, end = np.searchsorted(looks.times, early), np.searchsorted(looks.times, late, side="right")
+        return range(min(int(begin), run.start), max(int(end), run.stop))
 
     def _nearest(self, ending: Ending, looks: EndingLooks, run: range) -> list[tuple[int, Clearance]]:
         """The looks of a run that are nearest to something, and how near: one of these is the nearest of all."""
@@ -222,10 +255,10 @@ class Endings:
             return None
 
 
-def _runs(taken: NDArray[np.bool_], clear: NDArray[np.bool_]) -> Iterator[range]:
-    """Numbers of looks one after the other that lead to the same goals (n, k) and are equally clear (n,)."""
-    same = (taken[1:] == taken[:-1]).all(axis=1) & (clear[1:] == clear[:-1])
+def _runs(taken: NDArray[np.bool_], grades: Sequence[Grade]) -> Iterator[range]:
+    """Numbers of looks one after the other that lead to the same goals (n, k) and have the same grade (n,)."""
+    same = (taken[1:] == taken[:-1]).all(axis=1) & [one is other for one, other in pairwise(grades)]
     begin = 0
-    for end in [*(np.flatnonzero(~same) + 1).tolist(), len(clear)]:
+    for end in [*(np.flatnonzero(~same) + 1).tolist(), len(grades)]:
         yield range(begin, end)
         begin = end

@@ -77,6 +77,10 @@ class EndingLooks:
         asked = (hidden | ~self.same_as_next) & (np.diff(self.times) > NEAREST_S)
         return np.asarray((self.times[1:] + self.times[:-1])[asked] / 2)
 
+    def all_nearer(self, required: float) -> NDArray[np.bool_]:
+        """Whether every way that may be taken comes nearer to something than is required, (n,)."""
+        return np.asarray(((self.near.min(axis=2) < required) | ~self.taken).all(axis=1))
+
     def merged(self, other: "EndingLooks") -> "EndingLooks":
         """Both, in the order of their times."""
         order = np.argsort(np.concatenate([self.times, other.times]), kind="stable")
@@ -113,6 +117,14 @@ class EndingWays:
     def roomy(self) -> PathTask:
         """The scenario with room for the tube."""
         return with_room(self.forecast.world, TIGHT_PLACES)
+
+    @cached_property
+    def as_flown(self) -> "EndingWays":
+        """The same with no room for the tube: how near the predicted ways themselves come."""
+        other = EndingWays(self.forecast)
+        other.__dict__ |= {"roomy": self.forecast.world, "in_air": self.in_air, "routes": self.routes}
+        other._stops = self._stops
+        return other
 
     @cached_property
     def in_air(self) -> tuple[float, float]:

@@ -11,6 +11,7 @@ import pytest
 from ipoa_mission.cli.ending import CELLS, bar_of
 from ipoa_mission.forecast.endings import EndingRow, Endings
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.vehicles.ending import Ending
@@ -29,24 +30,27 @@ def test_bars_and_words_are_the_rows_of_the_forecast(run: Run) -> None:
     assert told.out.startswith(plain.out)
     strip = told.out.removeprefix(plain.out)
     assert strip.isascii()
-    bars = re.findall(r"^(\w+) +([-#?]+)  (.*)$", strip, re.MULTILINE)
+    bars = re.findall(r"^(\w+) +([-+#?]+)  (.*)$", strip, re.MULTILINE)
     assert [(name, where) for name, _, where in bars] == [("rtl", "to home"), ("land", "here"), ("hold", "here")]
     for name, bar, _ in bars:
         own = [row for row in rows if row.ending == name]
-        share = sum(row.to_s - row.from_s for row in own if not row.clear) / (own[-1].to_s - own[0].from_s)
-        edges = 2 * sum(not row.clear for row in own)  # a character that is so in part is so
         assert len(bar) == CELLS
-        assert CELLS * share <= bar.count("#") <= CELLS * share + edges
+        for grades, signs in ({Grade.WOULD}, "#"), ({Grade.WOULD, Grade.MAY}, "#+"):
+            worse = [row for row in own if row.grade in grades]
+            share = sum(row.to_s - row.from_s for row in worse) / (own[-1].to_s - own[0].from_s)
+            edges = 2 * len(worse)  # a character that is so in part is so
+            assert CELLS * share <= sum(map(bar.count, signs)) <= CELLS * share + edges
     assert strip.endswith("".join(f"{row}\n" for row in rows if not row.clear))
 
 
+@pytest.mark.parametrize(("grade", "sign"), [(Grade.WOULD, "#"), (Grade.MAY, "+")])
 @pytest.mark.parametrize("begin", [0.0, 3.3, 47.7])
-def test_a_moment_that_is_not_clear_is_never_lost_in_a_bar(begin: float) -> None:
-    whole = EndingRow(Ending.LAND, 0.0, begin, True, 3.0, 2.5, "mast", "here")
-    short = replace(whole, from_s=begin, to_s=begin + 0.01, clear=False)
+def test_a_moment_that_is_not_clear_is_never_lost_in_a_bar(begin: float, grade: Grade, sign: str) -> None:
+    whole = EndingRow(Ending.LAND, 0.0, begin, Grade.CLEAR, 3.0, 2.5, "mast", "here")
+    short = replace(whole, from_s=begin, to_s=begin + 0.01, grade=grade)
     bar = bar_of((whole, short, replace(whole, from_s=begin + 0.01, to_s=50.0)))
-    assert bar.index("#") == max(0, math.ceil(begin) - 1)
-    assert 1 <= bar.count("#") <= 2
+    assert bar.index(sign) == max(0, math.ceil(begin) - 1)
+    assert 1 <= bar.count(sign) <= 2
 
 
 def test_what_is_not_known_is_not_called_clear(run: Run) -> None:

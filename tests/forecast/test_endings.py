@@ -17,6 +17,7 @@ from ipoa_mission import Forecast, plan_flight, read_mission, read_scenario
 from ipoa_mission.cli.app import app
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.endings import LOOKED_AT, EndingRow, Endings, endings_of
+from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.forecast.looks import SEEN
 from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import FenceCircle, Item
@@ -75,7 +76,7 @@ def test_a_flight_that_is_in_the_air_for_one_moment_has_its_endings_too() -> Non
 
 
 def test_land_where_it_is_may_be_on_a_roof(rows: dict[Ending, tuple[EndingRow, ...]]) -> None:
-    (over,) = (row for row in rows[Ending.LAND] if not row.clear)
+    (over,) = (row for row in rows[Ending.LAND] if row.grade is Grade.WOULD)
     assert over.to == "auditorium"
     assert over.least_m < 0.0
 
@@ -93,16 +94,18 @@ def test_a_return_through_a_mast_is_told_and_a_higher_one_is_clear(sitl: Endings
 def test_one_second_is_told_of_as_its_row_is(sitl: Endings, ending: Ending) -> None:
     for row in sitl.rows(ending, timed=False):
         one = sitl.at(ending, (row.from_s + row.to_s) / 2, timed=False)
-        assert (one.clear, one.goal) == (row.clear, row.goal)
+        assert (one.grade, one.goal) == (row.grade, row.goal)
         assert one.least_m >= row.least_m - 1e-6 or not row.clear
 
 
 def test_what_is_not_clear_is_told_of_for_as_long_as_the_flight_may_be_late(campus: Endings) -> None:
-    (over,) = (row for row in campus.rows(Ending.LAND, timed=False) if not row.clear)
+    unclear = [row for row in campus.rows(Ending.LAND, timed=False) if not row.clear]
+    assert [row.grade for row in unclear] == [Grade.MAY, Grade.WOULD, Grade.MAY]
     found = campus.ways.looks(Ending.LAND)
     looks = found.times[~found.clear]
-    assert looks[0] - over.from_s >= 0.6
-    assert over.to_s - looks[-1] >= 0.6
+    assert looks[0] - unclear[0].from_s >= 0.6
+    assert unclear[-1].to_s - looks[-1] >= 0.6
+    assert unclear[1].from_s == pytest.approx(looks[0], abs=0.5)
 
 
 def test_brake_flies_on_farther_than_a_return_does(campus: Endings) -> None:
@@ -272,16 +275,20 @@ def test_check_tells_endings_and_what_leads_to_them() -> None:
     ("changed", "words"),
     [
         ({}, "rtl 3.0 to 4.5 s, to home: clear, 2.47 m from mast"),
-        ({"clear": False}, "rtl 3.0 to 4.5 s, to home: not clear, 2.47 m from mast, 2.50 m required"),
-        ({"clear": False, "least_m": -0.805}, "rtl 3.0 to 4.5 s, to home: not clear, 0.81 m inside mast"),
+        ({"grade": Grade.WOULD}, "rtl 3.0 to 4.5 s, to home: not clear, 2.47 m from mast, 2.50 m required"),
+        ({"grade": Grade.WOULD, "least_m": -0.805}, "rtl 3.0 to 4.5 s, to home: not clear, 0.81 m inside mast"),
         ({"least_m": math.inf, "goal": "here"}, "rtl 3.0 to 4.5 s, here: clear, nothing near"),
-        ({"clear": False, "to": "the ground"}, "s, to home: not clear, 2.47 m above the ground, 2.50 m required"),
-        ({"clear": False, "to": "the ground", "least_m": -1.0}, "s, to home: not clear, 1.00 m below the ground"),
-        ({"clear": False, "least_m": math.nan, "to": "not modeled", "goal": "unknown"}, ": not clear: not modeled"),
+        ({"grade": Grade.WOULD, "to": "the ground"}, "s, to home: not clear, 2.47 m above the ground, 2.50 m required"),
+        ({"grade": Grade.WOULD, "to": "the ground", "least_m": -1.0}, "s, to home: not clear, 1.00 m below the ground"),
+        ({"grade": Grade.MAY}, "rtl 3.0 to 4.5 s, to home: perhaps not clear, 2.47 m from mast, 2.50 m required"),
+        (
+            {"grade": Grade.UNKNOWN, "least_m": math.nan, "to": "not modeled", "goal": "unknown"},
+            ": not clear: not modeled",
+        ),
     ],
 )
 def test_a_row_says_in_words_what_is_in_the_way_and_where_it_leads(changed: dict[str, Any], words: str) -> None:
-    row = EndingRow(Ending.RTL, 3.0, 4.5, True, 2.478, 2.494, "mast", "home")
+    row = EndingRow(Ending.RTL, 3.0, 4.5, Grade.CLEAR, 2.478, 2.494, "mast", "home")
     assert str(replace(row, **changed)).endswith(words)
 
 

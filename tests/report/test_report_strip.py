@@ -9,6 +9,7 @@ import pytest
 
 from ipoa_mission.forecast.endings import Endings
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.report.page import report_html
 from ipoa_mission.report.panels.profile import along_axis
@@ -18,7 +19,7 @@ from ipoa_mission.scenario import Scenario
 from tests.report.conftest import Bowed
 
 WAY = re.compile(
-    r'<span class="way (not-clear|clear)" role="img" aria-label="([^"]*)" title="([^"]*)" data-ending="(\w+)" '
+    r'<span class="way (not-clear|perhaps|clear)" role="img" aria-label="([^"]*)" title="([^"]*)" data-ending="(\w+)" '
     r'data-from="([\d.]+)" data-to="([\d.]+)" data-keeps="([^"]*)" style="left:([\d.]+)%;width:([\d.]+)%">([^<]*)<'
 )
 
@@ -39,8 +40,8 @@ def test_the_bars_are_the_rows_of_the_forecast(bowed: Bowed, name: str) -> None:
         row = rows[unescape(title)]
         assert (label, ending, unescape(keeps)) == (title, str(row.ending), row.keeps)
         assert (float(begin), float(end)) == pytest.approx((row.from_s, row.to_s), abs=0.006)
-        assert look == ("clear" if row.clear else "not-clear")
-        assert words in ("", "clear" if row.clear else "not clear")
+        assert look == {Grade.CLEAR: "clear", Grade.MAY: "perhaps", Grade.WOULD: "not-clear"}[row.grade]
+        assert words in ("", look.replace("-", " "))
     assert any(look == "not-clear" for look, *_ in ways)
 
 

@@ -162,7 +162,7 @@ BROKEN_OFF: tuple[tuple[Callable[[random.Random, int], Course], int], ...] = (
 
 def broken_off(number: int) -> Course:
     """One of a third with rally points, of a third with wind, of a third on a slope; with the default confidence."""
-    make, count = BROKEN_OFF[number]
+    make, count = BROKEN_OFF[number % len(BROKEN_OFF)]
     rng = random.Random(3000 + number)
     course = make(rng, count) | {"safety_distance": 1.5, "safety": {}}
     if number % 3 == 1:
@@ -222,9 +222,9 @@ def short_courses() -> dict[str, Course]:
 
 
 def returning_courses() -> dict[str, Course]:
-    """By name; `p` is before those whose return is planned."""
-    courses = {f"ret{n:02d}_{kind.__name__}": broken_off(n) for n, (kind, _) in enumerate(BROKEN_OFF)}
-    planned = {f"p{name}": one | {"safety": {"returns": "planned"}} for name, one in courses.items()}
+    """By name; `n` is before those whose return is planned."""
+    courses = {f"ret{n:02d}_{kind.__name__}": broken_off(n) for n, (kind, _) in enumerate(2 * BROKEN_OFF)}
+    planned = {f"n{name}": one | {"safety": {"returns": "planned"}} for name, one in courses.items()}
     return courses | planned
 
 

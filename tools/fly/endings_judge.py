@@ -22,6 +22,7 @@ import shapely
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.endings import EndingRow, Endings
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.forecast.itinerary.itinerary import itinerary
 from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel
 from ipoa_mission.geometry import Points
@@ -58,8 +59,8 @@ STAGES: Mapping[int, FlightStage] = {
 class Judged:
     """An order: what was forecast of its second, and what was flown. Metres, seconds; NaN where there is none.
 
-    `stage` of its mission; `planned`: "returns" where all its returns were to be planned, "height" by a planner that
-    had nothing for that but their height, nothing where they were not.
+    `stage` of its mission; `planned`: "returns" where all its returns were to be planned, nothing where they were not.
+    `grade`: how sure it was that the ending keeps what is required.
     """
 
     number: int
@@ -86,6 +87,7 @@ class Judged:
     track_off: float = math.nan
     stage: str = ""
     planned: str = ""
+    grade: str = ""
 
 
 def distances(points: Points, scenario: Scenario) -> tuple[float, str]:
@@ -138,9 +140,7 @@ class Foretold:
     @property
     def planned(self) -> str:
         """Whether its returns were, and by what."""
-        if self.scenario.safety.returns != "planned":
-            return ""
-        return "height" if self.name.startswith("p") else "returns"
+        return "returns" if self.scenario.safety.returns == "planned" else ""
 
     def stage(self, time: float) -> FlightStage:
         """What its mission was forecast to be doing."""
@@ -232,6 +232,7 @@ def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> 
     return replace(
         judged,
         clear=row.clear,
+        grade=row.grade.name.lower(),
         least=row.least_m,
         to=row.to,
         required=row.required_m,
@@ -309,6 +310,9 @@ def summary(judged: list[Judged]) -> Iterator[str]:
     false = [one for one in alarms if one.flown_least >= one.required]
     yield f"{len(judged)} orders, {len(known)} of them with obstacles; nearer than required {len(nearer)}"
     yield f"of these not foretold: {len(missed)}; alarms {len(alarms)}, of these false {len(false)}"
+    for grade in Grade:
+        own = [one.flown_least < one.required for one in known if one.grade == grade.name.lower()]
+        yield f"{grade}: {len(own)}, of these nearer than required {sum(own)}"
     planned = [one for one in known if one.planned == "returns" and one.ending != Ending.LAND]
     yield f"of planned returns: {len(planned)}, nearer {sum(one.flown_least < one.required for one in planned)}"
     for name in ("rtl", "land"):

@@ -6,7 +6,7 @@
   const all = (selector) => [...document.querySelectorAll(selector)];
   const map = document.getElementById("map"), canvas = document.querySelector(".space canvas"), readout = document.querySelector(".readout");
   const plan = makeMap(map);
-  const unclear = all(".way.not-clear").map((way) => way.dataset);
+  const unclear = all(".way:not(.clear)").map((way) => way.dataset);
   let chosen = -1;
 
   const path = course.points.filter((_, i) => i % 2 === 0);

@@ -7,11 +7,13 @@ import numpy as np
 
 from ipoa_mission.forecast.endings import EndingRow, Endings
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.report.chart import GraphAxis
 from ipoa_mission.report.panels.profile import NARROWEST, along_axis
 from ipoa_mission.report.seen import Seen
 from ipoa_mission.vehicles.ending import Ending
 
+LOOK = {Grade.CLEAR: "clear", Grade.MAY: "perhaps"}  # its class; of all others "not-clear"
 WORDED = 0.09  # of the strip's width: on what is narrower no words fit
 NOTE = "What would follow if the flight were ended there; a vehicle ends one by a failsafe, or as its pilot orders."
 
@@ -37,8 +39,9 @@ def endings_strip(forecast: Forecast, course: Seen) -> str:
 
 
 def _bar(ending: Ending, rows: Sequence[EndingRow], course: Seen, axis: GraphAxis) -> str:
-    """One ending: what is not clear lies on top, since on the spot all times have one place."""
-    ways = "".join(_way(row, course, axis) for row in sorted(rows, key=lambda row: not row.clear))
+    """One ending: the worse a row is the higher it lies, since on the spot all times have one place."""
+    worse = list(Grade)
+    ways = "".join(_way(row, course, axis) for row in sorted(rows, key=lambda row: worse.index(row.grade)))
     leads = ", ".join(dict.fromkeys(row.leads for row in rows))
     return f'<div class="ending"><b>{ending}</b> {escape(leads)}<div class="ways">{ways}</div></div>'
 
@@ -46,12 +49,12 @@ def _bar(ending: Ending, rows: Sequence[EndingRow], course: Seen, axis: GraphAxi
 def _way(row: EndingRow, course: Seen, axis: GraphAxis) -> str:
     begin, end = axis.place(np.interp([row.from_s, row.to_s], course.times, course.along)).tolist()
     wide, words = max(end - begin, NARROWEST), escape(str(row))
-    clear = "clear" if row.clear else "not clear"
+    look = LOOK.get(row.grade, "not-clear")
     return (
-        f'<span class="way {clear.replace(" ", "-")}" role="img" aria-label="{words}" title="{words}" '
+        f'<span class="way {look}" role="img" aria-label="{words}" title="{words}" '
         f'data-ending="{row.ending}" data-from="{row.from_s:.2f}" data-to="{row.to_s:.2f}" '
         f'data-keeps="{escape(row.keeps)}" style="left:{100 * begin:.2f}%;width:{100 * wide:.2f}%">'
-        f"{clear if wide >= WORDED else ''}</span>"
+        f"{look.replace('-', ' ') if wide >= WORDED else ''}</span>"
     )
 
 
