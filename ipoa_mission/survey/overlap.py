@@ -1,27 +1,32 @@
 """How much the photos of a survey overlap at least, and where: by the items that are uploaded, over the terrain.
 
-Nothing of what planned the lines is asked, but how far apart the vehicle takes photos. A share is that of a photo, as
-it lies in the image: of what it shows, and on ground that slopes. What stands on the ground is not counted; a roof is
-nearer to the camera, and overlaps less.
+Nothing of what planned the lines is asked, but how wide the camera sees and how far apart the vehicle takes photos. A
+share is that of a photo, as it lies in the image: of what it shows, and on ground that slopes. What stands on the
+ground is not counted; a roof is nearer to the camera, and overlaps less.
 """
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
+import shapely
 
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.commands import Command
-from ipoa_mission.scenario.camera import Camera
+from ipoa_mission.survey.heights import lifted
+from ipoa_mission.survey.sight import Sight
+from ipoa_mission.survey.tour import Swath, Tour
 from ipoa_mission.world.frame import Geodetic
 from ipoa_mission.world.ground import Ground
 
 ALONG, ACROSS = 41, 5  # places of a photo that are looked at: in the direction of an overlap, and across it
 ROUNDS = 6  # in which it is found where such a place lies on the ground
-BESIDE = 1.05  # lines up to so many spacings apart are neighbors
 PARALLEL = math.sin(math.radians(2.0))  # of the angle between them
+ROUNDING = 0.05  # lines so much farther apart than the spacing are as far apart as they may be [m]
 NOISE = 0.002  # of a photo: what places rounded to 1e-7 degrees make of an overlap
 SAME = 0.1  # of a spacing: lines nearer to each other are one, flown twice
 
@@ -54,7 +59,7 @@ class Overlaps:
 
 
 @dataclass(frozen=True, eq=False)
-class _Line:
+class PhotoLine:
     """A straight line of photos: its ends (2, 3), and where they are taken (n, 3)."""
 
     ends: Points
@@ -67,37 +72,37 @@ class _Line:
         return np.asarray(leg / np.linalg.norm(leg))
 
 
-def smallest_overlaps(
-    forecasts: Iterable[Forecast], camera: Camera, ground: Ground, spacing: float, lag: float
-) -> Overlaps:
-    """The smallest overlaps of all photos of some flights.
+def smallest_overlaps(lines: Sequence[PhotoLine], sight: Sight, ground: Ground, free: Any) -> Overlaps:
+    """The smallest overlaps of all photos on some lines.
 
     Args:
-        forecasts: of the flights.
-        camera: which looks straight down, its width across the way.
-        ground: that it sees.
-        spacing: between lines [m]; those farther apart are none that lie side by side.
-        lag: how much later than it is due a photo is taken, in the mean [m]; here twice as much.
+        lines: of all flights.
+        sight: how wide a photo shows, and how far apart lines are to be.
+        ground: that it shows.
+        free: a shapely geometry, what is to be seen and may be flown over; lines with something else between them are
+            none that lie side by side.
     """
-    lines = [line for forecast in forecasts for line in _lines(forecast, lag)]
-    across, along = (side / 2 for side in camera.footprint(1.0))
+    half = sight.across / sight.least / 2, sight.along / sight.least / 2
     fronts, sides = list[Overlap](), list[Overlap]()
+    shapely.prepare(free)
     for line in lines:
         ahead = line.ahead
         if len(line.photos) > 1:
-            shares = _shares(line.photos[:-1], line.photos[1:], ahead, (along, across), ground)
-            fronts.append(_least(shares, line.photos))
+            fronts.append(_least(_shares(line.photos[:-1], line.photos[1:], ahead, half[::-1], ground), line.photos))
         right = np.array([ahead[1], -ahead[0]])
         for towards in (right, -right):
-            taken, others = _beside(line, lines, towards, spacing)
+            taken, others = _beside(line, lines, towards, sight, free)
             if len(taken):
-                sides.append(_least(_shares(taken, others, towards, (across, along), ground), taken))
+                sides.append(_least(_shares(taken, others, towards, half, ground), taken))
     least = [min(found, key=lambda one: one.share, default=None) for found in (fronts, sides)]
     return Overlaps(*least)
 
 
-def _lines(forecast: Forecast, lag: float) -> Iterator[_Line]:
-    """The lines of a mission along which photos are triggered."""
+def flown_lines(forecast: Forecast, lag: float) -> Iterator[PhotoLine]:
+    """The lines of a mission along which photos are triggered.
+
+    `lag`: how much later than it is due a photo is taken, in the mean [m]; here twice as much.
+    """
     home, speed, every = forecast.mission.home, forecast.mission.cruise_speed or 1.0, 0.0
     here: Vector | None = None
     for item in forecast.mission.items:
@@ -111,10 +116,30 @@ def _lines(forecast: Forecast, lag: float) -> Iterator[_Line]:
             place = Geodetic(item.latitude_deg, item.longitude_deg, home.altitude + item.height(home))
             there = np.asarray(forecast.frame.local(place))
             if here is not None and every > 0.0 and (there[:2] != here[:2]).any():
-                length = float(np.linalg.norm(there[:2] - here[:2]))
-                shares = np.arange(0.0, length, every + 2 * lag) / length
-                yield _Line(np.array([here, there]), here + shares[:, None] * (there - here))
+                yield _line(here, there, every + 2 * lag)
             here = there
+
+
+def laid_lines(tour: Tour, sight: Sight, ground: Ground) -> Iterator[PhotoLine]:
+    """The same of lines that no mission flies yet."""
+    for swath in tour.swaths:
+        every = sight.triggering(swath.length)[0]
+        if every > 0.0 and swath.length > 0.0:
+            for begin, end in pairwise(lifted(np.array([swath.begin, swath.end]), sight, ground)[0]):
+                yield _line(begin, end, every + 2 * sight.lag)
+
+
+def photo_places(swath: Swath, sight: Sight) -> Points:
+    """Where photos are taken along a line, in the mean, (n, 2); none without a camera."""
+    distance, count = sight.triggering(swath.length)
+    ahead = (swath.end - swath.begin) / max(swath.length, 1e-9)
+    return np.asarray(swath.begin + np.arange(count)[:, None] * (distance + sight.lag) * ahead)
+
+
+def _line(begin: Vector, end: Vector, apart: float) -> PhotoLine:
+    length = float(np.linalg.norm(end[:2] - begin[:2]))
+    shares = np.arange(0.0, length, apart) / length
+    return PhotoLine(np.array([begin, end]), begin + shares[:, None] * (end - begin))
 
 
 def _shares(taken: Points, others: Points, towards: Vector, half: tuple[float, float], ground: Ground) -> Vector:
@@ -137,7 +162,9 @@ def _shares(taken: Points, others: Points, towards: Vector, half: tuple[float, f
     return np.asarray((1.0 - begins).mean(axis=1) / 2)
 
 
-def _beside(line: _Line, lines: list[_Line], towards: Vector, spacing: float) -> tuple[Points, Points]:
+def _beside(
+    line: PhotoLine, lines: Sequence[PhotoLine], towards: Vector, sight: Sight, free: Any
+) -> tuple[Points, Points]:
     """The photos (n, 3) of a line that have a line beside them on one side, and the nearest places (n, 3) on that."""
     ends = np.array([other.ends for other in lines])
     legs = ends[:, 1, :2] - ends[:, 0, :2]
@@ -148,12 +175,17 @@ def _beside(line: _Line, lines: list[_Line], towards: Vector, spacing: float) ->
     off = line.photos[:, None, :2] - ends[None, :, 0, :2]
     share = (off * legs).sum(axis=2) / lengths**2
     away = ((share[:, :, None] * legs - off) * towards).sum(axis=2)
-    is_beside = (share >= 0.0) & (share <= 1.0) & (away > SAME * spacing) & (away < BESIDE * spacing)
+    beyond = np.abs(share - np.clip(share, 0.0, 1.0)) * lengths  # photos at its ends show what lies so far beyond, too
+    is_beside = (beyond <= sight.spacing / 2) & (away > SAME * sight.spacing) & (away < sight.across)
     away = np.where(is_beside, away, np.inf)
-    nearest = away.argmin(axis=1)
-    has_one = np.isfinite(away.min(axis=1))
-    n, one = np.flatnonzero(has_one), nearest[has_one]
-    return line.photos[has_one], ends[one, 0] + share[n, one, None] * (ends[one, 1] - ends[one, 0])
+    one, apart = away.argmin(axis=1), away.min(axis=1)
+    n = np.flatnonzero(np.isfinite(apart))
+    along = np.clip(share[n, one[n], None], 0.0, 1.0)
+    others = ends[one[n], 0] + along * (ends[one[n], 1] - ends[one[n], 0])
+    is_near = apart[n] <= sight.spacing + ROUNDING
+    between = shapely.linestrings(np.stack([line.photos[n, :2], others[:, :2]], axis=1))
+    is_near[~is_near] = shapely.covers(free, between[~is_near])
+    return line.photos[n[is_near]], others[is_near]
 
 
 def _least(shares: Vector, taken: Points) -> Overlap:

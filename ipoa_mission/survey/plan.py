@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
-import numpy as np
 import shapely
 
 from ipoa_mission.checks.check import check
@@ -16,7 +15,6 @@ from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.tube.promise import Kept, Promise
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.endings import settled, why_not_planned
@@ -25,15 +23,14 @@ from ipoa_mission.scenario.budget import expect_to_come_home
 from ipoa_mission.scenario.survey import SurveySection
 from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.assembly import assemble_survey
-from ipoa_mission.survey.corridor import corridor_tour, where_allowed
-from ipoa_mission.survey.cover import quickest_tour, way_between
+from ipoa_mission.survey.cover import way_between
 from ipoa_mission.survey.coverage import Coverage, coverage
-from ipoa_mission.survey.keep_out import SPARE, keep_out, tube
-from ipoa_mission.survey.overlap import Overlaps, smallest_overlaps
+from ipoa_mission.survey.keep_out import keep_out
+from ipoa_mission.survey.laying import expect_high_enough, expect_survey, lay_lines, leg_times
+from ipoa_mission.survey.overlap import Overlaps, flown_lines, smallest_overlaps
 from ipoa_mission.survey.resume import left_to_fly
 from ipoa_mission.survey.sight import Sight, sight_of
 from ipoa_mission.survey.split import fewest_parts, parts_of_equal_length
-from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.vehicles.energy.flight import NotEnoughBattery
 
@@ -78,11 +75,15 @@ class SurveyPlan:
     @cached_property
     def overlaps(self) -> Overlaps | None:
         """How much photos overlap at least; None without a camera."""
-        section = self.scenario.survey
-        if section is None or (camera := section.taken_by) is None:
+        if self.sight.trigger is None:
             return None
-        forecasts = [flight.forecast for flight in self.flights]
-        return smallest_overlaps(forecasts, camera, self.scenario.airspace.ground, self.sight.spacing, self.sight.lag)
+        lines = [line for flight in self.flights for line in flown_lines(flight.forecast, self.sight.lag)]
+        return smallest_overlaps(lines, self.sight, self.scenario.airspace.ground, self.free)
+
+    @property
+    def free(self) -> Any:
+        """What of the area may be flown over: a shapely geometry."""
+        return self.area.shape if self.keep_out is None else self.area.shape.difference(self.keep_out)
 
 
 class _TooNear(Exception):
@@ -103,9 +104,7 @@ def plan_flights(scenario: Scenario, seed: int = 0, progress: Progress = silent)
         NotEnoughBattery: a line cannot be reached and left again with the reserve.
         Unsafe: a mission fails a check.
     """
-    section, area = scenario.survey, scenario.survey_area
-    if section is None or area is None:
-        raise BadInput("survey: expected in the scenario, but not there")
+    section, area = expect_survey(scenario)
     for n, share in enumerate(SPEEDS):
         vehicle = scenario.vehicle.model_copy(update={"cruise_speed": share * scenario.vehicle.cruise_speed})
         world = scenario if share == 1.0 else scenario.model_copy(update={"vehicle": vehicle})
@@ -120,10 +119,10 @@ def plan_flights(scenario: Scenario, seed: int = 0, progress: Progress = silent)
 def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int) -> SurveyPlan:
     """At the scenario's speed; raises _TooNear where more room does not help."""
     sight, growth = sight_of(section, area, scenario), dict[str, float]()
-    _expect_high_enough(sight, scenario)
+    expect_high_enough(sight, scenario)
     for _ in range(ROUNDS):
         outside = keep_out(scenario, sight, growth)
-        tour = _tour(scenario, section, area, sight, outside)
+        tour = lay_lines(scenario, section, area, sight, outside)
         parts = _parts(tour, scenario, section, sight, growth, seed)
         forecasts = [_made(part, sight, scenario, growth, seed) for part in parts]
         near = [(kept, forecast.promise) for forecast in forecasts for kept in forecast.promise.forbidding]
@@ -152,7 +151,7 @@ def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyP
     way = way_between(
         plan.area,
         sight.spacing,
-        cost=_times(scenario, sight),
+        cost=leg_times(scenario, sight),
         keep_out=plan.keep_out,
         turns_outside=section.turns_outside,
     )
@@ -176,65 +175,6 @@ def _checked(parts: Sequence[Tour], forecasts: Sequence[Forecast]) -> tuple[Surv
         expect_to_come_home(forecast.world, forecast.energy)
         flights.append(SurveyFlight(part, forecast, findings))
     return tuple(flights)
-
-
-def _expect_high_enough(sight: Sight, scenario: Scenario) -> None:
-    """Refuse a height above ground at which flights would come too near to it.
-
-    Raises:
-        NoPath: saying from what height on they would not.
-    """
-    needed = scenario.limits.height_above_ground + tube(scenario).down + 2 * SPARE
-    if sight.least < needed:
-        raise NoPath(
-            f"survey: {sight.least:g} m above the ground is too near to it, at least {needed:.2f} m required",
-            hint="fly higher (survey.height_above_ground, or a larger survey.gsd_cm)",
-        )
-
-
-def _tour(scenario: Scenario, section: SurveySection, area: Area, sight: Sight, outside: Any | None) -> Tour:
-    """The quickest lines over what obstacles leave of the area.
-
-    Raises:
-        NoPath: they leave nothing.
-    """
-    if outside is not None and area.shape.difference(outside).is_empty:
-        raise NoPath(
-            f"survey: obstacles and the clearance to them leave nothing of the area at {sight.least:g} m above ground",
-            hint="fly higher (survey.height_above_ground), or with a smaller safety_distance",
-        )
-    frame = scenario.frame
-    begin = np.array(section.entry or scenario.start_point[:2])
-    middles = section.middles(frame)
-    if len(middles) == 1 and section.width is not None and section.direction_deg == "best":
-        inside = where_allowed(area, outside)
-        along = corridor_tour(middles[0], section.width, sight.spacing, begin, inside)
-        if along is not None:
-            return along
-    return quickest_tour(
-        area,
-        sight.spacing,
-        cost=_times(scenario, sight),
-        keep_out=outside,
-        direction=section.direction_deg,
-        turns_outside=section.turns_outside,
-        begin=begin,
-        end=np.array(section.exit or scenario.goal_point[:2]),
-    )
-
-
-def _times(scenario: Scenario, sight: Sight) -> LegTimes:
-    """How long its vehicle takes for legs and corners."""
-    vehicle = scenario.vehicle
-    given = Mission(
-        scenario.frame.home,
-        (),
-        vehicle.autopilot,
-        parameters=vehicle.autopilot_parameters(),
-        vehicle=vehicle.learned,
-        firmware_version=vehicle.version,
-    )
-    return LegTimes.of(given, vehicle.cruise_speed, sight.middle, scenario.wind.air())
 
 
 def _parts(

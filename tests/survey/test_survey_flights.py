@@ -19,7 +19,7 @@ from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.assembly import assemble_survey
-from ipoa_mission.survey.overlap import smallest_overlaps
+from ipoa_mission.survey.overlap import flown_lines, smallest_overlaps
 from ipoa_mission.survey.sight import sight_of
 from ipoa_mission.survey.split import part_of
 from ipoa_mission.survey.tour import Swath, Tour
@@ -146,10 +146,9 @@ def test_the_smallest_overlaps_are_told(terrain: dict[str, Any]) -> None:
 def test_a_slope_steeper_than_the_height_allows_for_is_told() -> None:
     """Lines laid for level ground, over a ridge."""
     level = plan_survey(scenario=scenario(PHOTOS))
-    camera = level.plan.scenario.survey.taken_by if level.plan.scenario.survey else None
-    assert camera is not None
-    ridge = scenario(PHOTOS, terrain=HILL).airspace.ground
-    found = smallest_overlaps(level.flights, camera, ridge, level.plan.sight.spacing, level.plan.sight.lag)
+    sight, ridge = level.plan.sight, scenario(PHOTOS, terrain=HILL).airspace.ground
+    lines = [line for flight in level.flights for line in flown_lines(flight, sight.lag)]
+    found = smallest_overlaps(lines, sight, ridge, level.plan.free)
     assert found.front is not None
     assert found.side is not None
     top = 1 - level.plan.sight.spacing / (23.5 / 16.0 * (level.plan.sight.least - 30.0))  # on the summit
