@@ -158,7 +158,7 @@ def test_all_broken_shapes_are_told_but_not_a_flood(write_map: Callable[..., Pat
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [
-        ("map.dxf", "", "expected a file that ends in .geojson, .json, .kml, .kmz, .shp, .fgb, .gpkg, not in .dxf"),
+        ("map.dxf", "", "expected a file that ends in .geojson, .json, .kml, .kmz, .osm, .shp, .fgb, .gpkg, not in .dxf"),
         ("map.kml", "<kml>", "line 1: expected well-formed XML"),
         ("map.kml", "<gpx/>", "expected a kml document, not gpx"),
         (
