@@ -14,7 +14,7 @@ from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.energy import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.commands import ENDINGS, TAKEOFFS, Command, Frame
-from ipoa_mission.mission.items import Item, Mission, return_to_launch, waypoint
+from ipoa_mission.mission.items import Item, Mission, camera_trigger, return_to_launch, waypoint
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.frame import Geodetic
 
@@ -156,7 +156,7 @@ def _ended(taken: Sequence[Item]) -> Iterator[Item]:
     """What ends the taking of pictures, where it is under way."""
     triggers = [item for item in taken if item.command == Command.DO_SET_CAM_TRIGG_DIST]
     if triggers and triggers[-1].params[0] > 0.0:
-        yield Item(Command.DO_SET_CAM_TRIGG_DIST, Frame.MISSION)
+        yield camera_trigger(0.0, at_once=False)
     pictures = (Command.IMAGE_START_CAPTURE, Command.IMAGE_STOP_CAPTURE)
     captures = [item.command for item in taken if item.command in pictures]
     if captures and captures[-1] == Command.IMAGE_START_CAPTURE:

@@ -10,8 +10,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.commands import Command, Frame
-from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.mission.scan_shapes import trigger
+from ipoa_mission.mission.items import Item, Mission, camera_trigger
 from ipoa_mission.routing.build import build_mission, items_of_waypoints
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario
@@ -112,7 +111,7 @@ def camera_items(distance: float, mission: Mission) -> tuple[list[Item], list[It
         return [], []
     own = mission.autopilot.firmware(mission.firmware_version)
     if own.takes(Command.DO_SET_CAM_TRIGG_DIST):
-        return [trigger(round(distance, 2))], [trigger(0.0, at_once=False)]
+        return [camera_trigger(round(distance, 2))], [camera_trigger(0.0, at_once=False)]
     if own.takes(Command.IMAGE_START_CAPTURE) and own.takes(Command.IMAGE_STOP_CAPTURE):
         every = round(distance / (mission.cruise_speed or 1.0), 2)
         start = Item(Command.IMAGE_START_CAPTURE, Frame.MISSION, (0.0, every, 0.0, 0.0))
