@@ -9,6 +9,7 @@ from typing import Any
 import shapely
 
 from ipoa_mission.checks.check import check
+from ipoa_mission.checks.firmware import is_too_long
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Finding
@@ -211,7 +212,7 @@ def _fits(part: Tour, scenario: Scenario, sight: Sight, growth: Mapping[str, flo
     if per * len(part.swaths) > own.max_items:
         return False
     forecast = _made(part, sight, scenario, growth, seed)
-    if len(forecast.mission.items) + own.home_is_item_0 > own.max_items:
+    if is_too_long(forecast.mission):
         return False
     if scenario.vehicle.battery is None:
         return True
