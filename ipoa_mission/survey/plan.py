@@ -13,6 +13,7 @@ from ipoa_mission.checks.firmware import is_too_long
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Finding
+from ipoa_mission.forecast.energy import shortage_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.tube.promise import Kept, Promise
 from ipoa_mission.geometry import Points, Vector
@@ -20,7 +21,6 @@ from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.endings import settled, why_not_planned
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.budget import expect_to_come_home
 from ipoa_mission.scenario.survey import SurveySection
 from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.assembly import assemble_survey
@@ -173,7 +173,8 @@ def _checked(parts: Sequence[Tour], forecasts: Sequence[Forecast]) -> tuple[Surv
     flights = list[SurveyFlight]()
     for part, forecast in zip(parts, map(_returning, forecasts), strict=True):
         findings = refuse_errors(check(forecast))
-        expect_to_come_home(forecast.world, forecast.energy)
+        if (short := shortage_of(forecast)) is not None:
+            raise short
         flights.append(SurveyFlight(part, forecast, findings))
     return tuple(flights)
 
@@ -212,15 +213,7 @@ def _fits(part: Tour, scenario: Scenario, sight: Sight, growth: Mapping[str, flo
     if per * len(part.swaths) > own.max_items:
         return False
     forecast = _made(part, sight, scenario, growth, seed)
-    if is_too_long(forecast.mission):
-        return False
-    if scenario.vehicle.battery is None:
-        return True
-    try:
-        expect_to_come_home(scenario, forecast.energy)
-    except NotEnoughBattery:
-        return False
-    return True
+    return not is_too_long(forecast.mission) and shortage_of(forecast) is None
 
 
 def _made(part: Tour, sight: Sight, scenario: Scenario, growth: Mapping[str, float], seed: int) -> Forecast:
