@@ -35,9 +35,6 @@ def describe(flight: Flight) -> list[str]:
 
 def tell_parts(whole: Flight, parts: Sequence[Forecast], written: Iterable[Path]) -> None:
     """Print a flight that is flown with a battery for each part."""
-    if len(parts) < 2:
-        tell_planned(whole, written)
-        return
     tell(*describe(whole))
     rows = []
     for number, part in enumerate(parts, 1):
