@@ -41,9 +41,8 @@ def plan(
     """
     from ipoa_mission.cli.job import adapt_scenario, plan_parts
     from ipoa_mission.cli.job import plan as plan_it
-    from ipoa_mission.cli.overwriting import expect_folder, expect_free
+    from ipoa_mission.cli.overwriting import expect_folder, expect_plans
     from ipoa_mission.cli.summary import tell_planned
-    from ipoa_mission.flight.written import not_as_written
 
     expect_folder(out)
     air = flown_by.air
@@ -58,7 +57,7 @@ def plan(
         return
     if surveyed.flown:
         raise BadInput("--flown: expected a survey", hint="what is left of another mission: ipoa-mission fly --from N")
-    expect_free(not_as_written(out, adapted.name, report), force, ask=not as_json)
+    expect_plans(out, [adapted.name], report, force, ask=not as_json)
     flight, parts = plan_parts(adapted, search.seed, air) if split else (plan_it(adapted, search.seed, air), ())
     if len(parts) > 1:
         _write_parts(flight, parts, out, force, as_json)
