@@ -8,7 +8,6 @@ from pyproj import Geod
 from ipoa_mission.checks.finding import Numbered, numbered
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.forecast.itinerary.program import is_as_high_as_now, is_here
 from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.world.frame import Geodetic
@@ -129,7 +128,7 @@ def _position(at: Numbered, mission: Mission) -> Iterator[Finding]:
     if wrong := out_of_range(item.latitude_deg, item.longitude_deg):
         yield at.error("position-out-of-range", wrong)
     elif item.command in FLOWN_TO and (item.latitude_deg, item.longitude_deg) == (0.0, 0.0):
-        if is_here(item, mission.autopilot):
+        if item.is_here(mission.autopilot):
             if item.command not in MAY_BE_HERE:
                 yield at.warning("position-here", f"latitude 0, longitude 0: {model} does it where it is")
         elif item.command not in MAY_BE_HERE:
@@ -162,7 +161,7 @@ def _height(at: Numbered, mission: Mission) -> Iterator[Finding]:
     if not math.isfinite(item.altitude):
         yield at.error("altitude-missing", f"expected an altitude in metres, not {item.altitude}")
         return
-    if is_as_high_as_now(item, mission.autopilot):
+    if item.is_as_high_as_now(mission.autopilot):
         if item.command != Command.NAV_PAYLOAD_PLACE:
             yield at.warning("altitude-kept", "altitude 0: ArduCopter stays as high as it is")
         return

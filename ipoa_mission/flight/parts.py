@@ -15,8 +15,10 @@ from ipoa_mission.mission.plan_file import plan_text
 from ipoa_mission.mission.waypoints_file import waypoints_text
 
 
-def write_parts(whole: Flight, parts: Sequence[Forecast], folder: Path) -> tuple[Path, ...]:
+def write_parts(whole: Flight, parts: Sequence[Forecast], summary: dict[str, Any], folder: Path) -> tuple[Path, ...]:
     """Write the parts of a flight as missions of their own; the whole, which no battery flies, is not written.
+
+    `summary` is theirs, for NAME.json.
 
     Raises:
         BadInput: the folder cannot be made or written.
@@ -29,7 +31,7 @@ def write_parts(whole: Flight, parts: Sequence[Forecast], folder: Path) -> tuple
         written += [*texts, *([beside(plan)] if part.mission.parameters else [])]
         digests |= {path.name: digest(text) for path, text in texts.items()}
     about = folder / f"{whole.name}.json"
-    write_atomically(about, as_text(parts_summary(whole, parts) | {"sha256": digests}))
+    write_atomically(about, as_text(summary | {"sha256": digests}))
     return (*written, about)
 
 

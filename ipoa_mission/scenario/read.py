@@ -40,8 +40,16 @@ def read_scenario(path: str | Path) -> Scenario:
         >>> read_scenario("missions/sitl.toml").name
         'sitl'
     """
-    path = Path(path)
-    return parse_scenario(read_text(path), path)
+    return scenario_of(read_table(Path(path)), Path(path))
+
+
+def read_table(path: Path) -> dict[str, Any]:
+    """A scenario's table as its file has it.
+
+    Raises:
+        BadInput: the file cannot be read; naming the line and what is wrong there.
+    """
+    return parse_toml(read_text(path), path)
 
 
 def parse_scenario(text: str, path: Path) -> Scenario:
