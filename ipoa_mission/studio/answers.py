@@ -328,6 +328,14 @@ class Elsewhere(PageMessage):
     address: str
 
 
+class Found(PageMessage):
+    """A place that was asked for, as it was written."""
+
+    kind: Literal["found"] = "found"
+    place: LngLat
+    words: str
+
+
 class Written(PageMessage):
     """Files that were written, and what their formats cannot hold."""
 
@@ -349,6 +357,7 @@ Answer: TypeAlias = Annotated[
     | Beginning
     | Replay
     | Elsewhere
+    | Found
     | Heard
     | Loaded
     | Seen

@@ -141,6 +141,13 @@ class Begin(PageMessage):
     altitude: Annotated[float, Field(ge=-450, le=9000)]
 
 
+class Find(PageMessage):
+    """Where on the map is a place, as people write it?"""
+
+    kind: Literal["find"] = "find"
+    place: str
+
+
 class Do(PageMessage):
     """Something with no more to it. `take_theirs`: the file as another program has written it.
 
@@ -188,7 +195,7 @@ class Order(PageMessage):
 
 
 Request: TypeAlias = Annotated[
-    Edit | Rewrite | Drag | Do | SaveAs | Within | Open | Begin | Upload | Start | Order | Listen,
+    Edit | Rewrite | Drag | Do | SaveAs | Within | Open | Begin | Find | Upload | Start | Order | Listen,
     Field(discriminator="kind"),
 ]
 REQUESTS: TypeAdapter[Any] = TypeAdapter(Request)

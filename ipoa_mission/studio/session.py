@@ -6,12 +6,26 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.studio.answers import Elsewhere, Trouble, Written
+from ipoa_mission.studio.answers import Elsewhere, Found, Trouble, Written
 from ipoa_mission.studio.document import Document
 from ipoa_mission.studio.flights import FlightDesk
 from ipoa_mission.studio.mission_changes import MISSIONS
+from ipoa_mission.studio.place import place_of
 from ipoa_mission.studio.processes import Died, Process
-from ipoa_mission.studio.requests import Do, Drag, Edit, Listen, Open, Order, Rewrite, SaveAs, Start, Upload, Within
+from ipoa_mission.studio.requests import (
+    Do,
+    Drag,
+    Edit,
+    Find,
+    Listen,
+    Open,
+    Order,
+    Rewrite,
+    SaveAs,
+    Start,
+    Upload,
+    Within,
+)
 from ipoa_mission.studio.vocabulary import PageMessage
 
 SETTLED_S = 0.6  # without a change, after which the proved path is planned
@@ -120,6 +134,10 @@ class Session:
                     self._flights.upload(request, self._hand_over)
                 case Start():
                     await self._flights.start(request)
+                case Find():
+                    latitude, longitude = place_of(request.place)
+                    found = Found(place=(longitude, latitude), words=request.place.strip())
+                    window.tell(found.model_dump(mode="json"))
                 case Listen():
                     self._flights.listen(request.link)
                 case Order():
@@ -216,6 +234,7 @@ class Session:
         await self._plan()
 
     async def _plan(self) -> None:
+        self._latest.pop("trouble of plan", None)
         await self._ask(self._thorough, {"job": "plan", "seed": self._seed})
 
     async def _write(self) -> None:

@@ -356,6 +356,23 @@ def test_the_arrow_keys_move_what_is_focused(page: Any) -> None:
     until(page, "document.querySelector('textarea').value.includes('north = 10.0')")
 
 
+def test_a_place_is_found_by_its_coordinates_and_the_ground_is_shaded(page: Any) -> None:
+    field = page.get_by_label("Go to a place")
+    field.fill("47.31 N, 8.52 E")
+    field.press("Enter")
+    page.get_by_text("47.310000, 8.520000, ").wait_for()
+    until(page, "map.getCenter().lng.toFixed(4) === '8.5200' && map.querySourceFeatures('found').length > 0")
+    field.fill("nowhere")
+    field.press("Enter")
+    page.get_by_text("expected degrees").wait_for()
+    page.get_by_label("Forget the place").click()
+    assert page.evaluate("map.getLayer('hillshade') === undefined")  # level ground has no shadow
+    hill = 'kind = "grid"\neast = -200.0\nnorth = -200.0\nspacing = 400.0\nheights = [[0.0, 0.0], [8.0, 8.0]]'
+    rewrite(page, f"{MEADOW.read_text()}\n[terrain]\n{hill}\n")
+    until(page, "map.getLayer('hillshade') !== undefined")
+    page.keyboard.press("Home")
+
+
 def test_it_fits_a_telephone(page: Any) -> None:
     page.set_viewport_size({"width": 390, "height": 844})
     proved(page)

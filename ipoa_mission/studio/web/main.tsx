@@ -10,6 +10,7 @@ import { Bindings, Candidates, Choices, Remarks } from "./findings";
 import { Drop, Question } from "./drop";
 import { Fly } from "./fly";
 import { Chosen, Limits } from "./form";
+import { GoTo } from "./goto";
 import { useHands } from "./hands";
 import { ChosenItem, Items } from "./items";
 import { makeMap } from "./map";
@@ -23,7 +24,8 @@ import { Outside, Text } from "./text";
 import { useStudio } from "./use";
 import { Verdict } from "./verdict";
 
-function MapView({ now: { notice, tiles, picture, world, whole } }: { now: Studio }) {
+function MapView({ now }: { now: Studio }) {
+  const { notice, tiles, picture, world, whole } = now;
   const place = useRef<HTMLDivElement>(null);
   useEffect(() => {
     const map = makeMap(place.current!);
@@ -37,6 +39,7 @@ function MapView({ now: { notice, tiles, picture, world, whole } }: { now: Studi
       <div class="canvas" ref={place} />
       {tiles && picture && <p class="attribution">{tiles.attribution}</p>}
       <button type="button" class="enlarge" aria-pressed={whole} onClick={() => set({ whole: !whole })}>{whole ? "✕ close" : "⤢ whole screen"}</button>
+      <GoTo now={now} />
       {notice && <p class="notice" role="status">{notice}</p>}
     </div>
   );

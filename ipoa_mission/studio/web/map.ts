@@ -2,12 +2,13 @@
 import { Map as MapLibre, NavigationControl, ScaleControl, setWorkerUrl, type GeoJSONSource, type StyleSpecification } from "maplibre-gl";
 import type { Line, Trouble, World } from "./messages";
 import { color, onSchemeChange } from "./colors";
+import { hillshade } from "./hillshade";
 import * as shapes from "./shapes";
 import { blocking, coarseOf, isMission, isNamed, listen, proved, set, studio, type LngLat, type Studio } from "./store";
 
 setWorkerUrl(new URL("map-worker.js", document.baseURI).href);
 
-const SOURCES = ["ground", "bodies", "lit", "fences", "bounds", "others", "tube", "homeward", "path", "flown", "ribbon", "flown-ribbon", "kept", "items", "here", "posts", "pillar", "vehicle", "draft"] as const;
+const SOURCES = ["ground", "bodies", "lit", "fences", "bounds", "others", "tube", "homeward", "path", "flown", "ribbon", "flown-ribbon", "kept", "items", "here", "posts", "pillar", "vehicle", "found", "draft"] as const;
 type SourceName = (typeof SOURCES)[number];
 const EMPTY = shapes.collection([]);
 const FLAT = ["ground", "roofs", "roof-lines", "tube", "arrows", "homeward", "items"];
@@ -28,11 +29,12 @@ export function makeMap(container: HTMLElement): MapLibre {
   map.on("load", () => {
     addImages(map);
     drawAll(map, studio);
+    if (studio.found) showFound(map, studio);
     listen((now, before) => update(map, now, before));
   });
   onSchemeChange(() => {
     map.setStyle(style(), { diff: false });
-    map.once("style.load", () => { addImages(map); drawAll(map, studio); });
+    map.once("style.load", () => { addImages(map); drawAll(map, studio); drawFound(map, studio); });
   });
   return map;
 }
@@ -76,6 +78,7 @@ function update(map: MapLibre, now: Studio, before: Studio): void {
   if (now.troubles !== before.troubles || now.world !== before.world) drawLit(map, now);
   if (now.mission && !before.mission && now.world) fit(map, now.world, false);
   if (["plan", "sketch", "drag", "document", "world", "mission"].some(key => now[key as keyof Studio] !== before[key as keyof Studio])) drawPath(map, now);
+  if (now.found !== before.found) showFound(map, now);
   if (now.tiles !== before.tiles || now.picture !== before.picture) showPicture(map, now);
   if (now.item !== before.item) drawItems(map, now);
   if (now.flown !== before.flown || now.replay !== before.replay) drawFlown(map, now);
@@ -88,6 +91,21 @@ function update(map: MapLibre, now: Studio, before: Studio): void {
     map.easeTo({ pitch: now.space ? 58 : 0, bearing: now.space ? map.getBearing() || -18 : 0, duration: 500 });
     drawPath(map, now);
   }
+}
+
+function drawFound(map: MapLibre, { found }: Studio): void {
+  fill(map, "found", found ? [{ type: "Feature", properties: {}, geometry: { type: "Point", coordinates: found.place as LngLat } }] : []);
+}
+
+/** The place that was looked for, and how far it is from home. */
+function showFound(map: MapLibre, now: Studio): void {
+  const { found, world } = now;
+  drawFound(map, now);
+  if (!found) return;
+  map.easeTo({ center: found.place as LngLat, zoom: Math.max(map.getZoom(), 15), animate: false });
+  const home = world?.spots.find(spot => spot.name === "home")?.place;
+  const away = home && world ? Math.hypot((found.place[0]! - home[0]!) * world.degree_m[0]!, (found.place[1]! - home[1]!) * world.degree_m[1]!) : null;
+  set({ notice: `${found.words}: ${found.place[1]!.toFixed(6)}, ${found.place[0]!.toFixed(6)}${away === null ? "" : `, ${away < 10_000 ? `${away.toFixed(0)} m` : `${(away / 1000).toFixed(0)} km`} from home`}` });
 }
 
 /** Whether a place of the flight has moved out of sight, as by a file that was dropped. */
@@ -120,10 +138,22 @@ function drawAll(map: MapLibre, now: Studio): void {
 
 function drawWorld(map: MapLibre, world: World): void {
   fill(map, "ground", shapes.ground(world));
+  showHillshade(map, world);
   fill(map, "bodies", shapes.bodies(world));
   fill(map, "posts", world.spots.flatMap(spot => shapes.pillar(spot.place as LngLat, spot.up - spot.above_ground - shapes.lowest(world), spot.up - shapes.lowest(world))));
   fill(map, "fences", shapes.fences(world));
   fill(map, "bounds", shapes.bounds(world));
+}
+
+/** Light on the ground; it is made anew with the world, and goes with the ground's colors. */
+function showHillshade(map: MapLibre, world: World): void {
+  if (map.getLayer("hillshade")) map.removeLayer("hillshade");
+  if (map.getSource("hillshade")) map.removeSource("hillshade");
+  const shade = hillshade(world);
+  if (!shade) return;
+  map.addSource("hillshade", { type: "canvas", canvas: shade.canvas, coordinates: shade.corners, animate: false });
+  const visibility = map.getLayoutProperty("ground", "visibility") ?? "visible";
+  map.addLayer({ id: "hillshade", type: "raster", source: "hillshade", layout: { visibility }, paint: { "raster-fade-duration": 0, "raster-opacity": 0.55 } }, "contours");
 }
 
 /** The proved path if there is one of what is here now, else the coarse one, dashed. */
@@ -138,7 +168,7 @@ function drawPath(map: MapLibre, now: Studio): void {
   fill(map, "others", coarse ? coarse.others.map(other => shapes.line(other.points)) : []);
   drawItems(map, now);
   fill(map, "tube", plan && !coarse ? shapes.tube(plan) : []);
-  fill(map, "ribbon", course && now.space && now.world ? shapes.ribbon(course, shapes.lowest(now.world), 2.2, 1.4, coarse !== null) : []);
+  fill(map, "ribbon", course && now.space && now.world ? shapes.ribbon(course, shapes.lowest(now.world), 2.2, 1.4, !coarse ? "proved" : coarse.holds ? "coarse" : "broken") : []);
 }
 
 /** Where the items lie that have a place, by their numbers; the chosen one stands out. */
@@ -194,7 +224,7 @@ function drawHere(map: MapLibre, now: Studio): void {
 function showSpace(map: MapLibre, space: boolean): void {
   for (const name of FLAT) map.setLayoutProperty(name, "visibility", space ? "none" : "visible");
   for (const name of SPACE) map.setLayoutProperty(name, "visibility", space ? "visible" : "none");
-  for (const name of ["path", "path-home"]) map.setPaintProperty(name, "line-opacity", space ? 0.25 : 1);
+  for (const name of ["path", "path-home", "coarse"]) map.setPaintProperty(name, "line-opacity", space ? 0.25 : 1);
 }
 
 /** The tiles below everything, in place of the ground's own colors; what stands on them is seen through. */
@@ -207,7 +237,7 @@ function showPicture(map: MapLibre, now: Studio): void {
   }
   const shown = tiles !== null && now.picture;
   if (map.getLayer("tiles")) map.setLayoutProperty("tiles", "visibility", shown ? "visible" : "none");
-  map.setLayoutProperty("ground", "visibility", now.space || shown ? "none" : "visible");
+  for (const name of ["ground", "hillshade"]) if (map.getLayer(name)) map.setLayoutProperty(name, "visibility", now.space || shown ? "none" : "visible");
   map.setPaintProperty("roofs", "fill-opacity", shown ? 0.55 : 1);
 }
 
@@ -299,15 +329,16 @@ function style(): StyleSpecification {
       { id: "homeward", type: "line", source: "homeward", layout: { "line-sort-key": ["case", ["get", "now"], 1, 0] }, paint: { "line-color": ["case", ["get", "clear"], color("good"), color("bad")], "line-width": ["case", ["get", "now"], 3.2, 1], "line-opacity": ["case", ["get", "now"], 1, 0.3] } },
       { id: "coarse", type: "line", source: "path", filter: ["get", "coarse"], layout: { "line-join": "round" }, paint: { "line-color": ["case", ["get", "holds"], color("planned"), color("bad")], "line-width": 3, "line-dasharray": dash } },
       { id: "flown", type: "line", source: "flown", layout: { "line-cap": "round" }, paint: { "line-color": color("flown"), "line-width": 2.2 } },
-      { id: "roofs-space", type: "fill-extrusion", source: "bodies", filter: solid, layout: { visibility: "none" }, paint: { "fill-extrusion-color": ramp("low-roof", "high-roof"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-opacity": 0.92 } },
+      { id: "roofs-space", type: "fill-extrusion", source: "bodies", filter: solid, layout: { visibility: "none" }, paint: { "fill-extrusion-color": ramp("low-roof", "high-roof"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"] } },
       { id: "zones-space", type: "fill-extrusion", source: "bodies", filter: zone, layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("bad"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-opacity": 0.18 } },
-      { id: "ribbon", type: "fill-extrusion", source: "ribbon", layout: { visibility: "none" }, paint: { "fill-extrusion-color": ["case", ["get", "coarse"], color("quiet"), color("planned")], "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-vertical-gradient": false } },
+      { id: "ribbon", type: "fill-extrusion", source: "ribbon", layout: { visibility: "none" }, paint: { "fill-extrusion-color": ["match", ["get", "look"], "coarse", color("quiet"), "broken", color("bad"), color("planned")], "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-vertical-gradient": false } },
       { id: "flown-ribbon", type: "fill-extrusion", source: "flown-ribbon", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("flown"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-vertical-gradient": false } },
       { id: "posts", type: "fill-extrusion", source: "posts", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("ink"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-opacity": 0.55 } },
       { id: "pillar", type: "fill-extrusion", source: "pillar", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("focus"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"] } },
       { id: "here", type: "circle", source: "here", paint: { "circle-color": color("focus"), "circle-stroke-color": color("ink"), "circle-stroke-width": 2, "circle-radius": 6 } },
       { id: "items", type: "symbol", source: "items", layout: { "icon-image": ["get", "icon"], "symbol-sort-key": ["get", "rank"] } },
       { id: "vehicle", type: "circle", source: "vehicle", paint: { "circle-color": color("flown"), "circle-stroke-color": color("card"), "circle-stroke-width": 2.5, "circle-radius": 8 } },
+      { id: "found", type: "circle", source: "found", paint: { "circle-color": "transparent", "circle-stroke-color": color("bad"), "circle-stroke-width": 3, "circle-radius": 11 } },
       { id: "draft-fill", type: "fill", source: "draft", filter: ["==", ["geometry-type"], "Polygon"], paint: { "fill-color": color("focus"), "fill-opacity": 0.25 } },
       { id: "draft-closing", type: "line", source: "draft", filter: ["==", ["get", "closing"], true], paint: { "line-color": color("focus"), "line-width": 1.6, "line-dasharray": [2, 2] } },
       { id: "draft", type: "line", source: "draft", filter: ["!=", ["get", "closing"], true], paint: { "line-color": color("focus"), "line-width": 2 } },

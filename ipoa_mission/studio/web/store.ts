@@ -1,5 +1,5 @@
 // What this window knows: the latest answer of each kind, and what the user is at. One object, replaced as it changes.
-import type { Answer, Beginning, Checked, Document, Edit, Heard, Landed, Loaded, OpenMission, Plan, Put, Progress, Replay, Request, Seen, Sketch, State, Tiles, Trouble, World } from "./messages";
+import type { Answer, Beginning, Checked, Document, Edit, Found, Heard, Landed, Loaded, OpenMission, Plan, Put, Progress, Replay, Request, Seen, Sketch, State, Tiles, Trouble, World } from "./messages";
 import { connect } from "./link";
 
 export type Change = Edit["changes"][number];
@@ -28,6 +28,7 @@ export interface Studio {
   replay: Replay | null;
   start: Beginning | null;
   heard: Heard | null;
+  found: Found | null;
   homeward: boolean;
   whole: boolean;
   progress: Progress | null;
@@ -58,7 +59,7 @@ export interface Dropped {
 
 export let studio: Studio = {
   connected: false, document: null, world: null, tiles: null, picture: true, sketch: null, drag: null, plan: null, progress: null, troubles: [],
-  mission: null, checked: null, replay: null, start: null, heard: null, homeward: false, whole: false,
+  mission: null, checked: null, replay: null, start: null, heard: null, found: null, homeward: false, whole: false,
   tool: "select", selected: null, space: false, at: 0, item: null, playing: false, candidates: [], loaded: null, seen: null,
   flown: [], landed: null, flight: null, notice: "", dropped: null,
 };
@@ -147,10 +148,10 @@ function hear(answer: Answer): void {
       }
       break;
     case "progress":
-      set({ progress: answer });
+      set({ progress: answer, troubles: studio.troubles.filter(one => one.of !== "plan") });
       break;
     case "plan":
-      set({ plan: answer, progress: null, at: Math.min(studio.at, answer.course.times.length - 1) });
+      set({ plan: answer, progress: null, troubles: studio.troubles.filter(one => one.of !== "plan"), at: Math.min(studio.at, answer.course.times.length - 1) });
       break;
     case "mission":
       set({ mission: answer, item: studio.item !== null && studio.item > answer.items.length ? null : studio.item });
@@ -167,6 +168,9 @@ function hear(answer: Answer): void {
       break;
     case "heard":
       set({ heard: answer });
+      break;
+    case "found":
+      set({ found: answer });
       break;
     case "elsewhere":
       location.assign(new URL(answer.address, document.baseURI));
