@@ -12,7 +12,7 @@ from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import make_folder, write_atomically
-from ipoa_mission.finding import Finding
+from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.flight.summary import (
     as_text,
     clearance_as_json,
@@ -46,13 +46,13 @@ from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.routing.slower import slowed_stretches
 from ipoa_mission.routing.split import split
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.budget import expect_to_come_home
 from ipoa_mission.vehicles.energy.flight import Consumption
 from ipoa_mission.wind import Wind
 
 if TYPE_CHECKING:
     from ipoa_mission.link.logbook import FlightRecord
 
+OF_BATTERY = frozenset({"battery-short", "battery-no-return"})  # flights of one battery each have neither
 log = logging.getLogger(__name__)
 
 
@@ -204,7 +204,7 @@ def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, 
             a survey.
         NoPath, NoRoute: no safe way was found.
         Unsafe: the mission fails a check.
-        NotEnoughBattery: it would not come home with its reserve.
+        NotEnoughBattery: it would not come home with its reserve; with planned returns, not from every second.
 
     Example:
         >>> from ipoa_mission import plan_flight, read_scenario
@@ -218,7 +218,8 @@ def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, 
         )
     with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
         flight = _plan_flight(scenario if wind is None else scenario.in_wind(wind), seed, progress)
-    expect_to_come_home(flight.scenario, flight.energy)
+    if flight.budget is not None and (refused := flight.budget.refusal) is not None:
+        raise refused
     return flight
 
 
@@ -247,7 +248,9 @@ def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     options = weigh_routes(plan, scenario, found.route)
     mission = forecast.mission
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
-    findings = refuse_errors([finding for finding in check(forecast) if finding.code != "battery-short"])
+    told = check(forecast)
+    refuse_errors([finding for finding in told if finding.code not in OF_BATTERY])
+    findings = tuple(finding for finding in told if finding.severity is Severity.WARNING)
     messages = (words for finding in findings for words in (finding.message, finding.hint) if words)
     planned = (
         *slowed_stretches(forecast),

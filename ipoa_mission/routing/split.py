@@ -73,7 +73,7 @@ def split(mission: Mission, scenario: Scenario) -> tuple[Mission, ...]:
 
 def _short(mission: Mission, scenario: Scenario) -> MissionError | None:
     budget = budget_of(Forecast(mission, scenario))
-    return None if budget is None else budget.shortage
+    return None if budget is None else budget.refusal
 
 
 class _Parts:
