@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from ipoa_mission.checks.firmware import check_firmware, is_too_long
-from ipoa_mission.checks.positions import check_positions, refusals
+from ipoa_mission.checks.positions import check_positions, unsound
 from ipoa_mission.checks.sound import sound_part
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.items import Mission
@@ -83,7 +83,7 @@ def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Findi
             from ipoa_mission.checks.failsafe_return import check_failsafe_return
             from ipoa_mission.checks.wind import check_wind
 
-            is_flown = not refusals(mission) and not is_too_long(mission)
+            is_flown = not unsound(positions) and not is_too_long(mission)
             promise = flown.promise_if_known if is_flown else None
             findings += [*_check_world(flown, promise), *(check_wind(flown) if is_flown else ())]
             findings += () if promise is None else check_energy(flown)

@@ -1,7 +1,7 @@
 """What a firmware refuses, changes in silence, or accepts and cannot fly."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from ipoa_mission.checks.finding import Numbered, numbered
 from ipoa_mission.checks.positions import out_of_range
@@ -34,13 +34,14 @@ def check_firmware(mission: Mission) -> Iterator[Finding]:
     """Findings about commands, frames, params, jumps, limits, take-off and ending."""
     firmware = mission.autopilot.firmware(mission.firmware_version)
     is_development = mission.firmware_version is not None and mission.firmware_version.stage == DEVELOPMENT
-    yield from _limits(mission, firmware)
+    wire = to_wire(mission)
+    yield from _limits(mission, firmware, len(wire))
     for at in numbered(mission):
         yield from _command_and_frame(at, mission.autopilot, firmware, is_development)
         yield from _params(at, firmware)
         if at.item.command == Command.DO_JUMP:
             yield from _jump(at, len(mission.items))
-    yield from _refused(mission, firmware)
+    yield from _refused(mission, firmware, wire)
     if mission.vehicle_type not in NO_AIRCRAFT:
         yield from _takeoff(mission)
     yield from _ending(mission)
@@ -49,20 +50,21 @@ def check_firmware(mission: Mission) -> Iterator[Finding]:
 
 def is_too_long(mission: Mission) -> bool:
     """Whether its firmware holds fewer mission items than it has: it is refused, and nothing flies it."""
-    return len(to_wire(mission)) > mission.autopilot.firmware(mission.firmware_version).max_items
+    own = mission.autopilot.firmware(mission.firmware_version)
+    return len(mission.items) + own.home_is_item_0 > own.max_items
 
 
-def _limits(mission: Mission, firmware: Firmware) -> Iterator[Finding]:
+def _limits(mission: Mission, firmware: Firmware, count: int) -> Iterator[Finding]:
     if not (mission.items or mission.fence or mission.rally):
         yield Finding("empty", Severity.ERROR, None, "the mission: expected at least one item, but there is none")
     counts = {
-        "mission items": (len(to_wire(mission)), firmware.max_items),
+        "mission items": (count, firmware.max_items),
         "fence items (one for each vertex or circle)": (len(fence_to_wire(mission.fence)), firmware.max_fence_items),
         "rally points": (len(rally_to_wire(mission.rally)), firmware.max_rally_points),
     }
-    for what, (count, most) in counts.items():
-        if count > most:
-            message = f"the mission: expected at most {most} {what} for {firmware.name}, not {count}"
+    for what, (held, most) in counts.items():
+        if held > most:
+            message = f"the mission: expected at most {most} {what} for {firmware.name}, not {held}"
             yield Finding("too-many", Severity.ERROR, None, message)
 
 
@@ -104,9 +106,8 @@ def _taken_later(item: Item, autopilot: Autopilot, firmware: Firmware) -> str | 
     return None
 
 
-def _refused(mission: Mission, firmware: Firmware) -> Iterator[Finding]:
+def _refused(mission: Mission, firmware: Firmware, wire: Sequence[Item]) -> Iterator[Finding]:
     """Values that the firmware refuses at upload: of what a place may be `check_positions` says."""
-    wire = to_wire(mission)
     first = len(wire) - len(mission.items)
     for at, spoken in zip(numbered(mission), wire[first:], strict=True):
         wrong = mission.autopilot.refusals.mission(firmware, spoken.command, spoken.frame, values_of(spoken), len(wire))

@@ -1,7 +1,7 @@
 """Positions and heights that no vehicle should be sent to; PX4 accepts them all, ArduPilot most of them."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from pyproj import Geod
 
@@ -92,9 +92,14 @@ def refuse_unsound(mission: Mission) -> None:
 
 
 def refusals(mission: Mission) -> tuple[str, ...]:
-    """Why a mission can neither be drawn nor timed: the errors of `check_positions`, in words, or a home elsewhere."""
-    errors = (finding.message for finding in check_positions(mission) if finding.severity is Severity.ERROR)
-    return (*errors, *filter(None, [home_elsewhere(mission)]))
+    """Why a mission can neither be drawn nor timed, in words: `unsound` of all that is said of its positions."""
+    return tuple(finding.message for finding in unsound(check_positions(mission)))
+
+
+def unsound(positions: Iterable[Finding]) -> list[Finding]:
+    """What of findings about positions keeps a mission from being drawn and timed: errors, then a home elsewhere."""
+    found = [one for one in positions if one.severity is Severity.ERROR or one.code == "home-elsewhere"]
+    return sorted(found, key=lambda one: one.code == "home-elsewhere")
 
 
 def _home(mission: Mission) -> Iterator[Finding]:

@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterable
 from dataclasses import replace
 
-from ipoa_mission.checks.positions import home_elsewhere
-from ipoa_mission.finding import Finding, Severity
+from ipoa_mission.checks.positions import unsound
+from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.commands import TAKEOFFS, Command, Frame
 from ipoa_mission.mission.items import Item
@@ -18,8 +18,8 @@ def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | N
 
     Numbers of items stay. A take-off that names no place is one from home. None where home itself is wrong.
     """
-    mission, wrong = forecast.given, {finding.seq for finding in positions if finding.severity is Severity.ERROR}
-    if 0 in wrong or home_elsewhere(mission):
+    mission, wrong = forecast.given, {finding.seq for finding in unsound(positions)}
+    if 0 in wrong:
         return None
     if not wrong:
         return forecast

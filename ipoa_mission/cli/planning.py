@@ -9,6 +9,7 @@ from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
 from ipoa_mission.cli.options import ForceOption, JsonOption, OutOption, ReportOption, ScenarioOrNone
 from ipoa_mission.cli.surveying import SurveyOptions, plan_here, tell_survey, write_survey
 from ipoa_mission.cli.telling import tell_json
+from ipoa_mission.errors import BadInput
 
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
@@ -32,7 +33,8 @@ def plan(
     NAME is the scenario's. Files of an earlier plan are written over, unless somebody has changed them.
 
     A scenario with a [survey], or `--survey AREA` with or without one, is planned as lines that see the area; where one
-    battery is not enough there are NAME-1.plan, NAME-2.plan and so on.
+    battery is not enough there are NAME-1.plan, NAME-2.plan and so on. With `--flown LOG` only what is left of it, as
+    NAME-rest.
 
     Example: `ipoa-mission plan missions/campus.toml --out out --seed 7`
     """
@@ -46,13 +48,15 @@ def plan(
     air = flown_by.air
     adapted = adapt_scenario(surveyed.scenario(scenario), search, flown_by)
     if adapted.survey is not None:
-        survey = plan_here(adapted, search, flown_by)
+        survey = plan_here(adapted, search, flown_by, surveyed.flown or ())
         written = write_survey(survey, out, report, force, as_json)
         if as_json:
             tell_json(survey.summary() | {"written": [str(file) for file in written]})
         else:
             tell_survey(survey, written)
         return
+    if surveyed.flown:
+        raise BadInput("--flown: expected a survey", hint="what is left of another mission: ipoa-mission fly --from N")
     expect_free(not_as_written(out, adapted.name, report), force, ask=not as_json)
     if split:
         _plan_in_parts(adapted, search.seed, flown_by, out, force, as_json)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.finding import Finding
 from ipoa_mission.logs.learn.vehicle_file import read_vehicle
-from ipoa_mission.mission.about_file import planned_time_beside
 from ipoa_mission.mission.files import read_mission_file
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.parameter_file import beside
@@ -50,8 +49,7 @@ def read_given(file: Path, flown_by: FlownByOptions, autopilot: Autopilot | None
         remarks += (f"parameters from {beside(file)}: {some}{f' and {more} more' if more > 0 else ''}",)
     if flown_by.vehicle is not None:
         mission = replace(mission, vehicle=read_vehicle(flown_by.vehicle, mission.autopilot))
-    planned = planned_time_beside(file, read.source)
-    return Given(mission.with_parameters(flown_by.parameters), read.findings, remarks, planned)
+    return Given(mission.with_parameters(flown_by.parameters), read.findings, remarks, read.planned)
 
 
 def read_world(file: Path | None, wind: "Wind | None" = None) -> "Scenario | None":

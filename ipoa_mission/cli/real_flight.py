@@ -119,8 +119,8 @@ class ToldEndings:
         if path and self._vehicle.state.in_air:
             self._told_s = message.time_s
             place = self._frame.local(Geodetic(message.latitude_deg, message.longitude_deg, message.altitude))
-            time = self._now.time_at(place, path[-1].time_s)
-            words = [self._now.words(place, time), *map(str, self._reserve(time))]
+            time, _ = self._now.time_at(place, path[-1].time_s)
+            words = [self._now.words(time), *map(str, self._reserve(time))]
             self._show(self._done, f"{self._words}  now: {'; '.join(words)}")
 
     def _reserve(self, time: float) -> Iterator[ReserveNow]:

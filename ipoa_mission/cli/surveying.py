@@ -13,7 +13,7 @@ from ipoa_mission.cli.telling import notes, progress_bar, tell, tell_json, tell_
 from ipoa_mission.errors import BadInput
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from ipoa_mission.cli.job import Job
     from ipoa_mission.flight.survey import Survey
@@ -48,6 +48,15 @@ class SurveyOptions:
     ] = None
     gsd: Annotated[
         float | None, typer.Option("--gsd", metavar="CM", help="How wide a pixel may be, in place of the height.")
+    ] = None
+
+    flown: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--flown",
+            metavar="LOG",
+            help="What is in this log (.tlog, .bin, .ulg) of the survey was flown; plan the rest.",
+        ),
     ] = None
 
     def scenario(self, path: Path | None) -> "Scenario":
@@ -102,12 +111,14 @@ def _home_beside(area: Path) -> dict[str, float]:
     raise BadInput(f"{area}: expected an area, but there is none")
 
 
-def plan_here(scenario: "Scenario", search: SearchOptions, flown_by: FlownByOptions) -> "Survey":
-    """`plan_survey` with a bar that shows how far it is."""
+def plan_here(
+    scenario: "Scenario", search: SearchOptions, flown_by: FlownByOptions, flown: "Sequence[Path]" = ()
+) -> "Survey":
+    """`plan_survey` with a bar that shows how far it is; of what is `flown` by these logs, the rest."""
     from ipoa_mission.flight.survey import plan_survey
 
     with left_behind("nothing was written"), progress_bar("planning") as show:
-        return plan_survey(scenario=scenario, wind=flown_by.air, seed=search.seed, progress=show)
+        return plan_survey(scenario=scenario, wind=flown_by.air, seed=search.seed, flown=flown, progress=show)
 
 
 def tell_survey(survey: "Survey", written: list[Path]) -> None:
@@ -129,10 +140,12 @@ def describe(survey: "Survey") -> list[str]:
     photos = "" if sight.trigger is None else f", {plan.photos} photos, one each {sight.trigger:.1f} m or less"
     share = down(100 * seen.share)
     inside = "nothing outside" if seen.outside_m < 0.005 else f"up to {seen.outside_m:.1f} m outside"
+    overlaps = [f"photos overlap by {plan.overlaps} at least"] if str(plan.overlaps or "") else []
     return [
         f"{survey.name}: {len(plan.tour.swaths)} lines {sight.spacing:.1f} m apart, {heights} m above ground, "
         f"for {firmware}{photos}",
         f"{share:.2f} % of what can be seen of {plan.area.shape.area / 1e4:.2f} ha is; {inside}",
+        *overlaps,
         f"estimated {survey.total_s:.1f} s in {len(survey.flights)} flight{'s' if len(survey.flights) > 1 else ''}",
         *notes(survey.remarks),
     ]

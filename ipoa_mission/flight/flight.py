@@ -24,7 +24,7 @@ from ipoa_mission.flight.summary import (
     rounded,
     route_summary,
 )
-from ipoa_mission.forecast.energy import Budget, budget_of
+from ipoa_mission.forecast.energy import Budget, budget_of, refusal_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.qgroundcontrol import COUNTS
@@ -44,7 +44,7 @@ from ipoa_mission.routing.homeward import planned_way_home
 from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
 from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.routing.slower import slowed_stretches
-from ipoa_mission.routing.split import split
+from ipoa_mission.routing.split import split_flight
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.energy.flight import Consumption
 from ipoa_mission.wind import Wind
@@ -218,8 +218,8 @@ def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, 
         )
     with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
         flight = _plan_flight(scenario if wind is None else scenario.in_wind(wind), seed, progress)
-    if flight.budget is not None and (refused := flight.budget.refusal) is not None:
-        raise refused
+    if (short := refusal_of(flight.forecast)) is not None:
+        raise short
     return flight
 
 
@@ -234,8 +234,7 @@ def plan_for_batteries(
     """
     with threadpool_limits(1, "blas"):
         flight = _plan_flight(scenario if wind is None else scenario.in_wind(wind), seed, progress)
-        flown = flight.scenario
-        return flight, tuple(Forecast(part, flown) for part in split(flight.mission, flown))
+        return flight, split_flight(flight.forecast)
 
 
 def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:

@@ -2,19 +2,22 @@
 
 import json
 import logging
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import ValidationError
 from threadpoolctl import threadpool_limits
 
+from ipoa_mission.errors import BadInput
 from ipoa_mission.files import make_folder, write_atomically
 from ipoa_mission.flight.summary import clearance_as_json, passed_over_as_json, rounded
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
+from ipoa_mission.logs.flight_log import read_flights
 from ipoa_mission.mission.about_file import KEY, digest
 from ipoa_mission.mission.landing_ground import landing_height
 from ipoa_mission.mission.parameter_file import beside, write_with_parameters
@@ -26,7 +29,7 @@ from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.explain import explained
 from ipoa_mission.scenario.survey import SurveySection, with_survey
-from ipoa_mission.survey.plan import SurveyPlan, plan_flights
+from ipoa_mission.survey.plan import SurveyPlan, plan_flights, rest_of
 from ipoa_mission.wind import Wind
 
 log = logging.getLogger(__name__)
@@ -141,6 +144,7 @@ def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
         "line_spacing_m": rounded(sight.spacing),
         "trigger_distance_m": None if sight.trigger is None else rounded(sight.trigger),
         "height_above_ground_m": [rounded(sight.least), rounded(sight.least + sight.band)],
+        "overlap": _overlap_as_json(plan),
         "speed_m_s": rounded(plan.scenario.vehicle.cruise_speed),
         "flights": [
             {
@@ -153,6 +157,19 @@ def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
             }
             for name, flight in zip(names, plan.flights, strict=True)
         ],
+    }
+
+
+def _overlap_as_json(plan: SurveyPlan) -> dict[str, Any] | None:
+    """The smallest overlaps, where they are and what was asked; None without a camera."""
+    if (found := plan.overlaps) is None:
+        return None
+    asked = plan.sight.overlaps
+    return {
+        way: None
+        if least is None
+        else {"least": rounded(least.share), "asked": rounded(asked[n]), "at": [rounded(x) for x in least.at]}
+        for n, (way, least) in enumerate((("front", found.front), ("side", found.side)))
     }
 
 
@@ -189,6 +206,7 @@ def plan_survey(
     scenario: Scenario,
     wind: Wind | None = None,
     seed: int = 0,
+    flown: Sequence[str | Path] = (),
     progress: Progress = silent,
     **asked: Any,
 ) -> Survey:
@@ -201,6 +219,8 @@ def plan_survey(
         scenario: home, world, vehicle and limits.
         wind: goes before the scenario's own.
         seed: what the random numbers begin with; the same scenario, seed and wind give the same survey.
+        flown: logs (`.tlog`, `.bin`, `.ulg`) of what was flown of the same survey before: what is left of it is
+            planned, from a little before where it was left, and is called NAME-rest.
         progress: told the share done and some words.
         asked: any other key of [survey], such as `line_spacing`, `height_above_ground`, `gsd_cm`, `direction_deg`.
 
@@ -208,7 +228,8 @@ def plan_survey(
         The survey, whose `write` makes the files.
 
     Raises:
-        BadInput: naming the key, or the map, and the place in it that makes no sense.
+        BadInput: naming the key, or the map, and the place in it that makes no sense; or nothing is
+            left, or was flown of it.
         NoPath, NoRoute: obstacles leave nothing of the area, or no safe way was found.
         NotEnoughBattery: a line cannot be reached and left again with the reserve.
         Unsafe: a mission fails a check.
@@ -225,8 +246,31 @@ def plan_survey(
         scenario = _asking(scenario, area, camera, asked)
     with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
         plan = plan_flights(scenario if wind is None else scenario.in_wind(wind), seed, progress)
+        if flown:
+            whole = plan
+            plan = rest_of(whole, [path for log in flown for path in _paths(log, scenario)], seed)
+            plan = replace(plan, scenario=plan.scenario.model_copy(update={"name": f"{scenario.name}-rest"}))
     log.info("%s: %d lines in %d flights", scenario.name, len(plan.tour.swaths), len(plan.flights))
-    return Survey(plan, seed, tuple(dict.fromkeys(_remarks(plan, scenario))))
+    before = () if not flown else (_flown_words(whole, plan, flown),)
+    return Survey(plan, seed, tuple(dict.fromkeys((*before, *_remarks(plan, scenario)))))
+
+
+def _paths(log: str | Path, scenario: Scenario) -> Iterator[Points]:
+    """Where the flights in a log went in the mission mode, (n, 3) each, heights over home."""
+    for flight in read_flights(log).flights:
+        places = [(one.latitude_deg, one.longitude_deg, one.height) for one in flight.flown_in_mission()]
+        if places:
+            latitude, longitude, height = np.array(places).T
+            yield scenario.frame.to_local(latitude, longitude, scenario.frame.home.altitude + height)
+
+
+def _flown_words(whole: SurveyPlan, rest: SurveyPlan, logs: Sequence[str | Path]) -> str:
+    """How much of it was flown; raises BadInput where nothing was."""
+    every, left = (sum(swath.length for swath in plan.tour.swaths) for plan in (whole, rest))
+    if left >= every:
+        raise BadInput(f"{', '.join(map(str, logs))}: nothing in it was flown along the lines of this survey")
+    source = "the log" if len(logs) == 1 else f"{len(logs)} logs"
+    return f"by {source}, {every - left:.0f} m of {every:.0f} m of lines were flown before"
 
 
 def _asking(scenario: Scenario, area: Any, camera: Any, asked: Mapping[str, Any]) -> Scenario:
@@ -258,6 +302,8 @@ def _remarks(plan: SurveyPlan, asked: Scenario) -> Iterator[str]:
             yield from (words for words in (finding.message, finding.hint) if words)
     if (speed := plan.scenario.vehicle.cruise_speed) != asked.vehicle.cruise_speed:
         yield f"flown at {speed:g} m/s: at {asked.vehicle.cruise_speed:g} m/s flights would come too near"
+    if plan.overlaps is not None:
+        yield from plan.overlaps.falls_short(*plan.sight.overlaps)
     for flight in plan.flights:
         yield from climb_for_way_home(flight.forecast.mission)
         yield from slowed_for_ground(flight.forecast)

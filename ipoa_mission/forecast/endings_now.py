@@ -5,14 +5,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from ipoa_mission.forecast.endings import EndingRow, Endings, endings_of
+from ipoa_mission.forecast.endings import EndingRow, Endings
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Vector
 from ipoa_mission.vehicles.ending import Ending
 
-NEAR_S = 12.0  # so early or late the vehicle may be where the forecast has it
+NEAR_S = 12.0  # so much earlier or later than before the vehicle may be where the forecast has it
+LIKELY = 0.2  # of two times at which it comes by a place, one that is likelier by a second may be so far off [m]
 EVERY_S = 10.0  # how long an ending takes is worked out as often, and lies between the two beside a moment
-ORDERED = (Ending.RTL, Ending.LAND)
+TIMED = (Ending.RTL, Ending.LAND)  # the others do not end on the ground
 
 
 class EndingsNow:
@@ -22,33 +23,42 @@ class EndingsNow:
         MissionError: the vehicle has no model of its flight.
     """
 
-    def __init__(self, forecast: Forecast) -> None:
+    def __init__(self, forecast: Forecast, ordered: tuple[Ending, ...] = TIMED) -> None:
         self._endings = forecast.once(Endings)
-        self._rows = {one: self._endings.rows(one, timed=False) for one in endings_of(forecast) if one in ORDERED}
+        self._rows = {one: self._endings.rows(one, timed=False) for one in ordered}
         self._lasts = lru_cache(maxsize=256)(self._endings.lasts)
+        self._late_s = 0.0
 
-    def at(self, place: Vector, time: float) -> tuple[tuple[EndingRow, float | None], ...]:
-        """Of each ending its row and how many seconds it takes, for who is at a place (3,) [m] so late [s]."""
-        time = self.time_at(place, time)
+    def at(self, time: float) -> tuple[tuple[EndingRow, float | None], ...]:
+        """Of each ending its row and how many seconds it takes, at a time of the forecast [s]."""
         return tuple((row, self._seconds(row, time)) for row in map(self._row, self._rows, (time,) * len(self._rows)))
 
-    def time_at(self, place: Vector, time: float) -> float:
-        """When it was to be where it is, at a place (3,) [m] so late [s]."""
-        stops = self._endings.stops()
-        near = np.flatnonzero(np.abs(stops.times - time) <= NEAR_S)
-        if len(near):
-            time = float(stops.times[near][np.linalg.norm(stops.places[near] - place, axis=1).argmin()])
-        return time
+    def time_at(self, place: Vector, time: float) -> tuple[float, float]:
+        """When it was to be where it is, at a place (3,) [m] so late [s], and how far from there that was to be [m].
 
-    def words(self, place: Vector, time: float) -> str:
+        It is asked again and again while the vehicle flies: one that has come late is looked for as late as it was.
+        """
+        stops = self._endings.stops()
+        expected = time - self._late_s
+        near = np.flatnonzero(np.abs(stops.times - expected) <= NEAR_S)
+        near = near if len(near) else np.array([np.abs(stops.times - expected).argmin()])
+        apart = np.linalg.norm(stops.places[near] - place, axis=1)
+        best = (apart + LIKELY * np.abs(stops.times[near] - expected)).argmin()
+        found = float(stops.times[near][best])
+        self._late_s = time - found
+        return found, float(apart[best])
+
+    def words(self, time: float) -> str:
         """The same in a line: "rtl clear, 2.13 m from mast, 62 s"."""
-        told = ((f"{row.ending} {row.keeps}", seconds) for row, seconds in self.at(place, time))
+        told = ((f"{row.ending} {row.keeps}", seconds) for row, seconds in self.at(time))
         return "; ".join(words if seconds is None else f"{words}, {seconds:.0f} s" for words, seconds in told)
 
     def _row(self, ending: Ending, time: float) -> EndingRow:
         return next((row for row in self._rows[ending] if time < row.to_s), self._rows[ending][-1])
 
     def _seconds(self, row: EndingRow, time: float) -> float | None:
+        if row.ending not in TIMED:
+            return None
         before = EVERY_S * math.floor(time / EVERY_S)
         times = np.clip([before, before + EVERY_S], *self._endings.ways.in_air)
         lasts = {at: sum(both) / 2 for at in times.tolist() if (both := self._lasts(row.ending, at)) is not None}

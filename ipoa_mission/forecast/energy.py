@@ -190,6 +190,22 @@ def budget_of(forecast: Forecast) -> Budget | None:
     return forecast.once(_budget)
 
 
+def refusal_of(forecast: Forecast) -> NotEnoughBattery | None:
+    """Why a flight is not to be planned, its returns and all; else as `shortage_of`, and raises as it does."""
+    budget = budget_of(forecast)
+    return None if budget is None else budget.refusal
+
+
+def shortage_of(forecast: Forecast) -> NotEnoughBattery | None:
+    """Why a flight is refused for its energy; None where it is not, and where too little is known to say.
+
+    Raises:
+        MissionError: as `budget_of`.
+    """
+    budget = budget_of(forecast)
+    return None if budget is None else budget.shortage
+
+
 def _budget(forecast: Forecast) -> Budget | None:
     used = forecast.energy
     return None if used is None else Budget(forecast, used, battery_of(forecast.scenario))

@@ -3,16 +3,18 @@
 import logging
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
+from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.dialogue import Dialogue, Pause, Remark, until
-from ipoa_mission.link.messages import CommandAck, CommandResult, Message
-from ipoa_mission.link.orders import CommandRefused, command, mode_order, obeyed
+from ipoa_mission.link.messages import CommandAck, CommandLong, CommandResult, Message
+from ipoa_mission.link.orders import CommandRefused, command, mode_order, obeyed, order
 from ipoa_mission.link.state import NotFlown, NotReady, VehicleState
 from ipoa_mission.mission.commands import Command, VehicleCommand
 
 log = logging.getLogger(__name__)
-#: How often a vehicle that is watched is told to end its flight, and how long it may take each time [s].
+#: How often a vehicle that is watched is told to do something else, and how long it may take each time [s].
 SAYINGS, SAID_AGAIN_S = 6, 1.0
 #: How long a vehicle may take to show its mode [s].
 SHOWN_S = 5.0
@@ -61,42 +63,100 @@ def return_to_launch(state: VehicleState) -> Dialogue[None]:
     yield from _enter(state, state.autopilot.modes.returning)
 
 
-class EndingOrder:
-    """The order to a vehicle that is watched to end its flight in another mode: said until it shows that, or refuses.
+@dataclass(frozen=True)
+class _Step:
+    """What is said until a heartbeat shows the `mode`, or where there is none the command is accepted.
 
-    `words`: why it does not do so; nothing while that is not known.
+    `pauses`: whether the vehicle is held within its mission then; `otherwise` is said in its place where it is refused.
+    """
+
+    name: str
+    message: CommandLong
+    mode: int | None = None
+    pauses: bool = False
+    otherwise: "_Step | None" = None
+
+
+class FlightOrder:
+    """The order to a vehicle that is watched to do something else: said until it shows that it does, or refuses.
+
+    `words`: why it does not do so; nothing while that is not known. `is_paused`: it is held within its mission.
     """
 
     def __init__(self, state: VehicleState, now: Callable[[], float]) -> None:
-        self.words = ""
+        self.words, self.is_paused = "", False
         self._state, self._now = state, now
-        self._mode: int | None = None
+        self._steps: list[_Step] = []
         self._said, self._due_s = 0, -math.inf
 
     def give(self, mode: int) -> None:
         """Order this mode, from the next message that is heard on; it takes the place of an order that was given."""
-        self.words, self._mode, self._said, self._due_s = "", mode, 0, -math.inf
+        self._take(self._change(mode))
+
+    def hold(self) -> None:
+        """Order it to stop and to hold its place, as `pause` does."""
+        state, brake = self._state, self._change(self._state.autopilot.modes.hold)
+        if self.is_paused or any(step.pauses for step in self._steps):
+            return  # it is told so already, and would refuse to be so twice
+        if state.autopilot.manners.pauses_in_mission and state.custom_mode == state.autopilot.modes.mission:
+            self._take(_Step("pause", order(Command.DO_PAUSE_CONTINUE, 0.0), pauses=True, otherwise=brake))
+        else:
+            self._take(brake)
+
+    def go_on(self) -> None:
+        """Order it to go on with its mission, at the item at which it is."""
+        mission = self._change(self._state.autopilot.modes.mission)
+        self._take(mission, *([_Step("go on", order(Command.DO_PAUSE_CONTINUE, 1.0))] if self.is_paused else []))
 
     def look(self, heard: Message, now_s: float) -> Dialogue[None]:
         """Make of one message what it tells of the order, and say it when it is time."""
-        state, mode = self._state, self._mode
-        if mode is None or state.custom_mode == mode or not state.armed:
-            self._mode = None
-            return
-        name = state.autopilot.modes.name(mode)
+        state = self._state
+        self.is_paused = self.is_paused and state.custom_mode == state.autopilot.modes.mission
+        if not state.armed:
+            self._steps.clear()
         try:
+            self._hear(heard)
+            if not self._steps:
+                return
             state.expect_flown()
-            match heard:
-                case CommandAck(VehicleCommand.DO_SET_MODE, result) if self._said and result not in HOPEFUL:
-                    raise CommandRefused(f"change to {name}", result)
             if self._now() >= self._due_s:
                 if self._said == SAYINGS:
-                    raise NotReady(f"{name} was ordered {SAYINGS} times, and the vehicle does not show it")
+                    name = self._steps[0].name
+                    self._refused(NotReady(f"{name} was ordered {SAYINGS} times, and the vehicle does not show it"))
                 self._said, self._due_s = self._said + 1, self._now() + SAID_AGAIN_S
-                yield Remark(mode_order(mode, state.autopilot))
+                yield Remark(self._steps[0].message)
         except (NotFlown, NotReady, CommandRefused) as hinders:
-            self.words, self._mode = str(hinders), None
+            self.words = str(hinders)
+            self._steps.clear()
             log.warning("%s", hinders)
+
+    def _change(self, mode: int) -> _Step:
+        autopilot = self._state.autopilot
+        return _Step(autopilot.modes.name(mode), mode_order(mode, autopilot), mode)
+
+    def _take(self, *steps: _Step) -> None:
+        self.words, self._steps = "", [*steps]
+        self._said, self._due_s = 0, -math.inf
+
+    def _hear(self, heard: Message) -> None:
+        """What is done is not said any more."""
+        while self._steps and (step := self._steps[0]).mode is not None and self._state.custom_mode == step.mode:
+            self._take(*self._steps[1:])
+        if not self._steps or not self._said:
+            return
+        step = self._steps[0]
+        match heard:
+            case CommandAck(step.message.command, CommandResult.ACCEPTED) if step.mode is None:
+                self.is_paused = step.pauses
+                self._take(*self._steps[1:])
+            case CommandAck(step.message.command, result) if result not in HOPEFUL:
+                self._refused(CommandRefused(f"change to {step.name}" if step.mode is not None else step.name, result))
+
+    def _refused(self, why: MissionError) -> None:
+        """Raise it, unless something else can be ordered instead."""
+        if (otherwise := self._steps[0].otherwise) is None:
+            raise why
+        self._take(otherwise)
 
 
 def change_mode(state: VehicleState, mode: int) -> Dialogue[str]:

@@ -59,12 +59,11 @@ class Leaving:
                 log.warning("the vehicle goes on with its mission")
             self.words = ""
         elif now_s - self._since_s >= SETTLED_S and not self._is_told:
-            self._is_told, self.words = True, self._left(mode)
-            log.warning("%s", self.words)
+            self._is_told, self.words = True, self._left()
+            modes = self.state.autopilot.modes
+            log.warning("%s (%s)", self.words, BY_ITSELF if mode in modes.returns | modes.lands else HELD)
 
-    def _left(self, mode: int) -> str:
-        modes = self.state.autopilot.modes
+    def _left(self) -> str:
         said = list(dict.fromkeys(text for when, text in self._said if when >= self._since_s - SAID_S))
         reason = f"; it says: {'; '.join(said)}" if said else ", and does not say why"
-        goes_on = BY_ITSELF if mode in modes.returns | modes.lands else HELD
-        return f"the vehicle has left its mission: {self.state}{reason} ({goes_on})"
+        return f"the vehicle has left its mission: {self.state}{reason}"

@@ -121,6 +121,21 @@ class BatteryStatus(Message):
 
 
 @dataclass(frozen=True)
+class WindEstimate(Message):
+    """WIND, as ArduPilot estimates it: from where it blows [deg], and how fast [m/s]."""
+
+    direction_deg: float
+    speed: float
+
+
+@dataclass(frozen=True)
+class WindVelocity(Message):
+    """WIND_COV, as PX4 estimates it: how fast the air goes north, east and down [m/s]."""
+
+    velocity: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
 class ExtendedState(Message):
     """EXTENDED_SYS_STATE: `landed_state` 1 on the ground, 2 in the air, 3 taking off, 4 landing."""
 

@@ -88,6 +88,8 @@ LAYOUTS: tuple[MessageLayout[Any], ...] = (
         current=_rounded("current_battery", 100),
     ),
     plain("BATTERY_STATUS", t.BatteryStatus, _BATTERY, voltage=_CELLS, current=_rounded("current_battery", 100)),
+    plain("WIND", t.WindEstimate, direction_deg="direction"),
+    plain("WIND_COV", t.WindVelocity, velocity=Value(("wind_x", "wind_y", "wind_z"))),
     plain("EXTENDED_SYS_STATE", t.ExtendedState),
     plain("SYSTEM_TIME", t.SystemTime, unix_s=_rounded("time_unix_usec", 1e6), boot_s=_BOOT),
     plain("RADIO_STATUS", t.RadioStatus),

@@ -21,7 +21,7 @@ from ipoa_mission.link.codec import Target
 from ipoa_mission.link.departure import LIMITS, Departure, depart_when_ready, expect_on_ground, prepare, unsubscribe
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Tempo, until
 from ipoa_mission.link.file_transfer import FileRefused
-from ipoa_mission.link.hold import SHOWN_S, EndingOrder, pause, resume, return_to_launch
+from ipoa_mission.link.hold import SHOWN_S, FlightOrder, pause, resume, return_to_launch
 from ipoa_mission.link.holding import Holding, Lookout, ReplacedSince, read_again
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.leaving import Leaving
@@ -81,8 +81,8 @@ class Vehicle:
         self._holdings: dict[int, Holding] = {}
         self._logbook = Logbook((), self.autopilot)
         self._leaving = Leaving(self.state)
-        self.ending = EndingOrder(self.state, line.now)
-        """Gives a vehicle that is watched the order to end its flight."""
+        self.order = FlightOrder(self.state, line.now)
+        """Has a vehicle that is watched hold its place, go on, or end its flight."""
         self._until = math.inf
         self._numbers = itertools.count(2 * round(1e3 * line.now()), 2)  # not those of the last session
 
@@ -260,7 +260,7 @@ class Vehicle:
         holding = self._holdings.get(MissionType.MISSION)
         with self.state.told(), self._leaving.watched(self._logbook.modes):
             lookouts = [] if holding is None else [Lookout(holding)]
-            self._hold(watch(self._logbook, progress, self.ending, *lookouts))
+            self._hold(watch(self._logbook, progress, self.order, *lookouts))
         with suppress(MissionError):  # the flight is over and known; a stream too many hurts nobody
             self._hold(unsubscribe())
         if holding is not None:

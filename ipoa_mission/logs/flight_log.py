@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.link.logbook import FlightRecord, Logbook
+from ipoa_mission.link.logbook import FlightRecord, Logbook, Sample
 from ipoa_mission.link.messages import Current, Heartbeat, Message, ParamValue
 from ipoa_mission.link.telemetry import HomePosition, Position, SystemTime
 from ipoa_mission.logs.logged import Begun, Held, Log, log_format, told
@@ -49,6 +49,15 @@ class LoggedFlight:
         for message in self.messages:
             logbook.note(message)
         return logbook.record()
+
+    def flown_in_mission(self) -> tuple[Sample, ...]:
+        """Where it was while it flew in the mission mode."""
+        logbook, mode = Logbook((), self.autopilot), None
+        for message in self.messages:
+            mode = message.custom_mode if isinstance(message, Heartbeat) else mode
+            if not isinstance(message, Position) or mode == self.autopilot.modes.mission:
+                logbook.note(message)
+        return logbook.record().path
 
 
 @dataclass(frozen=True)

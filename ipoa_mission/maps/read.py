@@ -7,19 +7,21 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.feature import Feature
 from ipoa_mission.maps.geojson import Take, read_geojson
 from ipoa_mission.maps.kml import read_kml, read_kmz
+from ipoa_mission.maps.osm import read_osm
 from ipoa_mission.maps.tables import BEGINS, read_table
 
 GEOJSON = (".geojson", ".json")
 _OTHERS = {
     ".kml": read_kml,
     ".kmz": read_kmz,
+    ".osm": read_osm,
     **dict.fromkeys(BEGINS, read_table),
 }
 READERS = (*GEOJSON, *_OTHERS)
 
 
 def read_features(path: Path) -> tuple[Feature, ...]:
-    """The features of a map file, in its order: by its suffix GeoJSON, KML, KMZ, Shapefile, FlatGeobuf or GeoPackage.
+    """The features of a map file, in its order, whatever it is by its suffix (`READERS`).
 
     Raises:
         BadInput: naming file and place of everything that is wrong, and what was expected there.

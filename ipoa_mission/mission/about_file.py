@@ -4,6 +4,7 @@ import json
 import math
 from hashlib import sha256
 from pathlib import Path
+from typing import NamedTuple
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
@@ -22,30 +23,39 @@ def written_with(about: Path) -> dict[str, str]:
     return _digests(_read(about))
 
 
-def landing_height_beside(path: Path, text: str) -> float | None:
-    """How high above home NAME.json has the ground where the mission at `path` lands, if it is of this very text."""
-    told = _read(path.with_suffix(".json"))
-    height = told.get(KEY)
-    is_of_it = _digests(told).get(path.name) == digest(text)
-    return height if is_of_it and isinstance(height, float) and math.isfinite(height) else None
+class Told(NamedTuple):
+    """What a NAME.json says of a mission file that was written with it.
 
-
-def planned_time_beside(path: Path, text: str) -> tuple[str, float] | None:
-    """Which NAME.json was written with the mission at `path`, if it is of this very text, and how long that has it [s].
-
-    Of a flight that was split there is one about all its parts.
+    `landing_height`: how high above home [m] the ground is where it lands; `planned`: which NAME.json, and how long
+    that has the flight [s].
     """
-    for about in (path.with_suffix(".json"), path.with_name(f"{path.stem.rpartition('-')[0]}.json")):
+
+    landing_height: float | None = None
+    planned: tuple[str, float] | None = None
+
+
+def told_beside(path: Path, text: str) -> Told:
+    """What the NAME.json beside the mission at `path` says of it, if it is of this very text.
+
+    Of a flight that was split there is one about all its parts, which knows where the whole lands.
+    """
+    own = path.with_suffix(".json")
+    for about in (own, path.with_name(f"{path.stem.rpartition('-')[0]}.json")):
         told = _read(about)
-        if _digests(told).get(path.name) != digest(text):
+        if not told or _digests(told).get(path.name) != digest(text):
             continue
-        flights, whole = told.get("flights"), told.get("estimate")
+        height, flights, whole = told.get(KEY), told.get("flights"), told.get("estimate")
         parts = [one for one in flights if isinstance(one, dict)] if isinstance(flights, list) else []
         times = [one.get("time_s") for one in parts if one.get("file") == path.with_suffix(".plan").name]
         times += [whole.get("total_s")] if isinstance(whole, dict) and not parts else []
-        if times and isinstance(times[0], int | float) and math.isfinite(times[0]):
-            return about.name, float(times[0])
-    return None
+        time_s = next(map(_finite, times), None)
+        planned = None if time_s is None else (about.name, time_s)
+        return Told(_finite(height) if about == own else None, planned)
+    return Told()
+
+
+def _finite(value: object) -> float | None:
+    return value if isinstance(value, float) and math.isfinite(value) else None
 
 
 def _read(about: Path) -> dict[str, object]:

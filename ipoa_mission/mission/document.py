@@ -7,8 +7,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NoReturn
 
+import numpy as np
+
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
+from ipoa_mission.geometry import Points
+
+FARTHEST = 100_000.0  # any length in a document [m]
 
 
 @dataclass(frozen=True)
@@ -73,6 +78,30 @@ class Node:
     def number_or_nan(self, expected: str = "a number or null") -> float:
         """A finite number; null is NaN."""
         return math.nan if self.value is None else self.number(expected)
+
+    def length(self) -> float:
+        """Metres; so many that no vehicle could fly them are refused, before they are multiplied with others."""
+        length = self.number("metres")
+        if abs(length) > FARTHEST:
+            raise self.wrong(f"metres, {FARTHEST:.0f} at most")
+        return length
+
+    def degrees(self, limit: int = 180) -> float:
+        """Degrees that MAVLink can carry; a latitude beyond 90 is left to the check of the mission."""
+        degrees = self.number(expected := f"degrees from -{limit} to {limit}")
+        if abs(degrees) > limit:
+            raise self.wrong(expected)
+        return degrees
+
+    def corners(self, least: int) -> Points:
+        """Latitude and longitude of so many places or more, near to each other, (n, 2)."""
+        places = [each.array(2, "numbers (latitude, longitude)") for each in self.array()]
+        corners = np.array([[value.number("degrees") for value in place] for place in places]).reshape(-1, 2)
+        if len(corners) < least or (np.abs(corners) > (90.0, 180.0)).any():
+            raise self.wrong(f"{least} corners or more, as latitude and longitude in degrees")
+        if np.ptp(corners, axis=0).max() > 1.0:
+            raise self.wrong("corners within a degree of each other")
+        return corners
 
     def whole(self, expected: str, least: int = 0, most: int = 65535) -> int:
         """A whole number within limits."""

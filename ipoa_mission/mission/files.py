@@ -6,7 +6,7 @@ from pathlib import Path
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
 from ipoa_mission.finding import Severity
-from ipoa_mission.mission.about_file import landing_height_beside
+from ipoa_mission.mission.about_file import told_beside
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import landing_height, landing_on
 from ipoa_mission.mission.mission_file import MissionFile
@@ -74,11 +74,11 @@ def parse_mission(path: Path, text: str, autopilot: Autopilot | None = None) -> 
     lying = beside(path)
     parameters = read_parameters(lying) if lying.is_file() else {}
     file = _parsed(path, text, autopilot, firmware_of(parameters) or default_autopilot())
-    mission = file.mission
-    if landing_height(mission) is None and (height := landing_height_beside(path, text)) is not None:
-        mission = landing_on(mission, height)
+    mission, told = file.mission, told_beside(path, text)
+    if told.landing_height is not None and landing_height(mission) is None:
+        mission = landing_on(mission, told.landing_height)
     try:
-        return replace(file, mission=mission.with_parameters(parameters))
+        return replace(file, mission=mission.with_parameters(parameters), planned=told.planned)
     except BadInput as error:
         raise BadInput(f"{lying}: {error}", hint=error.hint) from error
 

@@ -222,6 +222,11 @@ def change_speed(speed: float) -> Item:
     return Item(Command.DO_CHANGE_SPEED, Frame.MISSION, (1.0, speed, -1.0, 0.0))
 
 
+def camera_trigger(distance: float, at_once: bool = True) -> Item:
+    """The camera's trigger, every so many metres; 0: no more; `at_once`: and now."""
+    return Item(Command.DO_SET_CAM_TRIGG_DIST, Frame.MISSION, (distance, 0.0, float(at_once), 0.0))
+
+
 def return_to_launch() -> Item:
     """Return to home and land there."""
     return Item(Command.NAV_RETURN_TO_LAUNCH, Frame.MISSION)

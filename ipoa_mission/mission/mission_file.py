@@ -15,12 +15,14 @@ class MissionFile:
         findings: what was odd in the file.
         source: its text.
         suffix: of its format, ".plan" or ".waypoints".
+        planned: the NAME.json that was written with it, and the time that this has for it [s].
     """
 
     mission: Mission
     findings: tuple[Finding, ...]
     source: str
     suffix: str
+    planned: tuple[str, float] | None = None
 
     def still_holds(self, mission: Mission) -> bool:
         """Whether it says all of this mission, but for the parameters, which lie beside it."""

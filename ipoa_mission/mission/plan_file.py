@@ -24,7 +24,6 @@ from ipoa_mission.mission.landing_ground import told_in_plan
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.parameter_file import write_with_parameters
 from ipoa_mission.mission.scan_items import lay_out
-from ipoa_mission.mission.structure_scan import height_scanned
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.vehicles.kinds import QUADROTOR
 from ipoa_mission.world.frame import Geodetic
@@ -228,8 +227,8 @@ def _home(node: Node) -> Geodetic:
     latitude, longitude, altitude = node.array(3, "numbers (latitude, longitude, altitude AMSL)")
     if altitude.value is None:
         altitude.note("home has no altitude: taken as 0 m AMSL, which heights above home do not depend on")
-        return Geodetic(_degrees(latitude, 90), _degrees(longitude), 0.0)
-    return Geodetic(_degrees(latitude, 90), _degrees(longitude), altitude.number("an altitude AMSL in metres"))
+        return Geodetic(latitude.degrees(90), longitude.degrees(), 0.0)
+    return Geodetic(latitude.degrees(90), longitude.degrees(), altitude.number("an altitude AMSL in metres"))
 
 
 @dataclass(frozen=True)
@@ -283,8 +282,8 @@ def _complex(node: Node) -> list[ListedItem]:
     items = (transects or node).get("Items")
     if items is not None:
         return [replace(read_item(child), jump_id=None) for child in items.array()]  # no jump may lead into it
-    first, *others = lay_out(node)
-    return [ListedItem(first, node, None, height_scanned(node)), *(ListedItem(item, node, None) for item in others)]
+    (first, *others), height = lay_out(node)
+    return [ListedItem(first, node, None, height), *(ListedItem(item, node, None) for item in others)]
 
 
 def read_item(node: Node) -> ListedItem:
@@ -300,7 +299,7 @@ def read_item(node: Node) -> ListedItem:
     if frame != Frame.MISSION:
         for child in nodes[4:6]:
             if not (child.value is None and (command in MAY_BE_HERE or command not in FLOWN_TO)):
-                _degrees(child)
+                child.degrees()
     _check_altitude(node, place[2])
     latitude, longitude = (0.0 if math.isnan(value) else value for value in place[:2])
     altitude = 0.0 if math.isnan(place[2]) and (frame == Frame.MISSION or command not in FLOWN_TO) else place[2]
@@ -358,7 +357,7 @@ def _read_polygon(node: Node) -> FencePolygon:
     vertices = [vertex.array(2, "numbers (latitude, longitude)") for vertex in ring.array()]
     if len(vertices) < 3:
         raise ring.wrong("three vertices or more")
-    return FencePolygon(tuple((_degrees(lat), _degrees(lon)) for lat, lon in vertices), node["inclusion"].flag())
+    return FencePolygon(tuple((lat.degrees(), lon.degrees()) for lat, lon in vertices), node["inclusion"].flag())
 
 
 def _read_circle(node: Node) -> FenceCircle:
@@ -367,7 +366,7 @@ def _read_circle(node: Node) -> FenceCircle:
     radius = circle["radius"].number("a radius in metres")
     if radius <= 0:
         raise circle["radius"].wrong("a radius above zero")
-    return FenceCircle((_degrees(latitude), _degrees(longitude)), radius, node["inclusion"].flag())
+    return FenceCircle((latitude.degrees(), longitude.degrees()), radius, node["inclusion"].flag())
 
 
 def _rally(node: Node | None) -> tuple[Geodetic, ...]:
@@ -375,17 +374,9 @@ def _rally(node: Node | None) -> tuple[Geodetic, ...]:
     if points is None:
         return ()
     nodes = [point.array(3, "numbers (latitude, longitude, altitude)") for point in points.array()]
-    return tuple(Geodetic(_degrees(lat), _degrees(lon), alt.number("an altitude in metres")) for lat, lon, alt in nodes)
+    return tuple(Geodetic(lat.degrees(), lon.degrees(), alt.number("an altitude in metres")) for lat, lon, alt in nodes)
 
 
 def _landing_ground(node: Node) -> Geodetic:
     above, latitude, longitude = (node[name].number("a number") for name in ("aboveHome", "latitude", "longitude"))
     return Geodetic(latitude, longitude, above)
-
-
-def _degrees(node: Node, limit: int = 180) -> float:
-    """Degrees that MAVLink can carry; a latitude beyond 90 is left to the check of the mission."""
-    degrees = node.number(expected := f"degrees from -{limit} to {limit}")
-    if abs(degrees) > limit:
-        raise node.wrong(expected)
-    return degrees

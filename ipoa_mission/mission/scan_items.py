@@ -15,8 +15,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.document import Node
-from ipoa_mission.mission.items import Item
-from ipoa_mission.mission.scan_shapes import corners_of, length_of, plane_about, trigger
+from ipoa_mission.mission.items import Item, camera_trigger
 from ipoa_mission.mission.structure_scan import lay_out_structure
 from ipoa_mission.world.sphere import SphericalPlane
 
@@ -44,8 +43,8 @@ class _Style:
     starts_at_entry: bool  # else the camera stops there, and starts at the end of a transect
 
 
-def lay_out(node: Node) -> list[Item]:
-    """The items of a complex item that holds none.
+def lay_out(node: Node) -> tuple[list[Item], float]:
+    """The items of a complex item that holds none, and the height of what it scans from its side [m].
 
     Raises:
         BadInput: naming the place, where the geometry does not say enough.
@@ -60,15 +59,15 @@ def lay_out(node: Node) -> list[Item]:
         )
     starts_at_entry = _entry(node.get("EntryPoint")) not in (BOTTOM_LEFT, BOTTOM_RIGHT)
     style = _style(node["TransectStyleComplexItem"], starts_at_entry)
-    corners = corners_of(node["polygon" if name == "survey" else "polyline"], 3 if name == "survey" else 2)
-    plane = plane_about(corners)
+    corners = node["polygon" if name == "survey" else "polyline"].corners(3 if name == "survey" else 2)
+    plane = SphericalPlane(*corners[0].tolist())
     places = plane.to_plane(*corners.T)
     transects = _survey(node, places, style) if name == "survey" else _corridor(node, places, style)
     flown = [transect if n % 2 == 0 else transect[::-1] for n, transect in enumerate(transects)]
     node.note(f"it holds no waypoints: {len(flown)} transects are laid out as QGroundControl does")
     if style.trigger > 0 and not starts_at_entry:
         node.note("it is entered from its far end: QGroundControl starts the camera where transects end")
-    return list(_items(flown, style, plane))
+    return list(_items(flown, style, plane)), 0.0
 
 
 def _style(node: Node, starts_at_entry: bool) -> _Style:
@@ -86,9 +85,9 @@ def _style(node: Node, starts_at_entry: bool) -> _Style:
         level = FRAMES[number]
     turnaround, trigger = node.get("TurnAroundDistance"), node.get("CameraTriggerInTurnAround")
     return _Style(
-        spacing=length_of(camera["AdjustedFootprintSide"]),
-        trigger=length_of(camera["AdjustedFootprintFrontal"]),
-        turnaround=0.0 if turnaround is None else length_of(turnaround),
+        spacing=camera["AdjustedFootprintSide"].length(),
+        trigger=camera["AdjustedFootprintFrontal"].length(),
+        turnaround=0.0 if turnaround is None else turnaround.length(),
         altitude=camera["DistanceToSurface"].number("an altitude in metres"),
         frame=level,
         in_turnaround=trigger is None or trigger.flag(),
@@ -147,7 +146,7 @@ def _through(plane: Points, middle: Points, along: Points, sides: Points) -> Poi
 
 def _corridor(node: Node, plane: Points, style: _Style) -> list[Points]:
     """The transects along a polyline, from its left side to its right one, (k, 2) each."""
-    width = length_of(node["CorridorWidth"])
+    width = node["CorridorWidth"].length()
     spacing = style.spacing if style.spacing >= LEAST_SPACING else math.inf
     count = max(math.ceil(width / spacing), 1) if width > 0 else 1
     if count > MOST_TRANSECTS:
@@ -197,18 +196,18 @@ def _items(transects: list[Points], style: _Style, plane: SphericalPlane) -> Ite
         if style.turnaround > 0:
             yield _waypoint(first, style, plane)
             if always and n == 0:
-                yield trigger(style.trigger)
+                yield camera_trigger(style.trigger)
         for k, place in enumerate(transect):
             yield _waypoint(place, style, plane)
             starts, stops = (k == 0, k == len(transect) - 1)[:: 1 if style.starts_at_entry else -1]
             if starts and style.trigger > 0:
-                yield trigger(style.trigger)
+                yield camera_trigger(style.trigger)
             elif stops and style.trigger > 0 and (not always or (is_last and k > 0 and style.turnaround <= 0)):
-                yield trigger(0.0)
+                yield camera_trigger(0.0)
         if style.turnaround > 0:
             yield _waypoint(last, style, plane)
             if always and is_last:
-                yield trigger(0.0)
+                yield camera_trigger(0.0)
 
 
 def _beyond(transect: Points, distance: float) -> Points:

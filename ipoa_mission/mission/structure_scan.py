@@ -12,58 +12,52 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.document import Node
-from ipoa_mission.mission.items import Item, waypoint
-from ipoa_mission.mission.scan_shapes import corners_of, length_of, plane_about, trigger
+from ipoa_mission.mission.items import Item, camera_trigger, waypoint
 from ipoa_mission.world.frame import Geodetic
+from ipoa_mission.world.sphere import SphericalPlane
 
 LAYERS_MOST = 200
 LOOK_ASIDE = 90.0  # the camera's yaw from the way to the next waypoint [deg]
 LEAST_SIDE = 1e-3  # of the round [m]
 
 
-def lay_out_structure(node: Node) -> list[Item]:
-    """The items of a structure scan.
+def lay_out_structure(node: Node) -> tuple[list[Item], float]:
+    """The items of a structure scan, and how far its top is above its bottom [m].
 
     Raises:
         BadInput: naming the place, where the geometry does not say enough.
     """
     camera = node["CameraCalc"]
     layer = camera["AdjustedFootprintFrontal"]
-    height = length_of(layer)
+    height = layer.length()
     if height <= 0:
         raise layer.wrong("more than 0 m, the height of a layer")
-    top, bottom = (length_of(node[name]) for name in ("StructureHeight", "ScanBottomAlt"))
+    top, bottom = (node[name].length() for name in ("StructureHeight", "ScanBottomAlt"))
     if not (ratio := (top - bottom) / height) <= LAYERS_MOST:
         raise node["StructureHeight"].wrong(f"a structure of at most {LAYERS_MOST} layers")
     layers = max(math.ceil(ratio), 1)
     descends = node["StartFromTop"].flag()
     first = top - height / 2 if descends else bottom + height / 2
-    entrance, pitch = length_of(node["EntranceAltitude"]), node["GimbalPitch"].number("degrees")
-    spacing = length_of(camera["AdjustedFootprintSide"])
-    places = _round(node["polygon"], length_of(camera["DistanceToSurface"]))
+    entrance, pitch = node["EntranceAltitude"].length(), node["GimbalPitch"].number("degrees")
+    spacing = camera["AdjustedFootprintSide"].length()
+    places = _round(node["polygon"], camera["DistanceToSurface"].length())
     aim = Item(Command.DO_SET_ROI_WPNEXT_OFFSET, Frame.MISSION, (0.0, 0.0, 0.0, 0.0), pitch, 0.0, LOOK_ASIDE)
     items = [waypoint(places[0], entrance), aim]
     for n in range(layers):
         up = first + n * (-height if descends else height)
         begin, *others = (waypoint(place, up) for place in (*places, places[0]))
-        items += [begin, trigger(spacing), *others, trigger(0.0, at_once=False)]
+        items += [begin, camera_trigger(spacing), *others, camera_trigger(0.0, at_once=False)]
     node.note(f"it holds no waypoints: {layers} rounds are laid out as QGroundControl does")
-    return [*items, Item(Command.DO_SET_ROI_NONE, Frame.MISSION), waypoint(places[0], entrance)]
-
-
-def height_scanned(node: Node) -> float:
-    """From the bottom of a structure scan to its top [m]; 0 for other complex items."""
-    if node["complexItemType"].text() != "StructureScan":
-        return 0.0
-    return max(length_of(node["StructureHeight"]) - length_of(node["ScanBottomAlt"]), 0.0)
+    items += [Item(Command.DO_SET_ROI_NONE, Frame.MISSION), waypoint(places[0], entrance)]
+    return items, max(top - bottom, 0.0)
 
 
 def _round(polygon: Node, distance: float) -> list[Geodetic]:
     """The corners of the round beside a polygon, clockwise from its first corner."""
     from shapely import Polygon  # takes long to import, and few plans need it
 
-    corners = corners_of(polygon, 3)
-    about = plane_about(corners)
+    corners = polygon.corners(3)
+    about = SphericalPlane(*corners[0].tolist())
     plane = about.to_plane(*corners.T)
     if _area(plane) > 0:
         plane = plane[::-1]

@@ -4,17 +4,16 @@ Each begins with the mission's take-off, goes on at the waypoint where the one b
 the triggers that the mission has there, and returns by RTL; the last one ends as the mission does.
 """
 
-from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 from ipoa_mission.checks.check import check
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Severity
-from ipoa_mission.forecast.energy import budget_of
+from ipoa_mission.forecast.energy import budget_of, refusal_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.commands import ENDINGS, TAKEOFFS, Command, Frame
-from ipoa_mission.mission.items import Item, Mission, return_to_launch, waypoint
+from ipoa_mission.mission.items import Item, Mission, camera_trigger, return_to_launch, waypoint
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.frame import Geodetic
 
@@ -59,29 +58,52 @@ def split(mission: Mission, scenario: Scenario) -> tuple[Mission, ...]:
         >>> len(split(read_mission("missions/campus.plan"), enough))
         1
     """
-    if scenario.vehicle.battery is None or budget_of(Forecast(mission, scenario)) is None:
+    return tuple(flight.given for flight in split_flight(Forecast(mission, scenario)))
+
+
+def split_flight(whole: Forecast) -> tuple[Forecast, ...]:
+    """The same of a flight that is forecast already, its parts with their forecasts.
+
+    Raises:
+        BadInput, NotEnoughBattery, MissionError: as `split`.
+    """
+    budget = budget_of(whole)
+    if budget is None or budget.battery is None:
         raise BadInput("vehicle.battery: expected one, and an airframe or a learned vehicle, to split a mission by")
-    if _short(mission, scenario) is None:
-        return (mission,)
-    parts = _Parts(mission, scenario)
-    flights, begin = list[Mission](), 0
+    if budget.refusal is None:
+        return (whole,)
+    parts, flights, begin, legs = _Parts(whole), list[Forecast](), 0, 1
     while begin < parts.last:
-        begin, flight = parts.longest(begin)
+        end, flight = parts.longest(begin, legs)
         flights.append(flight)
+        begin, legs = end, end - begin
     return tuple(flights)
 
 
-def _short(mission: Mission, scenario: Scenario) -> MissionError | None:
-    budget = budget_of(Forecast(mission, scenario))
-    return None if budget is None else budget.refusal
+def most(fits: Callable[[int], bool], count: int, guess: int = 1) -> int:
+    """The greatest number up to `count` that fits, 0 where 1 does not; quick where the `guess` is near.
+
+    It is the law of all flights that are split: the more of what is ahead one flies before it turns home, the more it
+    takes; where each flies as much as it can, no fewer would do.
+    """
+    least, beyond, here, step = 0, count + 1, guess, 1
+    while beyond - least > 1:
+        here = min(max(here, least + 1), beyond - 1)
+        least, beyond = (here, beyond) if fits(here) else (least, here)
+        if least > 0 and beyond <= count:
+            here = (least + beyond) // 2
+        else:
+            here = least + step if beyond > count else beyond - step
+        step *= 2
+    return least
 
 
 class _Parts:
     """The flights from one waypoint of a mission to a later one; they are numbered in their order."""
 
-    def __init__(self, mission: Mission, scenario: Scenario) -> None:
-        self.mission, self.scenario = mission, scenario
-        items = mission.items
+    def __init__(self, whole: Forecast) -> None:
+        self.whole, self.mission = whole, whole.given
+        items = self.mission.items
         begins = [n for n, item in enumerate(items) if item.command in TAKEOFFS]
         if len(begins) != 1 or any(item.command in JUMPS for item in items):
             raise MissionError("expected one take-off, and no jumps or arcs, in a mission that is split")
@@ -89,34 +111,33 @@ class _Parts:
         self.turns = [n for n in range(self.start, len(items)) if items[n].command in TURNS and items[n].has_position]
         self.last = len(self.turns)
 
-    def longest(self, begin: int) -> tuple[int, Mission]:
+    def longest(self, begin: int, guess: int) -> tuple[int, Forecast]:
         """The flight from a waypoint that goes on farthest, and where the next one begins; `last` after the last one.
 
-        The farther it goes before it turns home the more it takes, so that halving finds how far it may.
+        About so many waypoints farther as the `guess`.
         """
-        ends = range(begin + 1, self.last + 1)
-        tried = dict[int, MissionError | None]()
+        straight = dict[int, Forecast]()
 
-        def is_too_far(end: int) -> bool:
-            tried[end] = _short(self.part(begin, end), self.scenario)
-            return tried[end] is not None
+        def fits(waypoints: int) -> bool:
+            straight[begin + waypoints] = flight = self.part(begin, begin + waypoints)
+            return refusal_of(flight) is None
 
-        reached = begin + bisect_right(ends, False, key=is_too_far)
+        reached = begin + most(fits, self.last - begin, guess)
         if reached == begin:
-            short = tried[begin + 1]
+            short = refusal_of(straight[begin + 1])
             assert short is not None
             raise type(short)(f"item {self.turns[begin] + 1} is too far for one battery: {short}", hint=short.hint)
         why: MissionError | None = None
         for end in range(reached, begin, -1):
             for way in self._ways_back(begin):
-                flight = self.part(begin, end, way)
-                if (refused := self._refused(flight)) is None:
+                flight = (None if way else straight.get(end)) or self.part(begin, end, way)
+                if (refused := _refused(flight)) is None:
                     return end, flight
                 why = why or refused
         assert why is not None
         raise why
 
-    def part(self, begin: int, end: int, way: Sequence[Item] = ()) -> Mission:
+    def part(self, begin: int, end: int, way: Sequence[Item] = ()) -> Forecast:
         """From one waypoint to another and home; to the end of the mission with `last`."""
         items = self.mission.items
         until = len(items) if end == self.last else self.turns[end - 1] + 1
@@ -128,22 +149,22 @@ class _Parts:
             taken = [*items[: self.start], *speeds, *way, items[at], *_in_force(before), *items[at + 1 : until]]
         if end < self.last or not any(item.command in ENDINGS for item in taken):
             taken += [*_ended(taken), return_to_launch()]
-        return replace(self.mission, items=tuple(taken), scanned=())
+        return Forecast(replace(self.mission, items=tuple(taken), scanned=()), self.whole.scenario)
 
     def _ways_back(self, begin: int) -> Iterator[tuple[Item, ...]]:
         """On which ways a flight may go to where it goes on: straight, or as high as an RTL from there comes home."""
         yield ()
         if begin > 0:
-            forecast, item = Forecast(self.mission, self.scenario), self.mission.items[self.turns[begin - 1]]
-            home = self.mission.home
+            frame, item, home = self.whole.frame, self.mission.items[self.turns[begin - 1]], self.mission.home
             where = Geodetic(item.latitude_deg, item.longitude_deg, home.altitude + item.height(home))
-            over, over_home = forecast.returns_from(forecast.frame.local(where)[None])[0, 0, 1:]
-            high = (forecast.frame.geodetic(point) for point in (over_home, over))
+            over, over_home = self.whole.returns_from(frame.local(where)[None])[0, 0, 1:]
+            high = (frame.geodetic(point) for point in (over_home, over))
             yield tuple(waypoint(place, place.altitude - home.altitude) for place in high)
 
-    def _refused(self, flight: Mission) -> MissionError | None:
-        errors = [one for one in check(Forecast(flight, self.scenario)) if one.severity is Severity.ERROR]
-        return MissionError(errors[0].message, hint=errors[0].hint) if errors else None
+
+def _refused(flight: Forecast) -> MissionError | None:
+    errors = [one for one in check(flight) if one.severity is Severity.ERROR]
+    return MissionError(errors[0].message, hint=errors[0].hint) if errors else None
 
 
 def _in_force(before: Sequence[Item]) -> Iterator[Item]:
@@ -156,7 +177,7 @@ def _ended(taken: Sequence[Item]) -> Iterator[Item]:
     """What ends the taking of pictures, where it is under way."""
     triggers = [item for item in taken if item.command == Command.DO_SET_CAM_TRIGG_DIST]
     if triggers and triggers[-1].params[0] > 0.0:
-        yield Item(Command.DO_SET_CAM_TRIGG_DIST, Frame.MISSION)
+        yield camera_trigger(0.0, at_once=False)
     pictures = (Command.IMAGE_START_CAPTURE, Command.IMAGE_STOP_CAPTURE)
     captures = [item.command for item in taken if item.command in pictures]
     if captures and captures[-1] == Command.IMAGE_START_CAPTURE:

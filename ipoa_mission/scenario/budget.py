@@ -5,7 +5,7 @@ from dataclasses import replace
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.scenario.model import Scenario
 from ipoa_mission.vehicles.energy.curve import PowerCurve
-from ipoa_mission.vehicles.energy.flight import Battery, Consumption, by_curve, consumption, expect_reserve, hovering
+from ipoa_mission.vehicles.energy.flight import Battery, Consumption, by_curve, consumption, hovering
 from ipoa_mission.vehicles.learned import LearnedVehicle
 from ipoa_mission.wind import CALM, Wind
 
@@ -72,14 +72,3 @@ def battery_of(scenario: Scenario | None) -> Battery | None:
     """The scenario's battery, if it has one."""
     section = None if scenario is None else scenario.vehicle.battery
     return None if section is None else section.build()
-
-
-def expect_to_come_home(scenario: Scenario, used: Consumption | None) -> None:
-    """Refuse a flight that leaves less than the reserve in the scenario's battery, if it has one.
-
-    Raises:
-        NotEnoughBattery: saying what the flight needs and what is left.
-    """
-    battery = battery_of(scenario)
-    if used is not None and battery is not None:
-        expect_reserve(used, battery)

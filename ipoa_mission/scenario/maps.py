@@ -19,8 +19,8 @@ class MapFile(Section):
     """A table that names a file of shapes."""
 
     file: Annotated[Path, beside("a map")]
-    """A GeoJSON or CityJSON (`.geojson`, `.json`), KML (`.kml`, `.kmz`), Shapefile (`.shp`), FlatGeobuf (`.fgb`) or
-    GeoPackage (`.gpkg`) file, relative to the scenario file."""
+    """A GeoJSON or CityJSON (`.geojson`, `.json`), KML (`.kml`, `.kmz`), OpenStreetMap (`.osm`), Shapefile (`.shp`),
+    FlatGeobuf (`.fgb`) or GeoPackage (`.gpkg`) file, relative to the scenario file."""
 
 
 class BuildingsMap(MapFile):

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any, Self, TypeAlias
+from typing import Annotated, Any, Literal, Self, TypeAlias
 
 import numpy as np
 import shapely
@@ -85,6 +85,8 @@ class SurveySection(Section):
     """Which camera takes photos, by its name or a table of its numbers; left out, none is triggered."""
     gsd_cm: Positive | None = None
     """How wide a pixel may be on the ground [cm]: in place of a height, with a camera."""
+    gimbal: Literal["nadir"] | None = None
+    """`nadir`: the gimbal has the camera look straight down, from the take-off on; left out, it is told nothing."""
     front_overlap: Overlap | None = None
     """Share of a photo that the next one shows too, at least; left out, 0.7. With a camera."""
     side_overlap: Overlap | None = None

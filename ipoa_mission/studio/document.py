@@ -71,6 +71,11 @@ class Document:
             raise Stale(words, hint="copy it, and reload")
         return self._renumbered(self._journal.write(text, "text edited"))
 
+    def read_for(self, autopilot: str | None) -> None:
+        """Whom a mission is read for; what was found out about it counts no more."""
+        self.autopilot = autopilot
+        self.revision += 1
+
     def undo(self) -> bool:
         """Take the last change back; whether there was one."""
         return self._renumbered(self._journal.undo())

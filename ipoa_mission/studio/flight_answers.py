@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from ipoa_mission.studio.vocabulary import LngLat, Number, PageMessage
+from ipoa_mission.studio.vocabulary import InFlight, LngLat, Number, PageMessage
 
 
 class Loaded(PageMessage):
@@ -18,17 +18,37 @@ class Loaded(PageMessage):
     remarks: tuple[str, ...]
 
 
-class EndingThen(PageMessage):
-    """What an ending would do if it were ordered now; it takes so many seconds, if anybody knows."""
+class OrderThen(PageMessage):
+    """What an order would do if it were given now; it takes so many seconds, if anybody knows.
 
-    ending: Literal["rtl", "land"]
-    clear: bool
+    `clear`: None where nobody has looked.
+    """
+
+    what: InFlight
+    clear: bool | None
     words: str
     seconds: Number
 
 
+class Reserve(PageMessage):
+    """The battery by the vehicle's own word, as shares: `left` now, and `planned` to be left now.
+
+    It lands with `lands`, between `least` and `most`, where `required` must be left; None where nothing is planned.
+    """
+
+    left: float
+    planned: Number = None
+    lands: Number = None
+    least: Number = None
+    most: Number = None
+    required: Number = None
+
+
 class Seen(PageMessage):
-    """Where the vehicle is, as it says; `expected_s` is when the estimate had the last item that is done."""
+    """Where the vehicle is, as it says; `expected_s` is when the estimate had the last item that is done.
+
+    `held`: it holds its place; `said`: what it has said lately, the last words first.
+    """
 
     kind: Literal["seen"] = "seen"
     time_s: float
@@ -38,7 +58,12 @@ class Seen(PageMessage):
     done: int
     flown_s: Number
     expected_s: Number
-    endings: tuple[EndingThen, ...] = ()
+    held: bool = False
+    orders: tuple[OrderThen, ...] = ()
+    reserve: Reserve | None = None
+    satellites: int | None = None
+    wind: tuple[float, float] | None = None
+    said: tuple[str, ...] = ()
 
 
 class Landed(PageMessage):

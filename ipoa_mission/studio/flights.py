@@ -14,9 +14,10 @@ from ipoa_mission.studio.answers import Trouble
 from ipoa_mission.studio.document import Document
 from ipoa_mission.studio.flight_answers import State
 from ipoa_mission.studio.processes import Died, Process
-from ipoa_mission.studio.requests import EndFlight, Start, Upload
+from ipoa_mission.studio.requests import Order, Start, Upload
 from ipoa_mission.studio.vocabulary import PageMessage
 
+WORDS = {"rtl": "return", "land": "landing", "hold": "hold", "go_on": "going on"}
 PILOT = "ipoa_mission.studio.pilot"
 
 
@@ -62,7 +63,7 @@ class FlightDesk:
         if self._loaded is None:
             raise MissionError("not started: no mission is loaded", hint="upload first")
         if self._loaded["revision"] != self._document.revision:
-            raise MissionError("not started: the scenario was changed after the upload", hint="upload again")
+            raise MissionError("not started: it was changed after the upload", hint="upload again")
         for what in ("vehicle", "mission", "proof"):
             named, there = getattr(request, what), self._loaded[what]
             if named != there:
@@ -70,14 +71,14 @@ class FlightDesk:
         self._loaded = None
         await self._process.send(request.model_dump(mode="json"))
 
-    async def end(self, request: EndFlight) -> None:
-        """Have the vehicle in flight end it.
+    async def order(self, request: Order) -> None:
+        """Have the vehicle in flight do something else.
 
         Raises:
             MissionError: none flies.
         """
         if not self._flies:
-            raise MissionError(f"no {request.ending}: nothing flies", hint="start a flight first")
+            raise MissionError(f"no {WORDS[request.what]}: nothing flies", hint="start a flight first")
         await self._process.send(request.model_dump(mode="json"))
 
     @property

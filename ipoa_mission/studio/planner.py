@@ -1,7 +1,6 @@
 """The process that plans for the studio: `python -m ipoa_mission.studio.planner`."""
 
 import copy
-import pickle
 import time
 from collections.abc import Mapping
 from functools import lru_cache
@@ -10,19 +9,25 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
+from ipoa_mission.checks.check import check
+from ipoa_mission.checks.positions import refuse_unsound
+from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import MissionError
 from ipoa_mission.files import read_text, unused
+from ipoa_mission.finding import Finding
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.files import parse_mission, write_mission
+from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.planning.sketch import sketch_path
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.scenario.read import parse_toml, scenario_of
 from ipoa_mission.studio.answers import Progress, Written
 from ipoa_mission.studio.edits import apply_changes
+from ipoa_mission.studio.handed import mission_over, planned_over
 from ipoa_mission.studio.harness import Answer, Job, Order, Subject, work
-from ipoa_mission.studio.judged import checked, expected, mission_world, opened
-from ipoa_mission.studio.planned import planned, proof_digest, sketched
+from ipoa_mission.studio.judged import checked, mission_world, opened
+from ipoa_mission.studio.planned import expected, planned, sketched
 from ipoa_mission.studio.refused import refused
 from ipoa_mission.studio.replay import replayed
 from ipoa_mission.studio.requests import Change
@@ -54,20 +59,27 @@ def sketch(order: Order, answer: Answer) -> None:
 def judge(order: Order, answer: Answer) -> None:
     """An open mission: its map, its items, what the check finds, and its flight as expected."""
     begun, revision, path = time.perf_counter(), order["revision"], Path(order["path"])
-    world = None if order["world"] is None else _scenario(read_text(Path(order["world"])), order["world"])
-    autopilot = None if order["autopilot"] is None else autopilot_named(order["autopilot"])
-    if autopilot is None and world is not None and path.suffix.lower() == ".waypoints":
-        autopilot = world.vehicle.autopilot  # whom such a file does not say
-    file = parse_mission(path, order["text"], autopilot)
-    forecast = Forecast(file.mission, world)
+    file, forecast = _mission(order)
     answer(mission_world(forecast, revision))
     answer(opened(file, forecast, revision, order["worlds"], order["world"]))
-    findings, flies = checked(file, forecast, revision)
+    findings, flies = checked(_findings(file, forecast), forecast, revision)
     answer(findings)
     if flies:
         answer(expected(forecast, path.stem, revision, time.perf_counter() - begun))
         if order["log"] is not None:
             answer(replayed(Path(order["log"]), forecast, revision))
+
+
+def hand_over_mission(order: Order, answer: Answer) -> None:
+    """The open mission, for the process that flies it.
+
+    Raises:
+        MissionError: the check finds errors, or it has no time.
+    """
+    file, forecast = _mission(order)
+    warnings = refuse_errors(_findings(file, forecast))
+    refuse_unsound(forecast.given)
+    mission_over(Path(order["path"]).stem, forecast, warnings).write(Path(order["file"]))
 
 
 class PlanWorker:
@@ -111,9 +123,8 @@ class PlanWorker:
         answer(Written(files=(target.name,)))
 
     def hand_over(self, order: Order, answer: Answer) -> None:
-        """The flight and the digest of its proof, in a file for the process that flies it."""
-        flight = self._expect_flight()
-        Path(order["file"]).write_bytes(pickle.dumps((flight, proof_digest(flight))))
+        """The flight, for the process that flies it."""
+        planned_over(self._expect_flight()).write(Path(order["file"]))
 
     def _expect_flight(self) -> Flight:
         if self._flight is None:
@@ -126,11 +137,34 @@ class PlanWorker:
             "look": (look, "scenario"),
             "sketch": (sketch, "sketch"),
             "judge": (judge, "scenario"),
+            "hand over mission": (hand_over_mission, "flight"),
             "detach": (self.detach, "file"),
             "plan": (self.plan, "plan"),
             "write": (self.write, "file"),
             "hand over": (self.hand_over, "flight"),
         }
+
+
+def _mission(order: Order) -> tuple[MissionFile, Forecast]:
+    """The open mission, in the world and on the autopilot that the page names."""
+    world = None if order["world"] is None else read_text(Path(order["world"]))
+    return _mission_in(order["text"], order["path"], world, order["world"], order["autopilot"])
+
+
+@lru_cache(maxsize=1)
+def _mission_in(
+    text: str, path: str, world_text: str | None, world_path: str, autopilot: str | None
+) -> tuple[MissionFile, Forecast]:
+    world = None if world_text is None else _scenario(world_text, world_path)
+    flies = None if autopilot is None else autopilot_named(autopilot)
+    if flies is None and world is not None and Path(path).suffix.lower() == ".waypoints":
+        flies = world.vehicle.autopilot  # whom such a file does not say
+    file = parse_mission(Path(path), text, flies)
+    return file, Forecast(file.mission, world)
+
+
+def _findings(file: MissionFile, forecast: Forecast) -> tuple[Finding, ...]:
+    return check(forecast, read=file.findings)
 
 
 @lru_cache(maxsize=4)

@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, TypeAdapter
 
-from ipoa_mission.studio.vocabulary import Json, LngLat, PageMessage, Path
+from ipoa_mission.studio.vocabulary import InFlight, Json, LngLat, PageMessage, Path
 
 
 class Put(PageMessage):
@@ -152,12 +152,16 @@ class Do(PageMessage):
 
 
 class Upload(PageMessage):
-    """The first step of a flight: put the proved mission on a vehicle, and read it back. No link: the built-in one."""
+    """The first step of a flight: put the mission on a vehicle, and read it back. No link: the built-in one.
+
+    `set_params`: give it the parameters that the mission was made for.
+    """
 
     kind: Literal["upload"] = "upload"
     link: str | None = None
     system: int | None = None
     speedup: Annotated[float, Field(ge=0.1, le=1000)] = 1.0
+    set_params: bool = False
 
 
 class Start(PageMessage):
@@ -176,15 +180,15 @@ class Listen(PageMessage):
     link: str
 
 
-class EndFlight(PageMessage):
-    """Have the vehicle in flight come home, or land where it is."""
+class Order(PageMessage):
+    """Have the vehicle in flight hold its place, go on with its mission, come home, or land where it is."""
 
-    kind: Literal["end_flight"] = "end_flight"
-    ending: Literal["rtl", "land"]
+    kind: Literal["order"] = "order"
+    what: InFlight
 
 
 Request: TypeAlias = Annotated[
-    Edit | Rewrite | Drag | Do | SaveAs | Within | Open | Begin | Upload | Start | EndFlight | Listen,
+    Edit | Rewrite | Drag | Do | SaveAs | Within | Open | Begin | Upload | Start | Order | Listen,
     Field(discriminator="kind"),
 ]
 REQUESTS: TypeAdapter[Any] = TypeAdapter(Request)

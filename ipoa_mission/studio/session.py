@@ -11,7 +11,7 @@ from ipoa_mission.studio.document import Document
 from ipoa_mission.studio.flights import FlightDesk
 from ipoa_mission.studio.mission_changes import MISSIONS
 from ipoa_mission.studio.processes import Died, Process
-from ipoa_mission.studio.requests import Do, Drag, Edit, EndFlight, Listen, Open, Rewrite, SaveAs, Start, Upload, Within
+from ipoa_mission.studio.requests import Do, Drag, Edit, Listen, Open, Order, Rewrite, SaveAs, Start, Upload, Within
 from ipoa_mission.studio.vocabulary import PageMessage
 
 SETTLED_S = 0.6  # without a change, after which the proved path is planned
@@ -112,22 +112,20 @@ class Session:
                     self.tell_all(Written(files=(file.name,), remarks=remarks))
                 case Within():
                     self._world = None if request.scenario is None else Path(request.scenario)
-                    self.document.autopilot = request.autopilot
-                    self._follow()
+                    self.document.read_for(request.autopilot)
+                    self._changed(True)
                 case Upload():
-                    self._expect_proved()
+                    self._expect_ready()
                     self._latest.pop("trouble of flight", None)
                     self._flights.upload(request, self._hand_over)
                 case Start():
                     await self._flights.start(request)
                 case Listen():
                     self._flights.listen(request.link)
-                case EndFlight():
-                    await self._flights.end(request)
+                case Order():
+                    await self._flights.order(request)
         except MissionError as error:
-            of: Literal["flight", "edit"] = (
-                "flight" if isinstance(request, Upload | Start | EndFlight | Listen) else "edit"
-            )
+            of: Literal["flight", "edit"] = "flight" if isinstance(request, Upload | Start | Order | Listen) else "edit"
             window.tell(Trouble(of=of, message=str(error), hint=error.hint).model_dump(mode="json"))
             window.tell(self.document.as_answer().model_dump(mode="json"))
 
@@ -194,13 +192,16 @@ class Session:
                 await self._ask(self._quick, {"job": "sketch", "number": None, "changes": []})
 
     async def _judge(self) -> None:
-        seen: object = None
-        while seen != (seen := (self.document.revision, self._world, self.document.autopilot)):
-            world = None if self._world is None else str(self._world)
-            beside = await asyncio.to_thread(_scenarios_in, self.folder)
-            worlds = beside if world is None or world in beside else [world, *beside]
-            order = {"job": "judge", "world": world, "worlds": worlds, "autopilot": self.document.autopilot}
-            await self._ask(self._quick, order | {"log": None if self._log is None else str(self._log)})
+        seen = -1
+        while seen != self.document.revision:
+            seen = self.document.revision
+            worlds = await asyncio.to_thread(_scenarios_in, self.folder, self._world)
+            log = None if self._log is None else str(self._log)
+            await self._ask(self._quick, self._judged_by() | {"job": "judge", "worlds": worlds, "log": log})
+
+    def _judged_by(self) -> dict[str, Any]:
+        """In the world of which scenario a mission is judged, and who flies it."""
+        return {"world": None if self._world is None else str(self._world), "autopilot": self.document.autopilot}
 
     async def _answer_drags(self) -> None:
         while self._drags:
@@ -234,7 +235,21 @@ class Session:
             self.tell_all(Elsewhere(address=address))
 
     async def _hand_over(self, file: Path) -> bool:
+        if self.document.is_mission:
+            order = self._judged_by() | {"job": "hand over mission", "file": str(file)}
+            return await self._ask(self._quick, order)
         return await self._ask(self._thorough, {"job": "hand over", "file": str(file)})
+
+    def _expect_ready(self) -> None:
+        """Raise MissionError unless what is open, as it is now, may be put on a vehicle."""
+        if not self.document.is_mission:
+            self._expect_proved()
+            return
+        checked = self._latest.get("checked")
+        if checked is None or checked["revision"] != self.document.revision:
+            raise MissionError("the mission as it is now was not checked yet", hint="wait for it")
+        if checked["timeless"] is not None:
+            raise MissionError(f"it cannot be flown: {checked['timeless']}")
 
     def _expect_proved(self) -> None:
         """Raise MissionError unless the scenario as it is now has a proved plan."""
@@ -306,5 +321,6 @@ class Session:
             self._latest.pop(kind, None)
 
 
-def _scenarios_in(folder: Path) -> list[str]:
-    return sorted(str(path) for path in folder.glob("*.toml"))
+def _scenarios_in(folder: Path, also: Path | None) -> list[str]:
+    found = sorted(str(path) for path in folder.glob("*.toml"))
+    return found if also is None or str(also) in found else [str(also), *found]

@@ -1,13 +1,15 @@
 """What all messages are made of. Positions on the map are [longitude, latitude] in degrees, as in GeoJSON."""
 
 import re
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, WithJsonSchema
 
 LngLat: TypeAlias = tuple[float, float]
 Path: TypeAlias = tuple[str | int, ...]
 Number: TypeAlias = float | None
+#: What a vehicle in flight can be told.
+InFlight: TypeAlias = Literal["hold", "go_on", "rtl", "land"]
 Json: TypeAlias = Annotated[Any, WithJsonSchema({})]
 
 

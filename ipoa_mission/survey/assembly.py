@@ -10,8 +10,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.commands import Command, Frame
-from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.mission.scan_shapes import trigger
+from ipoa_mission.mission.items import Item, Mission, camera_trigger
 from ipoa_mission.routing.build import build_mission, items_of_waypoints
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario
@@ -20,6 +19,9 @@ from ipoa_mission.survey.qgc_item import survey_item
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.survey.transit import SAME, clear_way
+
+STRAIGHT_DOWN = -90.0  # pitch of a gimbal [degrees]
+BY_ANGLES = 2.0  # MAV_MOUNT_MODE_MAVLINK_TARGETING
 
 
 def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mapping[str, float], seed: int) -> Mission:
@@ -50,7 +52,10 @@ def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mappin
     for place, _, camera in sorted(after, key=lambda one: one[:2], reverse=True):
         items[place + 1 : place + 1] = camera
     added = sum(len(camera) for *_, camera in after)
-    first, last = max(numbers[corners[begins[0]]], 2), numbers[corners[ends[-1]]] + added
+    gimbal = gimbal_items(scenario, mission)
+    items[1:1] = gimbal  # it turns while the vehicle is on its way
+    first = max(numbers[corners[begins[0]]], 2) + len(gimbal)
+    last = numbers[corners[ends[-1]]] + added + len(gimbal)
     flown = replace(mission, items=tuple(items))
     if flown.items[first].command != Command.NAV_WAYPOINT:  # the first line begins where the take-off ends
         return flown
@@ -80,6 +85,20 @@ def _path(tour: Tour) -> tuple[Points, list[int], list[int]]:
     return np.array(path), begins, ends
 
 
+def gimbal_items(scenario: Scenario, mission: Mission) -> list[Item]:
+    """What has the gimbal look straight down, where it is asked for.
+
+    Raises:
+        MissionError: the vehicle has no command for it.
+    """
+    if scenario.survey is None or scenario.survey.gimbal is None:
+        return []
+    own = mission.autopilot.firmware(mission.firmware_version)
+    if not own.takes(Command.DO_MOUNT_CONTROL):
+        raise MissionError(f"survey.gimbal: {own} takes no command in a mission that turns one")
+    return [Item(Command.DO_MOUNT_CONTROL, Frame.MISSION, (STRAIGHT_DOWN, 0.0, 0.0, 0.0), altitude=BY_ANGLES)]
+
+
 def camera_items(distance: float, mission: Mission) -> tuple[list[Item], list[Item]]:
     """What has this vehicle take a photo where a line begins and then one each so far [m], and what ends that.
 
@@ -92,7 +111,7 @@ def camera_items(distance: float, mission: Mission) -> tuple[list[Item], list[It
         return [], []
     own = mission.autopilot.firmware(mission.firmware_version)
     if own.takes(Command.DO_SET_CAM_TRIGG_DIST):
-        return [trigger(round(distance, 2))], [trigger(0.0, at_once=False)]
+        return [camera_trigger(round(distance, 2))], [camera_trigger(0.0, at_once=False)]
     if own.takes(Command.IMAGE_START_CAPTURE) and own.takes(Command.IMAGE_STOP_CAPTURE):
         every = round(distance / (mission.cruise_speed or 1.0), 2)
         start = Item(Command.IMAGE_START_CAPTURE, Frame.MISSION, (0.0, every, 0.0, 0.0))

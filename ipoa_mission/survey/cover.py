@@ -1,7 +1,7 @@
 """The quickest tour of parallel lines that sees all of an area and keeps inside it."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Literal, TypeAlias
@@ -89,6 +89,16 @@ def quickest_tour(
         if direction == "crosshatch":
             direction, passes = "best", [[best.degrees + 90.0]]
     return _tour_of(np.array(places), is_on)
+
+
+def way_between(
+    area: Area, spacing: float, *, cost: LegTimes, keep_out: Any = None, turns_outside: float = 0.0
+) -> Callable[[Vector, Vector], Points]:
+    """What leads from one place (2,) over an area to another: the corners (k, 2) of the way, both places with it.
+
+    The arguments are those of `quickest_tour`.
+    """
+    return _Survey.of(area, spacing, keep_out, turns_outside, cost).way
 
 
 def _expect(is_so: bool, words: str, given: object) -> None:

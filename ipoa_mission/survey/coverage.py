@@ -44,8 +44,8 @@ def coverage(area: Area, tour: Tour, width: float, keep_out: Any = None) -> Cove
     """
     free = area.shape if keep_out is None else area.shape.difference(keep_out)
     can = area.shape.intersection(free.buffer(width / 2, quad_segs=ARC))
-    lines = shapely.multilinestrings([[swath.begin, swath.end] for swath in tour.swaths])
-    seen = area.shape.intersection(lines.buffer(width / 2, quad_segs=ARC))
+    lines = shapely.linestrings([[swath.begin, swath.end] for swath in tour.swaths])
+    seen = area.shape.intersection(shapely.union_all(shapely.buffer(lines, width / 2, quad_segs=ARC)))
     gaps = can.difference(seen)
     whole = float(can.area)
     share = 1.0 if whole <= 0.0 else 1.0 - float(gaps.area) / whole

@@ -1,36 +1,37 @@
 """From a scenario with a survey to the flights that fly it: each keeps its clearance and comes home on its battery."""
 
 import logging
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from typing import Any
 
-import numpy as np
 import shapely
 
 from ipoa_mission.checks.check import check
+from ipoa_mission.checks.firmware import is_too_long
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Finding
+from ipoa_mission.forecast.energy import shortage_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.tube.promise import Kept, Promise
-from ipoa_mission.geometry import Vector
-from ipoa_mission.mission.items import Mission
+from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.endings import settled, why_not_planned
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.budget import expect_to_come_home
 from ipoa_mission.scenario.survey import SurveySection
 from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.assembly import assemble_survey
-from ipoa_mission.survey.corridor import corridor_tour, where_allowed
-from ipoa_mission.survey.cover import quickest_tour
+from ipoa_mission.survey.cover import way_between
 from ipoa_mission.survey.coverage import Coverage, coverage
-from ipoa_mission.survey.keep_out import SPARE, keep_out, tube
+from ipoa_mission.survey.keep_out import keep_out
+from ipoa_mission.survey.laying import expect_high_enough, expect_survey, lay_lines, leg_times
+from ipoa_mission.survey.overlap import Overlaps, flown_lines, smallest_overlaps
+from ipoa_mission.survey.resume import left_to_fly
 from ipoa_mission.survey.sight import Sight, sight_of
 from ipoa_mission.survey.split import fewest_parts, parts_of_equal_length
-from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.vehicles.energy.flight import NotEnoughBattery
 
@@ -54,7 +55,8 @@ class SurveyFlight:
 class SurveyPlan:
     """A survey that may be flown: what is seen, by which lines, in which flights.
 
-    `speed` is flown, in place of the cruise speed where at that too few flights would keep the clearance.
+    The scenario's cruise speed is that which is flown, a lower one where at that of the file too few flights would keep
+    the clearance; `growth`: so much more room than others some obstacles were given [m], by name.
     """
 
     scenario: Scenario
@@ -64,11 +66,25 @@ class SurveyPlan:
     tour: Tour
     coverage: Coverage
     flights: tuple[SurveyFlight, ...]
+    growth: Mapping[str, float]
 
     @property
     def photos(self) -> int:
         """How many are taken in all flights."""
         return sum(self.sight.photos_of(flight.tour) for flight in self.flights)
+
+    @cached_property
+    def overlaps(self) -> Overlaps | None:
+        """How much photos overlap at least; None without a camera."""
+        if self.sight.trigger is None:
+            return None
+        lines = [line for flight in self.flights for line in flown_lines(flight.forecast, self.sight.lag)]
+        return smallest_overlaps(lines, self.sight, self.scenario.airspace.ground, self.free)
+
+    @property
+    def free(self) -> Any:
+        """What of the area may be flown over: a shapely geometry."""
+        return self.area.shape if self.keep_out is None else self.area.shape.difference(self.keep_out)
 
 
 class _TooNear(Exception):
@@ -89,9 +105,7 @@ def plan_flights(scenario: Scenario, seed: int = 0, progress: Progress = silent)
         NotEnoughBattery: a line cannot be reached and left again with the reserve.
         Unsafe: a mission fails a check.
     """
-    section, area = scenario.survey, scenario.survey_area
-    if section is None or area is None:
-        raise BadInput("survey: expected in the scenario, but not there")
+    section, area = expect_survey(scenario)
     for n, share in enumerate(SPEEDS):
         vehicle = scenario.vehicle.model_copy(update={"cruise_speed": share * scenario.vehicle.cruise_speed})
         world = scenario if share == 1.0 else scenario.model_copy(update={"vehicle": vehicle})
@@ -106,10 +120,10 @@ def plan_flights(scenario: Scenario, seed: int = 0, progress: Progress = silent)
 def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int) -> SurveyPlan:
     """At the scenario's speed; raises _TooNear where more room does not help."""
     sight, growth = sight_of(section, area, scenario), dict[str, float]()
-    _expect_high_enough(sight, scenario)
+    expect_high_enough(sight, scenario)
     for _ in range(ROUNDS):
         outside = keep_out(scenario, sight, growth)
-        tour = _tour(scenario, section, area, sight, outside)
+        tour = lay_lines(scenario, section, area, sight, outside)
         parts = _parts(tour, scenario, section, sight, growth, seed)
         forecasts = [_made(part, sight, scenario, growth, seed) for part in parts]
         near = [(kept, forecast.promise) for forecast in forecasts for kept in forecast.promise.forbidding]
@@ -122,71 +136,51 @@ def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int
             growth[name] = max(growth.get(name, 0.0), growth.get(name, 0.0) - kept.slack * MORE + A_LITTLE)
     else:
         raise _TooNear(*min(near, key=lambda pair: pair[0].slack))
-    flights = []
+    seen = coverage(area, tour, sight.spacing, outside)
+    return SurveyPlan(scenario, area, sight, outside, tour, seen, _checked(parts, forecasts), growth)
+
+
+def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyPlan:
+    """What of a planned survey is left, where a vehicle has flown (n, 3) each already, east, north, up [m].
+
+    Raises:
+        BadInput: nothing is left.
+        NoPath, NoRoute, NotEnoughBattery, Unsafe: as `plan_flights`.
+    """
+    scenario, sight, section = plan.scenario, plan.sight, plan.scenario.survey
+    assert section is not None
+    way = way_between(
+        plan.area,
+        sight.spacing,
+        cost=leg_times(scenario, sight),
+        keep_out=plan.keep_out,
+        turns_outside=section.turns_outside,
+    )
+    tour = left_to_fly(plan.tour, flown, sight, scenario.airspace.ground, way)
+    if tour is None:
+        raise BadInput("survey: nothing of it is left to be flown")
+    fewest = section.model_copy(update={"flights": None})
+    parts = _parts(tour, scenario, fewest, sight, plan.growth, seed)
+    forecasts = [_made(part, sight, scenario, plan.growth, seed) for part in parts]
+    near = [(kept, one.promise) for one in forecasts for kept in one.promise.forbidding]
+    if near:
+        raise _refusal(_TooNear(*near[0]), scenario)
+    return replace(plan, tour=tour, flights=_checked(parts, forecasts))
+
+
+def _checked(parts: Sequence[Tour], forecasts: Sequence[Forecast]) -> tuple[SurveyFlight, ...]:
+    """Those flights, if each passes all checks and comes home."""
+    flights = list[SurveyFlight]()
     for part, forecast in zip(parts, map(_returning, forecasts), strict=True):
         findings = refuse_errors(check(forecast))
-        expect_to_come_home(scenario, forecast.energy)
+        if (short := shortage_of(forecast)) is not None:
+            raise short
         flights.append(SurveyFlight(part, forecast, findings))
-    seen = coverage(area, tour, sight.spacing, outside)
-    return SurveyPlan(scenario, area, sight, outside, tour, seen, tuple(flights))
-
-
-def _expect_high_enough(sight: Sight, scenario: Scenario) -> None:
-    """Refuse a height above ground at which flights would come too near to it.
-
-    Raises:
-        NoPath: saying from what height on they would not.
-    """
-    needed = scenario.limits.height_above_ground + tube(scenario).down + 2 * SPARE
-    if sight.least < needed:
-        raise NoPath(
-            f"survey: {sight.least:g} m above the ground is too near to it, at least {needed:.2f} m required",
-            hint="fly higher (survey.height_above_ground, or a larger survey.gsd_cm)",
-        )
-
-
-def _tour(scenario: Scenario, section: SurveySection, area: Area, sight: Sight, outside: Any | None) -> Tour:
-    """The quickest lines over what obstacles leave of the area.
-
-    Raises:
-        NoPath: they leave nothing.
-    """
-    if outside is not None and area.shape.difference(outside).is_empty:
-        raise NoPath(
-            f"survey: obstacles and the clearance to them leave nothing of the area at {sight.least:g} m above ground",
-            hint="fly higher (survey.height_above_ground), or with a smaller safety_distance",
-        )
-    vehicle, frame = scenario.vehicle, scenario.frame
-    given = Mission(
-        frame.home,
-        (),
-        vehicle.autopilot,
-        parameters=vehicle.autopilot_parameters(),
-        vehicle=vehicle.learned,
-        firmware_version=vehicle.version,
-    )
-    begin = np.array(section.entry or scenario.start_point[:2])
-    middles = section.middles(frame)
-    if len(middles) == 1 and section.width is not None and section.direction_deg == "best":
-        inside = where_allowed(area, outside)
-        along = corridor_tour(middles[0], section.width, sight.spacing, begin, inside)
-        if along is not None:
-            return along
-    cost = LegTimes.of(given, vehicle.cruise_speed, sight.middle, scenario.wind.air())
-    return quickest_tour(
-        area,
-        sight.spacing,
-        cost=cost,
-        keep_out=outside,
-        direction=section.direction_deg,
-        turns_outside=section.turns_outside,
-        begin=begin,
-        end=np.array(section.exit or scenario.goal_point[:2]),
-    )
+    return tuple(flights)
 
 
 def _parts(
-    tour: Tour, scenario: Scenario, section: SurveySection, sight: Sight, growth: dict[str, float], seed: int
+    tour: Tour, scenario: Scenario, section: SurveySection, sight: Sight, growth: Mapping[str, float], seed: int
 ) -> tuple[Tour, ...]:
     """The flights, as many as are asked for or as few as battery and firmware let.
 
@@ -212,25 +206,17 @@ def _parts(
     )
 
 
-def _fits(part: Tour, scenario: Scenario, sight: Sight, growth: dict[str, float], seed: int) -> bool:
+def _fits(part: Tour, scenario: Scenario, sight: Sight, growth: Mapping[str, float], seed: int) -> bool:
     """Whether the vehicle takes so many items, and comes home with its reserve."""
     own = scenario.vehicle.autopilot.firmware(scenario.vehicle.version)
     per = 2 if sight.trigger is None else 4  # items of a line at least
     if per * len(part.swaths) > own.max_items:
         return False
     forecast = _made(part, sight, scenario, growth, seed)
-    if len(forecast.mission.items) + own.home_is_item_0 > own.max_items:
-        return False
-    if scenario.vehicle.battery is None:
-        return True
-    try:
-        expect_to_come_home(scenario, forecast.energy)
-    except NotEnoughBattery:
-        return False
-    return True
+    return not is_too_long(forecast.mission) and shortage_of(forecast) is None
 
 
-def _made(part: Tour, sight: Sight, scenario: Scenario, growth: dict[str, float], seed: int) -> Forecast:
+def _made(part: Tour, sight: Sight, scenario: Scenario, growth: Mapping[str, float], seed: int) -> Forecast:
     return Forecast(assemble_survey(part, sight, scenario, growth, seed), scenario)
 
 

@@ -81,7 +81,7 @@ def _camera(sight: Sight, scenario: Scenario) -> dict[str, Any]:
         "CameraName": CUSTOM,
         "FixedOrientation": False,
         "FocalLength": camera.focal_length,
-        "FrontalOverlap": round(100.0 * (1.0 - sight.trigger / sight.along), 3),
+        "FrontalOverlap": round(100.0 * sight.overlaps[0], 3),
         "ImageDensity": round(100.0 * camera.sensor[0] / camera.pixels[0] * sight.least / camera.focal_length, 6),
         "ImageHeight": camera.pixels[1],
         "ImageWidth": camera.pixels[0],
@@ -89,7 +89,7 @@ def _camera(sight: Sight, scenario: Scenario) -> dict[str, Any]:
         "MinTriggerInterval": 0,
         "SensorHeight": camera.sensor[1],
         "SensorWidth": camera.sensor[0],
-        "SideOverlap": round(100.0 * (1.0 - sight.spacing / sight.across), 3),
+        "SideOverlap": round(100.0 * sight.overlaps[1], 3),
         "ValueSetIsDistance": True,
     }
 

@@ -46,6 +46,12 @@ class Sight:
         """The height above the highest ground that is aimed at."""
         return self.least + self.band / 2
 
+    @property
+    def overlaps(self) -> tuple[float, float]:
+        """What share of a photo the next one, and those of the next line, are to show too; 0 without a camera."""
+        front = 0.0 if self.trigger is None else 1.0 - self.trigger / self.along
+        return front, 1.0 - self.spacing / self.across
+
     def triggering(self, length: float) -> tuple[float, int]:
         """How far apart photos are triggered along a line of this length [m], and how many that makes.
 

@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from ipoa_mission.geometry import polyline_length
+from ipoa_mission.routing.split import most
 from ipoa_mission.survey.tour import Swath, Tour
 
 MOST_PIECES = 64  # of one line
@@ -27,30 +28,17 @@ def fewest_parts(tour: Tour, fits: Fits, overlap: float) -> tuple[Tour, ...] | S
     """
     parts, ahead = list[Tour](), tour
     while ahead.swaths:
-        if not fits(part_of(ahead, 0, 1)):
+        before = len(parts[-1].swaths) if parts else 1
+        count = most(lambda n, ahead=ahead: fits(part_of(ahead, 0, n)), len(ahead.swaths), before)  # type: ignore[misc]
+        if count == 0:
             cut = _cut(ahead, fits, overlap)
             if cut is None:
                 return ahead.swaths[0]
             ahead = cut
-        before = len(parts[-1].swaths) if parts else 1
-        count = _most(lambda n, ahead=ahead: fits(part_of(ahead, 0, n)), len(ahead.swaths), before)  # type: ignore[misc]
+            continue
         parts.append(part_of(ahead, 0, count))
         ahead = part_of(ahead, count, len(ahead.swaths))
     return tuple(parts)
-
-
-def _most(fits: Callable[[int], bool], count: int, guess: int) -> int:
-    """The greatest number from 1 to `count` that fits, as 1 does; quick where the `guess` is near."""
-    least, beyond, here, step = 1, count + 1, guess, 1
-    while beyond - least > 1:
-        here = min(max(here, least + 1), beyond - 1)
-        least, beyond = (here, beyond) if fits(here) else (least, here)
-        if least > 1 and beyond <= count:
-            here = (least + beyond) // 2
-        else:
-            here = least + step if beyond > count else beyond - step
-        step *= 2
-    return least
 
 
 def _cut(tour: Tour, fits: Fits, overlap: float) -> Tour | None:

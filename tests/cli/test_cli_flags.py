@@ -61,8 +61,9 @@ def test_a_flag_means_the_same_everywhere() -> None:
         assert len({tuple(sorted(of)) for flag, of in rows.items() if flag.name in group}) == 1, group
 
 
-#: Files of parts are flown one by one, and a survey as its scenario has it.
-PLANNED_ONLY = {"SCENARIO", "[SCENARIO]", "--split", "--survey", "--height", "--line-spacing", "--camera", "--gsd"}
+#: Files of parts are flown one by one, and a survey as its scenario has it, or what is left of one by its files.
+PLANNED_ONLY = {"SCENARIO", "[SCENARIO]", "--split"}
+PLANNED_ONLY |= {"--survey", "--height", "--line-spacing", "--camera", "--gsd", "--flown"}
 
 
 def test_fly_takes_what_plan_takes() -> None:

@@ -14,6 +14,7 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.cli.conftest import Run, Serve
 
+MISSIONS = Path(__file__).parents[2] / "missions"
 SCENARIO = """
 home = { latitude_deg = 47.3977, longitude_deg = 8.5456, altitude_amsl = 488 }
 [survey]
@@ -70,6 +71,7 @@ def test_what_is_wrong_with_it_is_bad_input(run: Run, tmp_path: Path) -> None:
     for command, words in (
         ("plan", "expected a scenario, or an area"),
         (f"plan {tmp_path}/field.toml --height 30", "--height: expected with --survey"),
+        (f"plan {MISSIONS}/sitl.toml --flown a.tlog", "--flown: expected a survey"),
         (f"plan {tmp_path}/field.toml", "survey.camera: expected the name of a camera"),
         (f"plan --survey {tmp_path}/no.geojson", "no.geojson"),
         (f"plan --survey {tmp_path}/area.geojson --height 0", "survey.height_above_ground: expected a number greater"),
@@ -88,6 +90,21 @@ def test_its_flights_are_flown_one_after_the_other(run: Run, tmp_path: Path) -> 
     assert [one["file"] for one in flown] == ["field-1.plan", "field-2.plan"]
     assert all(one["completed"] for one in flown)
     assert (tmp_path / "out" / "field-2.tlog").is_file()
+    rest = run(f"plan {tmp_path}/field.toml --out {tmp_path}/out --flown {tmp_path}/out/field-1.tlog --json")
+    assert rest.code == 0
+    left = json.loads(rest.out)["survey"]
+    assert [flight["file"] for flight in left["flights"]] == ["field-rest.plan"]
+    assert left["lines"] == flown_lines(tmp_path, 2)
+    assert "of lines were flown before" in str(json.loads(rest.out)["remarks"])
+    other = run(f"plan {tmp_path}/field.toml --flown {MISSIONS}/logs/campus-arducopter.tlog")
+    assert (other.code, "campus-arducopter.tlog: nothing in it was flown along" in other.err) == (2, True)
+    done = run(f"plan {tmp_path}/field.toml --flown {tmp_path}/out/field-1.tlog --flown {tmp_path}/out/field-2.tlog")
+    assert (done.code, "nothing of it is left" in done.err) == (2, True)
+
+
+def flown_lines(folder: Path, flight: int) -> int:
+    told = json.loads((folder / "out" / "field.json").read_text())["survey"]["flights"]
+    return int(told[flight - 1]["lines"])
 
 
 class Terminal(StringIO):

@@ -47,13 +47,34 @@ def test_it_is_told_for_where_the_vehicle_is_though_it_is_late(forecast: Forecas
     begin, end = endings.in_air
     time = begin + share * (end - begin)
     place = endings.stops().at(np.array([time]))[0][0]
-    told = {row.ending: (row, seconds) for row, seconds in now.at(place, time + late)}
+    found, aside = now.time_at(place, time + late)
+    assert aside < 1.0
+    told = {row.ending: (row, seconds) for row, seconds in now.at(found)}
     assert set(told) == {Ending.RTL, Ending.LAND}
     for ending, (row, seconds) in told.items():
         assert row.from_s - 0.3 <= time <= row.to_s + 0.3
         lasts = endings.lasts(ending, time)
         assert lasts is not None
         assert seconds == pytest.approx(sum(lasts) / 2, rel=0.25, abs=3.0)
+
+
+def test_one_that_is_held_for_long_is_looked_for_where_it_is(forecast: Forecast) -> None:
+    endings, now = Endings(forecast), EndingsNow(forecast, (Ending.HOLD, Ending.RTL, Ending.LAND))
+    begin, end = endings.in_air
+    times = np.arange(begin + 5.0, end - 5.0)
+    held_s, at = 60.0, len(times) // 2
+    clock = [*times[:at], *(times[at] + np.arange(held_s)), *(times[at:] + held_s)]
+    flown = [*times[:at], *([times[at]] * int(held_s)), *times[at:]]
+    for told, time in zip(clock, flown, strict=True):
+        found, aside = now.time_at(endings.stops().at(np.array([time]))[0][0], told)
+        assert abs(found - time) < 1.5
+        assert aside < 1.0
+    assert now.time_at(endings.stops().places[-1] + 300.0, clock[-1])[1] > 300.0  # it has been sent elsewhere
+    assert [(row.ending, seconds is None) for row, seconds in now.at(float(times[at]))] == [
+        (Ending.HOLD, True),
+        (Ending.RTL, False),
+        (Ending.LAND, False),
+    ]
 
 
 def test_the_command_line_tells_it_beside_what_is_done(forecast: Forecast) -> None:

@@ -37,6 +37,7 @@ def example(kind: type[m.Message]) -> m.Message:
         m.CommandLong: m.CommandLong(400, (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0), 2),
         m.CommandInt: m.CommandInt(192, 6, (1.0, 2.0, 3.0, 4.0), 391234567, -10, 50.0),
         telemetry.Position: telemetry.Position(12.345, 39.1, -121.5, 400.25, 30.5, (1.25, -2.5, 0.5), math.pi / 2),
+        telemetry.WindVelocity: telemetry.WindVelocity((1.5, -2.0, 0.25)),
         telemetry.LocalPosition: telemetry.LocalPosition(1.0, (1.0, 2.0, -3.0), (0.5, 0.25, -0.125)),
         m.FileTransfer: m.FileTransfer(bytes(range(251))),
         telemetry.SystemTime: telemetry.SystemTime(NOW, 5.0),

@@ -6,7 +6,7 @@ import pytest
 
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
-from ipoa_mission.link.hold import SAYINGS, EndingOrder
+from ipoa_mission.link.hold import SAYINGS, FlightOrder
 from ipoa_mission.link.leaving import SETTLED_S, Leaving
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
@@ -14,7 +14,7 @@ from ipoa_mission.link.messages import CommandAck, CommandLong, CommandResult, H
 from ipoa_mission.link.state import ON_GROUND, VehicleState
 from ipoa_mission.link.telemetry import ExtendedState, Position
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.mission.commands import VehicleCommand
+from ipoa_mission.mission.commands import Command, VehicleCommand
 from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
@@ -63,7 +63,6 @@ def test_a_vehicle_that_is_held_in_the_air_is_told_of_within_seconds_and_so_is_i
             told_s.append(now)
             assert f"in {family.modes.name(family.modes.hold)}" in vehicle.interrupted
             assert "it stays in this mode" in vehicle.interrupted
-            assert "`resume` or `rtl` orders it on" in vehicle.interrupted
             ordered_into(vehicle, family.modes.mission)
 
     vehicle.overhearing = overhear
@@ -72,6 +71,7 @@ def test_a_vehicle_that_is_held_in_the_air_is_told_of_within_seconds_and_so_is_i
     assert told_s[0] - held_s[0] < SETTLED_S + 1.5
     assert vehicle.interrupted == ""
     told = [record.getMessage() for record in caplog.records if record.levelno == logging.WARNING]
+    assert "`resume` or `rtl` orders it on" in told[0]
     assert [words.split(":")[0] for words in told] == [
         "the vehicle has left its mission",
         "the vehicle goes on with its mission",
@@ -79,7 +79,9 @@ def test_a_vehicle_that_is_held_in_the_air_is_told_of_within_seconds_and_so_is_i
 
 
 @pytest.mark.parametrize("family", registered())
-def test_one_that_is_sent_home_ends_its_flight_with_the_mode_that_it_left_for(family: Autopilot) -> None:
+def test_one_that_is_sent_home_ends_its_flight_with_the_mode_that_it_left_for(
+    family: Autopilot, caplog: pytest.LogCaptureFixture
+) -> None:
     vehicle = flying(family)
     told: list[str] = []
 
@@ -93,7 +95,7 @@ def test_one_that_is_sent_home_ends_its_flight_with_the_mode_that_it_left_for(fa
     vehicle.overhearing = overhear
     record = vehicle.watch()
     assert "it returns home and lands" in told[1]
-    assert "`resume`" not in told[1]
+    assert "`resume`" not in caplog.text
     assert not record.completed
     assert f"in {family.modes.name(family.modes.returning)}" in record.why_not
 
@@ -135,7 +137,7 @@ def test_an_order_to_end_the_flight_is_given_until_the_vehicle_shows_it(
     def overhear(message: Message) -> None:
         if isinstance(message, Position) and message.height > 15.0 and not ordered:
             ordered.append(mode)
-            vehicle.ending.give(mode)
+            vehicle.order.give(mode)
 
     ordered: list[int] = []
     monkeypatch.setattr(mock, "receive", receive)
@@ -143,14 +145,14 @@ def test_an_order_to_end_the_flight_is_given_until_the_vehicle_shows_it(
     record = vehicle.watch()
     assert record.completed is (lost == 99)
     assert len(said) == min(lost + 1, SAYINGS)
-    assert ("does not show it" in vehicle.ending.words) is (lost == 99)
+    assert ("does not show it" in vehicle.order.words) is (lost == 99)
 
 
 @pytest.mark.parametrize("family", registered())
 def test_an_order_to_end_the_flight_that_is_refused_is_told_and_given_no_more(family: Autopilot) -> None:
     state, refused = VehicleState(family), CommandAck(VehicleCommand.DO_SET_MODE, CommandResult.DENIED)
     state.note(beat(family, family.modes.mission))
-    order = EndingOrder(state, lambda: 0.0)
+    order = FlightOrder(state, lambda: 0.0)
     order.give(min(family.modes.lands))
     assert len(list(order.look(refused, 0.0))) == 1  # what was refused before it was another's
     assert list(order.look(refused, 0.0)) == []
@@ -159,11 +161,58 @@ def test_an_order_to_end_the_flight_that_is_refused_is_told_and_given_no_more(fa
 
 
 @pytest.mark.parametrize("family", registered())
+@pytest.mark.parametrize("climbs", [True, False])  # within a take-off ArduCopter does not pause
+def test_one_that_is_watched_holds_its_place_and_goes_on_when_it_is_ordered(family: Autopilot, climbs: bool) -> None:
+    vehicle = flying(family)
+    places: list[Position] = []
+    paused: list[bool] = []
+
+    def overhear(message: Message) -> None:
+        if not isinstance(message, Position):
+            return
+        if (message.height > 10.0 if climbs else message.latitude_deg > 47.4003) and not places:
+            vehicle.order.hold()
+        if vehicle.order.is_paused or vehicle.state.custom_mode == family.modes.hold:
+            places.append(message)
+            paused.append(vehicle.order.is_paused)
+            if len(places) > 1 and message.time_s - places[0].time_s > 20.0 and not held:
+                held.append(message)
+                vehicle.order.go_on()
+
+    held: list[Position] = []
+    vehicle.overhearing = overhear
+    record = vehicle.watch()
+    assert record.completed
+    assert vehicle.order.words == ""
+    assert all(paused) is (family.manners.pauses_in_mission and not climbs)
+    rested = next(one for one in places if one.time_s - places[0].time_s > 10.0)
+    assert abs(rested.height - held[0].height) < 1.0
+    assert abs(rested.latitude_deg - held[0].latitude_deg) * 111e3 < 1.0
+
+
+@pytest.mark.parametrize("family", registered())
+def test_an_order_to_go_on_that_is_refused_is_told(family: Autopilot) -> None:
+    state = VehicleState(family)
+    state.note(beat(family, family.modes.mission))
+    order = FlightOrder(state, lambda: 0.0)
+    order.is_paused = True
+    order.go_on()
+    assert len(list(order.look(beat(family, family.modes.mission), 0.0))) == 1
+    assert list(order.look(CommandAck(Command.DO_PAUSE_CONTINUE, CommandResult.IN_PROGRESS), 0.0)) == []
+    list(order.look(CommandAck(Command.DO_PAUSE_CONTINUE, CommandResult.FAILED), 0.0))
+    assert order.words == "go on: the vehicle answered FAILED"
+    assert order.is_paused
+    state.note(beat(family, family.modes.mission, armed=False))
+    order.go_on()
+    assert list(order.look(beat(family, family.modes.mission, armed=False), 0.0)) == []
+
+
+@pytest.mark.parametrize("family", registered())
 def test_it_is_told_with_what_the_vehicle_says_of_it_and_not_with_what_it_said_before(family: Autopilot) -> None:
     hold = beat(family, family.modes.hold)
     old, why, chat = Text(2, "Old trouble"), Text(4, "Fence breached\t"), Text(6, "Reached command #2")
     words = heard(*leaving(family), (1.0, old), (9.0, chat), (9.5, why), (10.0, hold), (11.1, hold))
-    assert "; it says: Fence breached (" in words
+    assert words.endswith("; it says: Fence breached")
     assert "and does not say why" in heard(*leaving(family), (10.0, hold), (11.1, hold))
 
 

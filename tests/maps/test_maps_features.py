@@ -13,6 +13,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.read import read_features
 
 RING = [[8.0, 47.0], [8.001, 47.0], [8.001, 47.001], [8.0, 47.0]]
+ENDINGS = ".geojson, .json, .kml, .kmz, .osm, .shp, .fgb, .gpkg"
 TAGS = {"building": "yes", "height": "23", "name": 'The "Rose"'}
 
 #: The same building as each exporter writes its properties.
@@ -158,7 +159,7 @@ def test_all_broken_shapes_are_told_but_not_a_flood(write_map: Callable[..., Pat
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [
-        ("map.dxf", "", "expected a file that ends in .geojson, .json, .kml, .kmz, .shp, .fgb, .gpkg, not in .dxf"),
+        ("map.dxf", "", f"expected a file that ends in {ENDINGS}, not in .dxf"),
         ("map.kml", "<kml>", "line 1: expected well-formed XML"),
         ("map.kml", "<gpx/>", "expected a kml document, not gpx"),
         (

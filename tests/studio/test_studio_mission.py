@@ -83,6 +83,81 @@ def test_in_a_scenario_s_world_it_is_told_what_it_keeps(opened: Studio) -> None:
         talk.wait("mission", lambda told: told["scenario"] is None)
 
 
+BATTERY = """
+[vehicle.battery]
+capacity_wh = 60.0
+reserve = 0.25
+
+[vehicle.airframe]
+mass_kg = 2.0
+rotor_diameter = 0.3
+"""
+
+
+def within(talk: Any, world: Path | None) -> int:
+    """Have it judged elsewhere; its revision, when it was."""
+    talk.say(kind="within", scenario=None if world is None else str(world), autopilot=None)
+    asked = talk.wait("document", lambda told: not told["unsaved"])["revision"]
+    return int(talk.wait("checked", lambda told: told["revision"] == asked)["revision"])
+
+
+def uploaded(talk: Any, speedup: float) -> dict[str, str]:
+    """What a start must name."""
+    talk.say(kind="upload", link=None, system=None, speedup=speedup)
+    loaded = talk.wait("loaded")
+    return {what: loaded[what] for what in ("vehicle", "mission", "proof")}
+
+
+def test_it_is_flown_in_a_scenario_s_world_held_and_sent_on(opened: Studio) -> None:
+    world = opened.scenario.with_name("battery.toml")
+    world.write_text((MISSIONS / "sitl.toml").read_text() + BATTERY)
+    with opened.window() as talk:
+        talk.wait("document")
+        within(talk, world)
+        named = uploaded(talk, 1000.0)
+        within(talk, None)  # it is judged otherwise than what was uploaded
+        talk.say(kind="start", **named)
+        assert "changed after the upload" in talk.wait_for_trouble("flight")["message"]
+        talk.say(kind="do", what="abandon")
+        talk.wait("state", lambda state: state["phase"] == "idle")
+        revision = within(talk, world)
+        plan = talk.wait("plan", lambda told: told["revision"] == revision)
+        assert uploaded(talk, 15.0) == named  # the same mission in the same world
+        talk.say(kind="start", **named)
+        flies = talk.wait("seen", lambda seen: seen["done"] > 2 and seen["orders"])
+        talk.say(kind="order", what="hold")
+        held = talk.wait("seen", lambda seen: seen["held"] and seen["speed"] < 0.1 and len(seen["orders"]) == 3)
+        stays = talk.wait("seen", lambda seen: seen["time_s"] > held["time_s"] + 20.0)
+        talk.say(kind="order", what="go_on")
+        landed = talk.wait("landed")
+    assert [one["what"] for one in flies["orders"]] == ["hold", "rtl", "land"]
+    assert flies["orders"][0]["words"].startswith("here: clear, ")
+    assert [one["what"] for one in stays["orders"]] == ["go_on", "rtl", "land"]
+    assert stays["orders"][0]["words"].startswith("as planned with item ")
+    for before, after in zip(held["orders"][1:], stays["orders"][1:], strict=True):  # as long as it stays there
+        assert (after["what"], after["clear"]) == (before["what"], before["clear"])
+        assert after["seconds"] == pytest.approx(before["seconds"], abs=1.5)
+    assert abs(stays["place"][1] - held["place"][1]) * 111e3 < 2.0
+    assert flies["reserve"]["required"] == 0.25
+    assert flies["reserve"]["least"] < flies["reserve"]["lands"] < flies["reserve"]["planned"] <= 1.0
+    assert landed["completed"], landed["why_not"]
+    assert landed["flown_s"] > plan["total_s"] + 15.0
+
+
+def test_without_a_scenario_it_flies_and_what_is_not_known_is_said(opened: Studio) -> None:
+    with opened.window() as talk:
+        talk.wait("document")
+        within(talk, None)
+        talk.say(kind="upload", link=None, system=None, speedup=1000.0)
+        loaded = talk.wait("loaded")
+        talk.say(kind="start", **{what: loaded[what] for what in ("vehicle", "mission", "proof")})
+        seen = talk.wait("seen", lambda seen: seen["orders"])
+        landed = talk.wait("landed")
+    assert "no scenario says what stands there" in loaded["remarks"][0]
+    assert [(one["clear"], one["seconds"]) for one in seen["orders"]] == [(None, None)] * 3
+    assert landed["completed"], landed["why_not"]
+
+
 def test_it_is_saved_as_the_other_format_over_nothing(opened: Studio) -> None:
     with opened.window() as talk:
         for name in ("sitl.waypoints", "sitl-2.waypoints"):
@@ -116,3 +191,22 @@ def test_who_changes_what_is_not_there_is_told_so() -> None:
     text = (MISSIONS / "sitl.plan").read_text()
     with pytest.raises(BadInput, match="item 99: expected a number from 1 to 6"):
         mission_changed(text, Path("a.plan"), [MoveItem(seq=99, place=(8.5, 47.4))])
+
+
+def test_one_with_an_error_is_not_uploaded(opened: Studio) -> None:
+    with opened.window() as talk:
+        talk.wait("document")
+        revision = within(talk, opened.scenario.with_name("sitl.toml"))
+        changes = [{"op": "put_item", "seq": 4, "what": "param7", "value": 1.0}]
+        talk.say(kind="edit", seen=revision, label="far too low", changes=changes)
+        changed = talk.wait("document", lambda told: told["revision"] > revision)
+        talk.say(kind="upload", link=None, system=None, speedup=1000.0)
+        assert "not checked yet" in talk.wait_for_trouble("flight")["message"]
+        checked = talk.wait("checked", lambda told: told["revision"] == changed["revision"])
+        wrong = [flaw["words"] for flaw in checked["flaws"] if flaw["severity"] == "error"]
+        assert wrong
+        assert checked["timeless"] is None
+        talk.say(kind="upload", link=None, system=None, speedup=1000.0)
+        assert wrong[0] in talk.wait_for_trouble("flight")["message"]
+        talk.say(kind="do", what="undo")
+        talk.wait("checked", lambda told: told["revision"] > changed["revision"])

@@ -279,6 +279,17 @@ def test_a_mission_is_dropped_opened_and_changed_item_by_item(own_page: Any, add
     assert after.items[3].altitude == 31.5
     own_page.set_viewport_size({"width": 390, "height": 844})
     assert own_page.evaluate("document.documentElement.scrollWidth") <= 390
+    own_page.set_viewport_size(USUAL)
+    own_page.locator("summary", has_text="Fly it").click()
+    own_page.get_by_label("So many times as fast").fill("20")
+    own_page.get_by_role("button", name="Upload").click()
+    own_page.get_by_text("no clearance was looked at").wait_for()
+    own_page.get_by_role("button", name="Arm and start …").click()
+    own_page.get_by_role("dialog").locator("input").fill("sitl")
+    own_page.get_by_role("dialog").get_by_role("button", name="Arm and start").click()
+    own_page.get_by_role("button", name="Hold").click()
+    own_page.get_by_role("button", name="Go on").click()
+    own_page.get_by_text("✓ Landed").wait_for()
 
 
 def test_it_opens_proved(page: Any) -> None:

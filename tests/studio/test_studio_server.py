@@ -123,18 +123,19 @@ def test_a_mission_is_flown_only_after_it_was_named(studio: Studio) -> None:
 def test_a_flight_is_ended_from_the_page_by_what_it_was_told(studio: Studio, ending: str) -> None:
     with studio.window() as talk:
         talk.wait("plan")  # which may be there already, and is told once
-        talk.say(kind="end_flight", ending=ending)
+        talk.say(kind="order", what=ending)
         assert "nothing flies" in talk.wait_for_trouble("flight")["message"]
         talk.say(kind="upload", link=None, system=None, speedup=10.0)
         loaded = talk.wait("loaded")
         talk.say(kind="start", **{what: loaded[what] for what in ("vehicle", "mission", "proof")})
-        seen = talk.wait("seen", lambda seen: seen["done"] > 0 and seen["endings"])
-        talk.say(kind="end_flight", ending=ending)
+        seen = talk.wait("seen", lambda seen: seen["done"] > 0 and seen["orders"])
+        talk.say(kind="order", what=ending)
         left = talk.wait("state", lambda state: "left its mission" in state["words"])
         landed = talk.wait("landed")
-    told = {one["ending"]: one for one in seen["endings"]}
-    assert set(told) == {"rtl", "land"}
-    assert all(one["words"] and one["seconds"] > 5.0 for one in told.values())
+    told = {one["what"]: one for one in seen["orders"]}
+    assert set(told) == {"hold", "rtl", "land"}
+    assert all(one["words"] and one["clear"] for one in told.values())
+    assert all(told[one]["seconds"] > 5.0 for one in ("rtl", "land"))
     assert ending in left["words"].lower()
     assert not landed["completed"]
 

@@ -19,6 +19,7 @@ from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.assembly import assemble_survey
+from ipoa_mission.survey.overlap import flown_lines, smallest_overlaps
 from ipoa_mission.survey.sight import sight_of
 from ipoa_mission.survey.split import part_of
 from ipoa_mission.survey.tour import Swath, Tour
@@ -112,6 +113,49 @@ def test_over_a_hill_no_photo_overlaps_less_than_was_asked() -> None:
     below = path[:, 2] - ground(path[:, :2])
     assert below.min() > sight.least - 0.3
     assert np.ptp(path[:, 2]) > 10.0  # it follows the hill
+
+
+@pytest.mark.parametrize("terrain", [{}, {"terrain": HILL}])
+def test_the_smallest_overlaps_are_told(terrain: dict[str, Any]) -> None:
+    """Every photo's corners by themselves: what of a grid over it the next photo, and the next line, hold too."""
+    world = scenario(PHOTOS, **terrain)
+    survey = plan_survey(scenario=world)
+    found, ground, (flight,) = survey.plan.overlaps, world.airspace.ground, survey.flights
+    assert found is not None
+    assert found.front is not None
+    assert found.side is not None
+    assert not [*found.falls_short(0.7, 0.7)]
+    assert found.front.share >= 0.7 - 0.002
+    assert found.side.share >= 0.7 - 0.002
+    path = waypoints(flight)
+    legs = [leg for leg in pairwise(path) if np.linalg.norm(np.diff(leg, axis=0)[0, :2]) > 1.0]
+    for smallest, wide, apart in (
+        (found.front, 15.6 / 16.0, survey.plan.sight.trigger),
+        (found.side, 23.5 / 16.0, survey.plan.sight.spacing),
+    ):
+        assert apart is not None
+        camera = np.array(smallest.at)
+        away = [shapely.Point(camera).distance(shapely.LineString(np.array(leg)[:, :2])) for leg in legs]
+        begin, end = legs[int(np.argmin(away))]
+        share = np.linalg.norm(camera - begin[:2]) / np.linalg.norm((end - begin)[:2])
+        height = begin[2] + share * (end - begin)[2] - ground(camera[None])[0]
+        level = 1 - apart / (wide * height)  # where all that it sees is as low as what is straight below
+        assert smallest.share == pytest.approx(level, abs=0.08 if terrain else 0.02)
+
+
+def test_a_slope_steeper_than_the_height_allows_for_is_told() -> None:
+    """Lines laid for level ground, over a ridge."""
+    level = plan_survey(scenario=scenario(PHOTOS))
+    sight, ridge = level.plan.sight, scenario(PHOTOS, terrain=HILL).airspace.ground
+    lines = [line for flight in level.flights for line in flown_lines(flight, sight.lag)]
+    found = smallest_overlaps(lines, sight, ridge, level.plan.free)
+    assert found.front is not None
+    assert found.side is not None
+    top = 1 - level.plan.sight.spacing / (23.5 / 16.0 * (level.plan.sight.least - 30.0))  # on the summit
+    assert top - 0.02 < found.side.share < 0.6
+    assert [words[:20] for words in found.falls_short(0.7, 0.7)] == ["survey.front_overlap", "survey.side_overlap:"]
+    where = np.array(found.side.at) - (110.0, 80.0)
+    assert np.linalg.norm(where) < 40.0
 
 
 def test_what_is_low_is_flown_over_and_what_is_high_round() -> None:
@@ -221,6 +265,23 @@ def test_the_camera_is_started_and_stopped_in_turn_on_lines_of_no_length_too() -
     mission = assemble_survey(Tour(swaths, (np.array(at[1:3]), np.array([at[2], at[2]]))), sight, world, {}, 0)
     triggers = [item.params[0] for item in mission.items if item.command == Command.DO_SET_CAM_TRIGG_DIST]
     assert [distance > 0 for distance in triggers] == [True, False] * 3
+
+
+@pytest.mark.parametrize("autopilot", [Autopilot.PX4, Autopilot.ARDUPILOT])
+def test_the_gimbal_looks_straight_down_before_the_first_photo(autopilot: Autopilot) -> None:
+    """By the item that QGroundControl writes for it, whose seventh param says that angles are meant."""
+    (told,) = plan_survey(scenario=scenario(PHOTOS | {"gimbal": "nadir"}, autopilot)).flights
+    (quiet,) = plan_survey(scenario=scenario(PHOTOS, autopilot)).flights
+    items = list(told.mission.items)
+    at = [n for n, item in enumerate(items) if item.command == Command.DO_MOUNT_CONTROL]
+    triggers = [n for n, item in enumerate(items) if item.command == Command.DO_SET_CAM_TRIGG_DIST]
+    assert at == [1]
+    assert items[1].params[0] == -90.0
+    assert items[1].altitude == 2.0
+    assert triggers[0] > 1
+    assert items[:1] + items[2:] == list(quiet.mission.items)
+    assert told.estimate.total_s == pytest.approx(quiet.estimate.total_s, abs=0.1)
+    assert told.mission.complex_items == quiet.mission.complex_items
 
 
 def test_a_battery_that_is_not_quite_enough_in_wind_makes_more_flights() -> None:

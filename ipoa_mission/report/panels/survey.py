@@ -17,9 +17,10 @@ HEAD = ("flight", "lines", "photos", "takes", "energy, Wh", "least clearance")
 def survey_panel(plan: SurveyPlan, names: Sequence[str]) -> str:
     """The section of the page; `names` are those of the flights' files."""
     seen, area = plan.coverage, plan.area.shape
+    overlap = f" Photos overlap by {plan.overlaps} at least." if str(plan.overlaps or "") else ""
     note = (
         f"{number(100 * seen.share, 2)} % of what can be seen of {number(area.area / 1e4, 2)} ha is seen, by lines "
-        f"{meters(plan.sight.spacing, 1)} apart; a color for each flight, gaps in red."
+        f"{meters(plan.sight.spacing, 1)} apart; a color for each flight, gaps in red.{overlap}"
     )
     return f'<section><h2>Survey</h2><p class="note">{note}</p>{_map(plan)}{_table(plan, names)}</section>'
 

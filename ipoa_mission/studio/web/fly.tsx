@@ -1,16 +1,20 @@
 // Flying: first the mission goes on a vehicle; then, deliberately, it is armed and started, by name.
 import { useEffect, useRef, useState } from "preact/hooks";
-import { proved, send, type Studio } from "./store";
-import { seconds } from "./words";
+import type { OrderThen, Reserve } from "./messages";
+import { isMission, proved, send, type Studio } from "./store";
+import { seconds, share } from "./words";
+
+const ORDERS: Record<OrderThen["what"], string> = { hold: "Hold", go_on: "Go on", rtl: "Return now", land: "Land now" };
 
 export function Fly({ now }: { now: Studio }) {
-  const plan = proved(now);
+  const ready = isMission(now) ? isSound(now) : proved(now) !== null;
   const [real, setReal] = useState(false);
   const [link, setLink] = useState("udpin:127.0.0.1:14550");
   const [system, setSystem] = useState<number | null>(null);
   const [listening, setListening] = useState(false);
   useEffect(() => setListening(false), [now.heard, now.troubles]);
   const [speedup, setSpeedup] = useState(5);
+  const [sets, setSets] = useState(false);
   const phase = now.flight?.phase ?? "idle";
   const [open, setOpen] = useState(false);
   useEffect(() => { if (phase !== "idle") setOpen(true); }, [phase]);
@@ -30,11 +34,12 @@ export function Fly({ now }: { now: Studio }) {
               <p class="buttons"><button type="button" disabled={listening} onClick={() => { setListening(true); send({ kind: "listen", link }); }}>{listening ? "listening …" : "Who is there?"}</button></p>
               {now.heard && <ul class="plain">{now.heard.links.map(row => (
                 <li key={row.link + row.system}>{row.system === null ? <>{row.link}: {row.words}</>
-                  : <button type="button" onClick={() => { setLink(row.link); setSystem(row.system); }}>{row.link}: <b>{row.words}</b></button>}</li>))}</ul>}</>
+                  : <button type="button" onClick={() => { setLink(row.link); setSystem(row.system); }}>{row.link}: <b>{row.words}</b></button>}</li>))}</ul>}
+              <label><input type="checkbox" checked={sets} onChange={event => setSets(event.currentTarget.checked)} /> give it the parameters that this was made for, where it has others</label></>
             : <label class="field"><span>So many times as fast</span><input type="number" min="0.5" max="1000" value={speedup} onChange={event => setSpeedup(Number(event.currentTarget.value) || 1)} /><em>×</em></label>}
-          <button type="button" class="strong" disabled={!plan}
-            onClick={() => send({ kind: "upload", link: real ? link : null, system: real ? system : null, speedup })}>Upload</button>
-          {!plan && <p class="note">Only a proved path is uploaded.</p>}
+          <button type="button" class="strong" disabled={!ready}
+            onClick={() => send({ kind: "upload", link: real ? link : null, system: real ? system : null, speedup, set_params: real && sets })}>Upload</button>
+          {!ready && <p class="note">{isMission(now) ? "Only a mission in which the check finds no error is uploaded." : "Only a proved path is uploaded."}</p>}
         </div>
       )}
       {now.flight && <p class="note" role="status">{now.flight.words}</p>}
@@ -46,6 +51,11 @@ export function Fly({ now }: { now: Studio }) {
       {!idle && <button type="button" onClick={() => send({ kind: "do", what: "abandon" })}>{phase === "flying" ? "Stop watching" : "Leave it"}</button>}
     </details>
   );
+}
+
+/** Whether the check of an open mission as it is now found no error, and it has a flight. */
+function isSound({ checked, document }: Studio): boolean {
+  return checked !== null && checked.revision === document?.revision && checked.timeless === null && !checked.flaws.some(flaw => flaw.severity === "error");
 }
 
 /** Who starts a vehicle writes the mission's name, having read what will fly. */
@@ -64,7 +74,7 @@ function Confirm({ now }: { now: Studio }) {
   return (
     <>
       {loaded.remarks.length > 0 && <ul class="plain">{loaded.remarks.map(remark => <li key={remark}>{remark}</li>)}</ul>}
-      {stale && <p class="bad">The scenario was changed after the upload: upload again.</p>}
+      {stale && <p class="bad">It was changed after the upload: upload again.</p>}
       <button type="button" class="danger" disabled={stale} onClick={() => setOpen(true)}>Arm and start …</button>
       {open && (
         <dialog ref={dialog} aria-labelledby="start-title" onCancel={close}>
@@ -72,7 +82,7 @@ function Confirm({ now }: { now: Studio }) {
           <dl>
             <dt>vehicle</dt><dd>{loaded.vehicle}</dd>
             <dt>mission</dt><dd>{loaded.mission}, {loaded.items} items</dd>
-            <dt>proof</dt><dd><code>{loaded.proof}</code></dd>
+            <dt>{isMission(now) ? "check" : "proof"}</dt><dd><code>{loaded.proof}</code></dd>
           </dl>
           {!loaded.built_in && <p class="bad">Its motors will turn. Nobody may stand near it.</p>}
           <label class="field wide"><span>To start it, write <b>{loaded.mission}</b></span>
@@ -85,6 +95,8 @@ function Confirm({ now }: { now: Studio }) {
   );
 }
 
+const isShort = (reserve: Reserve): boolean => reserve.lands != null && reserve.lands < reserve.required!;
+
 function Watched({ now }: { now: Studio }) {
   const seen = now.seen;
   if (!seen) return null;
@@ -95,13 +107,19 @@ function Watched({ now }: { now: Studio }) {
       <div><dt>flying for</dt><dd>{seconds(seen.time_s)}<small>{late === null ? "" : `${Math.abs(late).toFixed(1)} s ${late < 0 ? "ahead of" : "behind"} the estimate`}</small></dd></div>
       <div><dt>items done</dt><dd>{seen.done}<small>of {now.loaded?.items ?? "?"}</small></dd></div>
       <div><dt>height</dt><dd>{seen.up.toFixed(1)} m<small>{seen.speed.toFixed(1)} m/s</small></dd></div>
+      {seen.reserve && <div class={isShort(seen.reserve) ? "bad" : ""}><dt>battery</dt><dd>{share(seen.reserve.left)}{seen.reserve.planned != null && <small>{share(seen.reserve.planned)} planned</small>}</dd></div>}
+      {seen.satellites != null && <div><dt>satellites</dt><dd>{seen.satellites}</dd></div>}
+      {seen.wind && <div><dt>wind</dt><dd>{seen.wind[0].toFixed(1)} m/s<small>from {seen.wind[1]}°</small></dd></div>}
     </dl>
-    {(seen.endings ?? []).map(one => (
-      <p key={one.ending} class={one.clear ? "good" : "bad"}>
-        <button type="button" onClick={() => send({ kind: "end_flight", ending: one.ending })}>{one.ending === "rtl" ? "Return now" : "Land now"}</button>
+    {seen.reserve?.lands != null && <p class={isShort(seen.reserve) ? "bad" : "note"}>It lands with {share(seen.reserve.lands)} ({share(seen.reserve.least!)} to {share(seen.reserve.most!)}) of its battery; {share(seen.reserve.required!)} {isShort(seen.reserve) ? "are required: not enough" : "required"}.</p>}
+    <ul class="plain orders" aria-label="What can be ordered now">{(seen.orders ?? []).map(one => (
+      <li key={one.what} class={one.clear === null ? "" : one.clear ? "good" : "bad"}>
+        <button type="button" onClick={() => send({ kind: "order", what: one.what })}>{ORDERS[one.what]}</button>
         {" "}{one.words}{one.seconds === null ? "" : `, ${seconds(one.seconds)}`}
-      </p>
-    ))}
+      </li>
+    ))}</ul>
+    {(seen.said ?? []).length > 0 && <details><summary class="small">It says: {seen.said![0]}</summary>
+      <ul class="plain">{seen.said!.slice(1).map((words, n) => <li key={n}>{words}</li>)}</ul></details>}
     </>
   );
 }

@@ -63,7 +63,7 @@ function Page() {
           <Outside now={now} />
           <Question now={now} />
           <Verdict now={now} />
-          {isScenario ? <Chosen now={now} /> : <><ChosenItem now={now} /><Items now={now} /><World now={now} /></>}
+          {isScenario ? <Chosen now={now} /> : <><ChosenItem now={now} /><Items now={now} /><World now={now} /><Fly now={now} /></>}
           <Replayed now={now} />
           <Bindings now={now} />
           {isScenario && <Items now={now} />}

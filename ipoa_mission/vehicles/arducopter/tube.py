@@ -1,4 +1,4 @@
-"""The tube of ArduCopter as it was measured; docs/safety.md has the flights."""
+"""The tube of ArduCopter as it was measured; docs/lab/kept.md has the flights."""
 
 from ipoa_mission.forecast.tube.law import DeviationLaw
 from ipoa_mission.forecast.tube.spread import Quantiles

@@ -215,17 +215,6 @@ def _lasting(times: Vector, points: Points, speeds: Vector) -> tuple[Vector, Poi
     return times[lasting], points[lasting], speeds[lasting]
 
 
-def expect_reserve(used: Consumption, battery: Battery) -> None:
-    """Refuse a flight after which less than the reserve is left, or that may empty the battery.
-
-    Raises:
-        NotEnoughBattery: saying what the flight needs and what is left.
-    """
-    refused = shortage(used.between, battery)
-    if refused is not None:
-        raise refused
-
-
 def shortage(used: Interval, battery: Battery) -> NotEnoughBattery | None:
     """Why a flight that takes so much [Wh] is refused; None where it is not.
 

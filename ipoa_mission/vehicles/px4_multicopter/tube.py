@@ -1,4 +1,4 @@
-"""The tube of PX4 as it was measured; docs/safety.md has the flights.
+"""The tube of PX4 as it was measured; docs/lab/kept.md has the flights.
 
 Speed does not drive it: a PX4 at 1.5 m/s lies as far beside its path as one at 9 m/s, because what moves it is what it
 believes of its own position.

@@ -30,7 +30,8 @@ def transects(area: Area, spacing: float, home: Geodetic) -> Points:
     }
     corners = [[float(a), float(b)] for a, b in zip(latitude, longitude, strict=True)]
     survey = {"complexItemType": "survey", "angle": 0, "polygon": corners, "TransectStyleComplexItem": style}
-    items = [item for item in lay_out(Node("survey", "", survey)) if item.has_position]
+    laid_out, _ = lay_out(Node("survey", "", survey))
+    items = [item for item in laid_out if item.has_position]
     places = [frame.local(Geodetic(item.latitude_deg, item.longitude_deg, home.altitude))[:2] for item in items]
     return np.array(places)
 

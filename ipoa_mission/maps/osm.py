@@ -1,0 +1,154 @@
+"""OpenStreetMap's own XML (.osm), as its Export button and Overpass give it: nodes with tags, ways, multipolygons.
+
+An extract may lack corners of what crosses its edge. Such a thing has no shape here, and is told as one without.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+from xml.etree import ElementTree
+
+import numpy as np
+import shapely
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.maps.feature import Feature, on_earth
+
+#: A closed way with one of these is a line all the same, unless it says that it is an area.
+LINES = {"highway", "barrier", "railway", "waterway", "aerialway", "route", "man_made=pipeline", "power=line"}
+AREAS = {"multipolygon", "building"}  # types of relations that are areas
+UNTOLD = {"created_by", "source"}  # what says nothing of a thing
+LEAST_RING = 4
+NOWHERE = shapely.GeometryCollection()
+
+
+class _Way(NamedTuple):
+    nodes: tuple[str, ...]
+    tags: dict[str, str]
+
+
+class _Relation(NamedTuple):
+    members: tuple[tuple[str, str, str], ...]  # type, id and role
+    tags: dict[str, str]
+
+
+@dataclass
+class _Extract:
+    places: dict[str, tuple[float, float]] = field(default_factory=dict)
+    tagged: dict[str, dict[str, str]] = field(default_factory=dict)
+    ways: dict[str, _Way] = field(default_factory=dict)
+    relations: dict[str, _Relation] = field(default_factory=dict)
+
+
+def read_osm(path: Path) -> tuple[Feature, ...]:
+    """Everything with tags in an .osm file; its shape is empty where the file lacks some of it.
+
+    Raises:
+        BadInput: it is no such file, or a place in it makes no sense.
+    """
+    try:
+        extract = _extract(path)
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be read: {error.strerror or error}") from error
+    except ElementTree.ParseError as error:
+        raise BadInput(f"{path}: expected OpenStreetMap's XML: {error}") from error
+    except (LookupError, ValueError) as error:  # of an encoding that nobody knows, or of several bytes
+        raise BadInput(f"{path}: expected XML in an encoding such as UTF-8: {error}") from error
+    features = tuple(_features(extract, path))
+    if not features:
+        raise BadInput(f"{path}: expected things with tags, but there are none")
+    return features
+
+
+def _extract(path: Path) -> _Extract:
+    extract, root = _Extract(), None
+    for event, element in ElementTree.iterparse(path, ("start", "end")):
+        if root is None:
+            root = element
+            if root.tag != "osm":
+                raise BadInput(f"{path}: expected OpenStreetMap's XML, <osm>, not <{root.tag[:40]}>")
+        if event == "end" and element.tag in ("node", "way", "relation"):
+            _take(element, extract, path)
+            root.clear()
+    return extract
+
+
+def _take(element: ElementTree.Element, extract: _Extract, path: Path) -> None:
+    number = element.get("id", "")
+    if element.get("action") == "delete" or element.get("visible") == "false":
+        return
+    tags = {tag.get("k", ""): tag.get("v", "").strip() for tag in element.iterfind("tag") if tag.get("v", "").strip()}
+    if element.tag == "node":
+        extract.places[number] = _degrees(element, "lon", path), _degrees(element, "lat", path)
+        if tags.keys() - UNTOLD:
+            extract.tagged[number] = tags
+    elif element.tag == "way":
+        extract.ways[number] = _Way(tuple(one.get("ref", "") for one in element.iterfind("nd")), tags)
+    elif tags.get("type") in AREAS:
+        members = element.iterfind("member")
+        told = tuple((one.get("type", ""), one.get("ref", ""), one.get("role", "")) for one in members)
+        extract.relations[number] = _Relation(told, tags)
+
+
+def _degrees(element: ElementTree.Element, key: str, path: Path) -> float:
+    try:
+        value = float(element.get(key, ""))
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise BadInput(f"{path}: node {element.get('id')}: expected its {key} in degrees")
+    return value
+
+
+def _features(extract: _Extract, path: Path) -> Iterator[Feature]:
+    for number, tags in extract.tagged.items():
+        yield _feature("node", number, tags, shapely.Point(extract.places[number]), path)
+    for number, way in extract.ways.items():
+        if way.tags.keys() - UNTOLD:
+            yield _feature("way", number, way.tags, _shape_of(way, extract), path)
+    for number, relation in extract.relations.items():
+        if relation.tags.keys() - UNTOLD - {"type"}:
+            yield _feature("relation", number, relation.tags, _area_of(relation, extract), path)
+
+
+def _feature(sort: str, number: str, tags: dict[str, str], shape: Any, path: Path) -> Feature:
+    place = f"{path}: {sort} {number}"
+    on_earth(shapely.get_coordinates(shape), place)
+    return Feature(place, shape, {**tags, "@id": f"{sort}/{number}"})
+
+
+def _corners(way: _Way, extract: _Extract) -> Sequence[tuple[float, float]] | None:
+    """Where a way leads; None where a part of it is not in the extract."""
+    corners = [extract.places[node] for node in way.nodes if node in extract.places]
+    return corners if len(corners) == len(way.nodes) > 1 else None
+
+
+def _shape_of(way: _Way, extract: _Extract) -> Any:
+    corners, tags = _corners(way, extract), way.tags
+    if corners is None:
+        return NOWHERE
+    told = {*tags, *(f"{key}={value}" for key, value in tags.items())}
+    is_area = tags.get("area") != "no" and (tags.get("area") == "yes" or not told & LINES)
+    is_ring = way.nodes[0] == way.nodes[-1] and len(corners) >= LEAST_RING
+    return shapely.Polygon(corners) if is_ring and is_area else shapely.LineString(corners)
+
+
+def _area_of(relation: _Relation, extract: _Extract) -> Any:
+    """What the ways of a relation go round, less what its inner ones do; nothing where they do not close."""
+    rings: dict[bool, list[Any]] = {True: [], False: []}
+    for sort, number, role in relation.members:
+        if sort != "way" or role not in ("", "outer", "outline", "inner"):
+            continue  # a label, or a part of a building, which is a thing of its own
+        corners = _corners(extract.ways[number], extract) if number in extract.ways else None
+        if corners is None:
+            return NOWHERE
+        rings[role != "inner"].append(shapely.LineString(corners))
+    areas = {}
+    for is_outer, lines in rings.items():
+        found, cuts, dangles, invalid = shapely.polygonize_full(np.array(lines, object))
+        if any(not shapely.is_empty(rest) for rest in (cuts, dangles, invalid)):
+            return NOWHERE
+        areas[is_outer] = shapely.union_all(shapely.get_parts(found))
+    return shapely.difference(areas[True], areas[False])

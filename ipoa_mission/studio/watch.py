@@ -1,0 +1,197 @@
+"""A flight as the page sees it: where the vehicle is, what each order would do now, what is left of its battery."""
+
+import math
+import queue
+import time
+from collections import deque
+from collections.abc import Iterator
+from contextlib import suppress
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.flight.procedure import Stage
+from ipoa_mission.forecast.endings_now import EndingsNow
+from ipoa_mission.forecast.energy import budget_of
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.link.messages import Message, Text
+from ipoa_mission.link.telemetry import Gps, Position, WindEstimate, WindVelocity
+from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.studio.flight_answers import OrderThen, Reserve, Seen, State
+from ipoa_mission.studio.harness import Answer, Order
+from ipoa_mission.studio.vocabulary import InFlight
+from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.world.frame import Geodetic
+
+SEEN_EVERY_S = 0.2  # the vehicle's place is told no more often than this, by its own clock
+THEN_EVERY_S = 1.0  # what an order would do, no more often than this
+AWAY = 10.0  # so far from where it was to be nobody has looked at what an order would do [m]
+SAID = 6  # words of the vehicle that are kept
+ORDERED: dict[InFlight, Ending] = {"hold": Ending.HOLD, "rtl": Ending.RTL, "land": Ending.LAND}
+NO_WORLD = "no scenario says what stands here"
+ELSEWHERE = "it is not on its way: nobody has looked from here"
+NO_MODEL = "nothing is known of how it flies"
+
+
+class Watch:
+    """Hears a vehicle in flight and tells the page; gives it the orders of the page, which are in `beside`.
+
+    `speedup`: the built-in autopilot, which knows no clock, is so many times as fast as real.
+    """
+
+    def __init__(
+        self,
+        forecast: Forecast,
+        vehicle: Vehicle,
+        answer: Answer,
+        speedup: float | None,
+        beside: "queue.SimpleQueue[Order]",
+    ) -> None:
+        self._forecast, self._vehicle, self._answer = forecast, vehicle, answer
+        self._speedup, self._beside = speedup, beside
+        self._endings: EndingsNow | None = None
+        self._unknown = NO_WORLD if forecast.scenario is None else NO_MODEL
+        if forecast.scenario is not None:
+            with suppress(MissionError):
+                self._endings = EndingsNow(forecast, tuple(ORDERED.values()))
+        self._budget = None if forecast.scenario is None else budget_of(forecast)
+        self._expected = {item.seq - 1: item.done_s for item in forecast.estimate.items}
+        self._then: tuple[tuple[OrderThen, ...], Reserve | None] = ((), None)
+        self._then_s, self._told_s = -THEN_EVERY_S, -SEEN_EVERY_S
+        self._words = ""
+        self._said: deque[str] = deque(maxlen=SAID)
+        self._satellites: int | None = None
+        self._wind: tuple[float, float] | None = None
+        self._begun: tuple[float, float] | None = None
+
+    @property
+    def is_held(self) -> bool:
+        """Whether it holds its place."""
+        vehicle = self._vehicle
+        return vehicle.order.is_paused or vehicle.state.custom_mode == vehicle.autopilot.modes.hold
+
+    def hear(self, message: Message) -> None:
+        """One message of the vehicle; one that does not say where it is may have to land all the sooner."""
+        with suppress(queue.Empty):
+            self._order(self._beside.get_nowait()["what"])
+        vehicle = self._vehicle
+        words = vehicle.changed or vehicle.order.words
+        words = words or ("it holds its place" if self.is_held else vehicle.interrupted)
+        if words != self._words:
+            self._words = words
+            self._answer(State(phase="flying", words=words or Stage.START))
+        match message:
+            case Text(_, text):
+                self._said.appendleft(text.strip())
+            case Gps():
+                self._satellites = message.satellites_visible
+            case WindEstimate():
+                self._wind = round(message.speed, 1), round(message.direction_deg % 360.0)
+            case WindVelocity((north, east, _)):
+                self._wind = round(math.hypot(north, east), 1), round(math.degrees(math.atan2(-east, -north)) % 360.0)
+            case Position() if vehicle.state.armed and message.time_s - self._told_s >= SEEN_EVERY_S:
+                self._told_s = message.time_s
+                self._keep_pace(message.time_s)
+                record = vehicle.record()
+                if record.path:
+                    self._answer(self._seen(message, record))
+
+    def _seen(self, at: Position, record: FlightRecord) -> Seen:
+        reached = record.item_reached_s
+        last = max(reached, default=None)
+        orders, reserve = self._orders_then(at, record.path[-1].time_s)
+        return Seen(
+            time_s=round(record.path[-1].time_s, 2),
+            place=(at.longitude_deg, at.latitude_deg),
+            up=round(at.height, 2),
+            speed=round(record.path[-1].speed, 2),
+            done=0 if last is None else last + 1,
+            flown_s=None if last is None else round(reached[last], 2),
+            expected_s=None if last is None else round(self._expected.get(last, reached[last]), 2),
+            held=self.is_held,
+            orders=orders,
+            reserve=reserve,
+            satellites=self._satellites,
+            wind=self._wind,
+            said=tuple(self._said),
+        )
+
+    def _orders_then(self, at: Position, time_s: float) -> tuple[tuple[OrderThen, ...], Reserve | None]:
+        state = self._vehicle.state
+        if not state.in_air:
+            return (), None if state.battery_left is None else Reserve(left=state.battery_left)
+        if time_s - self._then_s >= THEN_EVERY_S:
+            self._then_s, now = time_s, time_s
+            unknown = self._unknown
+            if self._endings is not None:
+                place = self._forecast.frame.local(Geodetic(at.latitude_deg, at.longitude_deg, at.altitude))
+                now, aside = self._endings.time_at(place, time_s)
+                is_away = aside > AWAY or (self._vehicle.interrupted and not self.is_held)
+                unknown = ELSEWHERE if is_away else ""
+            self._then = tuple(self._each_order(now, unknown)), self._reserve(now, bool(unknown))
+        return self._then
+
+    def _each_order(self, now: float, unknown: str) -> Iterator[OrderThen]:
+        """What can be ordered, and what it would do at a time of the forecast, or why that is `unknown`."""
+        mode, modes = self._vehicle.state.custom_mode, self._vehicle.autopilot.modes
+        done = {"hold": self.is_held, "rtl": mode in modes.returns, "land": mode in modes.lands}
+        offered: list[InFlight] = [what for what in ORDERED if not done[what]]
+        if self.is_held:
+            yield self._go_on(now, unknown)
+        if unknown or self._endings is None:
+            yield from (OrderThen(what=what, clear=None, words=unknown, seconds=None) for what in offered)
+            return
+        told = {row.ending: (row, seconds) for row, seconds in self._endings.at(now)}
+        for what in offered:
+            row, seconds = told[ORDERED[what]]
+            words = f"{row.leads}: {row.keeps}"
+            yield OrderThen(
+                what=what, clear=row.clear, words=words, seconds=None if seconds is None else round(seconds, 1)
+            )
+
+    def _go_on(self, now: float, unknown: str) -> OrderThen:
+        """It goes on as it was planned, if it stands where it was to be."""
+        left = self._forecast.estimate.total_s - now
+        current = self._vehicle.state.current
+        item = "" if current is None else f" with item {current.seq + 1 - self._vehicle.autopilot.counts_home}"
+        seconds = None if unknown else round(max(left, 0.0), 1)
+        return OrderThen(what="go_on", clear=None, words=unknown or f"as planned{item}", seconds=seconds)
+
+    def _reserve(self, now: float, is_elsewhere: bool) -> Reserve | None:
+        left = self._vehicle.state.battery_left
+        if left is None:
+            return None
+        plan = None if self._budget is None or is_elsewhere else self._budget.against_plan(left, now)
+        if plan is None:
+            return Reserve(left=left)
+        lands = plan.lands
+        return Reserve(
+            left=left,
+            planned=round(plan.planned, 3),
+            lands=round(lands.likely, 3),
+            least=round(lands.low, 3),
+            most=round(lands.high, 3),
+            required=plan.reserve,
+        )
+
+    def _order(self, what: InFlight) -> None:
+        """Order it; what becomes of that is told as the vehicle's state."""
+        order, modes = self._vehicle.order, self._vehicle.autopilot.modes
+        match what:
+            case "hold":
+                order.hold()
+            case "go_on":
+                order.go_on()
+            case "rtl":
+                order.give(modes.returning)
+            case "land":
+                order.give(min(modes.lands))
+
+    def _keep_pace(self, now_s: float) -> None:
+        if self._speedup is None:
+            return
+        if self._begun is None:
+            self._begun = (now_s, time.monotonic())
+        first_s, begun = self._begun
+        ahead = (now_s - first_s) / self._speedup - (time.monotonic() - begun)
+        if ahead > 0:
+            time.sleep(ahead)

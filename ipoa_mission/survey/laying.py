@@ -1,0 +1,128 @@
+"""From what a scenario asks of its survey to the lines that see its area; and these at once, without a flight."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.planning.obstruction import NoPath
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.survey import SurveySection
+from ipoa_mission.survey.area import Area
+from ipoa_mission.survey.corridor import corridor_tour, where_allowed
+from ipoa_mission.survey.cover import quickest_tour
+from ipoa_mission.survey.coverage import Coverage, coverage
+from ipoa_mission.survey.keep_out import SPARE, keep_out, tube
+from ipoa_mission.survey.sight import Sight, sight_of
+from ipoa_mission.survey.times import LegTimes
+from ipoa_mission.survey.tour import Tour
+
+
+@dataclass(frozen=True, eq=False)
+class SurveySketch:
+    """Lines as they are laid first: no flight flies them yet, and nothing of them is proved.
+
+    `seconds` is about how long they take with the ways between them, from start to end and nothing else.
+    """
+
+    area: Area
+    sight: Sight
+    keep_out: Any | None
+    tour: Tour
+    coverage: Coverage
+    seconds: float
+
+
+def sketch_survey(scenario: Scenario) -> SurveySketch:
+    """The lines of a scenario's survey, for who is still moving things about.
+
+    Raises:
+        BadInput: the scenario has no survey, or one that makes no sense.
+        NoPath: it is too low, or obstacles leave nothing of the area.
+        MissionError: no time is known of its lines, or no way leads between them.
+    """
+    section, area = expect_survey(scenario)
+    sight = sight_of(section, area, scenario)
+    expect_high_enough(sight, scenario)
+    outside = keep_out(scenario, sight, {})
+    with threadpool_limits(1, "blas"):
+        tour = lay_lines(scenario, section, area, sight, outside)
+        seconds = leg_times(scenario, sight).seconds(tour.path)
+    return SurveySketch(area, sight, outside, tour, coverage(area, tour, sight.spacing, outside), seconds)
+
+
+def expect_survey(scenario: Scenario) -> tuple[SurveySection, Area]:
+    """What is asked of a scenario's survey, and its area.
+
+    Raises:
+        BadInput: it has none.
+    """
+    section, area = scenario.survey, scenario.survey_area
+    if section is None or area is None:
+        raise BadInput("survey: expected in the scenario, but not there")
+    return section, area
+
+
+def expect_high_enough(sight: Sight, scenario: Scenario) -> None:
+    """Refuse a height above ground at which flights would come too near to it.
+
+    Raises:
+        NoPath: saying from what height on they would not.
+    """
+    needed = scenario.limits.height_above_ground + tube(scenario).down + 2 * SPARE
+    if sight.least < needed:
+        raise NoPath(
+            f"survey: {sight.least:g} m above the ground is too near to it, at least {needed:.2f} m required",
+            hint="fly higher (survey.height_above_ground, or a larger survey.gsd_cm)",
+        )
+
+
+def lay_lines(scenario: Scenario, section: SurveySection, area: Area, sight: Sight, outside: Any | None) -> Tour:
+    """The quickest lines over what obstacles leave of the area.
+
+    Raises:
+        NoPath: they leave nothing.
+    """
+    if outside is not None and area.shape.difference(outside).is_empty:
+        raise NoPath(
+            f"survey: obstacles and the clearance to them leave nothing of the area at {sight.least:g} m above ground",
+            hint="fly higher (survey.height_above_ground), or with a smaller safety_distance",
+        )
+    begin = np.array(section.entry or scenario.start_point[:2])
+    middles = section.middles(scenario.frame)
+    if len(middles) == 1 and section.width is not None and section.direction_deg == "best":
+        inside = where_allowed(area, outside)
+        along = corridor_tour(middles[0], section.width, sight.spacing, begin, inside)
+        if along is not None:
+            return along
+    return quickest_tour(
+        area,
+        sight.spacing,
+        cost=leg_times(scenario, sight),
+        keep_out=outside,
+        direction=section.direction_deg,
+        turns_outside=section.turns_outside,
+        begin=begin,
+        end=np.array(section.exit or scenario.goal_point[:2]),
+    )
+
+
+def leg_times(scenario: Scenario, sight: Sight) -> LegTimes:
+    """How long the scenario's vehicle takes for lines, and for the corners between them.
+
+    Raises:
+        MissionError: no time is known of them.
+    """
+    vehicle = scenario.vehicle
+    given = Mission(
+        scenario.frame.home,
+        (),
+        vehicle.autopilot,
+        parameters=vehicle.autopilot_parameters(),
+        vehicle=vehicle.learned,
+        firmware_version=vehicle.version,
+    )
+    return LegTimes.of(given, vehicle.cruise_speed, sight.middle, scenario.wind.air())

@@ -1,0 +1,52 @@
+"""What the page is told of a vehicle in flight, by what the vehicle says."""
+
+import queue
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+pytest.importorskip("pydantic")
+
+from ipoa_mission import Forecast, read_mission
+from ipoa_mission.link.messages import Message, Text
+from ipoa_mission.link.telemetry import Gps, Position, WindEstimate, WindVelocity
+from ipoa_mission.studio.flight_answers import Seen
+from ipoa_mission.studio.watch import Watch
+
+MISSION = Path(__file__).parents[2] / "missions" / "sitl.plan"
+
+
+@pytest.mark.parametrize(
+    ("wind", "told"),
+    [
+        (WindEstimate(-90.0, 3.04), (3.0, 270.0)),  # ArduPilot says from where it blows, up to 180°
+        (WindVelocity((-4.0, 0.0, 0.1)), (4.0, 0.0)),  # PX4 where the air goes: south, so it is a north wind
+        (WindVelocity((0.0, 2.0, 0.0)), (2.0, 270.0)),
+    ],
+)
+def test_wind_satellites_and_words_are_told_with_where_it_is(wind: Message, told: tuple[float, float]) -> None:
+    forecast, heard = Forecast(read_mission(MISSION)), list[Any]()
+    home = forecast.mission.home
+    sample = SimpleNamespace(time_s=20.0, speed=1.0)
+    record = SimpleNamespace(path=[sample], item_reached_s={0: 9.0})
+    state = SimpleNamespace(armed=True, in_air=True, custom_mode=forecast.mission.autopilot.modes.mission)
+    state.battery_left, state.current = 0.6, None
+    vehicle: Any = SimpleNamespace(
+        state=state,
+        autopilot=forecast.mission.autopilot,
+        order=SimpleNamespace(words="", is_paused=False),
+        changed="",
+        interrupted="",
+        record=lambda: record,
+    )
+    watch = Watch(forecast, vehicle, heard.append, None, queue.SimpleQueue())
+    at = Position(20.0, home.latitude_deg, home.longitude_deg, home.altitude + 20.0, 20.0)
+    for message in (Text(6, "Takeoff detected\t"), Text(4, "GPS glitch"), Gps(0.0, 0.0, 0.0, 0.0, 0.0), wind, at):
+        watch.hear(message)
+    seen = heard[-1]
+    assert isinstance(seen, Seen)
+    assert (seen.wind, seen.satellites, seen.said) == (told, 12, ("GPS glitch", "Takeoff detected"))
+    assert seen.reserve is not None
+    assert (seen.reserve.left, seen.reserve.lands) == (0.6, None)

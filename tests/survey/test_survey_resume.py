@@ -1,0 +1,77 @@
+"""What is left of a survey after flights that were broken off: nothing is left out, and little flown twice."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.survey.plan import SurveyPlan, plan_flights, rest_of
+from tests.survey.test_survey_flights import FIELD, LINES, PHOTOS, TOWER, scenario
+
+
+def flown_of(plan: SurveyPlan, flight: int) -> Any:
+    """Where a flight went, east, north, up (n, 3)."""
+    return plan.flights[flight].forecast.estimate.track.points
+
+
+def seen(legs: list[Any], width: float) -> Any:
+    return shapely.union_all([shapely.LineString(leg).buffer(width / 2, quad_segs=32) for leg in legs])
+
+
+@pytest.mark.parametrize("share", [0.3, 0.62])
+def test_a_flight_that_is_broken_off_is_gone_on_with(share: float) -> None:
+    plan = plan_flights(scenario(PHOTOS, obstacles=[TOWER]))
+    path = flown_of(plan, 0)
+    path = path[: int(share * len(path))]
+    rest = rest_of(plan, [path])
+    first, *others = rest.tour.swaths
+    lines = {(*swath.begin, *swath.end): n for n, swath in enumerate(plan.tour.swaths)}
+    at = [lines[(*swath.begin, *swath.end)] for swath in others]  # whole ones
+    assert at == [*range(at[0], len(lines))]
+    begun = plan.tour.swaths[at[0] - 1]
+    assert (first.end == begun.end).all()
+    again = max(plan.sight.trigger or 0.0, plan.sight.along / 2)
+    left_at = path[-1, :2]
+    if shapely.LineString([begun.begin, begun.end]).distance(shapely.Point(left_at)) < 1.0:
+        assert np.linalg.norm(first.begin - left_at) == pytest.approx(again, abs=2.0)
+    legs = [path[:, :2], *([swath.begin, swath.end] for swath in rest.tour.swaths)]
+    area = shapely.Polygon(FIELD).difference(plan.keep_out)
+    unbroken = area.intersection(seen([flown_of(plan, 0)[:, :2]], plan.sight.spacing)).area  # corners are cut
+    assert area.intersection(seen(legs, plan.sight.spacing)).area > unbroken - 5e-4 * area.area > 0.99 * area.area
+    (forecast,) = (flight.forecast for flight in rest.flights)
+    assert not forecast.promise.forbidding
+    assert rest.photos < plan.photos
+
+
+def test_what_is_left_between_two_flights_is_one_flight() -> None:
+    plan = plan_flights(scenario(LINES | {"flights": 3}, obstacles=[TOWER]))
+    rest = rest_of(plan, [flown_of(plan, 0), flown_of(plan, 2)])
+    second = plan.flights[1].tour.swaths
+    left, all_of_it = (sum(swath.length for swath in swaths) for swaths in (rest.tour.swaths, second))
+    assert left == pytest.approx(all_of_it, rel=0.02)
+    assert {(*swath.begin, *swath.end) for swath in rest.tour.swaths} <= {(*s.begin, *s.end) for s in second}
+    ends = rest_of(plan, [flown_of(plan, 1)])
+    every = sum(swath.length for swath in plan.tour.swaths)
+    assert sum(swath.length for swath in ends.tour.swaths) == pytest.approx(every - all_of_it, rel=0.02)
+    assert plan.keep_out is not None
+    assert not shapely.LineString(ends.tour.path).intersects(plan.keep_out.buffer(-0.05))
+    assert ends.tour.length < plan.tour.length  # the way to the last part does not lead along all that was flown
+
+
+def test_only_what_was_flown_along_and_high_enough_counts() -> None:
+    plan = plan_flights(scenario(LINES))
+    whole, path = [swath.length for swath in plan.tour.swaths], flown_of(plan, 0)
+    low = path - np.array([0.0, 0.0, 10.0])
+    beside = path + np.array([0.0, 7.0, 0.0])
+    across, back = np.column_stack([path[:, 1], path[:, 0], path[:, 2]]), path[::-1]
+    for other in (low, beside, across, back):
+        left = rest_of(plan, [other]).tour.swaths
+        assert sum(swath.length for swath in left) > 0.98 * sum(whole)
+
+
+def test_a_survey_that_is_flown_is_done() -> None:
+    plan = plan_flights(scenario(LINES))
+    with pytest.raises(BadInput, match="nothing of it is left"):
+        rest_of(plan, [flown_of(plan, 0)])

@@ -1,0 +1,89 @@
+"""Lines that are shown before a flight is planned: those that the plan has; and how much photos show of each other."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import shapely
+
+from ipoa_mission import plan_survey, read_scenario
+from ipoa_mission.errors import BadInput
+from ipoa_mission.planning.obstruction import NoPath
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.survey.laying import SurveySketch, sketch_survey
+from ipoa_mission.survey.overlap import Overlaps, laid_lines, photo_places, smallest_overlaps
+from ipoa_mission.survey.tour import Tour
+from ipoa_mission.world.ground import Ground
+
+FIELD = [[[20.0, 10.0], [220.0, 10.0], [220.0, 160.0], [20.0, 160.0]], [[60, 40], [90, 40], [90, 70], [60, 70]]]
+HOME = {"latitude_deg": 47.3977, "longitude_deg": 8.5456, "altitude_amsl": 488.0}
+
+
+def scenario(**survey: object) -> Scenario:
+    asked = {"polygon": FIELD, "height_above_ground": 40.0, "direction_deg": 90.0} | survey
+    return Scenario.from_dict({"home": HOME, "survey": asked, "vehicle": {"cruise_speed": 8.0}})
+
+
+@pytest.fixture(scope="module")
+def photographed() -> Scenario:
+    return scenario(camera="DJI Mavic 3E", side_overlap=0.6, front_overlap=0.7)
+
+
+def test_the_lines_at_once_are_those_of_the_plan_and_take_no_longer_than_its_flight(photographed: Scenario) -> None:
+    sketch, survey = sketch_survey(photographed), plan_survey(scenario=photographed)
+    assert [tuple(s.begin) + tuple(s.end) for s in sketch.tour.swaths] == [
+        tuple(s.begin) + tuple(s.end) for s in survey.plan.tour.swaths
+    ]
+    assert sketch.coverage.share == survey.plan.coverage.share > 0.999
+    assert 0.7 * survey.total_s < sketch.seconds < survey.total_s  # take-off, the ways there and home are not in it
+
+
+def test_what_cannot_be_flown_is_refused_at_once_as_the_plan_refuses_it() -> None:
+    low = scenario(line_spacing=20.0, height_above_ground=1.0)
+    for ask in (sketch_survey, lambda scenario: plan_survey(scenario=scenario)):
+        with pytest.raises(NoPath, match="too near to it"):
+            ask(low)
+    with pytest.raises(BadInput, match="survey: expected"):
+        sketch_survey(read_scenario("missions/sitl.toml"))
+
+
+def test_overlaps_are_those_of_the_photos_as_rectangles(photographed: Scenario) -> None:
+    sketch = sketch_survey(photographed)
+    sight, told = sketch.sight, overlaps(sketch, sketch.tour)
+    photo = sight.across * sight.along
+    front = 1.0
+    for swath in sketch.tour.swaths:
+        places = photo_places(swath, sight)
+        assert len(places) == sight.photos(swath.length)
+        boxes = [shapely.box(e - sight.along / 2, 0.0, e + sight.along / 2, sight.across) for e, _ in places]
+        front = min(front, *(one.intersection(other).area / photo for one, other in pairwise(boxes)))
+    assert told.front is not None
+    assert told.front.share >= 0.7 - 1e-9
+    assert told.front.share == pytest.approx(front, abs=2 * sight.lag / sight.along)  # lines lie from west to east
+    rows = np.unique([round(float(swath.begin[1]), 3) for swath in sketch.tour.swaths])
+    strips = [shapely.box(0.0, north - sight.across / 2, 1.0, north + sight.across / 2) for north in rows]
+    sides = [one.intersection(other).area / sight.across for one, other in pairwise(strips)]
+    assert told.side is not None
+    assert told.side.share == pytest.approx(min(sides), abs=1e-3)
+    assert told.side.share >= 0.6 - 1e-9
+
+
+def test_a_line_that_is_left_out_shows_in_the_smallest_overlap(photographed: Scenario) -> None:
+    sketch = sketch_survey(photographed)
+    rows = sorted({round(float(swath.begin[1]), 3) for swath in sketch.tour.swaths})
+    left = [swath for swath in sketch.tour.swaths if round(float(swath.begin[1]), 3) != rows[-3]]
+    told = overlaps(sketch, Tour(tuple(left), ())).side
+    assert told is not None
+    assert told.share == pytest.approx(1 - (rows[-2] - rows[-4]) / sketch.sight.across, abs=1e-3)
+    assert rows[-4] - 1 < told.at[1] < rows[-2] + 1
+
+
+def test_without_a_camera_there_is_no_overlap() -> None:
+    sketch = sketch_survey(scenario(line_spacing=20.0))
+    assert overlaps(sketch, sketch.tour) == Overlaps(None, None)
+    assert len(photo_places(sketch.tour.swaths[0], sketch.sight)) == 0
+
+
+def overlaps(sketch: SurveySketch, tour: Tour) -> Overlaps:
+    ground = Ground()
+    return smallest_overlaps([*laid_lines(tour, sketch.sight, ground)], sketch.sight, ground, sketch.area.shape)
