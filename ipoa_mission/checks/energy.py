@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.forecast.energy import NoReturn, budget_of
+from ipoa_mission.forecast.energy import NEARER, budget_of
 from ipoa_mission.forecast.forecast import Forecast
 
 
@@ -25,12 +25,9 @@ def check_energy(forecast: Forecast) -> Iterator[Finding]:
         words = f"the flight takes {taken.low:.1f} to {taken.high:.1f} Wh, {budget.battery.usable_wh:.1f} Wh are there"
         yield Finding("battery-unsure", Severity.WARNING, None, f"{words} without the reserve")
     if (late := budget.no_return) is not None:
-        yield Finding("battery-no-return", Severity.WARNING, late.seq, _late(late))
+        severity = Severity.ERROR if budget.plans_returns else Severity.WARNING
+        yield Finding("battery-no-return", severity, late.seq, str(late), NEARER if budget.plans_returns else None)
 
 
 def _of_item(seq: int | None, words: str) -> str:
     return words if seq is None else f"{words}; not enough from item {seq} on"
-
-
-def _late(late: NoReturn) -> str:
-    return f"item {late.seq}: not enough for an RTL from {late.time:.0f} s after arming on: {late.why}"

@@ -12,7 +12,7 @@ from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import make_folder, write_atomically
-from ipoa_mission.finding import Finding
+from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.flight.summary import (
     as_text,
     clearance_as_json,
@@ -24,7 +24,7 @@ from ipoa_mission.flight.summary import (
     rounded,
     route_summary,
 )
-from ipoa_mission.forecast.energy import Budget, budget_of, shortage_of
+from ipoa_mission.forecast.energy import Budget, budget_of, refusal_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.qgroundcontrol import COUNTS
@@ -52,6 +52,7 @@ from ipoa_mission.wind import Wind
 if TYPE_CHECKING:
     from ipoa_mission.link.logbook import FlightRecord
 
+OF_BATTERY = frozenset({"battery-short", "battery-no-return"})  # flights of one battery each have neither
 log = logging.getLogger(__name__)
 
 
@@ -203,7 +204,7 @@ def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, 
             a survey.
         NoPath, NoRoute: no safe way was found.
         Unsafe: the mission fails a check.
-        NotEnoughBattery: it would not come home with its reserve.
+        NotEnoughBattery: it would not come home with its reserve; with planned returns, not from every second.
 
     Example:
         >>> from ipoa_mission import plan_flight, read_scenario
@@ -217,7 +218,7 @@ def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, 
         )
     with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
         flight = _plan_flight(scenario if wind is None else scenario.in_wind(wind), seed, progress)
-    if (short := shortage_of(flight.forecast)) is not None:
+    if (short := refusal_of(flight.forecast)) is not None:
         raise short
     return flight
 
@@ -246,7 +247,9 @@ def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     options = weigh_routes(plan, scenario, found.route)
     mission = forecast.mission
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
-    findings = refuse_errors([finding for finding in check(forecast) if finding.code != "battery-short"])
+    told = check(forecast)
+    refuse_errors([finding for finding in told if finding.code not in OF_BATTERY])
+    findings = tuple(finding for finding in told if finding.severity is Severity.WARNING)
     messages = (words for finding in findings for words in (finding.message, finding.hint) if words)
     planned = (
         *slowed_stretches(forecast),

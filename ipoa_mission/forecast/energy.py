@@ -16,6 +16,7 @@ from ipoa_mission.vehicles.energy.flight import LIFTED, Battery, Consumption, In
 
 LOOKS = 12  # at so many times a return is reckoned at first
 NEAREST_S = 1.0  # a point of no return is told so exactly [s]
+NEARER = 'a rally point near there, a shorter way, a larger battery, less wind; or [safety] returns = "warn"'
 
 
 class ItemEnergy(NamedTuple):
@@ -36,6 +37,9 @@ class NoReturn(NamedTuple):
     seq: int
     takes: Interval | None
     why: str
+
+    def __str__(self) -> str:
+        return f"item {self.seq}: not enough for an RTL from {self.time:.0f} s after arming on: {self.why}"
 
 
 class ReserveNow(NamedTuple):
@@ -101,6 +105,18 @@ class Budget:
     def shortage(self) -> NotEnoughBattery | None:
         """Why the flight is refused for its energy; None where it is not."""
         return None if self.battery is None else shortage(self.used.between, self.battery)
+
+    @property
+    def refusal(self) -> NotEnoughBattery | None:
+        """Why the flight is not to be planned: for its energy, or, where returns are planned, for that of an RTL."""
+        if self.shortage is None and self.plans_returns and self.no_return is not None:
+            return NotEnoughBattery(f"battery: {self.no_return}", hint=NEARER)
+        return self.shortage
+
+    @property
+    def plans_returns(self) -> bool:
+        """Whether an RTL is to be possible from every second."""
+        return self.forecast.world.safety.returns == "planned"
 
     @property
     def eats_reserve(self) -> bool:
@@ -172,6 +188,12 @@ def budget_of(forecast: Forecast) -> Budget | None:
         MissionError: the vehicle has no model, or does not get on.
     """
     return forecast.once(_budget)
+
+
+def refusal_of(forecast: Forecast) -> NotEnoughBattery | None:
+    """Why a flight is not to be planned, its returns and all; else as `shortage_of`, and raises as it does."""
+    budget = budget_of(forecast)
+    return None if budget is None else budget.refusal
 
 
 def shortage_of(forecast: Forecast) -> NotEnoughBattery | None:

@@ -8,12 +8,14 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
-from ipoa_mission.forecast.endings import Endings
+from ipoa_mission.forecast.endings import Endings, endings_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.looks import RETURNS, EndingWays
 from ipoa_mission.forecast.shortfalls import HIGHEST, Shortfall, at_another_height, returning, shortfalls
 from ipoa_mission.routing.rally import rally_sets
 from ipoa_mission.vehicles.ending import Ending
+
+NAMED = 3  # things on which it may come down
 
 
 def settled(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
@@ -87,3 +89,19 @@ def planned_returns(forecast: Forecast) -> Iterator[str]:
         places = (forecast.frame.local(replace(p, altitude=mission.home.altitude)) for p in mission.rally)
         words = "; ".join(f"east {east:.0f}, north {north:.0f} m" for east, north, _ in places)
         yield f"RTL is clear from every second by rally points, at {words}: they are uploaded with the mission"
+    if scenario.safety.returns == "planned" and Ending.LAND in endings_of(forecast):
+        yield from _lands_on(forecast)
+
+
+def _lands_on(forecast: Forecast) -> Iterator[str]:
+    """For how long LAND where it is may come down on something, which is not planned away."""
+    endings = forecast.once(Endings)
+    rows = [row for row in endings.rows(Ending.LAND, timed=False) if not row.clear]
+    if rows:
+        begin, end = endings.in_air
+        seconds, names = sum(row.to_s - row.from_s for row in rows), list(dict.fromkeys(row.to for row in rows))
+        others = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+        yield (
+            f"LAND where it is is not planned: in {seconds:.0f} of {end - begin:.0f} s in the air it may come down on "
+            f"or too near {', '.join(names[:NAMED])}{others} (`check --endings` says when)"
+        )

@@ -10,7 +10,7 @@ from dataclasses import replace
 from ipoa_mission.checks.check import check
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Severity
-from ipoa_mission.forecast.energy import budget_of, shortage_of
+from ipoa_mission.forecast.energy import budget_of, refusal_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.commands import ENDINGS, TAKEOFFS, Command, Frame
 from ipoa_mission.mission.items import Item, Mission, camera_trigger, return_to_launch, waypoint
@@ -70,7 +70,7 @@ def split_flight(whole: Forecast) -> tuple[Forecast, ...]:
     budget = budget_of(whole)
     if budget is None or budget.battery is None:
         raise BadInput("vehicle.battery: expected one, and an airframe or a learned vehicle, to split a mission by")
-    if budget.shortage is None:
+    if budget.refusal is None:
         return (whole,)
     parts, flights, begin, legs = _Parts(whole), list[Forecast](), 0, 1
     while begin < parts.last:
@@ -120,11 +120,11 @@ class _Parts:
 
         def fits(waypoints: int) -> bool:
             straight[begin + waypoints] = flight = self.part(begin, begin + waypoints)
-            return shortage_of(flight) is None
+            return refusal_of(flight) is None
 
         reached = begin + most(fits, self.last - begin, guess)
         if reached == begin:
-            short = shortage_of(straight[begin + 1])
+            short = refusal_of(straight[begin + 1])
             assert short is not None
             raise type(short)(f"item {self.turns[begin] + 1} is too far for one battery: {short}", hint=short.hint)
         why: MissionError | None = None

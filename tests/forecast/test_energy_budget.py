@@ -44,8 +44,15 @@ def budget(capacity: float | None = None, wind: Wind = CALM, learned: bool = Tru
     return found
 
 
-def codes(capacity: float) -> dict[str, Severity]:
+def planning(forecast: Forecast) -> Forecast:
+    """The same in a scenario whose returns are to be planned."""
+    safety = forecast.world.safety.model_copy(update={"returns": "planned"})
+    return Forecast(forecast.given, forecast.world.model_copy(update={"safety": safety}), forecast.wind)
+
+
+def codes(capacity: float, planned: bool = False) -> dict[str, Severity]:
     forecast = budget(capacity).forecast
+    forecast = planning(forecast) if planned else forecast
     return {finding.code: finding.severity for finding in check_mission(forecast.mission, forecast.scenario)}
 
 
@@ -105,9 +112,23 @@ def _return(time: float) -> float:
     return used.energy_wh
 
 
+def test_where_returns_are_planned_one_that_the_battery_is_not_enough_for_is_refused() -> None:
+    late = budget(14.2)
+    assert late.refusal is None
+    assert late.no_return is not None
+    refused = budget_of(planning(late.forecast))
+    assert refused is not None
+    assert str(refused.refusal) == f"battery: {late.no_return}"
+    assert "item 4: not enough for an RTL from" in str(late.no_return)
+    enough = budget_of(planning(budget(60.0).forecast))
+    assert enough is not None
+    assert enough.refusal is None
+
+
 def test_the_check_tells_of_a_shortage_of_what_is_unsure_and_of_a_return_that_is_too_late() -> None:
     assert not [code for code in codes(60.0) if code.startswith("battery")]
     assert codes(14.2)["battery-no-return"] is Severity.WARNING
+    assert codes(14.2, planned=True)["battery-no-return"] is Severity.ERROR
     takes = budget().used.between
     tight = (takes.likely + takes.high) / 2 / 0.8
     assert codes(tight)["battery-unsure"] is Severity.WARNING

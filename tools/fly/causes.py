@@ -10,9 +10,9 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 class Trigger:
     """A cause, parameters `before` the flight, and what makes it act: parameters, a command, silence, or sticks.
 
-    `silent`: the ground station says nothing more. `sticks`: they are moved until then, by MAVLink. `fails`: unit and
-    type of MAV_CMD_INJECT_FAILURE. `traffic`: an aircraft is told of, on its way to the vehicle. `over_terrain`: the
-    mission's waypoints count from the ground below them.
+    `silent`: the ground station says nothing more. `sticks`: they are moved until then, by MAVLink. `fails`: unit, type
+    and number of MAV_CMD_INJECT_FAILURE. `traffic`: an aircraft is told of, on its way to the vehicle. `over_terrain`:
+    the mission's waypoints count from the ground below them.
     """
 
     cause: str
@@ -20,7 +20,7 @@ class Trigger:
     then: Mapping[str, float] = field(default_factory=dict)
     silent: bool = False
     sticks: bool = False
-    fails: tuple[int, int] | None = None
+    fails: tuple[int, int, int] | None = None
     traffic: bool = False
     over_terrain: bool = False
 
@@ -104,7 +104,8 @@ FENCE_ROUND = {"GF_MAX_HOR_DIST": 20.0}
 BATTERY = {"SIM_BAT_MIN_PCT": 50.0}
 NEARLY = {"BAT_CRIT_THR": 0.95, "BAT_LOW_THR": 0.99}
 GONE = {"BAT_EMERGEN_THR": 0.94, "BAT_CRIT_THR": 0.95, "BAT_LOW_THR": 0.99}
-BATTERY_OFF = (100, 1)  # FAILURE_UNIT_SYSTEM_BATTERY, FAILURE_TYPE_OFF
+BATTERY_OFF = (100, 1, 0)  # FAILURE_UNIT_SYSTEM_BATTERY, FAILURE_TYPE_OFF
+MOTOR_OFF = (101, 1, 1)  # FAILURE_UNIT_SYSTEM_MOTOR
 SEES_WIND = {"EKF2_DRAG_CTRL": 1, "COM_WIND_MAX": 50.0}
 
 PX4 = (
@@ -151,6 +152,12 @@ PX4 = (
     Trigger("propeller out of balance", {"COM_IMB_PROP_ACT": 1}, {"FD_IMB_PROP_THR": 1}),
     Trigger("propeller out of balance", {"COM_IMB_PROP_ACT": 2}, {"FD_IMB_PROP_THR": 1}),
     Trigger("flight time left is short", {"COM_FLTT_LOW_ACT": 3, "BAT1_CAPACITY": 9000.0}, {"BAT1_CAPACITY": 40.0}),
+    Trigger("attitude or motor failure", {"SYS_FAILURE_EN": 1, "CBRK_FLIGHTTERM": 0}, fails=MOTOR_OFF),
+    Trigger("fence breached", {"GF_ACTION": 4}, FENCE_UP),
+    Trigger("fence breached", {"GF_ACTION": 5}, FENCE_ROUND),
+    Trigger("radio control lost", {**JOYSTICK, "NAV_RCL_ACT": 5}, sticks=True),
+    Trigger("position inaccurate", {"COM_POS_LOW_EPH": 500.0, "COM_POS_LOW_ACT": 4}, {"COM_POS_LOW_EPH": 0.01}),
+    Trigger("wind too strong", {**SEES_WIND, "COM_WIND_MAX_ACT": 4}, {"COM_WIND_MAX": 0.01}),
 )
 
 TRIGGERS: Mapping[Autopilot, tuple[Trigger, ...]] = {Autopilot.ARDUPILOT: COPTER, Autopilot.PX4: PX4}

@@ -157,7 +157,7 @@ class Breaker:
         if trigger.silent:
             self.vehicle.line._next_heartbeat = math.inf  # type: ignore[attr-defined]
         if trigger.fails is not None:
-            fails = (*map(float, trigger.fails), 0.0, 0.0, 0.0, 0.0, 0.0)
+            fails = (*map(float, trigger.fails), 0.0, 0.0, 0.0, 0.0)
             self._say(CommandLong(INJECT_FAILURE, fails))  # type: ignore[arg-type]
         for name, value in trigger.then.items():
             kind = INT32 if isinstance(value, int) else REAL32

@@ -262,6 +262,7 @@ def spoiled(order: Mapping[str, Any], flight: EndedFlight) -> str:
         return "the order was not heard before it stood"
     ends = flight.ended_s if math.isfinite(flight.ended_s) else math.inf
     noticed = SILENCE_S if "ground station lost" in str(order.get("cause", "")) else NOTICED_S
+    noticed += float(order.get("before", {}).get("COM_RC_LOSS_T", 0.0))
     if math.isnan(left) and ends - ordered < noticed and not flight.stopped:
         return "it stood before the cause could be noticed"
     return ""
