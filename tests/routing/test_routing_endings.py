@@ -70,7 +70,7 @@ def kept_by_dense_sampling(flight: Flight) -> float:
 
 
 @pytest.mark.parametrize("autopilot", registered())
-@pytest.mark.parametrize("seed", [1, 4])
+@pytest.mark.parametrize("seed", [1, pytest.param(4, marks=pytest.mark.long)])
 def test_among_towers_every_return_keeps_its_distance_by_another_geometry(autopilot: Autopilot, seed: int) -> None:
     flight = plan_flight(towers(autopilot, seed), seed=0)
     assert all(row.clear for ending in PLANNED for row in Endings(flight.forecast).rows(ending, timed=False))
