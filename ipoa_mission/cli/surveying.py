@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 Piloted: TypeAlias = "tuple[Job, tuple[str, ...], FlightRecord]"
 #: Flies a job, every frame into a log.
 Pilot: TypeAlias = "Callable[[Job, Path], Piloted]"
-SPACING, HEIGHT = 20.0, 40.0  # where neither the command line nor a scenario says more [m]
 OPTION = Path("--survey")  # what errors of a survey without a scenario begin with
 EACH_BY_ITSELF = "plan first, then fly the flights one by one: ipoa-mission fly NAME-1.plan --link URL"
 
@@ -68,6 +67,7 @@ class SurveyOptions:
             BadInput: there is neither scenario nor survey, or what is wrong in them.
         """
         from ipoa_mission.scenario.read import read_scenario, read_table, scenario_of
+        from ipoa_mission.scenario.survey import USUAL_HEIGHT, USUAL_SPACING
 
         given = {
             "height_above_ground": self.height,
@@ -85,9 +85,9 @@ class SurveyOptions:
         own = table.pop("survey", {})
         asked = {**(own if isinstance(own, dict) else {}), **{k: v for k, v in given.items() if v is not None}}
         if asked.keys().isdisjoint({"height_above_ground", "gsd_cm"}):
-            asked["height_above_ground"] = HEIGHT
+            asked["height_above_ground"] = USUAL_HEIGHT
         if asked.keys().isdisjoint({"line_spacing", "camera"}):
-            asked["line_spacing"] = SPACING
+            asked["line_spacing"] = USUAL_SPACING
         for other in ("polygon", "line"):
             asked.pop(other, None)
         rest = {key: value for key, value in table.items() if key not in ("start", "goal", "via")}

@@ -7,6 +7,7 @@ from pydantic import Field, TypeAdapter
 from ipoa_mission.studio.flight_answers import Heard, Landed, Loaded, Seen, State
 from ipoa_mission.studio.mission_answers import Checked, OpenMission
 from ipoa_mission.studio.requests import Change
+from ipoa_mission.studio.survey_answers import CoarseSurvey, SurveyArea, SurveyLayout
 from ipoa_mission.studio.vocabulary import LngLat, Number, PageMessage, Path
 
 
@@ -279,6 +280,27 @@ class Plan(PageMessage):
     took_s: float
 
 
+class SurveyPart(PageMessage):
+    """One flight of a survey: its file, how many lines and photos, and the flight itself as any other plan."""
+
+    file: str
+    lines: int
+    photos: int
+    plan: Plan
+
+
+class PlannedSurvey(PageMessage):
+    """The proved answer to a scenario with a survey: its lines as they are flown, flight by flight."""
+
+    kind: Literal["survey"] = "survey"
+    revision: int
+    layout: SurveyLayout
+    flights: tuple[SurveyPart, ...]
+    total_s: float
+    energy_wh: Number
+    took_s: float
+
+
 class StartFile(PageMessage):
     """A file that can be opened."""
 
@@ -352,6 +374,9 @@ Answer: TypeAlias = Annotated[
     | Sketch
     | Progress
     | Plan
+    | SurveyArea
+    | CoarseSurvey
+    | PlannedSurvey
     | OpenMission
     | Checked
     | Beginning

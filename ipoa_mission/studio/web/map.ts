@@ -4,15 +4,16 @@ import type { Line, Trouble, World } from "./messages";
 import { color, onSchemeChange } from "./colors";
 import { hillshade } from "./hillshade";
 import * as shapes from "./shapes";
-import { blocking, coarseOf, isMission, isNamed, listen, proved, set, studio, type LngLat, type Studio } from "./store";
+import { drawSurvey, groundLayers, lineLayers, photoLayers, SURVEY_FLAT, SURVEY_KEYS, SURVEY_SOURCES, SURVEY_SPACE } from "./survey-map";
+import { blocking, coarseOf, isMission, isNamed, isWritten, listen, proved, set, studio, type LngLat, type Studio } from "./store";
 
 setWorkerUrl(new URL("map-worker.js", document.baseURI).href);
 
-const SOURCES = ["ground", "bodies", "lit", "fences", "bounds", "others", "tube", "homeward", "path", "flown", "ribbon", "flown-ribbon", "kept", "items", "here", "posts", "pillar", "vehicle", "found", "draft"] as const;
+const SOURCES = ["ground", "bodies", "lit", "fences", "bounds", "others", "tube", "homeward", "path", "flown", "ribbon", "flown-ribbon", "kept", "items", "here", "posts", "pillar", "vehicle", "found", "draft", ...SURVEY_SOURCES] as const;
 type SourceName = (typeof SOURCES)[number];
 const EMPTY = shapes.collection([]);
-const FLAT = ["ground", "roofs", "roof-lines", "tube", "arrows", "homeward", "items"];
-const SPACE = ["ground-space", "roofs-space", "zones-space", "posts", "ribbon", "flown-ribbon", "pillar"];
+const FLAT = ["ground", "roofs", "roof-lines", "tube", "arrows", "homeward", "items", ...SURVEY_FLAT];
+const SPACE = [...SURVEY_SPACE, "ground-space", "roofs-space", "zones-space", "posts", "ribbon", "flown-ribbon", "pillar"];
 
 export function makeMap(container: HTMLElement): MapLibre {
   const map = new MapLibre({
@@ -41,7 +42,8 @@ export function makeMap(container: HTMLElement): MapLibre {
 
 export function fit(map: MapLibre, world: World, animate = true): void {
   const items = isMission(studio) ? studio.mission?.items.flatMap(item => (item.place ? [item.place] : [])) ?? [] : [];
-  const places = [...world.spots.map(spot => spot.place), ...items] as [number, number][];
+  const corners = studio.area?.rings.flatMap(ring => ring.places) ?? [];
+  const places = [...world.spots.map(spot => spot.place), ...items, ...corners] as [number, number][];
   const [west, south, east, north] = isMission(studio) ? [-180, -85, 180, 85] as const : world.box as [number, number, number, number];
   const lng = places.map(place => place[0]), lat = places.map(place => place[1]);
   const near = [Math.min(...lng), Math.min(...lat), Math.max(...lng), Math.max(...lat)] as const;
@@ -59,7 +61,8 @@ export function showNamed(trouble: Trouble): void {
   const world = studio.world;
   if (!shown || !world) return;
   const rings = world.bodies.filter(body => isNamed(body.name, [trouble])).flatMap(body => body.rings[0] ?? []);
-  const places = [...rings, ...world.spots.filter(spot => isNamed(spot.name, [trouble])).map(spot => spot.place)] as [number, number][];
+  const areas = (studio.area?.rings ?? []).filter(ring => isNamed(`${ring.name}:`, [trouble]) || isNamed(`${ring.name},`, [trouble]));
+  const places = [...rings, ...areas.flatMap(ring => ring.places), ...world.spots.filter(spot => isNamed(spot.name, [trouble])).map(spot => spot.place)] as [number, number][];
   if (!places.length) return fit(shown, world);
   const lng = places.map(place => place[0]), lat = places.map(place => place[1]);
   shown.fitBounds([[Math.min(...lng), Math.min(...lat)], [Math.max(...lng), Math.max(...lat)]], { padding: 90, maxZoom: 19, animate: false });
@@ -77,14 +80,15 @@ function update(map: MapLibre, now: Studio, before: Studio): void {
   }
   if (now.troubles !== before.troubles || now.world !== before.world) drawLit(map, now);
   if (now.mission && !before.mission && now.world) fit(map, now.world, false);
-  if (["plan", "sketch", "drag", "document", "world", "mission"].some(key => now[key as keyof Studio] !== before[key as keyof Studio])) drawPath(map, now);
+  if (SURVEY_KEYS.some(key => now[key] !== before[key])) drawSurvey(now, (name, features) => fill(map, name, features));
+  if (["plan", "survey", "part", "dragSurvey", "sketch", "drag", "document", "world", "mission"].some(key => now[key as keyof Studio] !== before[key as keyof Studio])) drawPath(map, now);
   if (now.found !== before.found) showFound(map, now);
   if (now.tiles !== before.tiles || now.picture !== before.picture) showPicture(map, now);
   if (now.item !== before.item) drawItems(map, now);
   if (now.flown !== before.flown || now.replay !== before.replay) drawFlown(map, now);
   if (now.candidates !== before.candidates) drawKept(map, now);
-  if (now.at !== before.at || now.plan !== before.plan || now.document !== before.document || now.homeward !== before.homeward) drawHomeward(map, now);
-  if (now.at !== before.at || now.plan !== before.plan || now.document !== before.document || now.space !== before.space) drawHere(map, now);
+  if (now.at !== before.at || now.part !== before.part || now.survey !== before.survey || now.plan !== before.plan || now.document !== before.document || now.homeward !== before.homeward) drawHomeward(map, now);
+  if (now.at !== before.at || now.part !== before.part || now.survey !== before.survey || now.plan !== before.plan || now.document !== before.document || now.space !== before.space) drawHere(map, now);
   if (now.space !== before.space) {
     showSpace(map, now.space);
     showPicture(map, now);
@@ -111,7 +115,7 @@ function showFound(map: MapLibre, now: Studio): void {
 /** Whether a place of the flight has moved out of sight, as by a file that was dropped. */
 function wentAway(map: MapLibre, now: World, before: World): boolean {
   const known = new Set(before.spots.map(spot => String(spot.place)));
-  const moved = now.spots.filter(spot => !known.has(String(spot.place)));
+  const moved = now.spots.filter(spot => isWritten(spot.path) && !known.has(String(spot.place)));
   return moved.some(spot => !map.getBounds().contains(spot.place as [number, number]));
 }
 
@@ -127,6 +131,7 @@ function drawAll(map: MapLibre, now: Studio): void {
     if (map.getZoom() < 3) fit(map, now.world, false);
   }
   drawPath(map, now);
+  drawSurvey(now, (name, features) => fill(map, name, features));
   drawFlown(map, now);
   drawKept(map, now);
   drawHere(map, now);
@@ -158,7 +163,7 @@ function showHillshade(map: MapLibre, world: World): void {
 
 /** The proved path if there is one of what is here now, else the coarse one, dashed. */
 function drawPath(map: MapLibre, now: Studio): void {
-  const plan = proved(now), coarse = now.drag ?? (plan ? null : coarseOf(now));
+  const plan = now.dragSurvey ? null : proved(now), coarse = now.drag ?? (plan ? null : coarseOf(now));
   const course: Line | undefined = coarse ? coarse.line : plan?.course.line;
   const untimed = course || !isMission(now) ? [] : placesOf(now).map(item => item.place);
   const turns = coarse ? null : plan?.course.returns_at ?? null; // what comes then is the way home
@@ -173,7 +178,7 @@ function drawPath(map: MapLibre, now: Studio): void {
 
 /** Where the items lie that have a place, by their numbers; the chosen one stands out. */
 function drawItems(map: MapLibre, now: Studio): void {
-  const stops = isMission(now) ? placesOf(now) : now.drag ? [] : proved(now)?.stops ?? [];
+  const stops = isMission(now) ? placesOf(now) : now.drag || now.dragSurvey ? [] : proved(now)?.stops ?? [];
   fill(map, "items", stops.filter(stop => stop.place).map(stop => {
     const name = `${stop.seq}${stop.seq === now.item ? "!" : ""}`, icon = `item${name}`;
     if (!map.hasImage(icon)) map.addImage(icon, numbered(name), { pixelRatio: 2 });
@@ -310,6 +315,7 @@ function style(): StyleSpecification {
       { id: "ground", type: "fill", source: "ground", paint: { "fill-color": ramp("low-ground", "high-ground"), "fill-antialias": false } },
       { id: "contours", type: "line", source: "ground", paint: { "line-color": color("contour"), "line-width": 0.6, "line-opacity": 0.55 } },
       { id: "ground-space", type: "fill-extrusion", source: "ground", layout: { visibility: "none" }, paint: { "fill-extrusion-color": ramp("low-ground", "high-ground"), "fill-extrusion-height": ["get", "rise"] } },
+      ...groundLayers(),
       { id: "bounds", type: "line", source: "bounds", paint: { "line-color": color("quiet"), "line-width": 1, "line-dasharray": [4, 4] } },
       { id: "tube", type: "fill", source: "tube", paint: { "fill-color": color("planned"), "fill-opacity": 0.2 } },
       { id: "roofs", type: "fill", source: "bodies", filter: solid, paint: { "fill-color": ramp("low-roof", "high-roof") } },
@@ -321,11 +327,13 @@ function style(): StyleSpecification {
       { id: "lit", type: "line", source: "lit", paint: { "line-color": color("focus"), "line-width": 5, "line-opacity": 0.9 } },
       { id: "keep-out", type: "fill", source: "fences", filter: ["!", ["get", "inclusion"]], paint: { "fill-pattern": "hatch" } },
       { id: "fence-lines", type: "line", source: "fences", paint: { "line-color": ["case", ["get", "inclusion"], color("good"), color("bad")], "line-width": 2 } },
+      ...lineLayers(),
       { id: "others", type: "line", source: "others", paint: { "line-color": color("legs"), "line-width": 1.4, "line-dasharray": [1.5, 2], "line-opacity": 0.8 } },
       { id: "kept", type: "line", source: "kept", paint: { "line-color": ["get", "color"], "line-width": 2.4, "line-dasharray": [4, 1.5] } },
       { id: "path-home", type: "line", source: "path", filter: ["==", ["get", "home"], true], layout: { "line-cap": "round", "line-join": "round" }, paint: { "line-color": color("planned"), "line-width": 3, "line-dasharray": [0.1, 2] } },
       { id: "path", type: "line", source: "path", filter: ["all", ["!", ["get", "coarse"]], ["!=", ["get", "home"], true]], layout: { "line-cap": "round", "line-join": "round" }, paint: { "line-color": color("planned"), "line-width": 3.4 } },
       { id: "arrows", type: "symbol", source: "path", filter: ["!", ["get", "coarse"]], layout: { "symbol-placement": "line", "symbol-spacing": 90, "icon-image": "arrow", "icon-size": 1.3, "icon-allow-overlap": true } },
+      ...photoLayers(),
       { id: "homeward", type: "line", source: "homeward", layout: { "line-sort-key": ["case", ["get", "now"], 1, 0] }, paint: { "line-color": ["case", ["get", "clear"], color("good"), color("bad")], "line-width": ["case", ["get", "now"], 3.2, 1], "line-opacity": ["case", ["get", "now"], 1, 0.3] } },
       { id: "coarse", type: "line", source: "path", filter: ["get", "coarse"], layout: { "line-join": "round" }, paint: { "line-color": ["case", ["get", "holds"], color("planned"), color("bad")], "line-width": 3, "line-dasharray": dash } },
       { id: "flown", type: "line", source: "flown", layout: { "line-cap": "round" }, paint: { "line-color": color("flown"), "line-width": 2.2 } },
