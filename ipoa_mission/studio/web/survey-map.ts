@@ -63,7 +63,7 @@ export function drawSurvey(now: Studio, fill: Fill): void {
   fill("photos", shown.flatMap(line => line.photos.map(place => point(place as LngLat))));
   fill("survey-ribbon", now.space && now.world ? lines.flatMap(line => {
     const course = { points: [line.begin, line.end], up: line.up }, hue = isCoarse ? color("quiet") : hueOf(line.flight);
-    return shapes.ribbon(broken(course, isCoarse), shapes.lowest(now.world!), WIDE, HIGH, isCoarse).map(one => ({ ...one, properties: { ...one.properties, color: hue } }));
+    return shapes.ribbon(broken(course, isCoarse), shapes.lowest(now.world!), WIDE, HIGH, isCoarse ? "coarse" : "proved").map(one => ({ ...one, properties: { ...one.properties, color: hue } }));
   }) : []);
   fill("footprint", footprint(now, layout));
 }
