@@ -69,9 +69,6 @@ def expect_world_of(endings: bool, scenario: Path | None) -> None:
         raise BadInput("--endings: expected with --scenario", hint="what an ending keeps depends on what stands there")
 
 
-ScenarioArgument: TypeAlias = Annotated[
-    Path, typer.Argument(metavar="SCENARIO", callback=expect_scenario, help="Scenario file (TOML), or `campus`.")
-]
 ScenarioOrNone: TypeAlias = Annotated[
     Path | None,
     typer.Argument(
