@@ -3,19 +3,16 @@
 import math
 from collections.abc import Iterable, Iterator
 
-from pyproj import Geod
-
 from ipoa_mission.checks.finding import Numbered, numbered
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
-from ipoa_mission.world.frame import Geodetic
+from ipoa_mission.world.frame import Geodetic, apart
 
 FAR, TOO_FAR = 10_000.0, 100_000.0  # [m] from home
 HIGHEST, LOWEST = 10_000.0, -500.0  # [m] above home
 DEEPEST_LAND, HIGHEST_LAND = -450.0, 9_000.0  # [m AMSL] where a home can be
-ELLIPSOID = Geod(ellps="WGS84")
 MAY_BE_HERE = {Command.NAV_TAKEOFF, Command.NAV_LAND, Command.NAV_PAYLOAD_PLACE}
 
 
@@ -58,7 +55,7 @@ def _wrong_corner(home: Geodetic, latitude_deg: float, longitude_deg: float) -> 
         return wrong
     if out_of_range(home.latitude_deg, home.longitude_deg):
         return None
-    metres = distance(home, latitude_deg, longitude_deg)
+    metres = apart(home, Geodetic(latitude_deg, longitude_deg))
     return None if metres <= TOO_FAR else f"expected a position within 100 km of home, not {metres / 1000:.0f} km"
 
 
@@ -74,8 +71,8 @@ def home_elsewhere(mission: Mission) -> str | None:
         return None
     if any(out_of_range(*place) for place in (home, *places)):
         return None
-    nearest = min(distance(mission.home, *place) for place in places)
-    if nearest <= TOO_FAR or any(distance(Geodetic(*places[0]), *place) > TOO_FAR for place in places):
+    nearest = min(apart(mission.home, Geodetic(*place)) for place in places)
+    if nearest <= TOO_FAR or any(apart(Geodetic(*places[0]), Geodetic(*place)) > TOO_FAR for place in places):
         return None
     return f"home: it lies {nearest / 1000:.0f} km from all places of the mission, so it must be armed elsewhere"
 
@@ -137,17 +134,11 @@ def _position(at: Numbered, mission: Mission) -> Iterator[Finding]:
             yield at.error("position-missing", f"expected a position: {model} would fly to latitude 0, longitude 0")
 
 
-def distance(home: Geodetic, latitude_deg: float, longitude_deg: float) -> float:
-    """Horizontal distance from home on the ellipsoid [m]."""
-    *_, metres = ELLIPSOID.inv(home.longitude_deg, home.latitude_deg, longitude_deg, latitude_deg)
-    return float(metres)
-
-
 def _far(at: Numbered, home: Geodetic) -> Iterator[Finding]:
     item = at.item
     if not item.has_position or out_of_range(home.latitude_deg, home.longitude_deg):
         return
-    km = distance(home, item.latitude_deg, item.longitude_deg) / 1000
+    km = apart(home, Geodetic(item.latitude_deg, item.longitude_deg)) / 1000
     if km > TOO_FAR / 1000:
         yield at.error("too-far", f"expected a position within {TOO_FAR / 1000:g} km of home, not {km:.0f} km")
     elif km > FAR / 1000:

@@ -7,10 +7,8 @@ from dataclasses import replace
 from ipoa_mission.checks.positions import unsound
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import TAKEOFFS, Command, Frame
-from ipoa_mission.mission.items import Item
-
-_NOWHERE = Item(Command.CONDITION_DELAY, Frame.MISSION)
+from ipoa_mission.mission.commands import TAKEOFFS
+from ipoa_mission.mission.items import LEFT_OUT
 
 
 def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | None:
@@ -34,6 +32,6 @@ def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | N
             home = mission.home
             items[seq - 1] = replace(item, latitude_deg=home.latitude_deg, longitude_deg=home.longitude_deg)
         else:
-            items[seq - 1] = _NOWHERE
+            items[seq - 1] = LEFT_OUT
             left_out.add(seq)
     return Forecast(replace(mission, items=tuple(items)), forecast.scenario, left_out=frozenset(left_out))

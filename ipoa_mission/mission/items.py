@@ -69,6 +69,10 @@ class Item:
         return self.altitude - home.altitude if plain_frame(self.frame) == Frame.GLOBAL else self.altitude
 
 
+#: Does nothing, in place of an item that is left out: numbers of items stay.
+LEFT_OUT = Item(Command.CONDITION_DELAY, Frame.MISSION)
+
+
 @dataclass(frozen=True)
 class FencePolygon:
     """A polygon of a geofence.
