@@ -3,12 +3,17 @@
 import math
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from ipoa_mission.checks.positions import unsound
+from ipoa_mission.checks.firmware import is_too_long
+from ipoa_mission.checks.positions import refusals, unsound
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.commands import TAKEOFFS
 from ipoa_mission.mission.items import LEFT_OUT
+
+if TYPE_CHECKING:
+    from ipoa_mission.forecast.tube.promise import Promise
 
 
 def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | None:
@@ -35,3 +40,9 @@ def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | N
             items[seq - 1] = LEFT_OUT
             left_out.add(seq)
     return Forecast(replace(mission, items=tuple(items)), forecast.scenario, left_out=frozenset(left_out))
+
+
+def promise_if_flown(forecast: Forecast) -> "Promise | None":
+    """What its flights keep; None where no vehicle would fly it, or nobody can say how."""
+    mission = forecast.given
+    return None if refusals(mission) or is_too_long(mission) else forecast.promise_if_known

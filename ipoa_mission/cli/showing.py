@@ -100,11 +100,11 @@ def show(
     length = sum(row.length for row in rows if row.length is not None)
     tell(f"{length:.0f} m, {up:.0f} m up and {down:.0f} m down; {total}", *energy, *notes(remarks))
     if endings:
-        from ipoa_mission.checks.firmware import is_too_long
+        from ipoa_mission.checks.sound import promise_if_flown
         from ipoa_mission.cli.ending import tell_strip
         from ipoa_mission.forecast.endings import Endings
 
-        is_flown = not errors and not is_too_long(mission) and forecast.promise_if_known is not None
+        is_flown = promise_if_flown(forecast) is not None
         tell_strip(forecast.once(Endings).all_rows(timed=False) if is_flown else ())
 
 
