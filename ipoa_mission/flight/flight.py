@@ -238,7 +238,7 @@ def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     found = plan_with_room(scenario, seed, progress)
     asked, scenario = scenario, found.scenario
     plan, forecast = found.plan.judged_by(scenario), found.forecast
-    options = weigh_routes(plan, scenario, found.route)
+    options = weigh_routes(plan, scenario, found)
     mission = forecast.mission
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
     told = check(forecast)

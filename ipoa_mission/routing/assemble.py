@@ -140,13 +140,13 @@ def _near_routes(plan: Plan, scenario: Scenario) -> tuple[Attempt, ...]:
     return wide, narrow, *late, choose(width / 2 ** (2 * NARROW))
 
 
-def weigh_routes(plan: Plan, scenario: Scenario, chosen: Route | None = None) -> tuple[Option, ...]:
+def weigh_routes(plan: Plan, scenario: Scenario, chosen: Attempt | None = None) -> tuple[Option, ...]:
     """Weigh every mode that this autopilot can fly against the others.
 
     Args:
         plan: the path.
         scenario: what it was planned for.
-        chosen: the route of the scenario's own mode, if it is known and keeps its limits.
+        chosen: the try of the scenario's own mode, if it is known and keeps its limits.
 
     Returns:
         What each would come to, quickest first.
@@ -164,15 +164,12 @@ def weigh_routes(plan: Plan, scenario: Scenario, chosen: Route | None = None) ->
     needed, attempts = scenario.route.mode, dict[str, tuple[Attempt, bool]]()
     for mode in sorted(MODES, key=lambda mode: mode != needed):
         try:
-            if known := mode == needed and chosen is not None:
-                attempt = Attempt(plan, chosen, scenario)
-            else:
-                attempt = choose_route(plan, scenario, mode)
+            attempt = choose_route(plan, scenario, mode) if mode != needed or chosen is None else chosen
         except (BadInput, NoRoute):
             if mode == needed:
                 raise
             continue
-        attempts[mode] = attempt, known or not attempt.draft.promise.forbidding
+        attempts[mode] = attempt, attempt is chosen or not attempt.draft.promise.forbidding
     least = min([_least_time(plan, scenario), *(round(attempt.flown.seconds, 3) for attempt, _ in attempts.values())])
     options, of_needed = [], attempts[needed][0].flown
     for mode, (attempt, is_clear) in attempts.items():
