@@ -120,7 +120,7 @@ def test_a_download_is_exact_or_an_error(fates: list[Fate], autopilot: Autopilot
     assert compare(before, read, autopilot) is None
 
 
-@pytest.mark.parametrize("first", [0, 100])
+@pytest.mark.parametrize("first", [0, *(pytest.param(first, marks=pytest.mark.long) for first in (100, 200, 300))])
 def test_an_upload_among_strangers_is_exact_or_an_error(first: int) -> None:
     """Others, some with our own ids, send lists of theirs; `python -m tools.fuzz.strangers` runs many more."""
     ended = [strangers.schedule(seed) for seed in range(first, first + 15)]

@@ -112,6 +112,7 @@ def test_a_return_altitude_of_the_scenario_s_own_stays() -> None:
     assert flight.mission.rally
 
 
+@pytest.mark.long
 def test_a_corner_from_which_it_would_brake_into_something_is_laid_farther_away(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
