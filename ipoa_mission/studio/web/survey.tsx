@@ -64,7 +64,8 @@ export function SurveyFigures({ now }: { now: Studio }) {
   );
 }
 
-const percent = (value: number): string => `${Math.floor(100 * value + 1e-6)} %`;
+const NOISE = 0.2; // of what places as they are written make of an overlap [%]
+const percent = (value: number): string => `${Math.floor(100 * value + NOISE)} %`;
 const area = (square: number): string => (square < 10_000 ? `${square.toFixed(0)} m²` : `${(square / 10_000).toFixed(2)} ha`);
 
 /** The flights, each with its file; the chosen one is shown in map, profile and space. */
@@ -75,7 +76,7 @@ export function SurveyFlights({ now }: { now: Studio }) {
   return (
     <section aria-label="Flights" class={`flights${isStale ? " stale" : ""}`} aria-busy={isStale}>
       <h2>{isStale ? "Flights of before: not of what is drawn now" : survey.flights.length === 1 ? "One flight" : `${survey.flights.length} flights, one after the other`}</h2>
-      <div class="scroll" tabIndex={0} role="region" aria-label="Flights">
+      <div class="scroll" tabIndex={0} role="region" aria-label="Flights side by side">
         <table>
           <thead><tr><th scope="col">file</th><th scope="col">takes</th>{hasEnergy && <th scope="col">energy</th>}<th scope="col">keeps</th></tr></thead>
           <tbody>
@@ -104,7 +105,7 @@ export function NextFlight({ now, onLink, charged, say }: { now: Studio; onLink:
   const next = survey.flights.findIndex(one => !now.flownParts.includes(one.plan.name));
   return (
     <div role="group" aria-label="Which flight">
-      {count > 1 && <p class="note">{chosen} is the {now.part + 1}. of {count} flights{now.flownParts.includes(chosen) ? ", and was flown" : ""}.
+      {count > 1 && <p class="note">{chosen} is flight {now.part + 1} of {count}{now.flownParts.includes(chosen) ? ", and was flown" : ""}.
         {next >= 0 && next !== now.part && <> <button type="button" onClick={() => choosePart(next)}>Take {survey.flights[next]!.plan.name}</button></>}</p>}
       {onLink && now.flownParts.length > 0 && <label><input type="checkbox" checked={charged} onChange={event => say(event.currentTarget.checked)} /> {now.flownParts.at(-1)} has landed: a charged battery is in, and nobody is near the propellers</label>}
     </div>
@@ -168,7 +169,7 @@ function Rings({ now }: { now: Studio }) {
   return (
     <ul class="plain rings">{rings.map(ring => (
       <li key={ring.name}>{ring.name}, {ring.places.length} corners {!isOnly(ring.path as Path) && (
-        <button type="button" aria-label={`Take ${ring.name} out`} onClick={() => edit(`${ring.name} taken out`, { op: "take", path: ring.path as Path })}>Take it out</button>)}</li>
+        <button type="button" onClick={() => edit(`${ring.name} taken out`, { op: "take", path: ring.path as Path })}>Take {ring.name} out</button>)}</li>
     ))}</ul>
   );
 }
