@@ -52,7 +52,7 @@ class SurveyLayout(PageMessage):
     `height` is least and most above the highest ground that is seen, `footprint` what a photo shows across and along
     the way, or how wide the sensor sees; `trigger` is how far photos are apart at most. `kept_out` is where lines may
     not lie. `front` and `side` are the smallest overlaps with the next photo, and with those of the next line.
-    `degrees` is the direction of the longest line.
+    `short` says in words where photos overlap less than was asked. `degrees` is the direction of the longest line.
     """
 
     lines: tuple[SurveyLine, ...]
@@ -71,6 +71,7 @@ class SurveyLayout(PageMessage):
     footprint: tuple[float, float]
     front: LeastOverlap | None
     side: LeastOverlap | None
+    short: tuple[str, ...]
     degrees: float
 
 

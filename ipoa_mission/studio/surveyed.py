@@ -10,6 +10,7 @@ import shapely
 from ipoa_mission.flight.survey import Survey
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio import answers
+from ipoa_mission.studio.area_view import in_words
 from ipoa_mission.studio.handed import survey_over
 from ipoa_mission.studio.planned import expected
 from ipoa_mission.studio.survey_answers import CoarseSurvey, LeastOverlap, Polygons, SurveyLayout, SurveyLine
@@ -111,6 +112,7 @@ def _layout(
         footprint=(round(sight.across, 2), round(sight.along, 2)),
         front=None if front is None else _least(front, frame),
         side=None if side is None else _least(side, frame),
+        short=() if overlaps is None else tuple(map(in_words, overlaps.falls_short(*sight.overlaps))),
         degrees=round(math.degrees(math.atan2(east, north)) % 180.0, 1) % 180.0,
     )
 

@@ -389,20 +389,20 @@ def test_on_paper_the_findings_remain_and_the_tools_do_not(page: Any) -> None:
     assert not page.get_by_role("button", name="Save").is_visible()
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_nothing_serious_is_wrong_for_who_sees_or_hears_otherwise(page: Any, scheme: str) -> None:
+def serious(page: Any, scheme: str) -> list[str]:
+    """What axe finds serious in a page, with every panel open."""
     axe = WEB / "node_modules" / "axe-core" / "axe.min.js"
     if not axe.is_file():
         pytest.skip("needs axe-core: npm ci in ipoa_mission/studio/web")
     page.emulate_media(color_scheme=scheme)
-    proved(page)
     page.evaluate("document.querySelectorAll('details').forEach(panel => { panel.open = true; })")
     page.evaluate(axe.read_text(encoding="utf-8"))
     wrong = page.evaluate("axe.run().then(found => found.violations)")
-    told = [
-        f"{one['id']}: {node['target']}"
-        for one in wrong
-        for node in one["nodes"]
-        if one["impact"] in ("serious", "critical")
-    ]
-    assert told == []
+    grave = [one for one in wrong if one["impact"] in ("serious", "critical")]
+    return [f"{one['id']}: {node['target']}" for one in grave for node in one["nodes"]]
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nothing_serious_is_wrong_for_who_sees_or_hears_otherwise(page: Any, scheme: str) -> None:
+    proved(page)
+    assert serious(page, scheme) == []

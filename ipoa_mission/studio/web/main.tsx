@@ -19,7 +19,7 @@ import { showPointer } from "./pointer";
 import { Profile } from "./profile";
 import { showSpots } from "./spots";
 import { StartPage } from "./start";
-import { SurveyFlights, SurveyForm } from "./survey";
+import { SeesLeast, SurveyFlights, SurveyForm } from "./survey";
 import { useSurveyHands } from "./survey-hands";
 import { isMission, send, set, studio, type Candidate, type Studio } from "./store";
 import { Outside, Text } from "./text";
@@ -69,7 +69,7 @@ function Page() {
           <Outside now={now} />
           <Question now={now} />
           <Verdict now={now} />
-          {isScenario ? <><SurveyFlights now={now} /><Chosen now={now} /><SurveyForm now={now} /></> : <><ChosenItem now={now} /><Items now={now} /><World now={now} /><Fly now={now} /></>}
+          {isScenario ? <><SurveyFlights now={now} /><Chosen now={now} /><SurveyForm now={now} /><SeesLeast now={now} /></> : <><ChosenItem now={now} /><Items now={now} /><World now={now} /><Fly now={now} /></>}
           <Replayed now={now} />
           <Bindings now={now} />
           {isScenario && <Items now={now} />}

@@ -68,6 +68,11 @@ export function showNamed(trouble: Trouble): void {
   shown.fitBounds([[Math.min(...lng), Math.min(...lat)], [Math.max(...lng), Math.max(...lat)]], { padding: 90, maxZoom: 19, animate: false });
 }
 
+/** Have a place in sight; a map that has it stays where it is. */
+export function bringInSight(place: LngLat): void {
+  if (shown && !shown.getBounds().contains(place)) shown.panTo(place, { animate: false });
+}
+
 /** Fill in what is drawn while the user draws. */
 export function draft(map: MapLibre, features: GeoJSON.Feature[]): void {
   fill(map, "draft", features);

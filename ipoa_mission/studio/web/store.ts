@@ -30,6 +30,8 @@ export interface Studio {
   /** Which flight of a survey is looked at, from 0 on, and those that were flown from here, by name. */
   part: number;
   flownParts: string[];
+  /** A place of a survey that was asked for: a gap, the smallest overlap. */
+  lookedAt: LngLat | null;
   mission: OpenMission | null;
   checked: Checked | null;
   replay: Replay | null;
@@ -66,7 +68,7 @@ export interface Dropped {
 
 export let studio: Studio = {
   connected: false, document: null, world: null, tiles: null, picture: true, sketch: null, drag: null, plan: null, progress: null, troubles: [],
-  area: null, coarseSurvey: null, dragSurvey: null, survey: null, part: 0, flownParts: [],
+  area: null, coarseSurvey: null, dragSurvey: null, survey: null, part: 0, flownParts: [], lookedAt: null,
   mission: null, checked: null, replay: null, start: null, heard: null, found: null, homeward: false, whole: false,
   tool: "select", selected: null, space: false, at: 0, item: null, playing: false, candidates: [], loaded: null, seen: null,
   flown: [], landed: null, flight: null, notice: "", dropped: null,
@@ -141,7 +143,7 @@ function hear(answer: Answer): void {
   switch (answer.kind) {
     case "document":
       document.title = `${answer.unsaved ? "● " : ""}${answer.name} · studio`;
-      if (answer.revision !== studio.document?.revision) set({ progress: null, troubles: [], drag: null, dragSurvey: null });
+      if (answer.revision !== studio.document?.revision) set({ progress: null, troubles: [], drag: null, dragSurvey: null, lookedAt: null });
       set({ document: answer, ...(studio.document ? {} : { candidates: keptCandidates(answer.path) }) });
       break;
     case "tiles":

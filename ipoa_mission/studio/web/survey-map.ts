@@ -5,8 +5,8 @@ import type { SurveyLayout } from "./messages";
 import * as shapes from "./shapes";
 import { coarseSurveyOf, layoutOf, photoAt, proved, surveyed, type LngLat, type Studio } from "./store";
 
-export const SURVEY_SOURCES = ["area", "seen", "gaps", "kept-out", "survey-lines", "survey-ways", "photos", "footprint", "survey-ribbon"] as const;
-export const SURVEY_FLAT = ["area-fill", "area-lines", "seen", "gaps", "gap-lines", "kept-out", "survey-lines", "survey-coarse", "survey-ways", "photos", "footprint"];
+export const SURVEY_SOURCES = ["area", "seen", "gaps", "kept-out", "survey-lines", "survey-ways", "photos", "footprint", "survey-ribbon", "looked-at"] as const;
+export const SURVEY_FLAT = ["area-fill", "area-lines", "seen", "gaps", "gap-lines", "kept-out", "survey-lines", "survey-coarse", "survey-ways", "photos", "footprint", "looked-at"];
 export const SURVEY_SPACE = ["survey-ribbon"];
 const HUES = ["legs", "good", "flown", "focus"]; // of flights that are not chosen
 const WIDE = 1.4, HIGH = 1; // of a line in space [m]
@@ -44,11 +44,12 @@ export function lineLayers(): LayerSpecification[] {
 export function photoLayers(): LayerSpecification[] {
   return [
     { id: "photos", type: "circle", source: "photos", minzoom: 14, paint: { "circle-color": color("card"), "circle-stroke-color": color("ink"), "circle-stroke-width": ["interpolate", ["linear"], ["zoom"], 14, 0.4, 18, 1.2], "circle-radius": ["interpolate", ["linear"], ["zoom"], 14, 0.8, 18, 3] } },
+    { id: "looked-at", type: "circle", source: "looked-at", paint: { "circle-color": color("bad"), "circle-opacity": 0, "circle-stroke-color": color("bad"), "circle-stroke-width": 4, "circle-radius": 18 } },
   ] as LayerSpecification[];
 }
 
 /** What of the window's knowledge the survey's picture is made of. */
-export const SURVEY_KEYS: (keyof Studio)[] = ["area", "survey", "coarseSurvey", "dragSurvey", "part", "document", "troubles", "space", "world", "at"];
+export const SURVEY_KEYS: (keyof Studio)[] = ["area", "survey", "coarseSurvey", "dragSurvey", "part", "document", "troubles", "space", "world", "at", "lookedAt"];
 
 export function drawSurvey(now: Studio, fill: Fill): void {
   const layout = layoutOf(now), isCoarse = coarseSurveyOf(now) !== null;
@@ -66,6 +67,7 @@ export function drawSurvey(now: Studio, fill: Fill): void {
     return shapes.ribbon(broken(course, isCoarse), shapes.lowest(now.world!), WIDE, HIGH, isCoarse ? "coarse" : "proved").map(one => ({ ...one, properties: { ...one.properties, color: hue } }));
   }) : []);
   fill("footprint", footprint(now, layout));
+  fill("looked-at", layout && now.lookedAt ? [point(now.lookedAt)] : []);
 }
 
 function drawArea(now: Studio, fill: Fill): void {

@@ -1,5 +1,6 @@
 // A survey: what is asked of it, what is seen, by which flights, and which of them is looked at.
 import { NumberInput, valueAt } from "./form";
+import { bringInSight } from "./map";
 import { SURVEY_HELP } from "./words";
 import type { PlannedSurvey, Scenario, SurveyLayout } from "./messages";
 import { choosePart, coarseSurveyOf, edit, isSurvey, layoutOf, set, surveyed, SURVEY, type Change, type LngLat, type Path, type Studio } from "./store";
@@ -7,6 +8,7 @@ import { hueOf } from "./survey-map";
 import { meters, seconds, share } from "./words";
 
 type Section = NonNullable<Scenario["survey"]>;
+const ENOUGH = 0.999; // share of what can be seen
 const OVERLAP = 70; // where a camera comes with none [%]
 const put = (key: string, value: unknown): Change => ({ op: "put", path: ["survey", key], value });
 const take = (key: string): Change => ({ op: "take", path: ["survey", key] });
@@ -17,9 +19,10 @@ export function SurveyVerdict({ now }: { now: Studio }) {
   if (survey && !coarse) {
     const warned = survey.flights.filter(one => one.plan.warnings.length), first = warned[0]?.plan.warnings[0];
     const count = survey.flights.length, layout = survey.layout, keeps = leastKept(survey);
+    const isUnsure = warned.length > 0 || layout.short.length > 0 || layout.share < ENOUGH;
     return (
-      <p class={warned.length || layout.gaps_m2 > 1 ? "amber" : "good"}><b aria-hidden="true">{warned.length ? "!" : "✓"}</b> Proved.
-        {" "}{seen(layout)} of what can be seen is seen, {count === 1 ? "in one flight" : `in ${count} flights`}.{keeps && ` ${keeps}`}
+      <p class={isUnsure ? "amber" : "good"}><b aria-hidden="true">{isUnsure ? "!" : "✓"}</b> Proved.
+        {" "}{seen(layout)} of what can be seen is seen, {count === 1 ? "in one flight" : `in ${count} flights`}.{keeps && ` ${keeps}`}{layout.short.length > 0 && ` Photos overlap less than was asked: ${layout.short.join("; ")}.`}
         {first && <> But read before you fly: {warned.length > 1 || count > 1 ? `${warned[0]!.plan.name}: ` : ""}{first}{more(survey)}.</>}</p>
     );
   }
@@ -64,8 +67,40 @@ export function SurveyFigures({ now }: { now: Studio }) {
   );
 }
 
-const percent = (value: number): string => `${Math.floor(100 * value + 1e-6)} %`;
+const NOISE = 0.2; // of what places as they are written make of an overlap [%]
+const percent = (value: number): string => `${Math.floor(100 * value + NOISE)} %`;
 const area = (square: number): string => (square < 10_000 ? `${square.toFixed(0)} m²` : `${(square / 10_000).toFixed(2)} ha`);
+
+const MOST_GAPS = 5;
+
+/** Where a survey sees least: each line leads to its place. */
+export function SeesLeast({ now }: { now: Studio }) {
+  const layout = layoutOf(now);
+  if (!layout) return null;
+  const look = (place: LngLat) => { bringInSight(place); set({ lookedAt: place }); };
+  const gaps = layout.gaps.map(rings => ({ place: rings[0]![0] as LngLat, size: rings.reduce((rest, ring, n) => rest + (n ? -1 : 1) * sizeOf(ring as LngLat[], now), 0) })).sort((one, other) => other.size - one.size);
+  const rows: [string, LngLat][] = [
+    ...gaps.slice(0, MOST_GAPS).map(({ place, size }): [string, LngLat] => [`a gap of ${size.toFixed(1)} m²`, place]),
+    ...(layout.front ? [[`overlap ahead ${percentOf(layout.front.share)}, the smallest`, layout.front.place as LngLat] as [string, LngLat]] : []),
+    ...(layout.side ? [[`overlap to the side ${percentOf(layout.side.share)}, the smallest`, layout.side.place as LngLat] as [string, LngLat]] : []),
+  ];
+  if (!rows.length) return null;
+  return (
+    <section aria-label="Where it sees least">
+      <h2>Where it sees least</h2>
+      <ul class="bindings">{rows.map(([words, place], n) => <li key={n}><button type="button" class={words.startsWith("a gap") ? "danger" : "slow"} onClick={() => look(place)}>{words}</button></li>)}</ul>
+      {gaps.length > MOST_GAPS && <p class="note">and {gaps.length - MOST_GAPS} smaller gaps</p>}
+      <p class="note">Shaded is what is seen, gray where obstacles leave no room for lines, red what is not seen.</p>
+    </section>
+  );
+}
+
+const percentOf = (value: number): string => `${(100 * value).toFixed(1)} %`;
+function sizeOf(ring: LngLat[], now: Studio): number {
+  const [wide, high] = now.world?.degree_m ?? [1, 1], [x0, y0] = ring[0]!;
+  const flat = ring.map(([lng, lat]) => [(lng - x0) * wide!, (lat - y0) * high!] as const);
+  return Math.abs(flat.reduce((sum, [x, y], n) => sum + x * flat[(n + 1) % flat.length]![1] - flat[(n + 1) % flat.length]![0] * y, 0)) / 2;
+}
 
 /** The flights, each with its file; the chosen one is shown in map, profile and space. */
 export function SurveyFlights({ now }: { now: Studio }) {
@@ -75,7 +110,7 @@ export function SurveyFlights({ now }: { now: Studio }) {
   return (
     <section aria-label="Flights" class={`flights${isStale ? " stale" : ""}`} aria-busy={isStale}>
       <h2>{isStale ? "Flights of before: not of what is drawn now" : survey.flights.length === 1 ? "One flight" : `${survey.flights.length} flights, one after the other`}</h2>
-      <div class="scroll" tabIndex={0} role="region" aria-label="Flights">
+      <div class="scroll" tabIndex={0} role="region" aria-label="Flights side by side">
         <table>
           <thead><tr><th scope="col">file</th><th scope="col">takes</th>{hasEnergy && <th scope="col">energy</th>}<th scope="col">keeps</th></tr></thead>
           <tbody>
@@ -104,7 +139,7 @@ export function NextFlight({ now, onLink, charged, say }: { now: Studio; onLink:
   const next = survey.flights.findIndex(one => !now.flownParts.includes(one.plan.name));
   return (
     <div role="group" aria-label="Which flight">
-      {count > 1 && <p class="note">{chosen} is the {now.part + 1}. of {count} flights{now.flownParts.includes(chosen) ? ", and was flown" : ""}.
+      {count > 1 && <p class="note">{chosen} is flight {now.part + 1} of {count}{now.flownParts.includes(chosen) ? ", and was flown" : ""}.
         {next >= 0 && next !== now.part && <> <button type="button" onClick={() => choosePart(next)}>Take {survey.flights[next]!.plan.name}</button></>}</p>}
       {onLink && now.flownParts.length > 0 && <label><input type="checkbox" checked={charged} onChange={event => say(event.currentTarget.checked)} /> {now.flownParts.at(-1)} has landed: a charged battery is in, and nobody is near the propellers</label>}
     </div>
@@ -152,6 +187,7 @@ export function SurveyForm({ now }: { now: Studio }) {
           {survey.line_spacing != null && number("line_spacing", "Line spacing", "m", 1, "")}
         </>
       ) : number("line_spacing", "Line spacing", "m", 1, "")}
+      {survey.camera && <label class="check"><input type="checkbox" checked={survey.gimbal === "nadir"} onChange={event => edit("gimbal", event.currentTarget.checked ? put("gimbal", "nadir") : take("gimbal"))} /> turn the gimbal straight down after the take-off</label>}
       <Direction survey={survey} layout={layout} />
       {number("turns_outside", "Turns may leave the area by", "m", 5, "0")}
       {number("flights", "Number of flights", "", 1, "fewest")}
@@ -168,7 +204,7 @@ function Rings({ now }: { now: Studio }) {
   return (
     <ul class="plain rings">{rings.map(ring => (
       <li key={ring.name}>{ring.name}, {ring.places.length} corners {!isOnly(ring.path as Path) && (
-        <button type="button" aria-label={`Take ${ring.name} out`} onClick={() => edit(`${ring.name} taken out`, { op: "take", path: ring.path as Path })}>Take it out</button>)}</li>
+        <button type="button" onClick={() => edit(`${ring.name} taken out`, { op: "take", path: ring.path as Path })}>Take {ring.name} out</button>)}</li>
     ))}</ul>
   );
 }
