@@ -86,13 +86,18 @@ class Terrace(PageMessage):
 
 
 class Tiles(PageMessage):
-    """Map tiles for below the scenario; `address` has {z}, {x} and {y}, and is beside the page if it names no host."""
+    """Map tiles for below the scenario; `address` has {z}, {x} and {y}, and is beside the page if it names no host.
+
+    `vector`: they are no pictures, but things in `layers`, as far as their names are told.
+    """
 
     kind: Literal["tiles"] = "tiles"
     address: str
     attribution: str
     min_zoom: int
     max_zoom: int
+    vector: bool = False
+    layers: tuple[str, ...] = ()
 
 
 class Heights(PageMessage):

@@ -357,6 +357,7 @@ def test_the_arrow_keys_move_what_is_focused(page: Any) -> None:
 
 
 def test_a_place_is_found_by_its_coordinates_and_the_ground_is_shaded(page: Any) -> None:
+    proved(page)
     field = page.get_by_label("Go to a place")
     field.fill("47.31 N, 8.52 E")
     field.press("Enter")

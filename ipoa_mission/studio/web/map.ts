@@ -6,6 +6,7 @@ import { hillshade } from "./hillshade";
 import * as shapes from "./shapes";
 import { drawSurvey, groundLayers, lineLayers, photoLayers, SURVEY_FLAT, SURVEY_KEYS, SURVEY_SOURCES, SURVEY_SPACE } from "./survey-map";
 import { blocking, coarseOf, isMission, isNamed, isWritten, listen, proved, set, studio, type LngLat, type Studio } from "./store";
+import { vectorLayers } from "./vector";
 
 setWorkerUrl(new URL("map-worker.js", document.baseURI).href);
 
@@ -242,11 +243,13 @@ function showPicture(map: MapLibre, now: Studio): void {
   const tiles = now.tiles;
   if (tiles && !map.getSource("tiles")) {
     const address = tiles.address.includes("://") ? tiles.address : new URL(".", document.baseURI).href + tiles.address;
-    map.addSource("tiles", { type: "raster", tiles: [address], tileSize: 256, minzoom: tiles.min_zoom, maxzoom: tiles.max_zoom });
-    map.addLayer({ id: "tiles", type: "raster", source: "tiles", paint: { "raster-fade-duration": 0 } }, "ground");
+    const zooms = { tiles: [address], minzoom: tiles.min_zoom, maxzoom: tiles.max_zoom };
+    map.addSource("tiles", tiles.vector ? { type: "vector", ...zooms } : { type: "raster", tileSize: 256, ...zooms });
+    const layers = tiles.vector ? vectorLayers(tiles) : [{ id: "tiles", type: "raster" as const, source: "tiles", paint: { "raster-fade-duration": 0 } }];
+    for (const layer of layers) map.addLayer(layer, "ground");
   }
   const shown = tiles !== null && now.picture;
-  if (map.getLayer("tiles")) map.setLayoutProperty("tiles", "visibility", shown ? "visible" : "none");
+  for (const id of map.getLayersOrder()) if (id.startsWith("tiles")) map.setLayoutProperty(id, "visibility", shown ? "visible" : "none");
   for (const name of ["ground", "hillshade"]) if (map.getLayer(name)) map.setLayoutProperty(name, "visibility", now.space || shown ? "none" : "visible");
   map.setPaintProperty("roofs", "fill-opacity", shown ? 0.55 : 1);
 }
