@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 import typer
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.files import packed
+from ipoa_mission.files import MISSIONS, packed
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
 from ipoa_mission.vehicles.parameters import SINGLE_MAX
 
@@ -45,7 +45,7 @@ def or_packed(path: Path) -> Path:
 
 def expect_scenario(path: Path) -> Path:
     """The scenario's file, or one that is packed; BadInput for a mission file."""
-    if path.suffix.lower() in (".plan", ".waypoints"):
+    if path.suffix.lower() in MISSIONS:
         raise BadInput(
             f"{path}: expected a scenario (.toml), not a mission",
             hint=f"fly takes missions: ipoa-mission fly {quote(str(path))}",

@@ -19,7 +19,7 @@ from ipoa_mission.cli.options import (
 )
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput
-from ipoa_mission.files import write_atomically
+from ipoa_mission.files import MISSIONS, write_atomically
 
 
 class Form(StrEnum):
@@ -140,7 +140,7 @@ def export(
     suffix = target.suffix.lower() if form is None else f".{form}"
     if suffix not in (suffixes := [f".{one}" for one in Form]):
         raise BadInput(f'{target}: expected a name that ends in {", ".join(suffixes)}, not in "{target.suffix}"')
-    is_mission = suffix in (".plan", ".waypoints")
+    is_mission = suffix in MISSIONS
     read = read_mission_file(file, autopilot)
     forecast = Forecast(read.mission, read_world(scenario))
     if target == Path("-"):

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.files import read_text
+from ipoa_mission.files import MISSIONS, read_text
 from ipoa_mission.mission.about_file import digest, written_with
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.parameter_file import beside, write_with_parameters
@@ -44,7 +44,7 @@ def not_as_written(folder: Path, name: str, report: bool = False) -> list[Path]:
     """NAME.plan, NAME.waypoints, NAME.json (and the page, NAME.html) that `Flight.write` did not leave like this."""
     about = folder / f"{name}.json"
     digests = written_with(about)
-    missions = (folder / f"{name}{suffix}" for suffix in (".plan", ".waypoints"))
+    missions = (folder / f"{name}{suffix}" for suffix in MISSIONS)
     others = [path for path in missions if path.exists() and digest(_text(path)) != digests.get(path.name)]
     if about.exists() and not digests:
         others.append(about)

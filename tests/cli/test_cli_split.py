@@ -57,3 +57,11 @@ def test_a_plan_beyond_its_battery_is_refused_and_written_in_parts_with_split(
     with Path("out/rows-1.plan").open("a") as file:
         file.write("\n")  # another file than it was
     assert "rows.json" not in run("estimate out/rows-1.plan --param WPNAV_ACCEL=60").out
+
+
+def test_what_one_battery_holds_is_written_as_without_split_with_its_page(run: Run, tmp_path: Path) -> None:
+    scenario = tmp_path / "rows.toml"
+    near = "\n".join(line for line in SCENARIO.splitlines() if not line.startswith("via"))
+    scenario.write_text(near, encoding="utf-8")
+    written = json.loads(run(f"plan {scenario} --out out --split --report --json").out)["written"]
+    assert [Path(file).name for file in written] == ["rows.plan", "rows.waypoints", "rows.json", "rows.html"]
