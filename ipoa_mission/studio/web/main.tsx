@@ -30,12 +30,16 @@ function MapView({ now }: { now: Studio }) {
   const { notice, tiles, picture, world, whole } = now;
   const place = useRef<HTMLDivElement>(null);
   useEffect(() => {
-    const map = makeMap(place.current!);
-    showSpots(map);
-    useHands(map);
-    useSurveyHands(map);
-    showPointer(map);
-    Object.assign(window, { map }); // for tests, and for the curious
+    try {
+      const map = makeMap(place.current!);
+      showSpots(map);
+      useHands(map);
+      useSurveyHands(map);
+      showPointer(map);
+      Object.assign(window, { map }); // for tests, and for the curious
+    } catch {
+      set({ notice: "No map is drawn: this browser has no WebGL 2. All else works." });
+    }
   }, []);
   return (
     <div class={`map${world ? "" : " unknown"}${whole ? " whole" : ""}`} role="region" aria-label="Map">
