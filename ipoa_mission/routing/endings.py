@@ -8,6 +8,8 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
+import numpy as np
+
 from ipoa_mission.forecast.endings import Endings, endings_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.looks import RETURNS, EndingWays
@@ -95,13 +97,14 @@ def planned_returns(forecast: Forecast) -> Iterator[str]:
 
 def _lands_on(forecast: Forecast) -> Iterator[str]:
     """For how long LAND where it is may come down on something, which is not planned away."""
-    endings = forecast.once(Endings)
-    rows = [row for row in endings.rows(Ending.LAND, timed=False) if not row.clear]
-    if rows:
-        begin, end = endings.in_air
-        seconds, names = sum(row.to_s - row.from_s for row in rows), list(dict.fromkeys(row.to for row in rows))
+    ways = forecast.once(EndingWays)
+    looks = ways.looks(Ending.LAND)
+    names = list(dict.fromkeys(one.body or "the ground" for one in shortfalls(ways, Ending.LAND, looks)))
+    if names:
+        lasts, whole = np.diff(looks.times), looks.times[-1] - looks.times[0]
+        seconds = lasts[~(looks.clear[1:] & looks.clear[:-1])].sum()
         others = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
         yield (
-            f"LAND where it is is not planned: in {seconds:.0f} of {end - begin:.0f} s in the air it may come down on "
-            f"or too near {', '.join(names[:NAMED])}{others} (`check --endings` says when)"
+            f"LAND where it is is not planned: in {seconds:.0f} of {whole:.0f} s in the air it may end on or too near "
+            f"{', '.join(names[:NAMED])}{others} (`check --endings` says when)"
         )

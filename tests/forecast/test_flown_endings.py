@@ -27,8 +27,9 @@ HAS_NO_ENDING = {"ALT_HOLD": "alt_hold", "LOITER": "loiter", "flies aside": "asi
 FAR_OUTSIDE = "100 m outside it lands"
 AUTOPILOTS = sorted({row["autopilot"] for row in ROWS})
 LEAST_ORDERS, LEAST_KINDS, LEAST_PLANNED = 190, 12, 40
-#: No simulated propeller is out of balance: the least threshold was not reached, and nothing followed.
-NOT_MADE = "propeller out of balance"
+#: What no simulated vehicle does, so that nothing followed: propellers out of balance, a motor that is switched off.
+NOT_MADE = ("propeller out of balance", "attitude or motor failure (SYS_FAILURE_EN")
+LIKELY, FALSE_ALARMS = 20, 0.1  # so many are called not clear at least; so many of them may keep what is required
 SHORT = 10.0  # of shorter endings no share is counted [s]
 #: By which share times are off, in the median and in nine of ten.
 TIMES = {
@@ -37,6 +38,9 @@ TIMES = {
     ("px4", Ending.RTL): (0.025, 0.10),
     ("px4", Ending.LAND): (0.07, 0.17),
 }
+WITHIN = 0.86  # the interval of nine in ten
+#: PX4's from this number on were flown later, with no look at how long they last: they are held against the interval.
+LATER, WITHIN_LATER = 1000, 0.8
 OFF = {"ardupilot": (0.04, 1.5), "px4": (0.12, 6.0)}  # the most that one flight is, share or seconds
 
 
@@ -66,6 +70,16 @@ def test_who_came_nearer_than_required_was_foretold(autopilot: str) -> None:
     assert unforetold == []
 
 
+def test_what_is_not_clear_comes_nearer_and_most_of_what_comes_nearer_is_not_clear() -> None:
+    """PX4's spread is wide: what only some of it does is called perhaps not clear."""
+    graded = [(row["grade"], kept) for row, _, kept in by_obstacles("px4") if row["grade"]]
+    would, nearer = [kept for grade, kept in graded if grade == "would"], [grade for grade, kept in graded if not kept]
+    assert len(would) >= LIKELY
+    assert sum(would) <= FALSE_ALARMS * len(would)
+    assert nearer.count("would") >= (1.0 - FALSE_ALARMS) * len(nearer)
+    assert set(nearer) <= {"would", "may"}
+
+
 @pytest.mark.parametrize("autopilot", AUTOPILOTS)
 def test_no_planned_return_came_nearer_than_required(autopilot: str) -> None:
     planned = [(row, kept) for row, _, kept in by_obstacles(autopilot) if row["planned"] == "returns"]
@@ -75,16 +89,31 @@ def test_no_planned_return_came_nearer_than_required(autopilot: str) -> None:
     assert [row["number"] for row, kept in returns if not kept] == []
 
 
+def timed(autopilot: str, ending: Ending) -> list[Row]:
+    """What was ordered, and of which a time was forecast."""
+    ordered = (row for row in flown(autopilot) if row["ending"] == row["did"] == ending and not row["trigger"])
+    return [row for row in ordered if math.isfinite(float(row["expected_s"]))]
+
+
 @pytest.mark.parametrize("autopilot", AUTOPILOTS)
 @pytest.mark.parametrize("ending", [Ending.RTL, Ending.LAND])
 def test_endings_last_as_long_as_expected(autopilot: str, ending: Ending) -> None:
-    ordered = (row for row in flown(autopilot) if row["ending"] == row["did"] == ending and not row["trigger"])
-    rows = [row for row in ordered if math.isfinite(float(row["expected_s"]))]
+    rows = [row for row in timed(autopilot, ending) if int(row["number"]) < LATER]
     lasted, expected = (np.array([float(row[name]) for row in rows]) for name in ("flown_s", "expected_s"))
     off = np.abs(expected / lasted - 1.0)[lasted > SHORT]
     median, most = TIMES[autopilot, ending]
     assert np.median(off) <= median
     assert np.quantile(off, 0.9) <= most
+
+
+@pytest.mark.parametrize("autopilot", AUTOPILOTS)
+@pytest.mark.parametrize("ending", [Ending.RTL, Ending.LAND])
+def test_endings_last_as_long_as_their_intervals_say(autopilot: str, ending: Ending) -> None:
+    rows = timed(autopilot, ending)
+    within = [float(row["low_s"]) <= float(row["flown_s"]) <= float(row["high_s"]) for row in rows]
+    later = [one for row, one in zip(rows, within, strict=True) if int(row["number"]) >= LATER]
+    assert sum(within) >= WITHIN * len(within)
+    assert sum(later) >= WITHIN_LATER * len(later)
 
 
 def said_of(row: Row) -> str:
@@ -114,14 +143,15 @@ def test_failsafes_do_what_is_said_of_them(autopilot: str) -> None:
     for row in flown(autopilot):
         did = (row["did"].split() or ["continue"])[-1]
         if row["trigger"] and did not in said_of(row).split(" or "):
-            otherwise.append((row["trigger"].split(" (")[0], did))
-    assert otherwise == [(NOT_MADE, "continue")] * len(otherwise)
+            otherwise.append((row["trigger"].startswith(NOT_MADE), did))
+    assert otherwise == [(True, "continue")] * len(otherwise)
 
 
 @pytest.mark.parametrize(("autopilot", "least"), [("ardupilot", 14), ("px4", 12)])
 def test_so_many_causes_were_made(autopilot: str, least: int) -> None:
-    made = [(row["trigger"].split(" (")[0], row["ending"]) for row in flown(autopilot) if row["trigger"]]
-    assert len({cause for cause, _ in made} - {NOT_MADE}) >= least
+    triggered = [row for row in flown(autopilot) if row["trigger"] and not row["trigger"].startswith(NOT_MADE)]
+    made = [(row["trigger"].split(" (")[0], row["ending"]) for row in triggered]
+    assert len({cause for cause, _ in made}) >= least
     assert len(set(made)) >= 2 * LEAST_KINDS
 
 
@@ -146,6 +176,7 @@ def test_the_model_still_foretells_what_was_flown(row: Row) -> None:
         assert not told.clear
     elif row["clear"] == "True":
         assert told.clear
+    assert told.grade.name.lower() == (row["grade"] or told.grade.name.lower())
     if ending in (Ending.RTL, Ending.LAND) and row["did"] == ending:
         mission, forecast = endings.mission, endings.forecast
         model, order = mission.autopilot.part(FlightModel), BrokenOff(second, ending)
