@@ -21,7 +21,10 @@ from ipoa_mission.world.obstacles import Obstacle
 ROOM = 5.0  # beyond the survey, in bounds that are widened for it [m]
 TOO_LOW = re.compile(r"^survey: .* too near to it, at least ([\d.]+) m required")
 NOTHING_LEFT = re.compile(r"^survey: obstacles .* leave nothing of the area")
-TOO_NEAR = re.compile(r"^survey: even at .* flights would come too near (.*) at east ")
+TOO_NEAR = re.compile(
+    r"^(?:survey: even at .* flights would come too near"
+    r"|the way between home and the survey comes too close: [\d.]+ m from) (.*?) at east "
+)
 TOO_MANY = re.compile(r"^survey\.flights: expected at most one for each of (\d+) lines")
 TOO_WIDE = re.compile(r"^survey\.line_spacing: expected at most what a photo shows, ([\d.]+) m")
 TOO_CLOSE = re.compile(r"^survey\.(line_spacing|side_overlap|front_overlap): expected lines and photos")

@@ -48,6 +48,13 @@ PHOTOS = asked("camera", "DJI Mavic 3E")
 LARGE_BARN = [Put(path=("obstacles", 0, side), value=200.0) for side in ("width", "depth")]
 
 
+#: So low that the way home leads between barn and silo.
+NARROW: list[Change] = [
+    asked("polygon", [[-10, -30], [70, -30], [70, 30], [-10, 30]]),
+    *(asked("line_spacing", 8.0), asked("height_above_ground", 20.0)),
+]
+
+
 def drawn(*changes: Change) -> str:
     """The meadow's text with an area drawn, and these changes."""
     return changed(MEADOW.read_text(), [WIDE, DrawArea(what="area", ring=OUTLINE), *changes])
@@ -198,6 +205,7 @@ def test_a_survey_that_is_refused_at_once_is_laid_with_its_remedy(wrong: list[Ch
         ([asked("flights", 99)], "flights"),
         ([asked("flights", 99)], "As few"),
         ([Put(path=("bounds",), value={"up": [-5.0, 30.0]})], "Bounds"),
+        (NARROW, "over silo"),
     ],
 )
 def test_a_survey_that_is_refused_is_planned_with_its_remedy(wrong: list[Change], label: str) -> None:

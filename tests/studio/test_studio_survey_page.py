@@ -75,7 +75,9 @@ def test_an_area_is_drawn_bent_turned_split_and_flown(own_page: Any, address: tu
     page.get_by_text("✓ Landed").wait_for()
     page.get_by_role("button", name="Take meadow-2").wait_for()
     page.get_by_label("a vehicle, or SITL").click()
-    page.get_by_label("a charged battery is in").wait_for()
+    assert page.get_by_role("button", name="Upload").is_disabled()
+    page.get_by_label("a charged battery is in").check()
+    assert page.get_by_role("button", name="Upload").is_enabled()
     page.set_viewport_size({"width": 390, "height": 844})
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
 

@@ -2,7 +2,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { OrderThen, Reserve } from "./messages";
 import { isMission, proved, send, type Studio } from "./store";
-import { NextFlight } from "./survey";
+import { asksBattery, NextFlight } from "./survey";
 import { seconds, share } from "./words";
 
 const ORDERS: Record<OrderThen["what"], string> = { hold: "Hold", go_on: "Go on", rtl: "Return now", land: "Land now" };
@@ -40,7 +40,7 @@ export function Fly({ now }: { now: Studio }) {
               <label><input type="checkbox" checked={sets} onChange={event => setSets(event.currentTarget.checked)} /> give it the parameters that this was made for, where it has others</label></>
             : <label class="field"><span>So many times as fast</span><input type="number" min="0.5" max="1000" value={speedup} onChange={event => setSpeedup(Number(event.currentTarget.value) || 1)} /><em>×</em></label>}
           <NextFlight now={now} onLink={real} charged={charged} say={setCharged} />
-          <button type="button" class="strong" disabled={!ready}
+          <button type="button" class="strong" disabled={!ready || (real && !charged && asksBattery(now))}
             onClick={() => { send({ kind: "upload", link: real ? link : null, system: real ? system : null, speedup, set_params: real && sets, flight: now.part, charged }); setCharged(false); }}>Upload</button>
           {!ready && <p class="note">{isMission(now) ? "Only a mission in which the check finds no error is uploaded." : "Only a proved path is uploaded."}</p>}
         </div>

@@ -132,7 +132,7 @@ export function SurveyFlights({ now }: { now: Studio }) {
   );
 }
 
-/** Which flight is to be uploaded, and on a link, after one was flown, that the battery is changed. */
+/** Which flight is to be uploaded, and on a link that the battery is charged, which counts after one was flown. */
 export function NextFlight({ now, onLink, charged, say }: { now: Studio; onLink: boolean; charged: boolean; say: (charged: boolean) => void }) {
   const survey = surveyed(now), count = survey?.flights.length ?? 0, chosen = survey?.flights[now.part]?.plan.name ?? "";
   if (!survey) return null;
@@ -141,10 +141,13 @@ export function NextFlight({ now, onLink, charged, say }: { now: Studio; onLink:
     <div role="group" aria-label="Which flight">
       {count > 1 && <p class="note">{chosen} is flight {now.part + 1} of {count}{now.flownParts.includes(chosen) ? ", and was flown" : ""}.
         {next >= 0 && next !== now.part && <> <button type="button" onClick={() => choosePart(next)}>Take {survey.flights[next]!.plan.name}</button></>}</p>}
-      {onLink && now.flownParts.length > 0 && <label><input type="checkbox" checked={charged} onChange={event => say(event.currentTarget.checked)} /> {now.flownParts.at(-1)} has landed: a charged battery is in, and nobody is near the propellers</label>}
+      {onLink && <label><input type="checkbox" checked={charged} onChange={event => say(event.currentTarget.checked)} /> {now.flownParts.length > 0 && `${now.flownParts.at(-1)} has landed: `}a charged battery is in, and nobody is near the propellers</label>}
     </div>
   );
 }
+
+/** Whether the user has to say that the battery is changed. */
+export const asksBattery = (now: Studio): boolean => surveyed(now) !== null && now.flownParts.length > 0;
 
 /** What is asked of a survey, in words with units. */
 export function SurveyForm({ now }: { now: Studio }) {
