@@ -7,6 +7,7 @@ first click to the scenario that has the change; a hand takes longer, by its own
 """
 
 import argparse
+import os
 import re
 import shutil
 import subprocess
@@ -26,15 +27,18 @@ SOFTWARE = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enab
 
 
 @contextmanager
-def studio(scenario: Path) -> Iterator[str]:
-    """The address of a studio on a scenario."""
-    command = [sys.executable, "-m", "ipoa_mission", "studio", str(scenario), "--no-browser"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+def studio(scenario: Path | None, folder: Path, *options: str) -> Iterator[str]:
+    """The address of a studio on a scenario, or of its start page; what it remembers it keeps in `folder`."""
+    command = [sys.executable, "-m", "ipoa_mission", "studio", *([] if scenario is None else [str(scenario)])]
+    environment = os.environ | {"XDG_STATE_HOME": str(folder / "state"), "PYTHONPATH": str(Path.cwd())}
+    with subprocess.Popen(
+        [*command, "--no-browser", *options], stdout=subprocess.PIPE, text=True, cwd=folder, env=environment
+    ) as process:
         assert process.stdout is not None
-        address = re.search(r"http://\S+", process.stdout.readline())
-        assert address is not None
-        yield address[0]
-        process.terminate()
+        try:
+            yield next(found[0] for line in process.stdout if (found := re.search(r"http://\S+", line)))
+        finally:
+            process.terminate()
 
 
 class Hands:
@@ -138,7 +142,7 @@ def tasks(hands: Hands) -> dict[str, tuple[Callable[[], None], Callable[[], bool
 
 
 def proved(page: Any) -> None:
-    page.locator(".verdict .good").wait_for()
+    page.locator(".verdict :is(.good, .amber)").first.wait_for()
     page.wait_for_timeout(700)
 
 
@@ -150,7 +154,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as play:
         scenario = Path(shutil.copy(CAMPUS, folder))
         browser = play.chromium.launch(executable_path=shutil.which("chromium"), args=SOFTWARE)
-        with studio(scenario) as address:
+        with studio(scenario, Path(folder)) as address:
 
             def opened(width: int, height: int, scheme: str) -> Any:
                 page = browser.new_page(viewport={"width": width, "height": height}, color_scheme=scheme)

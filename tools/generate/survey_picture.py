@@ -34,7 +34,7 @@ def main() -> None:
         scenario = Path(folder) / "field.toml"
         scenario.write_text(scenario_of(HOW_TO.read_text(encoding="utf-8")), encoding="utf-8")
         browser = play.chromium.launch(executable_path=shutil.which("chromium"), args=SOFTWARE)
-        with studio(scenario) as address:
+        with studio(scenario, Path(folder)) as address:
             page = browser.new_page(viewport={"width": 1280, "height": 800})
             page.set_default_timeout(PATIENCE_MS)
             page.goto(address)
