@@ -12,6 +12,8 @@ from ipoa_mission.errors import BadInput
 
 PIPE_S = 5.0  # for so long something must be written into a named pipe
 
+MISSIONS = (".plan", ".waypoints")  # suffixes of mission files
+
 
 def write_atomically(path: Path, content: str | bytes) -> None:
     """Write `content` (text as UTF-8 with LF) to `path`; what was there before stays until the new file is whole.

@@ -51,7 +51,10 @@ LONGEST = (
     "cli/test_cli_main_job.py",
 )
 
-settings.register_profile("steady", deadline=None, derandomize=True)  # CI's machines are noisy; a failure comes again
+#: CI's machines are noisy; a failure comes again. `--hypothesis-profile thorough`, as in .ci/run, tries four times as
+#: many examples.
+settings.register_profile("steady", deadline=None, derandomize=True, max_examples=50)
+settings.register_profile("thorough", settings.get_profile("steady"), max_examples=200)
 settings.load_profile("steady")
 
 
@@ -65,6 +68,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """The longest first."""
     places = {REPOSITORY / "tests" / name: place for place, name in enumerate(LONGEST)}
     items.sort(key=lambda item: places.get(item.path, len(LONGEST)))
+
+
+def pytest_collection_finish() -> None:
+    """What has been imported and collected stays: it is not looked through for garbage again and again."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.hookimpl(wrapper=True)

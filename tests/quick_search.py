@@ -3,12 +3,14 @@
 from collections.abc import Callable
 from functools import partial
 from importlib import import_module
+from typing import Any, TypeVar
 
 from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.planning.strategy import LatticeStrategy, SearchStrategy
 from ipoa_mission.routing.candidates import RouteGrid
 from ipoa_mission.routing.fastest import RouteSearch
 
+T = TypeVar("T")
 QUICK = SearchStrategy(LatticeStrategy(nodes=20_000), straight_starts=1, lattice_starts=2, max_rounds=4, settled=1)
 FEW = RouteGrid(straight_shares=(1.0, 0.3), turn_radii=(0.0, 7.0), spline_shares=(0.4,), spline_spacings=(25.0,))
 
@@ -24,3 +26,18 @@ def search_quickly(patch: Callable[[str, object], None] = put) -> None:
     patch("ipoa_mission.routing.seek.plan_path", partial(plan_path, strategy=QUICK))
     patch("ipoa_mission.routing.candidates.GRID", FEW)
     patch("ipoa_mission.routing.fastest.SEARCH", RouteSearch(starts=1, trials=20))
+
+
+def once(answer: Callable[..., T], asked: Callable[..., object]) -> Callable[..., T]:
+    """The same, which answers what it was asked before as it did then; `asked`: what of its arguments counts."""
+    answers = list[tuple[object, T]]()
+
+    def remembering(*arguments: Any) -> T:
+        question = asked(*arguments)
+        for earlier, answered in answers:
+            if earlier == question:
+                return answered
+        answers.append((question, answer(*arguments)))
+        return answers[-1][1]
+
+    return remembering

@@ -10,6 +10,7 @@ standard deviation north and east is the turbulence.
 
 import json
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -83,6 +84,7 @@ def read_flight(folder: Path) -> Recorded:
     return Recorded(folder, mission, flight["params"], tuple(runs), flight["end_s"], wind, air["turbulence"])
 
 
+@cache
 def read_flights(autopilot: Autopilot, folder: Path = FLIGHTS) -> tuple[Recorded, ...]:
     """All flights of one autopilot, by name."""
     return tuple(read_flight(one) for one in sorted(folder.glob(f"*-{autopilot}")))

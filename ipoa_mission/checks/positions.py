@@ -3,20 +3,16 @@
 import math
 from collections.abc import Iterable, Iterator
 
-from pyproj import Geod
-
 from ipoa_mission.checks.finding import Numbered, numbered
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.forecast.itinerary.program import is_as_high_as_now, is_here
 from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
-from ipoa_mission.world.frame import Geodetic
+from ipoa_mission.world.frame import Geodetic, apart
 
 FAR, TOO_FAR = 10_000.0, 100_000.0  # [m] from home
 HIGHEST, LOWEST = 10_000.0, -500.0  # [m] above home
 DEEPEST_LAND, HIGHEST_LAND = -450.0, 9_000.0  # [m AMSL] where a home can be
-ELLIPSOID = Geod(ellps="WGS84")
 MAY_BE_HERE = {Command.NAV_TAKEOFF, Command.NAV_LAND, Command.NAV_PAYLOAD_PLACE}
 
 
@@ -59,7 +55,7 @@ def _wrong_corner(home: Geodetic, latitude_deg: float, longitude_deg: float) -> 
         return wrong
     if out_of_range(home.latitude_deg, home.longitude_deg):
         return None
-    metres = distance(home, latitude_deg, longitude_deg)
+    metres = apart(home, Geodetic(latitude_deg, longitude_deg))
     return None if metres <= TOO_FAR else f"expected a position within 100 km of home, not {metres / 1000:.0f} km"
 
 
@@ -75,8 +71,8 @@ def home_elsewhere(mission: Mission) -> str | None:
         return None
     if any(out_of_range(*place) for place in (home, *places)):
         return None
-    nearest = min(distance(mission.home, *place) for place in places)
-    if nearest <= TOO_FAR or any(distance(Geodetic(*places[0]), *place) > TOO_FAR for place in places):
+    nearest = min(apart(mission.home, Geodetic(*place)) for place in places)
+    if nearest <= TOO_FAR or any(apart(Geodetic(*places[0]), Geodetic(*place)) > TOO_FAR for place in places):
         return None
     return f"home: it lies {nearest / 1000:.0f} km from all places of the mission, so it must be armed elsewhere"
 
@@ -129,7 +125,7 @@ def _position(at: Numbered, mission: Mission) -> Iterator[Finding]:
     if wrong := out_of_range(item.latitude_deg, item.longitude_deg):
         yield at.error("position-out-of-range", wrong)
     elif item.command in FLOWN_TO and (item.latitude_deg, item.longitude_deg) == (0.0, 0.0):
-        if is_here(item, mission.autopilot):
+        if item.is_here(mission.autopilot):
             if item.command not in MAY_BE_HERE:
                 yield at.warning("position-here", f"latitude 0, longitude 0: {model} does it where it is")
         elif item.command not in MAY_BE_HERE:
@@ -138,17 +134,11 @@ def _position(at: Numbered, mission: Mission) -> Iterator[Finding]:
             yield at.error("position-missing", f"expected a position: {model} would fly to latitude 0, longitude 0")
 
 
-def distance(home: Geodetic, latitude_deg: float, longitude_deg: float) -> float:
-    """Horizontal distance from home on the ellipsoid [m]."""
-    *_, metres = ELLIPSOID.inv(home.longitude_deg, home.latitude_deg, longitude_deg, latitude_deg)
-    return float(metres)
-
-
 def _far(at: Numbered, home: Geodetic) -> Iterator[Finding]:
     item = at.item
     if not item.has_position or out_of_range(home.latitude_deg, home.longitude_deg):
         return
-    km = distance(home, item.latitude_deg, item.longitude_deg) / 1000
+    km = apart(home, Geodetic(item.latitude_deg, item.longitude_deg)) / 1000
     if km > TOO_FAR / 1000:
         yield at.error("too-far", f"expected a position within {TOO_FAR / 1000:g} km of home, not {km:.0f} km")
     elif km > FAR / 1000:
@@ -162,7 +152,7 @@ def _height(at: Numbered, mission: Mission) -> Iterator[Finding]:
     if not math.isfinite(item.altitude):
         yield at.error("altitude-missing", f"expected an altitude in metres, not {item.altitude}")
         return
-    if is_as_high_as_now(item, mission.autopilot):
+    if item.is_as_high_as_now(mission.autopilot):
         if item.command != Command.NAV_PAYLOAD_PLACE:
             yield at.warning("altitude-kept", "altitude 0: ArduCopter stays as high as it is")
         return

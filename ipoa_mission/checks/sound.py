@@ -3,14 +3,17 @@
 import math
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from ipoa_mission.checks.positions import unsound
+from ipoa_mission.checks.firmware import is_too_long
+from ipoa_mission.checks.positions import refusals, unsound
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import TAKEOFFS, Command, Frame
-from ipoa_mission.mission.items import Item
+from ipoa_mission.mission.commands import TAKEOFFS
+from ipoa_mission.mission.items import LEFT_OUT
 
-_NOWHERE = Item(Command.CONDITION_DELAY, Frame.MISSION)
+if TYPE_CHECKING:
+    from ipoa_mission.forecast.tube.promise import Promise
 
 
 def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | None:
@@ -34,6 +37,12 @@ def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | N
             home = mission.home
             items[seq - 1] = replace(item, latitude_deg=home.latitude_deg, longitude_deg=home.longitude_deg)
         else:
-            items[seq - 1] = _NOWHERE
+            items[seq - 1] = LEFT_OUT
             left_out.add(seq)
     return Forecast(replace(mission, items=tuple(items)), forecast.scenario, left_out=frozenset(left_out))
+
+
+def promise_if_flown(forecast: Forecast) -> "Promise | None":
+    """What its flights keep; None where no vehicle would fly it, or nobody can say how."""
+    mission = forecast.given
+    return None if refusals(mission) or is_too_long(mission) else forecast.promise_if_known

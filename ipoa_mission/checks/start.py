@@ -7,8 +7,7 @@ import numpy as np
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.commands import Command, Frame
-from ipoa_mission.mission.items import Item, Mission, takeoff
+from ipoa_mission.mission.items import LEFT_OUT, Mission, takeoff
 from ipoa_mission.world.frame import Geodetic, apart
 
 #: So far from the mission's home a vehicle is at it: less than positioning by satellite is worth [m].
@@ -17,7 +16,6 @@ AT_HOME = 1.5
 UNSEEN = 10.0
 #: A vehicle on the ground first climbs to the height of its first item, but at least so far [m].
 LEAST_CLIMB = 2.5
-_SKIPPED = Item(Command.CONDITION_DELAY, Frame.MISSION)
 
 
 class NotAtStart(MissionError):
@@ -41,7 +39,7 @@ def begun_at(mission: Mission, first: int, there: Geodetic | None = None) -> Mis
     height = mission.altitude_above_home(mission.items[first])
     if not (mission.items[first].has_position and np.isfinite(height)):
         raise BadInput(f"--from: expected an item with a place and a height, and item {first + 1} has none")
-    begins = (_SKIPPED,) * (first - 1) + (takeoff(home, max(height, LEAST_CLIMB)),)
+    begins = (LEFT_OUT,) * (first - 1) + (takeoff(home, max(height, LEAST_CLIMB)),)
     return replace(mission, home=home, items=begins + mission.items[first:])
 
 

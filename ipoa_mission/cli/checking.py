@@ -40,9 +40,8 @@ def check(
     Example: `ipoa-mission check campus.plan --scenario missions/campus.toml`
     """
     from ipoa_mission.checks.check import check as check_forecast
-    from ipoa_mission.checks.firmware import is_too_long
-    from ipoa_mission.checks.positions import refusals
     from ipoa_mission.checks.sarif import sarif as sarif_log
+    from ipoa_mission.checks.sound import promise_if_flown
     from ipoa_mission.cli.reading import read_given, read_world
     from ipoa_mission.finding import Severity
     from ipoa_mission.forecast.forecast import Forecast
@@ -54,8 +53,7 @@ def check(
     world = read_world(scenario, air)
     forecast = Forecast(given.mission, world)
     findings = check_forecast(forecast, ignore or (), given.findings)
-    mission, is_flown = forecast.given, not (refusals(forecast.given) or is_too_long(forecast.given))
-    promise = forecast.promise_if_known if world is not None and is_flown else None
+    mission, promise = forecast.given, None if world is None else promise_if_flown(forecast)
     if sarif is not None:
         write_atomically(sarif, sarif_log(file, findings))
     ways: tuple[Any, ...] = ((), ())

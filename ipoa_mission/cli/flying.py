@@ -88,10 +88,9 @@ def fly(
     """
     from ipoa_mission.cli.flown import tell_flown, tell_flown_as_json
     from ipoa_mission.cli.job import adapt_scenario, plan, planned, read_job
-    from ipoa_mission.cli.overwriting import expect_free, expect_log
+    from ipoa_mission.cli.overwriting import expect_log, expect_plans
     from ipoa_mission.cli.surveying import EACH_BY_ITSELF, expect_flyable, fly_survey, plan_here, write_survey
     from ipoa_mission.files import unused
-    from ipoa_mission.flight.written import not_as_written
     from ipoa_mission.scenario import read_scenario
 
     is_planned = source.suffix.lower() == ".toml"
@@ -123,7 +122,7 @@ def fly(
             files = write_survey(survey, out, report, force, as_json)
             fly_survey(survey, pilot, on_link, out, files, as_json, is_on_link=link is not None)
             return
-        expect_free(not_as_written(out, scenario.name, report), force, ask=not as_json)
+        expect_plans(out, [scenario.name], report, force, ask=not as_json)
         job = planned(plan(scenario, search.seed, air))
     else:
         job = read_job(source, flown_by)

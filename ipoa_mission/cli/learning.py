@@ -10,13 +10,12 @@ import typer
 from ipoa_mission.cli.options import ForceOption, JsonOption
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.files import MISSIONS
 
 if TYPE_CHECKING:
     from ipoa_mission.logs.learn.evidence import Evidence
     from ipoa_mission.logs.learn.judge import LeftOut
     from ipoa_mission.vehicles.learned import LearnedVehicle
-
-MISSIONS = (".plan", ".waypoints")
 
 
 def learn(

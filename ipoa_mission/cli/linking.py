@@ -13,6 +13,7 @@ from ipoa_mission.cli.overwriting import expect_free
 from ipoa_mission.cli.telling import notes, progress_bar, tell, tell_json
 from ipoa_mission.cli.vehicles import connect_to, stages_shown, states_firmware
 from ipoa_mission.errors import BadInput
+from ipoa_mission.files import MISSIONS
 
 if TYPE_CHECKING:
     from ipoa_mission.link.vehicle import Vehicle
@@ -65,7 +66,7 @@ def download(
     """
     from ipoa_mission.mission.files import write_mission
 
-    if file.suffix.lower() not in (".plan", ".waypoints"):
+    if file.suffix.lower() not in MISSIONS:
         raise BadInput(f'{file}: expected a name that ends in .plan or .waypoints, not in "{file.suffix}"')
     expect_free([file], force, ask=not as_json)
     usual = file.with_name(f"{file.stem}-download.tlog")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 import typer
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.files import packed
+from ipoa_mission.files import MISSIONS, packed
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
 from ipoa_mission.vehicles.parameters import SINGLE_MAX
 
@@ -45,7 +45,7 @@ def or_packed(path: Path) -> Path:
 
 def expect_scenario(path: Path) -> Path:
     """The scenario's file, or one that is packed; BadInput for a mission file."""
-    if path.suffix.lower() in (".plan", ".waypoints"):
+    if path.suffix.lower() in MISSIONS:
         raise BadInput(
             f"{path}: expected a scenario (.toml), not a mission",
             hint=f"fly takes missions: ipoa-mission fly {quote(str(path))}",
@@ -69,9 +69,6 @@ def expect_world_of(endings: bool, scenario: Path | None) -> None:
         raise BadInput("--endings: expected with --scenario", hint="what an ending keeps depends on what stands there")
 
 
-ScenarioArgument: TypeAlias = Annotated[
-    Path, typer.Argument(metavar="SCENARIO", callback=expect_scenario, help="Scenario file (TOML), or `campus`.")
-]
 ScenarioOrNone: TypeAlias = Annotated[
     Path | None,
     typer.Argument(

@@ -36,6 +36,17 @@ def expect_free(paths: Iterable[Path], force: bool, ask: bool = True) -> None:
                 raise BadInput(f"{path}: there is such a file already", hint="--force writes over it")
 
 
+def expect_plans(folder: Path, names: Iterable[str], report: bool, force: bool, ask: bool = True) -> None:
+    """See that plans of these names are written over nothing but what was planned here, and nobody changed since.
+
+    Raises:
+        BadInput: as `expect_free`.
+    """
+    from ipoa_mission.flight.written import not_as_written
+
+    expect_free((path for name in names for path in not_as_written(folder, name, report)), force, ask)
+
+
 def expect_log(path: Path | None) -> None:
     """See that `--log` does not write over a file that is no log.
 

@@ -12,7 +12,8 @@ from ipoa_mission.cli.telling import tell_json
 from ipoa_mission.errors import BadInput
 
 if TYPE_CHECKING:
-    from ipoa_mission.scenario import Scenario
+    from ipoa_mission.flight.flight import Flight
+    from ipoa_mission.forecast.forecast import Forecast
 
 
 def plan(
@@ -38,11 +39,10 @@ def plan(
 
     Example: `ipoa-mission plan missions/campus.toml --out out --seed 7`
     """
-    from ipoa_mission.cli.job import adapt_scenario
+    from ipoa_mission.cli.job import adapt_scenario, plan_parts
     from ipoa_mission.cli.job import plan as plan_it
-    from ipoa_mission.cli.overwriting import expect_folder, expect_free
+    from ipoa_mission.cli.overwriting import expect_folder, expect_plans
     from ipoa_mission.cli.summary import tell_planned
-    from ipoa_mission.flight.written import not_as_written
 
     expect_folder(out)
     air = flown_by.air
@@ -57,11 +57,11 @@ def plan(
         return
     if surveyed.flown:
         raise BadInput("--flown: expected a survey", hint="what is left of another mission: ipoa-mission fly --from N")
-    expect_free(not_as_written(out, adapted.name, report), force, ask=not as_json)
-    if split:
-        _plan_in_parts(adapted, search.seed, flown_by, out, force, as_json)
+    expect_plans(out, [adapted.name], report, force, ask=not as_json)
+    flight, parts = plan_parts(adapted, search.seed, air) if split else (plan_it(adapted, search.seed, air), ())
+    if len(parts) > 1:
+        _write_parts(flight, parts, out, force, as_json)
         return
-    flight = plan_it(adapted, search.seed, air)
     files = [*flight.write(out)]
     if report:
         files.append(out / f"{flight.name}.html")
@@ -72,21 +72,16 @@ def plan(
         tell_planned(flight, files)
 
 
-def _plan_in_parts(
-    scenario: "Scenario", seed: int, flown_by: FlownByOptions, out: Path, force: bool, as_json: bool
-) -> None:
+def _write_parts(whole: "Flight", parts: "tuple[Forecast, ...]", out: Path, force: bool, as_json: bool) -> None:
     """Write a flight as one mission for each battery."""
-    from ipoa_mission.cli.job import plan_parts
     from ipoa_mission.cli.overwriting import expect_free
     from ipoa_mission.cli.summary import tell_parts
     from ipoa_mission.flight.parts import names_of, parts_summary, write_parts
 
-    whole, parts = plan_parts(scenario, seed, flown_by.air)
-    if len(parts) > 1:
-        expect_free([path for path in names_of(whole, parts, out) if path.exists()], force, ask=not as_json)
-    files = write_parts(whole, parts, out) if len(parts) > 1 else whole.write(out)
+    expect_free(names_of(whole, parts, out), force, ask=not as_json)
+    summary = parts_summary(whole, parts)
+    files = write_parts(whole, parts, summary, out)
     if as_json:
-        summary = parts_summary(whole, parts) if len(parts) > 1 else whole.summary()
         tell_json(summary | {"written": [str(file) for file in files]})
     else:
         tell_parts(whole, parts, files)

@@ -19,7 +19,7 @@ from ipoa_mission.cli.options import (
 )
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput
-from ipoa_mission.files import write_atomically
+from ipoa_mission.files import MISSIONS, write_atomically
 
 
 class Form(StrEnum):
@@ -100,11 +100,11 @@ def show(
     length = sum(row.length for row in rows if row.length is not None)
     tell(f"{length:.0f} m, {up:.0f} m up and {down:.0f} m down; {total}", *energy, *notes(remarks))
     if endings:
-        from ipoa_mission.checks.firmware import is_too_long
+        from ipoa_mission.checks.sound import promise_if_flown
         from ipoa_mission.cli.ending import tell_strip
         from ipoa_mission.forecast.endings import Endings
 
-        is_flown = not errors and not is_too_long(mission) and forecast.promise_if_known is not None
+        is_flown = promise_if_flown(forecast) is not None
         tell_strip(forecast.once(Endings).all_rows(timed=False) if is_flown else ())
 
 
@@ -140,7 +140,7 @@ def export(
     suffix = target.suffix.lower() if form is None else f".{form}"
     if suffix not in (suffixes := [f".{one}" for one in Form]):
         raise BadInput(f'{target}: expected a name that ends in {", ".join(suffixes)}, not in "{target.suffix}"')
-    is_mission = suffix in (".plan", ".waypoints")
+    is_mission = suffix in MISSIONS
     read = read_mission_file(file, autopilot)
     forecast = Forecast(read.mission, read_world(scenario))
     if target == Path("-"):

@@ -13,8 +13,9 @@ from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST
 
 def tell_planned(flight: Flight, written: Iterable[Path]) -> None:
     """Print what was planned, how else it could be flown, and the files written."""
-    tell(*describe(flight))
-    tell_table("start to goal, by how the waypoints are chosen (* is written)", ROUTE_COLUMNS, route_rows(flight))
+    lines, rows = describe(flight), route_rows(flight)
+    tell(*lines)
+    tell_table("start to goal, by how the waypoints are chosen (* is written)", ROUTE_COLUMNS, rows)
     tell(*ROUTE_WORDS, *([PASSED_OVER] if any(option.passed_over for option in flight.options) else []))
     tell("", f"written: {', '.join(map(str, written))}", TAKEOFF_LOST)
 
@@ -35,9 +36,6 @@ def describe(flight: Flight) -> list[str]:
 
 def tell_parts(whole: Flight, parts: Sequence[Forecast], written: Iterable[Path]) -> None:
     """Print a flight that is flown with a battery for each part."""
-    if len(parts) < 2:
-        tell_planned(whole, written)
-        return
     tell(*describe(whole))
     rows = []
     for number, part in enumerate(parts, 1):

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 Piloted: TypeAlias = "tuple[Job, tuple[str, ...], FlightRecord]"
 #: Flies a job, every frame into a log.
 Pilot: TypeAlias = "Callable[[Job, Path], Piloted]"
-SPACING, HEIGHT = 20.0, 40.0  # where neither the command line nor a scenario says more [m]
 OPTION = Path("--survey")  # what errors of a survey without a scenario begin with
 EACH_BY_ITSELF = "plan first, then fly the flights one by one: ipoa-mission fly NAME-1.plan --link URL"
 
@@ -67,8 +66,8 @@ class SurveyOptions:
         Raises:
             BadInput: there is neither scenario nor survey, or what is wrong in them.
         """
-        from ipoa_mission.files import read_text
-        from ipoa_mission.scenario.read import parse_toml, read_scenario, scenario_of
+        from ipoa_mission.scenario.read import read_scenario, read_table, scenario_of
+        from ipoa_mission.scenario.survey import USUAL_HEIGHT, USUAL_SPACING
 
         given = {
             "height_above_ground": self.height,
@@ -82,15 +81,13 @@ class SurveyOptions:
             if path is None:
                 raise BadInput("expected a scenario, or an area: --survey AREA")
             return read_scenario(path)
-        table = {"name": self.survey.stem, "home": _home_beside(self.survey)} if path is None else {}
-        if path is not None:
-            table |= parse_toml(read_text(path), path)
+        table = {"name": self.survey.stem, "home": _home_beside(self.survey)} if path is None else read_table(path)
         own = table.pop("survey", {})
         asked = {**(own if isinstance(own, dict) else {}), **{k: v for k, v in given.items() if v is not None}}
         if asked.keys().isdisjoint({"height_above_ground", "gsd_cm"}):
-            asked["height_above_ground"] = HEIGHT
+            asked["height_above_ground"] = USUAL_HEIGHT
         if asked.keys().isdisjoint({"line_spacing", "camera"}):
-            asked["line_spacing"] = SPACING
+            asked["line_spacing"] = USUAL_SPACING
         for other in ("polygon", "line"):
             asked.pop(other, None)
         rest = {key: value for key, value in table.items() if key not in ("start", "goal", "via")}
@@ -123,9 +120,10 @@ def plan_here(
 
 def tell_survey(survey: "Survey", written: list[Path]) -> None:
     """Print what is seen, by which flights, and the files written."""
-    tell(*describe(survey))
+    lines, rows = describe(survey), flight_rows(survey)
     columns = ["file", "lines", "photos", "items", "takes\ns", "energy\nWh", "least clearance\nm"]
-    tell_table("flights, in this order", columns, flight_rows(survey))
+    tell(*lines)
+    tell_table("flights, in this order", columns, rows)
     tell("", f"written: {', '.join(map(str, written))}")
 
 
@@ -175,11 +173,9 @@ def flight_rows(survey: "Survey") -> list[tuple[str, ...]]:
 
 def write_survey(survey: "Survey", out: Path, report: bool, force: bool, as_json: bool) -> list[Path]:
     """Write its files, unless others are in the way; raises BadInput where they are."""
-    from ipoa_mission.cli.overwriting import expect_free
-    from ipoa_mission.flight.written import not_as_written
+    from ipoa_mission.cli.overwriting import expect_plans
 
-    for name in dict.fromkeys((survey.name, *survey.names)):
-        expect_free(not_as_written(out, name, report), force, ask=not as_json)
+    expect_plans(out, dict.fromkeys((survey.name, *survey.names)), report, force, ask=not as_json)
     return [*survey.write(out), *(survey.report(out) if report else ())]
 
 

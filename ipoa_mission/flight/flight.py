@@ -14,7 +14,6 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.files import make_folder, write_atomically
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.flight.summary import (
-    as_text,
     clearance_as_json,
     energy_as_json,
     limits_as_json,
@@ -24,17 +23,16 @@ from ipoa_mission.flight.summary import (
     rounded,
     route_summary,
 )
+from ipoa_mission.flight.written import write_files
 from ipoa_mission.forecast.energy import Budget, budget_of, refusal_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.qgroundcontrol import COUNTS
 from ipoa_mission.forecast.tube.promise import Promise
-from ipoa_mission.mission.about_file import KEY, digest
+from ipoa_mission.mission.about_file import KEY
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import landing_height
-from ipoa_mission.mission.parameter_file import beside, write_with_parameters
-from ipoa_mission.mission.plan_file import plan_text
-from ipoa_mission.mission.waypoints_file import left_out, waypoints_text
+from ipoa_mission.mission.waypoints_file import left_out
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.progress import Progress, silent
@@ -132,12 +130,8 @@ class Flight:
             BadInput: the folder cannot be made or written.
         """
         make_folder(folder := Path(folder))
-        plan, waypoints, about = (folder / f"{self.name}{suffix}" for suffix in (".plan", ".waypoints", ".json"))
-        contents = {plan: plan_text(self.mission), waypoints: waypoints_text(self.mission)}
-        told = self.summary() | {"sha256": {path.name: digest(text) for path, text in contents.items()}}
-        contents[about] = as_text(told)
-        write_with_parameters(self.mission, contents)
-        return (*contents, *([beside(plan)] if self.mission.parameters else []))
+        files, _ = write_files(self.mission, folder, self.name, self.summary())
+        return files
 
     def summary(self) -> dict[str, object]:
         """What NAME.json holds: metres, seconds, degrees; `legs` are those that will be flown."""
@@ -244,7 +238,7 @@ def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     found = plan_with_room(scenario, seed, progress)
     asked, scenario = scenario, found.scenario
     plan, forecast = found.plan.judged_by(scenario), found.forecast
-    options = weigh_routes(plan, scenario, found.route)
+    options = weigh_routes(plan, scenario, found)
     mission = forecast.mission
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
     told = check(forecast)

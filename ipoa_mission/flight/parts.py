@@ -6,17 +6,16 @@ from typing import Any
 
 from ipoa_mission.files import make_folder, write_atomically
 from ipoa_mission.flight.flight import Flight
-from ipoa_mission.flight.summary import as_text, rounded
+from ipoa_mission.flight.summary import rounded
+from ipoa_mission.flight.written import as_text, write_files
 from ipoa_mission.forecast.energy import budget_of
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.about_file import digest
-from ipoa_mission.mission.parameter_file import beside, write_with_parameters
-from ipoa_mission.mission.plan_file import plan_text
-from ipoa_mission.mission.waypoints_file import waypoints_text
 
 
-def write_parts(whole: Flight, parts: Sequence[Forecast], folder: Path) -> tuple[Path, ...]:
+def write_parts(whole: Flight, parts: Sequence[Forecast], summary: dict[str, Any], folder: Path) -> tuple[Path, ...]:
     """Write the parts of a flight as missions of their own; the whole, which no battery flies, is not written.
+
+    `summary` is theirs, for NAME.json.
 
     Raises:
         BadInput: the folder cannot be made or written.
@@ -24,12 +23,11 @@ def write_parts(whole: Flight, parts: Sequence[Forecast], folder: Path) -> tuple
     make_folder(folder)
     written, digests = list[Path](), dict[str, str]()
     for plan, part in zip(names_of(whole, parts, folder), parts, strict=True):
-        texts = {plan: plan_text(part.mission), plan.with_suffix(".waypoints"): waypoints_text(part.mission)}
-        write_with_parameters(part.mission, texts)
-        written += [*texts, *([beside(plan)] if part.mission.parameters else [])]
-        digests |= {path.name: digest(text) for path, text in texts.items()}
+        files, own = write_files(part.mission, folder, plan.stem)
+        written += files
+        digests |= own
     about = folder / f"{whole.name}.json"
-    write_atomically(about, as_text(parts_summary(whole, parts) | {"sha256": digests}))
+    write_atomically(about, as_text(summary | {"sha256": digests}))
     return (*written, about)
 
 

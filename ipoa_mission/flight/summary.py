@@ -1,6 +1,5 @@
 """The parts of NAME.json: what is told of a flight to machines. The same flight gives the same numbers."""
 
-import json
 import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
@@ -17,11 +16,6 @@ if TYPE_CHECKING:  # `check` and `estimate` tell some of it, and do without what
     from ipoa_mission.vehicles.energy.flight import Interval
 
 MILLIMETRES = 1000
-
-
-def as_text(told: dict[str, Any]) -> str:
-    """The text of NAME.json."""
-    return json.dumps(told, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def clearance_as_json(promise: "Promise | None") -> dict[str, Any]:

@@ -1,6 +1,5 @@
 """A survey from its scenario to its files: one mission for each flight, and one NAME.json about them all."""
 
-import json
 import logging
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,14 +14,13 @@ from threadpoolctl import threadpool_limits
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import make_folder, write_atomically
 from ipoa_mission.flight.summary import clearance_as_json, passed_over_as_json, rounded
+from ipoa_mission.flight.written import as_text, write_files
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
 from ipoa_mission.logs.flight_log import read_flights
-from ipoa_mission.mission.about_file import KEY, digest
+from ipoa_mission.mission.about_file import KEY
 from ipoa_mission.mission.landing_ground import landing_height
-from ipoa_mission.mission.parameter_file import beside, write_with_parameters
-from ipoa_mission.mission.plan_file import plan_text
-from ipoa_mission.mission.waypoints_file import left_out, waypoints_text
+from ipoa_mission.mission.waypoints_file import left_out
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.endings import planned_returns
 from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
@@ -84,21 +82,13 @@ class Survey:
         make_folder(folder := Path(folder))
         written, digests = list[Path](), dict[str, str]()
         for name, forecast in zip(self.names, self.flights, strict=True):
-            texts = {".plan": plan_text(forecast.mission), ".waypoints": waypoints_text(forecast.mission)}
-            contents = {folder / f"{name}{suffix}": text for suffix, text in texts.items()}
-            own = {path.name: digest(text) for path, text in contents.items()}
+            of_part = {"name": name, "version": version("ipoa-mission"), **_about(forecast)}
+            files, own = write_files(forecast.mission, folder, name, of_part if name != self.name else self.summary())
+            written += files
             digests |= own
-            if name != self.name:
-                told = {"name": name, "version": version("ipoa-mission"), **_about(forecast), "sha256": own}
-                contents[folder / f"{name}.json"] = _text(told)
-            elif len(self.flights) == 1:
-                contents[folder / f"{name}.json"] = _text(self.summary() | {"sha256": digests})
-            write_with_parameters(forecast.mission, contents)
-            plan = next(iter(contents))
-            written += [*contents, *([beside(plan)] if forecast.mission.parameters else [])]
         if len(self.flights) > 1:
             about = folder / f"{self.name}.json"
-            write_atomically(about, _text(self.summary() | {"sha256": digests}))
+            write_atomically(about, as_text(self.summary() | {"sha256": digests}))
             written.append(about)
         return tuple(written)
 
@@ -193,10 +183,6 @@ def _about(forecast: Forecast) -> dict[str, Any]:
         "energy_wh": None if energy is None else rounded(energy.energy_wh),
         **({"parameters": parameters} if parameters else {}),
     }
-
-
-def _text(told: dict[str, Any]) -> str:
-    return json.dumps(told, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def plan_survey(

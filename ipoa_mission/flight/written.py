@@ -1,19 +1,50 @@
-"""Which of the files that a plan would write are there and are nobody's plan, or were changed since."""
+"""The files of a planned mission: written, and which of those that are there are nobody's plan, or were changed."""
 
+import json
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.files import read_text
+from ipoa_mission.files import MISSIONS, read_text
 from ipoa_mission.mission.about_file import digest, written_with
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.parameter_file import beside, write_with_parameters
+from ipoa_mission.mission.plan_file import plan_text
+from ipoa_mission.mission.waypoints_file import waypoints_text
 
 PAGE_MARK = '<meta name="generator" content="ipoa-mission">'
+
+
+def write_files(
+    mission: Mission, folder: Path, name: str, about: Mapping[str, Any] | None = None
+) -> tuple[tuple[Path, ...], dict[str, str]]:
+    """Write NAME.plan, NAME.waypoints, NAME.params if it has parameters, and NAME.json if there is something about it.
+
+    All or none. They come back, with the digests of the first two, which NAME.json has as well.
+
+    Raises:
+        BadInput: one cannot be written.
+    """
+    plan = folder / f"{name}.plan"
+    contents = {plan: plan_text(mission), folder / f"{name}.waypoints": waypoints_text(mission)}
+    digests = {path.name: digest(text) for path, text in contents.items()}
+    if about is not None:
+        contents[folder / f"{name}.json"] = as_text({**about, "sha256": digests})
+    write_with_parameters(mission, contents)
+    return (*contents, *([beside(plan)] if mission.parameters else [])), digests
+
+
+def as_text(told: Mapping[str, Any]) -> str:
+    """The text of NAME.json."""
+    return json.dumps(told, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def not_as_written(folder: Path, name: str, report: bool = False) -> list[Path]:
     """NAME.plan, NAME.waypoints, NAME.json (and the page, NAME.html) that `Flight.write` did not leave like this."""
     about = folder / f"{name}.json"
     digests = written_with(about)
-    missions = (folder / f"{name}{suffix}" for suffix in (".plan", ".waypoints"))
+    missions = (folder / f"{name}{suffix}" for suffix in MISSIONS)
     others = [path for path in missions if path.exists() and digest(_text(path)) != digests.get(path.name)]
     if about.exists() and not digests:
         others.append(about)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.legs import item_places
+from ipoa_mission.forecast.itinerary.legs import item_places, triple
 from ipoa_mission.forecast.itinerary.program import as_flown
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.commands import FLOWN_TO, Command
@@ -56,7 +56,7 @@ class ReturnRoutes:
 
     @cached_property
     def _found(self) -> frozenset[ReturnBy]:
-        asked = [(HOME, 1), *((_triple(place), seq) for seq, place in self._places)]
+        asked = [(HOME, 1), *((triple(place), seq) for seq, place in self._places)]
         return frozenset(self.route(here, seq).by for here, seq in asked)
 
     def ways(self, by: ReturnBy, starts: NDArray[np.float64], seqs: NDArray[np.intp]) -> NDArray[np.float64]:
@@ -143,8 +143,4 @@ class ReturnRoutes:
     def _landing(self, seq: int) -> MissionLanding | None:
         if not self._places or self.mission.items[self._places[-1][0] - 1].command != Command.NAV_LAND:
             return None
-        return MissionLanding(_triple(self._places[-1][1]), self._land_start - seq, seq - 1)
-
-
-def _triple(place: Vector) -> Place:
-    return float(place[0]), float(place[1]), float(place[2])
+        return MissionLanding(triple(self._places[-1][1]), self._land_start - seq, seq - 1)

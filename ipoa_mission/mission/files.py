@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.files import read_text
+from ipoa_mission.files import MISSIONS, read_text
 from ipoa_mission.finding import Severity
 from ipoa_mission.mission.about_file import told_beside
 from ipoa_mission.mission.items import Mission
@@ -117,7 +117,7 @@ def write_mission(
         ()
     """
     suffix = suffix or Path(path).suffix.lower()
-    if suffix not in (".plan", ".waypoints"):
+    if suffix not in MISSIONS:
         raise BadInput(f'{path}: expected a name that ends in .plan or .waypoints, not in "{suffix}"')
     write_with_parameters(mission, {Path(path): mission_text(mission, suffix, read_from)})
     return lost_in_waypoints(mission) if suffix == ".waypoints" else ()

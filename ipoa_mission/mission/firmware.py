@@ -16,6 +16,7 @@ from ipoa_mission.mission.commands import Command, Frame, command_name, plain_fr
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.firmware import Firmware
+from ipoa_mission.vehicles.refusal import PARAM_NAMES
 from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic
 
@@ -222,7 +223,7 @@ def _first_difference(sent: Item, got: Item, firmware: Firmware) -> tuple[str, s
     if plain_frame(got.frame) not in (stored.frame, plain_frame(sent.frame)):
         return "frame", str(sent.frame), str(got.frame)
     letters = firmware.kept(sent.command, sent.frame) or UNKNOWN
-    for name, letter, was, kept, now in zip(FIELDS, letters, *map(values_of, (sent, stored, got)), strict=True):
+    for name, letter, was, kept, now in zip(PARAM_NAMES, letters, *map(values_of, (sent, stored, got)), strict=True):
         if not (_agree(letter, kept, now) or _agree(letter, was, now)):
             return name, f"{was:.10g}", f"{now:.10g}"
     is_flown = sent.command not in firmware.fence and sent.command not in firmware.rally
@@ -231,7 +232,6 @@ def _first_difference(sent: Item, got: Item, firmware: Firmware) -> tuple[str, s
     return None
 
 
-FIELDS = ("param1", "param2", "param3", "param4", "latitude", "longitude", "altitude")
 UNKNOWN = "....dd."  # of a command that is in no table: nothing is known to change
 
 

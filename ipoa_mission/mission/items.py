@@ -7,7 +7,7 @@ Home is *not* an item here. Whether it stands at sequence 0 on the wire (ArduPil
 import math
 from dataclasses import dataclass, field, replace
 
-from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame, plain_frame
+from ipoa_mission.mission.commands import FLOWN_TO, TO_THE_GROUND, Command, Frame, plain_frame
 from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot
 from ipoa_mission.vehicles.kinds import MULTICOPTERS, QUADROTOR, class_name, with_article
 from ipoa_mission.vehicles.known_parameters import expect_own
@@ -53,9 +53,24 @@ class Item:
             and (self.latitude_deg, self.longitude_deg) != (0.0, 0.0)
         )
 
+    def is_here(self, autopilot: Autopilot) -> bool:
+        """Whether the autopilot does it where it is: it names latitude 0, longitude 0, and that is "here" to it."""
+        is_flown_to = self.command in FLOWN_TO and self.frame != Frame.MISSION
+        no_place = (self.latitude_deg, self.longitude_deg) == (0.0, 0.0)
+        return autopilot.guidance.zero_is_here and is_flown_to and no_place
+
+    def is_as_high_as_now(self, autopilot: Autopilot) -> bool:
+        """Whether the autopilot keeps its height on the way to it: it names altitude 0, in whatever frame."""
+        is_flown_to = self.command in FLOWN_TO - TO_THE_GROUND and self.frame != Frame.MISSION
+        return autopilot.guidance.zero_is_here and is_flown_to and self.altitude == 0.0
+
     def height(self, home: Geodetic) -> float:
         """Its altitude over home [m]; one over terrain is taken as one over home."""
         return self.altitude - home.altitude if plain_frame(self.frame) == Frame.GLOBAL else self.altitude
+
+
+#: Does nothing, in place of an item that is left out: numbers of items stay.
+LEFT_OUT = Item(Command.CONDITION_DELAY, Frame.MISSION)
 
 
 @dataclass(frozen=True)

@@ -50,19 +50,19 @@ def curve_cost(curve: Spline, task: PathTask) -> CostTerms:
         return path_cost(curve.points(np.linspace(0.0, 1.0, task.planning.samples)), task)
     spans = np.linspace(0.0, 1.0, PER_SPAN * curve.spans + 1)  # lest a turn of a few millimeters goes uncounted
     u = np.union1d(curve.parameters(_steps(curve)), spans)
-    cost, turned = path_cost(curve.points(u), task), FULL_TURN_DEG * _doublings(curve, u)
+    nodes, velocity, between = curve.points(u), curve.points(u, 1), curve.points((u[:-1] + u[1:]) / 2, 1)
+    cost, turned = path_cost(nodes, task), FULL_TURN_DEG * _doublings(nodes, velocity, between)
     total = cost.total + task.cost.omega[1] * task.cost.a1 * turned
     return replace(cost, turning_deg=cost.turning_deg + turned, total=total) if turned else cost
 
 
-def _doublings(curve: Spline, u: Vector) -> int:
-    """How often a curve doubles back within the legs between parameters u (k,) that go on ahead, no span's end between.
+def _doublings(nodes: Points, velocity: Points, between: Points) -> int:
+    """How often a curve doubles back within the legs between `nodes` (k, 3) that go on ahead, no span's end between.
 
-    There its velocity, a parabola on each leg, is against the leg.
+    There its `velocity`, a parabola on each leg, is against the leg; `between` (k-1, 3) it is in the middle of each.
     """
-    legs = np.diff(curve.points(u), axis=0)
-    along = [np.einsum("kj,kj->k", curve.points(at, 1), legs) for at in (u[:-1], (u[:-1] + u[1:]) / 2, u[1:])]
-    start, middle, end = along
+    legs = np.diff(nodes, axis=0)
+    start, middle, end = (np.einsum("kj,kj->k", at, legs) for at in (velocity[:-1], between, velocity[1:]))
     slope, bend = 4 * middle - 3 * start - end, 2 * (start - 2 * middle + end)
     lowest = np.clip(np.divide(-slope, 2 * bend, out=np.zeros_like(bend), where=bend > 0), 0.0, 1.0)
     back = np.minimum(np.minimum(start, end), start + (slope + bend * lowest) * lowest) < 0

@@ -103,7 +103,8 @@ def prove_curve(curve: Spline, task: PathTask) -> Proof:
     """What a curve keeps of the task's limits: never more than it has, and less by two millimetres at most."""
     tolerance = CHORD / (1 + task.airspace.terrain.steepness)
     u = curve.chords(tolerance)
-    return _prove(curve.points(u), task, _steepness(curve, u), tolerance, np.inf)
+    legs, velocity, bend = curve.points(u), curve.points(u, order=1), curve.points(u[:-1], order=2)
+    return _prove(legs, task, _steepness(velocity, bend, np.diff(u)), tolerance, np.inf)
 
 
 def _prove(legs: Points, task: PathTask, steepness: tuple[Vector, Vector], stray: float, spare: float) -> Proof:
@@ -113,8 +114,8 @@ def _prove(legs: Points, task: PathTask, steepness: tuple[Vector, Vector], stray
     checks, airspace, limits = list[Check](), task.airspace, task.limits
     if airspace.obstacles:
         clearance = airspace.obstacle_clearance(legs, within=limits.obstacle_distance + stray + spare)
-        checks.append(Check("obstacles", _less(clearance, stray), limits.obstacle_distance))
-    checks.append(Check("bounds", _less(airspace.bounds_margin(legs), stray), 0.0))
+        checks.append(Check("obstacles", clearance.less(stray), limits.obstacle_distance))
+    checks.append(Check("bounds", airspace.bounds_margin(legs).less(stray), 0.0))
     checks += prove_heights(legs, task, stray, spare)
     for limit, angles, most in zip(
         ("climb", "descent"), steepness, (limits.climb_angle, limits.descent_angle), strict=True
@@ -136,7 +137,7 @@ def prove_heights(legs: Points, task: PathTask, stray: float = 0.0, spare: float
     if np.isfinite(task.limits.ceiling_above_ground):
         vertical = stray * (1 + task.airspace.terrain.steepness)
         reached = task.airspace.height_reached(legs)
-        yield Check("ceiling", _less(reached, -vertical), task.limits.ceiling_above_ground, at_most=True)
+        yield Check("ceiling", reached.less(-vertical), task.limits.ceiling_above_ground, at_most=True)
 
 
 def prove_ground(legs: Points, task: PathTask, stray: float = 0.0, spare: float = np.inf) -> Iterator[Check]:
@@ -146,23 +147,19 @@ def prove_ground(legs: Points, task: PathTask, stray: float = 0.0, spare: float 
     heights: dict[float, Clearance] = {}
     for required, run, first_leg in _runs(legs, limits, stray):
         clearance = airspace.terrain_clearance(run, within=required + vertical + spare)
-        clearance = replace(_less(clearance, vertical), leg=first_leg + clearance.leg)
+        clearance = replace(clearance.less(vertical), leg=first_leg + clearance.leg)
         heights[required] = min(heights.get(required, clearance), clearance, key=lambda least: least.distance)
     yield from (Check("ground", clearance, required) for required, clearance in heights.items())
 
 
-def _less(clearance: Clearance, stray: float) -> Clearance:
-    return replace(clearance, distance=clearance.distance - stray)
+def _steepness(velocity: Points, bend: Points, steps: Vector) -> tuple[Vector, Vector]:
+    """Angles of climb and of descent that a curve nowhere exceeds on each of its pieces, (k-1,) each [rad].
 
-
-def _steepness(curve: Spline, u: Vector) -> tuple[Vector, Vector]:
-    """Angles of climb and of descent that a curve nowhere exceeds between parameters u (k,), (k-1,) each [rad].
-
+    `velocity` (k, 3) and `bend` (k-1, 3) are its derivatives where they begin, `steps` (k-1,) those of its parameter.
     On a piece of one span the velocity is a mean of three vectors, its Bézier points. If all of them go ahead, rise
     over way ahead is nowhere greater than that of the steepest one, and the way ahead is no longer than the level way.
     """
-    velocity, bend = curve.points(u, order=1), curve.points(u[:-1], order=2)
-    vectors = np.stack([velocity[:-1], velocity[:-1] + bend * np.diff(u)[:, None] / 2, velocity[1:]], axis=1)
+    vectors = np.stack([velocity[:-1], velocity[:-1] + bend * steps[:, None] / 2, velocity[1:]], axis=1)
     level = vectors[:, :, :2].sum(axis=1)
     level /= np.maximum(np.linalg.norm(level, axis=1), 1e-300)[:, None]
     ahead = np.einsum("kij,kj->ki", vectors[:, :, :2], level)

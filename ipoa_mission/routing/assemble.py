@@ -5,7 +5,7 @@ Each mode of `scenario.route` is one way to choose: `even` as the paper resample
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from ipoa_mission.errors import BadInput, MissionError
@@ -77,7 +77,7 @@ def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
         NoRoute: none that were tried do; it has the widest and a narrow one.
     """
     if mode == "fastest":
-        return fastest_route(plan, scenario, lambda: choose_route(plan, scenario, "corridor"))
+        return fastest_route(plan, scenario) or choose_route(plan, scenario, "corridor")
     choose, width = _chooser(plan, scenario, mode)
     tried = list[Attempt]()
     for _ in range(HALVINGS):
@@ -94,7 +94,41 @@ def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
     )
 
 
-def near_routes(plan: Plan, scenario: Scenario) -> tuple[Attempt, ...]:
+def best_route(plan: Plan, scenario: Scenario, promising: float) -> Attempt:
+    """The best of the quick routes, and of all where that is short of a limit by less than `promising` [m]."""
+    quick = _first_promised(_near_routes(plan, scenario))
+    if not quick.is_promised and quick.slack < promising:
+        return quick
+    whole = _first_promised(_routes(plan, scenario))  # another path makes endings clear, and no slower route
+    return whole if whole.is_promised else max(quick, whole, key=lambda attempt: attempt.merit)
+
+
+def _first_promised(attempts: Iterable[Attempt]) -> Attempt:
+    """The first of them that is, or else the one that comes nearest to it."""
+    seen = list[Attempt]()
+    for attempt in attempts:
+        seen.append(attempt)
+        if attempt.is_promised:
+            return attempt
+    return max(seen, key=lambda attempt: attempt.slack)
+
+
+def _routes(plan: Plan, scenario: Scenario) -> Iterator[Attempt]:
+    """The route of the scenario's mode; where the fastest is not promised, those of other modes."""
+    modes = [scenario.route.mode]
+    if modes == ["fastest"]:
+        modes += ["corridor", "even"]
+    while modes:
+        mode = modes.pop(0)
+        try:
+            yield choose_route(plan, scenario, mode)
+        except NoRoute as error:
+            yield from (Attempt(plan, route, scenario) for route in error.tried)
+            if mode == "fastest":
+                modes.remove("corridor")  # that was its last resort
+
+
+def _near_routes(plan: Plan, scenario: Scenario) -> tuple[Attempt, ...]:
     """A few routes of the scenario's mode, chosen quickly; nobody looked whether they keep anything."""
     mode = scenario.route.mode
     choose, width = _chooser(plan, scenario, "corridor" if mode == "fastest" else mode)
@@ -106,13 +140,13 @@ def near_routes(plan: Plan, scenario: Scenario) -> tuple[Attempt, ...]:
     return wide, narrow, *late, choose(width / 2 ** (2 * NARROW))
 
 
-def weigh_routes(plan: Plan, scenario: Scenario, chosen: Route | None = None) -> tuple[Option, ...]:
+def weigh_routes(plan: Plan, scenario: Scenario, chosen: Attempt | None = None) -> tuple[Option, ...]:
     """Weigh every mode that this autopilot can fly against the others.
 
     Args:
         plan: the path.
         scenario: what it was planned for.
-        chosen: the route of the scenario's own mode, if it is known and keeps its limits.
+        chosen: the try of the scenario's own mode, if it is known and keeps its limits.
 
     Returns:
         What each would come to, quickest first.
@@ -130,15 +164,12 @@ def weigh_routes(plan: Plan, scenario: Scenario, chosen: Route | None = None) ->
     needed, attempts = scenario.route.mode, dict[str, tuple[Attempt, bool]]()
     for mode in sorted(MODES, key=lambda mode: mode != needed):
         try:
-            if known := mode == needed and chosen is not None:
-                attempt = Attempt(plan, chosen, scenario)
-            else:
-                attempt = choose_route(plan, scenario, mode)
+            attempt = choose_route(plan, scenario, mode) if mode != needed or chosen is None else chosen
         except (BadInput, NoRoute):
             if mode == needed:
                 raise
             continue
-        attempts[mode] = attempt, known or not attempt.draft.promise.forbidding
+        attempts[mode] = attempt, attempt is chosen or not attempt.draft.promise.forbidding
     least = min([_least_time(plan, scenario), *(round(attempt.flown.seconds, 3) for attempt, _ in attempts.values())])
     options, of_needed = [], attempts[needed][0].flown
     for mode, (attempt, is_clear) in attempts.items():

@@ -88,6 +88,11 @@ class Attempt:
         kept = min((kept.slack for kept in self.promise.limits if kept.on_the_way), default=0.0)
         return min([kept, *(-one.missing for one in self.short)])
 
+    @property
+    def merit(self) -> tuple[bool, float]:
+        """What of two attempts the better one has more of."""
+        return self.holds, self.slack
+
     @cached_property
     def proof(self) -> Proof:
         """Whether the way between its waypoints keeps the limits, in straight legs or along its curves."""

@@ -5,7 +5,7 @@ model; what leaves the corridor, comes too close or overruns the goal on the *pr
 is out. The best are then improved waypoint by waypoint.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 
@@ -41,18 +41,18 @@ SEARCH = RouteSearch()
 TIGHT = 0.5  # of tight places, that waypoints are given room at where none would fit without
 
 
-def fastest_route(plan: Plan, scenario: Scenario, fallback: Callable[[], Attempt]) -> Attempt:
+def fastest_route(plan: Plan, scenario: Scenario) -> Attempt | None:
     """The quickest route found whose predicted path stays within `route.tolerance` of the curve and keeps every limit.
 
     Quick is what is quick in its mean and in the time that nine flights in ten keep. Of routes that are as good as
     equally quick it is the one that misses the fewest waypoints, and of those the one that keeps away farthest.
-    Where none does both, their waypoints are moved clear with room for the tube; at last `fallback` is asked.
+    Where none does both, their waypoints are moved clear with room for the tube; None at last.
     """
     drawn = [Attempt(plan, route, scenario) for route in candidates(plan.curve, scenario)]
     quickest = _quickest(drawn, scenario) or _quickest(drawn, with_room(scenario, TIGHT))
     improved = list(dict.fromkeys(ready for attempt in quickest for ready in (attempt, _improve(attempt))))
     if len(improved) < 2:
-        return improved[0] if improved else fallback()
+        return improved[0] if improved else None
     ends = [attempt.flown for attempt in improved]
     equal = (1 + SEARCH.equal_share) * min(end.seconds + end.late for end in ends)
     ranks = [(end.seconds + end.late > equal, round(end.missed, 2), -end.slack, n) for n, end in enumerate(ends)]

@@ -4,7 +4,7 @@ Where the flights along a path would come too near all the same, the path is mov
 cannot be, another way round is sought, and by another seed.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import islice
 
@@ -14,7 +14,7 @@ from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.planner import NoPath, move_aside, plan_path
 from ipoa_mission.progress import Progress, silent
-from ipoa_mission.routing.assemble import choose_route, expect_mode, near_routes
+from ipoa_mission.routing.assemble import best_route, expect_mode
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.changes import Looks
 from ipoa_mission.routing.homeward import WayHomeBlocked, by_way_of_the_goal, expect_way_home
@@ -168,7 +168,7 @@ def _made_safe(plan: Plan, room: _Room, scenario: Scenario) -> Attempt:
     A first look at each is by a few quick routes of the scenario's mode: only what they promise is asked of it all.
     What was needed is noted of the room.
     """
-    latest = best = _looked_at(plan, scenario, FAR_OFF)
+    latest = best = best_route(plan, scenario, FAR_OFF)
     in_vain = 0
     for _ in range(0 if _as_printed(scenario) else ROUNDS):
         expect_way_home(latest)
@@ -179,45 +179,7 @@ def _made_safe(plan: Plan, room: _Room, scenario: Scenario) -> Attempt:
         moved = next(filter(None, (move_aside(latest.plan, world) for world in wider)), None)
         if moved is None:
             break
-        latest = _looked_at(replace(latest.plan, curve=moved), scenario, max(FAR_OFF, best.slack + LEAST_GAIN))
+        latest = best_route(replace(latest.plan, curve=moved), scenario, max(FAR_OFF, best.slack + LEAST_GAIN))
         in_vain = 0 if latest.slack > best.slack + LEAST_GAIN else in_vain + 1
-        best = max(best, latest, key=_merit)
+        best = max(best, latest, key=lambda attempt: attempt.merit)
     return best
-
-
-def _looked_at(plan: Plan, scenario: Scenario, promising: float) -> Attempt:
-    """The best of the quick routes, and of all where that is short of a limit by less than `promising` [m]."""
-    quick = _first_promised(near_routes(plan, scenario))
-    if not quick.is_promised and quick.slack < promising:
-        return quick
-    whole = _first_promised(_routes(plan, scenario))  # another path makes endings clear, and no slower route
-    return whole if whole.is_promised else max(quick, whole, key=_merit)
-
-
-def _merit(attempt: Attempt) -> tuple[bool, float]:
-    return attempt.holds, attempt.slack
-
-
-def _first_promised(attempts: Iterable[Attempt]) -> Attempt:
-    """The first of them that is, or else the one that comes nearest to it."""
-    seen = list[Attempt]()
-    for attempt in attempts:
-        seen.append(attempt)
-        if attempt.is_promised:
-            return attempt
-    return max(seen, key=lambda attempt: attempt.slack)
-
-
-def _routes(plan: Plan, scenario: Scenario) -> Iterator[Attempt]:
-    """The route of the scenario's mode; where the fastest is not promised, those of other modes."""
-    modes = [scenario.route.mode]
-    if modes == ["fastest"]:
-        modes += ["corridor", "even"]
-    while modes:
-        mode = modes.pop(0)
-        try:
-            yield choose_route(plan, scenario, mode)
-        except NoRoute as error:
-            yield from (Attempt(plan, route, scenario) for route in error.tried)
-            if mode == "fastest":
-                modes.remove("corridor")  # that was its last resort

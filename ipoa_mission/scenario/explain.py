@@ -68,7 +68,7 @@ def _explain(problem: Any, table: Mapping[str, Any], model: type[BaseModel]) -> 
         case _ if kind.startswith(("float", "int")):
             wanted = "a whole number" if kind.startswith("int") else "a number"
         case _:
-            return f"{place}: {_lowered(problem['msg'])}, not {_shown(given)}"
+            return f"{place}: {lowered(problem['msg'])}, not {_shown(given)}"
     return f"{place}: expected {wanted}, not {_shown(given)}"
 
 
@@ -117,7 +117,8 @@ def _or(words: Sequence[str]) -> str:
     return f"{', '.join(others)} or {last}" if others else last
 
 
-def _lowered(message: str) -> str:
+def lowered(message: str) -> str:
+    """It as the rest of a sentence."""
     return message[:1].lower() + message[1:]
 
 

@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
-from ipoa_mission.scenario.explain import explained
+from ipoa_mission.scenario.explain import explained, lowered
 from ipoa_mission.scenario.model import Scenario
 
 LONGEST_KEY = 16  # parts; tomllib takes the square of their number in time
@@ -40,8 +40,16 @@ def read_scenario(path: str | Path) -> Scenario:
         >>> read_scenario("missions/sitl.toml").name
         'sitl'
     """
-    path = Path(path)
-    return parse_scenario(read_text(path), path)
+    return scenario_of(read_table(Path(path)), Path(path))
+
+
+def read_table(path: Path) -> dict[str, Any]:
+    """A scenario's table as its file has it.
+
+    Raises:
+        BadInput: the file cannot be read; naming the line and what is wrong there.
+    """
+    return parse_toml(read_text(path), path)
 
 
 def parse_scenario(text: str, path: Path) -> Scenario:
@@ -85,12 +93,8 @@ def parse_toml(text: str, path: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise BadInput(f"{path}: {_lowered(str(error))}", hint="a scenario is a TOML file") from error
+        raise BadInput(f"{path}: {lowered(str(error))}", hint="a scenario is a TOML file") from error
     except RecursionError:
         raise BadInput(f"{path}: expected a scenario, not brackets nested without end") from None
     except ValueError:
         raise BadInput(f"{path}: expected numbers that fit in 64 bits, not one of thousands of digits") from None
-
-
-def _lowered(message: str) -> str:
-    return message[:1].lower() + message[1:]

@@ -23,6 +23,7 @@ BAND = 0.15  # over ground that is not flat it is flown up to such a share highe
 OVERLAP = 0.7  # where a camera comes with none
 WORDS = ("best", "crosshatch")
 MITRE = 2.0  # corners of a corridor reach no farther than so many times half its width
+USUAL_SPACING, USUAL_HEIGHT = 20.0, 40.0  # where nobody says more than an area [m]
 LOWEST_START = 10.0  # over home, of a survey of which the height is not known yet [m above ground]
 
 

@@ -76,6 +76,7 @@ class SimulatedFlight:
         self._now = Situation(self._program(()), mission=MissionState.NO_MISSION)
         self._chance = random.Random(seed)
         self._body = SimulatedVehicle(conditions)
+        self._shown: tuple[object, Geodetic] = None, home
         self._pilot: Pilot = autopilot.part(Pilots).pilot(self._body, self._now, self.parameters, self._chance)
 
     # --- what it is like --------------------------------------------------------------------------------------------
@@ -133,9 +134,11 @@ class SimulatedFlight:
     @property
     def position(self) -> Geodetic:
         """Where it is; altitude AMSL, counted from home without the Earth's curvature, as autopilots do."""
-        east, north, up = self._body.place
-        there = self.frame.geodetic(np.array([east, north, 0.0]))
-        return Geodetic(there.latitude_deg, there.longitude_deg, self.home.altitude + up)
+        place = self._body.place
+        if place != self._shown[0]:  # several streams show one place
+            there = self.frame.geodetic(np.array([*place[:2], 0.0]))
+            self._shown = place, Geodetic(there.latitude_deg, there.longitude_deg, self.home.altitude + place[2])
+        return self._shown[1]
 
     @property
     def yaw(self) -> float:

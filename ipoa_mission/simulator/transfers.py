@@ -80,6 +80,7 @@ class MissionService:
         self._incoming: dict[int, Incoming] = {}
         self._readers: dict[tuple[Target, int], Exchange[int | None]] = {}
         self._last_done: tuple[Target, int, int] | None = None
+        self._named: dict[int, tuple[tuple[Item, ...], int]] = {}  # lists, and by which number they are told
 
     # --- what is heard ----------------------------------------------------------------------------------------------
 
@@ -307,7 +308,11 @@ class MissionService:
     def list_id(self, kind: int) -> int:
         """The number by which PX4 names a list that it keeps."""
         items = self.stores[MissionType(kind)].items
-        return zlib.crc32(repr(items).encode()) if items and self._habits.tells_list_id else 0
+        if not items or not self._habits.tells_list_id:
+            return 0
+        if self._named.get(kind, ((), 0))[0] is not items:
+            self._named[kind] = items, zlib.crc32(repr(items).encode())
+        return self._named[kind][1]
 
     def _read(self, seq: int, kind: int, message: Request, client: Target, now: float) -> None:
         if kind not in KINDS:

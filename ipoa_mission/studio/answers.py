@@ -7,6 +7,7 @@ from pydantic import Field, TypeAdapter
 from ipoa_mission.studio.flight_answers import Heard, Landed, Loaded, Seen, State
 from ipoa_mission.studio.mission_answers import Checked, OpenMission
 from ipoa_mission.studio.requests import Change
+from ipoa_mission.studio.survey_answers import CoarseSurvey, SurveyArea, SurveyLayout
 from ipoa_mission.studio.vocabulary import LngLat, Number, PageMessage, Path
 
 
@@ -85,13 +86,18 @@ class Terrace(PageMessage):
 
 
 class Tiles(PageMessage):
-    """Map tiles for below the scenario; `address` has {z}, {x} and {y}, and is beside the page if it names no host."""
+    """Map tiles for below the scenario; `address` has {z}, {x} and {y}, and is beside the page if it names no host.
+
+    `vector`: they are no pictures, but things in `layers`, as far as their names are told.
+    """
 
     kind: Literal["tiles"] = "tiles"
     address: str
     attribution: str
     min_zoom: int
     max_zoom: int
+    vector: bool = False
+    layers: tuple[str, ...] = ()
 
 
 class Heights(PageMessage):
@@ -279,6 +285,27 @@ class Plan(PageMessage):
     took_s: float
 
 
+class SurveyPart(PageMessage):
+    """One flight of a survey: its file, how many lines and photos, and the flight itself as any other plan."""
+
+    file: str
+    lines: int
+    photos: int
+    plan: Plan
+
+
+class PlannedSurvey(PageMessage):
+    """The proved answer to a scenario with a survey: its lines as they are flown, flight by flight."""
+
+    kind: Literal["survey"] = "survey"
+    revision: int
+    layout: SurveyLayout
+    flights: tuple[SurveyPart, ...]
+    total_s: float
+    energy_wh: Number
+    took_s: float
+
+
 class StartFile(PageMessage):
     """A file that can be opened."""
 
@@ -328,6 +355,14 @@ class Elsewhere(PageMessage):
     address: str
 
 
+class Found(PageMessage):
+    """A place that was asked for, as it was written."""
+
+    kind: Literal["found"] = "found"
+    place: LngLat
+    words: str
+
+
 class Written(PageMessage):
     """Files that were written, and what their formats cannot hold."""
 
@@ -344,11 +379,15 @@ Answer: TypeAlias = Annotated[
     | Sketch
     | Progress
     | Plan
+    | SurveyArea
+    | CoarseSurvey
+    | PlannedSurvey
     | OpenMission
     | Checked
     | Beginning
     | Replay
     | Elsewhere
+    | Found
     | Heard
     | Loaded
     | Seen

@@ -1,6 +1,6 @@
 """Changes of a scenario's text: what is not changed stays byte for byte as it was, comments and all."""
 
-from collections.abc import Callable, Iterable, MutableMapping
+from collections.abc import Iterable, MutableMapping
 from typing import Any
 
 import numpy as np
@@ -9,15 +9,14 @@ from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import AoT, Array
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.studio.requests import Add, Change, Put, Shift, Take
+from ipoa_mission.studio.area_edits import change_area, is_of_area, move_area, move_survey, take_of_area
+from ipoa_mission.studio.moves import DEGREES, DIGITS, Move, local_of, moves_of
+from ipoa_mission.studio.requests import Add, AddCorner, Change, DrawArea, MapArea, OwnArea, Put, PutCorner, Shift, Take
 from ipoa_mission.studio.vocabulary import LngLat, Path
 from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
 
-DIGITS, DEGREES = 2, 7  # decimals of metres and of degrees that a place is written with
 FAR = 20_000.0  # farther than this nothing is left behind [m]
 RINGS = ("footprint", "polygon")  # keys of corners; with `_geodetic` behind they are [latitude, longitude]
-#: What is written with a place of the map, as [east, north] or [latitude, longitude].
-Move = Callable[[float, float], tuple[float, float]]
 
 
 def parse_table(text: str) -> tomlkit.TOMLDocument:
@@ -72,16 +71,23 @@ def _apply(document: MutableMapping[str, Any], change: Change) -> None:
     match change:
         case Put():
             _put(document, change.path, change.value)
+        case Take() if is_of_area(change.path):
+            take_of_area(document, change.path)
         case Take():
             _take(document, change.path)
         case Shift(path=("home",)):
             _shift_home(document, change)
         case Shift():
             frame = frame_of(document)
-            step = _local(frame, change.put_down) - _local(frame, change.taken)
-            _move(_at(document, change.path), *_moves(frame, frame, step))
+            step = np.subtract(local_of(frame, change.put_down), local_of(frame, change.taken))
+            if is_of_area(change.path):
+                move_area(document, change.path, moves_of(frame, frame, step)[0])
+            else:
+                _move(_at(document, change.path), *moves_of(frame, frame, step))
         case Add():
             _add(document, change)
+        case DrawArea() | OwnArea() | MapArea() | PutCorner() | AddCorner():
+            change_area(document, change, frame_of(document))
 
 
 def _at(document: Any, path: Path) -> Any:
@@ -115,7 +121,7 @@ def _add(document: Any, change: Add) -> None:
         table = _placed(table, change.place, frame, _speaks_degrees(document))
     if change.ring is not None:
         key = "polygon" if change.to == "fence" else "footprint"
-        table[key] = [_local(frame, corner).tolist() for corner in change.ring]
+        table[key] = [local_of(frame, corner) for corner in change.ring]
     tables = document.get(change.to)
     at = len(tables) if tables is not None and change.at is None else change.at or 0
     if tables is None:
@@ -145,35 +151,12 @@ def _placed(table: dict[str, Any], place: LngLat, frame: LocalFrame, in_degrees:
     if in_degrees:
         where = {"latitude_deg": round(place[1], DEGREES), "longitude_deg": round(place[0], DEGREES)}
     else:
-        where = dict(zip(("east", "north"), _local(frame, place).tolist(), strict=True))
+        where = dict(zip(("east", "north"), local_of(frame, place), strict=True))
     kind = {"kind": table.pop("kind")} if "kind" in table else {}
     return kind | where | table
 
 
-def _local(frame: LocalFrame, place: LngLat) -> Any:
-    """East and north of a place of the map, to the centimetre, (2,)."""
-    return frame.local(Geodetic(place[1], place[0], frame.home.altitude))[:2].round(DIGITS)
-
-
 # --- moving what has places -------------------------------------------------------------------------------------------
-
-
-def _moves(old: LocalFrame, new: LocalFrame, step: Any) -> tuple[Move, Move]:
-    """How [east, north] and how [latitude, longitude] move by `step` (2,) [m] into another frame."""
-
-    def local(east: float, north: float) -> tuple[float, float]:
-        moved = np.array([float(east) + step[0], float(north) + step[1], 0.0])
-        if new is not old:
-            there = old.geodetic(moved)
-            moved = new.local(Geodetic(there.latitude_deg, there.longitude_deg, new.home.altitude))
-        return round(float(moved[0]), DIGITS), round(float(moved[1]), DIGITS)
-
-    def geodetic(latitude: float, longitude: float) -> tuple[float, float]:
-        east, north, _ = old.local(Geodetic(float(latitude), float(longitude), old.home.altitude))
-        there = old.geodetic(np.array([east + step[0], north + step[1], 0.0]))
-        return round(there.latitude_deg, DEGREES), round(there.longitude_deg, DEGREES)
-
-    return local, geodetic
 
 
 def _move(table: Any, local: Move, geodetic: Move | None) -> None:
@@ -209,9 +192,10 @@ def _shift_home(document: MutableMapping[str, Any], change: Shift) -> None:
         home[key] = round(float(home[key]) + change.put_down[n] - change.taken[n], DEGREES)
     if apart(old.home, frame_of(document).home) > FAR:
         return
-    local, _ = _moves(old, frame_of(document), np.zeros(2))
+    local, _ = moves_of(old, frame_of(document), np.zeros(2))
     for key in ("start", "goal"):
-        _move(document[key], local, None)
+        _move(document.get(key, {}), local, None)
+    move_survey(document.get("survey", {}), local)
     for key in ("via", "rally", "obstacles", "fence"):
         for table in document.get(key, ()):
             _move(table, local, None)

@@ -11,6 +11,7 @@ class Loaded(PageMessage):
     kind: Literal["loaded"] = "loaded"
     revision: int
     vehicle: str
+    system: int
     mission: str
     proof: str
     items: int

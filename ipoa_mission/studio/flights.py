@@ -30,19 +30,19 @@ class FlightDesk:
         self._process = Process(PILOT)
         self._task: asyncio.Task[None] | None = None
         self._loaded: dict[str, Any] | None = None
-        self._flies = False
+        self._flies = self._is_over = False
         self._folder = Path(tempfile.mkdtemp(prefix="ipoa-studio-"))  # of this user's alone
 
-    def upload(self, request: Upload, hand_over: Callable[[Path], Awaitable[bool]]) -> None:
-        """The first step; `hand_over` has the plan written to a file.
+    def upload(self, request: Upload, hand_over: Callable[[Path], Awaitable[bool]], name: str) -> None:
+        """The first step; `hand_over` has the plan written to a file. Its log has this name.
 
         Raises:
             MissionError: a flight is under way.
         """
         if self.is_busy:
             raise MissionError("a flight is under way", hint="let it end, or stop watching it")
-        self._loaded = None
-        self._task = asyncio.create_task(self._fly(request, hand_over))
+        self._loaded, self._is_over = None, False
+        self._task = asyncio.create_task(self._fly(request, hand_over, name))
 
     def listen(self, link: str) -> None:
         """Tell who is heard on the links that there may be.
@@ -84,7 +84,7 @@ class FlightDesk:
     @property
     def is_busy(self) -> bool:
         """Whether a flight is under way, or is about to be."""
-        return self._task is not None and not self._task.done()
+        return self._task is not None and not self._task.done() and not self._is_over
 
     def abandon(self) -> None:
         """Leave the flight: what is not started is not; a vehicle in the air flies on, unwatched."""
@@ -104,7 +104,7 @@ class FlightDesk:
         with suppress(Died):
             await self._process.ask({"job": "listen", "link": link}, self._tell)
 
-    async def _fly(self, request: Upload, hand_over: Callable[[Path], Awaitable[bool]]) -> None:
+    async def _fly(self, request: Upload, hand_over: Callable[[Path], Awaitable[bool]], name: str) -> None:
         file, document = self._folder / "flight.pickle", self._document
         revision = document.revision  # what is handed over is of this one, whatever is changed meanwhile
         self._tell(State(phase="uploading", words="getting the plan"))
@@ -115,7 +115,7 @@ class FlightDesk:
             "job": "fly",
             "file": str(file),
             "revision": revision,
-            "log": str(unused(document.path.with_suffix(".tlog"))),
+            "log": str(unused(document.path.with_name(f"{name}.tlog"))),
         }
         troubled = False
 
@@ -125,7 +125,7 @@ class FlightDesk:
             if answer["kind"] == "loaded":
                 self._loaded = answer
             if answer["kind"] == "state":
-                self._flies = answer["phase"] == "flying"
+                self._flies, self._is_over = answer["phase"] == "flying", answer["phase"] == "over"
             self._tell(answer)
 
         try:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ipoa_mission.finding import Finding
 from ipoa_mission.flight.flight import Flight
+from ipoa_mission.flight.survey import Survey
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission
 
@@ -40,6 +41,12 @@ class HandedOver:
 def planned_over(flight: Flight) -> HandedOver:
     """A flight that was planned and proved."""
     return HandedOver(flight.name, flight.forecast, proof_digest(flight))
+
+
+def survey_over(survey: Survey, n: int) -> HandedOver:
+    """One flight of a survey; its digest is also of what was proved of all."""
+    forecast = survey.flights[n]
+    return HandedOver(survey.names[n], forecast, _digest(forecast.mission, [n, survey.summary()]))
 
 
 def mission_over(name: str, forecast: Forecast, warnings: Sequence[Finding]) -> HandedOver:

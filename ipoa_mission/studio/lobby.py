@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.files import packed, unused, write_atomically
+from ipoa_mission.files import MISSIONS, packed, unused, write_atomically
 from ipoa_mission.logs.flight_log import read_flights
 from ipoa_mission.mission.files import write_mission
 from ipoa_mission.mission.plan_file import plan_text
@@ -16,7 +16,6 @@ from ipoa_mission.scenario.new import new_scenario
 from ipoa_mission.studio import memory
 from ipoa_mission.studio.answers import Beginning, Elsewhere, StartFile, Trouble
 from ipoa_mission.studio.dropped import keep
-from ipoa_mission.studio.mission_changes import MISSIONS
 from ipoa_mission.studio.place import place_of
 from ipoa_mission.studio.requests import Begin, Open
 from ipoa_mission.studio.session import Window

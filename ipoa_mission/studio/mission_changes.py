@@ -18,7 +18,6 @@ from ipoa_mission.studio.vocabulary import LngLat
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from ipoa_mission.world.frame import Geodetic
 
-MISSIONS = (".plan", ".waypoints")
 HEIGHT = 20.0  # of an item that is put in where none before it has a height [m]
 DIGITS, DEGREES = 2, 7  # decimals of heights and of degrees that are written
 Placed = TypeVar("Placed", Item, Geodetic)

@@ -54,6 +54,7 @@ class FlightWorker:
             loaded = Loaded(
                 revision=order["revision"],
                 vehicle=name,
+                system=vehicle.system,
                 mission=handed.name,
                 proof=handed.proof,
                 items=items,

@@ -16,22 +16,27 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.files import read_text, unused
 from ipoa_mission.finding import Finding
 from ipoa_mission.flight.flight import Flight, plan_flight
+from ipoa_mission.flight.survey import Survey, plan_survey
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.files import parse_mission, write_mission
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.planning.sketch import sketch_path
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.scenario.read import parse_toml, scenario_of
-from ipoa_mission.studio.answers import Progress, Written
+from ipoa_mission.studio.answers import Progress, Sketch, Written
+from ipoa_mission.studio.area_view import area_of
 from ipoa_mission.studio.edits import apply_changes
-from ipoa_mission.studio.handed import mission_over, planned_over
+from ipoa_mission.studio.handed import HandedOver, mission_over, planned_over, survey_over
 from ipoa_mission.studio.harness import Answer, Job, Order, Subject, work
 from ipoa_mission.studio.judged import checked, mission_world, opened
 from ipoa_mission.studio.planned import expected, planned, sketched
-from ipoa_mission.studio.refused import refused
+from ipoa_mission.studio.refused import misread, refused
 from ipoa_mission.studio.replay import replayed
 from ipoa_mission.studio.requests import Change
+from ipoa_mission.studio.survey_answers import CoarseSurvey
+from ipoa_mission.studio.surveyed import coarse_survey, planned_survey
 from ipoa_mission.studio.view import world_of
+from ipoa_mission.survey.laying import sketch_survey
 from ipoa_mission.vehicles.autopilot import autopilot_named
 
 CHANGES: TypeAdapter[tuple[Change, ...]] = TypeAdapter(tuple[Change, ...])
@@ -39,8 +44,16 @@ TELL_EVERY_S = 0.1  # progress is told no more often
 
 
 def look(order: Order, answer: Answer) -> None:
-    """What the map shows of a scenario."""
-    answer(world_of(_scenario(order["text"], order["path"]), order["revision"]))
+    """What the map shows of a scenario; its survey's area even where the scenario makes no sense."""
+    table, revision = _table(order["text"], order["path"]), order["revision"]
+    try:
+        scenario = _scenario(order["text"], order["path"])
+    except MissionError as error:
+        answer(area_of(table, None, revision))
+        answer(misread(error, table, order["path"], revision))
+    else:
+        answer(area_of(table, scenario, revision))
+        answer(world_of(scenario, revision))
 
 
 def sketch(order: Order, answer: Answer) -> None:
@@ -52,8 +65,20 @@ def sketch(order: Order, answer: Answer) -> None:
         scenario = scenario_of(table, Path(order["path"]))
     else:
         scenario = _scenario(order["text"], order["path"])
-    sketch = sketch_path(scenario)
-    answer(sketched(sketch, scenario, order["revision"], order["number"], time.perf_counter() - begun))
+    try:
+        answer(_coarse(scenario, order, begun))
+    except MissionError as error:
+        answer(refused(error, scenario, order["revision"], of="sketch"))
+
+
+def _coarse(scenario: Scenario, order: Order, begun: float) -> Sketch | CoarseSurvey:
+    """A first answer at once: a path, or the lines of a survey."""
+    about = order["revision"], order["number"]
+    if scenario.survey is None:
+        path = sketch_path(scenario)
+        return sketched(path, scenario, *about, time.perf_counter() - begun)
+    lines = sketch_survey(scenario)
+    return coarse_survey(lines, scenario, *about, time.perf_counter() - begun)
 
 
 def judge(order: Order, answer: Answer) -> None:
@@ -86,7 +111,7 @@ class PlanWorker:
     """Plans flights, and keeps the last one, to write its files or to hand it over."""
 
     def __init__(self) -> None:
-        self._flight: Flight | None = None
+        self._plan: Flight | Survey | None = None
 
     def plan(self, order: Order, answer: Answer) -> None:
         """The proved flight."""
@@ -98,38 +123,53 @@ class PlanWorker:
                 told_at = time.perf_counter()
                 answer(Progress(revision=revision, share=share, words=words))
 
-        self._flight = None
+        self._plan = None
         scenario = _scenario(order["text"], order["path"])
         try:
-            flight = plan_flight(scenario, seed=order["seed"], progress=progress)
+            if scenario.survey is None:
+                self._plan = flight = plan_flight(scenario, seed=order["seed"], progress=progress)
+                answer(planned(flight, revision, time.perf_counter() - begun))
+            else:
+                self._plan = survey = plan_survey(scenario=scenario, seed=order["seed"], progress=progress)
+                answer(planned_survey(survey, revision, time.perf_counter() - begun))
         except MissionError as error:
             answer(refused(error, scenario, revision))
-        else:
-            self._flight = flight
-            answer(planned(flight, revision, time.perf_counter() - begun))
 
     def write(self, order: Order, answer: Answer) -> None:
-        """The flight's files, its report among them."""
-        flight, folder = self._expect_flight(), Path(order["folder"])
-        files, report = flight.write(folder), folder / f"{flight.name}.html"
-        flight.report(report)
-        answer(Written(files=tuple(file.name for file in (*files, report))))
+        """The plan's files, its reports among them."""
+        plan, folder = self._expect_plan(), Path(order["folder"])
+        files = [*plan.write(folder)]
+        if isinstance(plan, Survey):
+            files += plan.report(folder)
+        else:
+            files.append(folder / f"{plan.name}.html")
+            plan.report(files[-1])
+        answer(Written(files=tuple(file.name for file in files)))
 
     def detach(self, order: Order, answer: Answer) -> None:
         """The flight's mission as a file of its own, over nothing."""
-        flight, folder = self._expect_flight(), Path(order["folder"])
-        target = unused(folder / f"{flight.name}-edited.plan")
-        write_mission(flight.mission, target)
+        handed, folder = self._expect_flight(order), Path(order["folder"])
+        target = unused(folder / f"{handed.name}-edited.plan")
+        write_mission(handed.forecast.mission, target)
         answer(Written(files=(target.name,)))
 
     def hand_over(self, order: Order, answer: Answer) -> None:
         """The flight, for the process that flies it."""
-        planned_over(self._expect_flight()).write(Path(order["file"]))
+        self._expect_flight(order).write(Path(order["file"]))
 
-    def _expect_flight(self) -> Flight:
-        if self._flight is None:
+    def _expect_plan(self) -> Flight | Survey:
+        if self._plan is None:
             raise MissionError("there is no proved plan", hint="plan first")
-        return self._flight
+        return self._plan
+
+    def _expect_flight(self, order: Order) -> HandedOver:
+        """The plan's flight, of a survey's the one that is meant."""
+        plan, n = self._expect_plan(), order.get("flight", 0)
+        if not isinstance(plan, Survey):
+            return planned_over(plan)
+        if not 0 <= n < len(plan.flights):
+            raise MissionError(f"flight {n + 1}: expected one of {len(plan.flights)}")
+        return survey_over(plan, n)
 
     def jobs(self, _: object) -> Mapping[str, tuple[Job, Subject]]:
         """What can be asked."""

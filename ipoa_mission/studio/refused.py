@@ -2,15 +2,19 @@
 
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any, Literal
 
 import numpy as np
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio.answers import Remedy, Trouble
+from ipoa_mission.studio.area_view import in_words
 from ipoa_mission.studio.requests import Put, Take
+from ipoa_mission.studio.survey_remedies import area_remedies, survey_remedies
 from ipoa_mission.studio.view import without_folders
+from ipoa_mission.studio.vocabulary import as_on_map
 
 ASSIGNMENT = re.compile(r"\b(\w+_height) = (\d+)\b")
 PLACE = re.compile(r"^(start|goal|via)(?:\[(\d+)\])?: nothing can fly there")
@@ -19,15 +23,29 @@ TRIED_WORDS = {"cruise_speed": "Cruise speed {} m/s", "mode": "Waypoints: {}", "
 SPARE = 0.5  # how much more than required a place is put above what is below it [m]
 
 
-def refused(error: MissionError, scenario: Scenario, revision: int) -> Trouble:
-    """What the page is told of a plan's refusal."""
+def refused(error: MissionError, scenario: Scenario, revision: int, of: Literal["plan", "sketch"] = "plan") -> Trouble:
+    """What the page is told of a plan's refusal, or of a first look's."""
     message = without_folders(str(error), scenario)
     return Trouble(
-        of="plan",
-        message=message,
-        hint=error.hint and without_folders(error.hint, scenario),
+        of=of,
+        message=in_words(message),
+        hint=error.hint and in_words(without_folders(error.hint, scenario)),
         revision=revision,
-        remedies=(*_tried(str(error)), *_heights(message, scenario), *_higher(str(error), scenario)),
+        remedies=(
+            *_tried(str(error)),
+            *_heights(message, scenario),
+            *_higher(str(error), scenario),
+            *survey_remedies(str(error), scenario),
+        ),
+    )
+
+
+def misread(error: MissionError, table: Mapping[str, Any], path: str, revision: int) -> Trouble:
+    """What the page is told of a scenario that makes no sense; which file it is, it knows."""
+    message = as_on_map(str(error).removeprefix(f"{path}: "))
+    remedies = tuple(area_remedies(str(error), table))
+    return Trouble(
+        of="scenario", message=in_words(message, table), hint=error.hint, revision=revision, remedies=remedies
     )
 
 
@@ -53,7 +71,7 @@ def _heights(message: str, scenario: Scenario) -> Iterator[Remedy]:
 
 def _higher(message: str, scenario: Scenario) -> Iterator[Remedy]:
     """For a place that is too low: above the highest thing there. The next plan says whether that will do."""
-    if (found := PLACE.match(message)) is None:
+    if (found := PLACE.match(message)) is None or scenario.survey is not None:  # which has a height for all places
         return
     name, number = found[1], int(found[2] or 0)
     places = {"start": scenario.start_point, "goal": scenario.goal_point}

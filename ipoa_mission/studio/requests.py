@@ -42,6 +42,47 @@ class Add(PageMessage):
     at: int | None = None
 
 
+class DrawArea(PageMessage):
+    """An area joins the survey, or is the first of a new one in place of start, goal and via; or a hole, a corridor.
+
+    A hole goes into the area that it begins in; a corridor, whose middle is the `ring`, takes the place of all areas.
+    """
+
+    op: Literal["draw_area"] = "draw_area"
+    what: Literal["area", "hole", "corridor"]
+    ring: Annotated[tuple[LngLat, ...], Field(min_length=2)]
+
+
+class OwnArea(PageMessage):
+    """The survey's area is drawn in the scenario itself, no more in a map: polygons as rings, the outer one first."""
+
+    op: Literal["own_area"] = "own_area"
+    parts: tuple[tuple[tuple[LngLat, ...], ...], ...]
+
+
+class MapArea(PageMessage):
+    """The survey's area is that of a map which lies beside the scenario; without a survey there is one from now on."""
+
+    op: Literal["map_area"] = "map_area"
+    file: str
+
+
+class PutCorner(PageMessage):
+    """A corner of the survey's area goes elsewhere, by its path."""
+
+    op: Literal["put_corner"] = "put_corner"
+    path: Path
+    place: LngLat
+
+
+class AddCorner(PageMessage):
+    """A corner of the survey's area is put in where its path says, before the one that is there."""
+
+    op: Literal["add_corner"] = "add_corner"
+    path: Path
+    place: LngLat
+
+
 class PutItem(PageMessage):
     """One value of a mission's item: its command, frame, param1 to param7; None: the autopilot's own."""
 
@@ -83,7 +124,8 @@ class PlainItems(PageMessage):
 
 
 ItemChange: TypeAlias = PutItem | MoveItem | InsertItem | TakeItem | PlainItems
-Change: TypeAlias = Annotated[Put | Take | Shift | Add | ItemChange, Field(discriminator="op")]
+AreaChange: TypeAlias = DrawArea | OwnArea | MapArea | PutCorner | AddCorner
+Change: TypeAlias = Annotated[Put | Take | Shift | Add | AreaChange | ItemChange, Field(discriminator="op")]
 
 
 class Edit(PageMessage):
@@ -141,20 +183,31 @@ class Begin(PageMessage):
     altitude: Annotated[float, Field(ge=-450, le=9000)]
 
 
+class Find(PageMessage):
+    """Where on the map is a place, as people write it?"""
+
+    kind: Literal["find"] = "find"
+    place: str
+
+
 class Do(PageMessage):
     """Something with no more to it. `take_theirs`: the file as another program has written it.
 
-    `detach`: the planned flight as a mission file of its own, to be changed item by item.
+    `detach`: the planned flight, of a survey's the one of this number from 0 on, as a mission file of its own, to be
+    changed item by item.
     """
 
     kind: Literal["do"] = "do"
     what: Literal["undo", "redo", "save", "save_over", "take_theirs", "plan", "cancel", "export", "abandon", "detach"]
+    flight: Annotated[int, Field(ge=0)] = 0
 
 
 class Upload(PageMessage):
     """The first step of a flight: put the mission on a vehicle, and read it back. No link: the built-in one.
 
-    `set_params`: give it the parameters that the mission was made for.
+    `set_params`: give it the parameters that the mission was made for. `flight`: which one of a survey's, from 0 on.
+    `charged`: the user says that a charged battery is in, and that nobody is near the propellers, which on a link is
+    asked for after another one of them was flown.
     """
 
     kind: Literal["upload"] = "upload"
@@ -162,6 +215,8 @@ class Upload(PageMessage):
     system: int | None = None
     speedup: Annotated[float, Field(ge=0.1, le=1000)] = 1.0
     set_params: bool = False
+    flight: Annotated[int, Field(ge=0)] = 0
+    charged: bool = False
 
 
 class Start(PageMessage):
@@ -188,7 +243,7 @@ class Order(PageMessage):
 
 
 Request: TypeAlias = Annotated[
-    Edit | Rewrite | Drag | Do | SaveAs | Within | Open | Begin | Upload | Start | Order | Listen,
+    Edit | Rewrite | Drag | Do | SaveAs | Within | Open | Begin | Find | Upload | Start | Order | Listen,
     Field(discriminator="kind"),
 ]
 REQUESTS: TypeAdapter[Any] = TypeAdapter(Request)

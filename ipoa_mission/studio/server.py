@@ -25,7 +25,7 @@ from ipoa_mission.studio.memory import address_of, remember
 from ipoa_mission.studio.requests import REQUESTS
 from ipoa_mission.studio.session import Session, Window
 from ipoa_mission.studio.sessions import Host, Sessions
-from ipoa_mission.studio.tiles import DEEPEST, TileSource, media_type
+from ipoa_mission.studio.tiles import DEEPEST, TileSource, headers_of
 
 LONGEST = 4_000_000  # of a message [bytes]
 TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
@@ -69,8 +69,8 @@ def application(sessions: Sessions, bundle: Path, host: str, tiles: TileSource |
         if tiles is None or tiles.read is None or zoom > DEEPEST:
             return PlainTextResponse("Not found", 404)
         picture = tiles.read(zoom, column, row)
-        kind = None if picture is None else media_type(picture)
-        return Response(status_code=204) if kind is None else Response(picture, media_type=kind)
+        told = None if picture is None else headers_of(picture, tiles.shown.vector)
+        return Response(status_code=204) if told is None else Response(picture, headers=told)
 
     async def talk(socket: WebSocket) -> None:
         await socket.accept()

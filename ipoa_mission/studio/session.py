@@ -2,25 +2,47 @@
 
 import asyncio
 from collections.abc import Callable, Coroutine
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.studio.answers import Elsewhere, Trouble, Written
+from ipoa_mission.files import MISSIONS
+from ipoa_mission.studio.answers import Elsewhere, Found, Trouble, Written
 from ipoa_mission.studio.document import Document
 from ipoa_mission.studio.flights import FlightDesk
-from ipoa_mission.studio.mission_changes import MISSIONS
+from ipoa_mission.studio.place import place_of
 from ipoa_mission.studio.processes import Died, Process
-from ipoa_mission.studio.requests import Do, Drag, Edit, Listen, Open, Order, Rewrite, SaveAs, Start, Upload, Within
+from ipoa_mission.studio.relay import Relay
+from ipoa_mission.studio.requests import (
+    Do,
+    Drag,
+    Edit,
+    Find,
+    Listen,
+    Open,
+    Order,
+    Rewrite,
+    SaveAs,
+    Start,
+    Upload,
+    Within,
+)
 from ipoa_mission.studio.vocabulary import PageMessage
 
 SETTLED_S = 0.6  # without a change, after which the proved path is planned
 ALONE_S = 120.0  # without a window and without a flight, after which the planners end; they begin anew when one opens
 LOOK_S = 1.0  # how often the file is looked at for what other programs write
 #: Answers that a window is told when it opens.
-KEPT = ("tiles", "world", "mission", "checked", "replay", "sketch", "plan", "loaded", "state", "trouble")
+KEPT = (
+    *("tiles", "area", "world", "mission", "checked", "replay", "sketch", "coarse_survey", "plan", "survey"),
+    *("loaded", "state", "trouble"),
+)
 #: Those that count no more when the file changes.
-FOLLOWS = ("sketch", "plan", "checked", "replay", *(f"trouble of {what}" for what in ("scenario", "sketch", "plan")))
+FOLLOWS = (
+    *("sketch", "coarse_survey", "plan", "survey", "checked", "replay"),
+    *(f"trouble of {what}" for what in ("scenario", "sketch", "plan")),
+)
 PLANNER = "ipoa_mission.studio.planner"
 #: Opens another file, a mission in the world of a scenario: the address of its page, beside this one's.
 OpenFile: TypeAlias = Callable[[Path, Path | None], str]
@@ -57,6 +79,7 @@ class Session:
         self._jobs: dict[str, asyncio.Task[None]] = {}
         self._drags: dict[Window, Drag] = {}
         self._latest: dict[str, dict[str, Any]] = {}
+        self._relay = Relay()
 
     @property
     def folder(self) -> Path:
@@ -82,6 +105,7 @@ class Session:
     def tell_all(self, message: PageMessage | dict[str, Any]) -> None:
         """Tell every window; the latest answer of a kind is kept for those that open later."""
         answer = message if isinstance(message, dict) else message.model_dump(mode="json")
+        self._relay.hear(answer)
         kind = f"trouble of {answer['of']}" if answer["kind"] == "trouble" else answer["kind"]
         if answer["kind"] in KEPT:
             self._latest[kind] = answer
@@ -117,9 +141,15 @@ class Session:
                 case Upload():
                     self._expect_ready()
                     self._latest.pop("trouble of flight", None)
-                    self._flights.upload(request, self._hand_over)
+                    request = self._relay.expect_charged(request, is_survey="survey" in self._latest)
+                    name = self._name_of(request.flight)
+                    self._flights.upload(request, partial(self._hand_over, request.flight), name)
                 case Start():
                     await self._flights.start(request)
+                case Find():
+                    latitude, longitude = place_of(request.place)
+                    found = Found(place=(longitude, latitude), words=request.place.strip())
+                    window.tell(found.model_dump(mode="json"))
                 case Listen():
                     self._flights.listen(request.link)
                 case Order():
@@ -151,7 +181,7 @@ class Session:
                 self._start("write", self._write)
             case "detach":
                 self._expect_proved()
-                self._start("write", self._detach)
+                self._start("write", partial(self._detach, request.flight))
             case "abandon":
                 self._flights.abandon()
 
@@ -216,12 +246,13 @@ class Session:
         await self._plan()
 
     async def _plan(self) -> None:
+        self._latest.pop("trouble of plan", None)
         await self._ask(self._thorough, {"job": "plan", "seed": self._seed})
 
     async def _write(self) -> None:
         await self._ask(self._thorough, {"job": "write", "folder": str(self.folder)})
 
-    async def _detach(self) -> None:
+    async def _detach(self, flight: int) -> None:
         folder, written = self.folder, list[str]()
 
         def hear(answer: dict[str, Any]) -> None:
@@ -229,16 +260,29 @@ class Session:
             if answer["kind"] == "trouble":
                 self.tell_all(answer)
 
-        await self._ask(self._thorough, {"job": "detach", "folder": str(folder)}, hear)
+        await self._ask(self._thorough, {"job": "detach", "folder": str(folder), "flight": flight}, hear)
         if written and self._open_file is not None:
             address = self._open_file(folder / written[0], self.document.path)
             self.tell_all(Elsewhere(address=address))
 
-    async def _hand_over(self, file: Path) -> bool:
+    async def _hand_over(self, flight: int, file: Path) -> bool:
         if self.document.is_mission:
             order = self._judged_by() | {"job": "hand over mission", "file": str(file)}
             return await self._ask(self._quick, order)
-        return await self._ask(self._thorough, {"job": "hand over", "file": str(file)})
+        return await self._ask(self._thorough, {"job": "hand over", "file": str(file), "flight": flight})
+
+    def _name_of(self, flight: int) -> str:
+        """The plan's name, of a survey that of one flight.
+
+        Raises:
+            MissionError: there is no such flight.
+        """
+        if "survey" not in self._latest:
+            return self.document.path.stem
+        flights = self._latest["survey"]["flights"]
+        if not flight < len(flights):
+            raise MissionError(f"flight {flight + 1}: expected one of {len(flights)}")
+        return str(flights[flight]["plan"]["name"])
 
     def _expect_ready(self) -> None:
         """Raise MissionError unless what is open, as it is now, may be put on a vehicle."""
@@ -253,8 +297,8 @@ class Session:
 
     def _expect_proved(self) -> None:
         """Raise MissionError unless the scenario as it is now has a proved plan."""
-        plan = self._latest.get("plan")
-        if plan is None or plan["revision"] != self.document.revision:
+        plans = (self._latest.get(kind) for kind in ("plan", "survey"))
+        if not any(plan is not None and plan["revision"] == self.document.revision for plan in plans):
             raise MissionError("there is no proved plan of the scenario as it is now", hint="wait for it, or mend it")
 
     async def _ask(

@@ -1,9 +1,10 @@
-"""Map tiles under the scenario: of a server that the user names, or of a file; pictures, by zoom, column and row.
+"""Map tiles under the scenario: of a server that the user names, or of a file; pictures or vector tiles (MVT).
 
 Nothing is asked of anyone who was not named. A server is asked by the page itself; a file is read here.
 """
 
 import html
+import json
 import re
 import sqlite3
 from collections.abc import Callable
@@ -19,9 +20,11 @@ from ipoa_mission.studio import answers, memory
 Read: TypeAlias = Callable[[int, int, int], bytes | None]
 ORIGIN = re.compile(r"https?://[A-Za-z0-9.-]+(:\d+)?")
 WMTS = {"{TileMatrix}": "{z}", "{TileCol}": "{x}", "{TileRow}": "{y}"}
+VECTOR = ("pbf", "mvt")  # as files name the format, and servers end their addresses
+GZIP = b"\x1f\x8b"
 PICTURES = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg", b"RIFF": "image/webp"}
 NONE = "none"
-DEEPEST = 22
+DEEPEST, DEEPEST_VECTOR = 22, 14  # those of a server; a page enlarges vector tiles beyond
 MBTILES, PMTILES = ".mbtiles", ".pmtiles"
 
 
@@ -60,7 +63,7 @@ def open_tiles(source: str, attribution: str | None = None) -> TileSource:
     """The tiles of an address with {z}, {x} and {y} in it, or of an MBTiles or PMTiles file.
 
     Raises:
-        BadInput: it is none of these, or has other than pictures.
+        BadInput: it is none of these, or has tiles of another format.
     """
     if "://" in source:
         return _of_server(source, attribution)
@@ -72,9 +75,13 @@ def open_tiles(source: str, attribution: str | None = None) -> TileSource:
     return _of_mbtiles(path, attribution) if path.suffix.lower() == MBTILES else _of_pmtiles(path, attribution)
 
 
-def media_type(tile: bytes) -> str | None:
-    """What sort of picture it is; None if it is none."""
-    return next((kind for begin, kind in PICTURES.items() if tile.startswith(begin)), None)
+def headers_of(tile: bytes, vector: bool) -> dict[str, str] | None:
+    """What a browser must know of a tile; None if it is no picture where it should be one."""
+    if vector:
+        compressed = {"Content-Encoding": "gzip"} if tile.startswith(GZIP) else {}
+        return {"Content-Type": "application/vnd.mapbox-vector-tile"} | compressed
+    kind = next((kind for begin, kind in PICTURES.items() if tile.startswith(begin)), None)
+    return None if kind is None else {"Content-Type": kind}
 
 
 def _of_server(address: str, attribution: str | None) -> TileSource:
@@ -84,7 +91,9 @@ def _of_server(address: str, attribution: str | None) -> TileSource:
     origin = f"{parts.scheme}://{parts.netloc}"
     if not ORIGIN.fullmatch(origin) or not all(key in address for key in ("{z}", "{x}", "{y}")):
         raise BadInput(f"--tiles: {address}: expected http(s)://HOST/... with {{z}}, {{x}} and {{y}} in it")
-    return TileSource(_shown(address, attribution or parts.netloc, 0, DEEPEST), origin=origin)
+    is_vector = parts.path.rpartition(".")[2].lower() in VECTOR
+    deepest = DEEPEST_VECTOR if is_vector else DEEPEST
+    return TileSource(_shown(address, attribution or parts.netloc, (0, deepest), is_vector), origin=origin)
 
 
 def _of_mbtiles(path: Path, attribution: str | None) -> TileSource:
@@ -104,8 +113,13 @@ def _of_mbtiles(path: Path, attribution: str | None) -> TileSource:
     least, most = ask("select min(zoom_level), max(zoom_level) from tiles")[0]
     if least is None:
         raise BadInput(f"--tiles: {path}: expected tiles, but there is none")
-    _expect_pictures(path, about.get("format", ""))
-    return TileSource(_shown("", attribution or about.get("attribution") or path.name, least, most), read=read)
+    is_vector = _is_vector(path, about.get("format", ""))
+    try:
+        layers = _layers(json.loads(about.get("json", "{}"))) if is_vector else ()
+    except ValueError:
+        layers = ()
+    told = attribution or about.get("attribution") or path.name
+    return TileSource(_shown("", told, (least, most), is_vector, layers), read=read)
 
 
 def _of_pmtiles(path: Path, attribution: str | None) -> TileSource:
@@ -124,18 +138,43 @@ def _of_pmtiles(path: Path, attribution: str | None) -> TileSource:
         return None if tile is None else bytes(tile)
 
     header, about = ask(lambda reader: (reader.header(), reader.metadata()))
-    _expect_pictures(path, header["tile_type"].name.lower())
+    is_vector = _is_vector(path, header["tile_type"].name.lower())
+    packed = header["tile_compression"].name.lower()
+    if is_vector and packed not in ("none", "gzip"):
+        raise BadInput(f"--tiles: {path}: expected vector tiles that are packed by gzip or not at all, not by {packed}")
     told = attribution or str(about.get("attribution") or path.name)
-    return TileSource(_shown("", told, header["min_zoom"], header["max_zoom"]), read=read)
+    zooms = header["min_zoom"], header["max_zoom"]
+    return TileSource(_shown("", told, zooms, is_vector, _layers(about) if is_vector else ()), read=read)
 
 
-def _expect_pictures(path: Path, kind: str) -> None:
-    if kind.lower() not in ("png", "jpg", "jpeg", "webp"):
-        raise BadInput(
-            f"--tiles: {path}: expected pictures (png, jpg, webp), not {kind or 'tiles of no stated format'}"
-        )
+def _is_vector(path: Path, kind: str) -> bool:
+    """Whether tiles of this format are vector tiles.
+
+    Raises:
+        BadInput: they are no pictures either.
+    """
+    if kind.lower() not in ("png", "jpg", "jpeg", "webp", *VECTOR):
+        known = "png, jpg, webp, or vector tiles: pbf"
+        raise BadInput(f"--tiles: {path}: expected pictures ({known}), not {kind or 'tiles of no stated format'}")
+    return kind.lower() in VECTOR
 
 
-def _shown(address: str, attribution: str, least: int, most: int) -> answers.Tiles:
+def _layers(about: Any) -> tuple[str, ...]:
+    """The names of the layers, as a TileJSON tells them."""
+    told = about.get("vector_layers") if isinstance(about, dict) else None
+    named = [one.get("id") for one in told if isinstance(one, dict)] if isinstance(told, list) else []
+    return tuple(name for name in named if isinstance(name, str))
+
+
+def _shown(
+    address: str, attribution: str, zooms: tuple[int, int], vector: bool = False, layers: tuple[str, ...] = ()
+) -> answers.Tiles:
     words = html.unescape(re.sub(r"<[^>]*>", "", attribution))
-    return answers.Tiles(address=address or "tiles/{z}/{x}/{y}", attribution=words, min_zoom=least, max_zoom=most)
+    return answers.Tiles(
+        address=address or "tiles/{z}/{x}/{y}",
+        attribution=words,
+        min_zoom=zooms[0],
+        max_zoom=zooms[1],
+        vector=vector,
+        layers=layers,
+    )

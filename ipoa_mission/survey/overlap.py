@@ -54,7 +54,7 @@ class Overlaps:
         """Which of the two is less than was asked, and where, in words."""
         for name, one, asked in (("front", self.front, front), ("side", self.side, side)):
             if one is not None and one.share < asked - NOISE:
-                where = "at east {:.0f}, north {:.0f} m, where the ground is steep".format(*one.at)
+                where = "at east {:.0f}, north {:.0f} m".format(*one.at)
                 yield f"survey.{name}_overlap: {100 * asked:.0f} % asked, but {100 * one.share:.1f} % {where}"
 
 

@@ -6,8 +6,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
-import shapely
-
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.firmware import is_too_long
 from ipoa_mission.checks.unsafe import refuse_errors
@@ -16,7 +14,7 @@ from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.energy import shortage_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.tube.promise import Kept, Promise
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Points
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.endings import settled, why_not_planned
@@ -243,9 +241,3 @@ def _refusal(nearest: _TooNear, scenario: Scenario) -> MissionError:
         f"up {up:.1f} m: {kept.words(nearest.promise.confidence)}",
         hint="fly higher (survey.height_above_ground), or leave that place out of the area",
     )
-
-
-def longest_gap(seen: Coverage) -> Vector | None:
-    """Where the largest gap is (2,); None where there is none."""
-    parts = [part for part in shapely.get_parts(seen.gaps) if part.area > 0.0]
-    return None if not parts else shapely.get_coordinates(max(parts, key=lambda part: part.area).centroid)[0]

@@ -12,7 +12,7 @@ from ipoa_mission.mission.commands import Command
 from ipoa_mission.vehicles.firmware import Firmware
 
 POLYGON = frozenset({Command.NAV_FENCE_POLYGON_VERTEX_INCLUSION, Command.NAV_FENCE_POLYGON_VERTEX_EXCLUSION})
-_PARAMS = ("param1", "param2", "param3", "param4", "latitude", "longitude", "altitude")
+PARAM_NAMES = ("param1", "param2", "param3", "param4", "latitude", "longitude", "altitude")
 
 
 @dataclass(frozen=True)
@@ -43,4 +43,4 @@ def param_name(n: int) -> str:
     >>> param_name(5)
     'latitude'
     """
-    return _PARAMS[n - 1]
+    return PARAM_NAMES[n - 1]

@@ -33,6 +33,10 @@ class Clearance:
         east, north, up = self.place
         return f"{self.distance:.3f} m to {self.what} at east {east:.2f}, north {north:.2f}, up {up:.2f} m"
 
+    def less(self, stray: float) -> "Clearance":
+        """What a path has at least that is nowhere farther than `stray` [m] from the flight."""
+        return replace(self, distance=self.distance - stray)
+
 
 ROUNDING = 1e-6  # [m]
 PARTS = (2, 16)  # of a leg, whose ends are looked at before it is solved

@@ -69,12 +69,14 @@ class LocalFrame:
 
     def local(self, place: Geodetic) -> Vector:
         """East, north, up of one place, (3,) [m]."""
-        return np.asarray(self.to_local(place.latitude_deg, place.longitude_deg, place.altitude)[0])  # type: ignore[arg-type]
+        lon, lat, alt = float(place.longitude_deg), float(place.latitude_deg), float(place.altitude)
+        return np.array(_topocentric(self.home).transform(lon, lat, alt))
 
     def geodetic(self, point: Vector) -> Geodetic:
         """The place of one local point (3,)."""
-        lat, lon, alt = self.to_geodetic(np.asarray(point)[None, :])
-        return Geodetic(float(lat[0]), float(lon[0]), float(alt[0]))
+        east, north, up = point
+        lon, lat, alt = _topocentric(self.home).transform(float(east), float(north), float(up), direction="INVERSE")
+        return Geodetic(lat, (lon + 180.0) % 360.0 - 180.0, alt)
 
     def _transform(self, x: Vector, y: Vector, z: Vector, direction: str) -> tuple[Vector, Vector, Vector]:
         """PROJ's answer as arrays. Of one point numbers are given: pyproj warns of an array of one."""

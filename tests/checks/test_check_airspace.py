@@ -22,6 +22,7 @@ from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Flat
+from tests.examples import examples
 from tests.found import found
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
@@ -282,7 +283,7 @@ def test_another_home_is_a_warning() -> None:
 SPOT = st.tuples(st.floats(-40, 140), st.floats(-40, 40), st.floats(5, 45))
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(30))
 @given(points=st.lists(SPOT, min_size=1, max_size=4))
 def test_an_error_is_found_exactly_where_sampling_the_legs_finds_one(points: list[tuple[float, float, float]]) -> None:
     """Distance to the hall and to the ground from their definitions, every two centimetres."""

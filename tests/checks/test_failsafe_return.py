@@ -91,7 +91,7 @@ def test_no_height_helps_where_it_brakes_into_a_wall(autopilot: Autopilot) -> No
 
 
 @pytest.mark.parametrize("autopilot", registered())
-@pytest.mark.parametrize("height", [22.0, 33.0, 41.0])
+@pytest.mark.parametrize("height", [22.0, pytest.param(33.0, marks=pytest.mark.long), 41.0])
 def test_items_from_which_it_is_not_clear_are_those_from_which_single_ways_are_not(
     autopilot: Autopilot, height: float
 ) -> None:

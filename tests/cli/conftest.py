@@ -16,6 +16,8 @@ from ipoa_mission.cli.app import app, main
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.link.channel import UdpChannel, open_channel
 from ipoa_mission.link.signing import Signer, key_of
+from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
+from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.server import Server
@@ -80,6 +82,16 @@ def planned(tmp_path_factory: pytest.TempPathFactory) -> Planned:
         return flight, folder
 
     return plan
+
+
+@pytest.fixture
+def hop(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A mission of a few seconds, which is only flown for what is said of it."""
+    there = Geodetic(47.397842, 8.545594, 488.0)
+    items = (takeoff(ZURICH, 5.0), waypoint(there, 5.0), land(there))
+    path = tmp_path_factory.mktemp("hop") / "hop.plan"
+    write_plan(Mission(ZURICH, items), path)
+    return path
 
 
 @pytest.fixture

@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar
 
 import pytest
 
@@ -15,9 +14,8 @@ import ipoa_mission as api
 from ipoa_mission.checks.failsafe_return import check_failsafe_return
 from ipoa_mission.routing.seek import plan_with_room
 from tests.cli.conftest import Run
-from tests.quick_search import search_quickly
+from tests.quick_search import once, search_quickly
 
-T = TypeVar("T")
 MISSIONS = Path(__file__).parents[2] / "missions"
 OTHERS = sorted(path.stem for path in MISSIONS.glob("*.toml") if path.stem != "sitl")
 #: A slower vehicle than the autopilot's defaults make, so that whoever forgets it is found out.
@@ -65,21 +63,6 @@ def slow(slowed: Callable[[str], Path], name: str) -> Path:
 def planned(slow: Path) -> api.Flight:
     """Python's flight of a scenario, planned once for all tests."""
     return api.plan_flight(api.read_scenario(slow), seed=4)
-
-
-def once(answer: Callable[..., T], asked: Callable[..., object]) -> Callable[..., T]:
-    """The same, which answers what it was asked before as it did then; `asked`: what of its arguments counts."""
-    answers = list[tuple[object, T]]()
-
-    def remembering(*arguments: Any) -> T:
-        question = asked(*arguments)
-        for earlier, answered in answers:
-            if earlier == question:
-                return answered
-        answers.append((question, answer(*arguments)))
-        return answers[-1][1]
-
-    return remembering
 
 
 @pytest.fixture(autouse=True, scope="module")

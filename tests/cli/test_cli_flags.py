@@ -265,11 +265,11 @@ def test_ctrl_c_while_the_command_is_imported_is_one_line(number: int) -> None:
     assert ended.stderr == "error: stopped: nothing was done\n"
 
 
-def test_every_file_that_fly_writes_is_named(run: Run) -> None:
-    assert "written: sitl.tlog" in run(f"fly {SITL}").out
-    assert json.loads(run(f"fly {SITL} --json").out)["written"] == ["sitl.tlog"]
-    assert "written: own.tlog" in run(f"fly {SITL} --log own.tlog").out
-    assert {path.name for path in Path().iterdir()} == {"sitl.tlog", "own.tlog"}
+def test_every_file_that_fly_writes_is_named(run: Run, hop: Path) -> None:
+    assert "written: hop.tlog" in run(f"fly {hop}").out
+    assert json.loads(run(f"fly {hop} --json").out)["written"] == ["hop.tlog"]
+    assert "written: own.tlog" in run(f"fly {hop} --log own.tlog").out
+    assert {path.name for path in Path().iterdir()} == {"hop.tlog", "own.tlog"}
 
 
 def test_a_mission_that_is_flown_is_not_planned(run: Run) -> None:

@@ -16,31 +16,37 @@ from ipoa_mission.simulator.server import Server
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
+from tests.cli.conftest import Run
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 FOR_ARDUPILOT, FOR_PX4 = str(MISSIONS / "campus.plan"), str(MISSIONS / "sitl.plan")
 LARGE = {"numpy", "scipy", "shapely", "pyproj", "matplotlib", "contourpy", "numba", "pymavlink", "mavsdk", "rasterio"}
 #: Of our own: pydantic's models are built when their module is imported.
 OURS = {"ipoa_mission.scenario", "ipoa_mission.planning", "ipoa_mission.simulator", "ipoa_mission.report.page"}
-#: Runs a command line and tells what is imported when it ends.
+#: Runs command lines, one a line, and tells what is imported when each ends.
 WATCHED = f"""
 import sys
-sys.argv[0] = "ipoa-mission"
 from ipoa_mission.cli.app import main
-try:
-    main()
-finally:
-    sys.__stderr__.write("IMPORTED " + " ".join(p for p in {sorted(LARGE | OURS)!r} if p in sys.modules))
+for line in sys.argv[1].splitlines():
+    sys.argv = ["ipoa-mission", *line.split()]
+    try:
+        main()
+    except SystemExit as ended:
+        assert not ended.code, line
+    sys.__stderr__.write("IMPORTED " + " ".join(p for p in {sorted(LARGE | OURS)!r} if p in sys.modules) + "\\n")
 """
 
 
-def imported(*arguments: str, before: str = "") -> set[str]:
+def imported(*lines: str, before: str = "") -> list[set[str]]:
+    """What is imported after each of these command lines, run one after the other."""
     run = subprocess.run(
-        [sys.executable, "-c", before + WATCHED, *arguments],
+        [sys.executable, "-c", before + WATCHED, "\n".join(lines)],
         capture_output=True, text=True, timeout=300, cwd=MISSIONS.parent,
     )  # fmt: skip
     assert run.returncode == 0, run.stderr
-    return set(run.stderr.rpartition("IMPORTED ")[2].split())
+    found = [set(line.split()[1:]) for line in run.stderr.splitlines() if line.startswith("IMPORTED")]
+    assert len(found) == len(lines), run.stderr
+    return found
 
 
 @pytest.fixture
@@ -57,27 +63,26 @@ def link() -> Iterator[str]:
     channel.close()
 
 
-def test_help_needs_none_of_them() -> None:
-    assert imported("--help") == set()
-
-
-@pytest.mark.parametrize("verb", ["show", "check", "estimate"])
-def test_a_mission_file_is_looked_at_without_what_only_scenarios_need(verb: str) -> None:
-    assert imported(verb, FOR_ARDUPILOT) == {"numpy", "pyproj"}
+def test_help_needs_none_of_them_and_a_mission_file_is_looked_at_without_what_only_scenarios_need() -> None:
+    helped, *looked = imported("--help", *(f"{verb} {FOR_ARDUPILOT}" for verb in ("show", "check", "estimate")))
+    assert helped == set()
+    assert looked == [{"numpy", "pyproj"}] * 3
 
 
 def test_an_upload_needs_the_messages_besides(link: str, tmp_path: Path) -> None:
     log = str(tmp_path / "upload.tlog")
     hurried = "from tests.quick_link import hurry; hurry()"
-    needed = imported("upload", FOR_PX4, "--link", link, "--log", log, before=hurried)
+    (needed,) = imported(f"upload {FOR_PX4} --link {link} --log {log}", before=hurried)
     assert needed - {"pymavlink"} == {"numpy", "pyproj"}  # that only in a checkout
 
 
-def test_a_picture_without_matplotlib_is_an_error_that_names_the_extra(tmp_path: Path) -> None:
-    log = MISSIONS / "logs" / "campus-arducopter.tlog"
-    code = "import sys; sys.modules['matplotlib'] = None\nfrom ipoa_mission.cli.app import main\nmain()"
-    command = [sys.executable, "-c", code, "compare", str(log), "--picture", str(tmp_path / "flown.png")]
-    run = subprocess.run(command, capture_output=True, text=True, timeout=300)
-    assert run.returncode == 1
-    assert "pip install 'ipoa-mission[pictures]'" in run.stderr
-    assert not list(tmp_path.iterdir())
+def test_a_picture_without_matplotlib_is_an_error_that_names_the_extra(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in [name for name in sys.modules if name.startswith(("matplotlib.", "ipoa_mission.report.comparison_"))]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    ended = run(f"compare {MISSIONS}/logs/campus-arducopter.tlog --picture flown.png")
+    assert ended.code == 1
+    assert "pip install 'ipoa-mission[pictures]'" in ended.err
+    assert not list(Path().iterdir())

@@ -70,20 +70,27 @@ def test_an_altitude_that_nobody_knows_is_remarked_upon(run: Run) -> None:
     assert "note" not in run(f"{words} --force --answer altitude=488").out
 
 
+def completing(words: str) -> dict[str, str]:
+    return {"COMP_WORDS": words, "COMP_CWORD": str(words.count(" ")), "_IPOA_MISSION_COMPLETE": "complete_bash"}
+
+
 @pytest.mark.parametrize(
     ("words", "completed"),
-    [
-        ("ipoa-mission pl", "plan"),
-        ("ipoa-mission plan --optimizer ip", "ipoa"),
-        ("ipoa-mission plan a.plan --se", "--seed"),
-    ],
+    [("ipoa-mission pl", "plan"), ("ipoa-mission plan a.plan --se", "--seed")],
 )
-def test_a_shell_completes_verbs_options_and_names(tmp_path: Path, words: str, completed: str) -> None:
-    asked = {"COMP_WORDS": words, "COMP_CWORD": str(words.count(" ")), "_IPOA_MISSION_COMPLETE": "complete_bash"}
-    command = [str(Path(sys.executable).with_name("ipoa-mission"))]
+def test_a_shell_completes_verbs_and_options(
+    run: Run, monkeypatch: pytest.MonkeyPatch, words: str, completed: str
+) -> None:
+    for name, value in completing(words).items():
+        monkeypatch.setenv(name, value)
+    said = run("")
+    assert (said.out.split(), said.err) == ([completed], "")
+
+
+def test_the_program_that_is_installed_completes_names(tmp_path: Path) -> None:
+    command, asked = Path(sys.executable).with_name("ipoa-mission"), completing("ipoa-mission plan --optimizer ip")
     said = subprocess.run(command, env=os.environ | asked, cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert said.stdout.split() == [completed]
-    assert said.stderr == ""
+    assert (said.stdout.split(), said.stderr) == (["ipoa"], "")
 
 
 def test_a_mock_says_where_it_is_and_ctrl_c_is_how_it_ends(tmp_path: Path) -> None:
@@ -108,8 +115,8 @@ def test_the_version_is_that_of_the_package(run: Run) -> None:
     assert run("--version").out == f"ipoa-mission {version('ipoa-mission')}\n"
 
 
-def test_v_logs_to_standard_error_and_leaves_the_result_alone(run: Run, mission: Path) -> None:
-    quiet, loud = (run(f"{option} fly {mission} --json") for option in ("", "-v"))
+def test_v_logs_to_standard_error_and_leaves_the_result_alone(run: Run, hop: Path) -> None:
+    quiet, loud = (run(f"{option} fly {hop} --json") for option in ("", "-v"))
     assert quiet.out == loud.out
     assert quiet.err == ""
     assert "INFO" in loud.err

@@ -3,8 +3,12 @@
 import json
 from pathlib import Path
 
+import pytest
+
 from ipoa_mission.mission.files import read_mission
+from ipoa_mission.routing.seek import plan_with_room
 from tests.cli.conftest import Run
+from tests.quick_search import once, search_quickly
 
 ROWS = [(300, 30), (300, 90), (0, 90), (0, 150), (300, 150), (300, 210)]
 SCENARIO = """
@@ -21,7 +25,12 @@ battery = { capacity_mah = 2000.0, voltage = 14.8 }
 """.replace("ROWS", ", ".join(f"{{ east = {east}.0, north = {north}.0, up = 30.0 }}" for east, north in ROWS))
 
 
-def test_a_plan_beyond_its_battery_is_refused_and_written_in_parts_with_split(run: Run, tmp_path: Path) -> None:
+def test_a_plan_beyond_its_battery_is_refused_and_written_in_parts_with_split(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    search_quickly(monkeypatch.setattr)
+    paths = once(plan_with_room, lambda scenario, seed, progress: (scenario, seed))
+    monkeypatch.setattr("ipoa_mission.flight.flight.plan_with_room", paths)
     scenario = tmp_path / "rows.toml"
     scenario.write_text(SCENARIO, encoding="utf-8")
     refused = run(f"plan {scenario} --seed 7 --out out")
@@ -48,3 +57,11 @@ def test_a_plan_beyond_its_battery_is_refused_and_written_in_parts_with_split(ru
     with Path("out/rows-1.plan").open("a") as file:
         file.write("\n")  # another file than it was
     assert "rows.json" not in run("estimate out/rows-1.plan --param WPNAV_ACCEL=60").out
+
+
+def test_what_one_battery_holds_is_written_as_without_split_with_its_page(run: Run, tmp_path: Path) -> None:
+    scenario = tmp_path / "rows.toml"
+    near = "\n".join(line for line in SCENARIO.splitlines() if not line.startswith("via"))
+    scenario.write_text(near, encoding="utf-8")
+    written = json.loads(run(f"plan {scenario} --out out --split --report --json").out)["written"]
+    assert [Path(file).name for file in written] == ["rows.plan", "rows.waypoints", "rows.json", "rows.html"]

@@ -18,6 +18,7 @@ from ipoa_mission.simulator.fly import fly
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from tests.examples import examples
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
 FRAME = LocalFrame(HOME)
@@ -40,7 +41,7 @@ def mission(degrees: float) -> Mission:
     return Mission(HOME, (*items, return_to_launch()), Autopilot.ARDUPILOT)
 
 
-@settings(max_examples=40)
+@settings(max_examples=examples(20))
 @given(origin=places, target=places, degrees=turns)
 def test_an_arc_is_a_circle_through_both_ends(
     origin: tuple[float, float, float], target: tuple[float, float, float], degrees: int

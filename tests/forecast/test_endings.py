@@ -24,6 +24,7 @@ from ipoa_mission.mission.items import FenceCircle, Item
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.version import Version
+from tests.examples import examples
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 
@@ -115,7 +116,7 @@ def test_brake_flies_on_farther_than_a_return_does(campus: Endings) -> None:
     assert ways == pytest.approx([10.7, 8.2, 8.9], abs=0.25)
 
 
-@settings(max_examples=40)
+@settings(max_examples=examples(20))
 @given(share=st.floats(0.0, 1.0), ending=st.sampled_from([Ending.RTL, Ending.LAND, Ending.HOLD]))
 def test_what_is_told_to_be_clear_keeps_its_distance_by_another_geometry(
     campus: Endings, rows: dict[Ending, tuple[EndingRow, ...]], share: float, ending: Ending

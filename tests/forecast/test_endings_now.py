@@ -40,8 +40,7 @@ def forecast(tmp_path_factory: pytest.TempPathFactory) -> Forecast:
     return Forecast(read_mission(MISSIONS / "sitl.plan"), read_scenario(world))
 
 
-@pytest.mark.parametrize("late", [-5.0, 0.0, 5.0])
-@pytest.mark.parametrize("share", [0.1, 0.45, 0.9])
+@pytest.mark.parametrize(("late", "share"), [(-5.0, 0.1), (5.0, 0.1), (0.0, 0.45), (-5.0, 0.9), (5.0, 0.9)])
 def test_it_is_told_for_where_the_vehicle_is_though_it_is_late(forecast: Forecast, late: float, share: float) -> None:
     endings, now = Endings(forecast), EndingsNow(forecast)
     begin, end = endings.in_air

@@ -26,6 +26,7 @@ from ipoa_mission.link.state import ON_GROUND, PREARM_CHECK, NotFlown, NotReady,
 from ipoa_mission.link.telemetry import ExtendedState, Position, SystemStatus
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.vehicles.kind import Kind
+from tests.examples import examples
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 TAKEOFF, SET_MODE, SET_CURRENT, START, ARM, RUN_PREARM_CHECKS, STREAM = 22, 176, 224, 300, 400, 401, 511
@@ -278,7 +279,7 @@ def test_what_fails_is_not_disarmed_where_it_may_be_in_the_air(landed: int | Non
 STATES: list[int | None] = [None, 0, ON_GROUND, 2, 3, 4]
 
 
-@settings(deadline=None, max_examples=300)
+@settings(max_examples=examples(150))
 @given(
     st.sampled_from(registered()),
     st.lists(st.sampled_from(STATES), min_size=1, max_size=30),

@@ -29,8 +29,8 @@ from tests.link_pair import far_end, items_of, line_of
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 HOME = Geodetic(47.4, 8.5, 400.0)
-THERE = Geodetic(47.4004, 8.5, 400.0)
-MISSION = Mission(HOME, (takeoff(HOME, 20.0), waypoint(THERE, 20.0), land(THERE)))
+THERE = Geodetic(47.4002, 8.5, 400.0)
+MISSION = Mission(HOME, (takeoff(HOME, 10.0), waypoint(THERE, 10.0), land(THERE)))
 STRANGER = Target(254, 190)
 
 

@@ -39,6 +39,7 @@ from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.file_service import MOST_CLIENTS, FileService
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot
+from tests.examples import examples
 from tests.link_pair import HOME, items_of, line_of
 
 ARDUPILOT = Autopilot.ARDUPILOT
@@ -291,13 +292,13 @@ ITEMS = st.builds(
 )
 
 
-@settings(max_examples=60)
+@settings(max_examples=examples(30))
 @given(st.lists(ITEMS, max_size=8))
 def test_a_file_reads_back_as_it_was_packed(items: list[Item]) -> None:
     assert unpack_mission(pack_mission(items)) == tuple(items)
 
 
-@settings(max_examples=200)
+@settings(max_examples=examples(100))
 @given(st.binary(max_size=120), st.booleans())
 def test_what_is_no_mission_file_is_an_error(data: bytes, like: bool) -> None:
     file = b"\x3d\x76" + data if like else data

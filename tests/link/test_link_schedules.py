@@ -14,6 +14,7 @@ from ipoa_mission.link.unbroken import download
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.firmware import compare, home_item
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from tests.examples import examples
 from tests.link_pair import HOME, Air, Fate, Vehicle, items_of
 from tools.fuzz import strangers
 from tools.fuzz.strangers import Ending
@@ -24,10 +25,10 @@ FATES = [Fate(copies, delay_s) for copies in (1, 0, 1, 1, 1, 2, 1, 0) for delay_
 SCHEDULES = st.binary(min_size=1, max_size=40).map(lambda drawn: [FATES[byte % len(FATES)] for byte in drawn])
 NO_TOTAL = 65535
 HEARD_WITHIN_S = 1.2  # the vehicle speaks when it is spoken to, or beats once a second
-UNHURRIED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+UNHURRIED = settings(suppress_health_check=[HealthCheck.too_slow])
 
 
-@settings(UNHURRIED, max_examples=1000)
+@settings(UNHURRIED, max_examples=examples(400))
 @given(SCHEDULES, st.sampled_from(registered()), st.integers(0, 6), st.integers(0, 6))
 def test_an_upload_is_exact_or_an_error(fates: list[Fate], autopilot: Autopilot, old: int, new: int) -> None:
     vehicle = Vehicle(autopilot)
@@ -63,7 +64,7 @@ class Rivalry(Air):
     vehicle_kind = Autopilot.PX4
 
 
-@settings(UNHURRIED, max_examples=300)
+@settings(UNHURRIED, max_examples=examples(150))
 @given(st.floats(0.0, 3.0), st.integers(0, 6), st.integers(1, 6), st.sampled_from([0.0, 0.02, 0.1]))
 def test_a_mission_that_another_station_replaces_is_an_error_or_was_replaced_unheard(
     moment: float, theirs: int, ours: int, delay_s: float
@@ -80,7 +81,7 @@ def test_a_mission_that_another_station_replaces_is_an_error_or_was_replaced_unh
     assert held or air.now - moment < HEARD_WITHIN_S + delay_s
 
 
-@settings(UNHURRIED, max_examples=300)
+@settings(UNHURRIED, max_examples=examples(150))
 @given(SCHEDULES, st.sampled_from(registered()), st.integers(0, 6), st.integers(1, 6), st.floats(0.0, 3.0))
 def test_what_a_cancelled_upload_leaves_is_what_it_says(
     fates: list[Fate], autopilot: Autopilot, old: int, new: int, moment: float
@@ -103,7 +104,7 @@ def test_what_a_cancelled_upload_leaves_is_what_it_says(
         assert compare(before if "keeps" in words else sent, held, autopilot) is None
 
 
-@settings(UNHURRIED, max_examples=500)
+@settings(UNHURRIED, max_examples=examples(200))
 @given(SCHEDULES, st.sampled_from(registered()), st.integers(0, 8))
 def test_a_download_is_exact_or_an_error(fates: list[Fate], autopilot: Autopilot, count: int) -> None:
     vehicle = Vehicle(autopilot)
@@ -119,7 +120,7 @@ def test_a_download_is_exact_or_an_error(fates: list[Fate], autopilot: Autopilot
     assert compare(before, read, autopilot) is None
 
 
-@pytest.mark.parametrize("first", [0, 100])
+@pytest.mark.parametrize("first", [0, *(pytest.param(first, marks=pytest.mark.long) for first in (100, 200, 300))])
 def test_an_upload_among_strangers_is_exact_or_an_error(first: int) -> None:
     """Others, some with our own ids, send lists of theirs; `python -m tools.fuzz.strangers` runs many more."""
     ended = [strangers.schedule(seed) for seed in range(first, first + 15)]

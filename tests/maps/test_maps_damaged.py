@@ -14,6 +14,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.planar import Whereabouts, to_plane
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from tests.examples import examples
 
 KML = """<?xml version="1.0" encoding="UTF-8"?><kml><Placemark><Polygon><outerBoundaryIs><LinearRing><coordinates>
 8.0,47.0 8.001,47.0 8.001,47.001 8.0,47.0</coordinates></LinearRing></outerBoundaryIs></Polygon></Placemark></kml>"""
@@ -65,7 +66,7 @@ def test_a_spoiled_kml_ends_in_words(tmp_path: Path, spoil: Callable[[str], str]
         read_features(file)
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None, max_examples=40)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=examples(20))
 @given(st.data())
 def test_a_damaged_elevation_model_ends_in_words(missions: Path, tmp_path: Path, data: st.DataObject) -> None:
     pytest.importorskip("rasterio")

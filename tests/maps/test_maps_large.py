@@ -68,7 +68,7 @@ def generated(seed: int, at: At) -> dict[str, Any]:
     return rng.choice([kinds | {"features": features}, {"features": features} | kinds | crs])
 
 
-@pytest.mark.parametrize("seed", range(120))
+@pytest.mark.parametrize("seed", [*range(40), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(40, 240))])
 def test_what_is_near_and_what_is_counted_are_those_of_the_whole_map(
     seed: int, tmp_path: Path, frame: LocalFrame, at: At, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from ipoa_mission.optimize.adaptive_pelican import AdaptivePelican
 from ipoa_mission.optimize.ipoa import IPOA
 from ipoa_mission.optimize.search import Box, Candidates, Costs, minimize
+from tests.examples import examples
 
 D = 8
 BOX = Box(np.full(D, -5.0), np.full(D, 5.0))
@@ -21,7 +22,7 @@ def rosenbrock(x: Candidates) -> Costs:
     return np.asarray(np.sum(100 * (z[:, 1:] - z[:, :-1] ** 2) ** 2 + (1 - z[:, :-1]) ** 2, axis=1))
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=examples(15))
 @given(st.integers(40, 3000), st.integers(1, 12))
 def test_it_spends_its_evaluations_and_not_one_more(evaluations: int, dimension: int) -> None:
     box = Box(np.full(dimension, -1.0), np.full(dimension, 2.0))

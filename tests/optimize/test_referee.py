@@ -92,6 +92,7 @@ def test_a_cost_that_is_sent_is_not_changed(name: str) -> None:
         assert all(np.array_equal(f, g) for _, _, f, g in kept)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", optimizer_names())
 def test_a_shifted_and_rotated_optimum_is_found_as_well_as_is_known(name: str) -> None:
     errors = [minimize(ellipsoid, BOX, small(name), np.random.default_rng(run)).cost for run in range(11)]

@@ -40,12 +40,14 @@ def cluster() -> Iterator[Any]:
         yield running
 
 
+@pytest.mark.long  # its workers need seconds to begin
 @pytest.mark.filterwarnings("ignore")
 def test_a_cluster_gives_the_rows_that_this_machine_gives(cluster: Any, local: object, tmp_path: Path) -> None:
     with open_executor(1, cluster.scheduler_address) as workers:
         assert results(measure(TRIALS, tmp_path / "rows.csv", workers)) == local
 
 
+@pytest.mark.long  # its workers need seconds to begin
 @pytest.mark.filterwarnings("ignore")
 def test_a_worker_that_is_killed_in_the_middle_loses_nothing(cluster: Any, local: object, tmp_path: Path) -> None:
     killed: list[int] = []

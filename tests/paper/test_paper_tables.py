@@ -19,6 +19,7 @@ from ipoa_mission.paper.series import CEC_D20, MAPS_PAPER, Series
 from ipoa_mission.paper.tables import Table, number
 
 RUNS = 3
+SLOWLY_DRAWN = {f"figure-{number}" for number in (7, 8, 9, 11)}
 
 
 def made_up(series: Series) -> list[TrialRow]:
@@ -107,7 +108,9 @@ def test_map_tables_say_how_much_shorter(rows: dict[str, Sequence[TrialRow]]) ->
     assert "DBO -50 % (printed -7 %)" in map_tables.table_6(rows[MAPS_PAPER.name]).notes[0]
 
 
-@pytest.mark.parametrize("name", ITEMS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.long if name in SLOWLY_DRAWN else ()) for name in ITEMS]
+)
 def test_every_item_is_made_of_its_rows_and_twice_the_same(
     name: str, rows: dict[str, Sequence[TrialRow]], made: Callable[[str], Table | str]
 ) -> None:

@@ -19,15 +19,28 @@ from tools import REPOSITORY
 
 Flight = tuple[Scenario, Mission, Estimate]
 Bowed = Callable[[str], Flight]
+Foreseen = Callable[[str], Forecast]
 Planned = Callable[[str], tuple[Forecast, Plan]]
 
 
 @pytest.fixture(scope="session")
-def bowed() -> Bowed:
+def bowed(forecast: Foreseen) -> Bowed:
+    """Such a flight: its scenario, its mission, its estimate."""
+
+    def flight(name: str) -> Flight:
+        one = forecast(name)
+        assert one.scenario is not None
+        return one.scenario, one.given, one.estimate
+
+    return flight
+
+
+@pytest.fixture(scope="session")
+def forecast() -> Foreseen:
     """A mission of nine waypoints on an arc from start to goal, west of the straight line, over the campus's roofs."""
 
     @cache
-    def fly(name: str) -> Flight:
+    def fly(name: str) -> Forecast:
         text = (REPOSITORY / "missions" / name).read_text(encoding="utf-8")
         bounds = ("up = [-10.0, 32.0]", "up = [-10.0, 45.0]")
         scenario = parse_scenario(text.replace(*bounds), REPOSITORY / "missions" / name)
@@ -40,23 +53,23 @@ def bowed() -> Bowed:
         legs = [waypoint(place, height) for place, height in zip(places, heights, strict=True)]
         items = (takeoff(home, heights[0]), change_speed(scenario.vehicle.cruise_speed), *legs, land(places[-1]))
         mission = Mission(home, items, scenario.vehicle.autopilot, scenario.vehicle.cruise_speed)
-        return scenario, mission, Forecast(mission, scenario).estimate
+        return Forecast(mission, scenario)
 
     return fly
 
 
 @pytest.fixture(scope="session")
-def planned(bowed: Bowed) -> Planned:
+def planned(forecast: Foreseen) -> Planned:
     """The same with a plan: a curve along the arc, and a search that came there."""
 
     @cache
     def plan(name: str) -> tuple[Forecast, Plan]:
-        scenario, mission, _ = bowed(name)
-        forecast = Forecast(mission, scenario)
-        places = [stop.place for stop in stops(forecast) if stop.item.command in MOVING]
+        flown = forecast(name)
+        assert flown.scenario is not None
+        places = [stop.place for stop in stops(flown) if stop.item.command in MOVING]
         curve = Spline(np.array(places))
         history = np.array([9e4, 900.0, 500.0, 420.0, 401.5])
-        cost, proof = curve_cost(curve, scenario), prove_curve(curve, scenario)
-        return forecast, Plan(curve, cost, proof, "ipoa", 7, np.arange(1, 6) * 60, history)
+        cost, proof = curve_cost(curve, flown.scenario), prove_curve(curve, flown.scenario)
+        return flown, Plan(curve, cost, proof, "ipoa", 7, np.arange(1, 6) * 60, history)
 
     return plan

@@ -10,7 +10,7 @@ import pytest
 import shapely
 from matplotlib.patches import Rectangle
 
-from ipoa_mission.forecast.forecast import Forecast, estimate
+from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.link.logbook import FlightRecord, Sample
 from ipoa_mission.mission.files import read_mission
@@ -21,7 +21,7 @@ from ipoa_mission.report.page import report_html
 from ipoa_mission.report.plots import write_picture
 from ipoa_mission.vehicles.autopilot import autopilot_named
 from ipoa_mission.world.frame import LocalFrame
-from tests.report.conftest import Bowed
+from tests.report.conftest import Bowed, Foreseen
 
 RECORDED = Path(__file__).parents[1] / "flights"
 
@@ -66,14 +66,14 @@ def test_items_that_the_autopilot_does_not_report_are_joined_to_the_next(bowed: 
     assert math.isnan(comparison.flown_total_s)
 
 
-def test_a_flight_that_reached_nothing_is_no_crash(bowed: Bowed, tmp_path: Path) -> None:
-    scenario, mission, timed = bowed("sitl.toml")
+def test_a_flight_that_reached_nothing_is_no_crash(bowed: Bowed, forecast: Foreseen, tmp_path: Path) -> None:
+    _, mission, timed = bowed("sitl.toml")
     nothing = FlightRecord({}, 0.0, (), (), False)
     comparison = compare_flight(timed, nothing)
     assert comparison.legs == ()
     assert math.isnan(comparison.route_error)
     assert flown_track(mission, nothing) is None
-    assert "tells of no item" in report_html(Forecast(mission, scenario), flight=nothing)
+    assert "tells of no item" in report_html(forecast("sitl.toml"), flight=nothing)
     write_picture(draw_comparison(comparison, timed.track.points, None), tmp_path / "empty.png")
 
 
@@ -84,9 +84,9 @@ def test_the_flown_path_comes_back_to_the_millimetre(bowed: Bowed) -> None:
     assert np.abs(track.points - timed.track.points).max() < 1e-3
 
 
-def test_the_report_of_a_flight_has_both_times_in_every_row(bowed: Bowed) -> None:
-    scenario, mission, timed = bowed("campus.toml")
-    page = report_html(Forecast(mission, scenario), flight=flown_as(timed, mission, 1.25, 0.0))
+def test_the_report_of_a_flight_has_both_times_in_every_row(bowed: Bowed, forecast: Foreseen) -> None:
+    _, mission, timed = bowed("campus.toml")
+    page = report_html(forecast("campus.toml"), flight=flown_as(timed, mission, 1.25, 0.0))
     assert "the estimate is off by −20.0\N{NO-BREAK SPACE}%" in page
     assert f"<td>{1.25 * timed.items[5].done_s:.1f}</td>" in page
     assert 'class="flown"' in page

@@ -27,7 +27,7 @@ from ipoa_mission.report.words import meters, number, seconds, share
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.world.obstacles import Prism
-from tests.report.conftest import Bowed, Planned
+from tests.report.conftest import Bowed, Foreseen, Planned
 
 VOID = {"meta", "br", "i", "path", "rect"}  # elements without an end, and ours that are closed at once
 
@@ -77,9 +77,9 @@ def planned_page(planned: Planned) -> Callable[[str], str]:
 
 
 @pytest.fixture(scope="module")
-def bowed_page(bowed: Bowed) -> Callable[[str], str]:
+def bowed_page(forecast: Foreseen) -> Callable[[str], str]:
     """The same without a plan."""
-    return cache(lambda name: report_html(Forecast(bowed(name)[1], bowed(name)[0])))
+    return cache(lambda name: report_html(forecast(name)))
 
 
 @pytest.mark.parametrize("name", ["campus.toml", "downtown.toml", "sitl.toml"])
@@ -151,12 +151,12 @@ def test_the_script_is_given_the_world_as_it_is(bowed: Bowed, bowed_page: Callab
         assert course["times"][stop["index"]] == pytest.approx(item.done_s, abs=0.3)
 
 
-def test_a_mission_that_comes_too_close_is_called_so_first_of_all(bowed: Bowed) -> None:
-    scenario, mission, _ = bowed("downtown.toml")
-    found = stops(Forecast(mission, scenario))
-    least = scenario.airspace.polyline_clearance(join(Forecast(mission, scenario).cruise)[0])
+def test_a_mission_that_comes_too_close_is_called_so_first_of_all(bowed: Bowed, forecast: Foreseen) -> None:
+    scenario, _, _ = bowed("downtown.toml")
+    found = stops(forecast("downtown.toml"))
+    least = scenario.airspace.polyline_clearance(join(forecast("downtown.toml").cruise)[0])
     assert least.distance < 0  # an arc through a city does not miss its towers
-    page = report_html(Forecast(mission, scenario))
+    page = report_html(forecast("downtown.toml"))
     assert re.search(rf'class="verdict bad".*Not to be flown: {-least.distance:.2f} m inside {least.what} at', page)
     assert f'title="{-least.distance:.2f} m inside {least.what}' in page  # in the table, at the leg
     hits = [stop.time.seq for stop in found if stop.proof is not None and not stop.proof.holds]
@@ -207,9 +207,9 @@ def test_the_terms_of_the_cost_add_up_to_the_cost(planned: Planned, planned_page
     assert "ipoa, seed 7" in page
 
 
-def test_a_corner_cut_into_the_safety_distance_takes_the_tick_away(bowed: Bowed) -> None:
-    scenario, mission, timed = bowed("campus.toml")
-    proof = Forecast(mission, scenario).proof
+def test_a_corner_cut_into_the_safety_distance_takes_the_tick_away(bowed: Bowed, forecast: Foreseen) -> None:
+    scenario, _, timed = bowed("campus.toml")
+    proof = forecast("campus.toml").proof
     course = follow(timed.track, scenario.airspace)
     text = scenario.model_dump(mode="json")
     beside = scenario.airspace.obstacle_distance(course.points).min()
@@ -297,7 +297,7 @@ def test_the_energy_stands_beside_the_reserve_and_too_little_is_marked(
 
 
 def test_the_route_stands_beside_the_least_time_that_its_path_takes(
-    bowed: Bowed, bowed_page: Callable[[str], str]
+    bowed: Bowed, forecast: Foreseen, bowed_page: Callable[[str], str]
 ) -> None:
     scenario, mission, timed = bowed("sitl.toml")
     page = bowed_page("sitl.toml").replace("\N{NO-BREAK SPACE}", " ")
@@ -309,7 +309,7 @@ def test_the_route_stands_beside_the_least_time_that_its_path_takes(
     route, ratio, least = map(float, shown.groups())
     assert route == pytest.approx(done[last] - done[1], abs=0.06)
     assert route == pytest.approx(ratio * least, rel=0.01)
-    length = np.linalg.norm(np.diff(join(Forecast(mission, scenario).cruise)[0], axis=0), axis=1).sum()
+    length = np.linalg.norm(np.diff(join(forecast("sitl.toml").cruise)[0], axis=0), axis=1).sum()
     assert least > 0.95 * length / scenario.vehicle.cruise_speed  # corners are cut
     grounded = replace(mission, items=(mission.items[0], mission.items[-1]))
     assert "first place" not in report_html(Forecast(grounded, scenario))

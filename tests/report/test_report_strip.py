@@ -10,13 +10,12 @@ import pytest
 from ipoa_mission.forecast.endings import Endings
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade
-from ipoa_mission.mission.items import Mission
 from ipoa_mission.report.page import report_html
 from ipoa_mission.report.panels.profile import along_axis
 from ipoa_mission.report.panels.strip import endings_strip
 from ipoa_mission.report.seen import Seen, follow
 from ipoa_mission.scenario import Scenario
-from tests.report.conftest import Bowed
+from tests.report.conftest import Bowed, Foreseen
 
 WAY = re.compile(
     r'<span class="way (not-clear|perhaps|clear)" role="img" aria-label="([^"]*)" title="([^"]*)" data-ending="(\w+)" '
@@ -24,17 +23,17 @@ WAY = re.compile(
 )
 
 
-def strip_of(scenario: Scenario, mission: Mission) -> tuple[Forecast, Seen, list[tuple[str, ...]]]:
-    """A forecast, its course, and the bars that are drawn of it."""
-    forecast = Forecast(mission, scenario)
-    course = follow(forecast.estimate.track, scenario.airspace)
-    return forecast, course, WAY.findall(endings_strip(forecast, course))
+def strip_of(forecast: Forecast) -> tuple[Seen, list[tuple[str, ...]]]:
+    """The course of a forecast, and the bars that are drawn of it."""
+    assert forecast.scenario is not None
+    course = follow(forecast.estimate.track, forecast.scenario.airspace)
+    return course, WAY.findall(endings_strip(forecast, course))
 
 
 @pytest.mark.parametrize("name", ["campus.toml", "sitl.toml", "downtown.toml"])
-def test_the_bars_are_the_rows_of_the_forecast(bowed: Bowed, name: str) -> None:
-    forecast, _, ways = strip_of(*bowed(name)[:2])
-    rows = {str(row): row for row in Endings(forecast).all_rows(timed=False)}
+def test_the_bars_are_the_rows_of_the_forecast(forecast: Foreseen, name: str) -> None:
+    _, ways = strip_of(forecast(name))
+    rows = {str(row): row for row in Endings(forecast(name)).all_rows(timed=False)}
     assert sorted(unescape(title) for _, _, title, *_ in ways) == sorted(rows)
     for look, label, title, ending, begin, end, keeps, *_, words in ways:
         row = rows[unescape(title)]
@@ -45,8 +44,8 @@ def test_the_bars_are_the_rows_of_the_forecast(bowed: Bowed, name: str) -> None:
     assert any(look == "not-clear" for look, *_ in ways)
 
 
-def test_bars_lie_under_the_profile_where_the_vehicle_is_then(bowed: Bowed) -> None:
-    _, course, ways = strip_of(*bowed("sitl.toml")[:2])
+def test_bars_lie_under_the_profile_where_the_vehicle_is_then(forecast: Foreseen) -> None:
+    course, ways = strip_of(forecast("sitl.toml"))
     axis = along_axis(course)
     for _, _, _, _, begin, end, _, left, width, _ in ways:
         first, last = axis.place(np.interp([float(begin), float(end)], course.times, course.along))
@@ -54,10 +53,9 @@ def test_bars_lie_under_the_profile_where_the_vehicle_is_then(bowed: Bowed) -> N
         assert float(width) == pytest.approx(max(100 * (last - first), 0.4), abs=0.1)
 
 
-def test_what_is_not_clear_stands_below_in_words(bowed: Bowed) -> None:
-    scenario, mission, _ = bowed("sitl.toml")
-    unclear = [str(row) for row in Endings(Forecast(mission, scenario)).all_rows(timed=False) if not row.clear]
-    (listed,) = re.findall(r'<ul class="ways-not-clear">(.*?)</ul>', report_html(Forecast(mission, scenario)))
+def test_what_is_not_clear_stands_below_in_words(forecast: Foreseen) -> None:
+    unclear = [str(row) for row in Endings(forecast("sitl.toml")).all_rows(timed=False) if not row.clear]
+    (listed,) = re.findall(r'<ul class="ways-not-clear">(.*?)</ul>', report_html(forecast("sitl.toml")))
     assert [unescape(line) for line in re.findall("<li>(.*?)</li>", listed)] == unclear != []
 
 
@@ -74,12 +72,12 @@ def test_a_name_in_the_way_cannot_become_markup(bowed: Bowed) -> None:
     text = scenario.model_dump(mode="json")
     for obstacle in text["obstacles"]:
         obstacle["name"] = '"><b onclick="x">\'&'
-    _, _, ways = strip_of(Scenario.model_validate(text), mission)
+    _, ways = strip_of(Forecast(mission, Scenario.model_validate(text)))
     assert any(unescape(title).endswith('m inside "><b onclick="x">\'&') for _, _, title, *_ in ways)
 
 
-def test_only_what_the_vehicle_has_is_drawn(bowed: Bowed) -> None:
-    drawn = {name: {way[3] for way in strip_of(*bowed(name)[:2])[2]} for name in ("campus.toml", "sitl.toml")}
+def test_only_what_the_vehicle_has_is_drawn(forecast: Foreseen) -> None:
+    drawn = {name: {way[3] for way in strip_of(forecast(name))[1]} for name in ("campus.toml", "sitl.toml")}
     assert drawn == {"campus.toml": {"rtl", "land", "smart_rtl", "hold"}, "sitl.toml": {"rtl", "land", "hold"}}
 
 

@@ -86,7 +86,8 @@ def test_modes_are_told_quickest_first_and_that_is_at_or_under_the_best_that_was
 
 
 @pytest.mark.parametrize(
-    ("autopilot", "seed"), [(Autopilot.ARDUPILOT, 1), (Autopilot.ARDUPILOT, 2), (Autopilot.PX4, 3)]
+    ("autopilot", "seed"),
+    [(Autopilot.ARDUPILOT, 1), pytest.param(Autopilot.ARDUPILOT, 2, marks=pytest.mark.long), (Autopilot.PX4, 3)],
 )
 def test_among_random_towers_the_predicted_path_keeps_its_distance(autopilot: Autopilot, seed: int) -> None:
     """Corners cut and overshot: the distance is measured here, from every place of the predicted path."""

@@ -20,6 +20,7 @@ from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
 from ipoa_mission.routing.seek import seek
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from tests.examples import examples
 from tests.quick_search import search_quickly
 
 STEP = 0.05  # at which a path is measured [m]
@@ -77,7 +78,7 @@ def way(flight: Flight) -> np.ndarray:
 
 
 @given(st.integers(0, 2**20), st.sampled_from(WAYS), st.sampled_from([0.99, "nominal"]))
-@settings(max_examples=14, deadline=None, derandomize=True)
+@settings(max_examples=examples(7))
 def test_what_is_written_passes_the_check_and_keeps_what_is_required(
     seed: int, how: tuple[Autopilot, str], confidence: float | str
 ) -> None:

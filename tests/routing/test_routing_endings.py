@@ -70,7 +70,7 @@ def kept_by_dense_sampling(flight: Flight) -> float:
 
 
 @pytest.mark.parametrize("autopilot", registered())
-@pytest.mark.parametrize("seed", [1, 4])
+@pytest.mark.parametrize("seed", [1, pytest.param(4, marks=pytest.mark.long)])
 def test_among_towers_every_return_keeps_its_distance_by_another_geometry(autopilot: Autopilot, seed: int) -> None:
     flight = plan_flight(towers(autopilot, seed), seed=0)
     assert all(row.clear for ending in PLANNED for row in Endings(flight.forecast).rows(ending, timed=False))
@@ -112,6 +112,7 @@ def test_a_return_altitude_of_the_scenario_s_own_stays() -> None:
     assert flight.mission.rally
 
 
+@pytest.mark.long
 def test_a_corner_from_which_it_would_brake_into_something_is_laid_farther_away(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -18,7 +18,7 @@ from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import far_end, line_of
 
 HOME = Geodetic(47.4, 8.5, 400.0)
-BAD_RADIO = Faults(loss=0.3, duplicate=0.1, delay_s=0.3, reorder=0.1)
+BAD_RADIO = Faults(loss=0.3, duplicate=0.1, delay_s=0.1, reorder=0.1)
 
 
 def place(n: int) -> Geodetic:

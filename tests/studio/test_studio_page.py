@@ -356,6 +356,24 @@ def test_the_arrow_keys_move_what_is_focused(page: Any) -> None:
     until(page, "document.querySelector('textarea').value.includes('north = 10.0')")
 
 
+def test_a_place_is_found_by_its_coordinates_and_the_ground_is_shaded(page: Any) -> None:
+    proved(page)
+    field = page.get_by_label("Go to a place")
+    field.fill("47.31 N, 8.52 E")
+    field.press("Enter")
+    page.get_by_text("47.310000, 8.520000, ").wait_for()
+    until(page, "map.getCenter().lng.toFixed(4) === '8.5200' && map.querySourceFeatures('found').length > 0")
+    field.fill("nowhere")
+    field.press("Enter")
+    page.get_by_text("expected degrees").wait_for()
+    page.get_by_label("Forget the place").click()
+    assert page.evaluate("map.getLayer('hillshade') === undefined")  # level ground has no shadow
+    hill = 'kind = "grid"\neast = -200.0\nnorth = -200.0\nspacing = 400.0\nheights = [[0.0, 0.0], [8.0, 8.0]]'
+    rewrite(page, f"{MEADOW.read_text()}\n[terrain]\n{hill}\n")
+    until(page, "map.getLayer('hillshade') !== undefined")
+    page.keyboard.press("Home")
+
+
 def test_it_fits_a_telephone(page: Any) -> None:
     page.set_viewport_size({"width": 390, "height": 844})
     proved(page)
@@ -372,20 +390,20 @@ def test_on_paper_the_findings_remain_and_the_tools_do_not(page: Any) -> None:
     assert not page.get_by_role("button", name="Save").is_visible()
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_nothing_serious_is_wrong_for_who_sees_or_hears_otherwise(page: Any, scheme: str) -> None:
+def serious(page: Any, scheme: str) -> list[str]:
+    """What axe finds serious in a page, with every panel open."""
     axe = WEB / "node_modules" / "axe-core" / "axe.min.js"
     if not axe.is_file():
         pytest.skip("needs axe-core: npm ci in ipoa_mission/studio/web")
     page.emulate_media(color_scheme=scheme)
-    proved(page)
     page.evaluate("document.querySelectorAll('details').forEach(panel => { panel.open = true; })")
     page.evaluate(axe.read_text(encoding="utf-8"))
     wrong = page.evaluate("axe.run().then(found => found.violations)")
-    told = [
-        f"{one['id']}: {node['target']}"
-        for one in wrong
-        for node in one["nodes"]
-        if one["impact"] in ("serious", "critical")
-    ]
-    assert told == []
+    grave = [one for one in wrong if one["impact"] in ("serious", "critical")]
+    return [f"{one['id']}: {node['target']}" for one in grave for node in one["nodes"]]
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nothing_serious_is_wrong_for_who_sees_or_hears_otherwise(page: Any, scheme: str) -> None:
+    proved(page)
+    assert serious(page, scheme) == []

@@ -91,7 +91,7 @@ def test_what_is_changed_while_a_plan_is_handed_over_is_not_what_is_loaded(tmp_p
     async def whole() -> None:
         desk = FlightDesk(document, lambda message: None)
         desk._process = Pilot()  # type: ignore[assignment]
-        desk.upload(Upload(), hand_over)
+        desk.upload(Upload(), hand_over, "meadow")
         await asyncio.sleep(0)
         assert desk._task is not None
         await desk._task

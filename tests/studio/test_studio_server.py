@@ -91,6 +91,20 @@ def test_what_another_program_writes_is_taken_and_can_be_undone(studio: Studio) 
     assert document["unsaved"]
 
 
+def test_planning_that_was_cancelled_is_taken_up_again_and_a_place_is_found(studio: Studio) -> None:
+    with studio.window() as talk:
+        talk.wait("sketch")
+        talk.say(kind="do", what="cancel")
+        assert talk.wait_for_trouble("plan")["message"] == "planning was cancelled"
+        talk.say(kind="do", what="plan")
+        talk.wait("plan")
+        with studio.window() as other:  # which is told how things stand
+            other.wait("plan")
+            other.say(kind="find", place="8FVC9G8F+6X")
+            place = other.wait("found")["place"]
+    assert place == pytest.approx([8.5249, 47.3656], abs=1e-3)
+
+
 def test_a_mission_is_flown_only_after_it_was_named(studio: Studio) -> None:
     with studio.window() as talk:
         seen_at = talk.wait("document")["revision"]

@@ -1,7 +1,8 @@
 """Map tiles come from who was named and from nobody else; a file's are read here; whose they are is shown."""
 
+import gzip
 import sqlite3
-from contextlib import closing
+from contextlib import closing, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -24,13 +25,14 @@ def own_state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
 
 
-def mbtiles(path: Path, kind: str = "png", count: int = 1) -> Path:
+def mbtiles(path: Path, kind: str = "png", count: int = 1, layers: str = "", tile: bytes = PICTURE) -> Path:
     with closing(sqlite3.connect(path)) as file:
         file.execute("create table metadata (name text, value text)")
         file.execute("create table tiles (zoom_level int, tile_column int, tile_row int, tile_data blob)")
         about = {"format": kind, "attribution": '<a href="https://x.example">&copy; The Town</a>'}
+        about |= {"json": layers} if layers else {}
         file.executemany("insert into metadata values (?, ?)", about.items())
-        file.executemany("insert into tiles values (3, 4, 5, ?)", [(PICTURE,)] * count)
+        file.executemany("insert into tiles values (3, 4, 5, ?)", [(tile,)] * count)
         file.commit()
     return path
 
@@ -78,7 +80,7 @@ def test_a_file_is_read_from_the_north_and_says_whose_it_is(tmp_path: Path) -> N
     assert found.read(3, 4, 5) is None
 
 
-@pytest.mark.parametrize(("kind", "count", "why"), [("pbf", 1, "expected pictures"), ("png", 0, "there is none")])
+@pytest.mark.parametrize(("kind", "count", "why"), [("svg", 1, "expected pictures"), ("png", 0, "there is none")])
 def test_a_file_without_pictures_is_refused(tmp_path: Path, kind: str, count: int, why: str) -> None:
     with pytest.raises(BadInput, match=why):
         tiles.open_tiles(str(mbtiles(tmp_path / "a.mbtiles", kind, count)))
@@ -106,6 +108,36 @@ def test_pmtiles_are_read(tmp_path: Path) -> None:
     assert found.read is not None
     assert found.read(3, 4, 2) == PICTURE
     assert found.read(3, 4, 3) is None
+
+
+def test_vector_tiles_are_told_by_their_format_and_given_as_they_are_packed(tmp_path: Path) -> None:
+    layers = '{"vector_layers": [{"id": "water"}, {"id": "roads"}, 7]}'
+    packed = gzip.compress(b"a tile")
+    file = tiles.open_tiles(str(mbtiles(tmp_path / "a.mbtiles", "pbf", layers=layers, tile=packed)))
+    assert (file.shown.vector, file.shown.layers) == (True, ("water", "roads"))
+    sessions = Sessions()
+    sessions.add(TOKEN, Session(MEADOW))
+    client = testclient.TestClient(application(sessions, tmp_path, HOST, file), base_url=f"http://{HOST}")
+    answer = client.get(f"/{TOKEN}/tiles/3/4/2")
+    assert (answer.headers["content-encoding"], answer.content) == ("gzip", b"a tile")
+    assert tiles.headers_of(b"a tile", vector=True) == {"Content-Type": "application/vnd.mapbox-vector-tile"}
+    served = tiles.open_tiles("https://tiles.example/{z}/{x}/{y}.pbf?key=1")
+    assert (served.shown.vector, served.shown.layers) == (True, ())
+    assert not tiles.open_tiles(SERVER).shown.vector
+    odd = tiles.open_tiles(str(mbtiles(tmp_path / "b.mbtiles", "pbf", layers="{")))
+    assert odd.shown.layers == ()
+
+
+@pytest.mark.parametrize(("packed", "is_taken"), [("GZIP", True), ("BROTLI", False)])
+def test_vector_tiles_that_a_browser_could_not_unpack_are_refused(tmp_path: Path, packed: str, is_taken: bool) -> None:
+    writer: Any = pytest.importorskip("pmtiles.writer")
+    kinds: Any = pytest.importorskip("pmtiles.tile")
+    with writer.write(str(tmp_path / "a.pmtiles")) as file:
+        file.write_tile(kinds.zxy_to_tileid(3, 4, 2), gzip.compress(b"a tile"))
+        about = {"tile_type": kinds.TileType.MVT, "tile_compression": kinds.Compression[packed]}
+        file.finalize(about, {"vector_layers": [{"id": "water"}]})
+    with nullcontext() if is_taken else pytest.raises(BadInput, match="not by brotli"):
+        assert tiles.open_tiles(str(tmp_path / "a.pmtiles")).shown.layers == ("water",)
 
 
 def test_the_last_ones_are_kept_until_they_are_not_wanted(tmp_path: Path) -> None:

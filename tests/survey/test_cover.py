@@ -20,6 +20,7 @@ from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.vehicles.autopilot import registered
 from ipoa_mission.world.frame import Geodetic
+from tests.examples import examples
 
 HOME = Geodetic(47.4, 8.5, 488.0)
 FIELD = [(0.0, 0.0), (120.0, 10.0), (150.0, 90.0), (70.0, 60.0), (10.0, 100.0)]
@@ -84,7 +85,7 @@ def areas(draw: st.DrawFn) -> Area:
     return Area.of([[outer, [(-8.0, -4.0), (9.0, -3.0), (2.0, 7.0)]]])
 
 
-@settings(max_examples=15, deadline=None, derandomize=True)
+@settings(max_examples=examples(8))
 @given(areas(), st.sampled_from([9.0, 15.0, 40.0]))
 def test_any_area_is_seen_and_not_left(area: Area, spacing: float) -> None:
     tour = quickest_tour(area, spacing, cost=times())

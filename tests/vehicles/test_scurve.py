@@ -12,6 +12,7 @@ from ipoa_mission.vehicles.arducopter.dynamics.motion import NO_LEG, MotionLimit
 from ipoa_mission.vehicles.arducopter.dynamics.scurve import Profile, SCurveLimits, change, profile, ramp_for
 from ipoa_mission.vehicles.arducopter.dynamics.ways import along
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
+from tests.examples import examples
 
 lengths = st.floats(0.01, 500.0)
 limits = st.builds(SCurveLimits, st.floats(0.5, 20.0), st.floats(0.5, 6.0), st.floats(0.5, 10.0), st.floats(2.0, 60.0))
@@ -23,7 +24,6 @@ def sampled(shape: Profile, length: float, count: int = 400) -> np.ndarray:
     return np.array([along(leg, t) for t in np.linspace(1e-9, shape.lasts * (1 - 1e-9), count)])
 
 
-@settings(max_examples=50)
 @given(lengths, limits)
 def test_a_leg_ends_at_rest_where_it_should_within_its_limits(length: float, limit: SCurveLimits) -> None:
     shape = profile(length, limit)
@@ -36,7 +36,7 @@ def test_a_leg_ends_at_rest_where_it_should_within_its_limits(length: float, lim
     assert np.abs(np.gradient(accel, shape.lasts / 399)).max() <= limit.jerk * 1.02 + 1e-6
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=examples(8))
 @given(st.floats(0.5, 40.0), limits)
 def test_way_speed_and_acceleration_are_derivatives_of_each_other(length: float, limit: SCurveLimits) -> None:
     shape = profile(length, limit)
@@ -65,7 +65,6 @@ def test_a_twelve_meter_leg_crawls_whatever_speed_is_asked_for() -> None:
     assert profile(12.0, SCurveLimits(20.0, 2.5, 1.0, math.pi / 0.6)).lasts == profile(12.0, limit).lasts
 
 
-@settings(max_examples=50)
 @given(lengths, limits)
 def test_a_leg_entered_at_a_speed_is_as_long_and_quicker_where_there_is_room(
     length: float, limit: SCurveLimits

@@ -133,8 +133,8 @@ class _LegBuilder:
         is_curve = item.command == Command.NAV_SPLINE_WAYPOINT and self.mission.autopilot.guidance.flies_splines
         if is_curve and not _follows(item) and np.linalg.norm(target - origin) > SHORTEST_CURVE:
             leg, arriving = self._curve(seq, target, following)
-        elif is_arc(_triple(origin), _triple(target), turn := turn_of(item)) and not _follows(item):
-            points = arc_chords(_triple(origin), _triple(target), turn, CHORD)
+        elif is_arc(triple(origin), triple(target), turn := turn_of(item)) and not _follows(item):
+            points = arc_chords(triple(origin), triple(target), turn, CHORD)
             self.at = target
             leg, arriving = Leg(seq, Phase.CRUISE, points, stray=CHORD), target - origin
         else:
@@ -145,10 +145,10 @@ class _LegBuilder:
     def _curve(self, seq: int, target: Vector, following: int | None) -> tuple[Leg, Vector]:
         after = None
         if following is not None and (place := self.places[following]) is not None:
-            after = (_triple(place), self.mission.items[following].command == Command.NAV_SPLINE_WAYPOINT)
-        begin = None if self.flown_in is None else _triple(self.flown_in)
-        tangents = spline_tangents(_triple(self.at), _triple(target), begin, after)
-        points = spline_chords(_triple(self.at), _triple(target), tangents, CHORD)
+            after = (triple(place), self.mission.items[following].command == Command.NAV_SPLINE_WAYPOINT)
+        begin = None if self.flown_in is None else triple(self.flown_in)
+        tangents = spline_tangents(triple(self.at), triple(target), begin, after)
+        points = spline_chords(triple(self.at), triple(target), tangents, CHORD)
         self.at = target
         return Leg(seq, Phase.CRUISE, points, stray=CHORD), np.array(tangents[1])
 
@@ -189,9 +189,9 @@ class _LegBuilder:
 
         Or back along the mission, without climbing, where the autopilot returns so.
         """
-        places = [_triple(place) for place in self._rally_points()]
-        chosen = self.mission.autopilot.goal_of_return(self.parameters, _triple(self.at), places)
-        if self.mission.autopilot.return_route(self.parameters, _triple(self.at), places).by is ReturnBy.BACK:
+        places = [triple(place) for place in self._rally_points()]
+        chosen = self.mission.autopilot.goal_of_return(self.parameters, triple(self.at), places)
+        if self.mission.autopilot.return_route(self.parameters, triple(self.at), places).by is ReturnBy.BACK:
             yield from self._back(seq)
             return
         ways = list(self.return_ways(self.at[None]))
@@ -254,7 +254,8 @@ class _LegBuilder:
         return Leg(seq, phase, points)
 
 
-def _triple(point: Vector) -> Place:
+def triple(point: Vector) -> Place:
+    """A place (3,) as plain numbers."""
     return float(point[0]), float(point[1]), float(point[2])
 
 

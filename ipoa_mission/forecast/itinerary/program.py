@@ -25,26 +25,6 @@ Place: TypeAlias = tuple[float, float, float]  # east, north, up [m]
 JUMPS_WITHOUT_END = 10_000  # a loop of nothing but jumps must not hang
 
 
-def is_here(item: Item, autopilot: Autopilot) -> bool:
-    """Whether it does this item where it is: it names latitude 0, longitude 0, and that is "here" to it."""
-    return (
-        autopilot.guidance.zero_is_here
-        and item.command in FLOWN_TO
-        and item.frame != Frame.MISSION
-        and (item.latitude_deg, item.longitude_deg) == (0.0, 0.0)
-    )
-
-
-def is_as_high_as_now(item: Item, autopilot: Autopilot) -> bool:
-    """Whether it keeps its height on the way to this item: it names altitude 0, in whatever frame."""
-    return (
-        autopilot.guidance.zero_is_here
-        and item.command in FLOWN_TO - TO_THE_GROUND
-        and item.frame != Frame.MISSION
-        and item.altitude == 0.0
-    )
-
-
 def as_flown(mission: Mission) -> Mission:
     """The mission with a place and a height in every item that is flown to, items taken in their order.
 
@@ -59,9 +39,9 @@ def as_flown(mission: Mission) -> Mission:
     altitude, frame = 0.0, int(Frame.GLOBAL_RELATIVE_ALT)
     items: list[Item] = []
     for item in mission.items:
-        if is_as_high_as_now(item, mission.autopilot):
+        if item.is_as_high_as_now(mission.autopilot):
             item = replace(item, altitude=altitude, frame=frame)
-        if is_here(item, mission.autopilot) and item.command not in TO_THE_GROUND:
+        if item.is_here(mission.autopilot) and item.command not in TO_THE_GROUND:
             item = replace(item, latitude_deg=latitude, longitude_deg=longitude)
         items.append(item)
         if item.has_position and item.command != Command.NAV_TAKEOFF:  # that climbs where the vehicle stands
@@ -116,7 +96,7 @@ class Program:
         latitude, longitude, up = np.array(rows).reshape(-1, 3).T
         flat = self.frame.to_local(latitude, longitude, np.full(len(items), home.altitude)).reshape(-1, 3)
         placed = np.array([item.has_position for item in items], dtype=bool) & np.isfinite(flat).all(axis=1)
-        kept = [is_as_high_as_now(i, self.autopilot) or i.command == Command.NAV_PAYLOAD_PLACE for i in items]
+        kept = [i.is_as_high_as_now(self.autopilot) or i.command == Command.NAV_PAYLOAD_PLACE for i in items]
         up = np.where(np.array(kept, dtype=bool) | ~np.isfinite(up), math.nan, up)
         return np.column_stack([np.where(placed[:, None], flat[:, :2], math.nan), up])
 

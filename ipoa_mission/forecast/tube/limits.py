@@ -63,9 +63,9 @@ def _heights_kept(path: Points, scenario: Scenario, rim: Rim) -> Iterator[Check]
     to_and_fro = [path[:: 1 - 2 * (n % 2)] + side for n, side in enumerate(sides)]  # one line is quicker than nine
     for check in prove_heights(np.vstack(to_and_fro), higher):
         if check.limit == "ceiling":
-            yield replace(check, nearest=_more(check.nearest, rim.up))
+            yield replace(check, nearest=check.nearest.less(-rim.up))
         elif check.limit == "ground" and check.required >= least + rim.down:
-            yield replace(check, nearest=_more(check.nearest, -rim.down), required=least)
+            yield replace(check, nearest=check.nearest.less(rim.down), required=least)
 
 
 def _bounds_kept(path: Points, scenario: Scenario, rim: Rim) -> Check | None:
@@ -105,7 +105,3 @@ def _sides(level: float) -> Iterator[Vector]:
         for side in range(SIDES):
             turn = 2 * math.pi * side / SIDES
             yield level * np.array([math.cos(turn), math.sin(turn), 0.0])
-
-
-def _more(clearance: Clearance, by: float) -> Clearance:
-    return replace(clearance, distance=clearance.distance + by)

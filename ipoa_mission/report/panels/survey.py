@@ -20,7 +20,7 @@ def survey_panel(plan: SurveyPlan, names: Sequence[str]) -> str:
     overlap = f" Photos overlap by {plan.overlaps} at least." if str(plan.overlaps or "") else ""
     note = (
         f"{number(100 * seen.share, 2)} % of what can be seen of {number(area.area / 1e4, 2)} ha is seen, by lines "
-        f"{meters(plan.sight.spacing, 1)} apart; a color for each flight, gaps in red.{overlap}"
+        f"{meters(plan.sight.spacing, 1)} apart; shaded is what is seen; a color for each flight, gaps in red.{overlap}"
     )
     return f'<section><h2>Survey</h2><p class="note">{note}</p>{_map(plan)}{_table(plan, names)}</section>'
 
@@ -37,12 +37,15 @@ def _map(plan: SurveyPlan) -> str:
         f'stroke-width="{stroke:.2f}" fill-rule="evenodd"/>',
         f'<path class="zone" d="{_rings(outside)}" style="fill:none;stroke-width:{stroke:.2f}"/>',
     ]
+    swaths = [[swath.begin, swath.end] for flight in plan.flights for swath in flight.tour.swaths]
+    seen = shapely.multilinestrings(swaths).buffer(plan.sight.spacing / 2).intersection(plan.area.shape)
+    layers.append(f'<path d="{_rings(seen)}" fill="currentColor" fill-opacity=".1" fill-rule="evenodd"/>')
     for n, flight in enumerate(plan.flights):
         lines = "".join(
             f"M{a[0]:.1f} {a[1]:.1f}L{b[0]:.1f} {b[1]:.1f}" for a, b in ((s.begin, s.end) for s in flight.tour.swaths)
         )
         ways = "".join("M" + "L".join(f"{e:.1f} {h:.1f}" for e, h in way) for way in flight.tour.ways)
-        color = f"stroke:hsl({(210 + n * HUES) % 360} 65% 48%);fill:none"
+        color = f"stroke:{_hue(n)};fill:none"
         layers.append(f'<path d="{lines}" style="{color};stroke-width:{1.6 * stroke:.2f}"/>')
         dashes = f"stroke-dasharray:{3 * stroke:.1f}"
         layers.append(f'<path d="{ways}" style="{color};stroke-width:{0.8 * stroke:.2f};{dashes}"/>')
@@ -54,6 +57,10 @@ def _map(plan: SurveyPlan) -> str:
     )
 
 
+def _hue(flight: int) -> str:
+    return f"hsl({(210 + flight * HUES) % 360} 65% 48%)"
+
+
 def _rings(shape: Any) -> str:
     polygons = [part for part in shapely.get_parts(shape) if part.geom_type == "Polygon"]
     rings = (shapely.get_coordinates(ring) for part in polygons for ring in (part.exterior, *part.interiors))
@@ -63,7 +70,7 @@ def _rings(shape: Any) -> str:
 def _table(plan: SurveyPlan, names: Sequence[str]) -> str:
     head = "".join(f'<th scope="col">{name}</th>' for name in HEAD)
     rows = ""
-    for name, flight in zip(names, plan.flights, strict=True):
+    for n, (name, flight) in enumerate(zip(names, plan.flights, strict=True)):
         energy, kept = flight.forecast.energy, flight.forecast.promise.clearance
         photos = plan.sight.photos_of(flight.tour)
         cells = (
@@ -73,5 +80,6 @@ def _table(plan: SurveyPlan, names: Sequence[str]) -> str:
             "" if energy is None else number(energy.energy_wh, 1),
             "" if kept is None else f"{meters(kept.kept)} to {escape(kept.to)}",
         )
-        rows += f'<tr><th scope="row">{escape(name)}</th>{"".join(f"<td>{cell}</td>" for cell in cells)}</tr>'
+        head_of = f'<th scope="row"><span aria-hidden="true" style="color:{_hue(n)}">━</span> {escape(name)}</th>'
+        rows += f"<tr>{head_of}{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"
     return f'<div class="scroll" tabindex="0"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'

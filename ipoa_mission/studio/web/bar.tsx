@@ -1,5 +1,5 @@
 // The bar on top: what is open, the tools, undo and redo, saving, the view.
-import { isMission, proved, send, set, studio, type Studio, type Tool } from "./store";
+import { isMission, isSurvey, proved, send, set, studio, type Studio, type Tool } from "./store";
 import { useStudio } from "./use";
 
 const OF_MISSIONS: Tool[] = ["select", "waypoint", "measure"];
@@ -11,11 +11,16 @@ const TOOLS: [Tool, string, string, string, string][] = [
   ["cylinder", "○", "mast", "Mast or tree", "m"],
   ["keep-out", "⊘", "keep out", "Keep-out fence", "x"],
   ["keep-in", "▢", "keep in", "Keep-in fence", "f"],
+  ["area", "▦", "area", "Area to be surveyed", "a"],
+  ["hole", "◌", "hole", "Hole in the area", "h"],
   ["measure", "↔", "measure", "Measure a distance", "d"],
 ];
 
-/** The tools for what is open. */
-const toolsOf = (now: Studio) => TOOLS.filter(([name]) => (isMission(now) ? OF_MISSIONS.includes(name) : name !== "waypoint"));
+/** The tools for what is open: a survey is no flight by way of a place, and has holes where it has an area. */
+function toolsOf(now: Studio) {
+  const without: Tool[] = ["waypoint", isSurvey(now) ? "via" : "hole"];
+  return TOOLS.filter(([name]) => (isMission(now) ? OF_MISSIONS.includes(name) : !without.includes(name)));
+}
 
 export function Bar() {
   const now = useStudio();
@@ -45,7 +50,7 @@ export function Bar() {
         {isMission(now) ? <SaveAs now={now} /> : <button type="button" disabled={!proved(now)} title={`Write ${shown.name}.plan, .waypoints, .json and the report`}
           onClick={() => send({ kind: "do", what: "export" })}>Mission files</button>}
         {!isMission(now) && <button type="button" disabled={!proved(now)} title="The planned flight as a mission file of its own, to be changed item by item: it will be planned and proved no more"
-          onClick={() => send({ kind: "do", what: "detach" })}>Edit items</button>}
+          onClick={() => send({ kind: "do", what: "detach", flight: now.part })}>Edit items</button>}
       </div>
       {!connected && <p class="lost" role="status">The studio does not answer. What was done is kept; it will be back when the program is.</p>}
     </header>

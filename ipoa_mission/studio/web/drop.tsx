@@ -2,7 +2,7 @@
 import { useEffect, useRef } from "preact/hooks";
 import { edit, send, set, type Dropped, type Studio } from "./store";
 
-const KINDS: [string, string][] = [["buildings", "Buildings to fly round"], ["no_fly", "Zones to keep out of"], ["flight_area", "The area to stay in"]];
+const KINDS: [string, string][] = [["buildings", "Buildings to fly round"], ["no_fly", "Zones to keep out of"], ["flight_area", "The area to stay in"], ["survey", "The area to be surveyed"]];
 
 async function keep(file: File): Promise<Dropped | null> {
   const answer = await fetch(new URL(`drop/${encodeURIComponent(file.name)}`, document.baseURI), { method: "POST", body: file });
@@ -17,6 +17,8 @@ function use(dropped: Dropped, kind: string): void {
     edit(`ground from ${dropped.file}`, { op: "put", path: ["terrain"], value: { kind: "elevation", file: dropped.file } });
   } else if (dropped.kind === "mission") {
     edit(`places from ${dropped.file}`, ...dropped.changes);
+  } else if (kind === "survey") {
+    edit(`area from ${dropped.file}`, { op: "map_area", file: dropped.file });
   } else {
     edit(`${kind} from ${dropped.file}`, { op: "add", to: "maps", table: { kind, file: dropped.file }, place: null, ring: null, at: null });
   }

@@ -1,6 +1,6 @@
 // What binds the flight and where; the ways to choose waypoints; plans that were kept, side by side; what to know.
 import type { Plan } from "./messages";
-import { edit, keepCandidates, proved, set, type Candidate, type Studio } from "./store";
+import { edit, keepCandidates, proved, set, surveyed, type Candidate, type Studio } from "./store";
 import { meters, seconds, share } from "./words";
 
 export function Bindings({ now }: { now: Studio }) {
@@ -51,8 +51,17 @@ const ROWS: [string, (plan: Plan) => string][] = [
   ["proof", plan => plan.proof],
 ];
 
+/** The plan; of a survey all flights together, drawn one after the other. */
+function whole(now: Studio): Plan | null {
+  const survey = surveyed(now), plans = survey?.flights.map(one => one.plan) ?? [], first = plans[0];
+  if (!survey || !first) return proved(now);
+  const least = plans.reduce((one, other) => ((other.kept ?? Infinity) - other.required < (one.kept ?? Infinity) - one.required ? other : one));
+  const line = { points: plans.flatMap(plan => plan.course.line.points), up: plans.flatMap(plan => plan.course.line.up) };
+  return { ...least, course: { ...first.course, line }, total_s: survey.total_s, energy_wh: survey.energy_wh, length: plans.reduce((sum, plan) => sum + plan.length, 0), proof: plans.map(plan => plan.proof).join(" "), choices: [] };
+}
+
 export function Candidates({ now, take }: { now: Studio; take: (candidate: Candidate) => void }) {
-  const plan = proved(now);
+  const plan = whole(now);
   const shown: { name: string; plan: Plan; candidate?: Candidate }[] = now.candidates.map(candidate => ({ ...candidate, candidate }));
   if (plan) shown.push({ name: "now", plan });
   const keep = () => {

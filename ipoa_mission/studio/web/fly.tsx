@@ -2,6 +2,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { OrderThen, Reserve } from "./messages";
 import { isMission, proved, send, type Studio } from "./store";
+import { asksBattery, NextFlight } from "./survey";
 import { seconds, share } from "./words";
 
 const ORDERS: Record<OrderThen["what"], string> = { hold: "Hold", go_on: "Go on", rtl: "Return now", land: "Land now" };
@@ -15,6 +16,7 @@ export function Fly({ now }: { now: Studio }) {
   useEffect(() => setListening(false), [now.heard, now.troubles]);
   const [speedup, setSpeedup] = useState(5);
   const [sets, setSets] = useState(false);
+  const [charged, setCharged] = useState(false);
   const phase = now.flight?.phase ?? "idle";
   const [open, setOpen] = useState(false);
   useEffect(() => { if (phase !== "idle") setOpen(true); }, [phase]);
@@ -37,8 +39,9 @@ export function Fly({ now }: { now: Studio }) {
                   : <button type="button" onClick={() => { setLink(row.link); setSystem(row.system); }}>{row.link}: <b>{row.words}</b></button>}</li>))}</ul>}
               <label><input type="checkbox" checked={sets} onChange={event => setSets(event.currentTarget.checked)} /> give it the parameters that this was made for, where it has others</label></>
             : <label class="field"><span>So many times as fast</span><input type="number" min="0.5" max="1000" value={speedup} onChange={event => setSpeedup(Number(event.currentTarget.value) || 1)} /><em>×</em></label>}
-          <button type="button" class="strong" disabled={!ready}
-            onClick={() => send({ kind: "upload", link: real ? link : null, system: real ? system : null, speedup, set_params: real && sets })}>Upload</button>
+          <NextFlight now={now} onLink={real} charged={charged} say={setCharged} />
+          <button type="button" class="strong" disabled={!ready || (real && !charged && asksBattery(now))}
+            onClick={() => { send({ kind: "upload", link: real ? link : null, system: real ? system : null, speedup, set_params: real && sets, flight: now.part, charged }); setCharged(false); }}>Upload</button>
           {!ready && <p class="note">{isMission(now) ? "Only a mission in which the check finds no error is uploaded." : "Only a proved path is uploaded."}</p>}
         </div>
       )}

@@ -2,7 +2,7 @@
 import { useState } from "preact/hooks";
 import type { Scenario } from "./messages";
 import { nameOf, remove } from "./hands";
-import { edit, studio, type Path, type Studio } from "./store";
+import { edit, isSurvey, studio, type Path, type Studio } from "./store";
 
 interface Field {
   path: Path;
@@ -42,6 +42,7 @@ export function Chosen({ now }: { now: Studio }) {
   const table = path && now.document ? valueAt(now.document.scenario, path) as Record<string, unknown> | undefined : undefined;
   if (!path || !table) return null;
   const kind = String(path[0]);
+  if (kind === "survey") return null; // it has a form of its own
   const sizes = kind === "obstacles" ? SIZES.solid! : kind === "home" ? [["altitude_amsl", "m AMSL"] as [string, string]] : SIZES.place!;
   return (
     <section aria-label="Chosen">
@@ -84,7 +85,7 @@ export function Limits({ now }: { now: Studio }) {
       <summary>Limits and ways</summary>
       {LIMITS.map(field => <NumberField key={field.label} field={field} now={now} />)}
       {WAYS.map(field => <ChoiceField key={field.label} field={field} now={now} />)}
-      <HeightForAll now={now} />
+      {!isSurvey(now) && <HeightForAll now={now} />}
     </details>
   );
 }
@@ -96,16 +97,17 @@ interface Numeric {
   value: number | null;
   step: number | "any";
   bare?: boolean;
+  unset?: string;
   change: (value: number | null) => void;
 }
 
 /** A number with its unit; emptied it is none. */
-export function NumberInput({ label, unit, about, value, step, bare, change }: Numeric) {
+export function NumberInput({ label, unit, about, value, step, bare, unset, change }: Numeric) {
   const settle = (text: string) => {
     const number = text.trim() === "" ? null : Number(text);
     if (number !== value && (number === null || Number.isFinite(number))) change(number);
   };
-  const input = <Typed type="number" step={step} value={value === null ? "" : String(value)} label={bare ? label : undefined} change={settle} />;
+  const input = <Typed type="number" step={step} value={value === null ? "" : String(value)} placeholder={unset ?? ""} label={bare ? label : undefined} change={settle} />;
   return bare ? input : <label class="field" title={about || undefined}><span>{label}</span>{input}<em>{unit ?? ""}</em></label>;
 }
 

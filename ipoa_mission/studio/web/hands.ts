@@ -4,7 +4,7 @@ import type { Body, Spot } from "./messages";
 import { addItem, placeForNew, takeItem } from "./items";
 import { draft, fit, placesOf } from "./map";
 import { keyPath, line, pathKey } from "./shapes";
-import { chooseItem, drag, edit, endDrag, isMission, listen, set, studio, type Change, type LngLat, type Path } from "./store";
+import { chooseItem, drag, edit, endDrag, isMission, listen, set, studio, SURVEY, type Change, type LngLat, type Path, type Tool } from "./store";
 
 const HEIGHT = 15; // of what is drawn, until it is given another [m]
 const RADIUS = 3; // of a mast [m]
@@ -19,13 +19,16 @@ const WORDS: Record<string, string> = {
   cylinder: "Click where the mast or tree stands.",
   "keep-out": "Click the corners of the area to keep out of; Enter closes it.",
   "keep-in": "Click the corners of the area to stay in; Enter closes it.",
+  area: "Click the corners of the area to be surveyed; click the first again, or press Enter, to close it. Esc gives it up.",
+  hole: "Click the corners of what is left out of the area; Enter closes it.",
+  corridor: "Click along the middle of the corridor to be surveyed; Enter ends it.",
 };
 
 export function useHands(map: MapLibre): void {
   let corners: LngLat[] = [];
   const show = (pointer?: LngLat) => {
     const points = pointer && corners.length ? [...corners, pointer] : corners;
-    const closes = points.length > 2 && studio.tool !== "measure";
+    const closes = points.length > 2 && !isOpen(studio.tool);
     if (points.length > 1) set({ notice: lengths(points, closes) });
     draft(map, [
       ...(points.length > 1 ? [line(points)] : []),
@@ -35,7 +38,8 @@ export function useHands(map: MapLibre): void {
   };
   const giveUp = () => { corners = []; show(); };
   const close = () => {
-    if (corners.length > 2 && studio.tool !== "measure") addRing(corners);
+    if (studio.tool === "corridor" && corners.length > 1) addArea("corridor", corners);
+    else if (corners.length > 2 && !isOpen(studio.tool)) addRing(corners);
     giveUp();
   };
 
@@ -46,16 +50,17 @@ export function useHands(map: MapLibre): void {
     if (tool === "via") return addPlace("via", at);
     if (tool === "rally") return addPlace("rally", at);
     if (tool === "cylinder") return addMast(at);
-    if (tool !== "measure" && corners.length > 2 && near(map, event, corners[0]!)) return close();
+    if (!isOpen(tool) && corners.length > 2 && near(map, event, corners[0]!)) return close();
     corners.push(at);
     show();
   });
   map.on("mousemove", event => {
     if (corners.length) show(event.lngLat.toArray() as LngLat);
-    map.getCanvas().style.cursor = studio.tool !== "select" ? "crosshair" : itemAt(map, event) !== null && isMission(studio) || pick(map, event) ? "move" : "";
+    map.getCanvas().style.cursor = studio.tool !== "select" ? "crosshair" : itemAt(map, event) !== null && isMission(studio) || (pick(map, event) ?? SURVEY) !== SURVEY ? "move" : "";
   });
   map.on("mousedown", event => {
     if (studio.tool !== "select" || studio.space) return;
+    if (event.originalEvent.target !== map.getCanvas()) return; // a button is dragged, and nothing that lies below it
     if (isMission(studio)) grabItem(map, event);
     else grab(map, event);
   });
@@ -79,6 +84,9 @@ export function useHands(map: MapLibre): void {
     else if (free && event.key === "Delete" && isMission(studio) && studio.item !== null) takeItem(studio.item);
   });
 }
+
+/** Whether what is drawn ends where it ends. */
+const isOpen = (tool: Tool) => tool === "measure" || tool === "corridor";
 
 /** Take what is chosen out of the scenario. */
 export function remove(path: Path): void {
@@ -114,7 +122,14 @@ function addMast(place: LngLat): void {
   set({ tool: "select", selected: ["obstacles", at] });
 }
 
+/** An area joins the survey, or begins one; its corners are there to be moved. */
+function addArea(what: "area" | "hole" | "corridor", ring: LngLat[]): void {
+  edit(`${what} drawn`, { op: "draw_area", what, ring: ring as [LngLat, LngLat, ...LngLat[]] });
+  set({ tool: "select", selected: SURVEY });
+}
+
 function addRing(ring: LngLat[]): void {
+  if (studio.tool === "area" || studio.tool === "hole") return addArea(studio.tool, ring);
   if (studio.tool === "polygon") {
     const at = (studio.document?.scenario.obstacles ?? []).length;
     const table = { kind: "prism", name: `building ${at + 1}`, height: HEIGHT };
@@ -172,13 +187,14 @@ function pick(map: MapLibre, event: MapMouseEvent): Path | null {
   if (isMission(studio)) return null;
   const features = map.queryRenderedFeatures(event.point, { layers: PICKED });
   const key = features.find(feature => feature.properties.path)?.properties.path as string | undefined;
-  return key ? keyPath(key) : null;
+  if (key) return keyPath(key);
+  return map.queryRenderedFeatures(event.point, { layers: ["area-fill", "area-lines"] }).length ? SURVEY : null;
 }
 
 /** Drag a building or a fence: its outline goes along, the path is sketched anew, and where it is let go it stays. */
 function grab(map: MapLibre, event: MapMouseEvent): void {
   const path = pick(map, event), taken = event.lngLat.toArray() as LngLat;
-  if (!path) return;
+  if (!path || path === SURVEY) return; // an area is moved by its handle: the map below it can be dragged
   event.preventDefault();
   const ring = ringOf(path);
   let moved = false, put: LngLat = taken;

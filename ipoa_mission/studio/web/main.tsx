@@ -10,6 +10,7 @@ import { Bindings, Candidates, Choices, Remarks } from "./findings";
 import { Drop, Question } from "./drop";
 import { Fly } from "./fly";
 import { Chosen, Limits } from "./form";
+import { GoTo } from "./goto";
 import { useHands } from "./hands";
 import { ChosenItem, Items } from "./items";
 import { makeMap } from "./map";
@@ -18,25 +19,34 @@ import { showPointer } from "./pointer";
 import { Profile } from "./profile";
 import { showSpots } from "./spots";
 import { StartPage } from "./start";
+import { SeesLeast, SurveyFlights, SurveyForm } from "./survey";
+import { useSurveyHands } from "./survey-hands";
 import { isMission, send, set, studio, type Candidate, type Studio } from "./store";
 import { Outside, Text } from "./text";
 import { useStudio } from "./use";
 import { Verdict } from "./verdict";
 
-function MapView({ now: { notice, tiles, picture, world, whole } }: { now: Studio }) {
+function MapView({ now }: { now: Studio }) {
+  const { notice, tiles, picture, world, whole } = now;
   const place = useRef<HTMLDivElement>(null);
   useEffect(() => {
-    const map = makeMap(place.current!);
-    showSpots(map);
-    useHands(map);
-    showPointer(map);
-    Object.assign(window, { map }); // for tests, and for the curious
+    try {
+      const map = makeMap(place.current!);
+      showSpots(map);
+      useHands(map);
+      useSurveyHands(map);
+      showPointer(map);
+      Object.assign(window, { map }); // for tests, and for the curious
+    } catch {
+      set({ notice: "No map is drawn: this browser has no WebGL 2. All else works." });
+    }
   }, []);
   return (
     <div class={`map${world ? "" : " unknown"}${whole ? " whole" : ""}`} role="region" aria-label="Map">
       <div class="canvas" ref={place} />
       {tiles && picture && <p class="attribution">{tiles.attribution}</p>}
       <button type="button" class="enlarge" aria-pressed={whole} onClick={() => set({ whole: !whole })}>{whole ? "✕ close" : "⤢ whole screen"}</button>
+      <GoTo now={now} />
       {notice && <p class="notice" role="status">{notice}</p>}
     </div>
   );
@@ -63,7 +73,7 @@ function Page() {
           <Outside now={now} />
           <Question now={now} />
           <Verdict now={now} />
-          {isScenario ? <Chosen now={now} /> : <><ChosenItem now={now} /><Items now={now} /><World now={now} /><Fly now={now} /></>}
+          {isScenario ? <><SurveyFlights now={now} /><Chosen now={now} /><SurveyForm now={now} /><SeesLeast now={now} /></> : <><ChosenItem now={now} /><Items now={now} /><World now={now} /><Fly now={now} /></>}
           <Replayed now={now} />
           <Bindings now={now} />
           {isScenario && <Items now={now} />}

@@ -2,16 +2,19 @@
 import { Map as MapLibre, NavigationControl, ScaleControl, setWorkerUrl, type GeoJSONSource, type StyleSpecification } from "maplibre-gl";
 import type { Line, Trouble, World } from "./messages";
 import { color, onSchemeChange } from "./colors";
+import { hillshade } from "./hillshade";
 import * as shapes from "./shapes";
-import { blocking, coarseOf, isMission, isNamed, listen, proved, set, studio, type LngLat, type Studio } from "./store";
+import { drawSurvey, groundLayers, lineLayers, photoLayers, SURVEY_FLAT, SURVEY_KEYS, SURVEY_SOURCES, SURVEY_SPACE } from "./survey-map";
+import { blocking, coarseOf, isMission, isNamed, isWritten, listen, proved, set, studio, type LngLat, type Studio } from "./store";
+import { vectorLayers } from "./vector";
 
 setWorkerUrl(new URL("map-worker.js", document.baseURI).href);
 
-const SOURCES = ["ground", "bodies", "lit", "fences", "bounds", "others", "tube", "homeward", "path", "flown", "ribbon", "flown-ribbon", "kept", "items", "here", "posts", "pillar", "vehicle", "draft"] as const;
+const SOURCES = ["ground", "bodies", "lit", "fences", "bounds", "others", "tube", "homeward", "path", "flown", "ribbon", "flown-ribbon", "kept", "items", "here", "posts", "pillar", "vehicle", "found", "draft", ...SURVEY_SOURCES] as const;
 type SourceName = (typeof SOURCES)[number];
 const EMPTY = shapes.collection([]);
-const FLAT = ["ground", "roofs", "roof-lines", "tube", "arrows", "homeward", "items"];
-const SPACE = ["ground-space", "roofs-space", "zones-space", "posts", "ribbon", "flown-ribbon", "pillar"];
+const FLAT = ["ground", "roofs", "roof-lines", "tube", "arrows", "homeward", "items", ...SURVEY_FLAT];
+const SPACE = [...SURVEY_SPACE, "ground-space", "roofs-space", "zones-space", "posts", "ribbon", "flown-ribbon", "pillar"];
 
 export function makeMap(container: HTMLElement): MapLibre {
   const map = new MapLibre({
@@ -28,18 +31,20 @@ export function makeMap(container: HTMLElement): MapLibre {
   map.on("load", () => {
     addImages(map);
     drawAll(map, studio);
+    if (studio.found) showFound(map, studio);
     listen((now, before) => update(map, now, before));
   });
   onSchemeChange(() => {
     map.setStyle(style(), { diff: false });
-    map.once("style.load", () => { addImages(map); drawAll(map, studio); });
+    map.once("style.load", () => { addImages(map); drawAll(map, studio); drawFound(map, studio); });
   });
   return map;
 }
 
 export function fit(map: MapLibre, world: World, animate = true): void {
   const items = isMission(studio) ? studio.mission?.items.flatMap(item => (item.place ? [item.place] : [])) ?? [] : [];
-  const places = [...world.spots.map(spot => spot.place), ...items] as [number, number][];
+  const corners = studio.area?.rings.flatMap(ring => ring.places) ?? [];
+  const places = [...world.spots.map(spot => spot.place), ...items, ...corners] as [number, number][];
   const [west, south, east, north] = isMission(studio) ? [-180, -85, 180, 85] as const : world.box as [number, number, number, number];
   const lng = places.map(place => place[0]), lat = places.map(place => place[1]);
   const near = [Math.min(...lng), Math.min(...lat), Math.max(...lng), Math.max(...lat)] as const;
@@ -57,10 +62,16 @@ export function showNamed(trouble: Trouble): void {
   const world = studio.world;
   if (!shown || !world) return;
   const rings = world.bodies.filter(body => isNamed(body.name, [trouble])).flatMap(body => body.rings[0] ?? []);
-  const places = [...rings, ...world.spots.filter(spot => isNamed(spot.name, [trouble])).map(spot => spot.place)] as [number, number][];
+  const areas = (studio.area?.rings ?? []).filter(ring => isNamed(`${ring.name}:`, [trouble]) || isNamed(`${ring.name},`, [trouble]));
+  const places = [...rings, ...areas.flatMap(ring => ring.places), ...world.spots.filter(spot => isNamed(spot.name, [trouble])).map(spot => spot.place)] as [number, number][];
   if (!places.length) return fit(shown, world);
   const lng = places.map(place => place[0]), lat = places.map(place => place[1]);
   shown.fitBounds([[Math.min(...lng), Math.min(...lat)], [Math.max(...lng), Math.max(...lat)]], { padding: 90, maxZoom: 19, animate: false });
+}
+
+/** Have a place in sight; a map that has it stays where it is. */
+export function bringInSight(place: LngLat): void {
+  if (shown && !shown.getBounds().contains(place)) shown.panTo(place, { animate: false });
 }
 
 /** Fill in what is drawn while the user draws. */
@@ -75,13 +86,15 @@ function update(map: MapLibre, now: Studio, before: Studio): void {
   }
   if (now.troubles !== before.troubles || now.world !== before.world) drawLit(map, now);
   if (now.mission && !before.mission && now.world) fit(map, now.world, false);
-  if (["plan", "sketch", "drag", "document", "world", "mission"].some(key => now[key as keyof Studio] !== before[key as keyof Studio])) drawPath(map, now);
+  if (SURVEY_KEYS.some(key => now[key] !== before[key])) drawSurvey(now, (name, features) => fill(map, name, features));
+  if (["plan", "survey", "part", "dragSurvey", "sketch", "drag", "document", "world", "mission"].some(key => now[key as keyof Studio] !== before[key as keyof Studio])) drawPath(map, now);
+  if (now.found !== before.found) showFound(map, now);
   if (now.tiles !== before.tiles || now.picture !== before.picture) showPicture(map, now);
   if (now.item !== before.item) drawItems(map, now);
   if (now.flown !== before.flown || now.replay !== before.replay) drawFlown(map, now);
   if (now.candidates !== before.candidates) drawKept(map, now);
-  if (now.at !== before.at || now.plan !== before.plan || now.document !== before.document || now.homeward !== before.homeward) drawHomeward(map, now);
-  if (now.at !== before.at || now.plan !== before.plan || now.document !== before.document || now.space !== before.space) drawHere(map, now);
+  if (now.at !== before.at || now.part !== before.part || now.survey !== before.survey || now.plan !== before.plan || now.document !== before.document || now.homeward !== before.homeward) drawHomeward(map, now);
+  if (now.at !== before.at || now.part !== before.part || now.survey !== before.survey || now.plan !== before.plan || now.document !== before.document || now.space !== before.space) drawHere(map, now);
   if (now.space !== before.space) {
     showSpace(map, now.space);
     showPicture(map, now);
@@ -90,10 +103,25 @@ function update(map: MapLibre, now: Studio, before: Studio): void {
   }
 }
 
+function drawFound(map: MapLibre, { found }: Studio): void {
+  fill(map, "found", found ? [{ type: "Feature", properties: {}, geometry: { type: "Point", coordinates: found.place as LngLat } }] : []);
+}
+
+/** The place that was looked for, and how far it is from home. */
+function showFound(map: MapLibre, now: Studio): void {
+  const { found, world } = now;
+  drawFound(map, now);
+  if (!found) return;
+  map.easeTo({ center: found.place as LngLat, zoom: Math.max(map.getZoom(), 15), animate: false });
+  const home = world?.spots.find(spot => spot.name === "home")?.place;
+  const away = home && world ? Math.hypot((found.place[0]! - home[0]!) * world.degree_m[0]!, (found.place[1]! - home[1]!) * world.degree_m[1]!) : null;
+  set({ notice: `${found.words}: ${found.place[1]!.toFixed(6)}, ${found.place[0]!.toFixed(6)}${away === null ? "" : `, ${away < 10_000 ? `${away.toFixed(0)} m` : `${(away / 1000).toFixed(0)} km`} from home`}` });
+}
+
 /** Whether a place of the flight has moved out of sight, as by a file that was dropped. */
 function wentAway(map: MapLibre, now: World, before: World): boolean {
   const known = new Set(before.spots.map(spot => String(spot.place)));
-  const moved = now.spots.filter(spot => !known.has(String(spot.place)));
+  const moved = now.spots.filter(spot => isWritten(spot.path) && !known.has(String(spot.place)));
   return moved.some(spot => !map.getBounds().contains(spot.place as [number, number]));
 }
 
@@ -109,6 +137,7 @@ function drawAll(map: MapLibre, now: Studio): void {
     if (map.getZoom() < 3) fit(map, now.world, false);
   }
   drawPath(map, now);
+  drawSurvey(now, (name, features) => fill(map, name, features));
   drawFlown(map, now);
   drawKept(map, now);
   drawHere(map, now);
@@ -120,15 +149,27 @@ function drawAll(map: MapLibre, now: Studio): void {
 
 function drawWorld(map: MapLibre, world: World): void {
   fill(map, "ground", shapes.ground(world));
+  showHillshade(map, world);
   fill(map, "bodies", shapes.bodies(world));
   fill(map, "posts", world.spots.flatMap(spot => shapes.pillar(spot.place as LngLat, spot.up - spot.above_ground - shapes.lowest(world), spot.up - shapes.lowest(world))));
   fill(map, "fences", shapes.fences(world));
   fill(map, "bounds", shapes.bounds(world));
 }
 
+/** Light on the ground; it is made anew with the world, and goes with the ground's colors. */
+function showHillshade(map: MapLibre, world: World): void {
+  if (map.getLayer("hillshade")) map.removeLayer("hillshade");
+  if (map.getSource("hillshade")) map.removeSource("hillshade");
+  const shade = hillshade(world);
+  if (!shade) return;
+  map.addSource("hillshade", { type: "canvas", canvas: shade.canvas, coordinates: shade.corners, animate: false });
+  const visibility = map.getLayoutProperty("ground", "visibility") ?? "visible";
+  map.addLayer({ id: "hillshade", type: "raster", source: "hillshade", layout: { visibility }, paint: { "raster-fade-duration": 0, "raster-opacity": 0.55 } }, "contours");
+}
+
 /** The proved path if there is one of what is here now, else the coarse one, dashed. */
 function drawPath(map: MapLibre, now: Studio): void {
-  const plan = proved(now), coarse = now.drag ?? (plan ? null : coarseOf(now));
+  const plan = now.dragSurvey ? null : proved(now), coarse = now.drag ?? (plan ? null : coarseOf(now));
   const course: Line | undefined = coarse ? coarse.line : plan?.course.line;
   const untimed = course || !isMission(now) ? [] : placesOf(now).map(item => item.place);
   const turns = coarse ? null : plan?.course.returns_at ?? null; // what comes then is the way home
@@ -138,12 +179,12 @@ function drawPath(map: MapLibre, now: Studio): void {
   fill(map, "others", coarse ? coarse.others.map(other => shapes.line(other.points)) : []);
   drawItems(map, now);
   fill(map, "tube", plan && !coarse ? shapes.tube(plan) : []);
-  fill(map, "ribbon", course && now.space && now.world ? shapes.ribbon(course, shapes.lowest(now.world), 2.2, 1.4, coarse !== null) : []);
+  fill(map, "ribbon", course && now.space && now.world ? shapes.ribbon(course, shapes.lowest(now.world), 2.2, 1.4, !coarse ? "proved" : coarse.holds ? "coarse" : "broken") : []);
 }
 
 /** Where the items lie that have a place, by their numbers; the chosen one stands out. */
 function drawItems(map: MapLibre, now: Studio): void {
-  const stops = isMission(now) ? placesOf(now) : now.drag ? [] : proved(now)?.stops ?? [];
+  const stops = isMission(now) ? placesOf(now) : now.drag || now.dragSurvey ? [] : proved(now)?.stops ?? [];
   fill(map, "items", stops.filter(stop => stop.place).map(stop => {
     const name = `${stop.seq}${stop.seq === now.item ? "!" : ""}`, icon = `item${name}`;
     if (!map.hasImage(icon)) map.addImage(icon, numbered(name), { pixelRatio: 2 });
@@ -194,7 +235,7 @@ function drawHere(map: MapLibre, now: Studio): void {
 function showSpace(map: MapLibre, space: boolean): void {
   for (const name of FLAT) map.setLayoutProperty(name, "visibility", space ? "none" : "visible");
   for (const name of SPACE) map.setLayoutProperty(name, "visibility", space ? "visible" : "none");
-  for (const name of ["path", "path-home"]) map.setPaintProperty(name, "line-opacity", space ? 0.25 : 1);
+  for (const name of ["path", "path-home", "coarse"]) map.setPaintProperty(name, "line-opacity", space ? 0.25 : 1);
 }
 
 /** The tiles below everything, in place of the ground's own colors; what stands on them is seen through. */
@@ -202,12 +243,14 @@ function showPicture(map: MapLibre, now: Studio): void {
   const tiles = now.tiles;
   if (tiles && !map.getSource("tiles")) {
     const address = tiles.address.includes("://") ? tiles.address : new URL(".", document.baseURI).href + tiles.address;
-    map.addSource("tiles", { type: "raster", tiles: [address], tileSize: 256, minzoom: tiles.min_zoom, maxzoom: tiles.max_zoom });
-    map.addLayer({ id: "tiles", type: "raster", source: "tiles", paint: { "raster-fade-duration": 0 } }, "ground");
+    const zooms = { tiles: [address], minzoom: tiles.min_zoom, maxzoom: tiles.max_zoom };
+    map.addSource("tiles", tiles.vector ? { type: "vector", ...zooms } : { type: "raster", tileSize: 256, ...zooms });
+    const layers = tiles.vector ? vectorLayers(tiles) : [{ id: "tiles", type: "raster" as const, source: "tiles", paint: { "raster-fade-duration": 0 } }];
+    for (const layer of layers) map.addLayer(layer, "ground");
   }
   const shown = tiles !== null && now.picture;
-  if (map.getLayer("tiles")) map.setLayoutProperty("tiles", "visibility", shown ? "visible" : "none");
-  map.setLayoutProperty("ground", "visibility", now.space || shown ? "none" : "visible");
+  for (const id of map.getLayersOrder()) if (id.startsWith("tiles")) map.setLayoutProperty(id, "visibility", shown ? "visible" : "none");
+  for (const name of ["ground", "hillshade"]) if (map.getLayer(name)) map.setLayoutProperty(name, "visibility", now.space || shown ? "none" : "visible");
   map.setPaintProperty("roofs", "fill-opacity", shown ? 0.55 : 1);
 }
 
@@ -280,6 +323,7 @@ function style(): StyleSpecification {
       { id: "ground", type: "fill", source: "ground", paint: { "fill-color": ramp("low-ground", "high-ground"), "fill-antialias": false } },
       { id: "contours", type: "line", source: "ground", paint: { "line-color": color("contour"), "line-width": 0.6, "line-opacity": 0.55 } },
       { id: "ground-space", type: "fill-extrusion", source: "ground", layout: { visibility: "none" }, paint: { "fill-extrusion-color": ramp("low-ground", "high-ground"), "fill-extrusion-height": ["get", "rise"] } },
+      ...groundLayers(),
       { id: "bounds", type: "line", source: "bounds", paint: { "line-color": color("quiet"), "line-width": 1, "line-dasharray": [4, 4] } },
       { id: "tube", type: "fill", source: "tube", paint: { "fill-color": color("planned"), "fill-opacity": 0.2 } },
       { id: "roofs", type: "fill", source: "bodies", filter: solid, paint: { "fill-color": ramp("low-roof", "high-roof") } },
@@ -291,23 +335,26 @@ function style(): StyleSpecification {
       { id: "lit", type: "line", source: "lit", paint: { "line-color": color("focus"), "line-width": 5, "line-opacity": 0.9 } },
       { id: "keep-out", type: "fill", source: "fences", filter: ["!", ["get", "inclusion"]], paint: { "fill-pattern": "hatch" } },
       { id: "fence-lines", type: "line", source: "fences", paint: { "line-color": ["case", ["get", "inclusion"], color("good"), color("bad")], "line-width": 2 } },
+      ...lineLayers(),
       { id: "others", type: "line", source: "others", paint: { "line-color": color("legs"), "line-width": 1.4, "line-dasharray": [1.5, 2], "line-opacity": 0.8 } },
       { id: "kept", type: "line", source: "kept", paint: { "line-color": ["get", "color"], "line-width": 2.4, "line-dasharray": [4, 1.5] } },
       { id: "path-home", type: "line", source: "path", filter: ["==", ["get", "home"], true], layout: { "line-cap": "round", "line-join": "round" }, paint: { "line-color": color("planned"), "line-width": 3, "line-dasharray": [0.1, 2] } },
       { id: "path", type: "line", source: "path", filter: ["all", ["!", ["get", "coarse"]], ["!=", ["get", "home"], true]], layout: { "line-cap": "round", "line-join": "round" }, paint: { "line-color": color("planned"), "line-width": 3.4 } },
       { id: "arrows", type: "symbol", source: "path", filter: ["!", ["get", "coarse"]], layout: { "symbol-placement": "line", "symbol-spacing": 90, "icon-image": "arrow", "icon-size": 1.3, "icon-allow-overlap": true } },
+      ...photoLayers(),
       { id: "homeward", type: "line", source: "homeward", layout: { "line-sort-key": ["case", ["get", "now"], 1, 0] }, paint: { "line-color": ["case", ["get", "clear"], color("good"), color("bad")], "line-width": ["case", ["get", "now"], 3.2, 1], "line-opacity": ["case", ["get", "now"], 1, 0.3] } },
       { id: "coarse", type: "line", source: "path", filter: ["get", "coarse"], layout: { "line-join": "round" }, paint: { "line-color": ["case", ["get", "holds"], color("planned"), color("bad")], "line-width": 3, "line-dasharray": dash } },
       { id: "flown", type: "line", source: "flown", layout: { "line-cap": "round" }, paint: { "line-color": color("flown"), "line-width": 2.2 } },
-      { id: "roofs-space", type: "fill-extrusion", source: "bodies", filter: solid, layout: { visibility: "none" }, paint: { "fill-extrusion-color": ramp("low-roof", "high-roof"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-opacity": 0.92 } },
+      { id: "roofs-space", type: "fill-extrusion", source: "bodies", filter: solid, layout: { visibility: "none" }, paint: { "fill-extrusion-color": ramp("low-roof", "high-roof"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"] } },
       { id: "zones-space", type: "fill-extrusion", source: "bodies", filter: zone, layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("bad"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-opacity": 0.18 } },
-      { id: "ribbon", type: "fill-extrusion", source: "ribbon", layout: { visibility: "none" }, paint: { "fill-extrusion-color": ["case", ["get", "coarse"], color("quiet"), color("planned")], "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-vertical-gradient": false } },
+      { id: "ribbon", type: "fill-extrusion", source: "ribbon", layout: { visibility: "none" }, paint: { "fill-extrusion-color": ["match", ["get", "look"], "coarse", color("quiet"), "broken", color("bad"), color("planned")], "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-vertical-gradient": false } },
       { id: "flown-ribbon", type: "fill-extrusion", source: "flown-ribbon", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("flown"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-vertical-gradient": false } },
       { id: "posts", type: "fill-extrusion", source: "posts", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("ink"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"], "fill-extrusion-opacity": 0.55 } },
       { id: "pillar", type: "fill-extrusion", source: "pillar", layout: { visibility: "none" }, paint: { "fill-extrusion-color": color("focus"), "fill-extrusion-base": ["get", "from"], "fill-extrusion-height": ["get", "to"] } },
       { id: "here", type: "circle", source: "here", paint: { "circle-color": color("focus"), "circle-stroke-color": color("ink"), "circle-stroke-width": 2, "circle-radius": 6 } },
       { id: "items", type: "symbol", source: "items", layout: { "icon-image": ["get", "icon"], "symbol-sort-key": ["get", "rank"] } },
       { id: "vehicle", type: "circle", source: "vehicle", paint: { "circle-color": color("flown"), "circle-stroke-color": color("card"), "circle-stroke-width": 2.5, "circle-radius": 8 } },
+      { id: "found", type: "circle", source: "found", paint: { "circle-color": "transparent", "circle-stroke-color": color("bad"), "circle-stroke-width": 3, "circle-radius": 11 } },
       { id: "draft-fill", type: "fill", source: "draft", filter: ["==", ["geometry-type"], "Polygon"], paint: { "fill-color": color("focus"), "fill-opacity": 0.25 } },
       { id: "draft-closing", type: "line", source: "draft", filter: ["==", ["get", "closing"], true], paint: { "line-color": color("focus"), "line-width": 1.6, "line-dasharray": [2, 2] } },
       { id: "draft", type: "line", source: "draft", filter: ["!=", ["get", "closing"], true], paint: { "line-color": color("focus"), "line-width": 2 } },

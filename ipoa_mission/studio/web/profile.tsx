@@ -30,7 +30,7 @@ export function Profile({ now }: { now: Studio }) {
   const apart = course.apart[at];
   return (
     <footer class="profile">
-      <Chart now={now} plan={plan} at={at} flown={now.replay ? now.replay.times.map((time, n) => [time, now.replay!.line.up[n]!]) : now.flown.map(seen => [seen.time_s, seen.up])} />
+      <Chart now={now} plan={plan} at={at} flown={now.replay ? now.replay.times.map((time, n) => [time, now.replay!.line.up[n]!]) : now.loaded?.mission === plan.name ? now.flown.map(seen => [seen.time_s, seen.up]) : []} />
       <div class="slider">
         <button type="button" aria-label={now.playing ? "Pause" : "Play"} onClick={() => set({ playing: !now.playing, at: at >= course.times.length - 1 ? 0 : at })}>{now.playing ? "❚❚" : "▶"}</button>
         <input type="range" min="0" max={course.times.length - 1} value={at} aria-label="Moment of the flight"

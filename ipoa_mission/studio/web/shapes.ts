@@ -53,8 +53,8 @@ export function tube(plan: Plan): Feature[] {
 
 export const METERS = 111_320; // of a degree of latitude, closely enough to draw by
 
-/** A path as a band of boxes in the air, `wide` meters across: what a map of extrusions can show of it; a coarse one broken. */
-export function ribbon(path: Line, floor: number, wide: number, high: number, coarse = false): Feature[] {
+/** A path as a band of boxes in the air, `wide` meters across: what a map of extrusions can show of it; one that is not proved in pieces. */
+export function ribbon(path: Line, floor: number, wide: number, high: number, look: "proved" | "coarse" | "broken" = "proved"): Feature[] {
   const points = path.points as LngLat[];
   const features: Feature[] = [];
   const narrow = Math.cos(((points[0]?.[1] ?? 0) * Math.PI) / 180);
@@ -67,9 +67,9 @@ export function ribbon(path: Line, floor: number, wide: number, high: number, co
     if (steep) continue; // a climb on the spot is one post, not as many specks as it has samples
     const ends = path.up.slice(from, n + 1).map(up => up - floor);
     from = n;
-    const heights = { from: Math.max(0, Math.min(...ends) - high / 2), to: Math.max(0.1, Math.max(...ends) + high / 2), coarse };
+    const heights = { from: Math.max(0, Math.min(...ends) - high / 2), to: Math.max(0.1, Math.max(...ends) + high / 2), look };
     along += length;
-    if (coarse && Math.floor(along / (4 * wide)) % 2) continue;
+    if (look !== "proved" && Math.floor(along / (4 * wide)) % 2) continue;
     if (length < UPRIGHT) {
       if (heights.to - heights.from > 1.5 * high) features.push(...pillar([east, north], heights.from, heights.to));
       continue;
@@ -94,7 +94,7 @@ function nearly([west, south]: LngLat, [east, north]: LngLat, narrow: number): b
 export function pillar([lng, lat]: LngLat, from: number, to: number): Feature[] {
   const half = 0.75 / METERS, wide = half / Math.cos((lat * Math.PI) / 180);
   const ring = [[lng - wide, lat - half], [lng + wide, lat - half], [lng + wide, lat + half], [lng - wide, lat + half], [lng - wide, lat - half]];
-  return [polygon([ring], { from, to: Math.max(to, from + 0.1), coarse: false })];
+  return [polygon([ring], { from, to: Math.max(to, from + 0.1) })];
 }
 
 export function pathKey(path: Path): string {

@@ -2,10 +2,10 @@
 import { Marker, type Map as MapLibre } from "maplibre-gl";
 import type { Spot } from "./messages";
 import { pathKey } from "./shapes";
-import { blocking, drag, edit, endDrag, isNamed, listen, set, studio, type Change, type LngLat } from "./store";
+import { blocking, drag, edit, endDrag, isNamed, isWritten, listen, set, studio, type Change, type LngLat } from "./store";
 
 const SIGNS: Record<string, string> = { home: "H", start: "S", goal: "G", via: "", rally: "R" };
-const KEYS: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+export const KEYS: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 
 const BESIDE: [number, number] = [-17, 15]; // home, which mostly lies below the start
 
@@ -18,7 +18,7 @@ interface Shown {
 export function showSpots(map: MapLibre): void {
   const shown = new Map<string, Shown>();
   const draw = () => {
-    const spots = studio.world?.spots ?? [];
+    const spots = (studio.world?.spots ?? []).filter(spot => isWritten(spot.path));
     const keys = new Set(spots.map(spot => pathKey(spot.path)));
     for (const [key, { marker }] of shown) {
       if (!keys.has(key)) {
@@ -45,7 +45,7 @@ export function showSpots(map: MapLibre): void {
     }
   };
   listen((now, before) => {
-    if (now.world !== before.world) draw();
+    if (now.world !== before.world || now.document !== before.document) draw();
     if (now.selected !== before.selected || now.world !== before.world || now.troubles !== before.troubles) mark();
   });
   draw();

@@ -1,12 +1,12 @@
 // What this window knows: the latest answer of each kind, and what the user is at. One object, replaced as it changes.
-import type { Answer, Beginning, Checked, Document, Edit, Heard, Landed, Loaded, OpenMission, Plan, Put, Progress, Replay, Request, Seen, Sketch, State, Tiles, Trouble, World } from "./messages";
+import type { Answer, Beginning, Checked, CoarseSurvey, Document, Edit, Found, Heard, Landed, Loaded, OpenMission, Plan, PlannedSurvey, Put, Progress, Replay, Request, Seen, Sketch, State, SurveyArea, SurveyLayout, SurveyLine, Tiles, Trouble, World } from "./messages";
 import { connect } from "./link";
 
 export type Change = Edit["changes"][number];
 export type Path = Put["path"];
 export type LngLat = [number, number];
 
-export type Tool = "select" | "measure" | "waypoint" | "via" | "box" | "polygon" | "cylinder" | "keep-out" | "keep-in" | "rally";
+export type Tool = "select" | "measure" | "waypoint" | "via" | "box" | "polygon" | "cylinder" | "keep-out" | "keep-in" | "rally" | "area" | "hole" | "corridor";
 
 export interface Candidate {
   name: string;
@@ -23,11 +23,21 @@ export interface Studio {
   sketch: Sketch | null;
   drag: Sketch | null;
   plan: Plan | null;
+  area: SurveyArea | null;
+  coarseSurvey: CoarseSurvey | null;
+  dragSurvey: CoarseSurvey | null;
+  survey: PlannedSurvey | null;
+  /** Which flight of a survey is looked at, from 0 on, and those that were flown from here, by name. */
+  part: number;
+  flownParts: string[];
+  /** A place of a survey that was asked for: a gap, the smallest overlap. */
+  lookedAt: LngLat | null;
   mission: OpenMission | null;
   checked: Checked | null;
   replay: Replay | null;
   start: Beginning | null;
   heard: Heard | null;
+  found: Found | null;
   homeward: boolean;
   whole: boolean;
   progress: Progress | null;
@@ -58,10 +68,14 @@ export interface Dropped {
 
 export let studio: Studio = {
   connected: false, document: null, world: null, tiles: null, picture: true, sketch: null, drag: null, plan: null, progress: null, troubles: [],
-  mission: null, checked: null, replay: null, start: null, heard: null, homeward: false, whole: false,
+  area: null, coarseSurvey: null, dragSurvey: null, survey: null, part: 0, flownParts: [], lookedAt: null,
+  mission: null, checked: null, replay: null, start: null, heard: null, found: null, homeward: false, whole: false,
   tool: "select", selected: null, space: false, at: 0, item: null, playing: false, candidates: [], loaded: null, seen: null,
   flown: [], landed: null, flight: null, notice: "", dropped: null,
 };
+
+/** The path to the survey: what is chosen when its area is. */
+export const SURVEY: Path = ["survey"];
 
 type Listener = (now: Studio, before: Studio) => void;
 const listeners = new Set<Listener>();
@@ -77,7 +91,7 @@ export function set(change: Partial<Studio>): void {
 }
 
 /** A server that comes back numbers its revisions anew: what an earlier one proved counts no more; it tells what it has. */
-const FORGOTTEN = { sketch: null, drag: null, plan: null, mission: null, checked: null, replay: null, progress: null, troubles: [], loaded: null, flight: null };
+const FORGOTTEN = { sketch: null, drag: null, plan: null, area: null, coarseSurvey: null, dragSurvey: null, survey: null, mission: null, checked: null, replay: null, progress: null, troubles: [], loaded: null, flight: null };
 
 const link = connect(hear, connected => set({ connected, ...(connected ? FORGOTTEN : {}) }));
 
@@ -113,7 +127,7 @@ export function drag(changes: Change[]): void {
 export function endDrag(): void {
   waiting = null;
   dragging = false;
-  set({ drag: null, troubles: studio.troubles.filter(one => one.of !== "sketch") });
+  set({ drag: null, dragSurvey: null, troubles: studio.troubles.filter(one => one.of !== "sketch") });
 }
 
 function dragAnswered(): void {
@@ -129,7 +143,7 @@ function hear(answer: Answer): void {
   switch (answer.kind) {
     case "document":
       document.title = `${answer.unsaved ? "● " : ""}${answer.name} · studio`;
-      if (answer.revision !== studio.document?.revision) set({ progress: null, troubles: [], drag: null });
+      if (answer.revision !== studio.document?.revision) set({ progress: null, troubles: [], drag: null, dragSurvey: null, lookedAt: null });
       set({ document: answer, ...(studio.document ? {} : { candidates: keptCandidates(answer.path) }) });
       break;
     case "tiles":
@@ -146,11 +160,27 @@ function hear(answer: Answer): void {
         set({ sketch: answer });
       }
       break;
+    case "area":
+      set({ area: answer });
+      break;
+    case "coarse_survey":
+      if (answer.number === null) {
+        set({ coarseSurvey: answer });
+      } else {
+        dragAnswered();
+        if (dragging) set({ dragSurvey: answer });
+      }
+      break;
+    case "survey": {
+      const part = Math.min(studio.part, answer.flights.length - 1);
+      set({ survey: answer, part, progress: null, troubles: studio.troubles.filter(one => one.of !== "plan"), flownParts: [], at: Math.min(studio.at, answer.flights[part]!.plan.course.times.length - 1) });
+      break;
+    }
     case "progress":
-      set({ progress: answer });
+      set({ progress: answer, troubles: studio.troubles.filter(one => one.of !== "plan") });
       break;
     case "plan":
-      set({ plan: answer, progress: null, at: Math.min(studio.at, answer.course.times.length - 1) });
+      set({ plan: answer, progress: null, troubles: studio.troubles.filter(one => one.of !== "plan"), at: Math.min(studio.at, answer.course.times.length - 1) });
       break;
     case "mission":
       set({ mission: answer, item: studio.item !== null && studio.item > answer.items.length ? null : studio.item });
@@ -168,6 +198,9 @@ function hear(answer: Answer): void {
     case "heard":
       set({ heard: answer });
       break;
+    case "found":
+      set({ found: answer });
+      break;
     case "elsewhere":
       location.assign(new URL(answer.address, document.baseURI));
       break;
@@ -183,7 +216,7 @@ function hear(answer: Answer): void {
       set({ seen: answer, flown: [...studio.flown, answer] });
       break;
     case "landed":
-      set({ landed: answer });
+      set({ landed: answer, ...(answer.completed && studio.loaded ? { flownParts: [...studio.flownParts, studio.loaded.mission] } : {}) });
       break;
     case "state":
       if (answer.phase === "uploading") set({ troubles: studio.troubles.filter(one => one.of !== "flight") });
@@ -242,8 +275,50 @@ export function isNamed(name: string, refusals: Trouble[]): boolean {
   });
 }
 
-/** The plan, if it is of the scenario as it is now; of a mission the last one, which the next soon replaces. */
+/** Whether the scenario that is open sees an area. */
+export const isSurvey = (now: Studio): boolean => now.document?.scenario.survey !== undefined;
+
+/** Whether the scenario says where a place is: a survey begins and ends over home unless something else is said. */
+export const isWritten = (path: Path): boolean =>
+  isMission(studio) || (path[0] !== "start" && path[0] !== "goal") || studio.document?.scenario[path[0]] !== undefined;
+
+/** The flights of a survey, if they are of the scenario as it is now. */
+export function surveyed(now: Studio): PlannedSurvey | null {
+  return now.survey && now.survey.revision === now.document?.revision ? now.survey : null;
+}
+
+/** The lines that no flight flies yet, where they are what is to be shown: of a drag, or while flights are planned. */
+export function coarseSurveyOf(now: Studio): CoarseSurvey | null {
+  if (now.dragSurvey) return now.dragSurvey;
+  return !surveyed(now) && now.coarseSurvey && now.coarseSurvey.revision === now.document?.revision ? now.coarseSurvey : null;
+}
+
+/** The lines to be shown. */
+export const layoutOf = (now: Studio): SurveyLayout | null => coarseSurveyOf(now)?.layout ?? surveyed(now)?.layout ?? null;
+
+/** Look at another flight of a survey, from its begin. */
+export function choosePart(part: number): void {
+  set({ part, at: 0, item: null, playing: false });
+}
+
+/** The photo of the chosen flight that is taken nearest to where the slider stands, with its line. */
+export function photoAt(now: Studio): { line: SurveyLine; place: LngLat } | null {
+  const here = proved(now)?.course.line.points[now.at], [wide, high] = now.world?.degree_m ?? [1, 1];
+  let best: { line: SurveyLine; place: LngLat } | null = null, least = Infinity;
+  for (const line of here ? surveyed(now)?.layout.lines ?? [] : []) {
+    if (line.flight !== now.part) continue;
+    for (const place of line.photos as LngLat[]) {
+      const away = Math.hypot((place[0] - here![0]!) * wide!, (place[1] - here![1]!) * high!);
+      if (away < least) [best, least] = [{ line, place }, away];
+    }
+  }
+  return least <= (surveyed(now)?.layout.trigger ?? 0) ? best : null;
+}
+
+/** The plan, if it is of the scenario as it is now, of a survey that of the chosen flight; of a mission the last one. */
 export function proved(now: Studio): Plan | null {
+  const survey = surveyed(now);
+  if (survey) return survey.flights[Math.min(now.part, survey.flights.length - 1)]!.plan;
   if (isMission(now)) return now.plan?.of === "mission" ? now.plan : null;
   return now.plan && now.document && now.plan.revision === now.document.revision ? now.plan : null;
 }

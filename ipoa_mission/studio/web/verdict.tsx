@@ -3,7 +3,8 @@ import { useEffect, useRef } from "preact/hooks";
 import { showNamed } from "./map";
 import type { Trouble } from "./messages";
 import { MissionVerdict } from "./mission";
-import { blocking, coarseOf, edit, isMission, proved, send, type Studio } from "./store";
+import { blocking, coarseOf, edit, isMission, isSurvey, proved, send, studio, type Studio } from "./store";
+import { SurveyFigures, SurveyVerdict } from "./survey";
 import { meters, seconds, share } from "./words";
 
 export function Verdict({ now }: { now: Studio }) {
@@ -14,7 +15,8 @@ export function Verdict({ now }: { now: Studio }) {
   return (
     <section class="verdict" aria-live="polite" ref={place}>
       {isMission(now) ? (refusals.length ? <Troubles of={refusals} /> : <MissionVerdict now={now} checked={now.checked?.revision === now.document?.revision ? now.checked : null} />)
-        : refusals.length && !now.drag ? <Troubles of={refusals} />
+        : refusals.length && !now.drag && !now.dragSurvey ? <Troubles of={refusals} />
+        : isSurvey(now) ? <SurveyVerdict now={now} />
         : plan && !now.drag ? (
           <p class={plan.warnings.length ? "amber" : "good"}><b aria-hidden="true">{plan.warnings.length ? "!" : "✓"}</b> Proved. {
             plan.kept === null ? <>{plan.verdict}.</>
@@ -34,7 +36,7 @@ export function Verdict({ now }: { now: Studio }) {
           <button type="button" onClick={() => send({ kind: "do", what: "cancel" })}>Cancel</button>
         </div>
       )}
-      <Figures now={now} />
+      {isSurvey(now) ? <SurveyFigures now={now} /> : <Figures now={now} />}
       <Troubles of={others} />
     </section>
   );
@@ -47,6 +49,7 @@ function Troubles({ of }: { of: Trouble[] }) {
       {trouble.hint && !trouble.remedies?.length && <p class="note">Try: {trouble.hint}</p>}
       <p class="remedies">
         {trouble.remedies?.map(remedy => <button type="button" key={remedy.label} onClick={() => edit(remedy.label, ...remedy.changes)}>{remedy.label}</button>)}
+        {trouble.of === "scenario" && studio.document?.undo && <button type="button" onClick={() => send({ kind: "do", what: "undo" })}>Undo: {studio.document.undo}</button>}
         {trouble.of !== "edit" && <button type="button" onClick={() => showNamed(trouble)}>Show on the map</button>}
         {trouble.of === "plan" && <button type="button" onClick={() => send({ kind: "do", what: "plan" })}>Plan again</button>}</p>
     </div>

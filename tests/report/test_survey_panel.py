@@ -1,0 +1,33 @@
+"""What a report shows of a survey: shaded is as much as is seen, and a flight has one color in map and table."""
+
+import re
+
+import numpy as np
+import pytest
+
+from ipoa_mission import plan_survey
+from ipoa_mission.report.panels.survey import survey_panel
+from ipoa_mission.scenario import Scenario
+
+HOME = {"latitude_deg": 47.3977, "longitude_deg": 8.5456, "altitude_amsl": 488.0}
+FIELD = [[[20.0, 10.0], [120.0, 10.0], [120.0, 90.0], [20.0, 90.0]], [[60, 40], [80, 40], [80, 60], [60, 60]]]
+
+
+def area_of(path: str) -> float:
+    """The area that a path encloses, its inner rings left out, by its corners alone."""
+    rings = [np.array(re.findall(r"([-\d.]+) ([-\d.]+)", ring), float) for ring in path.split("Z") if ring]
+    areas = [abs(np.sum(x * np.roll(y, 1) - y * np.roll(x, 1))) / 2 for x, y in (ring.T for ring in rings)]
+    return float(2 * max(areas) - sum(areas))
+
+
+def test_shaded_is_what_is_seen_and_flights_have_their_colors() -> None:
+    asked = {"polygon": FIELD, "line_spacing": 15.0, "height_above_ground": 40.0, "flights": 2}
+    survey = plan_survey(scenario=Scenario.from_dict({"home": HOME, "survey": asked}))
+    panel = survey_panel(survey.plan, survey.names)
+    drawn = re.findall(r'<path d="([^"]*)" fill="currentColor"', panel)
+    whole, seen = map(area_of, drawn)
+    assert whole == pytest.approx(100.0 * 80.0 - 20.0 * 20.0)
+    assert seen == pytest.approx(survey.plan.coverage.seen_m2, rel=0.002)
+    on_map = list(dict.fromkeys(re.findall(r"stroke:(hsl\([^)]*\));fill:none", panel)))
+    assert on_map == re.findall(r"color:(hsl\([^)]*\))\">━", panel)
+    assert len(on_map) == 2

@@ -1,0 +1,137 @@
+"""Firefox, driven by WebDriver BiDi, which it speaks itself: no driver has to be installed.
+
+On a screen of Xvfb it draws by WebGL, with no window at all it has none.
+"""
+
+import base64
+import itertools
+import json
+import os
+import re
+import subprocess
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+PATIENCE_S = 60.0
+#: WebGL also by software, and nothing asked of anyone at the start.
+PREFERENCES = {
+    "webgl.force-enabled": True,
+    "browser.shell.checkDefaultBrowser": False,
+    "app.normandy.enabled": False,
+    "network.captive-portal-service.enabled": False,
+    "network.connectivity-service.enabled": False,
+    "datareporting.policy.dataSubmissionEnabled": False,
+    "browser.startup.page": 0,
+}
+
+
+class Firefox:
+    """One page in it."""
+
+    def __init__(self, socket: Any) -> None:
+        self._socket = socket
+        self._numbers = itertools.count(1)
+        self.complaints: list[str] = []
+        self.asked: list[str] = []
+        self._do("session.new", capabilities={})
+        self._do("session.subscribe", events=["log.entryAdded", "network.beforeRequestSent"])
+        self._page = self._do("browsingContext.create", type="tab")["context"]
+        self._do("browsingContext.setViewport", context=self._page, viewport={"width": 1280, "height": 800})
+
+    def open(self, address: str) -> None:
+        """Go there."""
+        self._do("browsingContext.navigate", context=self._page, url=address, wait="complete")
+
+    def value(self, expression: str) -> Any:
+        """What an expression of the page's script comes to, as JSON has it."""
+        asked = f"JSON.stringify({expression} ?? null)"
+        told = self._do("script.evaluate", expression=asked, target={"context": self._page}, awaitPromise=True)
+        assert told["type"] == "success", told
+        return json.loads(told["result"]["value"])
+
+    def until(self, expression: str) -> None:
+        """Wait for an expression to be true."""
+        until_s = time.monotonic() + PATIENCE_S
+        while not self.value(expression):
+            assert time.monotonic() < until_s, f"never came true: {expression}"
+            time.sleep(0.05)
+
+    def drag(self, *places: tuple[float, float]) -> None:
+        """Press the mouse at the first place, and let it go at the last."""
+        moves = [{"type": "pointerMove", "x": round(x), "y": round(y), "duration": 50} for x, y in places]
+        steps = [moves[0], {"type": "pointerDown", "button": 0}, *moves[1:], {"type": "pointerUp", "button": 0}]
+        self._act({"type": "pointer", "id": "mouse", "actions": steps})
+
+    def click(self, element: str) -> None:
+        """Click what an expression of the page's script finds."""
+        self.value(f"{element}.scrollIntoView({{block: 'center'}})")
+        self.drag(self.middle(element))
+
+    def middle(self, element: str) -> tuple[float, float]:
+        """Where an element is on the screen."""
+        box = self.value(f"{element}.getBoundingClientRect()")
+        return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+    def type(self, words: str) -> None:
+        """Press keys."""
+        keys = [{"type": way, "value": letter} for letter in words for way in ("keyDown", "keyUp")]
+        self._act({"type": "key", "id": "keys", "actions": keys})
+
+    def picture(self) -> bytes:
+        """The page as it is drawn, as PNG."""
+        return base64.b64decode(self._do("browsingContext.captureScreenshot", context=self._page)["data"])
+
+    def _act(self, source: dict[str, Any]) -> None:
+        self._do("input.performActions", context=self._page, actions=[source])
+
+    def _do(self, method: str, **params: Any) -> Any:
+        number = next(self._numbers)
+        self._socket.send(json.dumps({"id": number, "method": method, "params": params}))
+        while True:
+            told = json.loads(self._socket.recv(timeout=PATIENCE_S))
+            if told.get("id") == number:
+                assert told["type"] == "success", told
+                return told["result"]
+            if told.get("method") == "log.entryAdded" and told["params"]["level"] in ("error", "warn"):
+                self.complaints.append(told["params"]["text"])
+            if told.get("method") == "network.beforeRequestSent":
+                self.asked.append(told["params"]["request"]["url"])
+
+
+@contextmanager
+def screen(xvfb: str | None) -> Iterator[dict[str, str]]:
+    """What the environment says of a screen; None: there is none."""
+    if xvfb is None:
+        yield {"MOZ_HEADLESS": "1"}
+        return
+    command = [xvfb, "-displayfd", "1", "-screen", "0", "1400x1000x24", "-nolisten", "tcp"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
+        assert process.stdout is not None
+        yield {"DISPLAY": f":{process.stdout.readline().strip()}", "LIBGL_ALWAYS_SOFTWARE": "1"}
+        process.terminate()
+
+
+@contextmanager
+def firefox(program: str, folder: Path, xvfb: str | None) -> Iterator[Firefox]:
+    """A Firefox with a profile of its own in an empty folder."""
+    from websockets.sync.client import connect
+
+    lines = [f"user_pref({json.dumps(name)}, {json.dumps(value)});" for name, value in PREFERENCES.items()]
+    (folder / "user.js").write_text("\n".join(lines), encoding="utf-8")
+    command = [program, "--no-remote", "--profile", str(folder), "--remote-debugging-port", "0"]
+    with (
+        screen(xvfb) as where,
+        subprocess.Popen(command, env=os.environ | where, stderr=subprocess.PIPE, text=True) as process,
+    ):
+        assert process.stderr is not None
+        address = next(found[0] for line in process.stderr if (found := re.search(r"ws://127\.0\.0\.1:\d+", line)))
+        threading.Thread(target=process.stderr.read, daemon=True).start()  # else it stands still when the pipe is full
+        try:
+            with connect(f"{address}/session", max_size=None) as socket:
+                yield Firefox(socket)
+        finally:
+            process.terminate()

@@ -1,0 +1,307 @@
+"""A survey in the studio: its area changed in the text, refused with a remedy, planned, written, flown."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+
+from ipoa_mission import BadInput, plan_survey
+from ipoa_mission.errors import MissionError
+from ipoa_mission.scenario import Scenario, parse_scenario
+from tests.studio.conftest import MEADOW, Studio
+
+from ipoa_mission.studio.answers import Remedy, Trouble  # isort: skip
+from ipoa_mission.studio.edits import changed
+from ipoa_mission.studio.planner import look, sketch
+from ipoa_mission.studio.refused import refused
+from ipoa_mission.studio.relay import Relay
+from ipoa_mission.studio.requests import (
+    AddCorner,
+    Change,
+    DrawArea,
+    MapArea,
+    OwnArea,
+    Put,
+    PutCorner,
+    Shift,
+    Take,
+    Upload,
+)
+from ipoa_mission.studio.vocabulary import LngLat
+
+OUTLINE: tuple[LngLat, ...] = ((8.5001, 47.2998), (8.5007, 47.2998), (8.5007, 47.3002), (8.5001, 47.3002))
+HOLE: tuple[LngLat, ...] = ((8.5002, 47.2999), (8.5003, 47.2999), (8.5003, 47.3))
+BESIDE: tuple[LngLat, ...] = tuple((east + 0.001, north) for east, north in OUTLINE)
+WIDE = Put(path=("bounds",), value={"east": [-50.0, 250.0], "north": [-60.0, 60.0], "up": [-5.0, 80.0]})
+FIRST: tuple[str | int, ...] = ("survey", "polygon", 0)
+
+
+def asked(key: str, value: Any) -> Put:
+    """A key of [survey]."""
+    return Put(path=("survey", key), value=value)
+
+
+PHOTOS = asked("camera", "DJI Mavic 3E")
+LARGE_BARN = [Put(path=("obstacles", 0, side), value=200.0) for side in ("width", "depth")]
+
+
+#: So low that the way home leads between barn and silo.
+NARROW: list[Change] = [
+    asked("polygon", [[-10, -30], [70, -30], [70, 30], [-10, 30]]),
+    *(asked("line_spacing", 8.0), asked("height_above_ground", 20.0)),
+]
+
+
+def drawn(*changes: Change) -> str:
+    """The meadow's text with an area drawn, and these changes."""
+    return changed(MEADOW.read_text(), [WIDE, DrawArea(what="area", ring=OUTLINE), *changes])
+
+
+def scenario(*changes: Change) -> Scenario:
+    return parse_scenario(drawn(*changes), MEADOW)
+
+
+def area(*changes: Change) -> Any:
+    found = scenario(*changes).survey_area
+    assert found is not None
+    return found.shape
+
+
+def on_map(ring: tuple[LngLat, ...]) -> Any:
+    """The ring in metres from the meadow's home, by plain geometry."""
+    wide, high = 111_412.84 * np.cos(np.radians(47.3)) - 93.5 * np.cos(3 * np.radians(47.3)), 111_170.0
+    return shapely.Polygon([((east - 8.5) * wide, (north - 47.3) * high) for east, north in ring])
+
+
+# --- the text ---------------------------------------------------------------------------------------------------------
+
+
+def test_an_area_that_is_drawn_stands_in_place_of_start_and_goal() -> None:
+    text = drawn()
+    flown = parse_scenario(text, MEADOW)
+    assert area().symmetric_difference(on_map(OUTLINE)).area < 0.01 * area().area
+    assert "[goal]" not in text
+    assert "[start]" not in text
+    assert flown.start_point.tolist() == flown.goal_point.tolist() == [0.0, 0.0, 40.0]
+    assert "# Two barns on a meadow" in text
+    assert text.count("[[obstacles]]") == 2
+
+
+def test_holes_areas_and_corners_join_and_leave() -> None:
+    hole = DrawArea(what="hole", ring=HOLE)
+    assert len(area(hole).geoms[0].interiors) == 1
+    both = area(hole, DrawArea(what="area", ring=BESIDE))
+    assert [len(part.interiors) for part in both.geoms] == [1, 0]
+    into = DrawArea(what="hole", ring=tuple((east + 0.001, north) for east, north in HOLE))
+    assert [len(part.interiors) for part in area(DrawArea(what="area", ring=BESIDE), into).geoms] == [0, 1]
+    more = area(AddCorner(path=(*FIRST, 1), place=(8.5004, 47.2997)))
+    assert more.area > area().area
+    assert area(AddCorner(path=(*FIRST, 1), place=(8.5004, 47.2997)), Take(path=(*FIRST, 1))).equals(area())
+    assert area(hole, Take(path=("survey", "polygon", 1))).equals(area())
+    one = area(DrawArea(what="area", ring=BESIDE), Take(path=(*FIRST, 0)))
+    assert one.symmetric_difference(on_map(BESIDE)).area < 0.01 * one.area
+
+
+def test_a_corner_is_moved_and_all_else_stays_byte_for_byte() -> None:
+    text = drawn()
+    moved = changed(text, [PutCorner(path=(*FIRST, 2), place=(8.5008, 47.3003))])
+    lines = [(one, other) for one, other in zip(text.splitlines(), moved.splitlines(), strict=True) if one != other]
+    assert [one.split("=")[0] for pair in lines for one in pair] == ["polygon ", "polygon "]
+    before, after = (np.array(json.loads(one.split("=")[1])) for one in lines[0])
+    assert np.abs(before - after).max(axis=2).astype(bool).tolist() == [[False, False, True, False]]
+
+
+def test_a_ring_that_is_written_closed_stays_closed() -> None:
+    closed = Put(path=("survey", "polygon"), value=[[10, 0], [50, 0], [50, 20], [10, 20], [10, 0]])
+    for change in (PutCorner(path=("survey", "polygon", 0), place=OUTLINE[0]), Take(path=("survey", "polygon", 0))):
+        survey = scenario(closed, change).survey
+        assert survey is not None
+        ring = list(survey.polygon or ())
+        assert ring[0] == ring[-1]
+        assert ring[0] != [10, 0]
+
+
+def test_what_would_leave_no_area_is_refused() -> None:
+    for taken in (*((*FIRST, n) for n in (0,)), ("survey", "polygon", 0)):
+        with pytest.raises(BadInput, match=r"expected (3 corners or more|some area)"):
+            drawn(AddCorner(path=(*FIRST, 1), place=(8.5004, 47.2997)), *[Take(path=(*FIRST, 1))] * 2, Take(path=taken))
+    with pytest.raises(BadInput, match="hole: expected in an area"):
+        drawn(DrawArea(what="hole", ring=BESIDE))
+
+
+def test_home_moves_alone_and_an_area_moves_whole() -> None:
+    there = Shift(path=("home",), taken=(8.5, 47.3), put_down=(8.5002, 47.3001))
+    step = on_map(((8.5, 47.3), (8.5002, 47.3001), (8.5, 47.3001))).exterior.coords[1]
+    left = shapely.affinity.translate(area(), -step[0], -step[1])
+    assert area(there).symmetric_difference(left).area < 0.01 * left.area
+    along = Shift(path=("survey", "polygon"), taken=(8.5, 47.3), put_down=(8.5002, 47.3001))
+    right = shapely.affinity.translate(area(), *step[:2])
+    assert area(along).symmetric_difference(right).area < 0.01 * right.area
+
+
+def test_a_corridor_and_a_map_take_the_area_s_place(tmp_path: Path) -> None:
+    corridor = scenario(DrawArea(what="corridor", ring=OUTLINE[:2]))
+    assert corridor.survey is not None
+    assert corridor.survey.polygon is None
+    assert corridor.survey_area is not None
+    assert corridor.survey_area.shape.area == pytest.approx(40.0 * 45.4, rel=0.01)
+    feature = {
+        "type": "Feature",
+        "properties": {},
+        "geometry": {"type": "Polygon", "coordinates": [[*OUTLINE, OUTLINE[0]]]},
+    }
+    (tmp_path / "field.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": [feature]}))
+    text = changed(MEADOW.read_text(), [WIDE, MapArea(file="field.geojson")])
+    mapped = parse_scenario(text, tmp_path / "x.toml")
+    assert mapped.survey_area is not None
+    assert mapped.survey_area.shape.symmetric_difference(area()).area < 0.01 * area().area
+    own = parse_scenario(changed(text, [OwnArea(parts=((OUTLINE, HOLE),))]), tmp_path / "x.toml")
+    assert own.survey is not None
+    assert own.survey.area is None
+    assert own.survey_area is not None
+    assert len(own.survey_area.shape.geoms[0].interiors) == 1
+
+
+# --- what is refused, and what helps ----------------------------------------------------------------------------------
+
+
+def told(job: Any, text: str) -> list[Any]:
+    """What a planner's job answers to a text."""
+    found = list[Any]()
+    order = {"text": text, "path": str(MEADOW), "revision": 1, "number": None, "changes": []}
+    job(order, found.append)
+    return found
+
+
+def remedy(trouble: Any, label: str) -> Remedy:
+    assert isinstance(trouble, Trouble)
+    found: Remedy = next(one for one in trouble.remedies if label in one.label)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("wrong", "label"),
+    [
+        ([asked("height_above_ground", 1.0)], "m above ground"),
+        ([asked("height_above_ground", 24.0), *LARGE_BARN], "over"),
+        ([PHOTOS, asked("line_spacing", 90.0)], "apart"),
+        ([PHOTOS, asked("front_overlap", 0.999)], "usual"),
+    ],
+)
+def test_a_survey_that_is_refused_at_once_is_laid_with_its_remedy(wrong: list[Change], label: str) -> None:
+    text = drawn(*wrong)
+    trouble = told(sketch, text)[-1]
+    assert trouble.of == "sketch"
+    assert "survey." not in trouble.message
+    assert told(sketch, changed(text, remedy(trouble, label).changes))[-1].kind == "coarse_survey"
+
+
+@pytest.mark.parametrize(
+    ("wrong", "label"),
+    [
+        ([asked("flights", 99)], "flights"),
+        ([asked("flights", 99)], "As few"),
+        ([Put(path=("bounds",), value={"up": [-5.0, 30.0]})], "Bounds"),
+        (NARROW, "over silo"),
+    ],
+)
+def test_a_survey_that_is_refused_is_planned_with_its_remedy(wrong: list[Change], label: str) -> None:
+    text = drawn(*wrong)
+    wanted = parse_scenario(text, MEADOW)
+    with pytest.raises(MissionError) as error:
+        plan_survey(scenario=wanted)
+    trouble = refused(error.value, wanted, 1)
+    mended = parse_scenario(changed(text, remedy(trouble, label).changes), MEADOW)
+    assert plan_survey(scenario=mended).plan.coverage.share > 0.999
+
+
+def test_an_area_that_makes_no_sense_is_shown_and_named_as_on_the_map() -> None:
+    text = drawn(DrawArea(what="area", ring=BESIDE), PutCorner(path=(*FIRST, 0, 0), place=(8.5009, 47.30015)))
+    shown, trouble = told(look, text)
+    assert [ring.name for ring in shown.rings] == ["area 1", "area 2"]
+    assert len(shown.rings[0].places) == 4
+    assert trouble.message.startswith("area 1: expected a ring that does not cross")
+    away = Shift(path=("survey", "polygon", 1), taken=HOLE[0], put_down=(8.51, 47.3))
+    text = drawn(DrawArea(what="hole", ring=HOLE), away)
+    _, trouble = told(look, text)
+    assert trouble.message.startswith("hole 1: expected a hole inside")
+    assert told(look, changed(text, remedy(trouble, "Take hole 1 out").changes))[-1].kind == "world"
+
+
+# --- the server -------------------------------------------------------------------------------------------------------
+
+
+def survey_text() -> str:
+    """Two flights over the meadow."""
+    return drawn(PHOTOS, asked("line_spacing", 12.0), asked("flights", 2))
+
+
+def test_a_survey_is_laid_planned_dragged_and_written_as_plan_writes_it(studio: Studio, tmp_path: Path) -> None:
+    text = survey_text()
+    with studio.window() as talk:
+        talk.say(kind="rewrite", seen=talk.wait("document")["revision"], text=text)
+        assert talk.wait("area", lambda area: area["rings"])["rings"][0]["path"] == list(FIRST)
+        planned = talk.wait("survey")
+        early = [answer for answer in talk.heard if answer["kind"] == "coarse_survey"]  # by another process
+        coarse = early[-1] if early else talk.wait("coarse_survey")
+        turn = {"op": "put", "path": ["survey", "direction_deg"], "value": 30.0}
+        talk.say(kind="drag", number=7, changes=[turn])
+        dragged = talk.wait("coarse_survey", lambda answer: answer["number"] == 7)
+        talk.say(kind="do", what="export")
+        written = talk.wait("written")["files"]
+    survey = plan_survey(scenario=parse_scenario(text, studio.scenario))
+    assert coarse["layout"]["share"] == planned["layout"]["share"] == survey.plan.coverage.share > 0.999
+    assert [line["begin"] for line in coarse["layout"]["lines"]] == [
+        line["begin"] for line in planned["layout"]["lines"]
+    ]
+    assert dragged["layout"]["degrees"] == pytest.approx(30.0, abs=0.5)
+    assert planned["total_s"] == pytest.approx(survey.total_s, abs=0.01)
+    assert [part["file"] for part in planned["flights"]] == ["meadow-1.plan", "meadow-2.plan"]
+    assert sum(part["photos"] for part in planned["flights"]) == survey.plan.photos
+    assert sum(len(line["photos"]) for line in planned["layout"]["lines"]) == survey.plan.photos
+    assert len({part["plan"]["proof"] for part in planned["flights"]}) == 2
+    survey.write(tmp_path)
+    for file in sorted(one.name for one in tmp_path.iterdir()):
+        assert file in written
+        assert (studio.scenario.parent / file).read_bytes() == (tmp_path / file).read_bytes()
+    assert {"meadow-1.html", "meadow-2.html"} <= set(written)
+
+
+def test_the_flights_are_flown_one_after_the_other(studio: Studio) -> None:
+    with studio.window() as talk:
+        talk.say(kind="rewrite", seen=talk.wait("document")["revision"], text=survey_text())
+        planned = talk.wait("survey", lambda survey: len(survey["flights"]) == 2)
+        talk.say(kind="upload", link=None, system=None, speedup=1000.0, flight=2)
+        assert "flight 3: expected one of 2" in talk.wait_for_trouble("flight")["message"]
+        for n, part in enumerate(planned["flights"]):
+            talk.say(kind="upload", link=None, system=None, speedup=1000.0, flight=n)
+            loaded = talk.wait("loaded")
+            assert (loaded["mission"], loaded["proof"]) == (f"meadow-{n + 1}", part["plan"]["proof"])
+            talk.say(kind="start", **{what: loaded[what] for what in ("vehicle", "mission", "proof")})
+            landed = talk.wait("landed")
+            assert landed["completed"], landed["why_not"]
+            talk.wait("state", lambda state: state["phase"] == "over")
+            assert landed["log"] == f"meadow-{n + 1}.tlog"
+            assert landed["flown_s"] == pytest.approx(part["plan"]["total_s"], rel=0.05)
+
+
+def test_on_a_link_the_next_flight_waits_for_a_battery_and_is_the_same_vehicle_s() -> None:
+    relay, on_link = Relay(), Upload(link="udpin:127.0.0.1:14550")
+    assert relay.expect_charged(on_link, is_survey=True) == on_link
+    relay.hear({"kind": "loaded", "mission": "field-1", "system": 7})
+    again = relay.expect_charged(on_link, is_survey=True)  # nothing has turned yet
+    assert again.system == 7
+    relay.hear({"kind": "loaded", "mission": "field-1", "system": 7})
+    relay.hear({"kind": "state", "phase": "flying"})
+    following = on_link.model_copy(update={"flight": 1})
+    with pytest.raises(MissionError, match="field-1 was flown with the battery that is in"):
+        relay.expect_charged(following, is_survey=True)
+    assert relay.expect_charged(Upload(), is_survey=True) == Upload()  # the built-in autopilot has no battery to change
+    with pytest.raises(MissionError, match="expected a charged one"):
+        relay.expect_charged(following, is_survey=True)
+    flown = relay.expect_charged(following.model_copy(update={"charged": True}), is_survey=True)
+    assert flown.system == 7
+    assert relay.expect_charged(on_link, is_survey=False) == on_link

@@ -1,0 +1,85 @@
+"""A survey drawn, bent, turned, split and flown in a real browser; skipped as the page's other tests are."""
+
+from pathlib import Path
+from typing import Any
+
+from ipoa_mission.scenario import read_scenario
+from tests.studio import test_studio_page as own
+from tests.studio.test_studio_page import address, browser, own_page, pytestmark, until
+
+__all__ = ["address", "browser", "own_page", "pytestmark"]
+
+
+def planned(page: Any, flights: int) -> None:
+    """Wait for so many flights of what is drawn now."""
+    page.locator(f".flights:not(.stale) tbody tr:nth-child({flights})").wait_for()
+    page.locator(".verdict :is(.good, .amber)").first.wait_for()
+
+
+def dragged(page: Any, grip: str, right: float, down: float) -> None:
+    """Drag a handle; while it is dragged nothing looks proved."""
+    box = page.locator(f"[data-grip='{grip}']").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + right, y + down, steps=4)
+    page.get_by_text("While you drag").wait_for()
+    assert page.locator(".verdict :is(.good, .amber)").count() == 0
+    page.mouse.up()
+
+
+def test_an_area_is_drawn_bent_turned_split_and_flown(own_page: Any, address: tuple[str, Path]) -> None:
+    page = own_page
+    own.proved(page)
+    page.locator("summary", has_text="Survey").click()
+    page.get_by_role("button", name="Draw an area …").click()
+    for place in ((-0.2, -0.25), (0.4, -0.25), (0.4, 0.15), (-0.2, 0.15)):
+        page.mouse.click(*own.at(page, *place))
+    page.keyboard.press("Enter")
+    page.get_by_role("button", name="Bounds that hold the survey").click()  # it is flown higher than the meadow's
+    planned(page, 1)
+    before = page.locator(".map").bounding_box()
+    dragged(page, "survey.polygon.0.2", 40, -30)
+    until(page, "document.querySelector('[title^=Undo]').title.includes('corner moved')")
+    dragged(page, "survey direction", -60, -60)
+    until(page, "document.querySelector('textarea').value.includes('direction_deg')")
+    page.locator("[data-grip='survey direction']").focus()
+    page.keyboard.press("Shift+ArrowRight")
+    until(page, "document.querySelector('[title^=Undo]').title.includes('lines at')")
+    page.keyboard.press("h")
+    box = page.locator("[data-grip='survey middle']").bounding_box()
+    for right, down in ((-60, 30), (-20, 30), (-20, 60)):
+        page.mouse.click(box["x"] + right, box["y"] + down)
+    page.keyboard.press("Enter")
+    page.get_by_role("button", name="Take hole 1 out").wait_for()
+    page.get_by_label("Number of flights").fill("2")
+    page.get_by_label("Number of flights").press("Tab")
+    planned(page, 2)
+    assert page.locator(".map").bounding_box() == before
+    page.get_by_role("button", name="meadow-2.plan").click()
+    until(page, "document.querySelectorAll('.flights tr.chosen')[0].innerText.includes('meadow-2')")
+    page.get_by_role("button", name="Mission files").click()
+    page.get_by_text("written: meadow-1.plan").wait_for()
+    page.keyboard.press("Control+s")
+    page.locator(".saved").wait_for()
+    survey = read_scenario(address[1]).survey
+    assert survey is not None
+    assert survey.flights == 2
+    page.locator("summary", has_text="Fly it").click()
+    page.get_by_label("So many times as fast").fill("200")
+    page.get_by_role("button", name="Take meadow-1").click()
+    page.get_by_role("button", name="Upload").click()
+    page.get_by_role("button", name="Arm and start …").click()
+    page.get_by_role("dialog").locator("input").fill("meadow-1")
+    page.get_by_role("dialog").get_by_role("button", name="Arm and start").click()
+    page.get_by_text("✓ Landed").wait_for()
+    page.get_by_role("button", name="Take meadow-2").wait_for()
+    page.get_by_label("a vehicle, or SITL").click()
+    assert page.get_by_role("button", name="Upload").is_disabled()
+    page.get_by_label("a charged battery is in").check()
+    assert page.get_by_role("button", name="Upload").is_enabled()
+    page.set_viewport_size({"width": 390, "height": 844})
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+
+    for scheme in ("light", "dark"):
+        assert own.serious(page, scheme) == []
