@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.link.logbook import FlightRecord, Logbook, Sample
+from ipoa_mission.link.logbook import FlightRecord, Logbook
 from ipoa_mission.link.messages import Current, Heartbeat, Message, ParamValue
 from ipoa_mission.link.telemetry import HomePosition, Position, SystemTime
 from ipoa_mission.logs.logged import Begun, Held, Log, log_format, told
@@ -50,14 +50,15 @@ class LoggedFlight:
             logbook.note(message)
         return logbook.record()
 
-    def flown_in_mission(self) -> tuple[Sample, ...]:
-        """Where it was while it flew in the mission mode."""
-        logbook, mode = Logbook((), self.autopilot), None
+    def flown_in_mission(self) -> tuple[Position, ...]:
+        """Where it said that it was while it flew in the mission mode."""
+        places, is_flying = list[Position](), False
         for message in self.messages:
-            mode = message.custom_mode if isinstance(message, Heartbeat) else mode
-            if not isinstance(message, Position) or mode == self.autopilot.modes.mission:
-                logbook.note(message)
-        return logbook.record().path
+            if isinstance(message, Heartbeat):
+                is_flying = message.armed and message.custom_mode == self.autopilot.modes.mission
+            elif isinstance(message, Position) and is_flying:
+                places.append(message)
+        return tuple(places)
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,14 @@
 """One flight, written down in every kind of log, is read back as the same flight."""
 
 import struct
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.link.messages import Heartbeat
 from ipoa_mission.logs.flight_log import read_flight, read_flights
 from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.simulator.fly import fly
@@ -155,3 +157,14 @@ def test_a_dataflash_log_that_begins_armed_has_its_flight_where_the_arming_opene
     else:
         (flight,) = read_flights(path).flights
         assert flight.armed_s == pytest.approx(97.0)  # the log's first record
+
+
+@pytest.mark.parametrize("name", ["sitl-ardupilot.bin", "sitl-px4.tlog"])
+def test_where_it_was_in_its_mission_mode_is_part_of_where_it_was(name: str) -> None:
+    (flight, *_) = read_flights(Path(__file__).parent / name).flights
+    whole, in_mission = flight.record().path, flight.flown_in_mission()
+    assert 0.5 * len(whole) < len(in_mission) <= len(whole)
+    there = {(one.latitude_deg, one.longitude_deg, one.height) for one in whole}
+    assert {(one.latitude_deg, one.longitude_deg, one.height) for one in in_mission} <= there
+    other = replace(flight, messages=tuple(m for m in flight.messages if not isinstance(m, Heartbeat)))
+    assert not other.flown_in_mission()  # nobody says in which mode it flew
