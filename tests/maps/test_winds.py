@@ -1,5 +1,6 @@
 """Wind out of forecast files, as xarray and eccodes write them; of these libraries, the reader uses the other side."""
 
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ from ipoa_mission.maps.winds import read_wind
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.world.frame import Geodetic
 
-xarray = pytest.importorskip("xarray")
+pytestmark = pytest.mark.skipif(find_spec("xarray") is None, reason="needs xarray")
 HOME = Geodetic(47.4, 8.5, 400.0)
 NOON = np.datetime64("2026-06-01T12:10")
 HOURS = np.array(["2026-06-01T11:00", "2026-06-01T12:00", "2026-06-01T13:00", "2026-06-01T14:00"], "datetime64[ns]")
@@ -19,6 +20,8 @@ HOURS = np.array(["2026-06-01T11:00", "2026-06-01T12:00", "2026-06-01T13:00", "2
 
 def forecast(heights: list[float], members: int = 1, longitudes: tuple[float, ...] = (8.0, 8.5, 9.0)) -> Any:
     """East 1 m/s for each 10 m of height, 1 m/s more each hour; north 2 m/s, and a member is 0.5 m/s from the next."""
+    import xarray  # which takes a second
+
     dims = ("number", "time", "height", "latitude", "longitude")
     latitudes = (47.0, 47.4, 47.8)
     shape = (members, len(HOURS), len(heights), len(latitudes), len(longitudes))

@@ -8,6 +8,7 @@ import os
 import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from importlib.util import find_spec
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -19,10 +20,11 @@ from ipoa_mission.report.page import write_report
 from ipoa_mission.simulator.fly import fly
 from tests.report.conftest import Bowed, Planned
 
-sync_api = pytest.importorskip("playwright.sync_api")
 BROWSERS = (os.environ.get("IPOA_MISSION_CHROMIUM", ""), "chromium", "chromium-browser", "google-chrome")
 CHROMIUM = next((found for name in BROWSERS if name and (found := shutil.which(name))), None)
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
+pytestmark = pytest.mark.skipif(
+    CHROMIUM is None or find_spec("playwright") is None, reason="needs Chromium and playwright"
+)
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,9 @@ class Tab:
 @pytest.fixture(scope="module")
 def only_tab() -> Iterator[Tab]:
     """One for all: another one is another process, which takes longer to begin than a report to be drawn."""
-    with sync_api.sync_playwright() as play:
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as play:
         chromium = play.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
         tab = Tab(chromium.new_page(), [])
         hear = tab.complaints.append

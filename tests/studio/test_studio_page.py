@@ -11,6 +11,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 from urllib.parse import urljoin
@@ -22,10 +23,11 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.files import write_atomically
 from tests.studio.conftest import MEADOW
 
-sync_api = pytest.importorskip("playwright.sync_api")
 BROWSERS = (os.environ.get("IPOA_MISSION_CHROMIUM", ""), "chromium", "chromium-browser", "google-chrome")
 CHROMIUM = next((path for name in BROWSERS if name and (path := shutil.which(name))), None)
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
+pytestmark = pytest.mark.skipif(
+    CHROMIUM is None or find_spec("playwright") is None, reason="needs Chromium and playwright"
+)
 
 REPOSITORY = Path(__file__).parents[2]
 WEB = REPOSITORY / "ipoa_mission" / "studio" / "web"
@@ -66,7 +68,9 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, Pat
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    with sync_api.sync_playwright() as play:
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as play:
         chromium = play.chromium.launch(executable_path=CHROMIUM, args=SOFTWARE)
         yield chromium
         chromium.close()
@@ -185,7 +189,7 @@ SEEN_FLYING = """() => new MutationObserver(() => {
 def test_a_flight_is_started_by_name_and_watched(own_page: Any) -> None:
     proved(own_page)
     own_page.locator("summary", has_text="Fly it").click()
-    own_page.get_by_label("So many times as fast").fill("8")
+    own_page.get_by_label("So many times as fast").fill("12")
     own_page.get_by_role("button", name="Upload").click()
     own_page.get_by_role("button", name="Arm and start …").click()
     dialog = own_page.get_by_role("dialog")
@@ -281,7 +285,7 @@ def test_a_mission_is_dropped_opened_and_changed_item_by_item(own_page: Any, add
     assert own_page.evaluate("document.documentElement.scrollWidth") <= 390
     own_page.set_viewport_size(USUAL)
     own_page.locator("summary", has_text="Fly it").click()
-    own_page.get_by_label("So many times as fast").fill("8")
+    own_page.get_by_label("So many times as fast").fill("12")
     own_page.get_by_role("button", name="Upload").click()
     own_page.get_by_text("no clearance was looked at").wait_for()
     own_page.get_by_role("button", name="Arm and start …").click()
