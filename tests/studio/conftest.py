@@ -40,6 +40,10 @@ class Talk:
                 return answer
             assert answer["kind"] != "trouble", answer
 
+    def has(self, kind: str) -> dict[str, Any]:
+        """The latest answer of a kind, or else the next one: what different processes answer comes in any order."""
+        return next((answer for answer in reversed(self.heard) if answer["kind"] == kind), None) or self.wait(kind)
+
     def wait_for_trouble(self, of: str) -> dict[str, Any]:
         """The next trouble of this sort."""
         while True:
