@@ -122,7 +122,7 @@ def test_it_is_flown_in_a_scenario_s_world_held_and_sent_on(opened: Studio) -> N
         talk.wait("state", lambda state: state["phase"] == "idle")
         revision = within(talk, world)
         plan = talk.wait("plan", lambda told: told["revision"] == revision)
-        assert uploaded(talk, 15.0) == named  # the same mission in the same world
+        assert uploaded(talk, 8.0) == named  # the same mission in the same world
         talk.say(kind="start", **named)
         flies = talk.wait("seen", lambda seen: seen["done"] > 2 and seen["orders"])
         talk.say(kind="order", what="hold")
