@@ -91,8 +91,9 @@ class Firefox:
     def _do(self, method: str, **params: Any) -> Any:
         number = next(self._numbers)
         self._socket.send(json.dumps({"id": number, "method": method, "params": params}))
-        while True:
-            told = json.loads(self._socket.recv(timeout=PATIENCE_S))
+        until_s = time.monotonic() + PATIENCE_S
+        while (left_s := until_s - time.monotonic()) > 0:  # whatever else it tells meanwhile
+            told = json.loads(self._socket.recv(timeout=left_s))
             if told.get("id") == number:
                 assert told["type"] == "success", told
                 return told["result"]
@@ -100,6 +101,7 @@ class Firefox:
                 self.complaints.append(told["params"]["text"])
             if told.get("method") == "network.beforeRequestSent":
                 self.asked.append(told["params"]["request"]["url"])
+        raise TimeoutError(f"{method}: no answer")
 
 
 @contextmanager
