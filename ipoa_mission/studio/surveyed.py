@@ -22,7 +22,6 @@ from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.world.frame import LocalFrame
 
-ARC = 8  # segments of a quarter of a circle
 FINE = 0.1  # of what is drawn, what is finer is left out [m]
 SHOWN_GAP = 0.01  # a gap that is smaller is one of rounding [m^2]
 AROUND = 1.0  # times the spacing beyond the area what is kept out of is drawn
@@ -33,7 +32,7 @@ def coarse_survey(
 ) -> CoarseSurvey:
     """Lines that no flight flies yet."""
     sight, ground = sketch.sight, scenario.airspace.ground
-    free = sketch.area.shape if sketch.keep_out is None else sketch.area.shape.difference(sketch.keep_out)
+    free = sketch.area.without(sketch.keep_out)
     lines = [*laid_lines(sketch.tour, sight, ground)]
     overlaps = smallest_overlaps(lines, sight, ground, free) if lines else None
     return CoarseSurvey(
@@ -86,8 +85,6 @@ def _layout(
 ) -> SurveyLayout:
     frame, shape, sight, coverage = scenario.frame, laid.area.shape, laid.sight, laid.coverage
     swaths = [swath for tour in tours for swath in tour.swaths]
-    lines = shapely.multilinestrings([[swath.begin, swath.end] for swath in swaths])
-    seen = shape.intersection(lines.buffer(sight.spacing / 2, quad_segs=ARC))
     kept_out = (
         shapely.Polygon() if laid.keep_out is None else laid.keep_out.intersection(shape.buffer(AROUND * sight.spacing))
     )
@@ -98,7 +95,7 @@ def _layout(
     return SurveyLayout(
         lines=tuple(_lines(scenario, sight, tours)),
         ways=tuple(on_map(frame, way) for tour in tours for way in tour.ways if len(way) > 1),
-        seen=_polygons(scenario, seen),
+        seen=_polygons(scenario, coverage.seen),
         gaps=tuple(_polygon(scenario, part) for part in gaps if part.geom_type == "Polygon"),
         kept_out=_polygons(scenario, kept_out),
         share=coverage.share,

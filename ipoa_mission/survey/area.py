@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import shapely
@@ -41,6 +42,10 @@ class Area:
             for m, other in enumerate(polygons[:n]):
                 _expect_apart(polygon, other, f"{where}[{n}]", f"{where}[{m}]")
         return cls(shapely.MultiPolygon(polygons))
+
+    def without(self, keep_out: Any | None) -> Any:
+        """What of it may be flown over where a shapely geometry is kept out of, or nothing."""
+        return self.shape if keep_out is None else self.shape.difference(keep_out)
 
 
 def _polygon(rings: Sequence[Sequence[Sequence[float]] | Points], where: str) -> shapely.Polygon:

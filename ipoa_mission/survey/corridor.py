@@ -35,5 +35,4 @@ def corridor_tour(middle: Points, width: float, spacing: float, begin: Vector, i
 
 def where_allowed(area: Area, keep_out: Any | None) -> Any:
     """Where its lines may lie."""
-    free = area.shape if keep_out is None else area.shape.difference(keep_out)
-    return free.buffer(INSIDE)
+    return area.without(keep_out).buffer(INSIDE)

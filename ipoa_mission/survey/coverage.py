@@ -23,14 +23,19 @@ class Coverage:
     Attributes:
         share: of what can be covered, 0 to 1.
         gaps: where it can be covered, and is not: a shapely geometry.
-        seen_m2: of the area [m^2].
+        seen: what of the area is seen: a shapely geometry.
         outside_m: the farthest that the path leaves the area, or enters a hole or what is kept out of [m].
     """
 
     share: float
     gaps: Any
-    seen_m2: float
+    seen: Any
     outside_m: float
+
+    @property
+    def seen_m2(self) -> float:
+        """How much of the area is seen [m^2]."""
+        return float(self.seen.area)
 
 
 def coverage(area: Area, tour: Tour, width: float, keep_out: Any = None) -> Coverage:
@@ -42,14 +47,13 @@ def coverage(area: Area, tour: Tour, width: float, keep_out: Any = None) -> Cove
         width: of what the sensor sees [m].
         keep_out: a shapely geometry that is not entered.
     """
-    free = area.shape if keep_out is None else area.shape.difference(keep_out)
-    can = area.shape.intersection(free.buffer(width / 2, quad_segs=ARC))
+    can = area.shape.intersection(area.without(keep_out).buffer(width / 2, quad_segs=ARC))
     lines = shapely.linestrings([[swath.begin, swath.end] for swath in tour.swaths])
     seen = area.shape.intersection(shapely.union_all(shapely.buffer(lines, width / 2, quad_segs=ARC)))
     gaps = can.difference(seen)
     whole = float(can.area)
     share = 1.0 if whole <= 0.0 else 1.0 - float(gaps.area) / whole
-    return Coverage(share, gaps, float(seen.area), _outside(area.shape, tour, keep_out))
+    return Coverage(share, gaps, seen, _outside(area.shape, tour, keep_out))
 
 
 def _outside(shape: Any, tour: Tour, keep_out: Any) -> float:

@@ -86,7 +86,7 @@ def lay_lines(scenario: Scenario, section: SurveySection, area: Area, sight: Sig
     Raises:
         NoPath: they leave nothing.
     """
-    if outside is not None and area.shape.difference(outside).is_empty:
+    if area.without(outside).is_empty:
         raise NoPath(
             f"survey: obstacles and the clearance to them leave nothing of the area at {sight.least:g} m above ground",
             hint="fly higher (survey.height_above_ground), or with a smaller safety_distance",

@@ -82,7 +82,7 @@ class SurveyPlan:
     @property
     def free(self) -> Any:
         """What of the area may be flown over: a shapely geometry."""
-        return self.area.shape if self.keep_out is None else self.area.shape.difference(self.keep_out)
+        return self.area.without(self.keep_out)
 
 
 class _TooNear(Exception):

@@ -37,8 +37,7 @@ def _map(plan: SurveyPlan) -> str:
         f'stroke-width="{stroke:.2f}" fill-rule="evenodd"/>',
         f'<path class="zone" d="{_rings(outside)}" style="fill:none;stroke-width:{stroke:.2f}"/>',
     ]
-    swaths = [[swath.begin, swath.end] for flight in plan.flights for swath in flight.tour.swaths]
-    seen = shapely.multilinestrings(swaths).buffer(plan.sight.spacing / 2).intersection(plan.area.shape)
+    seen = plan.coverage.seen.simplify(stroke / 10)
     layers.append(f'<path d="{_rings(seen)}" fill="currentColor" fill-opacity=".1" fill-rule="evenodd"/>')
     for n, flight in enumerate(plan.flights):
         lines = "".join(
