@@ -42,6 +42,23 @@ def failsafes_of(forecast: Forecast) -> tuple[Failsafe, ...]:
     return mission.autopilot.failsafes(mission.parameters, mission.firmware_version)
 
 
+def lands_by_choice(forecast: Forecast) -> tuple[Failsafe, ...]:
+    """Its failsafes that land where it is, though with another value of their parameter they would return."""
+    return tuple(one for one in failsafes_of(forecast) if one.lands_by_choice)
+
+
+def who_lands(forecast: Forecast) -> str:
+    """These failsafes in words: "critical battery (BATT_FS_CRT_ACT = 1)"."""
+    return " and ".join(f"{one.cause} ({one.parameter} = {one.value:g})" for one in lands_by_choice(forecast))
+
+
+def to_return_instead(forecast: Forecast) -> str:
+    """What makes the same ones return, in words: "BATT_FS_CRT_ACT = 2 returns"."""
+    values = {one.parameter: one.returns_at for one in lands_by_choice(forecast)}
+    words = " and ".join(f"{name} = {value}" for name, value in values.items())
+    return f"{words} return{'s' if len(values) == 1 else ''} instead, in the vehicle and under [vehicle.parameters]"
+
+
 def endings_of(forecast: Forecast) -> tuple[Ending, ...]:
     """The endings that the vehicle has, of those that are looked at: what a failsafe or a pilot's order leads to."""
     failsafes = failsafes_of(forecast)

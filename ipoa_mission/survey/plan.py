@@ -17,7 +17,7 @@ from ipoa_mission.forecast.tube.promise import Kept, Promise
 from ipoa_mission.geometry import Points
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.progress import Progress, silent
-from ipoa_mission.routing.endings import settled, why_not_planned
+from ipoa_mission.routing.endings import or_else, settled, why_not_planned
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.survey import SurveySection
 from ipoa_mission.survey.area import Area
@@ -228,7 +228,7 @@ def _returning(forecast: Forecast) -> Forecast:
         return forecast
     best, short = settled(forecast)
     if short:
-        raise NoPath(f"the lines are clear, but {why_not_planned(best)}", hint='or [safety] returns = "warn"')
+        raise NoPath(f"the lines are clear, but {why_not_planned(best)}", hint=or_else(best))
     return best
 
 

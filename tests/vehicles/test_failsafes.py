@@ -114,6 +114,25 @@ def test_every_documented_value_is_followed_by_what_its_words_say(
     assert not wrong
 
 
+@pytest.mark.parametrize(
+    ("autopilot", "version", "table"), [(AP, None, DOCUMENTED), (PX4, None, OF_117), (PX4, NEW, OF_118)]
+)
+def test_who_lands_by_choice_returns_with_the_value_that_is_named(
+    autopilot: Autopilot, version: Version | None, table: dict[str, str]
+) -> None:
+    """The choice is there where the documented values of a parameter have a return as well."""
+    for name, values in table.items():
+        given = LOOKED_FOR | ({"BATT_LOW_VOLT": 0.0} if name == "BATT_FS_CRT_ACT" else {})
+        returns = [value for value, (first, *_) in documented(values) if first is Ending.RTL]
+        for value, _ in documented(values):
+            found = by(name, given | {name: value}, autopilot, version)
+            assert found.lands_by_choice == (found.route.ending is Ending.LAND and bool(returns)), (name, value)
+            if found.lands_by_choice:
+                assert found.returns_at in returns
+                there = by(name, given | {name: float(returns[0])}, autopilot, version)
+                assert there.route.ending is Ending.RTL
+
+
 @pytest.mark.parametrize(("autopilot", "table"), [(AP, DOCUMENTED), (PX4, OF_118)])
 def test_every_parameter_that_decides_is_held_against_its_documentation(
     autopilot: Autopilot, table: dict[str, str]

@@ -128,7 +128,8 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
     if rule.cause == TERRAIN:
         landing = replace(GOES_ON, words="a landing needs none")
     differs = {} if landing == answer else {FlightStage.LANDING: landing}
-    return Failsafe(rule.cause, rule.parameter, rule.value(parameters), answer, differs)
+    returns_at = rule.returns_at(series)
+    return Failsafe(rule.cause, rule.parameter, rule.value(parameters), answer, differs, returns_at)
 
 
 def _first(name: str) -> str:
@@ -162,7 +163,7 @@ def _with_its_urgency(one: Failsafe, parameters: Parameters, series: Series) -> 
         "but where the voltage falls through both at once"
     )
     differs = {stage: replace(answer, words=words) for stage, answer in low.differs.items()}
-    return replace(one, route=replace(low.route, words=words), differs=differs)
+    return replace(one, route=replace(low.route, words=words), differs=differs, returns_at=None)
 
 
 def _urgency(action: float) -> int:

@@ -107,7 +107,8 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
     if returning.ending is Ending.RTL and rule.cause != BY_HAND:
         returning = replace(GOES_ON, words="it is returning already")
     differs = {} if returning == answer else {FlightStage.RETURN: returning}
-    return Failsafe(rule.cause, rule.parameter, rule.value(parameters), answer, differs)
+    returns_at = rule.returns_at(series)
+    return Failsafe(rule.cause, rule.parameter, rule.value(parameters), answer, differs, returns_at)
 
 
 def _later(rule: FailsafeRule, answer: FailsafeAction, parameters: Parameters) -> FailsafeAction:
