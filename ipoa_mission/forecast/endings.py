@@ -73,9 +73,9 @@ class EndingRow:
 
     `least_m` is what is kept at least of the nearest thing, `to`, once the tube is taken off: a distance, or where `to`
     is the ground a height; infinite where nothing is near, NaN where it is not known where the ending leads, and `to`
-    says why. `duration_s` is from the order to the ground at the quickest and at the slowest, `energy_wh` the least
-    and the most that it takes; None where nobody can say. `lands`: east and north of home [m], None where it holds, or
-    where the place changes all the time.
+    says why. From the order it stands on the ground after `touches_s`, and has disarmed after `duration_s`, each at the
+    quickest and at the slowest; `energy_wh` is the least and the most that it takes; None where nobody can say.
+    `lands`: east and north of home [m], None where it holds, or where the place changes all the time.
     """
 
     ending: Ending
@@ -87,6 +87,7 @@ class EndingRow:
     to: str
     goal: str
     lands: tuple[float, float] | None = None
+    touches_s: tuple[float, float] | None = None
     duration_s: tuple[float, float] | None = None
     energy_wh: tuple[float, float] | None = None
 
@@ -259,15 +260,17 @@ class Endings:
             flown = [flown_from(self.forecast, row.ending, float(looks.times[n])) for n in sorted(picked)]
         except MissionError:
             return row
-        used = [taken.between for _, taken in flown if taken is not None]
-        lasts = min(low for (low, _), _ in flown), max(high for (_, high), _ in flown)
+        used = [one.used.between for one in flown if one.used is not None]
+        stood = [one.touches for one in flown if one.touches is not None]
+        touches = (min(low for low, _ in stood), max(high for _, high in stood)) if stood else None
+        lasts = min(one.lasts[0] for one in flown), max(one.lasts[1] for one in flown)
         takes = (min(one.low for one in used), max(one.high for one in used)) if used else None
-        return replace(row, duration_s=lasts, energy_wh=takes)
+        return replace(row, touches_s=touches, duration_s=lasts, energy_wh=takes)
 
     def lasts(self, ending: Ending, time: float) -> tuple[float, float] | None:
         """The least and the most time that an ending takes which is ordered at a time [s]; None where nobody knows."""
         try:
-            return flown_from(self.forecast, ending, float(np.clip(time, *self.in_air)))[0]
+            return flown_from(self.forecast, ending, float(np.clip(time, *self.in_air))).lasts
         except MissionError:
             return None
 

@@ -171,7 +171,7 @@ class Budget:
     def _short_from(self, time: float) -> NoReturn | None:
         seq = next((item.seq for item in self.forecast.estimate.items if item.done_s >= time), 0)
         try:
-            _, ended = flown_from(self.forecast, Ending.RTL, time)
+            ended = flown_from(self.forecast, Ending.RTL, time).used
         except MissionError as error:
             return NoReturn(time, seq, None, str(error))
         if ended is None or self.battery is None:
@@ -211,8 +211,19 @@ def _budget(forecast: Forecast) -> Budget | None:
     return None if used is None else Budget(forecast, used, battery_of(forecast.scenario))
 
 
-def flown_from(forecast: Forecast, ending: Ending, time: float) -> tuple[tuple[float, float], Consumption | None]:
-    """How long an RTL or LAND that is ordered at a time takes at least and at most [s], and what it takes.
+class TimedEnding(NamedTuple):
+    """How soon after its order an RTL or LAND stands on the ground, and has disarmed: at least and at most [s].
+
+    `used` is what it takes of the battery; None where nobody knows.
+    """
+
+    touches: tuple[float, float] | None
+    lasts: tuple[float, float]
+    used: Consumption | None
+
+
+def flown_from(forecast: Forecast, ending: Ending, time: float) -> TimedEnding:
+    """How long an RTL or LAND that is ordered at a time [s] takes, and what.
 
     Raises:
         MissionError: the vehicle does not get on, or its model knows no such flights.
@@ -222,7 +233,9 @@ def flown_from(forecast: Forecast, ending: Ending, time: float) -> tuple[tuple[f
     prediction = mission.autopilot.part(FlightModel).broken_off(forecast.itinerary, mission, forecast.wind, None, order)
     track = prediction.track.between(time, np.inf)
     lasts = float(prediction.low[-1]) - time, float(prediction.high[-1]) - time
+    first, _, last = prediction.touched or (np.nan,) * 3
+    touches = (max(first - time, 0.0), last - time) if np.isfinite(first) else None
     if len(track.times) < 2 or not track.times[-1] > track.times[0]:
-        return lasts, None
+        return TimedEnding(touches, lasts, None)
     used = flight_energy(forecast.scenario, track.times, track.points, track.speeds, mission.vehicle, forecast.wind)
-    return lasts, None if used is None else used.lasting(*lasts)
+    return TimedEnding(touches, lasts, None if used is None else used.lasting(*lasts))
