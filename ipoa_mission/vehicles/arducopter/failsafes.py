@@ -26,7 +26,7 @@ STOPS = FailsafeAction(Ending.TERMINATE)
 ACTIONS = {0: GOES_ON, 1: LANDS, 2: RETURNS, 3: SMART, 4: SMART_OR_LANDS, 5: STOPS, 6: LAND_START, 7: BRAKES}
 RADIO = {0: GOES_ON, 1: RETURNS, 2: RETURNS, 3: LANDS, 4: SMART, 5: SMART_OR_LANDS, 6: LAND_START, 7: BRAKES}
 STATION = {0: GOES_ON, 1: RETURNS, 2: RETURNS, 3: SMART, 4: SMART_OR_LANDS, 5: LANDS, 6: LAND_START, 7: BRAKES}
-NO_POSITION = replace(LANDS, words="without a position it drifts")
+NO_POSITION = FailsafeAction(Ending.UNKNOWN, (Ending.LAND,), "without a position it drifts as it lands")
 ESTIMATE = {
     0: GOES_ON,
     1: NO_POSITION,
@@ -36,10 +36,10 @@ ESTIMATE = {
 DRIFTS = "by dead reckoning it drifts"
 RECKONS = {
     0: GOES_ON,
-    1: replace(LANDS, words=DRIFTS),
+    1: FailsafeAction(Ending.UNKNOWN, (Ending.LAND,), f"{DRIFTS} as it lands"),
     **dict.fromkeys((2, 3, 4, 6), FailsafeAction(Ending.UNKNOWN, (Ending.LAND,), f"{DRIFTS} on its way home")),
     5: STOPS,
-    7: replace(BRAKES, words=DRIFTS),
+    7: FailsafeAction(Ending.UNKNOWN, (Ending.LAND,), f"{DRIFTS} as it holds"),
 }
 OUTSIDE = "100 m outside it lands"
 FENCE = {

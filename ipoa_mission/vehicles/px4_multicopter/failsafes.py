@@ -18,7 +18,7 @@ LANDS = FailsafeAction(Ending.LAND, (Ending.TERMINATE,))
 RETURNS = FailsafeAction(Ending.RTL, (Ending.LAND, Ending.TERMINATE))
 HOLDS = FailsafeAction(Ending.HOLD, (Ending.RTL, Ending.LAND, Ending.TERMINATE))
 FALLS_WITHOUT = replace(FALLS, words="lands while it still has a local position")
-DRIFTS = replace(LANDS, words="descends, and drifts where it has no position")
+DRIFTS = FailsafeAction(Ending.UNKNOWN, (Ending.LAND, Ending.TERMINATE), "without a position it drifts as it descends")
 
 
 def new(answer: FailsafeAction) -> FailsafeAction:
