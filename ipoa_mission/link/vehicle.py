@@ -279,6 +279,7 @@ class Vehicle(Partner):
         )
         self.order.cut(False)
         logbook.note_return()
+        self._leaving.was_away = True
         for message in sorted(kept, key=lambda one: isinstance(one, Heartbeat)):  # where it is, before whether it ended
             self._overhear(message)
         if logbook.disarmed_s is not None:

@@ -104,6 +104,7 @@ class Flight:
         self.told_before = 0
         self.at_loss: Callable[[], None] = lambda: None
         self.in_loss: Callable[[], None] = lambda: None
+        self.on_return: Callable[[], None] = lambda: None
 
     def lose(self, seconds: float, breaks: bool = False, at_m: float = 15.0) -> Any:
         """The record of the flight."""
@@ -114,6 +115,8 @@ class Flight:
                 air.ends_s, air.breaks = air.now() + seconds, breaks
                 self.told_before = len(self.station.told)
                 self.at_loss()
+            if vehicle.interrupted:
+                self.on_return()
 
         def progress(share: float, words: str) -> None:
             self.words.append(words)
@@ -123,6 +126,12 @@ class Flight:
 
         vehicle.overhearing = overhear
         return vehicle.watch(progress)
+
+    def order_elsewhere(self, mode: int) -> None:
+        """Another station, whose link is not lost, orders a mode."""
+        main, sub, *_ = (*self.vehicle.autopilot.modes.numbers(mode), 0.0)
+        order = CommandLong(VehicleCommand.DO_SET_MODE, (1.0, main, sub, 0.0, 0.0, 0.0, 0.0))
+        self.station.autopilot.receive(order, Target(254, 190), self.air.now())
 
     def replaced_by(self, mock: Mock, system: int = 1) -> Heard:
         """Another vehicle takes the place of the one that is lost."""
@@ -166,6 +175,17 @@ def test_a_flight_is_watched_on_where_it_is_when_the_link_is_there_again(
     assert len(record.item_reached_s) == len(MISSION.items)
 
 
+def test_one_that_has_left_its_mission_unheard_is_told_of_when_it_is_heard(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    flight = Flight(PX4, monkeypatch)
+    flight.at_loss = lambda: flight.order_elsewhere(PX4.modes.hold)
+    flight.on_return = lambda: flight.order_elsewhere(PX4.modes.mission)
+    assert flight.lose(20.0).completed
+    assert ", and what it said of that was not heard" in caplog.text
+    assert "the vehicle goes on with its mission" in caplog.text
+
+
 @pytest.mark.parametrize("family", registered())
 def test_an_order_that_the_vehicle_has_not_shown_is_not_said_again_after_a_loss(
     family: Autopilot, monkeypatch: pytest.MonkeyPatch
@@ -183,9 +203,7 @@ def test_one_that_came_home_unheard_is_told_as_it_stands(
 ) -> None:
     flight = Flight(family, monkeypatch)
     mode = family.modes.returning
-    main, sub, *_ = (*family.modes.numbers(mode), 0.0)
-    order = CommandLong(VehicleCommand.DO_SET_MODE, (1.0, main, sub, 0.0, 0.0, 0.0, 0.0))
-    flight.at_loss = lambda: flight.station.autopilot.receive(order, Target(254, 190), flight.air.now())
+    flight.at_loss = lambda: flight.order_elsewhere(mode)
     record = flight.lose(120.0)
     assert not record.completed
     assert "it was last heard at item 1 of 4, and landed unheard, 167 m from the place of its LAND" in record.why_not
