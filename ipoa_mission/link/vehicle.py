@@ -248,7 +248,7 @@ class Vehicle(Partner):
 
         Raises:
             NoAnswer, LinkDown: the vehicle is not heard any more; with its last known state as the hint.
-            Unlike, OtherKind: another one is heard in its place, or one with another mission.
+            Unlike, NotFlown: another one is heard in its place, or one with another mission.
         """
         holding, is_back, record = self._holdings.get(MissionType.MISSION), False, None
         with self.state.told(), self._leaving.watched(self._logbook.modes):
@@ -279,9 +279,9 @@ class Vehicle(Partner):
         )
         self.order.cut(False)
         logbook.note_return()
-        self._leaving.was_away = True
         for message in sorted(kept, key=lambda one: isinstance(one, Heartbeat)):  # where it is, before whether it ended
             self._overhear(message)
+        self._leaving.was_away = True
         if logbook.disarmed_s is not None:
             log.warning("it stands disarmed: it landed unheard, at the latest %.1f s after arming", logbook.disarmed_s)
 
