@@ -105,6 +105,21 @@ def test_planning_that_was_cancelled_is_taken_up_again_and_a_place_is_found(stud
     assert place == pytest.approx([8.5249, 47.3656], abs=1e-3)
 
 
+def test_how_it_can_end_is_told_after_the_plan_and_counts_no_more_after_a_change(studio: Studio) -> None:
+    with studio.window() as talk:
+        plan = talk.has("plan")
+        strip = talk.wait("endings", lambda told: any(bar["costs"] for bar in told["bars"]))
+        assert (strip["revision"], strip["flight"]) == (plan["revision"], 0)
+        assert [bar["ending"] for bar in strip["bars"]] == ["rtl", "land", "smart_rtl", "hold"]
+        assert [one["kind"] for one in talk.heard if one["kind"] in ("plan", "endings")][:1] == ["plan"]
+        with studio.window() as other:  # which is told how things stand
+            assert other.wait("endings") == strip
+        talk.say(kind="edit", seen=plan["revision"], label="slower", changes=[PUT_SPEED])
+        document = talk.wait("document", lambda told: told["revision"] > plan["revision"])
+        with studio.window() as other:
+            assert other.wait("endings")["revision"] == document["revision"]
+
+
 def test_a_mission_is_flown_only_after_it_was_named(studio: Studio) -> None:
     with studio.window() as talk:
         seen_at = talk.wait("document")["revision"]

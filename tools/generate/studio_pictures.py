@@ -143,6 +143,7 @@ def tasks(hands: Hands) -> dict[str, tuple[Callable[[], None], Callable[[], bool
 
 def proved(page: Any) -> None:
     page.locator(".verdict :is(.good, .amber)").first.wait_for()
+    page.locator(".strip .way").first.wait_for()
     page.wait_for_timeout(700)
 
 

@@ -2,6 +2,7 @@
 import "./trusted";
 import "maplibre-gl/dist/maplibre-gl.css";
 import "../../report/assets/palette.css";
+import "../../report/assets/ways.css";
 import "./studio.css";
 import { render } from "preact";
 import { useEffect, useRef } from "preact/hooks";

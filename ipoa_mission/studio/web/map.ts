@@ -1,6 +1,6 @@
 // The map: MapLibre with a style of our own, made of nothing but the scenario; no tile is asked for anywhere.
 import { Map as MapLibre, NavigationControl, ScaleControl, setWorkerUrl, type GeoJSONSource, type StyleSpecification } from "maplibre-gl";
-import type { Line, Seen, Trouble, World } from "./messages";
+import type { MapLine, Seen, Trouble, World } from "./messages";
 import { color, onSchemeChange } from "./colors";
 import { hillshade } from "./hillshade";
 import * as shapes from "./shapes";
@@ -171,7 +171,7 @@ function showHillshade(map: MapLibre, world: World): void {
 /** The proved path if there is one of what is here now, else the coarse one, dashed. */
 function drawPath(map: MapLibre, now: Studio): void {
   const plan = now.dragSurvey ? null : proved(now), coarse = now.drag ?? (plan ? null : coarseOf(now));
-  const course: Line | undefined = coarse ? coarse.line : plan?.course.line;
+  const course: MapLine | undefined = coarse ? coarse.line : plan?.course.line;
   const untimed = course || !isMission(now) ? [] : placesOf(now).map(item => item.place);
   const turns = coarse ? null : plan?.course.returns_at ?? null; // what comes then is the way home
   fill(map, "path", course && turns !== null ? [shapes.line(course.points.slice(0, turns + 1), { coarse: false }), shapes.line(course.points.slice(turns), { coarse: false, home: true })]
@@ -214,7 +214,7 @@ function drawFlown(map: MapLibre, now: Studio): void {
   fill(map, "flown", ways.filter(way => way.length > 1).map(way => shapes.line(way)));
   const last = now.flight?.phase === "flying" ? points.at(-1) : undefined;
   fill(map, "vehicle", last ? [{ type: "Feature", properties: {}, geometry: { type: "Point", coordinates: last as [number, number] } }] : []);
-  const course = { points, up } as Line;
+  const course = { points, up } as MapLine;
   fill(map, "flown-ribbon", now.space && now.world && points.length > 1 ? shapes.ribbon(course, shapes.lowest(now.world), 1.4, 1) : []);
 }
 
