@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.vehicles.ending import Ending
-from ipoa_mission.vehicles.failsafe import Failsafe, FailsafeRule
+from ipoa_mission.vehicles.failsafe import Failsafe, FailsafeRule, StationLoss
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables
 from ipoa_mission.vehicles.guidance import GuidanceHabits
 from ipoa_mission.vehicles.manners import Manners
@@ -73,6 +73,8 @@ class Autopilot(ABC):
     """All parameters that decide what it does when something fails, by their older names."""
     failsafe_rules: ClassVar[tuple[FailsafeRule, ...]] = ()
     """The tables of that, for all versions."""
+    station_loss: ClassVar[StationLoss | None] = None
+    """When it takes its ground station for lost; None: nobody knows."""
     parts: ClassVar[Mapping[str, Any]] = {}
     """What answers to an interface of a higher room, by the interface's name: the object, or its "module:name"."""
 

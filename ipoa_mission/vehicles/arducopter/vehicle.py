@@ -150,6 +150,7 @@ class ArduCopter(Autopilot):
     own_fence_by = (*MAY_BE_ON, "FENCE_TYPE", "FENCE_ACTION", "FENCE_RADIUS", "FENCE_ALT_MAX", "FENCE_ALT_MIN")
     failsafe_by = failsafes.DECIDED_BY
     failsafe_rules = failsafes.RULES
+    station_loss = failsafes.STATION_LOSS
 
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
         """To where its position controller can stop it (its stopping point).

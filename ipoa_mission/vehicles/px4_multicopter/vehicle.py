@@ -129,6 +129,7 @@ class Px4Multicopter(Autopilot):
     own_fence_by = ("GF_ACTION", "GF_MAX_HOR_DIST", "GF_MAX_VER_DIST")
     failsafe_by = failsafes.DECIDED_BY
     failsafe_rules = failsafes.RULES
+    station_loss = failsafes.STATION_LOSS
 
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
         """With MPC_ACC_HOR, to which it changes by MPC_JERK_AUTO."""
