@@ -132,3 +132,20 @@ def test_what_was_compiled_is_kept_for_other_copies_of_the_same_sources(
     assert build("second") == ""
     monkeypatch.setattr(maker, "makers_digest", lambda: "another numba")
     assert build("third") == "compiling the kernels for x86-64\n"
+
+
+def test_what_makes_machine_code_tells_of_itself_and_writes_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from tools.machine_code import __main__ as maker
+
+    monkeypatch.chdir(tmp_path)
+    for word, code in (("--help", 0), ("--folder", 2)):
+        monkeypatch.setattr(sys, "argv", ["machine_code", word])
+        with pytest.raises(SystemExit) as ended:
+            maker.main()
+        assert ended.value.code == code
+    told = capsys.readouterr()
+    assert "python -m tools.machine_code FOLDER [CPU ...]" in told.out
+    assert "the following arguments are required: folder" in told.err
+    assert list(tmp_path.iterdir()) == []

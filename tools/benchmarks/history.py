@@ -7,7 +7,6 @@ A row is one measure of one scenario by one version: the cost of its path, the f
 CPU to plan it and to estimate it anew. Costs and times are the same on any machine, seconds of CPU are not.
 """
 
-import argparse
 import csv
 import time
 from collections.abc import Iterator
@@ -20,7 +19,7 @@ from matplotlib.figure import Figure
 
 import ipoa_mission as api
 from ipoa_mission.report.plots import STYLE, write_picture
-from tools import REPOSITORY
+from tools import REPOSITORY, command_line
 
 HISTORY = REPOSITORY / "docs" / "history.csv"
 
@@ -89,7 +88,7 @@ def plotted(rows: list[Row]) -> Figure:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = command_line(__doc__)
     parser.add_argument("--scenarios", type=Path, nargs="*", default=sorted((REPOSITORY / "missions").glob("*.toml")))
     parser.add_argument("--version", default=api.__version__, help="what the rows are called")
     parser.add_argument("--rows", type=Path, default=HISTORY)

@@ -21,6 +21,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from ipoa_mission.compiled.library import INDEX, NUMBA, PACKAGE, file_name, sources_digest, these_cpus
+from tools import command_line
 
 HERE = PACKAGE / "compiled"
 KEPT = "IPOA_MISSION_MADE"  # a folder, for those who build often, each time from a fresh copy of the sources
@@ -76,7 +77,11 @@ def _copy(files: tuple[Path, Path], folder: Path) -> None:
 
 
 def main() -> None:
-    folder, names = Path(sys.argv[1]), sys.argv[2:] or these_cpus()[:1]
+    parser = command_line(__doc__)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("cpus", nargs="*", metavar="CPU", default=these_cpus()[:1])
+    given = parser.parse_args()
+    folder, names = given.folder, given.cpus
     if names and os.environ.get("NUMBA_CPU_NAME") == names[0]:
         make(folder, names[0])
         return
