@@ -130,8 +130,8 @@ class Autopilot(ABC):
         """The way straight on to a stop from `speed` (n,) [m/s], gaining `accel` (n,) [m/s^2], (n,) [m]."""
 
     def flies_on(self, ending: Ending) -> float:
-        """For how long it flies on as before once an ending is ordered [s]."""
-        return self.guidance.brakes_after
+        """For how long it flies on as before once an ending is ordered [s]; it lands and holds at once."""
+        return 0.0 if ending in (Ending.LAND, Ending.HOLD) else self.guidance.brakes_after
 
     def braking_way(self, parameters: Parameters, velocity: "Points", accel: "Points", ending: Ending) -> "Points":
         """From where it then begins to brake to where that brings it, level, by velocity and acceleration, (n, 2)."""

@@ -167,10 +167,6 @@ class ArduCopter(Autopilot):
         near = limits.accel / limits.p_position**2
         return np.where(speed <= near, speed / limits.p_position, near / 2 + speed**2 / (2 * limits.accel))
 
-    def flies_on(self, ending: Ending) -> float:
-        """BRAKE and LAND begin at once."""
-        return 0.0 if ending in (Ending.LAND, Ending.HOLD) else super().flies_on(ending)
-
     def braking_way(self, parameters: Parameters, velocity: "Points", accel: "Points", ending: Ending) -> "Points":
         """Shaped where it lands or brakes, else to its stopping point.
 

@@ -144,10 +144,6 @@ class Px4Multicopter(Autopilot):
         turning = turns * (speed + turns * (gains / 2 - limits.jerk * turns / 6))
         return np.asarray(turning + slowed**2 / (2 * brakes))
 
-    def flies_on(self, ending: Ending) -> float:
-        """Where it lands or holds it reckons with that in where it is to stop."""
-        return 0.0 if ending in (Ending.LAND, Ending.HOLD) else super().flies_on(ending)
-
     def braking_way(self, parameters: Parameters, velocity: "Points", accel: "Points", ending: Ending) -> "Points":
         """Straight on to where its navigator puts LAND and hold (preproject_stop_point).
 
