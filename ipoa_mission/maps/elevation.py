@@ -47,7 +47,7 @@ def local_grid(
 
     Raises:
         BadInput: naming the file and what is wrong with it, or that it does not cover the area.
-        MissionError: rasterio is not installed.
+        BadInput: rasterio is not installed.
     """
     with open_raster(path, rules.nodata) as raster:
         area = _pixels(raster, frame, _knots(lower[0], upper[0]), _knots(lower[1], upper[1]), 0.0)
