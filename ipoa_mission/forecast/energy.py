@@ -109,6 +109,14 @@ class Budget:
         return tuple(told)
 
     @property
+    def share(self) -> float:
+        """What it takes of what it may take of its battery: it is short of 1 and more; 0 without a battery."""
+        if self.battery is None:
+            return 0.0
+        takes = self.used.between
+        return max(takes.likely / self.battery.usable_wh, takes.high / self.battery.capacity_wh)
+
+    @property
     def shortage(self) -> NotEnoughBattery | None:
         """Why the flight is refused for its energy; None where it is not."""
         return None if self.battery is None else shortage(self.used.between, self.battery)
