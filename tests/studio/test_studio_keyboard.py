@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 from ipoa_mission import read_mission, read_scenario
-from ipoa_mission.world.frame import LocalFrame
+from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.studio import test_studio_page as own
 from tests.studio.test_studio_page import (
     address,
@@ -86,7 +86,7 @@ def test_a_flight_is_planned_round_a_building_drawn_by_keyboard(own_page: Any, a
     assert tomllib.loads(address[1].read_text())["obstacles"][2]["footprint"] == corners
     mission, frame = read_mission(address[1].with_suffix(".plan")), read_scenario(address[1]).frame
     places = [item for item in mission.items if item.has_position]
-    path = [frame.to_local(item.latitude_deg, item.longitude_deg, 510.0)[0, :2] for item in places]
+    path = [frame.local(Geodetic(item.latitude_deg, item.longitude_deg, 510.0))[:2] for item in places]
     assert shapely.LineString(path).distance(shapely.Polygon(corners)) > 1.5  # its hull and the safety distance
 
 
@@ -142,10 +142,10 @@ def test_items_of_a_mission_are_moved_put_in_and_taken_out(own_page: Any, addres
     page.locator(".saved").wait_for()
     before, after = (read_mission(folder / "sitl.plan") for folder in (own.REPOSITORY / "missions", address[1].parent))
     frame, was, now = LocalFrame(before.home), before.items[3], after.items[3]
-    there, here = (frame.to_local(one.latitude_deg, one.longitude_deg, 0.0)[0, :2] for one in (now, was))
+    there, here = (frame.local(Geodetic(one.latitude_deg, one.longitude_deg))[:2] for one in (now, was))
     assert there - here == pytest.approx([10.0, 3.0], abs=0.05)
     press(page, "w", f"Shift+{UP}", "Enter")
     undone(page, "item 5 added")
-    page.locator(".items tr.chosen", has_text="5 waypoint").wait_for()
+    page.locator(".items summary", has_text=f"({len(before.items) + 1})").wait_for()
     press(page, "Escape", "Delete")
     undone(page, "item 5 removed")
