@@ -19,6 +19,17 @@ NEAREST_S = 1.0  # a point of no return is told so exactly [s]
 NEARER = 'a rally point near there, a shorter way, a larger battery, less wind; or [safety] returns = "warn"'
 
 
+class Taken(NamedTuple):
+    """How long an ending takes until it has disarmed, and until it touches the ground, at least and at most [s].
+
+    `used` is what it takes of the battery; None where nothing is known of that.
+    """
+
+    lasts: tuple[float, float]
+    used: Consumption | None
+    touches: tuple[float, float] | None
+
+
 class ItemEnergy(NamedTuple):
     """What one item takes [Wh], and the share of the battery that is left after it; None without a battery."""
 
@@ -80,6 +91,10 @@ class Budget:
             return None
         return Interval(*(1.0 - wh / self.battery.capacity_wh for wh in (taken.high, taken.likely, taken.low)))
 
+    def taken(self, time: float, ended: Consumption) -> Interval:
+        """What the flight takes [Wh] if it is ended at a time [s] in this way."""
+        return Interval(*(now + then for now, then in zip(self.used.until(time), ended.between, strict=True)))
+
     def against_plan(self, left: float, time: float) -> ReserveNow | None:
         """What becomes of the reserve where so much is `left` of the battery at a time [s]; None without a battery."""
         if self.battery is None:
@@ -100,6 +115,14 @@ class Budget:
             told.append(ItemEnergy(item.seq, takes, self.left(after)))
             before = after
         return tuple(told)
+
+    @property
+    def share(self) -> float:
+        """What it takes of what it may take of its battery: it is short of 1 and more; 0 without a battery."""
+        if self.battery is None:
+            return 0.0
+        takes = self.used.between
+        return max(takes.likely / self.battery.usable_wh, takes.high / self.battery.capacity_wh)
 
     @property
     def shortage(self) -> NotEnoughBattery | None:
@@ -176,8 +199,7 @@ class Budget:
             return NoReturn(time, seq, None, str(error))
         if ended is None or self.battery is None:
             return None
-        after = Interval(*(now + then for now, then in zip(self.used.until(time), ended.between, strict=True)))
-        short = shortage(after, self.battery)
+        short = shortage(self.taken(time, ended), self.battery)
         return None if short is None else NoReturn(time, seq, ended.between, str(short).removeprefix("battery: "))
 
 
@@ -211,19 +233,8 @@ def _budget(forecast: Forecast) -> Budget | None:
     return None if used is None else Budget(forecast, used, battery_of(forecast.scenario))
 
 
-class TimedEnding(NamedTuple):
-    """How soon after its order an RTL or LAND stands on the ground, and has disarmed: at least and at most [s].
-
-    `used` is what it takes of the battery; None where nobody knows.
-    """
-
-    touches: tuple[float, float] | None
-    lasts: tuple[float, float]
-    used: Consumption | None
-
-
-def flown_from(forecast: Forecast, ending: Ending, time: float) -> TimedEnding:
-    """How long an RTL or LAND that is ordered at a time [s] takes, and what.
+def flown_from(forecast: Forecast, ending: Ending, time: float) -> Taken:
+    """How long an RTL or LAND that is ordered at a time takes at least and at most [s], and what it takes.
 
     Raises:
         MissionError: the vehicle does not get on, or its model knows no such flights.
@@ -232,10 +243,10 @@ def flown_from(forecast: Forecast, ending: Ending, time: float) -> TimedEnding:
     order = BrokenOff(time, ending)
     prediction = mission.autopilot.part(FlightModel).broken_off(forecast.itinerary, mission, forecast.wind, None, order)
     track = prediction.track.between(time, np.inf)
-    lasts = float(prediction.low[-1]) - time, float(prediction.high[-1]) - time
+    lasts = max(float(prediction.low[-1]) - time, 0.0), max(float(prediction.high[-1]) - time, 0.0)
     first, _, last = prediction.touched or (np.nan,) * 3
-    touches = (max(first - time, 0.0), last - time) if np.isfinite(first) else None
+    touches = (max(first - time, 0.0), max(last - time, 0.0)) if np.isfinite(first) else None
     if len(track.times) < 2 or not track.times[-1] > track.times[0]:
-        return TimedEnding(touches, lasts, None)
+        return Taken(lasts, None, touches)
     used = flight_energy(forecast.scenario, track.times, track.points, track.speeds, mission.vehicle, forecast.wind)
-    return TimedEnding(touches, lasts, None if used is None else used.lasting(*lasts))
+    return Taken(lasts, None if used is None else used.lasting(*lasts), touches)

@@ -75,7 +75,7 @@ def report_html(
     findings: Sequence[Finding] | None = None,
     survey: str = "",
 ) -> str:
-    """The whole page; `findings` of the check, where it was checked already, and the panel of its `survey`."""
+    """The whole page; `findings` of the check, where it was checked already, and a panel of its survey or parts."""
     findings = check(forecast) if findings is None else findings
     scenario, mission, estimate, promise = (
         forecast.world,
@@ -124,7 +124,7 @@ def report_html(
         "limits": "" if proof is None else limits_table(proof),
         "search": "" if plan is None else search_panel(plan, scenario),
         "footer": _footer(scenario, plan, mission),
-        "css": _asset("palette.css") + _asset("page.css"),
+        "css": _asset("palette.css") + _asset("page.css") + _asset("ways.css"),
         "map_js": _asset("map.js"),
         "scene_js": _asset("scene.js"),
         "page_js": _asset("page.js"),

@@ -36,11 +36,11 @@ LOOK_S = 1.0  # how often the file is looked at for what other programs write
 #: Answers that a window is told when it opens.
 KEPT = (
     *("tiles", "area", "world", "mission", "checked", "replay", "sketch", "coarse_survey", "plan", "survey"),
-    *("loaded", "state", "trouble"),
+    *("endings", "loaded", "state", "trouble"),
 )
 #: Those that count no more when the file changes.
 FOLLOWS = (
-    *("sketch", "coarse_survey", "plan", "survey", "checked", "replay"),
+    *("sketch", "coarse_survey", "plan", "survey", "endings", "checked", "replay"),
     *(f"trouble of {what}" for what in ("scenario", "sketch", "plan")),
 )
 PLANNER = "ipoa_mission.studio.planner"
@@ -106,11 +106,11 @@ class Session:
         """Tell every window; the latest answer of a kind is kept for those that open later."""
         answer = message if isinstance(message, dict) else message.model_dump(mode="json")
         self._relay.hear(answer)
-        kind = f"trouble of {answer['of']}" if answer["kind"] == "trouble" else answer["kind"]
-        if answer["kind"] in KEPT:
-            self._latest[kind] = answer
+        kind = answer["kind"]
+        if kind in KEPT:
+            self._latest[_slot(answer)] = answer
         if kind == "state" and answer["phase"] in ("idle", "over"):
-            self._latest.pop("loaded", None)
+            self._forget("loaded")
         for window in self.windows:
             window.tell(answer)
 
@@ -140,7 +140,7 @@ class Session:
                     self._changed(True)
                 case Upload():
                     self._expect_ready()
-                    self._latest.pop("trouble of flight", None)
+                    self._forget("trouble of flight")
                     request = self._relay.expect_charged(request, is_survey="survey" in self._latest)
                     name = self._name_of(request.flight)
                     self._flights.upload(request, partial(self._hand_over, request.flight), name)
@@ -202,9 +202,9 @@ class Session:
 
     def _follow(self) -> None:
         """Look at the scenario as it is now, sketch it, and when it has settled plan it."""
-        for kind in FOLLOWS:
-            self._latest.pop(kind, None)
+        self._forget(*FOLLOWS)
         self._stop("plan")
+        self._stop("endings")
         if self.document.is_mission:
             self._job("look", self._judge)
         else:
@@ -228,6 +228,8 @@ class Session:
             worlds = await asyncio.to_thread(_scenarios_in, self.folder, self._world)
             log = None if self._log is None else str(self._log)
             await self._ask(self._quick, self._judged_by() | {"job": "judge", "worlds": worlds, "log": log})
+        if "plan" in self._latest:
+            self._start("endings", self._tell_endings)
 
     def _judged_by(self) -> dict[str, Any]:
         """In the world of which scenario a mission is judged, and who flies it."""
@@ -246,8 +248,19 @@ class Session:
         await self._plan()
 
     async def _plan(self) -> None:
-        self._latest.pop("trouble of plan", None)
-        await self._ask(self._thorough, {"job": "plan", "seed": self._seed})
+        self._forget("trouble of plan", "endings")
+        self._stop("endings")
+        if await self._ask(self._thorough, {"job": "plan", "seed": self._seed}):
+            self._start("endings", self._tell_endings)
+
+    async def _tell_endings(self) -> None:
+        """How what was planned or judged can end, flight by flight: nobody waits for it."""
+        if self.document.is_mission:
+            await self._ask(self._quick, self._judged_by() | {"job": "end mission"})
+            return
+        flights = self._latest["survey"]["flights"] if "survey" in self._latest else [None]
+        for flight in range(len(flights)):
+            await self._ask(self._thorough, {"job": "end", "flight": flight})
 
     async def _write(self) -> None:
         await self._ask(self._thorough, {"job": "write", "folder": str(self.folder)})
@@ -361,8 +374,23 @@ class Session:
             self._stop(name)
         await asyncio.gather(*self._jobs.values(), return_exceptions=True)
         await asyncio.gather(self._quick.close(), self._thorough.close())
-        for kind in (*FOLLOWS, "world", "mission"):
-            self._latest.pop(kind, None)
+        self._forget(*FOLLOWS, "world", "mission")
+
+    def _forget(self, *what: str) -> None:
+        """What counts no more: answers of these kinds, or trouble of something."""
+        kept = self._latest.items()
+        self._latest = {slot: answer for slot, answer in kept if slot not in what and answer["kind"] not in what}
+
+
+def _slot(answer: dict[str, Any]) -> str:
+    """Of the answers of one slot the latest is kept."""
+    match answer["kind"]:
+        case "trouble":
+            return f"trouble of {answer['of']}"
+        case "endings":
+            return f"endings of {answer['flight']}"
+        case kind:
+            return str(kind)
 
 
 def _scenarios_in(folder: Path, also: Path | None) -> list[str]:

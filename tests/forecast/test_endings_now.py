@@ -82,7 +82,7 @@ def test_the_command_line_tells_it_beside_what_is_done(forecast: Forecast) -> No
     there = forecast.frame.geodetic(endings.stops().at(np.array([time]))[0][0])
     record = SimpleNamespace(path=[SimpleNamespace(time_s=time)])
     vehicle: Any = SimpleNamespace(record=lambda: record, state=SimpleNamespace(in_air=True, battery_left=None))
-    teller = ToldEndings(forecast, vehicle, lambda _, words: told.append(words), reserves)
+    teller = ToldEndings(forecast, vehicle, lambda _, words: told.append(words), reserves, EndingsNow(forecast))
     teller.show(0.5, "item 3 of 6")
     at = (there.latitude_deg, there.longitude_deg, there.altitude, 20.0)
     for later, left in ((0.0, None), (0.4, 0.8), (1.2, 0.8), (2.4, 0.8), (3.6, 0.2)):  # by the vehicle's clock
