@@ -1,5 +1,6 @@
 """A flight that does not begin where its mission was made for: from another place, or with a later item."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -47,7 +48,8 @@ def check_start(forecast: Forecast, first: int, there: Geodetic) -> tuple[str, .
     """Whether a vehicle that stands `there` may begin with item `first` (index into the items); remarks for the user.
 
     Raises:
-        NotAtStart: the way from there is not clear, or nobody knows and it is far from the mission's home.
+        NotAtStart: the way from there is not clear, or nobody knows and it is far from the mission's home; or it is
+            nearer to another start place of the same survey.
     """
     mission, scenario = forecast.given, forecast.scenario
     aside = apart(there, mission.home)
@@ -65,6 +67,13 @@ def check_start(forecast: Forecast, first: int, there: Geodetic) -> tuple[str, .
 
     frame = scenario.frame
     place = frame.local(Geodetic(there.latitude_deg, there.longitude_deg, mission.home.altitude))
+    starts = () if scenario.survey is None else scenario.survey.starts or ()
+    if any(math.dist(place[:2], start) < np.hypot(*place[:2]) for start in starts if math.hypot(*start) > AT_HOME):
+        raise NotAtStart(
+            f"{where}, and nearer to another of the survey's start places",
+            hint=f"bring it to {mission.home.latitude_deg:.6f}, {mission.home.longitude_deg:.6f}, or fly what begins "
+            "where it is",
+        )
     ground = float(scenario.airspace.ground(place[None, :])[0])
     home = Geodetic(there.latitude_deg, there.longitude_deg, mission.home.altitude + ground)
     begun = Forecast(begun_at(mission, first, home), scenario)

@@ -60,7 +60,7 @@ def plan(
     expect_plans(out, [adapted.name], report, force, ask=not as_json)
     flight, parts = plan_parts(adapted, search.seed, air) if split else (plan_it(adapted, search.seed, air), ())
     if len(parts) > 1:
-        _write_parts(flight, parts, out, force, as_json)
+        _write_parts(flight, parts, out, report, force, as_json)
         return
     files = [*flight.write(out)]
     if report:
@@ -72,15 +72,17 @@ def plan(
         tell_planned(flight, files)
 
 
-def _write_parts(whole: "Flight", parts: "tuple[Forecast, ...]", out: Path, force: bool, as_json: bool) -> None:
-    """Write a flight as one mission for each battery."""
+def _write_parts(
+    whole: "Flight", parts: "tuple[Forecast, ...]", out: Path, report: bool, force: bool, as_json: bool
+) -> None:
+    """Write a flight as one mission for each battery, and a page about all of them."""
     from ipoa_mission.cli.overwriting import expect_free
     from ipoa_mission.cli.summary import tell_parts
     from ipoa_mission.flight.parts import names_of, parts_summary, write_parts
 
     expect_free(names_of(whole, parts, out), force, ask=not as_json)
     summary = parts_summary(whole, parts)
-    files = write_parts(whole, parts, summary, out)
+    files = write_parts(whole, parts, summary, out, report)
     if as_json:
         tell_json(summary | {"written": [str(file) for file in files]})
     else:

@@ -122,6 +122,9 @@ def tell_survey(survey: "Survey", written: list[Path]) -> None:
     """Print what is seen, by which flights, and the files written."""
     lines, rows = describe(survey), flight_rows(survey)
     columns = ["file", "lines", "photos", "items", "takes\ns", "energy\nWh", "least clearance\nm"]
+    if survey.plan.section.starts is not None:
+        columns.append("from")
+        rows = [(*row, begins_at(survey, n)) for n, row in enumerate(rows)]
     tell(*lines)
     tell_table("flights, in this order", columns, rows)
     tell("", f"written: {', '.join(map(str, written))}")
@@ -171,6 +174,11 @@ def flight_rows(survey: "Survey") -> list[tuple[str, ...]]:
     return rows
 
 
+def begins_at(survey: "Survey", n: int) -> str:
+    """Where a flight of a survey takes off and lands."""
+    return "east {:.0f}, north {:.0f} m".format(*survey.plan.begin_of(survey.plan.flights[n]))
+
+
 def write_survey(survey: "Survey", out: Path, report: bool, force: bool, as_json: bool) -> list[Path]:
     """Write its files, unless others are in the way; raises BadInput where they are."""
     from ipoa_mission.cli.overwriting import expect_plans
@@ -216,7 +224,7 @@ def fly_survey(
         tell_survey(survey, written)
     flown, why = list[dict[str, Any]](), ""
     for n, (name, forecast) in enumerate(zip(survey.names, survey.flights, strict=True)):
-        if n and is_on_link and not _has_new_battery(survey.names[n - 1], name):
+        if n and is_on_link and not _is_ready(survey, n):
             why = f"{name} and what follows it was not flown"
             break
         usual = out / f"{name}.tlog"
@@ -240,7 +248,11 @@ def fly_survey(
         raise typer.Exit(1)
 
 
-def _has_new_battery(landed: str, following: str) -> bool:
-    """Asks whether the vehicle is ready for the next flight."""
-    words = f"{landed} has landed. Fly {following}: a charged battery is in, and nobody is near the propellers?"
+def _is_ready(survey: "Survey", n: int) -> bool:
+    """Asks whether the vehicle is ready for a flight that follows another; it may have to be brought elsewhere."""
+    landed, following, home = survey.names[n - 1], survey.names[n], survey.flights[n].mission.home
+    is_elsewhere = home != survey.flights[n - 1].mission.home
+    place = f"{begins_at(survey, n)} ({home.latitude_deg:.6f}, {home.longitude_deg:.6f})"
+    stands = f"the vehicle stands at {place}, " if is_elsewhere else ""
+    words = f"{landed} has landed. Fly {following}: {stands}a charged battery is in, and nobody is near the propellers?"
     return typer.confirm(words, err=True)

@@ -1,4 +1,4 @@
-"""The files of a flight that is flown in parts, a battery each: NAME-1.plan and so on, and NAME.json about all."""
+"""The files of a flight that is flown in parts, a battery each: NAME-1.plan and so on; NAME.json and a page of all."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,10 +12,12 @@ from ipoa_mission.forecast.energy import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 
 
-def write_parts(whole: Flight, parts: Sequence[Forecast], summary: dict[str, Any], folder: Path) -> tuple[Path, ...]:
+def write_parts(
+    whole: Flight, parts: Sequence[Forecast], summary: dict[str, Any], folder: Path, report: bool = False
+) -> tuple[Path, ...]:
     """Write the parts of a flight as missions of their own; the whole, which no battery flies, is not written.
 
-    `summary` is theirs, for NAME.json.
+    `summary` is theirs, for NAME.json; with `report` there is one page about all, NAME.html.
 
     Raises:
         BadInput: the folder cannot be made or written.
@@ -28,6 +30,14 @@ def write_parts(whole: Flight, parts: Sequence[Forecast], summary: dict[str, Any
         digests |= own
     about = folder / f"{whole.name}.json"
     write_atomically(about, as_text(summary | {"sha256": digests}))
+    if report:
+        from ipoa_mission.report.page import report_html
+        from ipoa_mission.report.panels.parts import parts_panel
+
+        panel = parts_panel(parts, [path.name for path in names_of(whole, parts, folder)])
+        page = report_html(whole.forecast, whole.plan, None, whole.remarks, whole.findings, panel)
+        written.append(folder / f"{whole.name}.html")
+        write_atomically(written[-1], page)
     return (*written, about)
 
 

@@ -26,9 +26,11 @@ from ipoa_mission.routing.endings import planned_returns
 from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.explain import explained
+from ipoa_mission.scenario.other_home import nearest_start
 from ipoa_mission.scenario.survey import SurveySection, with_survey
-from ipoa_mission.survey.plan import SurveyPlan, plan_flights, rest_of
+from ipoa_mission.survey.plan import SurveyFlight, SurveyPlan, plan_flights, rest_of
 from ipoa_mission.wind import Wind
+from ipoa_mission.world.frame import Geodetic
 
 log = logging.getLogger(__name__)
 
@@ -139,6 +141,7 @@ def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
         "flights": [
             {
                 "file": f"{name}.plan",
+                "start": _start_as_json(plan, flight),
                 "lines": len(flight.tour.swaths),
                 "photos": sight.photos_of(flight.tour),
                 "time_s": rounded(flight.forecast.estimate.total_s),
@@ -147,6 +150,17 @@ def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
             }
             for name, flight in zip(names, plan.flights, strict=True)
         ],
+    }
+
+
+def _start_as_json(plan: SurveyPlan, flight: SurveyFlight) -> dict[str, float]:
+    """Where a flight takes off and lands, in metres from the scenario's home and in degrees."""
+    (east, north), home = plan.begin_of(flight), flight.forecast.mission.home
+    return {
+        "east": rounded(east),
+        "north": rounded(north),
+        "latitude_deg": home.latitude_deg,
+        "longitude_deg": home.longitude_deg,
     }
 
 
@@ -247,7 +261,8 @@ def _paths(log: str | Path, scenario: Scenario) -> Iterator[Points]:
         places = [(one.latitude_deg, one.longitude_deg, one.height) for one in flight.flown_in_mission()]
         if places:
             latitude, longitude, height = np.array(places).T
-            yield scenario.frame.to_local(latitude, longitude, scenario.frame.home.altitude + height)
+            home = nearest_start(scenario, Geodetic(*places[0][:2])).frame.home
+            yield scenario.frame.to_local(latitude, longitude, home.altitude + height)
 
 
 def _flown_words(whole: SurveyPlan, rest: SurveyPlan, logs: Sequence[str | Path]) -> str:
@@ -295,4 +310,8 @@ def _remarks(plan: SurveyPlan, asked: Scenario) -> Iterator[str]:
         yield from slowed_for_ground(flight.forecast)
         yield from planned_returns(flight.forecast)
         yield from left_out(flight.forecast.mission)
+    starts, used = () if plan.section.starts is None else plan.section.starts, {one.start for one in plan.flights}
+    for n in range(len(starts)):
+        if n not in used:
+            yield f"survey.starts[{n}]: no flight begins there: the others are nearer, or quicker"
     yield from plan.scenario.remarks

@@ -37,7 +37,7 @@ class Forecast:
 
     Args:
         mission: what is flown.
-        scenario: the world that it is flown in.
+        scenario: the world that it is flown in; of a survey with start places, as seen from the one it begins at.
         wind: goes before the scenario's own.
         left_out: items to which no leg leads, and none away from them.
 
@@ -63,7 +63,9 @@ class Forecast:
     ) -> None:
         self.left_out = left_out
         self._made: dict[Any, Any] = {}
-        self.scenario = scenario if scenario is None or wind is None else scenario.in_wind(wind)
+        self.scenario = scenario if scenario is None else _where_it_begins(scenario, mission)
+        if self.scenario is not None and wind is not None:
+            self.scenario = self.scenario.in_wind(wind)
         self.wind = wind or (CALM if scenario is None else scenario.wind.air())
         is_same = scenario is not None and mission.autopilot is scenario.vehicle.autopilot
         if scenario is not None and is_same and mission.firmware_version is None:
@@ -214,6 +216,15 @@ class Forecast:
 
         points, stray = join(self.cruise)
         return prove(points, self.world, stray)
+
+
+def _where_it_begins(scenario: "Scenario", mission: Mission) -> "Scenario":
+    """The scenario with the home of this mission, where that is one of its start places."""
+    if scenario.survey is None or scenario.survey.starts is None:
+        return scenario
+    from ipoa_mission.scenario.other_home import flown_from
+
+    return flown_from(scenario, mission.home)
 
 
 def estimate(

@@ -75,7 +75,7 @@ def report_html(
     findings: Sequence[Finding] | None = None,
     survey: str = "",
 ) -> str:
-    """The whole page; `findings` of the check, where it was checked already, and the panel of its `survey`."""
+    """The whole page; `findings` of the check, where it was checked already, and a panel of its survey or parts."""
     findings = check(forecast) if findings is None else findings
     scenario, mission, estimate, promise = (
         forecast.world,

@@ -36,6 +36,7 @@ from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, apart
 from ipoa_mission.world.ground import EARTH_RADIUS, LEVEL, Ground
 
 EARTH = 40_000_000.0  # its circumference [m]
+KEPT = ("frame", "survey_area", "_surroundings", "from_starts")  # of the world, that are worked out once
 #: The tables that the world is made from.
 WORLD = {"home", "start", "goal", "via", "bounds", "terrain", "obstacles", "maps", "fence", "survey"}
 
@@ -155,7 +156,7 @@ class Scenario(Section):
 
         Raises:
             BadInput: naming the place and what was expected there, or the map and the place in it.
-            MissionError: a library that reads a map is not installed.
+            BadInput: a library that reads a map is not installed.
         """
         try:
             scenario = cls.model_validate(dict(table), context={"folder": str(folder)})
@@ -176,9 +177,7 @@ class Scenario(Section):
         """
         copied = super().model_copy(update=update, deep=deep)
         if not WORLD & (update or {}).keys():
-            copied.__dict__ |= {
-                key: self.__dict__[key] for key in ("frame", "survey_area", "_surroundings") if key in self.__dict__
-            }
+            copied.__dict__ |= {key: self.__dict__[key] for key in KEPT if key in self.__dict__}
         return copied
 
     def in_airspace(self, airspace: Airspace) -> "Scenario":
@@ -233,7 +232,7 @@ class Scenario(Section):
 
         Raises:
             BadInput: naming the map file and the place in it that makes no sense, or that home lies outside.
-            MissionError: a library that reads a map is not installed.
+            BadInput: a library that reads a map is not installed.
         """
         _ = self._surroundings
 
@@ -270,6 +269,11 @@ class Scenario(Section):
             BadInput: naming what makes no sense of it.
         """
         return None if self.survey is None else self.survey.build(self.frame)
+
+    @cached_property
+    def from_starts(self) -> "dict[int, Scenario]":
+        """Its world as seen from those of the survey's start places that were asked for; `at_start` fills it."""
+        return {}
 
     @property
     def survey_reach(self) -> Reach:

@@ -11,18 +11,20 @@ from pydantic import AfterValidator, Field, PositiveInt, ValidationError, WithJs
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
+from ipoa_mission.maps.around import Around
 from ipoa_mission.maps.planar import Whereabouts, to_plane
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.scenario.camera import Camera, GivenCamera
 from ipoa_mission.scenario.layout import Reach
 from ipoa_mission.scenario.section import NUMBER, NotNegative, Positive, Section, beside
 from ipoa_mission.survey.area import LEAST_M2, Area
-from ipoa_mission.world.frame import LocalFrame
+from ipoa_mission.world.frame import REACH, LocalFrame
 
 BAND = 0.15  # over ground that is not flat it is flown up to such a share higher than it must be
 OVERLAP = 0.7  # where a camera comes with none
 WORDS = ("best", "crosshatch")
 MITRE = 2.0  # corners of a corridor reach no farther than so many times half its width
+APART = 2.0  # start places nearer to each other are one [m]
 USUAL_SPACING, USUAL_HEIGHT = 20.0, 40.0  # where nobody says more than an area [m]
 LOWEST_START = 10.0  # over home, of a survey of which the height is not known yet [m above ground]
 
@@ -106,6 +108,10 @@ class SurveySection(Section):
     """Near where the last line ends, `[east, north]`, metres from home; left out, near home or the goal."""
     flights: PositiveInt | None = None
     """In how many flights; left out, in as few as the battery is enough for, each with its reserve."""
+    starts: Annotated[tuple[Spot, ...], Field(min_length=1)] | None = None
+    """Places on the ground where flights take off and land in place of home, `[[east, north], ...]`, metres from home,
+    which is one of them as `[0, 0]`: each flight has the one from which all take the least time; without a battery
+    each place has one flight, over what is nearest to it."""
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
@@ -126,7 +132,20 @@ class SurveySection(Section):
             raise ValueError("expected either line_spacing or side_overlap")
         if (self.height_above_ground is None) == (self.gsd_cm is None):
             raise ValueError("expected either height_above_ground or, with a camera, gsd_cm")
+        if self.starts is not None:
+            self._expect_apart(self.starts)
         return self
+
+    def _expect_apart(self, starts: tuple[Spot, ...]) -> None:
+        for key in ("flights", "entry", "exit"):
+            if getattr(self, key) is not None:
+                raise ValueError(f"{key}: expected without starts, of which each flight has one")
+        for n, here in enumerate(starts):
+            if not math.hypot(*here) < REACH:
+                raise ValueError(f"starts[{n}]: expected a place within {REACH / 1000:g} km of home")
+            for m, there in enumerate(starts[:n]):
+                if math.dist(here, there) < APART:
+                    raise ValueError(f"starts[{n}]: expected another place than starts[{m}]")
 
     @property
     def taken_by(self) -> Camera | None:
@@ -144,9 +163,9 @@ class SurveySection(Section):
         return camera.height_for(self.gsd_cm)
 
     def reach(self, area: Area) -> Reach:
-        """Where an area is flown over, turns and all, and how high above the ground at most."""
+        """Where an area is flown over, turns and all, and flown to from, and how high above the ground at most."""
         corners = shapely.get_coordinates(shapely.box(*area.shape.buffer(self.turns_outside).bounds))
-        return corners, self.height * (1.0 + BAND)
+        return np.vstack([corners, *(self.starts or ())]), self.height * (1.0 + BAND)
 
     def spacing(self, height: float) -> float:
         """Between lines flown so high at least [m]."""
@@ -220,7 +239,7 @@ def _mapped(path: Path, width: float | None, frame: LocalFrame) -> Area:
 
 def _shapes(path: Path, frame: LocalFrame) -> Iterator[tuple[str, Any]]:
     """Polygons, closed lines and lines of a map, each with its place, in the local plane."""
-    features = read_features(path)
+    features = read_features(path, Around.of(frame))
     about = Whereabouts(frame)
     shapes, near = to_plane([f.shape for f in features], [f.place for f in features], about)
     about.expect_near()
@@ -245,12 +264,20 @@ def with_survey(table: Mapping[str, Any], context: Any) -> dict[str, Any]:
     """A scenario's table in which a survey begins over home, as high as it is flown, and ends where it began.
 
     That is so where the table says nothing else of `start` and `goal`.
+
+    Raises:
+        ValueError: it says something else, and that the survey has start places of its own.
     """
     if not isinstance(table.get("survey"), Mapping | SurveySection):
         return dict(table)
     try:
-        height = SurveySection.model_validate(table["survey"], context=context).height
+        section = SurveySection.model_validate(table["survey"], context=context)
     except ValidationError:  # of which the reader of the key tells
         height = LOWEST_START
+    else:
+        height = section.height
+        for key in ("start", "goal"):
+            if section.starts is not None and key in table:
+                raise ValueError(f"{key}: expected without survey.starts, where flights begin and end")
     start = table.get("start", {"east": 0.0, "north": 0.0, "height_above_ground": height})
     return {"start": start, "goal": start, **table}

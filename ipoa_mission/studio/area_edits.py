@@ -91,7 +91,7 @@ def move_area(document: MutableMapping[str, Any], path: Path, move: Move) -> Non
 
 def move_survey(survey: MutableMapping[str, Any], move: Move) -> None:
     """Move all of a survey that is given in metres from home."""
-    for key in ("polygon", "line", "entry", "exit"):
+    for key in ("polygon", "line", "entry", "exit", "starts"):
         if key in survey:
             _move_nested(survey[key], move)
 

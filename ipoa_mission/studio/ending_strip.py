@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from ipoa_mission.forecast.endings import EndingBar, Endings
-from ipoa_mission.forecast.endings_now import EVERY_S, TIMED
+from ipoa_mission.forecast.endings_now import EVERY_S, NEAREST_S, STEEP, TIMED
 from ipoa_mission.forecast.energy import Budget, Taken, budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade
@@ -20,7 +20,6 @@ from ipoa_mission.studio.view import without_folders
 from ipoa_mission.vehicles.ending import Ending
 
 EVENLY, MOST = 16, 24  # times of a flight at which it is worked out what an ending takes: at first, and at most
-STEEP, NEAREST_S = 2.5, 1.0  # between two times so far apart it may change by so many seconds a second
 
 
 def strips_of(forecast: Forecast, revision: int, flight: int) -> Iterator[StripOfEndings]:
@@ -62,7 +61,7 @@ def _costs(bar: EndingBar, forecast: Forecast, budget: Budget | None) -> Iterato
     """None of an ending that does not land, or of which nobody knows where it leads."""
     if bar.ending not in TIMED or bar.rows[0].grade is Grade.UNKNOWN:
         return
-    for time, ((low, high), used) in sorted(_taken(bar.ending, forecast.once(Endings)).items()):
+    for time, ((low, high), used, _) in sorted(_taken(bar.ending, forecast.once(Endings)).items()):
         left = None if budget is None or used is None else budget.left(budget.taken(time, used))
         yield StripCost(
             at_s=round(time, 2),

@@ -1,5 +1,6 @@
 """From what a scenario asks of its survey to the lines that see its area; and these at once, without a flight."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -7,13 +8,14 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.survey import SurveySection
 from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.corridor import corridor_tour, where_allowed
-from ipoa_mission.survey.cover import quickest_tour
+from ipoa_mission.survey.cover import quickest_tour, way_between
 from ipoa_mission.survey.coverage import Coverage, coverage
 from ipoa_mission.survey.keep_out import SPARE, keep_out, tube
 from ipoa_mission.survey.sight import Sight, sight_of
@@ -80,8 +82,18 @@ def expect_high_enough(sight: Sight, scenario: Scenario) -> None:
         )
 
 
-def lay_lines(scenario: Scenario, section: SurveySection, area: Area, sight: Sight, outside: Any | None) -> Tour:
+def lay_lines(
+    scenario: Scenario,
+    section: SurveySection,
+    area: Area,
+    sight: Sight,
+    outside: Any | None,
+    at: Vector | None = None,
+) -> Tour:
     """The quickest lines over what obstacles leave of the area.
+
+    They begin and end near where flights do, or, if it is given, near `at` (2,). Of a survey with start places, of
+    which nobody knows yet which, they begin anywhere.
 
     Raises:
         NoPath: they leave nothing.
@@ -91,7 +103,9 @@ def lay_lines(scenario: Scenario, section: SurveySection, area: Area, sight: Sig
             f"survey: obstacles and the clearance to them leave nothing of the area at {sight.least:g} m above ground",
             hint="fly higher (survey.height_above_ground), or with a smaller safety_distance",
         )
-    begin = np.array(section.entry or scenario.start_point[:2])
+    begin = np.array(section.entry or scenario.start_point[:2]) if at is None else at
+    end = np.array(section.exit or scenario.goal_point[:2]) if at is None else at
+    is_anywhere = section.starts is not None and at is None
     middles = section.middles(scenario.frame)
     if len(middles) == 1 and section.width is not None and section.direction_deg == "best":
         inside = where_allowed(area, outside)
@@ -105,8 +119,21 @@ def lay_lines(scenario: Scenario, section: SurveySection, area: Area, sight: Sig
         keep_out=outside,
         direction=section.direction_deg,
         turns_outside=section.turns_outside,
-        begin=begin,
-        end=np.array(section.exit or scenario.goal_point[:2]),
+        begin=None if is_anywhere else begin,
+        end=None if is_anywhere else end,
+    )
+
+
+def way_over(
+    area: Area, scenario: Scenario, section: SurveySection, sight: Sight, outside: Any | None
+) -> Callable[[Vector, Vector], Points]:
+    """What leads from one place (2,) over an area to another: the corners (k, 2) of the way, both places with it."""
+    return way_between(
+        area,
+        sight.spacing,
+        cost=leg_times(scenario, sight),
+        keep_out=outside,
+        turns_outside=section.turns_outside,
     )
 
 

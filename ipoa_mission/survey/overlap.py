@@ -20,7 +20,7 @@ from ipoa_mission.mission.commands import Command
 from ipoa_mission.survey.heights import lifted
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.tour import Swath, Tour
-from ipoa_mission.world.frame import Geodetic
+from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import Ground
 
 ALONG, ACROSS = 41, 5  # places of a photo that are looked at: in the direction of an overlap, and across it
@@ -98,8 +98,8 @@ def smallest_overlaps(lines: Sequence[PhotoLine], sight: Sight, ground: Ground, 
     return Overlaps(*least)
 
 
-def flown_lines(forecast: Forecast, lag: float) -> Iterator[PhotoLine]:
-    """The lines of a mission along which photos are triggered.
+def flown_lines(forecast: Forecast, lag: float, frame: LocalFrame) -> Iterator[PhotoLine]:
+    """The lines of a mission along which photos are triggered, in a frame.
 
     `lag`: how much later than it is due a photo is taken, in the mean [m]; here twice as much.
     """
@@ -114,7 +114,7 @@ def flown_lines(forecast: Forecast, lag: float) -> Iterator[PhotoLine]:
             every = 0.0
         elif item.command == Command.NAV_WAYPOINT:
             place = Geodetic(item.latitude_deg, item.longitude_deg, home.altitude + item.height(home))
-            there = np.asarray(forecast.frame.local(place))
+            there = np.asarray(frame.local(place))
             if here is not None and every > 0.0 and (there[:2] != here[:2]).any():
                 yield _line(here, there, every + 2 * lag)
             here = there

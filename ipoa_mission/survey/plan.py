@@ -3,11 +3,10 @@
 import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 from ipoa_mission.checks.check import check
-from ipoa_mission.checks.firmware import is_too_long
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Finding
@@ -17,21 +16,17 @@ from ipoa_mission.forecast.tube.promise import Kept, Promise
 from ipoa_mission.geometry import Points
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.progress import Progress, silent
-from ipoa_mission.routing.endings import settled, why_not_planned
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.survey import SurveySection
 from ipoa_mission.survey.area import Area
-from ipoa_mission.survey.assembly import assemble_survey
-from ipoa_mission.survey.cover import way_between
 from ipoa_mission.survey.coverage import Coverage, coverage
+from ipoa_mission.survey.flights import FlightMaker, laid_tours, parts_of, returning
 from ipoa_mission.survey.keep_out import keep_out
-from ipoa_mission.survey.laying import expect_high_enough, expect_survey, lay_lines, leg_times
+from ipoa_mission.survey.laying import expect_high_enough, expect_survey, way_over
 from ipoa_mission.survey.overlap import Overlaps, flown_lines, smallest_overlaps
 from ipoa_mission.survey.resume import left_to_fly
 from ipoa_mission.survey.sight import Sight, sight_of
-from ipoa_mission.survey.split import fewest_parts, parts_of_equal_length
-from ipoa_mission.survey.tour import Tour
-from ipoa_mission.vehicles.energy.flight import NotEnoughBattery
+from ipoa_mission.survey.tour import Sortie, Tour
 
 log = logging.getLogger(__name__)
 
@@ -42,11 +37,16 @@ MORE, A_LITTLE = 1.15, 0.05  # times what is missing, and so much [m]
 
 @dataclass(frozen=True, eq=False)
 class SurveyFlight:
-    """One flight of a survey: its lines, how it is expected to be flown, what a check warns of."""
+    """One flight of a survey: its lines, how it is expected to be flown, what a check warns of, where it begins.
+
+    `tour` is in metres from the scenario's home, `forecast` from that of the flight: the start place of this number,
+    if the survey has such.
+    """
 
     tour: Tour
     forecast: Forecast
     findings: tuple[Finding, ...]
+    start: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,8 +76,20 @@ class SurveyPlan:
         """How much photos overlap at least; None without a camera."""
         if self.sight.trigger is None:
             return None
-        lines = [line for flight in self.flights for line in flown_lines(flight.forecast, self.sight.lag)]
+        frame = self.scenario.frame
+        lines = [line for flight in self.flights for line in flown_lines(flight.forecast, self.sight.lag, frame)]
         return smallest_overlaps(lines, self.sight, self.scenario.airspace.ground, self.free)
+
+    @property
+    def section(self) -> SurveySection:
+        """What was asked for."""
+        section = self.scenario.survey
+        assert section is not None
+        return section
+
+    def begin_of(self, flight: SurveyFlight) -> tuple[float, float]:
+        """Where one of its flights takes off and lands, east and north of the scenario's home [m]."""
+        return (0.0, 0.0) if self.section.starts is None or flight.start is None else self.section.starts[flight.start]
 
     @property
     def free(self) -> Any:
@@ -121,9 +133,9 @@ def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int
     expect_high_enough(sight, scenario)
     for _ in range(ROUNDS):
         outside = keep_out(scenario, sight, growth)
-        tour = lay_lines(scenario, section, area, sight, outside)
-        parts = _parts(tour, scenario, section, sight, growth, seed)
-        forecasts = [_made(part, sight, scenario, growth, seed) for part in parts]
+        make = FlightMaker(scenario, sight, growth, seed)
+        tour, parts = parts_of(laid_tours(make, section, area, outside), make, section)
+        forecasts = [make(part) for part in parts]
         near = [(kept, forecast.promise) for forecast in forecasts for kept in forecast.promise.forbidding]
         if not near:
             break
@@ -145,91 +157,29 @@ def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyP
         BadInput: nothing is left.
         NoPath, NoRoute, NotEnoughBattery, Unsafe: as `plan_flights`.
     """
-    scenario, sight, section = plan.scenario, plan.sight, plan.scenario.survey
-    assert section is not None
-    way = way_between(
-        plan.area,
-        sight.spacing,
-        cost=leg_times(scenario, sight),
-        keep_out=plan.keep_out,
-        turns_outside=section.turns_outside,
-    )
+    scenario, sight, section = plan.scenario, plan.sight, plan.section
+    way = way_over(plan.area, scenario, section, sight, plan.keep_out)
     tour = left_to_fly(plan.tour, flown, sight, scenario.airspace.ground, way)
     if tour is None:
         raise BadInput("survey: nothing of it is left to be flown")
-    fewest = section.model_copy(update={"flights": None})
-    parts = _parts(tour, scenario, fewest, sight, plan.growth, seed)
-    forecasts = [_made(part, sight, scenario, plan.growth, seed) for part in parts]
+    make = FlightMaker(scenario, sight, plan.growth, seed)
+    tour, parts = parts_of([tour], make, section.model_copy(update={"flights": None}))
+    forecasts = [make(part) for part in parts]
     near = [(kept, one.promise) for one in forecasts for kept in one.promise.forbidding]
     if near:
         raise _refusal(_TooNear(*near[0]), scenario)
     return replace(plan, tour=tour, flights=_checked(parts, forecasts))
 
 
-def _checked(parts: Sequence[Tour], forecasts: Sequence[Forecast]) -> tuple[SurveyFlight, ...]:
+def _checked(parts: Sequence[Sortie], forecasts: Sequence[Forecast]) -> tuple[SurveyFlight, ...]:
     """Those flights, if each passes all checks and comes home."""
     flights = list[SurveyFlight]()
-    for part, forecast in zip(parts, map(_returning, forecasts), strict=True):
+    for part, forecast in zip(parts, map(returning, forecasts), strict=True):
         findings = refuse_errors(check(forecast))
         if (short := shortage_of(forecast)) is not None:
             raise short
-        flights.append(SurveyFlight(part, forecast, findings))
+        flights.append(SurveyFlight(part.tour, forecast, findings, part.start))
     return tuple(flights)
-
-
-def _parts(
-    tour: Tour, scenario: Scenario, section: SurveySection, sight: Sight, growth: Mapping[str, float], seed: int
-) -> tuple[Tour, ...]:
-    """The flights, as many as are asked for or as few as battery and firmware let.
-
-    Raises:
-        BadInput: more flights are asked for than there are lines.
-        NotEnoughBattery: a line cannot be reached and left again.
-    """
-    if section.flights is not None:
-        if section.flights > len(tour.swaths):
-            raise BadInput(f"survey.flights: expected at most one for each of {len(tour.swaths)} lines")
-        return parts_of_equal_length(tour, section.flights)
-    fits = partial(_fits, scenario=scenario, sight=sight, growth=growth, seed=seed)
-    if fits(tour):
-        return (tour,)
-    parts = fewest_parts(tour, fits, max(sight.trigger or 0.0, sight.along / 2, 1.0))
-    if isinstance(parts, tuple):
-        return parts
-    east, north = parts.begin.tolist()
-    raise NotEnoughBattery(
-        f"battery: expected enough for the way to the line at east {east:.0f}, north {north:.0f} m, and home with the "
-        "reserve, but it is not",
-        hint="begin nearer by, or with a larger battery",
-    )
-
-
-def _fits(part: Tour, scenario: Scenario, sight: Sight, growth: Mapping[str, float], seed: int) -> bool:
-    """Whether the vehicle takes so many items, and comes home with its reserve."""
-    own = scenario.vehicle.autopilot.firmware(scenario.vehicle.version)
-    per = 2 if sight.trigger is None else 4  # items of a line at least
-    if per * len(part.swaths) > own.max_items:
-        return False
-    forecast = _made(part, sight, scenario, growth, seed)
-    return not is_too_long(forecast.mission) and shortage_of(forecast) is None
-
-
-def _made(part: Tour, sight: Sight, scenario: Scenario, growth: Mapping[str, float], seed: int) -> Forecast:
-    return Forecast(assemble_survey(part, sight, scenario, growth, seed), scenario)
-
-
-def _returning(forecast: Forecast) -> Forecast:
-    """The same with what its endings need, where they are to be planned.
-
-    Raises:
-        NoPath: one of them is not clear all the same.
-    """
-    if forecast.world.safety.returns != "planned":
-        return forecast
-    best, short = settled(forecast)
-    if short:
-        raise NoPath(f"the lines are clear, but {why_not_planned(best)}", hint='or [safety] returns = "warn"')
-    return best
 
 
 def _refusal(nearest: _TooNear, scenario: Scenario) -> MissionError:

@@ -1,6 +1,6 @@
 """A tour in several flights: as few as fit, or so many; cut between lines, and through one where it must be."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -31,7 +31,7 @@ def fewest_parts(tour: Tour, fits: Fits, overlap: float) -> tuple[Tour, ...] | S
         before = len(parts[-1].swaths) if parts else 1
         count = most(lambda n, ahead=ahead: fits(part_of(ahead, 0, n)), len(ahead.swaths), before)  # type: ignore[misc]
         if count == 0:
-            cut = _cut(ahead, fits, overlap)
+            cut = first_cut(ahead, fits, overlap)
             if cut is None:
                 return ahead.swaths[0]
             ahead = cut
@@ -41,12 +41,18 @@ def fewest_parts(tour: Tour, fits: Fits, overlap: float) -> tuple[Tour, ...] | S
     return tuple(parts)
 
 
-def _cut(tour: Tour, fits: Fits, overlap: float) -> Tour | None:
+def first_cut(tour: Tour, fits: Fits, overlap: float) -> Tour | None:
     """The same with its first line in as few equal pieces as it takes for each to fit; None where none does."""
     swath = tour.swaths[0]
+
+    def all_fit(pieces: Sequence[Swath]) -> bool:
+        return all(fits(Tour((piece,), ())) for piece in (pieces[0], pieces[-1]))
+
+    if not all_fit([*_pieces(swath, MOST_PIECES, overlap)]):
+        return None
     for count in range(2, MOST_PIECES + 1):
         pieces = tuple(_pieces(swath, count, overlap))
-        if all(fits(Tour((piece,), ())) for piece in (pieces[0], pieces[-1])):
+        if all_fit(pieces):
             between = tuple(np.array([one.end, other.begin]) for one, other in pairwise(pieces))
             return Tour((*pieces, *tour.swaths[1:]), (*between, *tour.ways))
     return None

@@ -1,5 +1,6 @@
 """What a survey flies: lines with the sensor on, and the ways between them."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -49,3 +50,16 @@ class Tour:
     def length(self) -> float:
         """Of the whole path [m]."""
         return polyline_length(self.path)
+
+    def moved(self, move: Callable[[Points], Points]) -> "Tour":
+        """The same with all its places (n, 2) as `move` gives them."""
+        ends = [move(np.array([swath.begin, swath.end])) for swath in self.swaths]
+        return Tour(tuple(Swath(*pair) for pair in ends), tuple(move(way) for way in self.ways))
+
+
+@dataclass(frozen=True, eq=False)
+class Sortie:
+    """The lines of one flight, and the number of the start place from which it flies them; None: home."""
+
+    tour: Tour
+    start: int | None = None

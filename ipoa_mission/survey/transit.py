@@ -1,23 +1,32 @@
-"""The ways to a survey's first line and home from its last: straight where that is clear, else planned as any path."""
+"""The ways to a survey's first line and home from its last.
+
+Straight where that is clear, else the shortest one round the corners of what is in the way, else planned as any path.
+"""
 
 from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
+import shapely
 
 from ipoa_mission.forecast.tube.room import with_room
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.planning.path_problem import PathProblem, problem_of
 from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.routing.resample import corridor
 from ipoa_mission.routing.route import NoRoute, push_clear
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.survey._kernels import NO_WAY
+from ipoa_mission.survey.free import FreeSpace
 from ipoa_mission.survey.keep_out import TIGHT_PLACES
 from ipoa_mission.world.airspace import Airspace
 
 HALVINGS = 5  # of the tolerance within which the waypoints stand for the planned curve
 SAME = 0.5  # places so near are one [m]
+NEAR, APART = 60.0, 0.1  # what stands so near to the straight way at least is looked at, and kept away from by more [m]
+CORNERS, WIDER = 4, 1.02  # of a quarter of a circle, and by so much wider they lie round it
+MOST_CORNERS = 250
 
 
 def clear_way(begin: Vector, end: Vector, scenario: Scenario, growth: Mapping[str, float], seed: int) -> Points:
@@ -35,6 +44,9 @@ def clear_way(begin: Vector, end: Vector, scenario: Scenario, growth: Mapping[st
     task = _with_room(straight, scenario, growth)
     if prove(straight, task, spare=0.0).holds:
         return straight
+    around = _round(straight, task)
+    if around is not None and prove(around, task, spare=0.0).holds:
+        return around
     curve, width = plan_path(task, seed=seed).curve, scenario.route.tolerance
     for _ in range(HALVINGS):
         points = push_clear(corridor(curve, width), task)
@@ -42,6 +54,58 @@ def clear_way(begin: Vector, end: Vector, scenario: Scenario, growth: Mapping[st
             return points
         width /= 2
     raise NoRoute(f"the way between home and the survey comes too close: {proof.words()}")
+
+
+def _round(straight: Points, task: PathProblem) -> Points | None:
+    """The shortest way between two places (2, 3) by the corners of what stands as high; None: there is none.
+
+    Nor is it looked for among very many corners.
+    """
+    (west, south, *_), (east, north, *_) = task.airspace.bounds.lower, task.airspace.bounds.upper
+    line, distance = shapely.LineString(straight[:, :2]), (task.limits.obstacle_distance + APART) * WIDER
+    near, (low, high) = line.buffer(max(line.length / 2, NEAR)), np.sort(straight[:, 2])
+    inside = near.intersection(shapely.box(west, south, east, north))
+    if (footprint := task.airspace.bounds.footprint) is not None:
+        inside = inside.intersection(footprint.shape)
+    bodies = [
+        body.plan.buffer(distance, quad_segs=CORNERS)
+        for body in task.airspace.obstacles
+        if body.bounds[0, 2] - distance < high and body.bounds[1, 2] + distance > low and body.plan.intersects(near)
+    ]
+    free = FreeSpace.of(inside.difference(shapely.union_all(bodies)))
+    if not 0 < len(free.corners) <= MOST_CORNERS:
+        return None
+    places = np.vstack([free.corners, straight[:, :2]])
+    ways = np.full((len(places), len(places)), np.inf)
+    ways[:-2, :-2] = np.where(free.between < NO_WAY, free.between, np.inf)
+    seen = free.sees(straight[:, :2], free.corners)
+    ways[-2:, :-2] = np.where(seen, np.linalg.norm(straight[:, None, :2] - free.corners, axis=2), np.inf)
+    ways[:-2, -2:] = ways[-2:, :-2].T
+    corners = _shortest(ways)
+    if corners is None:
+        return None
+    path = np.vstack([straight[:1, :2], places[corners], straight[1:, :2]])
+    along = arc_lengths(path)
+    return np.column_stack([path, straight[0, 2] + along / along[-1] * (straight[1, 2] - straight[0, 2])])
+
+
+def _shortest(ways: Points) -> list[int] | None:
+    """Those on the shortest way from the last place but one to the last, by all legs (n, n); Dijkstra's."""
+    count = len(ways)
+    length, before, is_open = ways[-2].copy(), np.full(count, count - 2), np.ones(count, bool)
+    is_open[-2] = False
+    while is_open[-1]:
+        here = int(np.where(is_open, length, np.inf).argmin())
+        if not (is_open[here] and np.isfinite(length[here])):
+            return None
+        is_open[here] = False
+        shorter = is_open & (length[here] + ways[here] < length)
+        length[shorter], before[shorter] = length[here] + ways[here][shorter], here
+    found, here = list[int](), int(before[-1])
+    while here != count - 2:
+        found.insert(0, here)
+        here = int(before[here])
+    return found
 
 
 def _with_room(places: Points, scenario: Scenario, growth: Mapping[str, float]) -> PathProblem:

@@ -48,6 +48,15 @@ def test_a_plan_beyond_its_battery_is_refused_and_written_in_parts_with_split(
     about = json.loads(Path("out/rows.json").read_text(encoding="utf-8"))
     assert about["flights"] == told["flights"]
     assert "2 flights, a battery each" in run(f"plan {scenario} --seed 7 --out out --split --force").out
+    assert not Path("out/rows.html").exists()
+    reported = json.loads(run(f"plan {scenario} --seed 7 --out out --split --force --report --json").out)["written"]
+    assert [file for file in reported if file.endswith(".html")] == ["out/rows.html"]
+    page = Path("out/rows.html").read_text(encoding="utf-8")
+    table = page[page.index("<h2>Flights</h2>") :]
+    assert "flown in 2 flights, a battery each" in table
+    for flight in told["flights"]:
+        assert flight["file"] in table[: table.index("</table>")]
+        assert f"{flight['energy_wh'][1]:.1f} Wh" in table[: table.index("</table>")]
     timed = run(f"estimate out/rows-1.plan --scenario {scenario}").out
     assert "20% required" in timed
     assert "rows.json" not in timed

@@ -5,7 +5,8 @@ What comes before (take-off) and after (RTL, LAND) no choice of waypoints can be
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -32,7 +33,13 @@ class RouteTime:
     """
 
     seconds: float
-    least: float
+    path: Points = field(repr=False, compare=False)
+    limits: Kinematics | None = field(repr=False, compare=False)
+
+    @cached_property
+    def least(self) -> float:
+        """The least time of the same path [s]."""
+        return math.nan if self.limits is None else min(least_time(self.path, self.limits).seconds, self.seconds)
 
     @property
     def ratio(self) -> float:
@@ -40,7 +47,7 @@ class RouteTime:
         return self.seconds / self.least
 
 
-NO_ROUTE = RouteTime(math.nan, math.nan)
+NO_ROUTE = RouteTime(math.nan, np.zeros((0, 3)), None)
 
 
 def kinematics(autopilot: Autopilot, parameters: Parameters, speed: float | None = None) -> Kinematics:
@@ -62,7 +69,7 @@ def route_time(
     path = _smoothed(track.between(begin, end).points)
     if len(path) < 2:
         return NO_ROUTE
-    return RouteTime(end - begin, min(least_time(path, limits).seconds, end - begin))
+    return RouteTime(end - begin, path, limits)
 
 
 def _most_asked(route: Itinerary, first: int, last: int, standard: float) -> float:

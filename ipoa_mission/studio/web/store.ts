@@ -57,6 +57,8 @@ export interface Studio {
   landed: Landed | null;
   flight: State | null;
   notice: string;
+  /** What is said to who does not see the map. */
+  spoken: string;
   dropped: Dropped | null;
 }
 
@@ -73,7 +75,7 @@ export let studio: Studio = {
   area: null, coarseSurvey: null, dragSurvey: null, survey: null, endings: {}, part: 0, flownParts: [], lookedAt: null,
   mission: null, checked: null, replay: null, start: null, heard: null, found: null, homeward: false, whole: false,
   tool: "select", selected: null, space: false, at: 0, item: null, playing: false, candidates: [], loaded: null, seen: null,
-  flown: [], landed: null, flight: null, notice: "", dropped: null,
+  flown: [], landed: null, flight: null, notice: "", spoken: "", dropped: null,
 };
 
 /** The path to the survey: what is chosen when its area is. */

@@ -11,7 +11,17 @@ from dataclasses import replace
 
 from ipoa_mission.vehicles.arducopter.own_fence import FLOOR_BIT, MAY_BE_ON
 from ipoa_mission.vehicles.ending import Ending, FlightStage
-from ipoa_mission.vehicles.failsafe import BY_HAND, GOES_ON, Failsafe, FailsafeAction, FailsafeRule, Series, ordered
+from ipoa_mission.vehicles.failsafe import (
+    BY_HAND,
+    GOES_ON,
+    STATION_LOST,
+    Failsafe,
+    FailsafeAction,
+    FailsafeRule,
+    Series,
+    StationLoss,
+    ordered,
+)
 from ipoa_mission.vehicles.parameters import Parameters
 
 LAND_PAUSE = 4.0  # LAND_WITH_DELAY_MS [s]
@@ -26,7 +36,7 @@ STOPS = FailsafeAction(Ending.TERMINATE)
 ACTIONS = {0: GOES_ON, 1: LANDS, 2: RETURNS, 3: SMART, 4: SMART_OR_LANDS, 5: STOPS, 6: LAND_START, 7: BRAKES}
 RADIO = {0: GOES_ON, 1: RETURNS, 2: RETURNS, 3: LANDS, 4: SMART, 5: SMART_OR_LANDS, 6: LAND_START, 7: BRAKES}
 STATION = {0: GOES_ON, 1: RETURNS, 2: RETURNS, 3: SMART, 4: SMART_OR_LANDS, 5: LANDS, 6: LAND_START, 7: BRAKES}
-NO_POSITION = replace(LANDS, words="without a position it drifts")
+NO_POSITION = FailsafeAction(Ending.UNKNOWN, (Ending.LAND,), "without a position it drifts as it lands")
 ESTIMATE = {
     0: GOES_ON,
     1: NO_POSITION,
@@ -36,10 +46,10 @@ ESTIMATE = {
 DRIFTS = "by dead reckoning it drifts"
 RECKONS = {
     0: GOES_ON,
-    1: replace(LANDS, words=DRIFTS),
+    1: FailsafeAction(Ending.UNKNOWN, (Ending.LAND,), f"{DRIFTS} as it lands"),
     **dict.fromkeys((2, 3, 4, 6), FailsafeAction(Ending.UNKNOWN, (Ending.LAND,), f"{DRIFTS} on its way home")),
     5: STOPS,
-    7: replace(BRAKES, words=DRIFTS),
+    7: FailsafeAction(Ending.UNKNOWN, (Ending.LAND,), f"{DRIFTS} as it holds"),
 }
 OUTSIDE = "100 m outside it lands"
 FENCE = {
@@ -64,7 +74,7 @@ RULES = (
     FailsafeRule(LOW, "BATT_FS_LOW_ACT", 0.0, ACTIONS, GOES_ON, {"BATT_LOW_VOLT": 10.5, "BATT_LOW_MAH": 0.0}),
     FailsafeRule(CRITICAL, "BATT_FS_CRT_ACT", 0.0, ACTIONS, GOES_ON, {"BATT_CRT_VOLT": 0.0, "BATT_CRT_MAH": 0.0}),
     FailsafeRule("radio control lost", "FS_THR_ENABLE", 1.0, RADIO, LANDS),
-    FailsafeRule("ground station lost", "FS_GCS_ENABLE", 0.0, STATION, RETURNS),
+    FailsafeRule(STATION_LOST, "FS_GCS_ENABLE", 0.0, STATION, RETURNS),
     FailsafeRule(BREACH, "FENCE_ACTION", 1.0, FENCE, FENCE[1], MAY_BE_ON),
     FailsafeRule("position lost (EKF)", "FS_EKF_ACTION", 1.0, ESTIMATE, NO_POSITION, {"FS_EKF_THRESH": 0.8}),
     FailsafeRule("position by dead reckoning", "FS_DR_ENABLE", 2.0, RECKONS, GOES_ON),
@@ -94,6 +104,10 @@ DECIDED_BY = tuple(
         )
     )
 )
+
+#: It heeds stations from the one id to the other (GCS::sysid_is_gcs).
+HEEDED = ("SYSID_MYGCS", "MAV_GCS_SYSID"), "MAV_GCS_SYSID_HI"
+STATION_LOSS = StationLoss("FS_GCS_TIMEOUT", 5.0, ("FS_GCS_ENABLE", "FS_GCS_TIMEOUT", "FS_OPTIONS", *HEEDED), *HEEDED)
 
 
 def failsafes(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]:
@@ -128,7 +142,8 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
     if rule.cause == TERRAIN:
         landing = replace(GOES_ON, words="a landing needs none")
     differs = {} if landing == answer else {FlightStage.LANDING: landing}
-    return Failsafe(rule.cause, rule.parameter, rule.value(parameters), answer, differs)
+    returns_at = rule.returns_at(series)
+    return Failsafe(rule.cause, rule.parameter, rule.value(parameters), answer, differs, returns_at)
 
 
 def _first(name: str) -> str:
@@ -162,7 +177,7 @@ def _with_its_urgency(one: Failsafe, parameters: Parameters, series: Series) -> 
         "but where the voltage falls through both at once"
     )
     differs = {stage: replace(answer, words=words) for stage, answer in low.differs.items()}
-    return replace(one, route=replace(low.route, words=words), differs=differs)
+    return replace(one, route=replace(low.route, words=words), differs=differs, returns_at=None)
 
 
 def _urgency(action: float) -> int:

@@ -9,7 +9,17 @@ import math
 from dataclasses import replace
 
 from ipoa_mission.vehicles.ending import Ending, FlightStage
-from ipoa_mission.vehicles.failsafe import BY_HAND, GOES_ON, Failsafe, FailsafeAction, FailsafeRule, Series, ordered
+from ipoa_mission.vehicles.failsafe import (
+    BY_HAND,
+    GOES_ON,
+    STATION_LOST,
+    Failsafe,
+    FailsafeAction,
+    FailsafeRule,
+    Series,
+    StationLoss,
+    ordered,
+)
 from ipoa_mission.vehicles.parameters import Parameters
 
 SINCE = (1, 18)
@@ -18,7 +28,7 @@ LANDS = FailsafeAction(Ending.LAND, (Ending.TERMINATE,))
 RETURNS = FailsafeAction(Ending.RTL, (Ending.LAND, Ending.TERMINATE))
 HOLDS = FailsafeAction(Ending.HOLD, (Ending.RTL, Ending.LAND, Ending.TERMINATE))
 FALLS_WITHOUT = replace(FALLS, words="lands while it still has a local position")
-DRIFTS = replace(LANDS, words="descends, and drifts where it has no position")
+DRIFTS = FailsafeAction(Ending.UNKNOWN, (Ending.LAND, Ending.TERMINATE), "without a position it drifts as it descends")
 
 
 def new(answer: FailsafeAction) -> FailsafeAction:
@@ -47,7 +57,7 @@ RULES = (
     FailsafeRule("emergency battery", "COM_LOW_BAT_ACT", 0.0, EMERGENCY, GOES_ON),
     FailsafeRule("flight time left is short", "COM_FLTT_LOW_ACT", 0.0, {0: GOES_ON, 1: GOES_ON, 3: RETURNS}, GOES_ON),
     FailsafeRule("radio control lost", "NAV_RCL_ACT", 2.0, RADIO, GOES_ON),
-    FailsafeRule("ground station lost", "NAV_DLL_ACT", 0.0, LINK, GOES_ON),
+    FailsafeRule(STATION_LOST, "NAV_DLL_ACT", 0.0, LINK, GOES_ON),
     FailsafeRule("fence breached", "GF_ACTION", 2.0, GRADES, GOES_ON),
     FailsafeRule("position lost (EKF)", "", math.nan, {}, DRIFTS, until=SINCE),
     FailsafeRule("position lost (EKF)", "COM_POS_FS_ACT", 0.0, {0: DRIFTS, 1: FALLS_WITHOUT}, DRIFTS, since=SINCE),
@@ -85,6 +95,8 @@ DECIDED_BY = tuple(
     )
 )
 
+STATION_LOSS = StationLoss("COM_DL_LOSS_T", 10.0, ("NAV_DLL_ACT", "COM_DL_LOSS_T", EXCEPT["NAV_DLL_ACT"], DELAY))
+
 
 def failsafes(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]:
     """What follows each cause that this series knows."""
@@ -107,7 +119,8 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
     if returning.ending is Ending.RTL and rule.cause != BY_HAND:
         returning = replace(GOES_ON, words="it is returning already")
     differs = {} if returning == answer else {FlightStage.RETURN: returning}
-    return Failsafe(rule.cause, rule.parameter, rule.value(parameters), answer, differs)
+    returns_at = rule.returns_at(series)
+    return Failsafe(rule.cause, rule.parameter, rule.value(parameters), answer, differs, returns_at)
 
 
 def _later(rule: FailsafeRule, answer: FailsafeAction, parameters: Parameters) -> FailsafeAction:

@@ -1,0 +1,213 @@
+"""A scenario whose home is one of its survey's start places; all else stays where it is on the Earth.
+
+A flight counts heights and metres from where it takes off: what is given in metres from home is given anew.
+"""
+
+import math
+from collections.abc import Callable, Iterable
+from typing import Any, TypeAlias, TypeVar
+
+import numpy as np
+
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.geometry import Points
+from ipoa_mission.scenario.maps import NoFlyMap
+from ipoa_mission.scenario.model import KEPT, WORLD, Scenario
+from ipoa_mission.scenario.places import (
+    BoundsSection,
+    FlatTerrain,
+    GridTerrain,
+    HomeSection,
+    Horizontal,
+    Place,
+    TerrainSection,
+)
+from ipoa_mission.scenario.section import Section
+from ipoa_mission.scenario.survey import SurveySection
+from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
+from ipoa_mission.world.terrain import Grid
+
+AT_START = 1.0  # a mission whose home is so near to a start place begins there [m]
+Moved = TypeVar("Moved", bound=Section)
+Ring: TypeAlias = tuple[tuple[float, float], ...]
+#: From places (n, 2), metres from one home, to the same ones from another.
+Move: TypeAlias = Callable[[Points], Points]
+
+
+def flown_from(scenario: Scenario, home: Geodetic) -> Scenario:
+    """The scenario as a mission with this home has it: from the start place there, if there is one."""
+    away = _away(scenario, home)
+    if not away or min(away) > AT_START or apart(home, scenario.frame.home) <= AT_START:
+        return scenario
+    return at_start(scenario, int(np.argmin(away)))
+
+
+def nearest_start(scenario: Scenario, there: Geodetic) -> Scenario:
+    """The scenario with its home at the start place that is nearest to a place; the same where it has none."""
+    away = _away(scenario, there)
+    return at_start(scenario, int(np.argmin(away))) if away else scenario
+
+
+def _away(scenario: Scenario, there: Geodetic) -> list[float]:
+    """How far a place is from each start place [m]."""
+    starts = () if scenario.survey is None else scenario.survey.starts or ()
+    return [apart(there, scenario.frame.geodetic(np.array([*start, 0.0]))) for start in starts]
+
+
+def at_start(scenario: Scenario, n: int) -> Scenario:
+    """The scenario with its home at start place number `n`, on the ground; made once for each world.
+
+    Raises:
+        BadInput: flights may not begin there, or its terrain is known from home only.
+        MissionError: a library that reads a map is not installed.
+    """
+    assert scenario.survey is not None
+    assert scenario.survey.starts is not None
+    if scenario.survey.starts[n] == (0.0, 0.0):
+        return scenario
+    if (seen := scenario.from_starts.get(n)) is None:
+        seen = scenario.model_copy(update=_sections_from(scenario, n))
+        try:
+            seen.read_maps()
+        except MissionError as error:
+            raise type(error)(f"survey.starts[{n}]: from there: {error}", hint=error.hint) from error
+        scenario.from_starts[n] = seen
+    moved = scenario.model_copy(update={key: getattr(seen, key) for key in (*WORLD, "rally")})
+    moved.__dict__ |= {key: seen.__dict__[key] for key in KEPT if key in seen.__dict__}
+    return moved
+
+
+def between(old: LocalFrame, new: LocalFrame) -> Move:
+    """How places in one frame are given in another."""
+
+    def moved(places: Points) -> Points:
+        latitude, longitude, _ = old.to_geodetic(np.column_stack([places, np.zeros(len(places))]))
+        return new.to_local(latitude, longitude, new.home.altitude)[:, :2]
+
+    return moved
+
+
+def _sections_from(scenario: Scenario, n: int) -> dict[str, Any]:
+    """The tables of the world, written for a home at a start place."""
+    section, old = scenario.survey, scenario.frame
+    assert section is not None
+    assert section.starts is not None
+    home = _home_at(scenario, np.array(section.starts[n]))
+    new = LocalFrame(home.geodetic())
+    move, rise = between(old, new), home.altitude_amsl - old.home.altitude
+    start = Place(east=0.0, north=0.0, height_above_ground=section.height)
+    return {
+        "home": home,
+        "start": start,
+        "goal": start,
+        "via": (),
+        "bounds": _bounds(scenario, new, rise),
+        "terrain": _terrain(scenario, new, rise, n),
+        "obstacles": tuple(_moved(one, old, new) for one in scenario.obstacles),
+        "maps": tuple(_over(one, rise) if isinstance(one, NoFlyMap) else one for one in scenario.maps),
+        "fence": tuple(_moved(one, old, new) for one in scenario.fence),
+        "rally": tuple(_moved(one, old, new) for one in scenario.rally),
+        "survey": _survey(section, move),
+    }
+
+
+def _home_at(scenario: Scenario, place: Points) -> HomeSection:
+    """The ground at a place, as exact as missions carry it."""
+    height = float(scenario.airspace.terrain.height(place[None])[0])
+    there = scenario.frame.geodetic(np.append(place, height))
+    return HomeSection(
+        latitude_deg=round(there.latitude_deg, 7),
+        longitude_deg=round(there.longitude_deg, 7),
+        altitude_amsl=round(there.altitude, 3),
+    )
+
+
+def _bounds(scenario: Scenario, new: LocalFrame, rise: float) -> BoundsSection:
+    """Those of the whole scenario, for every flight."""
+    air, (east, north, _) = scenario.airspace.bounds, new.local(scenario.frame.home)
+    (west, south, low), (right, back, high) = air.lower, air.upper
+    return BoundsSection(
+        east=(west + east, right + east),
+        north=(south + north, back + north),
+        up=(low - rise, high - rise),
+        margin=scenario.bounds.margin,
+    )
+
+
+def _terrain(scenario: Scenario, new: LocalFrame, rise: float, n: int) -> TerrainSection:
+    given, terrain = scenario.terrain, scenario.airspace.terrain
+    if isinstance(given, FlatTerrain):
+        return given.model_copy(update={"height": given.height - rise})
+    if isinstance(given, GridTerrain) and isinstance(terrain, Grid):
+        rows, columns = terrain.heights.shape
+        east, north = (
+            terrain.east + terrain.spacing * np.arange(columns),
+            terrain.north + terrain.spacing * np.arange(rows),
+        )
+        nodes = np.column_stack([np.tile(east, rows), np.repeat(north, columns), terrain.heights.ravel()])
+        moved = new.to_local(*scenario.frame.to_geodetic(nodes))
+        corner = moved[:, :2].mean(axis=0) - terrain.spacing * (np.array([columns, rows]) - 1) / 2
+        heights = tuple(map(tuple, moved[:, 2].reshape(rows, columns).tolist()))
+        grid = {"east": float(corner[0]), "north": float(corner[1]), "heights": heights, "file": None}
+        return given.model_copy(update=grid)
+    if given.kind == "analytic":
+        raise BadInput(
+            f"survey.starts[{n}]: expected home, or terrain of another kind: this one is told from home only"
+        )
+    return given
+
+
+def _moved(one: Moved, old: LocalFrame, new: LocalFrame) -> Moved:
+    """A table with its places in degrees, and its heights and headings as from the other home."""
+    changes, at = dict[str, Any](), (0.0, 0.0)
+    if isinstance(one, Horizontal):
+        at = one.east_north(old)
+        there = old.geodetic(np.array([*at, 0.0]))
+        changes = {
+            "east": None,
+            "north": None,
+            "latitude_deg": there.latitude_deg,
+            "longitude_deg": there.longitude_deg,
+        }
+    for key in ("footprint", "polygon"):
+        if (ring := getattr(one, key, None)) is not None:
+            changes |= {key: None, f"{key}_geodetic": _degrees(ring, old)}
+            at = tuple(np.mean(ring, axis=0).tolist())
+            if holes := getattr(one, "holes", ()):
+                changes["holes"] = tuple(_degrees(hole, old) for hole in holes)
+        elif (ring := getattr(one, f"{key}_geodetic", None)) is not None:
+            latitude, longitude = np.mean(ring, axis=0)
+            at = tuple(old.local(Geodetic(latitude, longitude, old.home.altitude))[:2].tolist())
+    if (center := getattr(one, "center", None)) is not None:
+        changes["center"] = _moved(center, old, new)
+    for key in ("up", "base"):
+        if (height := getattr(one, key, None)) is not None:
+            changes[key] = float(new.local(old.geodetic(np.array([*at, height])))[2])
+    if (heading := getattr(one, "heading_deg", None)) is not None:
+        (east, north), (ahead, farther) = between(old, new)(np.array([at, (at[0], at[1] + 1.0)]))
+        changes["heading_deg"] = heading + math.degrees(math.atan2(ahead - east, farther - north))
+    return one.model_copy(update=changes)
+
+
+def _degrees(ring: Iterable[tuple[float, float]], frame: LocalFrame) -> Ring:
+    latitude, longitude, _ = frame.to_geodetic(np.array([(*corner, 0.0) for corner in ring]))
+    return tuple(zip(latitude.tolist(), longitude.tolist(), strict=True))
+
+
+def _over(zones: NoFlyMap, rise: float) -> NoFlyMap:
+    ends = {key: value - rise for key in ("base", "top") if (value := getattr(zones, key)) is not None}
+    return zones.model_copy(update=ends)
+
+
+def _survey(section: SurveySection, move: Move) -> SurveySection:
+    keys = ("polygon", "line", "starts")
+    return section.model_copy(update={key: _nested(getattr(section, key), move) for key in keys})
+
+
+def _nested(value: Any, move: Move) -> Any:
+    """Lists in lists of [east, north], moved."""
+    if value is None:
+        return None
+    if not isinstance(value[0][0], int | float):
+        return [_nested(one, move) for one in value]
+    return tuple(map(tuple, move(np.array(value, float)).tolist()))
