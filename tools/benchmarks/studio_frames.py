@@ -10,7 +10,6 @@ else the machine does ([ms]: median, 95th percentile, worst); the processor time
 it. Last stands the longest that the main thread is kept by one task after the hand has let go [ms].
 """
 
-import argparse
 import shutil
 import statistics
 import tempfile
@@ -24,6 +23,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from rich.console import Console
 from rich.table import Table
 
+from tools import command_line
 from tools.benchmarks.studio import town
 from tools.generate.studio_pictures import PATIENCE_MS, SOFTWARE, studio
 
@@ -41,7 +41,7 @@ depth = 14.0
 height = 12.0
 """
 SCRIPT = {"FunctionCall", "EvaluateScript", "FireAnimationFrame", "TimerFire", "EventDispatch"}
-FRAME, TASK = "ProxyMain::BeginMainFrame", "RunTask"
+FRAME, TASK = "ProxyMain::BeginMainFrame", "ThreadControllerImpl::RunTask"
 CATEGORIES = ["toplevel", "devtools.timeline", "cc"]
 Event = dict[str, Any]
 
@@ -196,7 +196,7 @@ def stopped(page: Page) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--buildings", type=int, nargs="+", default=[500, 5000])
     parser.add_argument("--width", type=int, default=1440)
     parser.add_argument("--height", type=int, default=900)

@@ -23,7 +23,7 @@ import { showSpots } from "./spots";
 import { StartPage } from "./start";
 import { SeesLeast, SurveyFlights, SurveyForm } from "./survey";
 import { useSurveyHands } from "./survey-hands";
-import { isMission, send, set, studio, type Candidate, type Studio } from "./store";
+import { asLastProved, isMission, send, set, studio, type Candidate, type Studio } from "./store";
 import { Outside, Text } from "./text";
 import { useStudio } from "./use";
 import { Verdict } from "./verdict";
@@ -63,7 +63,7 @@ function take(candidate: Candidate): void {
 function Page() {
   const now = useStudio();
   if (now.start) return <><Bar /><StartPage now={now} /></>;
-  const isScenario = !isMission(now);
+  const isScenario = !isMission(now), last = asLastProved(now);
   return (
     <>
       <Bar />
@@ -78,9 +78,10 @@ function Page() {
           <Verdict now={now} />
           {isScenario ? <><SurveyFlights now={now} /><Chosen now={now} /><SurveyForm now={now} /><SeesLeast now={now} /></> : <><ChosenItem now={now} /><Items now={now} /><World now={now} /><Fly now={now} /></>}
           <Replayed now={now} />
-          <Bindings now={now} />
-          {isScenario && <Items now={now} />}
-          {isScenario && <><Candidates now={now} take={take} /><Fly now={now} /><Choices now={now} /><Limits now={now} /><Drop /></>}
+          <div class={last === now ? "" : "past"} inert={last !== now}><Bindings now={last} />{isScenario && <Items now={last} />}</div>
+          {isScenario && <><Candidates now={now} take={take} /><Fly now={now} /></>}
+          {isScenario && <div class={last === now ? "" : "past"} inert={last !== now}><Choices now={last} /></div>}
+          {isScenario && <><Limits now={now} /><Drop /></>}
           <Remarks now={now} />
           <Keys now={now} />
           <Text now={now} />

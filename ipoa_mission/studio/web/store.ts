@@ -331,6 +331,12 @@ export function proved(now: Studio): Plan | null {
   return now.plan && now.document && now.plan.revision === now.document.revision ? now.plan : null;
 }
 
+/** As it was when a plan was last proved, while there is none of what is here now: what stands at the side stays there, faded. */
+export function asLastProved(now: Studio): Studio {
+  const revision = isSurvey(now) ? now.survey?.revision : now.plan?.revision;
+  return !now.document || isMission(now) || revision === undefined || proved(now) ? now : { ...now, document: { ...now.document, revision } };
+}
+
 /** Whether it is known what stands where the flight goes. */
 export const hasWorld = (now: Studio): boolean => !isMission(now) || Boolean(now.mission?.scenario);
 

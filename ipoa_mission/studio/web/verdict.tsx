@@ -71,7 +71,7 @@ function Figures({ now }: { now: Studio }) {
   if (!coarse) return null;
   return (
     <dl class="figures rough">
-      <div><dt>route, at least</dt><dd>{seconds(coarse.seconds)}<small>no estimate: a lower bound</small></dd></div>
+      <div><dt>route, at least</dt><dd>{seconds(coarse.seconds)}<small>a lower bound</small></dd></div>
       <div><dt>coarse path's clearance</dt><dd>{meters(coarse.clearance, 2)}<small>to {coarse.nearest}</small></dd></div>
       <div><dt>path</dt><dd>{meters(coarse.length, 0)}<small>answered in {Math.round(coarse.took_s * 1000)} ms</small></dd></div>
     </dl>
