@@ -187,7 +187,7 @@ def newcomer(hands: CountedHands) -> None:
         for east, north in ((-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)):
             hands.clicks += 1
             page.mouse.click(mx + east * side, my - north * side)
-        hands.click(page.get_by_role("spinbutton", name="Height", exact=True))
+        hands.click(page.get_by_role("region", name="Chosen").get_by_label("Height"))
         hands.type("40", "Enter")
 
     def is_round() -> bool:

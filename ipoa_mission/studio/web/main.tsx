@@ -17,6 +17,7 @@ import { ChosenItem, Items } from "./items";
 import { Keys } from "./keys";
 import { makeMap } from "./map";
 import { Replayed, World } from "./mission";
+import { fitOnPaper } from "./paper";
 import { showPointer } from "./pointer";
 import { Profile } from "./profile";
 import { showSpots } from "./spots";
@@ -38,13 +39,14 @@ function MapView({ now }: { now: Studio }) {
       useHands(map);
       useSurveyHands(map);
       showPointer(map);
+      fitOnPaper(map);
       Object.assign(window, { map }); // for tests, and for the curious
     } catch {
       set({ notice: "No map is drawn: this browser has no WebGL 2. All else works." });
     }
   }, []);
   return (
-    <div class={`map${world ? "" : " unknown"}${whole ? " whole" : ""}`} role="region" aria-label="Map">
+    <div class={`map${world ? "" : " unknown"}${whole ? " whole" : ""}`} role="region" aria-label="Map and tools">
       <div class="canvas" ref={place} />
       {tiles && picture && <p class="attribution">{tiles.attribution}</p>}
       <button type="button" class="enlarge" aria-pressed={whole} onClick={() => set({ whole: !whole })}>{whole ? "✕ close" : "⤢ whole screen"}</button>
@@ -76,10 +78,10 @@ function Page() {
           <Outside now={now} />
           <Question now={now} />
           <Verdict now={now} />
-          {isScenario ? <><SurveyFlights now={now} /><Chosen now={now} /><SurveyForm now={now} /><SeesLeast now={now} /></> : <><ChosenItem now={now} /><Items now={now} /><World now={now} /><Fly now={now} /></>}
+          {isScenario ? <><SurveyFlights now={now} /><Chosen now={now} /><SurveyForm now={now} /><SeesLeast now={now} /><Fly now={now} /></> : <><ChosenItem now={now} /><Items now={now} /><World now={now} /><Fly now={now} /></>}
           <Replayed now={now} />
           <div class={last === now ? "" : "past"} inert={last !== now}><Bindings now={last} />{isScenario && <Items now={last} />}</div>
-          {isScenario && <><Candidates now={now} take={take} /><Fly now={now} /></>}
+          {isScenario && <Candidates now={now} take={take} />}
           {isScenario && <div class={last === now ? "" : "past"} inert={last !== now}><Choices now={last} /></div>}
           {isScenario && <><Limits now={now} /><Drop /></>}
           <Remarks now={now} />

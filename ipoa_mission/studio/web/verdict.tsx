@@ -13,7 +13,7 @@ export function Verdict({ now }: { now: Studio }) {
   const first = refusals[0]?.message;
   useEffect(() => { if (first) place.current?.scrollIntoView({ block: "nearest" }); }, [first]);
   return (
-    <section class="verdict" aria-live="polite" ref={place}>
+    <section class={isMission(now) ? "verdict" : "verdict steady"} aria-live="polite" ref={place}>
       {isMission(now) ? (refusals.length ? <Troubles of={refusals} /> : <MissionVerdict now={now} checked={now.checked?.revision === now.document?.revision ? now.checked : null} />)
         : refusals.length && !now.drag && !now.dragSurvey ? <Troubles of={refusals} />
         : isSurvey(now) ? <SurveyVerdict now={now} />
