@@ -220,7 +220,7 @@ function hear(answer: Answer): void {
       set({ loaded: answer, landed: null, flown: [], seen: null });
       break;
     case "seen":
-      set({ seen: answer, flown: [...studio.flown, answer] });
+      set({ seen: answer, flown: [...studio.flown, answer], ...following(answer) });
       break;
     case "landed":
       set({ landed: answer, ...(answer.completed && studio.loaded ? { flownParts: [...studio.flownParts, studio.loaded.mission] } : {}) });
@@ -306,6 +306,17 @@ export const layoutOf = (now: Studio): SurveyLayout | null => coarseSurveyOf(now
 /** Look at another flight of a survey, from its begin. */
 export function choosePart(part: number): void {
   set({ part, at: 0, item: null, playing: false });
+}
+
+/** The slider goes with the vehicle whose plan is shown, from the first that is seen of it until somebody moves it. */
+let followed = 0;
+function following(seen: Seen): Partial<Studio> {
+  const plan = proved(studio);
+  if (!plan || studio.playing || studio.replay || studio.loaded?.mission !== plan.name) return {};
+  if (studio.flown.length && studio.at !== followed) return {};
+  const late = seen.flown_s != null && seen.expected_s != null ? seen.flown_s - seen.expected_s : 0;
+  followed = sampleAt(plan.course, seen.time_s - late);
+  return { at: followed };
 }
 
 /** The photo of the chosen flight that is taken nearest to where the slider stands, with its line. */
