@@ -10,6 +10,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.files import MISSIONS
 from ipoa_mission.studio.answers import Elsewhere, Found, Trouble, Written
 from ipoa_mission.studio.document import Document
+from ipoa_mission.studio.dropped import LOGS
 from ipoa_mission.studio.flights import FlightDesk
 from ipoa_mission.studio.place import place_of
 from ipoa_mission.studio.processes import Died, Process
@@ -22,6 +23,7 @@ from ipoa_mission.studio.requests import (
     Listen,
     Open,
     Order,
+    Rest,
     Rewrite,
     SaveAs,
     Start,
@@ -73,7 +75,7 @@ class Session:
         self.document = Document(path)
         self._open_file, self._world, self._log = open_file, world, log
         self.windows: set[Window] = set()
-        self._seed = seed
+        self._seed, self._flown = seed, tuple[Path, ...]()
         self._quick, self._thorough = Process(PLANNER), Process(PLANNER)
         self._flights = FlightDesk(self.document, self.tell_all)
         self._jobs: dict[str, asyncio.Task[None]] = {}
@@ -107,10 +109,12 @@ class Session:
         answer = message if isinstance(message, dict) else message.model_dump(mode="json")
         self._relay.hear(answer)
         kind = f"trouble of {answer['of']}" if answer["kind"] == "trouble" else answer["kind"]
-        if answer["kind"] in KEPT:
+        if answer["kind"] in KEPT and kind != "trouble of edit":
             self._latest[kind] = answer
         if kind == "state" and answer["phase"] in ("idle", "over"):
             self._latest.pop("loaded", None)
+        if kind == "survey" and not answer["flown"]:
+            self._flown = ()  # what a log says of another survey counts no more
         for window in self.windows:
             window.tell(answer)
 
@@ -129,6 +133,9 @@ class Session:
                     self._job("drag", self._answer_drags)
                 case Do():
                     self._do(request)
+                case Rest():
+                    self._flown = tuple(self.folder / _log_named(log) for log in request.logs)
+                    self._start("plan", self._plan)
                 case Open():
                     self._open_dropped(request.path, window)
                 case SaveAs():
@@ -247,7 +254,8 @@ class Session:
 
     async def _plan(self) -> None:
         self._latest.pop("trouble of plan", None)
-        await self._ask(self._thorough, {"job": "plan", "seed": self._seed})
+        order = {"job": "plan", "seed": self._seed, "flown": [str(log) for log in self._flown]}
+        await self._ask(self._thorough, order)
 
     async def _write(self) -> None:
         await self._ask(self._thorough, {"job": "write", "folder": str(self.folder)})
@@ -363,6 +371,17 @@ class Session:
         await asyncio.gather(self._quick.close(), self._thorough.close())
         for kind in (*FOLLOWS, "world", "mission"):
             self._latest.pop(kind, None)
+
+
+def _log_named(name: str) -> str:
+    """The bare name of a log.
+
+    Raises:
+        MissionError: it is none.
+    """
+    if Path(name).suffix.lower() not in LOGS:
+        raise MissionError(f"{Path(name).name}: expected a log of a flight: {', '.join(LOGS)}")
+    return Path(name).name
 
 
 def _scenarios_in(folder: Path, also: Path | None) -> list[str]:
