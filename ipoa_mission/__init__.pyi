@@ -37,6 +37,7 @@ from ipoa_mission.link.holding import ReplacedSince as ReplacedSince
 from ipoa_mission.link.line import Contested as Contested
 from ipoa_mission.link.logbook import FlightRecord as FlightRecord
 from ipoa_mission.link.orders import CommandRefused as CommandRefused
+from ipoa_mission.link.reunion import Unlike as Unlike
 from ipoa_mission.link.state import NotFlown as NotFlown
 from ipoa_mission.link.state import NotReady as NotReady
 from ipoa_mission.link.unbroken import Unsettled as Unsettled

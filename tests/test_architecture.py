@@ -293,6 +293,24 @@ def test_tools_use_what_is_public() -> None:
     assert not private
 
 
+def called(path: Path) -> set[str]:
+    """The names of the methods that a file calls."""
+    return {
+        node.func.attr for node in nodes(path) if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
+    }
+
+
+#: Programs that another tool starts and speaks to, one of them by an interpreter that has nothing of ours.
+STARTED = {"link_benchmark/clients.py", "link_benchmark/speed_clients.py", "planning_benchmark/mealpy_poa.py"}
+
+
+def test_a_tool_tells_of_itself_before_it_writes_anything() -> None:
+    """`--help`, or a word that it does not know, is never taken for a folder to write to, or passed over."""
+    programs = [path for path in TOOLS if '__name__ == "__main__"' in path.read_text(encoding="utf-8")]
+    deaf = {"/".join(path.parts[-2:]) for path in programs if "parse_args" not in called(path)}
+    assert deaf == STARTED
+
+
 def test_no_room_imports_tools_or_tests() -> None:
     roots = {name.split(".")[0] for path in FILES for name in imports(path)}
     assert "ipoa_mission" in roots

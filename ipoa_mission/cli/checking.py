@@ -151,7 +151,8 @@ def estimate(
     tell(*notes(remarks))
     tell(
         *route_in_words(prediction),
-        f"estimated {prediction.total_s:.1f} s (between {prediction.low_s:.0f} and {prediction.high_s:.0f})",
+        f"estimated {prediction.total_s:.1f} s (between {prediction.low_s:.0f} and {prediction.high_s:.0f}); "
+        f"QGroundControl would say {prediction.qgroundcontrol_s:.0f} s",
         *([] if budget is None else budget.words),
     )
 

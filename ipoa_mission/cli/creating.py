@@ -26,7 +26,7 @@ def new(
     target: Annotated[Path, typer.Argument(metavar="SCENARIO", help="Scenario file to write (.toml).")],
     buildings: Annotated[
         Path | None,
-        typer.Option("--buildings", metavar="FILE", help="GeoJSON as OpenStreetMap exports give it, or KML."),
+        typer.Option("--buildings", metavar="FILE", help="GeoJSON, .osm.pbf, GeoParquet or another map."),
     ] = None,
     elevation: Annotated[
         Path | None, typer.Option("--elevation", metavar="FILE", help="Elevation model: GeoTIFF or SRTM .hgt.")

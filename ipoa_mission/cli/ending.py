@@ -10,7 +10,7 @@ from itertools import pairwise
 from typing import Any
 
 from ipoa_mission.cli.telling import picked, tell, tell_table
-from ipoa_mission.forecast.endings import EndingRow
+from ipoa_mission.forecast.endings import EndingRow, bars_of
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.vehicles.failsafe import Failsafe
 
@@ -82,12 +82,10 @@ def tell_strip(rows: tuple[EndingRow, ...]) -> None:
     begin, end = rows[0].from_s, rows[-1].to_s
     each = (end - begin) / CELLS
     tell("", f"how this flight can end, {begin:.1f} to {end:.1f} s after arming; each character is {each:.1f} s", "")
-    names = tuple(dict.fromkeys(row.ending for row in rows))
-    widest = max(map(len, names))
-    for name in names:
-        own = [row for row in rows if row.ending is name]
-        leads = ", ".join(dict.fromkeys(row.leads for row in own))
-        tell(f"{name:{widest}}  {bar_of(own)}  {leads}")
+    bars = bars_of(rows)
+    widest = max(len(bar.ending) for bar in bars)
+    for bar in bars:
+        tell(f"{bar.ending:{widest}}  {bar_of(bar.rows)}  {bar.leads}")
     tell("", LEGEND)
     unclear = [str(row) for row in rows if not row.clear]
     tell(*(unclear or ["every ending is clear"]))

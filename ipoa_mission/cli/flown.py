@@ -60,7 +60,8 @@ def tell_flown(job: Job, record: FlightRecord, remarks: tuple[str, ...], written
     tell_table(f"{job.name} on {job.mission.autopilot}: when each item was done", columns, _legs(job.estimate, record))
     tell(
         *([] if job.flight else route_in_words(job.estimate)),
-        f"estimated {job.estimate.total_s:.1f} s, flown {record.total_s:.1f} s{_kept(job.flight)}",
+        f"estimated {job.estimate.total_s:.1f} s, flown {record.total_s:.1f} s{_kept(job.flight)}; "
+        f"QGroundControl would have said {job.estimate.qgroundcontrol_s:.0f} s",
         f"written: {', '.join(map(str, written))}",
         *([f"not complete: {record.why_not}"] if record.why_not else []),
     )

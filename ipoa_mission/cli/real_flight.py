@@ -61,7 +61,7 @@ def fly_there(
     Raises:
         MissionError: it did not come to a flight, or the vehicle was lost; `known` has what is known of it.
     """
-    remarks: list[str] = []
+    remarks, known = list[str](), list[EndingsNow]()
     try:
         record = fly_forecast(
             vehicle,
@@ -69,7 +69,7 @@ def fly_there(
             first=first,
             anyway=anyway,
             set_params=set_params,
-            stages=partial(_with_endings, job.forecast, vehicle, job.reserves),
+            stages=partial(_with_endings, job.forecast, vehicle, job.reserves, known),
             remark=remarks.append,
         )
     except MissionError as error:
@@ -81,17 +81,22 @@ def fly_there(
 
 
 @contextmanager
-def _with_endings(forecast: Forecast, vehicle: Vehicle, reserves: list[ReserveNow], stage: Stage) -> Iterator[Progress]:
+def _with_endings(
+    forecast: Forecast, vehicle: Vehicle, reserves: list[ReserveNow], known: list[EndingsNow], stage: Stage
+) -> Iterator[Progress]:
     """The stages as they are shown, and in flight what an ending would do at this second, as far as it is known.
 
-    What is known of the reserve is kept.
+    What is known of the reserve is kept. The endings are worked out before the arming: a vehicle in the air may miss
+    its ground station meanwhile.
     """
     with stages_shown(stage) as show:
         told = None
-        if stage is Stage.FLIGHT and forecast.scenario is not None:
+        if stage is Stage.READY and forecast.scenario is not None:
             with suppress(MissionError):
-                told = ToldEndings(forecast, vehicle, show, reserves)
-                vehicle.overhearing = told.hear
+                known.append(EndingsNow(forecast))
+        if stage is Stage.FLIGHT and known:
+            told = ToldEndings(forecast, vehicle, show, reserves, known[0])
+            vehicle.overhearing = told.hear
         yield show if told is None else told.show
 
 
@@ -101,8 +106,10 @@ class ToldEndings:
     Of the reserve a line is added to `reserves` whenever another share of the battery is left.
     """
 
-    def __init__(self, forecast: Forecast, vehicle: Vehicle, show: Progress, reserves: list[ReserveNow]) -> None:
-        self._now, self._frame, self._vehicle, self._show = EndingsNow(forecast), forecast.frame, vehicle, show
+    def __init__(
+        self, forecast: Forecast, vehicle: Vehicle, show: Progress, reserves: list[ReserveNow], endings: EndingsNow
+    ) -> None:
+        self._now, self._frame, self._vehicle, self._show = endings, forecast.frame, vehicle, show
         self._done, self._words, self._told_s = 0.0, "", -math.inf
         self._budget, self._reserves = budget_of(forecast), reserves
 

@@ -10,9 +10,10 @@ from ipoa_mission.checks.start import NotAtStart, check_start
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.boarding import await_home, expect_charge, expect_fit, expect_slow_landing
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.messages import MissionType
-from ipoa_mission.link.set_up import OtherValue, idle_fence, other_values
+from ipoa_mission.link.set_up import OtherValue, idle_fence, other_values, without_station
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.progress import Progress, silent
@@ -189,6 +190,8 @@ def load_mission(
     if not anyway:  # also of what was set: a vehicle may lack it, or have lost it again
         expect_slow_landing(vehicle, forecast)
     remarks, others, lacking = _put(vehicle, mission, anyway, stages, is_flown=True)
+    with suppress(NoAnswer):  # it does not tell
+        vehicle.absence.meanwhile = without_station(vehicle)
     for words in (*remarks, *(f"{other}: --set-params writes it" for other in others), *lacking):
         remark(words)
 

@@ -5,17 +5,18 @@ rally point and descends), lands where it stands, goes back along the way that i
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import MissionError
-from ipoa_mission.forecast.energy import flown_from
+from ipoa_mission.forecast.energy import Taken, flown_from
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade, clear_at_any_time, graded, share_nearer
 from ipoa_mission.forecast.looks import GROUND, EndingLooks, EndingWays
@@ -86,20 +87,49 @@ class EndingRow:
     @property
     def keeps(self) -> str:
         """Whether it is clear, and what is nearest: "not clear, 0.81 m inside mast"."""
+        is_short = not self.clear and math.isfinite(self.least_m) and down(self.least_m) >= 0.0
+        return f"{self._nearest}{self._required if is_short else ''}"
+
+    @property
+    def in_full(self) -> str:
+        """All of it but the times: "to home: clear, 4.10 m from mast, 2.50 m required"."""
+        return f"{self.leads}: {self._nearest}{self._required if math.isfinite(self.least_m) else ''}"
+
+    @property
+    def _nearest(self) -> str:
         if math.isnan(self.least_m):
             return f"not clear: {self.to}"
         if not math.isfinite(self.least_m):
             return f"{self.grade}, nothing near"
-        if down(self.least_m) < 0.0:
-            return (
-                f"{self.grade}, {-down(self.least_m):.2f} m {'below' if self.to == ON_GROUND else 'inside'} {self.to}"
-            )
-        required = "" if self.clear else f", {up(self.required_m):.2f} m required"
-        beside = "above" if self.to == ON_GROUND else "from"
-        return f"{self.grade}, {down(self.least_m):.2f} m {beside} {self.to}{required}"
+        least, is_ground = down(self.least_m), self.to == ON_GROUND
+        beside = ("below" if is_ground else "inside") if least < 0.0 else "above" if is_ground else "from"
+        return f"{self.grade}, {abs(least):.2f} m {beside} {self.to}"
+
+    @property
+    def _required(self) -> str:
+        return f", {up(self.required_m):.2f} m required"
 
     def __str__(self) -> str:
         return f"{self.ending} {self.from_s:.1f} to {self.to_s:.1f} s, {self.leads}: {self.keeps}"
+
+
+class EndingBar(NamedTuple):
+    """What a strip shows of one ending: its rows in the order of their times, and to where they lead."""
+
+    ending: Ending
+    leads: str
+    rows: tuple[EndingRow, ...]
+
+
+def bars_of(rows: Iterable[EndingRow]) -> tuple[EndingBar, ...]:
+    """The rows ending by ending."""
+    own: dict[Ending, list[EndingRow]] = {}
+    for row in rows:
+        own.setdefault(row.ending, []).append(row)
+    return tuple(
+        EndingBar(ending, ", ".join(dict.fromkeys(row.leads for row in mine)), tuple(mine))
+        for ending, mine in own.items()
+    )
 
 
 class Endings:
@@ -249,8 +279,13 @@ class Endings:
 
     def lasts(self, ending: Ending, time: float) -> tuple[float, float] | None:
         """The least and the most time that an ending takes which is ordered at a time [s]; None where nobody knows."""
+        taken = self.takes(ending, time)
+        return None if taken is None else taken[0]
+
+    def takes(self, ending: Ending, time: float) -> Taken | None:
+        """The same with what it takes of the battery, as `flown_from`."""
         try:
-            return flown_from(self.forecast, ending, float(np.clip(time, *self.in_air)))[0]
+            return flown_from(self.forecast, ending, float(np.clip(time, *self.in_air)))
         except MissionError:
             return None
 

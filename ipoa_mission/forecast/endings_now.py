@@ -13,6 +13,7 @@ from ipoa_mission.vehicles.ending import Ending
 NEAR_S = 12.0  # so much earlier or later than before the vehicle may be where the forecast has it
 LIKELY = 0.2  # of two times at which it comes by a place, one that is likelier by a second may be so far off [m]
 EVERY_S = 10.0  # how long an ending takes is worked out as often, and lies between the two beside a moment
+STEEP, NEAREST_S = 2.5, 1.0  # more often where it changes by so many seconds a second, but no more often than this [s]
 TIMED = (Ending.RTL, Ending.LAND)  # the others do not end on the ground
 
 
@@ -59,7 +60,12 @@ class EndingsNow:
     def _seconds(self, row: EndingRow, time: float) -> float | None:
         if row.ending not in TIMED:
             return None
-        before = EVERY_S * math.floor(time / EVERY_S)
-        times = np.clip([before, before + EVERY_S], *self._endings.ways.in_air)
-        lasts = {at: sum(both) / 2 for at in times.tolist() if (both := self._lasts(row.ending, at)) is not None}
-        return float(np.interp(time, [*lasts], [*lasts.values()])) if lasts else None
+        begin = EVERY_S * math.floor(time / EVERY_S)
+        end = begin + EVERY_S
+        while True:
+            times = np.clip([begin, end], *self._endings.ways.in_air)
+            lasts = {at: sum(both) / 2 for at in times.tolist() if (both := self._lasts(row.ending, at)) is not None}
+            middle, took = (begin + end) / 2, list(lasts.values())
+            if end - begin <= NEAREST_S or len(took) < 2 or abs(took[1] - took[0]) < STEEP * (end - begin):
+                return float(np.interp(time, [*lasts], took)) if lasts else None
+            begin, end = (begin, middle) if time < middle else (middle, end)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from ipoa_mission.vehicles.energy.flight import LIFTED, Battery, Consumption, In
 LOOKS = 12  # at so many times a return is reckoned at first
 NEAREST_S = 1.0  # a point of no return is told so exactly [s]
 NEARER = 'a rally point near there, a shorter way, a larger battery, less wind; or [safety] returns = "warn"'
+
+#: How long an ending takes, at least and at most [s], and of what; None where nothing is known of that.
+Taken: TypeAlias = tuple[tuple[float, float], Consumption | None]
 
 
 class ItemEnergy(NamedTuple):
@@ -79,6 +82,10 @@ class Budget:
         if self.battery is None:
             return None
         return Interval(*(1.0 - wh / self.battery.capacity_wh for wh in (taken.high, taken.likely, taken.low)))
+
+    def taken(self, time: float, ended: Consumption) -> Interval:
+        """What the flight takes [Wh] if it is ended at a time [s] in this way."""
+        return Interval(*(now + then for now, then in zip(self.used.until(time), ended.between, strict=True)))
 
     def against_plan(self, left: float, time: float) -> ReserveNow | None:
         """What becomes of the reserve where so much is `left` of the battery at a time [s]; None without a battery."""
@@ -184,8 +191,7 @@ class Budget:
             return NoReturn(time, seq, None, str(error))
         if ended is None or self.battery is None:
             return None
-        after = Interval(*(now + then for now, then in zip(self.used.until(time), ended.between, strict=True)))
-        short = shortage(after, self.battery)
+        short = shortage(self.taken(time, ended), self.battery)
         return None if short is None else NoReturn(time, seq, ended.between, str(short).removeprefix("battery: "))
 
 
@@ -219,7 +225,7 @@ def _budget(forecast: Forecast) -> Budget | None:
     return None if used is None else Budget(forecast, used, battery_of(forecast.scenario))
 
 
-def flown_from(forecast: Forecast, ending: Ending, time: float) -> tuple[tuple[float, float], Consumption | None]:
+def flown_from(forecast: Forecast, ending: Ending, time: float) -> Taken:
     """How long an RTL or LAND that is ordered at a time takes at least and at most [s], and what it takes.
 
     Raises:
@@ -229,7 +235,7 @@ def flown_from(forecast: Forecast, ending: Ending, time: float) -> tuple[tuple[f
     order = BrokenOff(time, ending)
     prediction = mission.autopilot.part(FlightModel).broken_off(forecast.itinerary, mission, forecast.wind, None, order)
     track = prediction.track.between(time, np.inf)
-    lasts = float(prediction.low[-1]) - time, float(prediction.high[-1]) - time
+    lasts = max(float(prediction.low[-1]) - time, 0.0), max(float(prediction.high[-1]) - time, 0.0)
     if len(track.times) < 2 or not track.times[-1] > track.times[0]:
         return lasts, None
     used = flight_energy(forecast.scenario, track.times, track.points, track.speeds, mission.vehicle, forecast.wind)

@@ -9,7 +9,7 @@ import select
 import socket
 import time
 from collections.abc import Hashable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, Protocol, TypeAlias
 
@@ -19,7 +19,9 @@ from ipoa_mission.link.address import Address, Transport, parse_address
 Peer: TypeAlias = Hashable
 LONGEST_READ = 65536
 MOST_CONNECTIONS = 16
+UNTAKEN_S = 10.0  # a connection that was opened here, and takes nothing for so long, is closed: another is quicker
 RECEIVE_BUFFER = 4 << 20  # bytes: PX4 streams thousands of frames a second while we may be busy
+CLOSED = "the other side closed the connection"
 MOST_UNSENT = 2048  # bytes that wait for a serial line: a third of a second at 57600 baud
 
 
@@ -177,6 +179,8 @@ class TcpChannel(RealTime):
         else:
             connection = socket.create_connection((address.host, address.port), timeout=5.0)
             self._adopt(connection)
+            with suppress(AttributeError):  # not every system has it
+                connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, round(1e3 * UNTAKEN_S))
 
     @property
     def port(self) -> int:
@@ -186,6 +190,8 @@ class TcpChannel(RealTime):
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
         """See `Channel`."""
         watched = [*self._connections, *([self._listener] if self._listener else [])]
+        if not watched:
+            raise LinkDown(CLOSED)
         ready, _, _ = select.select(watched, [], [], max(0.0, until - self.now()))
         got: list[tuple[bytes, Peer]] = []
         for one in ready:
@@ -255,7 +261,7 @@ class TcpChannel(RealTime):
         self._connections.remove(connection)
         connection.close()
         if self._listener is None:
-            raise LinkDown("the other side closed the connection")
+            raise LinkDown(CLOSED)
 
 
 class SerialChannel(RealTime):

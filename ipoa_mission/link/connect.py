@@ -1,5 +1,6 @@
 """The vehicle on a link: found by its heartbeat, by its system id where there are several."""
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -81,8 +82,11 @@ def connect(
 
 def open_line(link: Any, log: str | Path | None = None, signer: Signer | None = None) -> Line:
     """A ground station's end of a link: of the one that a connection string names, or that mavutil has opened."""
-    channel = open_channel(link) if isinstance(link, str) else MavutilChannel(link)
-    return Line(channel, Codec(STATION_SYSTEM, STATION_COMPONENT, signer), log)
+    codec = Codec(STATION_SYSTEM, STATION_COMPONENT, signer)
+    if not isinstance(link, str):
+        return Line(MavutilChannel(link), codec, log)
+    again = partial(open_channel, link)
+    return Line(again(), codec, log, again)
 
 
 def meet(

@@ -30,6 +30,10 @@ class NoAnswer(MissionError):
     """The other side said nothing for as long as our patience lasts."""
 
 
+class Silence(MissionError):
+    """The other side, which speaks unasked, has said nothing for a while: who speaks next may be somebody else."""
+
+
 class Cancelled(MissionError):
     """The user took it back; the message says what the vehicle holds now."""
 

@@ -81,10 +81,11 @@ class FlightOrder:
     """The order to a vehicle that is watched to do something else: said until it shows that it does, or refuses.
 
     `words`: why it does not do so; nothing while that is not known. `is_paused`: it is held within its mission.
+    While the link is lost nothing is ordered: nobody knows what the vehicle is at when it is heard again.
     """
 
     def __init__(self, state: VehicleState, now: Callable[[], float]) -> None:
-        self.words, self.is_paused = "", False
+        self.words, self.is_paused, self._is_cut = "", False, False
         self._state, self._now = state, now
         self._steps: list[_Step] = []
         self._said, self._due_s = 0, -math.inf
@@ -107,6 +108,13 @@ class FlightOrder:
         """Order it to go on with its mission, at the item at which it is."""
         mission = self._change(self._state.autopilot.modes.mission)
         self._take(mission, *([_Step("go on", order(Command.DO_PAUSE_CONTINUE, 1.0))] if self.is_paused else []))
+
+    def cut(self, is_cut: bool) -> None:
+        """The link is lost, or is there again; what was ordered and has not been seen is not said any more."""
+        self._is_cut = is_cut
+        if self._steps:
+            self.words = f"{self._steps[0].name} was ordered, and the link was lost before the vehicle showed it"
+            self._steps.clear()
 
     def look(self, heard: Message, now_s: float) -> Dialogue[None]:
         """Make of one message what it tells of the order, and say it when it is time."""
@@ -136,6 +144,9 @@ class FlightOrder:
 
     def _take(self, *steps: _Step) -> None:
         self.words, self._steps = "", [*steps]
+        if self._is_cut and steps:
+            self.words = f"{self._steps[0].name} was not ordered: the link is lost"
+            self._steps.clear()
         self._said, self._due_s = 0, -math.inf
 
     def _hear(self, heard: Message) -> None:

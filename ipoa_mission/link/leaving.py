@@ -24,11 +24,12 @@ HELD = "a pilot or a ground station can take it over; or stop watching by Ctrl-C
 class Leaving:
     """Hears a vehicle, and says while it is watched that it leaves its mission or goes on with it.
 
-    `words`: how it has left it; nothing if it has not.
+    `words`: how it has left it; nothing if it has not. `was_away`: what it has said of that may not have been heard.
     """
 
     state: VehicleState
     words: str = ""
+    was_away: bool = False
     _modes: frozenset[int] = frozenset()
     _mode: int | None = None
     _since_s: float = 0.0
@@ -57,7 +58,7 @@ class Leaving:
         if mode in self._modes:
             if self.words:
                 log.warning("the vehicle goes on with its mission")
-            self.words = ""
+            self.words, self.was_away = "", False
         elif now_s - self._since_s >= SETTLED_S and not self._is_told:
             self._is_told, self.words = True, self._left()
             modes = self.state.autopilot.modes
@@ -65,5 +66,6 @@ class Leaving:
 
     def _left(self) -> str:
         said = list(dict.fromkeys(text for when, text in self._said if when >= self._since_s - SAID_S))
-        reason = f"; it says: {'; '.join(said)}" if said else ", and does not say why"
+        why = "what it said of that was not heard" if self.was_away else "does not say why"
+        reason = f"; it says: {'; '.join(said)}" if said else f", and {why}"
         return f"the vehicle has left its mission: {self.state}{reason}"

@@ -14,7 +14,7 @@ from ipoa_mission.link.channel import Channel, Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target, is_old, is_signed
 from ipoa_mission.link.deafness import CAUSE_S, SignsOtherwise, SpeaksMavlink1
 from ipoa_mission.link.definitions import Definition
-from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, NoAnswer, Patience, Tempo, TimeUp
+from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, NoAnswer, Patience, Silence, Tempo, TimeUp
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.item_frames import ItemFrames
 from ipoa_mission.link.item_run import ItemRun
@@ -54,6 +54,13 @@ class Carrier(Protocol):
     def expect_alone(self, system: int) -> None:
         """Raise Contested where another vehicle uses this system id too, as far as can be told."""
 
+    @property
+    def reopens(self) -> bool:
+        """Whether it can be opened anew by `reopen`, where it broke."""
+
+    def reopen(self) -> None:
+        """Open it anew; whoever is heard then is not known yet. Raises LinkDown while it cannot be opened."""
+
     def close(self) -> None:
         """Give back what was lent."""
 
@@ -70,10 +77,17 @@ class Contested(MissionError):
 
 
 class Line:
-    """A ground station's end of a link; `close` it, or use it with `with`."""
+    """A ground station's end of a link; `close` it, or use it with `with`. `again` opens its channel anew."""
 
-    def __init__(self, channel: Channel, codec: Codec, log: str | Path | None = None) -> None:
+    def __init__(
+        self,
+        channel: Channel,
+        codec: Codec,
+        log: str | Path | None = None,
+        again: Callable[[], Channel] | None = None,
+    ) -> None:
         self.channel = channel
+        self._again = again
         self.codec = codec
         self._log = TlogWriter(log) if log else None
         self._routes = Routes()
@@ -206,6 +220,18 @@ class Line:
             if component == AUTOPILOT_COMPONENT
         }
 
+    @property
+    def reopens(self) -> bool:
+        """See `Carrier`."""
+        return self._again is not None
+
+    def reopen(self) -> None:
+        """See `Carrier`: the log goes on."""
+        assert self._again is not None, "asked of `reopens` first"
+        self.channel.close()
+        self.channel = self._again()
+        self._routes, self._rivals, self._frames = Routes(), {}, None
+
     def close(self) -> None:
         """Close the channel and the log, and keep the timestamp of what was signed last."""
         self.channel.close()
@@ -249,16 +275,18 @@ def converse(
     tempo: Tempo | None = None,
     overhear: Callable[[Message], None] | None = None,
     until: float = math.inf,
+    quiet_s: float = math.inf,
 ) -> T:
     """Hold a dialogue with one vehicle and return what it returns; other voices on the line are not heard.
 
     Ctrl-C asks the dialogue to end well (`Cancelled` is raised in it); a second one ends it at once. At `until`
-    `TimeUp` is raised in it.
+    `TimeUp` is raised in it. Once the vehicle was silent for `quiet_s`, `Silence` is, before anything else is heard.
 
     Raises:
         SpeaksMavlink1, SignsOtherwise: the target is heard, and has never answered.
     """
     now = line.now
+    heard_s = now()
     with noted_interrupts() as interrupt:
         exchange = Exchange(dialogue, now(), patience, tempo)
         try:
@@ -273,13 +301,18 @@ def converse(
                     exchange.ran(run, now())
                 for heard in everything:
                     if (heard.system, heard.component) == target and heard.message is not None:
+                        if now() - heard_s >= quiet_s:
+                            break
                         if overhear:
                             overhear(heard.message)
                         exchange.receive(heard.message, now())
+                        heard_s = now()
                 if exchange.was_answered:
                     line.understands(target)
                 elif exchange.asked_for_s(now()) >= CAUSE_S and (cause := line.deafness(target)):
                     exchange.interrupt(cause, now())
+                if now() - heard_s >= quiet_s:
+                    exchange.interrupt(Silence("the vehicle is not heard"), now())
                 exchange.tick(now())
                 if not exchange.finished and interrupt.take():
                     exchange.interrupt(Cancelled("cancelled"), now())
@@ -288,7 +321,7 @@ def converse(
                     exchange.interrupt(TimeUp("the time is up"), now())
         except NoAnswer as silence:
             raise line.deafness(target) or silence from None
-        except NotFlown:
+        except (NotFlown, Silence):
             exchange.outgoing()  # not even what was to be said before that was heard
             raise
         finally:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Pause
+from ipoa_mission.link.dialogue import Dialogue, Pause
 from ipoa_mission.link.messages import CommandAck, CommandResult, Current, Heartbeat, Message, Reached, Text
 from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, SystemTime
 from ipoa_mission.mission.commands import LAST_NAV, Command
@@ -14,8 +14,6 @@ from ipoa_mission.progress import Progress, count, silent
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic, apart
 
-#: A vehicle that says nothing for so long is lost.
-LOST_S = 10.0
 COMPLETE = 5  # MISSION_STATE
 #: How far from the place of its LAND a flight may end, on the level, and still have ended there [m].
 AT_THE_END = 20.0
@@ -84,6 +82,7 @@ class _Recording:
     mode: int | None = None
     disarming_s: float = -math.inf
     disarmed_s: float | None = None
+    landed_unheard: bool = False
 
 
 class Logbook:
@@ -102,6 +101,7 @@ class Logbook:
         self._clock = 0.0
         self._current = self._first
         self._flight: _Recording | None = None
+        self._was_away = False
         self.armed = False
 
     @property
@@ -171,6 +171,10 @@ class Logbook:
                     self._turn_to(flight, seq)
                     flight.state = state
 
+    def note_return(self) -> None:
+        """The vehicle was not heard for a while: should it stand disarmed now, its mode may tell how it came down."""
+        self._was_away = True
+
     def record(self) -> FlightRecord:
         """The flight so far."""
         flight = self._flight if self._flight and self._flight.confirmed else _Recording(self._clock, self._first)
@@ -203,9 +207,11 @@ class Logbook:
             return
         since = self._clock - flight.zero
         if heartbeat.armed:
-            flight.confirmed, flight.mode = True, heartbeat.custom_mode
+            flight.confirmed, flight.mode, self._was_away = True, heartbeat.custom_mode, False
         elif flight.confirmed:
-            self.armed = False
+            self.armed, flight.landed_unheard = False, self._was_away
+            if self._was_away and heartbeat.custom_mode in self._autopilot.modes.returns | self._autopilot.modes.lands:
+                flight.mode = heartbeat.custom_mode
             flight.disarmed_s = flight.disarming_s if since - flight.disarming_s < SOON_S else since
         elif since > CONFIRMED_S:
             self.armed, self._flight = False, None
@@ -227,21 +233,27 @@ class Logbook:
             return "the mission ends in the air"
         if flight.disarmed_s is None:
             return "the vehicle is not down and disarmed"
-        last = self._items[self._final]
         mode = "" if flight.mode is None else f", in {self._autopilot.modes.name(flight.mode)}"
         if not (self.is_flown or flight.current >= self._final + self._first):
             item = f"item {flight.current + 1 - self._first} of {len(self._items)}"
+            if flight.landed_unheard:
+                return f"it was last heard at {item}, and landed unheard{self._place(flight)}{mode}"
             return f"it was disarmed at {item}" if flight.mode in self.modes else f"it was disarmed at {item}{mode}"
         if flight.mode not in self.modes:
             return f"it left its mission before the landing{mode}"
-        if last.command == Command.NAV_LAND and last.has_position and flight.path:
-            end = flight.path[-1]
-            aside = apart(
-                Geodetic(end.latitude_deg, end.longitude_deg), Geodetic(last.latitude_deg, last.longitude_deg)
-            )
-            if aside > AT_THE_END:
-                return f"it landed {aside:.0f} m from the place of its LAND"
-        return ""
+        aside = self._aside(flight)
+        return f"it landed {aside:.0f} m from the place of its LAND" if aside > AT_THE_END else ""
+
+    def _place(self, flight: _Recording) -> str:
+        return f", {aside:.0f} m from the place of its LAND" if (aside := self._aside(flight)) else ""
+
+    def _aside(self, flight: _Recording) -> float:
+        """How far from the place of its LAND the flight has ended [m]; 0 where it has no such place."""
+        last = self._items[self._final]
+        if last.command != Command.NAV_LAND or not last.has_position or not flight.path:
+            return 0.0
+        end = flight.path[-1]
+        return apart(Geodetic(end.latitude_deg, end.longitude_deg), Geodetic(last.latitude_deg, last.longitude_deg))
 
 
 class Aside(Protocol):
@@ -255,13 +267,11 @@ def watch(logbook: Logbook, progress: Progress = silent, *asides: Aside) -> Dial
     """Listen until the flight is over: disarmed, or, for a mission that does not land, flown.
 
     The logbook hears the same messages first. `progress` is told of items done, and `asides` of all that is heard.
-
-    Raises:
-        NoAnswer: the vehicle is not heard any more.
     """
     done = -1
-    heard = yield Pause(LOST_S)
-    while heard is not None:
+    while True:
+        heard = yield Pause(math.inf)
+        assert heard is not None, "nothing ends the pause but a message"
         if logbook.done != done:
             done = logbook.done
             count(progress, done, logbook.total, "item ")
@@ -269,5 +279,3 @@ def watch(logbook: Logbook, progress: Progress = silent, *asides: Aside) -> Dial
             return logbook.record()
         for aside in asides:
             yield from aside.look(heard, logbook.clock_s)
-        heard = yield Pause(LOST_S)
-    raise NoAnswer(f"the vehicle has not been heard for {LOST_S:g} s, after item {done}")

@@ -159,6 +159,14 @@ class MavsdkLine:
     def expect_alone(self, system: int) -> None:
         """See `Carrier`: MAVSDK does not tell who sent a message."""
 
+    @property
+    def reopens(self) -> bool:
+        """See `Carrier`: MAVSDK opens its links anew by itself."""
+        return False
+
+    def reopen(self) -> None:
+        """See `Carrier`."""
+
     def close(self) -> None:
         """Let MAVSDK end its threads."""
         self._direct.unsubscribe_message(self._handle)

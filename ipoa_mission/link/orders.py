@@ -21,7 +21,7 @@ from ipoa_mission.link.messages import (
     ParamValue,
     SetCurrent,
 )
-from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition
+from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition, SystemTime
 from ipoa_mission.mission.commands import VehicleCommand
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
@@ -152,6 +152,11 @@ def home() -> Dialogue[Geodetic | None]:
     """Where the vehicle's home is; None while it does not know."""
     at = yield from _requested("HOME_POSITION", HomePosition, 2.0)
     return None if at is None else Geodetic(at.latitude_deg, at.longitude_deg, at.altitude)
+
+
+def clock() -> Dialogue[SystemTime | None]:
+    """What the autopilot's clocks say; None where it does not tell."""
+    return (yield from _requested("SYSTEM_TIME", SystemTime, 1.0, askings=2))
 
 
 def about() -> Dialogue[AutopilotVersion | None]:

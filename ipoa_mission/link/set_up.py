@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from ipoa_mission.link.messages import STATION_SYSTEM
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.parameters import Parameters
@@ -56,6 +57,19 @@ def own_values(vehicle: HasParameters, names: Iterable[str]) -> Parameters:
     """The vehicle's values of these that it has, by its older names and in their units."""
     book = vehicle.autopilot.book
     return book.by_old_names(vehicle.parameters([name for name, _ in book.spellings(one)] for one in names))
+
+
+def without_station(vehicle: HasParameters) -> str:
+    """What the vehicle does when it loses this ground station, by its own parameters; nothing where nobody knows.
+
+    Raises:
+        NoAnswer: it does not tell its parameters.
+    """
+    loss = vehicle.autopilot.station_loss
+    if loss is None:
+        return ""
+    values = vehicle.parameters(loss.decided_by)
+    return loss.words(vehicle.autopilot.failsafes(values), values, STATION_SYSTEM)
 
 
 def idle_fence(vehicle: HasParameters, mission: Mission) -> str | None:

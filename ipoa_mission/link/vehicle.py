@@ -4,12 +4,12 @@ Each verb is one dialogue, held by `converse`; nothing here knows about bytes or
 """
 
 import itertools
+import logging
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
-from typing import Any, TypeVar
 
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.start import begun_at, check_start
@@ -17,36 +17,45 @@ from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link import conversations, orders, unbroken
-from ipoa_mission.link.codec import Target
-from ipoa_mission.link.departure import LIMITS, Departure, depart_when_ready, expect_on_ground, prepare, unsubscribe
-from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Tempo, until
+from ipoa_mission.link.channel import LinkDown
+from ipoa_mission.link.departure import (
+    LIMITS,
+    NEEDED,
+    Departure,
+    depart_when_ready,
+    expect_on_ground,
+    prepare,
+    subscribe,
+    unsubscribe,
+)
+from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Silence, until
 from ipoa_mission.link.file_transfer import FileRefused
 from ipoa_mission.link.hold import SHOWN_S, FlightOrder, pause, resume, return_to_launch
 from ipoa_mission.link.holding import Holding, Lookout, ReplacedSince, read_again
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.leaving import Leaving
-from ipoa_mission.link.line import Carrier, converse
+from ipoa_mission.link.line import Carrier
 from ipoa_mission.link.logbook import FlightRecord, Logbook, watch
-from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Message, MissionType
+from ipoa_mission.link.messages import Heartbeat, Message, MissionType
 from ipoa_mission.link.mission_file import upload_by_file
+from ipoa_mission.link.partner import Partner
 from ipoa_mission.link.presence import Found, await_booted
-from ipoa_mission.link.state import VehicleState
-from ipoa_mission.link.telemetry import AutopilotVersion
+from ipoa_mission.link.reunion import AGAIN_S, SILENT_S, Absence, KnownVehicle
+from ipoa_mission.link.state import NotReady, VehicleState
 from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Upload, upload
 from ipoa_mission.mission.commands import LAST_NAV
 from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
 from ipoa_mission.mission.firmware import from_wire, to_wire
 from ipoa_mission.mission.items import Item, Mission
-from ipoa_mission.progress import Progress, silent
-from ipoa_mission.vehicles.version import Version
+from ipoa_mission.progress import Progress, count, silent
 from ipoa_mission.world.frame import Geodetic
 
-T = TypeVar("T")
+log = logging.getLogger(__name__)
 STARTUP_S = 60.0
 LISTS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
 
 
-class Vehicle:
+class Vehicle(Partner):
     """One vehicle on a line; `connect` finds it. `close` it, or use it with `with`.
 
     Example:
@@ -65,25 +74,16 @@ class Vehicle:
         round_trip_s: float | None = None,
         anyway: bool = False,
     ) -> None:
-        self.line = line
-        self.system = heard.system
-        self.autopilot = heard.kind.autopilot
-        self.state = VehicleState(self.autopilot, heard.kind, heard.is_ready, heard.armed)
+        super().__init__(line, heard, patience, round_trip_s)
         self._fast, self._anyway = fast, anyway
-        self._about: AutopilotVersion | None = None
-        self._patience = patience
-        self._tempo = Tempo(patience)
-        if round_trip_s is not None:
-            self._tempo.sample(round_trip_s)
-        self.overhearing: Callable[[Message], None] = lambda message: None
-        """Told everything that the vehicle says while something is done with it."""
         self._mission: Mission | None = None
         self._holdings: dict[int, Holding] = {}
         self._logbook = Logbook((), self.autopilot)
         self._leaving = Leaving(self.state)
         self.order = FlightOrder(self.state, line.now)
         """Has a vehicle that is watched hold its place, go on, or end its flight."""
-        self._until = math.inf
+        self.absence = Absence(line)
+        """Whether the link to a vehicle that is watched is lost, for how long, and what it does meanwhile."""
         self._numbers = itertools.count(2 * round(1e3 * line.now()), 2)  # not those of the last session
 
     def upload(self, mission: Mission, progress: Progress = silent, checked: bool = True) -> None:
@@ -187,16 +187,6 @@ class Vehicle:
         """Have the flying vehicle come home and land; raises as `pause` does."""
         self._tell_flying(return_to_launch)
 
-    def firmware_version(self) -> Version | None:
-        """The version that the vehicle says of its firmware, AUTOPILOT_VERSION; None where it does not say."""
-        with self._in_time():
-            return Version.said(self._told().flight_sw_version)
-
-    @property
-    def version_heard(self) -> Version | None:
-        """The same as far as it was asked for; None before."""
-        return None if self._about is None else Version.said(self._about.flight_sw_version)
-
     def expect_on_ground(self) -> None:
         """Raise NotReady for a vehicle that is armed already."""
         expect_on_ground(self.state)
@@ -250,23 +240,57 @@ class Vehicle:
             self._tell(depart_when_ready(departure, lambda: until_s - self.line.now()))
 
     def watch(self, progress: Progress = silent) -> FlightRecord:
-        """Wait until the flight is over; `progress` is told of items done.
+        """Wait until the flight is over; `progress` is told of items done, and for how long the link is lost.
 
         A vehicle that leaves its mission in the air, and a mission that is replaced, are logged as warnings at once.
+        So is a link that is lost: it is opened anew, and the flight watched on when the same vehicle is heard again,
+        with the same mission; nothing is told to any other, and nothing that was ordered before is said again.
 
         Raises:
             NoAnswer, LinkDown: the vehicle is not heard any more; with its last known state as the hint.
+            Unlike, NotFlown: another one is heard in its place, or one with another mission.
         """
-        holding = self._holdings.get(MissionType.MISSION)
+        holding, is_back, record = self._holdings.get(MissionType.MISSION), False, None
         with self.state.told(), self._leaving.watched(self._logbook.modes):
-            lookouts = [] if holding is None else [Lookout(holding)]
-            self._hold(watch(self._logbook, progress, self.order, *lookouts))
+            while record is None:
+                lookouts = [] if holding is None else [Lookout(holding)]
+                try:
+                    if is_back:
+                        self._subscribe_again()
+                    record = self._hold(watch(self._logbook, progress, self.order, *lookouts), SILENT_S)
+                except (Silence, LinkDown) as lost:
+                    self._meet_again(lost, progress)
+                    is_back = True
         with suppress(MissionError):  # the flight is over and known; a stream too many hurts nobody
             self._hold(unsubscribe())
         if holding is not None:
             with suppress(MissionError):  # it does not tell
                 self._hold(read_again(holding, self.state))
         return self.record()
+
+    def _meet_again(self, lost: MissionError, progress: Progress) -> None:
+        """Go on where the vehicle is, once it is known again."""
+        logbook, holding = self._logbook, self._holdings.get(MissionType.MISSION)
+        proved = None if holding is None or holding.changed else holding
+        known = KnownVehicle(self.system, self.state, logbook.clock_s, self._about, proved)
+        self.order.cut(True)
+        kept = self.absence.end(
+            lost, known, self._patience, lambda words: count(progress, logbook.done, logbook.total, "item ", words)
+        )
+        self.order.cut(False)
+        logbook.note_return()
+        for message in sorted(kept, key=lambda one: isinstance(one, Heartbeat)):  # where it is, before whether it ended
+            self._overhear(message)
+        self._leaving.was_away = True
+        if logbook.disarmed_s is not None:
+            log.warning("it stands disarmed: it landed unheard, at the latest %.1f s after arming", logbook.disarmed_s)
+
+    def _subscribe_again(self) -> None:
+        """Ask for the streams anew where a vehicle, or what carries its link, has forgotten them."""
+        self.state.heard -= set(NEEDED.values())
+        if not self._hold(until(lambda: self.state.heard >= set(NEEDED.values()), AGAIN_S), SILENT_S):
+            with suppress(NotReady, NoAnswer):
+                self._tell(subscribe(self.state))
 
     def record(self) -> FlightRecord:
         """The flight so far; one on which the vehicle came to hold another mission is not complete."""
@@ -316,79 +340,20 @@ class Vehicle:
         """
         self._tell(orders.set_parameter(name, value, self.autopilot))
 
-    def send(self, message: Any) -> None:
-        """Say one of pymavlink's messages (`MAVLink_command_long_message`, ...), to whom its own fields name.
-
-        Raises:
-            BadInput: it is none, or of a dialect that `connect` was not given.
-        """
-        from ipoa_mission.link.borrowed import own_line, payload_of
-
-        own_line(self.line).say(*payload_of(message))
-
-    def messages(self, seconds: float, *names: str) -> list[Any]:
-        """What is heard from the vehicle in so many `seconds`, as pymavlink's messages; `names`: only those."""
-        from ipoa_mission.link.borrowed import messages_from, own_line
-
-        return messages_from(own_line(self.line), self.system, seconds, names, self._overhear)
-
-    def give_up_after(self, seconds: float) -> None:
-        """Raise TimeUp in what is under way so many seconds from now; a flight that has begun is watched to its end."""
-        self._until = self.line.now() + seconds
-
-    def close(self) -> None:
-        """Close the line."""
-        self.line.close()
-
-    def __enter__(self) -> "Vehicle":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
     def _tell_flying(self, order: Callable[[VehicleState], Dialogue[None]]) -> None:
         with self._in_time(), self.state.told():
             self._tell(order(self.state))
 
-    def _tell(self, dialogue: Dialogue[T]) -> T:
-        """Hold a dialogue that changes something, with a vehicle on which it is known to mean what is meant."""
-        self.state.expect_flown()
-        return self._hold(conversations.noting(dialogue, lambda heard: self.state.expect_flown()))
-
-    def _hold(self, dialogue: Dialogue[T]) -> T:
-        target = Target(self.system, AUTOPILOT_COMPONENT)
-        return converse(self.line, target, dialogue, self._patience, self._tempo, self._overhear, self._until)
-
-    @contextmanager
-    def _in_time(self) -> Iterator[None]:
-        """What is said in here must be over when the user's patience is."""
-        before = self._until
-        self._until = min(before, self.line.now() + self._patience.total_s)
-        try:
-            yield
-        finally:
-            self._until = before
-
-    def _overhear(self, message: Message) -> None:
-        self.state.note(message)
-        if not self.state.owns(message):
-            return
+    def _heed(self, message: Message) -> None:
         self._logbook.note(message)
         for holding in self._holdings.values():
             holding.note(message, self._logbook.armed)
         self._leaving.note(message, self.line.now())
-        self.overhearing(message)
 
     def _checksum_numbers(self) -> Iterator[int] | None:
         """Numbers for questions, where the vehicle keeps its lists as files, of which it makes a checksum."""
         has = self.autopilot.manners.takes_mission_file and self._told().capabilities & orders.FILE_TRANSFER
         return self._numbers if has else None
-
-    def _told(self) -> AutopilotVersion:
-        """What the autopilot says of itself; it is asked once."""
-        if self._about is None:
-            self._about = self._hold(orders.about()) or AutopilotVersion(0)
-        return self._about
 
     def _expect(self, mission: Mission) -> None:
         self._mission, armed = mission, self._logbook.armed

@@ -10,13 +10,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import compress
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.maps.around import Around, Box
 from ipoa_mission.maps.feature import Feature, Mistakes
 from ipoa_mission.maps.geojson import Take
 from ipoa_mission.maps.heights import Odd, foot_of, height_of, meters, width_of
@@ -45,7 +46,6 @@ from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
 from ipoa_mission.world.polygon import rings_of
 
 LEAST_HEIGHT = 0.1  # what stands is at least so high [m]
-Box: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]  # lower and upper corner (2,), east and north [m]
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,8 @@ class Buildings:
 
     Of what lies outside the box that was asked for only the first things of each kind are there, for their names:
     `beyond` counts the other things that stand, `left_out` those passed over. `box` is west, south, east and north of
-    all that stands [m], (4,); `features` are how many things the map has.
+    all that stands [m], (4,); `features` are how many things of the map were looked at, `elsewhere` how many of a large
+    file were not, for they lie far from the box.
     """
 
     standing: tuple[Standing, ...]
@@ -101,6 +102,7 @@ class Buildings:
     left_out: Mapping[Key, int]
     box: NDArray[np.float64]
     features: int
+    elsewhere: int = 0
 
 
 def search_buildings(path: Path, rules: BuildingRules, frame: LocalFrame, within: Box | None = None) -> Buildings:
@@ -113,25 +115,25 @@ def search_buildings(path: Path, rules: BuildingRules, frame: LocalFrame, within
         within: lower and upper corner (2,) of the box in which all things are wanted [m]; None for everywhere.
 
     Returns:
-        What was found. Of a GeoJSON file it does not take more memory than what lies in the box.
+        What was found. Of a large file it does not take more memory than what lies in the box.
 
     Raises:
         BadInput: naming file and place of each feature that makes no sense, or that all are far away.
-        MissionError: a library that reads the file is not installed.
+        BadInput: a library that reads the file is not installed.
     """
     all_buildings: bool | None = None
-    finder = _Finder(rules, frame, path, within)
+    finder, around = _Finder(rules, frame, path, within), Around.of(frame, within)
 
     def begin() -> Take:
         nonlocal finder
         finder = _Finder(rules, frame, path, within, all_buildings)
         return finder.add
 
-    hand_on_features(path, begin)
+    hand_on_features(path, begin, around)
     while finder.guessed_wrong:
         all_buildings = finder.only_buildings
-        hand_on_features(path, begin)
-    return finder.found()
+        hand_on_features(path, begin, around)
+    return finder.found(around.elsewhere)
 
 
 def find_buildings(features: Sequence[Feature], rules: BuildingRules, frame: LocalFrame, path: Path) -> Buildings:
@@ -203,8 +205,8 @@ class _Finder:
                 self._pass(feature, shape, why, outside)
         self._keep(standing)
 
-    def found(self) -> Buildings:
-        """What was found.
+    def found(self, elsewhere: int = 0) -> Buildings:
+        """What was found; so many things of the file, `elsewhere`, were not looked at.
 
         Raises:
             BadInput: what is wrong with any feature, or that all are far away.
@@ -217,6 +219,8 @@ class _Finder:
         if self._odd:
             of = f"{self._odd} tag{'s' if self._odd > 1 else ''} that cannot be read, taken as left out"
             remarks.append(f"{of}: {', '.join(self._odd_first)}{', ...' if self._odd > MOST_NAMED else ''}")
+        if elsewhere:
+            remarks.append(f"{elsewhere} thing{'s' if elsewhere > 1 else ''} far from the flight, not looked at")
         return Buildings(
             tuple(self._standing),
             tuple(self._passed),
@@ -225,6 +229,7 @@ class _Finder:
             self._left_out,
             self._box,
             self._features,
+            elsewhere,
         )
 
     def _outside(self, boxes: NDArray[np.float64]) -> NDArray[np.bool_]:

@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import RectBivariateSpline
-from scipy.ndimage import map_coordinates
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Vector
@@ -48,7 +47,7 @@ def local_grid(
 
     Raises:
         BadInput: naming the file and what is wrong with it, or that it does not cover the area.
-        MissionError: rasterio is not installed.
+        BadInput: rasterio is not installed.
     """
     with open_raster(path, rules.nodata) as raster:
         area = _pixels(raster, frame, _knots(lower[0], upper[0]), _knots(lower[1], upper[1]), 0.0)
@@ -81,7 +80,7 @@ def ground_altitude(path: Path, latitude_deg: float, longitude_deg: float) -> fl
         first, heights, _ = raster.read([pixels], fill=False)
         heights, _ = _above_sea(heights, raster, first, ElevationRules())
     spot = [pixels[1].ravel() - first[0], pixels[0].ravel() - first[1]]
-    return float(map_coordinates(heights, spot, order=1, mode="nearest")[0])
+    return float(scipy.ndimage.map_coordinates(heights, spot, order=1, mode="nearest")[0])
 
 
 def _nodes(lower: tuple[float, float], upper: tuple[float, float], spacing: float) -> tuple[Vector, Vector]:
@@ -112,7 +111,7 @@ def _posts(raster: RasterFile, frame: LocalFrame, first: "_First", heights: NDAr
     latitude, longitude = raster.places(column.ravel(), row.ravel())
     at = [
         [
-            RectBivariateSpline(*knots, axis.reshape(row.shape))(rows, columns)
+            scipy.interpolate.RectBivariateSpline(*knots, axis.reshape(row.shape))(rows, columns)
             for axis in frame.to_local(latitude, longitude, np.full(row.size, altitude)).T
         ]
         for altitude in (frame.home.altitude, frame.home.altitude + UPPER_LEVEL)
@@ -129,11 +128,12 @@ def _read_off(
     nodes: tuple[Vector, Vector],
 ) -> NDArray[np.float64]:
     """Ground above home at the nodes, (rows, columns): which place lies under a node depends a little on its height."""
-    low, high = ([RectBivariateSpline(*knots, values)(*nodes).T for values in level] for level in pixels)
+    smooth = scipy.interpolate.RectBivariateSpline
+    low, high = ([smooth(*knots, values)(*nodes).T for values in level] for level in pixels)
     up = np.zeros_like(low[0])
     for _ in range(2):
         column, row = (low[i] + up / UPPER_LEVEL * (high[i] - low[i]) for i in (0, 1))
-        altitude = map_coordinates(heights, [row - first[0], column - first[1]], order=1, mode="nearest")
+        altitude = scipy.ndimage.map_coordinates(heights, [row - first[0], column - first[1]], order=1, mode="nearest")
         up = (altitude - low[2]) / (high[2] - low[2]) * UPPER_LEVEL
     return np.asarray(up)
 
@@ -147,7 +147,7 @@ def _raise_over_posts(
     x, y = (east - lower[0]) / spacing, (north - lower[1]) / spacing
     inside = (x >= 0) & (y >= 0) & (x <= columns - 1) & (y <= rows - 1)
     x, y, up = x[inside], y[inside], up[inside]
-    surface = map_coordinates(ground, [y, x], order=1, mode="nearest")
+    surface = scipy.ndimage.map_coordinates(ground, [y, x], order=1, mode="nearest")
     missing = up - surface
     short = missing > 0
     column, row = (np.minimum(x[short].astype(int), columns - 2), np.minimum(y[short].astype(int), rows - 2))

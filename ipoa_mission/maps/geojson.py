@@ -304,6 +304,11 @@ def _coordinate_system(document: Mapping[str, Any], path: Path) -> _Degrees:
         system = CRS.from_user_input(name)
     except (KeyError, TypeError, CRSError) as error:
         raise BadInput(f"{path}: crs: expected the name of a coordinate system, such as 'EPSG:32633'") from error
+    return degrees_of(system)
+
+
+def degrees_of(system: CRS) -> _Degrees:
+    """How to turn coordinates in a system into longitude and latitude."""
     if system.is_geographic and system.ellipsoid is not None and "WGS 84" in system.ellipsoid.name:
         return lambda corners: corners
     convert = Transformer.from_crs(system, "OGC:CRS84", always_xy=True)

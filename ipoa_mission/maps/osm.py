@@ -4,7 +4,7 @@ An extract may lack corners of what crosses its edge. Such a thing has no shape 
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -29,8 +29,10 @@ class _Way(NamedTuple):
     tags: dict[str, str]
 
 
-class _Relation(NamedTuple):
-    members: tuple[tuple[str, str, str], ...]  # type, id and role
+class Relation(NamedTuple):
+    """Its members by type, number and role, and its tags."""
+
+    members: tuple[tuple[str, str, str], ...]
     tags: dict[str, str]
 
 
@@ -39,7 +41,7 @@ class _Extract:
     places: dict[str, tuple[float, float]] = field(default_factory=dict)
     tagged: dict[str, dict[str, str]] = field(default_factory=dict)
     ways: dict[str, _Way] = field(default_factory=dict)
-    relations: dict[str, _Relation] = field(default_factory=dict)
+    relations: dict[str, Relation] = field(default_factory=dict)
 
 
 def read_osm(path: Path) -> tuple[Feature, ...]:
@@ -79,7 +81,7 @@ def _take(element: ElementTree.Element, extract: _Extract, path: Path) -> None:
     number = element.get("id", "")
     if element.get("action") == "delete" or element.get("visible") == "false":
         return
-    tags = {tag.get("k", ""): tag.get("v", "").strip() for tag in element.iterfind("tag") if tag.get("v", "").strip()}
+    tags = plain_tags((tag.get("k", ""), tag.get("v", "")) for tag in element.iterfind("tag"))
     if element.tag == "node":
         extract.places[number] = _degrees(element, "lon", path), _degrees(element, "lat", path)
         if tags.keys() - UNTOLD:
@@ -89,7 +91,12 @@ def _take(element: ElementTree.Element, extract: _Extract, path: Path) -> None:
     elif tags.get("type") in AREAS:
         members = element.iterfind("member")
         told = tuple((one.get("type", ""), one.get("ref", ""), one.get("role", "")) for one in members)
-        extract.relations[number] = _Relation(told, tags)
+        extract.relations[number] = Relation(told, tags)
+
+
+def plain_tags(told: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """Tags as they are kept: those with a value."""
+    return {key: value.strip() for key, value in told if value.strip()}
 
 
 def _degrees(element: ElementTree.Element, key: str, path: Path) -> float:
@@ -103,17 +110,26 @@ def _degrees(element: ElementTree.Element, key: str, path: Path) -> float:
 
 
 def _features(extract: _Extract, path: Path) -> Iterator[Feature]:
+    def corners_of(number: str) -> Sequence[Sequence[float]] | None:
+        return _corners(extract.ways[number], extract) if number in extract.ways else None
+
     for number, tags in extract.tagged.items():
-        yield _feature("node", number, tags, shapely.Point(extract.places[number]), path)
+        yield thing("node", number, tags, shapely.Point(extract.places[number]), path)
     for number, way in extract.ways.items():
         if way.tags.keys() - UNTOLD:
-            yield _feature("way", number, way.tags, _shape_of(way, extract), path)
+            closes = len(way.nodes) > 1 and way.nodes[0] == way.nodes[-1]
+            yield thing("way", number, way.tags, shape_of(corners_of(number), closes, way.tags), path)
     for number, relation in extract.relations.items():
         if relation.tags.keys() - UNTOLD - {"type"}:
-            yield _feature("relation", number, relation.tags, _area_of(relation, extract), path)
+            yield thing("relation", number, relation.tags, area_of(relation, corners_of), path)
 
 
-def _feature(sort: str, number: str, tags: dict[str, str], shape: Any, path: Path) -> Feature:
+def thing(sort: str, number: str, tags: dict[str, str], shape: Any, path: Path) -> Feature:
+    """A node, way or relation with its shape [deg].
+
+    Raises:
+        BadInput: it lies nowhere on Earth.
+    """
     place = f"{path}: {sort} {number}"
     on_earth(shapely.get_coordinates(shape), place)
     return Feature(place, shape, {**tags, "@id": f"{sort}/{number}"})
@@ -125,26 +141,34 @@ def _corners(way: _Way, extract: _Extract) -> Sequence[tuple[float, float]] | No
     return corners if len(corners) == len(way.nodes) > 1 else None
 
 
-def _shape_of(way: _Way, extract: _Extract) -> Any:
-    corners, tags = _corners(way, extract), way.tags
+def shape_of(corners: Sequence[Sequence[float]] | None, closes: bool, tags: Mapping[str, str]) -> Any:
+    """The polygon or line of a way whose corners (longitude, latitude) are known; nothing where they are None."""
     if corners is None:
         return NOWHERE
     told = {*tags, *(f"{key}={value}" for key, value in tags.items())}
     is_area = tags.get("area") != "no" and (tags.get("area") == "yes" or not told & LINES)
-    is_ring = way.nodes[0] == way.nodes[-1] and len(corners) >= LEAST_RING
+    is_ring = closes and len(corners) >= LEAST_RING
     return shapely.Polygon(corners) if is_ring and is_area else shapely.LineString(corners)
 
 
-def _area_of(relation: _Relation, extract: _Extract) -> Any:
+def ways_of(relation: Relation) -> Iterator[tuple[str, bool]]:
+    """The ways round the area that a relation is, by number, and whether each is an outer one.
+
+    A label, or a part of a building, is a thing of its own.
+    """
+    for sort, number, role in relation.members:
+        if sort == "way" and role in ("", "outer", "outline", "inner"):
+            yield number, role != "inner"
+
+
+def area_of(relation: Relation, corners_of: Callable[[str], Sequence[Sequence[float]] | None]) -> Any:
     """What the ways of a relation go round, less what its inner ones do; nothing where they do not close."""
     rings: dict[bool, list[Any]] = {True: [], False: []}
-    for sort, number, role in relation.members:
-        if sort != "way" or role not in ("", "outer", "outline", "inner"):
-            continue  # a label, or a part of a building, which is a thing of its own
-        corners = _corners(extract.ways[number], extract) if number in extract.ways else None
+    for number, is_outer in ways_of(relation):
+        corners = corners_of(number)
         if corners is None:
             return NOWHERE
-        rings[role != "inner"].append(shapely.LineString(corners))
+        rings[is_outer].append(shapely.LineString(corners))
     areas = {}
     for is_outer, lines in rings.items():
         found, cuts, dangles, invalid = shapely.polygonize_full(np.array(lines, object))

@@ -12,11 +12,11 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.maps.around import near_home
 from ipoa_mission.world.frame import REACH, LocalFrame
 
 LEAST_AREA = 1e-3  # [m^2]
 LONGEST_EDGE = 0.02  # a straight edge in degrees is bent in the plane: by 0.1 m over so much at 45 degrees [deg]
-EARTH = 6.36e6  # a least radius [m]
 
 
 class Whereabouts:
@@ -117,13 +117,8 @@ def _beside(hole: NDArray[np.float64], outer: NDArray[np.float64]) -> NDArray[np
 
 
 def _near(boxes: NDArray[np.float64], frame: LocalFrame) -> NDArray[np.bool_]:
-    """Which boxes (n, 4) of longitudes and latitudes meet the square of 100 km round home; longitudes go round."""
-    home, reach = frame.home, np.degrees(REACH / EARTH)
-    wide = min(reach / max(np.cos(np.radians(home.latitude_deg)), 1e-9), 180.0)
-    west, south, east, north = boxes.T
-    level = (south <= home.latitude_deg + reach) & (north >= home.latitude_deg - reach)
-    turns = [home.longitude_deg + turn for turn in (-360.0, 0.0, 360.0)]
-    return np.asarray(level & np.any([(west <= here + wide) & (east >= here - wide) for here in turns], axis=0))
+    """Which boxes (n, 4) of longitudes and latitudes meet the square of 100 km round home."""
+    return near_home(frame.home).meets(boxes)
 
 
 def clean_polygons(shapes: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.bool_]]:

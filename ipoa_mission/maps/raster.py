@@ -159,10 +159,10 @@ def open_raster(path: Path, nodata: float | None) -> Iterator[RasterFile]:
 
     Raises:
         BadInput: the file is none that GDAL reads.
-        MissionError: rasterio is not installed.
+        BadInput: rasterio is not installed.
     """
     needed = f"{path}: reading an elevation model needs rasterio, which is not installed"
-    rasterio = imported("rasterio", needed, "maps")
+    rasterio = imported("rasterio", needed, "maps", BadInput)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", rasterio.errors.NotGeoreferencedWarning)  # `system` refuses it in words

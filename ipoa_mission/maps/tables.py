@@ -27,9 +27,9 @@ def read_table(path: Path) -> tuple[Feature, ...]:
 
     Raises:
         BadInput: naming the file, the layer and the row, and what was expected there.
-        MissionError: pyogrio is not installed.
+        BadInput: pyogrio is not installed.
     """
-    pyogrio = imported("pyogrio", f"{path}: reading it needs pyogrio, which is not installed", "maps")
+    pyogrio = imported("pyogrio", f"{path}: reading it needs pyogrio, which is not installed", "maps", BadInput)
     suffix = path.suffix.lower()
     if not read_bytes(path, 16).startswith(BEGINS[suffix]):
         raise BadInput(f"{path}: expected a {suffix} file, but it does not begin like one")

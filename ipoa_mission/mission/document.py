@@ -75,9 +75,9 @@ class Node:
             raise self.wrong(expected)
         return value
 
-    def number_or_nan(self, expected: str = "a number or null") -> float:
+    def number_or_nan(self) -> float:
         """A finite number; null is NaN."""
-        return math.nan if self.value is None else self.number(expected)
+        return math.nan if self.value is None else self.number("a number or null")
 
     def length(self) -> float:
         """Metres; so many that no vehicle could fly them are refused, before they are multiplied with others."""

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import stats
 
 Samples: TypeAlias = Sequence[float] | NDArray[np.float64]
 
@@ -18,7 +18,7 @@ def rank_sum(a: Samples, b: Samples) -> float:
     """
     if len({*a, *b}) == 1:
         return 1.0
-    return float(stats.mannwhitneyu(a, b, alternative="two-sided", method="asymptotic").pvalue)
+    return float(scipy.stats.mannwhitneyu(a, b, alternative="two-sided", method="asymptotic").pvalue)
 
 
 def holm(p: Sequence[float]) -> list[float]:
@@ -58,7 +58,7 @@ def counted(signs: Sequence[str]) -> str:
 
 def _is_lower(a: Samples, b: Samples) -> bool:
     """Whether a number of `a` is more often below one of `b` than above it."""
-    return bool(stats.mannwhitneyu(a, b).statistic < len(a) * len(b) / 2)
+    return bool(scipy.stats.mannwhitneyu(a, b).statistic < len(a) * len(b) / 2)
 
 
 @dataclass(frozen=True)
@@ -73,8 +73,8 @@ class Friedman:
 
 def friedman(costs: NDArray[np.float64]) -> Friedman:
     """Friedman's test on `costs` (blocks, treatments), three treatments or more: do all rank alike over the blocks?"""
-    ranks = stats.rankdata(costs, axis=1)
-    result = stats.friedmanchisquare(*costs.T)
+    ranks = scipy.stats.rankdata(costs, axis=1)
+    result = scipy.stats.friedmanchisquare(*costs.T)
     return Friedman(ranks.mean(axis=0), len(costs), float(result.statistic), float(result.pvalue))
 
 
@@ -85,7 +85,7 @@ def post_hoc(test: Friedman, control: int) -> list[float]:
     """
     k = len(test.mean_ranks)
     z = (test.mean_ranks - test.mean_ranks[control]) / np.sqrt(k * (k + 1) / (6 * test.blocks))
-    p = 2 * stats.norm.sf(np.abs(z))
+    p = 2 * scipy.stats.norm.sf(np.abs(z))
     others = [i for i in range(k) if i != control]
     corrected = np.ones(k)
     corrected[others] = holm(p[others].tolist())
@@ -94,7 +94,7 @@ def post_hoc(test: Friedman, control: int) -> list[float]:
 
 def places(values: Sequence[float]) -> list[int]:
     """The place of each value, 1 for the least; equals share the better place."""
-    return [int(r) for r in stats.rankdata(values, method="min")]
+    return [int(r) for r in scipy.stats.rankdata(values, method="min")]
 
 
 def ranking(names: Sequence[str], costs: NDArray[np.float64], control: str = "ipoa") -> str:

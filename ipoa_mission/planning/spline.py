@@ -83,9 +83,9 @@ class Spline:
 
 
 @lru_cache(maxsize=64)
-def even_basis(n: int, count: int, order: int = 0) -> NDArray[np.float64]:
+def even_basis(n: int, count: int) -> NDArray[np.float64]:
     """`basis` at `count` parameters evenly from 0 to 1, (count, n), remembered and not to be written to."""
-    values = basis(n, np.linspace(0.0, 1.0, count), order)
+    values = basis(n, np.linspace(0.0, 1.0, count))
     values.flags.writeable = False
     return values
 

@@ -124,7 +124,7 @@ def report_html(
         "limits": "" if proof is None else limits_table(proof),
         "search": "" if plan is None else search_panel(plan, scenario),
         "footer": _footer(scenario, plan, mission),
-        "css": _asset("palette.css") + _asset("page.css"),
+        "css": _asset("palette.css") + _asset("page.css") + _asset("ways.css"),
         "map_js": _asset("map.js"),
         "scene_js": _asset("scene.js"),
         "page_js": _asset("page.js"),

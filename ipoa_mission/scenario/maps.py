@@ -8,7 +8,8 @@ from pydantic import Field, model_validator
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.areas import RESTRICTIONS, Restriction, Zones, find_zones
-from ipoa_mission.maps.buildings import Box, BuildingRules, Buildings, search_buildings
+from ipoa_mission.maps.around import Around, Box
+from ipoa_mission.maps.buildings import BuildingRules, Buildings, search_buildings
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.scenario.section import NotNegative, Positive, Section, beside
 from ipoa_mission.world.frame import LocalFrame
@@ -19,8 +20,9 @@ class MapFile(Section):
     """A table that names a file of shapes."""
 
     file: Annotated[Path, beside("a map")]
-    """A GeoJSON or CityJSON (`.geojson`, `.json`), KML (`.kml`, `.kmz`), OpenStreetMap (`.osm`), Shapefile (`.shp`),
-    FlatGeobuf (`.fgb`) or GeoPackage (`.gpkg`) file, relative to the scenario file."""
+    """A GeoJSON or CityJSON (`.geojson`, `.json`), KML (`.kml`, `.kmz`), OpenStreetMap (`.osm`, `.osm.pbf`), GeoParquet
+    (`.parquet`, `.geoparquet`), Shapefile (`.shp`), FlatGeobuf (`.fgb`) or GeoPackage (`.gpkg`) file, relative to the
+    scenario file."""
 
 
 class BuildingsMap(MapFile):
@@ -52,7 +54,7 @@ class BuildingsMap(MapFile):
         """What stands in the way within a box, what is passed over, and remarks on what was assumed."""
         rules = BuildingRules(**self.model_dump(include={field.name for field in fields(BuildingRules)}))
         buildings = search_buildings(self.file, rules, frame, within)
-        if not buildings.standing:
+        if not (buildings.standing or buildings.elsewhere):
             raise BadInput(
                 f"{self.file}: expected buildings, but none of {buildings.features} features is tagged as one",
                 hint='`take = "all"` takes every feature, whatever its tags',
@@ -68,7 +70,7 @@ class ZoneMap(MapFile):
 
     def read(self, frame: LocalFrame, time: float | None) -> Zones:
         """The polygons at a time [s since 1970], what is passed over, and remarks on what was mended."""
-        return find_zones(read_features(self.file), frame, self.file)
+        return find_zones(read_features(self.file, Around.of(frame)), frame, self.file)
 
 
 class NoFlyMap(ZoneMap):
@@ -85,7 +87,8 @@ class NoFlyMap(ZoneMap):
 
     def read(self, frame: LocalFrame, time: float | None) -> Zones:
         """The polygons at a time [s since 1970], what is passed over, and remarks on what was mended."""
-        return find_zones(read_features(self.file), frame, self.file, self.restrictions, time)
+        features = read_features(self.file, Around.of(frame))
+        return find_zones(features, frame, self.file, self.restrictions, time)
 
     @model_validator(mode="after")
     def _ordered(self) -> "NoFlyMap":

@@ -156,7 +156,7 @@ class Scenario(Section):
 
         Raises:
             BadInput: naming the place and what was expected there, or the map and the place in it.
-            MissionError: a library that reads a map is not installed.
+            BadInput: a library that reads a map is not installed.
         """
         try:
             scenario = cls.model_validate(dict(table), context={"folder": str(folder)})
@@ -232,7 +232,7 @@ class Scenario(Section):
 
         Raises:
             BadInput: naming the map file and the place in it that makes no sense, or that home lies outside.
-            MissionError: a library that reads a map is not installed.
+            BadInput: a library that reads a map is not installed.
         """
         _ = self._surroundings
 

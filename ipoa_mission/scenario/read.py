@@ -33,7 +33,7 @@ def read_scenario(path: str | Path) -> Scenario:
 
     Raises:
         BadInput: naming file and place, and what was expected there, be it in the scenario or in a map.
-        MissionError: a library that reads a map is not installed.
+        BadInput: a library that reads a map is not installed.
 
     Example:
         >>> from ipoa_mission import read_scenario

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.areas import MapArea, join_zones
-from ipoa_mission.maps.buildings import Box, Buildings, Standing, raise_buildings
+from ipoa_mission.maps.around import Box
+from ipoa_mission.maps.buildings import Buildings, Standing, raise_buildings
 from ipoa_mission.maps.feature import many_objects
 from ipoa_mission.maps.passed import Key, PassedCount, PassedOver, count_passed_over
 from ipoa_mission.scenario.fencing import allowed_area, forbidden
@@ -68,7 +69,7 @@ def surroundings_of(scenario: Layout) -> Surroundings:
 
     Raises:
         BadInput: naming the map file and the place in it that makes no sense, or that home lies outside.
-        MissionError: a library that reads a map is not installed.
+        BadInput: a library that reads a map is not installed.
     """
     with many_objects():
         return _surroundings_of(scenario)

@@ -11,6 +11,7 @@ from pydantic import AfterValidator, Field, PositiveInt, ValidationError, WithJs
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
+from ipoa_mission.maps.around import Around
 from ipoa_mission.maps.planar import Whereabouts, to_plane
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.scenario.camera import Camera, GivenCamera
@@ -238,7 +239,7 @@ def _mapped(path: Path, width: float | None, frame: LocalFrame) -> Area:
 
 def _shapes(path: Path, frame: LocalFrame) -> Iterator[tuple[str, Any]]:
     """Polygons, closed lines and lines of a map, each with its place, in the local plane."""
-    features = read_features(path)
+    features = read_features(path, Around.of(frame))
     about = Whereabouts(frame)
     shapes, near = to_plane([f.shape for f in features], [f.place for f in features], about)
     about.expect_near()

@@ -4,11 +4,12 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, TypeAdapter
 
+from ipoa_mission.studio.ending_answers import StripOfEndings
 from ipoa_mission.studio.flight_answers import Heard, Landed, Loaded, Seen, State
 from ipoa_mission.studio.mission_answers import Checked, OpenMission
 from ipoa_mission.studio.requests import Change
 from ipoa_mission.studio.survey_answers import CoarseSurvey, SurveyArea, SurveyLayout
-from ipoa_mission.studio.vocabulary import LngLat, Number, PageMessage, Path
+from ipoa_mission.studio.vocabulary import LngLat, MapLine, Number, PageMessage, Path
 
 
 class Document(PageMessage):
@@ -132,13 +133,6 @@ class World(PageMessage):
     remarks: tuple[str, ...]
 
 
-class Line(PageMessage):
-    """A path: points on the map, and each one's height above home [m]."""
-
-    points: tuple[LngLat, ...]
-    up: tuple[float, ...]
-
-
 class Sketch(PageMessage):
     """The coarse first answer: a path that is proved as it stands, or not, and other ways round; never the last word.
 
@@ -148,8 +142,8 @@ class Sketch(PageMessage):
     kind: Literal["sketch"] = "sketch"
     revision: int
     number: int | None
-    line: Line
-    others: tuple[Line, ...]
+    line: MapLine
+    others: tuple[MapLine, ...]
     holds: bool
     verdict: str
     length: float
@@ -174,7 +168,7 @@ class Course(PageMessage):
     `returns_at` is the sample at which it turns home, where it ends by a return.
     """
 
-    line: Line
+    line: MapLine
     times: tuple[float, ...]
     along: tuple[float, ...]
     speeds: tuple[float, ...]
@@ -245,7 +239,7 @@ class Homeward(PageMessage):
 
     from_s: float
     clear: bool
-    line: Line
+    line: MapLine
 
 
 class Plan(PageMessage):
@@ -341,7 +335,7 @@ class Replay(PageMessage):
     kind: Literal["replay"] = "replay"
     revision: int
     log: str
-    line: Line
+    line: MapLine
     times: tuple[float, ...]
     items: tuple[FlownItem, ...]
     estimated_s: float
@@ -383,6 +377,7 @@ Answer: TypeAlias = Annotated[
     | SurveyArea
     | CoarseSurvey
     | PlannedSurvey
+    | StripOfEndings
     | OpenMission
     | Checked
     | Beginning

@@ -19,7 +19,7 @@ from ipoa_mission.files import copies
 
 WEB = Path(__file__).parent / "web"
 #: Beside the page's own sources, what they take from other rooms.
-SHARED = (Path("report", "assets", "palette.css"),)
+SHARED = (Path("report", "assets", "palette.css"), Path("report", "assets", "ways.css"))
 SOURCES = ("*.ts", "*.tsx", "*.css", "*.html", "*.mjs", "package*.json")
 MADE = "messages.d.ts"  # of the program's own types, for an editor
 STEPS = (("ci", "--omit=dev", "--no-audit", "--no-fund"), ("run", "build"))
@@ -114,7 +114,7 @@ def _copy_sources(sources: Path, folder: Path) -> Path:
     web = folder / "studio" / "web"
     shutil.copytree(sources, web, ignore=shutil.ignore_patterns("node_modules", "dist"))
     for shared in SHARED:
-        (folder / shared).parent.mkdir(parents=True)
+        (folder / shared).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(sources.parents[1] / shared, folder / shared)
     return web
 

@@ -42,6 +42,17 @@ def keep(name: str, content: bytes, folder: Path, suffixes: Sequence[str] = KEPT
     return target
 
 
+def log_named(name: str) -> str:
+    """The bare name of a log that is kept.
+
+    Raises:
+        BadInput: it is none.
+    """
+    if Path(name).suffix.lower() not in LOGS:
+        raise BadInput(f"{Path(name).name}: expected a log of a flight: {', '.join(LOGS)}")
+    return Path(name).name
+
+
 def _plain(name: str) -> str:
     """The bare name of a file as any system takes it: without folders and what cannot be printed, not too long."""
     path = Path("".join(letter for letter in name.replace("\\", "/").rpartition("/")[2] if letter.isprintable()))

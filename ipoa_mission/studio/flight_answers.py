@@ -79,11 +79,12 @@ class Landed(PageMessage):
 
 
 class State(PageMessage):
-    """What the flight is at, in words; `phase` for what the page offers."""
+    """What the flight is at, in words; `phase` for what the page offers. `lost_s`: so long the link is lost [s]."""
 
     kind: Literal["state"] = "state"
     phase: Literal["idle", "uploading", "loaded", "preparing", "flying", "over"]
     words: str
+    lost_s: Number = None
 
 
 class HeardLink(PageMessage):

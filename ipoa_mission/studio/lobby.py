@@ -18,8 +18,8 @@ from ipoa_mission.studio.answers import Beginning, Elsewhere, StartFile, Trouble
 from ipoa_mission.studio.dropped import LOGS, keep
 from ipoa_mission.studio.place import place_of
 from ipoa_mission.studio.requests import Begin, Open
-from ipoa_mission.studio.session import Window
 from ipoa_mission.studio.vocabulary import PageMessage
+from ipoa_mission.studio.window import Window
 
 SCENARIO = ".toml"
 EXAMPLES = ("campus.toml",)

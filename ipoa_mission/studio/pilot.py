@@ -14,7 +14,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.connect import connect
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.progress import Progress, silent
+from ipoa_mission.progress import Progress
 from ipoa_mission.simulator.fly import board
 from ipoa_mission.studio.flight_answers import Landed, Loaded, State
 from ipoa_mission.studio.handed import HandedOver
@@ -120,14 +120,17 @@ def _flown(
     `beside` holds what the page orders.
     """
 
+    watching: list[Watch] = []
+
     @contextmanager
     def stages(stage: Stage) -> Iterator[Progress]:
         if stage is Stage.FLIGHT:
             answer(State(phase="flying", words=Stage.START))
-            yield silent
+            yield watching[0].look
         else:
             if stage is Stage.START:
-                vehicle.overhearing = Watch(forecast, vehicle, answer, speedup, beside).hear
+                watching.append(Watch(forecast, vehicle, answer, speedup, beside))
+                vehicle.overhearing = watching[0].hear
             yield lambda _, words: answer(State(phase="preparing", words=words))
 
     def remark(words: str) -> None:

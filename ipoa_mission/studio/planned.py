@@ -74,8 +74,7 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
 def expected(forecast: Forecast, name: str, revision: int, took_s: float) -> answers.Plan:
     """The flight of a mission as expected; what it keeps only where a scenario says what stands there."""
     scenario, estimate = forecast.scenario, forecast.estimate
-    nowhere = Airspace(Bounds((-NOWHERE_NEAR,) * 3, (NOWHERE_NEAR,) * 3), Flat())
-    course = seen.follow(estimate.track, nowhere if scenario is None else scenario.airspace, SAMPLES)
+    course = course_of(forecast)
     promise = None if scenario is None else forecast.promise_if_known
     kept = None if promise is None else promise.clearance
     budget = budget_of(forecast) if forecast.energy is not None else None
@@ -112,6 +111,13 @@ def expected(forecast: Forecast, name: str, revision: int, took_s: float) -> ans
         remarks=tuple(estimate.remarks),
         took_s=round(took_s, 2),
     )
+
+
+def course_of(forecast: Forecast) -> seen.Seen:
+    """The samples that the page shows of a predicted flight."""
+    nowhere = Airspace(Bounds((-NOWHERE_NEAR,) * 3, (NOWHERE_NEAR,) * 3), Flat())
+    airspace = nowhere if forecast.scenario is None else forecast.scenario.airspace
+    return seen.follow(forecast.estimate.track, airspace, SAMPLES)
 
 
 def _sampled(curve: Spline) -> Points:

@@ -27,6 +27,7 @@ from ipoa_mission.scenario.read import parse_toml, scenario_of
 from ipoa_mission.studio.answers import Progress, Sketch, Trouble, Written
 from ipoa_mission.studio.area_view import area_of
 from ipoa_mission.studio.edits import apply_changes
+from ipoa_mission.studio.ending_strip import strips_of
 from ipoa_mission.studio.handed import HandedOver, mission_over, planned_over, survey_over
 from ipoa_mission.studio.harness import Answer, Job, Order, Subject, work
 from ipoa_mission.studio.judged import checked, mission_world, opened
@@ -96,6 +97,13 @@ def judge(order: Order, answer: Answer) -> None:
             answer(replayed(Path(order["log"]), forecast, revision))
 
 
+def end_mission(order: Order, answer: Answer) -> None:
+    """How the open mission can end before its last item."""
+    _, forecast = _mission(order)
+    for strip in strips_of(forecast, order["revision"], 0):
+        answer(strip)
+
+
 def hand_over_mission(order: Order, answer: Answer) -> None:
     """The open mission, for the process that flies it.
 
@@ -136,6 +144,13 @@ class PlanWorker:
                 answer(planned_survey(survey, revision, time.perf_counter() - begun, logs))
         except MissionError as error:
             answer(refused(error, scenario, revision))
+
+    def end(self, order: Order, answer: Answer) -> None:
+        """How the plan's flight can end before its last item, of a survey's the one that is meant."""
+        plan, n = self._expect_plan(), order["flight"]
+        forecast = plan.flights[n] if isinstance(plan, Survey) else plan.forecast
+        for strip in strips_of(forecast, order["revision"], n):
+            answer(strip)
 
     def write(self, order: Order, answer: Answer) -> None:
         """The plan's files, its reports among them."""
@@ -179,9 +194,11 @@ class PlanWorker:
             "look": (look, "scenario"),
             "sketch": (sketch, "sketch"),
             "judge": (judge, "scenario"),
+            "end mission": (end_mission, "scenario"),
             "hand over mission": (hand_over_mission, "flight"),
             "detach": (self.detach, "file"),
             "plan": (self.plan, "plan"),
+            "end": (self.end, "plan"),
             "write": (self.write, "file"),
             "hand over": (self.hand_over, "flight"),
         }

@@ -10,7 +10,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.files import MISSIONS
 from ipoa_mission.studio.answers import Elsewhere, Found, Trouble, Written
 from ipoa_mission.studio.document import Document
-from ipoa_mission.studio.dropped import LOGS
+from ipoa_mission.studio.dropped import log_named
 from ipoa_mission.studio.flights import FlightDesk
 from ipoa_mission.studio.place import place_of
 from ipoa_mission.studio.processes import Died, Process
@@ -31,6 +31,7 @@ from ipoa_mission.studio.requests import (
     Within,
 )
 from ipoa_mission.studio.vocabulary import PageMessage
+from ipoa_mission.studio.window import Window
 
 SETTLED_S = 0.6  # without a change, after which the proved path is planned
 ALONE_S = 120.0  # without a window and without a flight, after which the planners end; they begin anew when one opens
@@ -38,27 +39,16 @@ LOOK_S = 1.0  # how often the file is looked at for what other programs write
 #: Answers that a window is told when it opens.
 KEPT = (
     *("tiles", "area", "world", "mission", "checked", "replay", "sketch", "coarse_survey", "plan", "survey"),
-    *("loaded", "state", "trouble"),
+    *("endings", "loaded", "state", "trouble"),
 )
 #: Those that count no more when the file changes.
 FOLLOWS = (
-    *("sketch", "coarse_survey", "plan", "survey", "checked", "replay"),
+    *("sketch", "coarse_survey", "plan", "survey", "endings", "checked", "replay"),
     *(f"trouble of {what}" for what in ("scenario", "sketch", "plan")),
 )
 PLANNER = "ipoa_mission.studio.planner"
 #: Opens another file, a mission in the world of a scenario: the address of its page, beside this one's.
 OpenFile: TypeAlias = Callable[[Path, Path | None], str]
-
-
-class Window:
-    """A page that is open: what it is told is sent in order by a task of its own, out of the `queue`."""
-
-    def __init__(self) -> None:
-        self.queue: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
-
-    def tell(self, message: dict[str, Any]) -> None:
-        """Send it a message, soon."""
-        self.queue.put_nowait(message)
 
 
 class Session:
@@ -108,11 +98,11 @@ class Session:
         """Tell every window; the latest answer of a kind is kept for those that open later."""
         answer = message if isinstance(message, dict) else message.model_dump(mode="json")
         self._relay.hear(answer)
-        kind = f"trouble of {answer['of']}" if answer["kind"] == "trouble" else answer["kind"]
-        if answer["kind"] in KEPT and kind != "trouble of edit":
-            self._latest[kind] = answer
+        kind = answer["kind"]
+        if kind in KEPT and (slot := _slot(answer)) != "trouble of edit":
+            self._latest[slot] = answer
         if kind == "state" and answer["phase"] in ("idle", "over"):
-            self._latest.pop("loaded", None)
+            self._forget("loaded")
         if kind == "survey" and not answer["flown"]:
             self._flown = ()  # what a log says of another survey counts no more
         for window in self.windows:
@@ -134,7 +124,7 @@ class Session:
                 case Do():
                     self._do(request)
                 case Rest():
-                    self._flown = tuple(self.folder / _log_named(log) for log in request.logs)
+                    self._flown = tuple(self.folder / log_named(log) for log in request.logs)
                     self._start("plan", self._plan)
                 case Open():
                     self._open_dropped(request.path, window)
@@ -147,7 +137,7 @@ class Session:
                     self._changed(True)
                 case Upload():
                     self._expect_ready()
-                    self._latest.pop("trouble of flight", None)
+                    self._forget("trouble of flight")
                     request = self._relay.expect_charged(request, is_survey="survey" in self._latest)
                     name = self._name_of(request.flight)
                     self._flights.upload(request, partial(self._hand_over, request.flight), name)
@@ -209,9 +199,9 @@ class Session:
 
     def _follow(self) -> None:
         """Look at the scenario as it is now, sketch it, and when it has settled plan it."""
-        for kind in FOLLOWS:
-            self._latest.pop(kind, None)
+        self._forget(*FOLLOWS)
         self._stop("plan")
+        self._stop("endings")
         if self.document.is_mission:
             self._job("look", self._judge)
         else:
@@ -235,6 +225,8 @@ class Session:
             worlds = await asyncio.to_thread(_scenarios_in, self.folder, self._world)
             log = None if self._log is None else str(self._log)
             await self._ask(self._quick, self._judged_by() | {"job": "judge", "worlds": worlds, "log": log})
+        if "plan" in self._latest:
+            self._start("endings", self._tell_endings)
 
     def _judged_by(self) -> dict[str, Any]:
         """In the world of which scenario a mission is judged, and who flies it."""
@@ -253,9 +245,20 @@ class Session:
         await self._plan()
 
     async def _plan(self) -> None:
-        self._latest.pop("trouble of plan", None)
+        self._forget("trouble of plan", "endings")
+        self._stop("endings")
         order = {"job": "plan", "seed": self._seed, "flown": [str(log) for log in self._flown]}
-        await self._ask(self._thorough, order)
+        if await self._ask(self._thorough, order):
+            self._start("endings", self._tell_endings)
+
+    async def _tell_endings(self) -> None:
+        """How what was planned or judged can end, flight by flight: nobody waits for it."""
+        if self.document.is_mission:
+            await self._ask(self._quick, self._judged_by() | {"job": "end mission"})
+            return
+        flights = self._latest["survey"]["flights"] if "survey" in self._latest else [None]
+        for flight in range(len(flights)):
+            await self._ask(self._thorough, {"job": "end", "flight": flight})
 
     async def _write(self) -> None:
         await self._ask(self._thorough, {"job": "write", "folder": str(self.folder)})
@@ -316,7 +319,7 @@ class Session:
         document, kinds = self.document, list[str]()
 
         def hear(answer: dict[str, Any]) -> None:
-            kinds.append(answer["kind"])
+            kinds.append("" if answer.get("of") == "edit" else answer["kind"])
             (tell or self.tell_all)(answer)
 
         order = {"text": document.text, "path": str(document.path), "revision": document.revision} | order
@@ -369,19 +372,23 @@ class Session:
             self._stop(name)
         await asyncio.gather(*self._jobs.values(), return_exceptions=True)
         await asyncio.gather(self._quick.close(), self._thorough.close())
-        for kind in (*FOLLOWS, "world", "mission"):
-            self._latest.pop(kind, None)
+        self._forget(*FOLLOWS, "world", "mission")
+
+    def _forget(self, *what: str) -> None:
+        """What counts no more: answers of these kinds, or trouble of something."""
+        kept = self._latest.items()
+        self._latest = {slot: answer for slot, answer in kept if slot not in what and answer["kind"] not in what}
 
 
-def _log_named(name: str) -> str:
-    """The bare name of a log.
-
-    Raises:
-        MissionError: it is none.
-    """
-    if Path(name).suffix.lower() not in LOGS:
-        raise MissionError(f"{Path(name).name}: expected a log of a flight: {', '.join(LOGS)}")
-    return Path(name).name
+def _slot(answer: dict[str, Any]) -> str:
+    """Of the answers of one slot the latest is kept."""
+    match answer["kind"]:
+        case "trouble":
+            return f"trouble of {answer['of']}"
+        case "endings":
+            return f"endings of {answer['flight']}"
+        case kind:
+            return str(kind)
 
 
 def _scenarios_in(folder: Path, also: Path | None) -> list[str]:

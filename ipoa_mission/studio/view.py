@@ -16,8 +16,7 @@ from ipoa_mission.report.ground_mesh import ground_mesh, round_step
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.places import FenceSection
 from ipoa_mission.studio.answers import Body, Fence, Heights, Spot, Terrace, World
-from ipoa_mission.studio.answers import Line as MapLine
-from ipoa_mission.studio.vocabulary import LngLat, as_on_map
+from ipoa_mission.studio.vocabulary import LngLat, MapLine, as_on_map
 from ipoa_mission.world.frame import LocalFrame, radii_of_curvature
 
 TERRACES, CELLS = 12, 96  # steps of the ground, and cells along the longer side from which they are drawn

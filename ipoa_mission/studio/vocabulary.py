@@ -29,3 +29,10 @@ class PageMessage(BaseModel):
     """Says no more than it is meant to."""
 
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+
+class MapLine(PageMessage):
+    """A path: points on the map, and each one's height above home [m]."""
+
+    points: tuple[LngLat, ...]
+    up: tuple[float, ...]

@@ -57,7 +57,7 @@ class Watch:
         self._expected = {item.seq - 1: item.done_s for item in forecast.estimate.items}
         self._then: tuple[tuple[OrderThen, ...], Reserve | None] = ((), None)
         self._then_s, self._told_s = -THEN_EVERY_S, -SEEN_EVERY_S
-        self._words = ""
+        self._told: tuple[str, float | None] = ("", None)
         self._said: deque[str] = deque(maxlen=SAID)
         self._satellites: int | None = None
         self._wind: tuple[float, float] | None = None
@@ -71,14 +71,8 @@ class Watch:
 
     def hear(self, message: Message) -> None:
         """One message of the vehicle; one that does not say where it is may have to land all the sooner."""
-        with suppress(queue.Empty):
-            self._order(self._beside.get_nowait()["what"])
+        self.look()
         vehicle = self._vehicle
-        words = vehicle.changed or vehicle.order.words
-        words = words or ("it holds its place" if self.is_held else vehicle.interrupted)
-        if words != self._words:
-            self._words = words
-            self._answer(State(phase="flying", words=words or Stage.START))
         match message:
             case Text(_, text):
                 self._said.appendleft(text.strip())
@@ -94,6 +88,19 @@ class Watch:
                 record = vehicle.record()
                 if record.path:
                     self._answer(self._seen(message, record))
+
+    def look(self, *_: object) -> None:
+        """Give what the page orders, and tell the flight's state: also while the link is lost and nothing is heard."""
+        with suppress(queue.Empty):
+            self._order(self._beside.get_nowait()["what"])
+        vehicle, absence = self._vehicle, self._vehicle.absence
+        words, lost_s = vehicle.changed or vehicle.order.words, None
+        if absence.seconds is not None:
+            words, lost_s = "; ".join(filter(None, (absence.words, words))), round(absence.seconds)
+        words = words or ("it holds its place" if self.is_held else vehicle.interrupted)
+        if (words, lost_s) != self._told:
+            self._told = words, lost_s
+            self._answer(State(phase="flying", words=words or Stage.START, lost_s=lost_s))
 
     def _seen(self, at: Position, record: FlightRecord) -> Seen:
         reached = record.item_reached_s

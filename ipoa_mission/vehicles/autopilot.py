@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.vehicles.ending import Ending
-from ipoa_mission.vehicles.failsafe import Failsafe, FailsafeRule
+from ipoa_mission.vehicles.failsafe import Failsafe, FailsafeRule, StationLoss
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables
 from ipoa_mission.vehicles.guidance import GuidanceHabits
 from ipoa_mission.vehicles.manners import Manners
@@ -73,6 +73,8 @@ class Autopilot(ABC):
     """All parameters that decide what it does when something fails, by their older names."""
     failsafe_rules: ClassVar[tuple[FailsafeRule, ...]] = ()
     """The tables of that, for all versions."""
+    station_loss: ClassVar[StationLoss | None] = None
+    """When it takes its ground station for lost; None: nobody knows."""
     parts: ClassVar[Mapping[str, Any]] = {}
     """What answers to an interface of a higher room, by the interface's name: the object, or its "module:name"."""
 
@@ -128,8 +130,8 @@ class Autopilot(ABC):
         """The way straight on to a stop from `speed` (n,) [m/s], gaining `accel` (n,) [m/s^2], (n,) [m]."""
 
     def flies_on(self, ending: Ending) -> float:
-        """For how long it flies on as before once an ending is ordered [s]."""
-        return self.guidance.brakes_after
+        """For how long it flies on as before once an ending is ordered [s]; it lands and holds at once."""
+        return 0.0 if ending in (Ending.LAND, Ending.HOLD) else self.guidance.brakes_after
 
     def braking_way(self, parameters: Parameters, velocity: "Points", accel: "Points", ending: Ending) -> "Points":
         """From where it then begins to brake to where that brings it, level, by velocity and acceleration, (n, 2)."""

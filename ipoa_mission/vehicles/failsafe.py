@@ -1,13 +1,14 @@
 """What a vehicle does by itself when something fails: rules as tables, and what its parameters make of them."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 from ipoa_mission.vehicles.ending import Ending, FlightStage
 from ipoa_mission.vehicles.parameters import Parameters
 
 Series = tuple[int, int]
+STATION_LOST = "ground station lost"
 BY_HAND = "by hand"
 """The cause of what a pilot or a ground station orders; it is refused where it is not to be had."""
 
@@ -88,6 +89,36 @@ class Failsafe:
     def at(self, stage: FlightStage) -> FailsafeAction:
         """What follows in this stage of a mission."""
         return self.differs.get(stage, self.route)
+
+
+@dataclass(frozen=True)
+class StationLoss:
+    """When a vehicle takes its ground station for lost: not heard for `timeout`, by default `usual` [s].
+
+    `decided_by`: all parameters that decide what follows. `heeds` has the first system id of the stations that count,
+    and `heeds_to` the last, where that is more; without it all count. What has several names is known by any of them.
+    """
+
+    timeout: str
+    usual: float
+    decided_by: tuple[str | tuple[str, ...], ...]
+    heeds: tuple[str, ...] = ()
+    heeds_to: str = ""
+
+    def words(self, failsafes: Iterable[Failsafe], parameters: Parameters, station: int) -> str:
+        """What follows, by the values of a vehicle, for a station with this id; nothing where they do not tell."""
+        lost = next((one for one in failsafes if one.cause == STATION_LOST), None)
+        if lost is None or lost.parameter not in parameters:
+            return ""
+        by = f"{lost.parameter} {lost.value:g}"
+        if lost.route.ending is Ending.CONTINUE:
+            also = f", {lost.route.words}" if lost.route.words else ""
+            return f"without its ground station the vehicle goes on ({by}{also})"
+        first = next((int(parameters[name]) for name in self.heeds if name in parameters), station)
+        if not first <= station <= max(first, int(parameters.get(self.heeds_to, first))):
+            return f"{by} counts for station {first}, and this one is {station}"
+        seconds = parameters.get(self.timeout, self.usual)
+        return f"{seconds:g} s without its ground station lead to {lost.route} ({by})"
 
 
 def ordered(*endings: Ending) -> tuple[FailsafeRule, ...]:

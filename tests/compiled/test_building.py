@@ -68,7 +68,8 @@ def test_an_object_is_linked_to_a_library_that_loads(
     compiler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     llvm = pytest.importorskip("llvmlite.binding")
-    from tools.machine_code.compile import RUNTIME, link, linker
+    from tools.machine_code.compile import RUNTIME
+    from tools.machine_code.linking import link, linker
 
     if compiler == "zig":
         monkeypatch.setattr(shutil, "which", lambda name: None)
@@ -81,7 +82,7 @@ def test_an_object_is_linked_to_a_library_that_loads(
     sine += "define double @angle(double %y) { %a = call double @atan2(double %y, double 1.0)\n ret double %a }\n"
     module = llvm.parse_assembly(sine)
     module.verify()
-    link(machine.emit_object(module), tmp_path / "small.bin")
+    link([machine.emit_object(module)], tmp_path / "small.bin")
     library = ctypes.CDLL(str(tmp_path / "small.bin"))
     library.angle.restype, library.angle.argtypes = ctypes.c_double, [ctypes.c_double]
     assert library.angle(1.0) == pytest.approx(0.7853981633974483)
@@ -89,7 +90,7 @@ def test_an_object_is_linked_to_a_library_that_loads(
     needs_python = "declare void @Py_DecRef(i8*)\ndefine void @no(i8* %o) { call void @Py_DecRef(i8* %o)\n ret void }\n"
     missing = machine.emit_object(llvm.parse_assembly(sine + needs_python))
     with pytest.raises(subprocess.CalledProcessError):
-        link(missing, tmp_path / "wrong.bin")
+        link([missing], tmp_path / "wrong.bin")
 
 
 def test_where_no_machine_code_can_be_made_the_wheel_is_any_system_s_and_asks_for_numba(clone: Path) -> None:
@@ -110,21 +111,22 @@ def test_what_was_compiled_is_kept_for_other_copies_of_the_same_sources(
     from tools.machine_code import __main__ as maker
 
     def compile_there(command: list[str], **_: object) -> None:
-        folder, cpu = Path(command[-2]), command[-1]
-        (folder / library.file_name(cpu)).write_bytes(b"machine code")
-        index = {"sources": library.sources_digest(), "made_by": maker.makers_digest(), "kernels": {}}
-        (folder / library.INDEX).write_text(json.dumps(index))
+        folder, part = Path(command[-4]), command[-1]
+        (folder / f"{part}.o").write_bytes(f"object {part}, ".encode())
+        (folder / f"{part}.json").write_text(json.dumps({part: []}))
 
     def build(name: str) -> str:
         """Make the library into a folder of this name, as from a fresh copy of the sources; what is said."""
         (tmp_path / name).mkdir()
         monkeypatch.setattr(sys, "argv", ["machine_code", str(tmp_path / name), "x86-64"])
         maker.main()
-        assert (tmp_path / name / library.file_name("x86-64")).read_bytes() == b"machine code"
+        assert (tmp_path / name / library.file_name("x86-64")).read_bytes() == b"object 0, object 1, "
+        assert list(json.loads((tmp_path / name / library.INDEX).read_text())["kernels"]) == ["0", "1"]
         return capsys.readouterr().out
 
     monkeypatch.setattr(maker, "HERE", tmp_path / "nothing is made here")
     monkeypatch.setattr(subprocess, "run", compile_there)
+    monkeypatch.setattr(maker, "link", lambda objects, library: library.write_bytes(b"".join(objects)))
     monkeypatch.delenv(maker.KEPT, raising=False)
     assert build("unkept") == "compiling the kernels for x86-64\n"
     monkeypatch.setenv(maker.KEPT, str(tmp_path / "kept"))
@@ -132,3 +134,20 @@ def test_what_was_compiled_is_kept_for_other_copies_of_the_same_sources(
     assert build("second") == ""
     monkeypatch.setattr(maker, "makers_digest", lambda: "another numba")
     assert build("third") == "compiling the kernels for x86-64\n"
+
+
+def test_what_makes_machine_code_tells_of_itself_and_writes_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from tools.machine_code import __main__ as maker
+
+    monkeypatch.chdir(tmp_path)
+    for word, code in (("--help", 0), ("--folder", 2)):
+        monkeypatch.setattr(sys, "argv", ["machine_code", word])
+        with pytest.raises(SystemExit) as ended:
+            maker.main()
+        assert ended.value.code == code
+    told = capsys.readouterr()
+    assert "python -m tools.machine_code FOLDER [CPU ...]" in told.out
+    assert "the following arguments are required: folder" in told.err
+    assert list(tmp_path.iterdir()) == []

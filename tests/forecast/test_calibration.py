@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.stats import binomtest
+import scipy
 
 from ipoa_mission.forecast.tube.approach import Approaches
 from ipoa_mission.forecast.tube.measured import law_of
@@ -74,7 +74,7 @@ def test_of_no_group_more_fall_short_than_are_said_to(
     found = chances(autopilot, (judged,), longest, shortest)
     assert len(found) >= 12
     for share, chance in zip(shares(found), (0.5, 0.1, 0.01), strict=True):
-        assert binomtest(round(share * len(found)), len(found), chance, "greater").pvalue > 0.05
+        assert scipy.stats.binomtest(round(share * len(found)), len(found), chance, "greater").pvalue > 0.05
 
 
 @pytest.mark.parametrize("autopilot", list(registered()))

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.interpolate import CubicSpline
+import scipy
 
 from ipoa_mission.forecast.timing.cubic import derivatives, values
 
@@ -13,7 +13,7 @@ def test_it_is_scipy_s(count: int) -> None:
     knots = np.cumsum(chance.uniform(0.05, 3.0, count))
     points = np.cumsum(chance.normal(size=(count, 3)), axis=0)
     at = np.concatenate([np.linspace(knots[0], knots[-1], 997), knots])
-    curve = CubicSpline(knots, points)
+    curve = scipy.interpolate.CubicSpline(knots, points)
     first, second = derivatives(knots, points, at)
     np.testing.assert_allclose(values(knots, points, at), curve(at), rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(first, curve(at, 1), rtol=1e-8, atol=1e-8)

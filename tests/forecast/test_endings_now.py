@@ -57,6 +57,20 @@ def test_it_is_told_for_where_the_vehicle_is_though_it_is_late(forecast: Forecas
         assert seconds == pytest.approx(sum(lasts) / 2, rel=0.25, abs=3.0)
 
 
+def test_how_long_it_takes_is_told_also_where_that_jumps() -> None:
+    """A few seconds later the same flight climbs by 45 m before it returns: 37 s become 98."""
+    forecast = Forecast(read_mission(MISSIONS / "campus.plan"), read_scenario(MISSIONS / "campus.toml"))
+    endings, now = forecast.once(Endings), EndingsNow(forecast)
+    took = []
+    for time in np.linspace(12.0, 26.0, 29):
+        lasts = endings.lasts(Ending.RTL, float(time))
+        assert lasts is not None
+        ((_, seconds),) = [told for told in now.at(float(time)) if told[0].ending is Ending.RTL]
+        took.append(sum(lasts) / 2)
+        assert seconds == pytest.approx(took[-1], abs=6.0)
+    assert max(took) - min(took) > 40.0
+
+
 def test_one_that_is_held_for_long_is_looked_for_where_it_is(forecast: Forecast) -> None:
     endings, now = Endings(forecast), EndingsNow(forecast, (Ending.HOLD, Ending.RTL, Ending.LAND))
     begin, end = endings.in_air
@@ -82,7 +96,7 @@ def test_the_command_line_tells_it_beside_what_is_done(forecast: Forecast) -> No
     there = forecast.frame.geodetic(endings.stops().at(np.array([time]))[0][0])
     record = SimpleNamespace(path=[SimpleNamespace(time_s=time)])
     vehicle: Any = SimpleNamespace(record=lambda: record, state=SimpleNamespace(in_air=True, battery_left=None))
-    teller = ToldEndings(forecast, vehicle, lambda _, words: told.append(words), reserves)
+    teller = ToldEndings(forecast, vehicle, lambda _, words: told.append(words), reserves, EndingsNow(forecast))
     teller.show(0.5, "item 3 of 6")
     at = (there.latitude_deg, there.longitude_deg, there.altitude, 20.0)
     for later, left in ((0.0, None), (0.4, 0.8), (1.2, 0.8), (2.4, 0.8), (3.6, 0.2)):  # by the vehicle's clock

@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from scipy.stats import binomtest
+import scipy
 
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.timing.estimate import Estimate
@@ -68,5 +68,5 @@ def test_nine_in_ten_of_what_was_flown_lie_in_the_interval(flights: tuple[Record
 
     kept = [one for flight in flights for run in flight.runs for one in inside(found(flight.name), run)]
     # of so few items the share is known to a few per cent: it must not be told from one of 85 to 95 %
-    assert binomtest(sum(kept), len(kept), 0.85, "less").pvalue > 0.05
-    assert binomtest(sum(kept), len(kept), 0.95, "greater").pvalue > 0.05
+    assert scipy.stats.binomtest(sum(kept), len(kept), 0.85, "less").pvalue > 0.05
+    assert scipy.stats.binomtest(sum(kept), len(kept), 0.95, "greater").pvalue > 0.05

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy
 import shapely
-from scipy.interpolate import CubicSpline
 
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.forecast.forecast import estimate
@@ -79,7 +79,8 @@ def test_the_chords_stand_for_the_curve_as_closely_as_they_say() -> None:
     for leg in flown_legs(mission, scenario.frame):
         if leg.stray > 0:
             u = np.linspace(0.0, 1.0, len(leg.points))
-            fine = CubicSpline(u, leg.points)(np.linspace(0, 1, 2000))  # the cubic itself, through points of it
+            cubic = scipy.interpolate.CubicSpline(u, leg.points)  # the leg's own, through points of it
+            fine = cubic(np.linspace(0, 1, 2000))
             apart = shapely.distance(shapely.LineString(leg.points[:, :2]), shapely.points(fine[:, :2]))
             assert 0.2 * leg.stray < apart.max() < leg.stray
 

@@ -28,9 +28,11 @@ class Running:
 
 
 @contextmanager
-def running(family: Autopilot, speedup: float = 20.0, transport: str = "udpin", system: int = 1) -> Iterator[Running]:
+def running(
+    family: Autopilot, speedup: float = 20.0, transport: str = "udpin", system: int = 1, home: Geodetic = HOME
+) -> Iterator[Running]:
     channel = (UdpChannel if transport == "udpin" else TcpChannel)(parse_address(f"{transport}:127.0.0.1:0"))
-    mock = Mock(family, HOME)
+    mock = Mock(family, home)
     server = Server(channel, Station(mock, system, datagrams=channel.datagrams), speedup)
     stop = threading.Event()
     thread = threading.Thread(target=server.run, args=(stop.is_set,))

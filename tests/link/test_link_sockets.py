@@ -52,6 +52,16 @@ def test_a_datagram_socket_that_breaks_is_a_link_that_is_down_but_a_peer_nobody_
         channel.send(b"x", None)
 
 
+def test_a_connection_that_was_closed_stays_closed_and_one_that_takes_nothing_is_not_waited_for() -> None:
+    with closing(TcpChannel(parse_address("tcpin:127.0.0.1:0"))) as far:
+        channel = TcpChannel(parse_address(f"tcp:127.0.0.1:{far.port}"))
+        (connection,) = channel._connections
+        assert connection.getsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT) == 10_000
+    for _ in range(2):
+        with pytest.raises(LinkDown, match="the other side closed the connection"):
+            channel.receive(channel.now() + 1.0)
+
+
 def test_nobody_has_spoken_yet_and_so_nobody_is_answered() -> None:
     with closing(UdpChannel(parse_address("udpin:127.0.0.1:0"))) as channel:
         channel.send(b"x", None)

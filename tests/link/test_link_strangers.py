@@ -7,10 +7,12 @@ from pathlib import Path
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
-from ipoa_mission.link.channel import LinkDown, Peer
+from ipoa_mission.link import reunion
+from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
 from ipoa_mission.link.connect import connect, meet
 from ipoa_mission.link.deafness import CAUSE_S, SpeaksMavlink1
+from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.line import Contested, Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Ack, Count, Heartbeat, MavAutopilot, Message, MissionType, Ping, Request, Result
@@ -363,16 +365,16 @@ def test_a_vehicle_that_answers_in_mavlink_1_is_spoken_to_as_any_other() -> None
 # --- the other side goes away ---------------------------------------------------------------------------------------
 
 
-def test_a_connection_that_is_closed_in_flight_tells_when_the_vehicle_was_heard_last(
-    run_mock: Callable[..., object],
+def test_a_connection_that_is_closed_in_flight_for_good_tells_when_the_vehicle_was_heard_last(
+    run_mock: Callable[..., object], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(reunion, "GONE_S", 1.5)
     with run_mock(PX4, 20.0, "tcpin") as running:  # type: ignore[attr-defined]
         vehicle = connect(f"tcp:127.0.0.1:{running.port}")
         vehicle.upload(suited(vehicle, MISSION))
         vehicle.prepare()
         vehicle.start()
-    with vehicle, pytest.raises(LinkDown, match="the other side closed the connection"):
+    with vehicle, pytest.raises(NoAnswer, match=r"the link is lost for 1.5 s: tcp:.* cannot be opened") as lost:
         vehicle.watch()
-    heard = line_of(vehicle).heard_s(VEHICLE)
-    assert heard is not None
-    assert line_of(vehicle).channel.now() - heard < 5.0
+    assert lost.value.hint is not None
+    assert "when last heard, the vehicle is armed" in lost.value.hint

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from scipy.stats import ks_2samp
+import scipy
 
 from ipoa_mission.optimize.poa import POA
 from ipoa_mission.optimize.search import Box, Optimizer, minimize
@@ -54,7 +54,7 @@ def test_rivals_are_distributed_as_by_their_authors_rules(
         rule(lambda x: float(function(x)), BOX.lower, BOX.upper, 30, 12, np.random.default_rng([2, run]))
         for run in range(RUNS)
     ]
-    assert ks_2samp(ours(kind(population=30, iterations=12), function), theirs).pvalue > 0.01
+    assert scipy.stats.ks_2samp(ours(kind(population=30, iterations=12), function), theirs).pvalue > 0.01
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
@@ -69,10 +69,10 @@ def test_poa_is_distributed_as_mealpy_has_it(function: Callable[[np.ndarray], np
     theirs = [
         mealpy.POA.OriginalPOA(epoch=25, pop_size=10).solve(problem, seed=run).target.fitness for run in range(RUNS)
     ]
-    assert ks_2samp(ours(POA(population=10, iterations=25), function), theirs).pvalue > 0.01
+    assert scipy.stats.ks_2samp(ours(POA(population=10, iterations=25), function), theirs).pvalue > 0.01
 
 
 def test_so_many_runs_tell_a_reading_from_its_neighbor() -> None:
     """What `rand` of eq. (14) is drawn for is the finest point in which POA and its readings differ."""
     each = ours(POA(population=10, iterations=25, rand="dimension"), rosenbrock)
-    assert ks_2samp(ours(POA(population=10, iterations=25), rosenbrock), each).pvalue < 0.001
+    assert scipy.stats.ks_2samp(ours(POA(population=10, iterations=25), rosenbrock), each).pvalue < 0.001

@@ -4,10 +4,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+import scipy
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.integrate import quad
-from scipy.interpolate import BSpline
 
 from ipoa_mission.planning.spline import Spline, basis
 
@@ -16,10 +15,10 @@ def a_spline(seed: int, n: int = 9) -> Spline:
     return Spline(np.random.default_rng(seed).uniform(0, 100, (n, 3)))
 
 
-def scipys(spline: Spline) -> BSpline:
+def scipys(spline: Spline) -> "scipy.interpolate.BSpline":
     spans = len(spline.control) - 3
     knots = np.concatenate([np.zeros(3), np.linspace(0, 1, spans + 1), np.ones(3)])
-    return BSpline(knots, spline.control, 3)
+    return scipy.interpolate.BSpline(knots, spline.control, 3)
 
 
 @pytest.mark.parametrize("n", [4, 5, 10, 40])
@@ -41,14 +40,14 @@ def test_the_length_is_the_integral_of_the_speed() -> None:
     spline = a_spline(2)
     velocity = scipys(spline).derivative()
     knots = np.linspace(0, 1, spline.spans + 1)
-    pieces = [quad(lambda u: np.linalg.norm(velocity(u)), a, b)[0] for a, b in pairwise(knots)]
+    pieces = [scipy.integrate.quad(lambda u: np.linalg.norm(velocity(u)), a, b)[0] for a, b in pairwise(knots)]
     assert spline.length == pytest.approx(sum(pieces), rel=1e-7)
 
 
 def test_samples_are_equally_far_apart_along_the_curve() -> None:
     spline = a_spline(3)
     u, velocity = spline.parameters(11), scipys(spline).derivative()
-    arcs = [quad(lambda v: np.linalg.norm(velocity(v)), a, b, limit=200)[0] for a, b in pairwise(u)]
+    arcs = [scipy.integrate.quad(lambda v: np.linalg.norm(velocity(v)), a, b, limit=200)[0] for a, b in pairwise(u)]
     assert np.ptp(arcs) < 2e-3 * np.mean(arcs)
     np.testing.assert_allclose(spline.sample(11), spline.points(u))
 

@@ -8,17 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
-from matplotlib.patches import Rectangle
 
+import ipoa_mission as api
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.link.logbook import FlightRecord, Sample
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.report.compare import compare_flight, flown_track
-from ipoa_mission.report.comparison_plot import draw_comparison
 from ipoa_mission.report.page import report_html
-from ipoa_mission.report.plots import write_picture
 from ipoa_mission.vehicles.autopilot import autopilot_named
 from ipoa_mission.world.frame import LocalFrame
 from tests.report.conftest import Bowed, Foreseen
@@ -67,6 +65,8 @@ def test_items_that_the_autopilot_does_not_report_are_joined_to_the_next(bowed: 
 
 
 def test_a_flight_that_reached_nothing_is_no_crash(bowed: Bowed, forecast: Foreseen, tmp_path: Path) -> None:
+    from ipoa_mission.report.comparison_plot import draw_comparison
+
     _, mission, timed = bowed("sitl.toml")
     nothing = FlightRecord({}, 0.0, (), (), False)
     comparison = compare_flight(timed, nothing)
@@ -74,7 +74,7 @@ def test_a_flight_that_reached_nothing_is_no_crash(bowed: Bowed, forecast: Fores
     assert math.isnan(comparison.route_error)
     assert flown_track(mission, nothing) is None
     assert "tells of no item" in report_html(forecast("sitl.toml"), flight=nothing)
-    write_picture(draw_comparison(comparison, timed.track.points, None), tmp_path / "empty.png")
+    api.write_picture(draw_comparison(comparison, timed.track.points, None), tmp_path / "empty.png")
 
 
 def test_the_flown_path_comes_back_to_the_millimetre(bowed: Bowed) -> None:
@@ -94,6 +94,10 @@ def test_the_report_of_a_flight_has_both_times_in_every_row(bowed: Bowed, foreca
 
 
 def test_the_picture_shows_both_times_of_each_leg(bowed: Bowed, tmp_path: Path) -> None:
+    from matplotlib.patches import Rectangle
+
+    from ipoa_mission.report.comparison_plot import draw_comparison
+
     _, mission, timed = bowed("campus.toml")
     flight = flown_as(timed, mission, 1.1, 0.5)
     comparison, track = compare_flight(timed, flight), flown_track(mission, flight)
@@ -103,7 +107,7 @@ def test_the_picture_shows_both_times_of_each_leg(bowed: Bowed, tmp_path: Path) 
     assert bars[: len(comparison.legs)] == pytest.approx([leg.estimated_s for leg in comparison.legs])
     assert bars[len(comparison.legs) :] == pytest.approx([leg.flown_s for leg in comparison.legs])
     for name in "ab":
-        write_picture(draw_comparison(comparison, timed.track.points, track.points), tmp_path / f"{name}.svg")
+        api.write_picture(draw_comparison(comparison, timed.track.points, track.points), tmp_path / f"{name}.svg")
     assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
 
 

@@ -5,13 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib.colors import to_rgb
-from matplotlib.figure import Figure
 
+import ipoa_mission as api
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
 from ipoa_mission.report import palette
-from ipoa_mission.report.plots import draw_views, write_picture
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
 
@@ -34,9 +32,9 @@ def test_the_same_scenario_and_paths_give_the_same_bytes(missions: Path, tmp_pat
     paths = {"straight": np.array([scenario.start_point, scenario.goal_point])}
     endings = (".png", ".svg", ".pdf")
     for name in "ab":
-        figure = draw_views(scenario, paths, views=("top", "front"))
+        figure = api.draw_views(scenario, paths, views=("top", "front"))
         for ending in endings:
-            write_picture(figure, tmp_path / f"{name}{ending}")
+            api.write_picture(figure, tmp_path / f"{name}{ending}")
     for ending in endings:
         assert (tmp_path / f"a{ending}").read_bytes() == (tmp_path / f"b{ending}").read_bytes()
 
@@ -44,8 +42,8 @@ def test_the_same_scenario_and_paths_give_the_same_bytes(missions: Path, tmp_pat
 def test_a_view_shows_every_path_and_every_obstacle(missions: Path, tmp_path: Path) -> None:
     scenario = read_scenario(missions / "campus.toml")
     path = np.array([scenario.start_point, [100, 100, 50], scenario.goal_point])
-    figure = draw_views(scenario, {"one": path, "other": path + 5}, views=("top",))
-    write_picture(figure, tmp_path / "top.svg")
+    figure = api.draw_views(scenario, {"one": path, "other": path + 5}, views=("top",))
+    api.write_picture(figure, tmp_path / "top.svg")
     assert ET.parse(tmp_path / "top.svg").getroot().tag.endswith("svg")
     axes = figure.axes[0]
     assert len(axes.patches) == len(scenario.obstacles)
@@ -54,8 +52,10 @@ def test_a_view_shows_every_path_and_every_obstacle(missions: Path, tmp_path: Pa
 
 
 def test_another_ending_is_refused_by_name(tmp_path: Path) -> None:
+    from matplotlib.figure import Figure
+
     with pytest.raises(BadInput, match=r"picture\.bmp: expected a name that ends in"):
-        write_picture(Figure(), tmp_path / "picture.bmp")
+        api.write_picture(Figure(), tmp_path / "picture.bmp")
 
 
 #: Full dichromacy: Machado, Oliveira and Fernandes 2009, table 1, severity 1.0 (linear RGB).
@@ -68,6 +68,8 @@ DICHROMACY = {
 
 @pytest.mark.parametrize("eye", DICHROMACY)
 def test_the_first_five_path_colors_stay_apart_for_color_blind_eyes(eye: str) -> None:
+    from matplotlib.colors import to_rgb
+
     linear = np.array([[_linear(c) for c in to_rgb(color)] for color in palette.PATHS[:5]])
     seen = _lab(np.clip(linear @ np.array(DICHROMACY[eye]).T, 0, 1))
     apart = np.linalg.norm(seen[:, None] - seen, axis=2) + 1e3 * np.eye(5)

@@ -36,7 +36,8 @@ def test_without_a_page_and_without_npm_it_is_said_what_to_do(tmp_path: Path, mo
     web = tmp_path / "package" / "studio" / "web"
     web.mkdir(parents=True)
     (tmp_path / "package" / "report" / "assets").mkdir(parents=True)
-    (tmp_path / "package" / "report" / "assets" / "palette.css").write_text("")
+    for shared in bundle.SHARED:
+        (tmp_path / "package" / shared).write_text("")
     monkeypatch.setattr(bundle, "WEB", web)
     monkeypatch.setattr(bundle, "copies", lambda part: ())
     monkeypatch.setenv("PATH", str(tmp_path))
@@ -51,7 +52,8 @@ def test_a_page_counts_by_the_sources_that_it_was_made_of(tmp_path: Path, monkey
     web, other = (tmp_path / one / "studio" / "web" for one in ("here", "there"))
     for one in (web, other):
         (one.parents[1] / "report" / "assets").mkdir(parents=True)
-        (one.parents[1] / "report" / "assets" / "palette.css").write_text("")
+        for shared in bundle.SHARED:
+            (one.parents[1] / shared).write_text("")
         (one / "dist").mkdir(parents=True)
         (one / "main.tsx").write_text("1")
     (web / "dist" / bundle.DIGEST).write_text(bundle.sources_digest(web))

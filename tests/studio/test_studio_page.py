@@ -18,9 +18,15 @@ from urllib.parse import urljoin
 
 import pytest
 
-from ipoa_mission import read_mission
+from ipoa_mission import Forecast, read_mission
 from ipoa_mission.errors import MissionError
 from ipoa_mission.files import write_atomically
+from ipoa_mission.forecast.endings import Endings, endings_of
+from ipoa_mission.forecast.grades import Grade
+from ipoa_mission.report.ending_bars import LOOK
+from ipoa_mission.scenario import parse_scenario
+from ipoa_mission.vehicles.ending import Ending
+from tests.forecast.test_endings_now import BATTERY
 from tests.studio.conftest import MEADOW
 
 BROWSERS = (os.environ.get("IPOA_MISSION_CHROMIUM", ""), "chromium", "chromium-browser", "google-chrome")
@@ -378,6 +384,66 @@ def test_a_place_is_found_by_its_coordinates_and_the_ground_is_shaded(page: Any)
     page.keyboard.press("Home")
 
 
+#: Flown over, but not to be landed on.
+SHED = """
+[[obstacles]]
+kind = "box"
+name = "shed"
+east = 52.0
+north = 0.0
+width = 6.0
+depth = 12.0
+height = 4.0
+"""
+
+
+def test_the_strip_says_what_each_ending_would_do_at_this_second(page: Any, address: tuple[str, Path]) -> None:
+    proved(page)
+    text = MEADOW.read_text() + BATTERY + SHED
+    rewrite(page, text)
+    page.get_by_label("Moment of the flight").fill("250")
+    until(page, "/lands with .* required/.test(document.querySelector('.strip .then')?.textContent)")
+    page.get_by_role("button", name="Mission files").click()
+    page.get_by_text("written: meadow.plan").wait_for()
+    scenario = parse_scenario(text, address[1])
+    endings = Endings(Forecast(read_mission(address[1].parent / "meadow.plan"), scenario))
+    moment, then = page.get_by_label("Moment of the flight"), page.locator(".strip .then")
+    for at in (120, 250, 380):
+        moment.fill(str(at))
+        until(page, f"document.querySelector('.strip .row').ariaValueNow === '{at}'")
+        time = float(page.locator(".slider output").inner_text().split(" s")[0])
+        for ending in endings_of(endings.forecast):
+            told = page.locator(f".strip [data-ending={ending}]").get_attribute("aria-valuetext")
+            row = next(row for row in endings.rows(ending, timed=False) if time < row.to_s)
+            assert told.startswith(f"at {time:.1f} s {row.in_full}")
+            taken = re.search(r"; takes (\d+)(?: to (\d+))? s and [\d.]+ to [\d.]+ Wh, lands with [\d.]+ %", told)
+            assert (taken is None) == (ending in (Ending.SMART_RTL, Ending.HOLD))
+            if taken:
+                low, high = endings.lasts(ending, time) or (0.0, 0.0)
+                seconds = float(taken[1]), float(taken[2] or taken[1])
+                assert seconds == pytest.approx((low, high), rel=0.1, abs=2.0)
+    land, ways = page.locator(".strip [data-ending=land]"), page.locator(".strip [data-ending=land] .ways")
+    land.focus()
+    assert then.inner_text() == f"land {land.get_attribute('aria-valuetext')}"
+    page.keyboard.press("Home")
+    until(page, "document.querySelector('.strip .then').textContent.endsWith('it is on the ground')")
+    rows = endings.rows(Ending.LAND, timed=False)
+    assert Grade.WOULD in {row.grade for row in rows}
+    for row in rows:  # a key leads to where it is in the air, and on to where that changes
+        page.keyboard.press("PageUp")
+        until(page, f"document.querySelector('.strip .then').textContent.includes({json.dumps(row.in_full)})")
+    looks = page.locator(".strip [data-ending=land] .way").evaluate_all("ways => ways.map(way => way.textContent)")
+    assert looks == [LOOK[row.grade] for row in rows]
+    box = ways.bounding_box()
+    page.mouse.move(box["x"] + 0.25 * box["width"], box["y"] + box["height"] / 2)
+    until(page, "document.querySelector('.strip .then').textContent.startsWith('land at')")
+    pointed = then.inner_text()
+    assert pointed != f"land {land.get_attribute('aria-valuetext')}"  # the slider stands where it stood
+    page.mouse.down()
+    page.mouse.up()
+    until(page, f"document.querySelector('.strip [data-ending=land]').ariaValueText === {json.dumps(pointed[5:])}")
+
+
 def test_it_fits_a_telephone(page: Any) -> None:
     page.set_viewport_size({"width": 390, "height": 844})
     proved(page)
@@ -410,4 +476,5 @@ def serious(page: Any, scheme: str) -> list[str]:
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_nothing_serious_is_wrong_for_who_sees_or_hears_otherwise(page: Any, scheme: str) -> None:
     proved(page)
+    page.locator(".strip .way").first.wait_for()
     assert serious(page, scheme) == []

@@ -105,6 +105,21 @@ def test_planning_that_was_cancelled_is_taken_up_again_and_a_place_is_found(stud
     assert place == pytest.approx([8.5249, 47.3656], abs=1e-3)
 
 
+def test_how_it_can_end_is_told_after_the_plan_and_counts_no_more_after_a_change(studio: Studio) -> None:
+    with studio.window() as talk:
+        plan = talk.has("plan")
+        strip = talk.wait("endings", lambda told: any(bar["costs"] for bar in told["bars"]))
+        assert (strip["revision"], strip["flight"]) == (plan["revision"], 0)
+        assert [bar["ending"] for bar in strip["bars"]] == ["rtl", "land", "smart_rtl", "hold"]
+        assert [one["kind"] for one in talk.heard if one["kind"] in ("plan", "endings")][:1] == ["plan"]
+        with studio.window() as other:  # which is told how things stand
+            assert other.wait("endings") == strip
+        talk.say(kind="edit", seen=plan["revision"], label="slower", changes=[PUT_SPEED])
+        document = talk.wait("document", lambda told: told["revision"] > plan["revision"])
+        with studio.window() as other:
+            assert other.wait("endings")["revision"] == document["revision"]
+
+
 def test_a_mission_is_flown_only_after_it_was_named(studio: Studio) -> None:
     with studio.window() as talk:
         seen_at = talk.wait("document")["revision"]
@@ -182,3 +197,22 @@ def test_a_flight_of_another_scenario_is_not_started(studio: Studio) -> None:
         assert "changed after the upload" in talk.wait_for_trouble("flight")["message"]
         talk.say(kind="do", what="abandon")
         talk.wait("state", lambda state: state["phase"] == "idle")
+
+
+def test_an_extract_that_is_dropped_stands_on_the_map(studio: Studio, tmp_path: Path) -> None:
+    osmium = pytest.importorskip("osmium")
+    with osmium.SimpleWriter(tmp_path / "town.osm.pbf") as writer:
+        for number, place in enumerate([(8.5, 47.3002), (8.5001, 47.3002), (8.5001, 47.3003)], 1):
+            writer.add_node(osmium.osm.mutable.Node(id=number, location=place))
+        writer.add_way(osmium.osm.mutable.Way(id=1, nodes=[1, 2, 3, 1], tags={"building": "yes", "name": "Smithy"}))
+    content = (tmp_path / "town.osm.pbf").read_bytes()
+    answer = studio.client.post(
+        f"/{TOKEN}/drop/town.osm.pbf", content=content, headers={"host": HOST, "origin": f"http://{HOST}"}
+    )
+    assert answer.json() == {"kind": "map", "file": "town.osm.pbf", "changes": []}
+    assert (studio.scenario.parent / "town.osm.pbf").read_bytes() == content
+    added = {"op": "add", "to": "maps", "table": {"kind": "buildings", "file": "town.osm.pbf"}}
+    with studio.window() as talk:
+        seen = talk.wait("document")["revision"]
+        talk.say(kind="edit", seen=seen, label="map", changes=[added | {"place": None, "ring": None, "at": None}])
+        talk.wait("world", lambda world: "Smithy" in [body["name"] for body in world["bodies"]])

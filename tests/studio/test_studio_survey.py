@@ -11,6 +11,7 @@ import shapely
 
 from ipoa_mission import BadInput, plan_survey
 from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.endings import Endings
 from ipoa_mission.scenario import Scenario, parse_scenario
 from tests.studio.conftest import HOST, MEADOW, TOKEN, Studio
 
@@ -248,6 +249,7 @@ def test_a_survey_is_laid_planned_dragged_and_written_as_plan_writes_it(studio: 
         talk.say(kind="rewrite", seen=talk.wait("document")["revision"], text=text)
         assert talk.wait("area", lambda area: area["rings"])["rings"][0]["path"] == list(FIRST)
         planned, coarse = talk.has("survey"), talk.has("coarse_survey")
+        strips = [talk.wait("endings", lambda told, n=n: told["flight"] == n) for n in (0, 1)]  # type: ignore[misc]
         turn = {"op": "put", "path": ["survey", "direction_deg"], "value": 30.0}
         talk.say(kind="drag", number=7, changes=[turn])
         dragged = talk.wait("coarse_survey", lambda answer: answer["number"] == 7)
@@ -264,6 +266,9 @@ def test_a_survey_is_laid_planned_dragged_and_written_as_plan_writes_it(studio: 
     assert sum(part["photos"] for part in planned["flights"]) == survey.plan.photos
     assert sum(len(line["photos"]) for line in planned["layout"]["lines"]) == survey.plan.photos
     assert len({part["plan"]["proof"] for part in planned["flights"]}) == 2
+    for strip, forecast in zip(strips, survey.flights, strict=True):
+        words = [one["words"] for bar in strip["bars"] for one in bar["stretches"]]
+        assert words == [row.in_full for row in Endings(forecast).all_rows(timed=False)]
     survey.write(tmp_path)
     for file in sorted(one.name for one in tmp_path.iterdir()):
         assert file in written

@@ -38,6 +38,7 @@ def test_wind_satellites_and_words_are_told_with_where_it_is(wind: Message, told
         autopilot=forecast.mission.autopilot,
         order=SimpleNamespace(words="", is_paused=False),
         changed="",
+        absence=SimpleNamespace(seconds=None, words=""),
         interrupted="",
         record=lambda: record,
     )

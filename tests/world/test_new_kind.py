@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+import ipoa_mission as api
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.planner import plan_path
-from ipoa_mission.report.plots import draw_views, write_picture
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.world.obstacles import Obstacle, Sphere
 
@@ -88,5 +88,5 @@ def test_it_is_planned_round_and_kept_away_from(strung: Scenario) -> None:
 def test_it_is_drawn(strung: Scenario, missions: Path, tmp_path: Path) -> None:
     path = np.array([strung.start_point, strung.goal_point])
     for name, scenario in (("with", strung), ("without", read_scenario(missions / "sitl.toml"))):
-        write_picture(draw_views(scenario, {"way": path}), tmp_path / f"{name}.svg")
+        api.write_picture(api.draw_views(scenario, {"way": path}), tmp_path / f"{name}.svg")
     assert (tmp_path / "with.svg").read_bytes() != (tmp_path / "without.svg").read_bytes()

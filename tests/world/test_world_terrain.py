@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from scipy.interpolate import RegularGridInterpolator
+import scipy
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.world.frame import Geodetic, LocalFrame
@@ -132,7 +132,7 @@ def test_a_grid_is_bilinear_and_goes_on_beyond_its_edge() -> None:
     ground = Grid(100.0, -50.0, 2.5, heights)
     north, east = -50.0 + 2.5 * np.arange(7), 100.0 + 2.5 * np.arange(9)
     inside = rng.uniform((100, -50), (120, -35), (500, 2))
-    expected = RegularGridInterpolator((north, east), heights)(inside[:, ::-1])
+    expected = scipy.interpolate.RegularGridInterpolator((north, east), heights)(inside[:, ::-1])
     np.testing.assert_allclose(ground.height(inside), expected, atol=1e-12)
     assert ground.height(np.array([[500.0, -42.5], [110.0, 900.0]])) == pytest.approx([heights[3, 8], heights[6, 4]])
 

@@ -7,7 +7,6 @@ many seeds; the rank is the share of its flights that kept less to an obstacle, 
 waypoint. Of a model that is right every rank is as likely as any other.
 """
 
-import argparse
 from collections import defaultdict
 from pathlib import Path
 
@@ -15,6 +14,7 @@ import numpy as np
 from scipy.stats import kstest
 
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
+from tools import command_line
 from tools.benchmarks.flight_ranks import rank
 from tools.benchmarks.promise import flown
 from tools.fly.flown import read_flown
@@ -22,7 +22,7 @@ from tools.fly.judge import read_rows, scenario_of
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--rows", type=Path, required=True)
     parser.add_argument("--flights", type=Path, required=True)
     parser.add_argument("--scenarios", type=Path, nargs="+", default=[Path("missions")])

@@ -6,7 +6,6 @@ Every scene has a way that is wide enough by construction: a refusal is wrong. W
 on the scenario's own numbers, not by the package's world.
 """
 
-import argparse
 import csv
 import math
 import time
@@ -23,6 +22,7 @@ from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.geometry import Points, arc_lengths
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from tools import command_line
 
 HOME = {"latitude_deg": 46.9232, "longitude_deg": 10.5127, "altitude_amsl": 1050.0}
 EARTH_RADIUS = 6.371e6  # far away the ground lies lower than a plane at home [m]
@@ -286,7 +286,7 @@ def _write(rows: list[Table], out: Path) -> None:
 
 def main() -> None:
     """Plan the scenes that are asked for and tell of each, then of each kind the median CPU time and the refusals."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--kinds", default=",".join(KINDS))
     parser.add_argument("--numbers", default="0-3")
     parser.add_argument("--autopilot", choices=[str(autopilot) for autopilot in registered()])

@@ -8,7 +8,6 @@ tests/landings.
 Of a model that is right every rank is as likely as any other, so that the ranks of all flights are uniform.
 """
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +18,7 @@ from ipoa_mission.forecast.itinerary.itinerary import itinerary
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.vehicles.px4_multicopter.timing import Flights
 from tests.recorded_flights import FLIGHTS, LANDINGS, Recorded, read_flights
+from tools import command_line
 
 
 def model_runs(flight: Recorded, runs: int) -> list[dict[int, float]]:
@@ -56,7 +56,9 @@ def kept(autopilot: Autopilot, folder: Path) -> str:
 
 
 def main() -> None:
-    runs = int(sys.argv[1]) if len(sys.argv) > 1 else 200
+    parser = command_line(__doc__)
+    parser.add_argument("runs", type=int, nargs="?", default=200)
+    runs = parser.parse_args().runs
     ranks: dict[str, list[float]] = {"take-off": [], "mission": [], "single flights": []}
     off, within = [], []
     for flight in read_flights(Autopilot.PX4):

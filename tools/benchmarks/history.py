@@ -7,20 +7,19 @@ A row is one measure of one scenario by one version: the cost of its path, the f
 CPU to plan it and to estimate it anew. Costs and times are the same on any machine, seconds of CPU are not.
 """
 
-import argparse
 import csv
 import time
 from collections.abc import Iterator
 from dataclasses import astuple, dataclass, fields
 from datetime import UTC, datetime
 from pathlib import Path
-
-import matplotlib
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING
 
 import ipoa_mission as api
-from ipoa_mission.report.plots import STYLE, write_picture
-from tools import REPOSITORY
+from tools import REPOSITORY, command_line
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 HISTORY = REPOSITORY / "docs" / "history.csv"
 
@@ -71,8 +70,13 @@ def read(path: Path) -> list[Row]:
         return [Row(version, date, scenario, measure, float(value)) for version, date, scenario, measure, value in rows]
 
 
-def plotted(rows: list[Row]) -> Figure:
+def plotted(rows: list[Row]) -> "Figure":
     """A panel a measure, a line a scenario, versions from left to right, each value over the first."""
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    from ipoa_mission.report.plots import STYLE
+
     measures = list(dict.fromkeys(row.measure for row in rows))
     versions = list(dict.fromkeys(row.version for row in rows))
     with matplotlib.rc_context(dict(STYLE)):
@@ -89,7 +93,7 @@ def plotted(rows: list[Row]) -> Figure:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = command_line(__doc__)
     parser.add_argument("--scenarios", type=Path, nargs="*", default=sorted((REPOSITORY / "missions").glob("*.toml")))
     parser.add_argument("--version", default=api.__version__, help="what the rows are called")
     parser.add_argument("--rows", type=Path, default=HISTORY)
@@ -99,7 +103,7 @@ def main() -> None:
         date = datetime.now(UTC).date().isoformat()
         api.plan_flight(api.read_scenario(wanted.scenarios[0]))  # compiles what is compiled
         append((row for path in wanted.scenarios for row in measured(path, wanted.version, date)), wanted.rows)
-    write_picture(plotted(read(wanted.rows)), wanted.plot or wanted.rows.with_suffix(".svg"))
+    api.write_picture(plotted(read(wanted.rows)), wanted.plot or wanted.rows.with_suffix(".svg"))
 
 
 if __name__ == "__main__":

@@ -16,13 +16,12 @@ new one for each upload); connecting is not counted. Rows are written as they co
 one stopped.
 """
 
-import argparse
 import importlib.util
 import itertools
 from pathlib import Path
 
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
-from tools import REPOSITORY
+from tools import REPOSITORY, command_line
 from tools.benchmarks.link_benchmark.measure import complete, fast_path
 from tools.benchmarks.link_benchmark.rows import CLIENTS, Cell, read_rows
 from tools.benchmarks.link_benchmark.speed import HEADING, speed
@@ -33,7 +32,7 @@ ROWS = REPOSITORY / "docs" / "link" / "uploads.csv"
 
 def main() -> None:
     """Run what is missing, or print the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--runs", type=int, default=50)
     parser.add_argument("--mavproxy-runs", type=int, default=10)
     parser.add_argument("--at-once", type=int, default=10)

@@ -7,7 +7,6 @@ Each line is the least processor time of three runs, beside the same flight with
 and `new` take for GeoJSON of that size. The city and its ground are synthetic and written to a temporary folder.
 """
 
-import argparse
 import json
 import math
 import multiprocessing
@@ -23,6 +22,7 @@ import rasterio
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from tools import command_line
 
 HOME = Geodetic(47.7, 8.25, 500.0)
 POST = 1 / 3600  # a second of arc: SRTM's own spacing
@@ -31,7 +31,7 @@ PER_MEGABYTE = 3960  # houses
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = command_line(__doc__)
     parser.add_argument("--plan", action="store_true", help="also plan the flights")
     parser.add_argument("--large", type=int, nargs="+", metavar="MEGABYTES", help="GeoJSON of these sizes instead")
     wanted = parser.parse_args()

@@ -5,7 +5,6 @@ Needs: pip install mealpy minionpy, in an environment of its own, for mealpy hol
 Example: python -m tools.benchmarks.optimizers --repeats 3
 """
 
-import argparse
 import statistics
 import time
 from collections.abc import Callable
@@ -21,6 +20,7 @@ from ipoa_mission.optimize.registry import build_optimizer, optimizer_names
 from ipoa_mission.optimize.search import Candidates, Costs, minimize
 from ipoa_mission.paper.cec2022 import cec2022
 from ipoa_mission.paper.problem import Problem
+from tools import command_line
 
 PEERS = {"poa": OriginalPOA, "hho": OriginalHHO, "ssa": OriginalSSA}
 N, T = 30, 1000
@@ -57,7 +57,7 @@ def nothing(x: Candidates) -> Costs:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = command_line(__doc__)
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--iterations", type=int, default=T, help="of mealpy's; its seconds are scaled to ours")
     options = parser.parse_args()

@@ -10,13 +10,12 @@ them and from nothing else (with other `--rows`, tables are printed). Needs: pip
 mealpy an interpreter of its own that has it, for it holds NumPy back. Times are seconds of CPU unless it says wall.
 """
 
-import argparse
 import os
 from pathlib import Path
 
 from ipoa_mission.files import read_text, write_atomically
 from ipoa_mission.report.plots import write_picture
-from tools import REPOSITORY
+from tools import REPOSITORY, command_line
 from tools.benchmarks.planning_benchmark.maps import MAPS
 from tools.benchmarks.planning_benchmark.measure import PARTS, Work
 from tools.benchmarks.planning_benchmark.rows import add_row, read_rows
@@ -28,7 +27,7 @@ QUICK = ("spheres-8-1", "cylinders-8-1", "block-60-1")
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = command_line(__doc__)
     parser.add_argument("--parts", nargs="*", choices=PARTS, default=list(PARTS))
     parser.add_argument("--maps", nargs="+", default=[], help="of planning_benchmark/maps.py, or other seeds of them")
     parser.add_argument("--seeds", type=int, default=3)

@@ -17,6 +17,7 @@ import numpy as np
 from ipoa_mission import Airspace, Bounds, Limits, PathProblem, plan_path
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
 from ipoa_mission.world.terrain import Flat, Grid
+from tools import command_line
 
 
 def ridges(climb_deg: float, descent_deg: float) -> PathProblem:
@@ -75,8 +76,11 @@ def measure(scene: str) -> str:
 
 
 def main() -> None:
-    if len(sys.argv) > 1:
-        print(measure(sys.argv[1]))
+    parser = command_line(__doc__)
+    parser.add_argument("scene", nargs="?", choices=SCENES, help="this one alone, in this process")
+    alone = parser.parse_args().scene
+    if alone:
+        print(measure(alone))
         return
     print("| scene | cost, best seed | seeds apart | CPU, worst [s] | memory, peak [MB] |", flush=True)
     print("|---|---|---|---|---|", flush=True)

@@ -7,8 +7,6 @@ end of its take-off to its last waypoint. For 50, 90 and 99 % it counts the flig
 was to be kept, and asks by a binomial test whether more did than may.
 """
 
-import argparse
-
 import numpy as np
 from rich.progress import track
 from scipy.stats import binomtest
@@ -21,6 +19,7 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.simulator.flight import MissionState, SimulatedFlight
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
+from tools import command_line
 
 LEVELS = (0.5, 0.9, 0.99)
 LONGEST_S = 600.0
@@ -76,11 +75,11 @@ def kept_at(flight: Flight, level: float) -> float:
 
 def main() -> None:
     """Print what became of them."""
-    options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    options.add_argument("--scenes", type=int, default=50)
-    options.add_argument("--flights", type=int, default=20)
-    options.add_argument("--autopilot", type=autopilot_named, default=Autopilot.PX4)
-    given = options.parse_args()
+    parser = command_line(__doc__)
+    parser.add_argument("--scenes", type=int, default=50)
+    parser.add_argument("--flights", type=int, default=20)
+    parser.add_argument("--autopilot", type=autopilot_named, default=Autopilot.PX4)
+    given = parser.parse_args()
     short, below, count, refused = dict.fromkeys(LEVELS, 0), 0, 0, 0
     for number in track(range(given.scenes)):
         scenario = scene(number, given.autopilot)

@@ -7,13 +7,13 @@ that are planned; worst of those that are refused), and the seconds that all pla
 Kernels are loaded before. Maps are those of `planning_benchmark`; the default is all fourteen of the paper's size.
 """
 
-import argparse
 import statistics
 import time
 
 from ipoa_mission import MissionError, plan_flight
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from tools import command_line
 from tools.benchmarks.planning_benchmark.maps import PAPER_LIKE, benchmark_map
 
 SPEED = 5.0  # [m/s]
@@ -46,7 +46,7 @@ def measure(maps: list[str], autopilot: Autopilot, confidence: float | str) -> s
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("maps", nargs="*", default=list(PAPER_LIKE), metavar="MAP")
     maps = parser.parse_args().maps
     print("| autopilot | confidence | planned | CPU, median [s] | worst [s] | refused, worst [s] | flights [s] |")

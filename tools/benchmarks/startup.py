@@ -10,7 +10,6 @@ least of the runs is told, taken in turns: the rest is the load of the machine. 
 which is not counted. How many items a second a link takes: `python -m tools.benchmarks.link --clean`.
 """
 
-import argparse
 import os
 import resource
 import socket
@@ -22,7 +21,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from tools import REPOSITORY
+from tools import REPOSITORY, command_line
 
 SCENARIOS, MISSIONS = ("campus", "sitl"), REPOSITORY / "missions"
 #: A machine of its own: nothing compiled before, and no settings of this one.
@@ -106,7 +105,7 @@ def measure(installed: Sequence[Installed], runs: int) -> dict[str, list[float]]
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("checkouts", type=Path, nargs="*", default=[REPOSITORY], metavar="FOLDER")
     parser.add_argument("--runs", type=int, default=5)
     arguments = parser.parse_args()

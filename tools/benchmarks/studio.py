@@ -9,7 +9,6 @@ which draws by software, turns a map of 5,000 buildings; told is the time from f
 own script takes, which a graphics card would not change.
 """
 
-import argparse
 import json
 import shutil
 import statistics
@@ -26,6 +25,7 @@ from rich.console import Console
 from rich.table import Table
 
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from tools import command_line
 
 CAMPUS = Path("missions/campus.toml")
 HOME = Geodetic(47.397742, 8.545594, 488.0)
@@ -175,7 +175,7 @@ def frames(scenario: Path, seconds: float = 10.0) -> tuple[list[float], list[flo
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--drags", type=int, default=100)
     parser.add_argument("--frames", action="store_true")
     arguments = parser.parse_args()

@@ -16,6 +16,7 @@ from typing import Any
 
 from playwright.sync_api import sync_playwright
 
+from tools import command_line
 from tools.generate.studio_pictures import PATIENCE_MS, SOFTWARE, Hands, proved, studio
 
 MISSIONS = Path("missions")
@@ -195,6 +196,7 @@ def newcomer(hands: CountedHands) -> None:
 
 
 def main() -> None:
+    command_line(__doc__).parse_args()
     with tempfile.TemporaryDirectory() as name, sync_playwright() as play:
         folder = Path(name)
         browser = play.chromium.launch(executable_path=shutil.which("chromium"), args=SOFTWARE)

@@ -12,7 +12,6 @@ median [s]. `--turned`: each map lies at an angle of its own, as fields do. Maps
 planned again.
 """
 
-import argparse
 import csv
 import io
 import statistics
@@ -37,6 +36,7 @@ from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Swath, Tour
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from tools import command_line
 from tools.benchmarks.survey_benchmark.boustrophedon import sweep_cells
 from tools.benchmarks.survey_benchmark.maps import MAPS, MOST_HOLES, SPACING, SPEED, survey_map
 from tools.benchmarks.survey_benchmark.transects import led_round, transects
@@ -96,7 +96,7 @@ def planned(area: Area, cost: LegTimes) -> Iterator[tuple[str, Points, Tour, flo
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--holes", type=int, nargs="*", default=range(MOST_HOLES + 1))
     parser.add_argument("--maps", type=int, default=MAPS)
     parser.add_argument("--autopilots", nargs="*", help="their names; left out, all")

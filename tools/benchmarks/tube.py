@@ -8,7 +8,6 @@ a line a mission, and how many flights fell short of what 50, 90 and 99 % were t
 its predicted path, `--traces` where it was beside it, every second: what the law is made of.
 """
 
-import argparse
 from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
@@ -20,6 +19,7 @@ from ipoa_mission.forecast.tube.pieces import Pieces, pieces_of
 from ipoa_mission.forecast.tube.promise import PredictedFlight
 from ipoa_mission.geometry import Points
 from ipoa_mission.scenario import Scenario, read_scenario
+from tools import command_line
 from tools.fly.flown import Flown, is_flown, read_flown
 
 LEVELS = (0.5, 0.9, 0.99)
@@ -127,7 +127,7 @@ def _beside(places: Points, course: Pieces) -> tuple[Points, np.ndarray]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("flights", type=Path, nargs="+")
     parser.add_argument("--scenarios", type=Path, nargs="+", default=[])
     parser.add_argument("--passes", type=Path)

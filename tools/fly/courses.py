@@ -8,7 +8,6 @@ autopilot, NAME-px4.toml and NAME-ardupilot.toml, which differ in nothing else (
 its own simulator has no wind). Those to be broken off are made twice: as they are, and with a return that is planned.
 """
 
-import argparse
 import math
 import random
 from collections.abc import Callable
@@ -16,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from tools import command_line
 
 HOME = {"latitude_deg": 47.397742, "longitude_deg": 8.545594, "altitude_amsl": 488.0}
 Place = tuple[float, float, float]
@@ -254,7 +254,7 @@ def _value(value: Any) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--kind", choices=list(MAKERS), required=True)
     given = parser.parse_args()

@@ -43,6 +43,7 @@ from ipoa_mission.scenario import read_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.wind import Wind
+from tools import command_line
 from tools.fly.causes import TRIGGERS, Trigger
 from tools.fly.ended_flight import flight_from
 
@@ -295,7 +296,7 @@ def fly(order: Order, forecast: Forecast, given: argparse.Namespace) -> dict[str
 
 
 def main(arguments: list[str]) -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--autopilot", required=True, choices=["px4", "ardupilot"])
     parser.add_argument("--start", required=True)

@@ -7,7 +7,6 @@ motors stopped. The simulators' ground is level, as high as home: times are fore
 below a scenario's higher one is not looked at any more. One line an order; a summary on the standard output.
 """
 
-import argparse
 import csv
 import json
 import math
@@ -36,6 +35,7 @@ from ipoa_mission.world.ground import LEVEL
 from ipoa_mission.world.obstacles.cylinder import Cylinder
 from ipoa_mission.world.obstacles.prism import Prism
 from ipoa_mission.world.obstacles.sphere import Sphere
+from tools import command_line
 from tools.fly.causes import TRIGGERS
 from tools.fly.ended_flight import EndedFlight
 
@@ -275,7 +275,7 @@ def rounded(row: Judged) -> dict[str, Any]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("missions", type=Path)
     parser.add_argument("out", type=Path)
     parser.add_argument("--csv", type=Path)

@@ -6,7 +6,6 @@ With `--flights`, every folder in DIR that `tools.fly.flown` can read is held ag
 lines are written to the CSV file; without, the file is as it was judged before. The table goes to standard output.
 """
 
-import argparse
 import csv
 import hashlib
 from collections import defaultdict
@@ -21,6 +20,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.tube.promise import Kept
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
+from tools import command_line
 from tools.fly.flown import Flown, read_flown
 
 COLUMNS = ("scenario", "flights", "estimated s", "flown s", "mean", "required m", "nominal m")
@@ -132,7 +132,7 @@ def read_rows(path: Path) -> list[Row]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--rows", type=Path, required=True)
     parser.add_argument("--flights", type=Path)
     parser.add_argument("--scenarios", type=Path, nargs="+", default=[Path("missions")])

@@ -28,6 +28,7 @@ import numpy as np
 from ipoa_mission.logs.flight_log import read_flight
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.scenario import Scenario, read_scenario
+from tools import command_line
 
 COLUMNS = (
     "scenario",
@@ -152,7 +153,7 @@ def table(rows: list[Row]) -> Iterator[str]:
 
 
 def main(arguments: list[str]) -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--autopilot", required=True, choices=["px4", "ardupilot"])
     parser.add_argument("--link", required=True)

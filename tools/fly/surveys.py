@@ -26,6 +26,7 @@ from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.scenario.read import scenario_of
 from ipoa_mission.vehicles.arducopter.dataflash import read_records
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
+from tools import command_line
 from tools.fly.endings import connected, set_up, simulation
 from tools.fly.flown import ARMED_STATE
 
@@ -138,7 +139,7 @@ def rows_of(path: Path) -> Iterator[Row]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--autopilot", required=True, choices=["px4", "ardupilot"])
     parser.add_argument("--link", required=True)
     parser.add_argument("--start", required=True)

@@ -6,7 +6,6 @@ Every folder NAME-AUTOPILOT__RUN of the flights has what `fly --json` printed (`
 PLANS/NAME-AUTOPILOT/*.plan. The simulators' ground is level, so landings are timed to the height of home.
 """
 
-import argparse
 import csv
 import json
 from collections.abc import Iterator
@@ -19,6 +18,7 @@ from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.landing_ground import landing_on
 from ipoa_mission.vehicles.autopilot import autopilot_named, registered
+from tools import command_line
 from tools.fly.judge import plan_digits
 
 
@@ -80,7 +80,7 @@ def rows(plans: Path, flights: Path) -> Iterator[Row]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--plans", type=Path, required=True)
     parser.add_argument("--flights", type=Path, required=True)
     parser.add_argument("--rows", type=Path, required=True)

@@ -7,7 +7,6 @@ Positions, attitudes and batteries (but those of a .tlog) are thinned out to one
 modes, items, words, home, version and the models' parameters stays as it is, byte for byte.
 """
 
-import argparse
 import struct
 from collections.abc import Iterator
 from pathlib import Path
@@ -21,6 +20,7 @@ from ipoa_mission.vehicles.arducopter.dataflash import FMT, HEAD
 from ipoa_mission.vehicles.arducopter.log import BATTERIES, KINDS
 from ipoa_mission.vehicles.known_parameters import known_parameters
 from ipoa_mission.vehicles.px4_multicopter.log import ATTITUDE, BATTERY, POSITIONS, TOPICS
+from tools import command_line
 
 PARAMETERS = known_parameters() | {"LOG_DISARMED", "SDLOG_MODE"}
 THINNED = (Position, Attitude, LocalPosition, SystemTime)
@@ -52,7 +52,7 @@ KEPT = frozenset(
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = command_line(__doc__)
     parser.add_argument("log", type=Path)
     parser.add_argument("trimmed", type=Path)
     parser.add_argument("--every", type=float, default=0.5, metavar="S")

@@ -7,7 +7,6 @@ area; elevation models as terrain. Each run is a process of its own. It is broke
 longer or more memory than it may, or refuses without words. The exit code is 1 if one is.
 """
 
-import argparse
 import sys
 import tempfile
 from collections import Counter
@@ -15,8 +14,9 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ipoa_mission.cli import app as command_line
+from ipoa_mission.cli import app
 from ipoa_mission.forecast.timing import estimate  # noqa: F401  # what takes long to import is imported once
+from tools import command_line
 from tools.fuzz.foreign_world import read_elevation, read_map
 from tools.fuzz.limited import Ended, run_limited
 
@@ -74,7 +74,7 @@ def runs(path: Path, autopilot: str | None) -> Iterator[tuple[str, Callable[[], 
 def _verb(*words: str) -> Callable[[], None]:
     def run() -> None:
         sys.argv = ["ipoa-mission", *words]
-        command_line.main()
+        app.main()
 
     return run
 
@@ -134,7 +134,7 @@ def _cells(path: Path, name: str, found: Sequence[Outcome]) -> list[str]:
 
 def main() -> int:
     """Run the verbs and write the table; 1 if something broke."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--write", type=Path, metavar="TABLE.md", help="write the table there, not to the terminal")
     parser.add_argument("--autopilot", choices=("px4", "ardupilot"), help="for missions that do not say")

@@ -8,7 +8,6 @@ stranger arm them or change a list. At the client's conversations: random messag
 end with a result or a `MissionError`. At the reader of logs: spoiled logs. The first that breaks this is shown.
 """
 
-import argparse
 import contextlib
 import math
 import random
@@ -46,6 +45,7 @@ from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
+from tools import command_line
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 KINDS = list(dialect.mavlink_map.values())
@@ -242,7 +242,7 @@ TARGETS = (fly_something_absurd, storm_an_autopilot, mislead_a_client, spoil_a_l
 
 def main() -> int:
     """Fuzz until the time is up; 1 if something broke."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args()

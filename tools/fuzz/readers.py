@@ -7,7 +7,6 @@ exported, written, read again and put on the wire without anything but a `Missio
 zones, logs flights. A file may take 5 s of the processor. The first that breaks this is kept and the traceback shown.
 """
 
-import argparse
 import json
 import sys
 import tempfile
@@ -27,7 +26,7 @@ from ipoa_mission.mission.files import read_mission, write_mission
 from ipoa_mission.mission.firmware import as_stored, compare, from_wire, to_wire
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.report.exports import EXPORTS, write_export
-from tools import REPOSITORY
+from tools import REPOSITORY, command_line
 from tools.fuzz.foreign_sources import probe_foreign
 from tools.fuzz.foreign_sources import sources as sources_of_others
 
@@ -170,7 +169,7 @@ def fuzz(seconds: float, seed: int, folder: Path) -> Counter[str]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n", 1)[0])
+    parser = command_line(__doc__)
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()

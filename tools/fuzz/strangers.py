@@ -7,7 +7,6 @@ could not have arrived; a false success; no end.
     python -m tools.fuzz.strangers --count 10000 --seed 0
 """
 
-import argparse
 import heapq
 import math
 import random
@@ -33,6 +32,7 @@ from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff,
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
+from tools import command_line
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 US = Target(245, 190)
@@ -261,7 +261,7 @@ def schedule(seed: int) -> tuple[Ending, str]:
 
 def main() -> int:
     """Run schedules and count how they end; 1 if one ended in a false success, or never."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args()

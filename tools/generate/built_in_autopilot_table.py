@@ -4,15 +4,13 @@ python -m tools.generate.built_in_autopilot_table            print
 python -m tools.generate.built_in_autopilot_table --write    put it between that page's markers
 """
 
-import sys
-
 import numpy as np
 
 from ipoa_mission.paper.markdown import filled
 from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.flown_here import fly_here
 from tests.recorded_flights import Recorded, read_flights
-from tools import REPOSITORY
+from tools import REPOSITORY, command_line
 
 DOCUMENT = REPOSITORY / "docs" / "lab" / "built-in-autopilot.md"
 BEGIN, END = "<!-- table: begin -->", "<!-- table: end -->"
@@ -67,8 +65,11 @@ def table(autopilot: Autopilot) -> str:
 
 
 def main() -> None:
+    parser = command_line(__doc__)
+    parser.add_argument("--write", action="store_true", help="put it into the page")
+    is_written = parser.parse_args().write
     text = "\n\n".join(f"### {name}\n\n{table(autopilot)}" for autopilot, name in NAMES.items())
-    if "--write" not in sys.argv[1:]:
+    if not is_written:
         print(text)
         return
     before, rest = DOCUMENT.read_text(encoding="utf-8").split(BEGIN)

@@ -5,7 +5,7 @@ python -m tools.generate.failsafes
 
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.vehicles.failsafe import FailsafeAction, FailsafeRule
-from tools import REPOSITORY
+from tools import REPOSITORY, command_line
 
 PAGE = REPOSITORY / "docs" / "failsafes.md"
 HEAD = """\
@@ -73,4 +73,5 @@ def _series(series: tuple[int, int]) -> str:
 
 
 if __name__ == "__main__":
+    command_line(__doc__).parse_args()
     PAGE.write_text(page(), encoding="utf-8")

@@ -4,7 +4,7 @@ python -m tools.generate.findings
 """
 
 from ipoa_mission.rules import RULES
-from tools import REPOSITORY
+from tools import REPOSITORY, command_line
 
 PAGE = REPOSITORY / "docs" / "findings.md"
 HEAD = """\
@@ -26,4 +26,5 @@ def page() -> str:
 
 
 if __name__ == "__main__":
+    command_line(__doc__).parse_args()
     PAGE.write_text(page(), encoding="utf-8")

@@ -7,13 +7,13 @@ FIRMWARE is ardupilot or px4, VERSION like 4.7, GIT a git directory of the firmw
 """
 
 import json
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
+from tools import command_line
 from tools.generate import copter_source, px4_source
 from tools.generate.sources import Source
 
@@ -36,17 +36,20 @@ def _by_row(rows: Mapping[str, str]) -> dict[str, str]:
 
 
 def main() -> None:
-    given = [word for word in sys.argv[1:] if word != "--write"]
-    if len(given) != 4:
-        raise SystemExit(__doc__)
-    autopilot, version, git, ref = given
-    one = table(autopilot_named(autopilot), Source(Path(git), ref))
-    if "--write" not in sys.argv[1:]:
+    parser = command_line(__doc__)
+    parser.add_argument("firmware", type=autopilot_named)
+    parser.add_argument("version")
+    parser.add_argument("git", type=Path)
+    parser.add_argument("ref")
+    parser.add_argument("--write", action="store_true")
+    given = parser.parse_args()
+    one = table(given.firmware, Source(given.git, given.ref))
+    if not given.write:
         print(json.dumps(one, indent=1))
         return
-    path = autopilot_named(autopilot).tables.path
+    path = given.firmware.tables.path
     tables = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
-    tables[version] = one
+    tables[given.version] = one
     ordered = {name: tables[name] for name in sorted(tables, key=lambda v: [*map(int, v.split("."))])}
     path.write_text(json.dumps(ordered, indent=1) + "\n", encoding="utf-8")
 

@@ -4,7 +4,6 @@ python -m tools.generate.flight_table            print
 python -m tools.generate.flight_table --write    put the table between the two markers of docs/lab/flight-time.md
 """
 
-import sys
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,7 +18,7 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.wind import CALM
 from ipoa_mission.world.frame import LocalFrame
 from tests.recorded_flights import IN_WIND, LANDINGS, Recorded, read_flights
-from tools import REPOSITORY
+from tools import REPOSITORY, command_line
 
 DOCUMENT = REPOSITORY / "docs" / "lab" / "flight-time.md"
 BEGIN, END = "<!-- table: begin -->", "<!-- table: end -->"
@@ -176,6 +175,9 @@ def landing_table() -> str:
 
 
 def main() -> None:
+    parser = command_line(__doc__)
+    parser.add_argument("--write", action="store_true", help="put it into the page")
+    is_written = parser.parse_args().write
     parts = []
     for autopilot, name in NAMES.items():
         rows = [compare(flight) for flight in read_flights(autopilot)]
@@ -183,7 +185,7 @@ def main() -> None:
     parts += [f"### {name} in wind\n\n{wind_table(autopilot)}" for autopilot, name in NAMES.items()]
     parts.append(f"### Take-off and landing, armed as `fly` arms\n\n{landing_table()}")
     text = "\n\n".join(parts)
-    if "--write" not in sys.argv[1:]:
+    if not is_written:
         print(text)
         return
     document = DOCUMENT.read_text(encoding="utf-8")

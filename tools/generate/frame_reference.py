@@ -6,7 +6,7 @@ python -m tools.generate.frame_reference
 import numpy as np
 import pymap3d
 
-from tools import REPOSITORY
+from tools import REPOSITORY, command_line
 
 HOMES = [
     (39.1, 121.82, 20.0),
@@ -21,6 +21,7 @@ TARGET = REPOSITORY / "tests" / "reference" / "enu.csv"
 
 
 def main() -> None:
+    command_line(__doc__).parse_args()
     rng = np.random.default_rng(1)
     rows = ["home_latitude_deg,home_longitude_deg,home_altitude,latitude_deg,longitude_deg,altitude,east,north,up"]
     for home in HOMES:

@@ -16,7 +16,7 @@ from pyproj import Transformer
 
 from ipoa_mission.files import write_atomically
 from ipoa_mission.world.frame import Geodetic, LocalFrame
-from tools import REPOSITORY
+from tools import REPOSITORY, command_line
 
 MISSIONS = REPOSITORY / "missions"
 HOME = Geodetic(46.4400, 9.8400, 1720.0)  # an empty meadow
@@ -25,6 +25,7 @@ SYNTHETIC = "Synthetic: no such place exists. Made by tools/generate/oldtown_map
 
 
 def main() -> None:
+    command_line(__doc__).parse_args()
     rng = np.random.default_rng(46)
     write_json("oldtown.geojson", [*houses(rng), *landmarks(), *trees(rng)])
     area = [(-90, -70), (420, -90), (480, 150), (430, 380), (120, 400), (-80, 300)]

@@ -7,7 +7,7 @@ import numpy as np
 from ipoa_mission.files import write_atomically
 from ipoa_mission.paper.maps import INNER, MAPS
 from ipoa_mission.vehicles.autopilot import default_autopilot
-from tools import REPOSITORY
+from tools import REPOSITORY, command_line
 
 FOLDER = REPOSITORY / "missions" / "paper"
 HEAD = """\
@@ -74,6 +74,7 @@ def in_the_way(rng: np.random.Generator) -> tuple[float, float]:
 if __name__ == "__main__":
     import tomli_w
 
+    command_line(__doc__).parse_args()
     for name in MAPS:
         _, obstacles, number = name.split("-")
         text = HEAD.format(number=number, obstacles=obstacles) + tomli_w.dumps(paper_map(name))

@@ -5,7 +5,6 @@
 Of several seeds the plan of least cost counts. `--show` prints the tables and writes nothing.
 """
 
-import argparse
 import re
 import tomllib
 from dataclasses import dataclass
@@ -22,7 +21,7 @@ from ipoa_mission.routing.assemble import assemble
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.scenario.profiles import PROFILES
-from tools import REPOSITORY
+from tools import REPOSITORY, command_line
 
 DOCUMENT = REPOSITORY / "docs" / "lab" / "profiles.md"
 MAPS = ("campus", "downtown", "oldtown")  # the first is shown in full
@@ -40,7 +39,7 @@ class Flight:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = command_line(__doc__)
     parser.add_argument("--seeds", type=int, default=2)
     parser.add_argument("--show", action="store_true", help="print the tables, write nothing")
     wanted = parser.parse_args()

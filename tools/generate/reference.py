@@ -4,7 +4,7 @@ python -m tools.generate.reference
 """
 
 import ipoa_mission
-from tools import REPOSITORY
+from tools import REPOSITORY, command_line
 
 PAGE = REPOSITORY / "docs" / "reference.md"
 HEAD = """\
@@ -24,6 +24,7 @@ def page() -> str:
 
 def main() -> None:
     """Write the page."""
+    command_line(__doc__).parse_args()
     PAGE.write_text(page(), encoding="utf-8")
     print(f"written: {PAGE}")
 

@@ -27,13 +27,14 @@ from ipoa_mission.report.plots import draw_views, write_picture
 from ipoa_mission.routing.assemble import assemble
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.vehicles.autopilot import autopilot_named
-from tools import REPOSITORY
+from tools import REPOSITORY, command_line
 
 PICTURES = REPOSITORY / "docs" / "pictures"
 FLIGHT = REPOSITORY / "tests" / "flights" / "corners-ardupilot"
 
 
 def main() -> None:
+    command_line(__doc__).parse_args()
     PICTURES.mkdir(exist_ok=True)
     scenario = read_scenario(REPOSITORY / "missions" / "campus.toml")
     plans = {seed: plan_path(scenario, seed=seed) for seed in (1, 2, 3, 7)}

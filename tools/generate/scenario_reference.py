@@ -12,13 +12,14 @@ from typing import Any
 
 from ipoa_mission.files import read_text, write_atomically
 from ipoa_mission.scenario import Scenario
-from tools import REPOSITORY
+from tools import REPOSITORY, command_line
 
 DOCUMENT = REPOSITORY / "docs" / "scenario.md"
 TABLE = re.compile(r"(<!-- keys of (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
 def main() -> None:
+    command_line(__doc__).parse_args()
     write_atomically(DOCUMENT, refreshed(read_text(DOCUMENT)))
 
 

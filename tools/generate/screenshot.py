@@ -6,17 +6,18 @@ Needs playwright and Chromium (`apt install chromium`; IPOA_MISSION_CHROMIUM may
 was there, and every complaint of the browser.
 """
 
-import argparse
 import os
 from pathlib import Path
 
 from playwright.sync_api import sync_playwright
 
+from tools import command_line
+
 WIDTHS = (1280, 390)
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("report", type=Path)
     parser.add_argument("out", type=Path)
     arguments = parser.parse_args()

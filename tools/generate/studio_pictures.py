@@ -6,7 +6,6 @@ Needs playwright and Chromium, which draws by software. Told are, task by task, 
 first click to the scenario that has the change; a hand takes longer, by its own slowness.
 """
 
-import argparse
 import os
 import re
 import shutil
@@ -20,6 +19,8 @@ from pathlib import Path
 from typing import Any
 
 from playwright.sync_api import sync_playwright
+
+from tools import command_line
 
 PATIENCE_MS = 180_000
 CAMPUS = Path("missions/campus.toml")
@@ -143,11 +144,12 @@ def tasks(hands: Hands) -> dict[str, tuple[Callable[[], None], Callable[[], bool
 
 def proved(page: Any) -> None:
     page.locator(".verdict :is(.good, .amber)").first.wait_for()
+    page.locator(".strip .way").first.wait_for()
     page.wait_for_timeout(700)
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("out", type=Path)
     out = parser.parse_args().out
     out.mkdir(parents=True, exist_ok=True)

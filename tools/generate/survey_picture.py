@@ -5,7 +5,6 @@
 Needs playwright and Chromium, which draws by software.
 """
 
-import argparse
 import re
 import shutil
 import tempfile
@@ -13,6 +12,7 @@ from pathlib import Path
 
 from playwright.sync_api import sync_playwright
 
+from tools import command_line
 from tools.generate.studio_pictures import PATIENCE_MS, SOFTWARE, studio
 
 HOW_TO = Path("docs/how-to/survey.md")
@@ -27,7 +27,7 @@ def scenario_of(how_to: str) -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("out", type=Path)
     out = parser.parse_args().out
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as play:

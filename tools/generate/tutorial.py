@@ -15,7 +15,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from tools import REPOSITORY
+from tools import REPOSITORY, command_line
 
 TUTORIAL = REPOSITORY / "docs" / "tutorial.md"
 README = REPOSITORY / "README.md"
@@ -112,6 +112,7 @@ def matched(step: Step, printed: list[str]) -> list[tuple[str, str]]:
 
 def main() -> None:
     """Write the pages anew."""
+    command_line(__doc__).parse_args()
     for page in (README, TUTORIAL):
         write(page)
 

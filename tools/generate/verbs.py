@@ -13,7 +13,7 @@ from typer.models import OptionInfo
 
 from ipoa_mission.cli.app import VERBS
 from ipoa_mission.cli.groups import grouped
-from tools import REPOSITORY
+from tools import REPOSITORY, command_line
 
 PAGE = REPOSITORY / "docs" / "verbs.md"
 HEAD = """\
@@ -112,6 +112,7 @@ def _about(docstring: str) -> str:
 
 def main() -> None:
     """Write the page."""
+    command_line(__doc__).parse_args()
     PAGE.write_text(page(), encoding="utf-8")
     print(f"written: {PAGE}")
 

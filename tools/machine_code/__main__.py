@@ -2,9 +2,9 @@
 
     python -m tools.machine_code FOLDER [CPU ...]
 
-`CPU`: which of `ipoa_mission.compiled.library.CPUS`, one library each. Each is made in a process of its own, in which
-numba is told to compile for it. What an editable install has made of the same sources, in the same way, is copied;
-so is what lies in the folder `IPOA_MISSION_MADE`, where that is set, and what was compiled is then left there.
+`CPU`: which of `ipoa_mission.compiled.library.CPUS`, one library each. Each is made in two processes side by side, in
+which numba is told to compile for it. What an editable install has made of the same sources, in the same way, is
+copied; so is what lies in the folder `IPOA_MISSION_MADE`, where that is set, and what was compiled is then left there.
 """
 
 import gc
@@ -16,29 +16,47 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 
 from ipoa_mission.compiled.library import INDEX, NUMBA, PACKAGE, file_name, sources_digest, these_cpus
+from tools import command_line
+from tools.machine_code.linking import link
 
 HERE = PACKAGE / "compiled"
+PARTS = 2  # of the kernels, compiled side by side
 KEPT = "IPOA_MISSION_MADE"  # a folder, for those who build often, each time from a fresh copy of the sources
 
 
 def make(folder: Path, cpu: str) -> None:
-    """Write the library for one CPU, and the index."""
+    """Write the library for one CPU, and the index; each part of the kernels is compiled in a process of its own."""
+    with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(PARTS) as pool:
+        told = {NUMBA: "1", "NUMBA_CPU_NAME": cpu, "NUMBA_CPU_FEATURES": "", "NUMBA_CACHE_DIR": name}
+        command = [sys.executable, "-m", "tools.machine_code", name, cpu, "--part"]
+        run = partial(subprocess.run, check=True, env=os.environ | told)
+        list(pool.map(lambda part: run([*command, str(part)]), range(PARTS)))
+        link([Path(name, f"{part}.o").read_bytes() for part in range(PARTS)], folder / file_name(cpu))
+        kernels: dict[str, object] = {}
+        for part in range(PARTS):
+            kernels |= json.loads(Path(name, f"{part}.json").read_text(encoding="utf-8"))
+    text = json.dumps({"sources": sources_digest(), "made_by": makers_digest(), "kernels": kernels})
+    (folder / INDEX).write_text(text, encoding="utf-8")
+
+
+def make_part(folder: Path, cpu: str, part: int) -> None:
+    """Write the object file of a part of the kernels, and what belongs into the index of it."""
     gc.disable()  # numba makes millions of small objects that live on: to count them took a quarter of the time
     import numba
 
     numba.njit = partial(numba.njit, no_cpython_wrapper=True, no_cfunc_wrapper=True)  # Python calls the library only
-    from tools.machine_code.compile import compiled, link
-    from tools.machine_code.kernels import kernels
+    from tools.machine_code import kernels
+    from tools.machine_code.compile import compiled
 
-    machine_code, index = compiled(kernels(), cpu)
-    link(machine_code, folder / file_name(cpu))
-    text = json.dumps({"sources": sources_digest(), "made_by": makers_digest(), "kernels": index})
-    (folder / INDEX).write_text(text, encoding="utf-8")
+    machine_code, index = compiled(kernels.part(part), cpu, () if part else ("release",))
+    (folder / f"{part}.o").write_bytes(machine_code)
+    (folder / f"{part}.json").write_text(json.dumps(index), encoding="utf-8")
 
 
 def makers_digest() -> str:
@@ -76,21 +94,22 @@ def _copy(files: tuple[Path, Path], folder: Path) -> None:
 
 
 def main() -> None:
-    folder, names = Path(sys.argv[1]), sys.argv[2:] or these_cpus()[:1]
-    if names and os.environ.get("NUMBA_CPU_NAME") == names[0]:
-        make(folder, names[0])
+    parser = command_line(__doc__)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("cpus", nargs="*", metavar="CPU", default=these_cpus()[:1])
+    parser.add_argument("--part", type=int, choices=range(PARTS), help="only this part of the kernels, in this process")
+    given = parser.parse_args()
+    if given.part is not None:
+        make_part(given.folder, given.cpus[0], given.part)
         return
-    for cpu in names:
-        if copy_made(folder, cpu):
+    for cpu in given.cpus:
+        if copy_made(given.folder, cpu):
             continue
         print(f"compiling the kernels for {cpu}", flush=True)
-        with tempfile.TemporaryDirectory() as cache:
-            told = {NUMBA: "1", "NUMBA_CPU_NAME": cpu, "NUMBA_CPU_FEATURES": "", "NUMBA_CACHE_DIR": cache}
-            command = [sys.executable, "-m", "tools.machine_code", str(folder), cpu]
-            subprocess.run(command, check=True, env=os.environ | told)
+        make(given.folder, cpu)
         for kept in _kept():
             kept.mkdir(parents=True, exist_ok=True)
-            _copy((folder / file_name(cpu), folder / INDEX), kept)
+            _copy((given.folder / file_name(cpu), given.folder / INDEX), kept)
 
 
 if __name__ == "__main__":

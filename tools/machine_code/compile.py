@@ -1,14 +1,6 @@
-"""From kernels to one library: numba compiles them, LLVM makes an object of them, a C compiler links it.
+"""From kernels to an object file: numba compiles them, LLVM makes an object of them."""
 
-Without a C compiler on the machine that of the package `ziglang` links.
-"""
-
-import importlib.util
-import shutil
-import subprocess
-import sys
 from collections.abc import Iterable
-from pathlib import Path
 from typing import Any
 
 import llvmlite.binding as llvm
@@ -90,8 +82,11 @@ def type_of(kind: Any) -> Type:
     raise TypeError(f"expected a number, a tuple or an array, not {kind}")
 
 
-def compiled(kernels: Iterable[Kernel], cpu: str) -> tuple[bytes, dict[str, list[Any]]]:
-    """An object file of all kernels for a CPU, and the types of each one's arguments and result."""
+def compiled(kernels: Iterable[Kernel], cpu: str, shown: tuple[str, ...]) -> tuple[bytes, dict[str, list[Any]]]:
+    """An object file of kernels for a CPU, and the types of each one's arguments and result.
+
+    The object shows the kernels, and what of `RUNTIME` is named in `shown`.
+    """
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     machine = llvm.Target.from_triple(llvm.get_process_triple()).create_target_machine(
@@ -115,7 +110,7 @@ def compiled(kernels: Iterable[Kernel], cpu: str) -> tuple[bytes, dict[str, list
         whole.link_in(module)
         whole.link_in(entered)
     for function in whole.functions:
-        if not function.is_declaration and function.name not in {*index, "release"}:
+        if not function.is_declaration and function.name not in {*index, *shown}:
             function.linkage = llvm.Linkage.internal
     for constant in whole.global_variables:
         if not constant.is_declaration:
@@ -145,26 +140,3 @@ def entrance(name: str, kernel: Any, returned: int) -> str:
     lines += [f"%status = call i32 @{kernel.name}({', '.join(values)})", "ret i32 %status"]
     declared = f"declare i32 @{kernel.name}({', '.join(types)})"
     return "\n".join([declared, f"define i32 @{name}(i64* %room, i64* %words) {{", *lines, "}"])
-
-
-def link(machine_code: bytes, library: Path) -> None:
-    """Write a shared library; what it calls must be in the C library.
-
-    Raises:
-        subprocess.CalledProcessError: it cannot be linked.
-    """
-    part = library.with_suffix(".o")
-    part.write_bytes(machine_code)
-    command = [*linker(), "-shared", "-o", str(library), str(part), "-lm"]
-    if sys.platform == "linux":
-        command.append("-Wl,-z,defs,-s")
-    subprocess.run(command, check=True)
-    part.unlink()
-
-
-def linker() -> list[str]:
-    """The C compiler of this machine, or that of the package `ziglang`."""
-    here = next((name for name in ("cc", "gcc", "clang") if shutil.which(name)), None)
-    if here is None and importlib.util.find_spec("ziglang"):
-        return [sys.executable, "-m", "ziglang", "cc"]
-    return [here or "cc"]

@@ -44,6 +44,12 @@ class Kernel(NamedTuple):
     arguments: tuple[Any, ...]
 
 
+def part(number: int) -> list[Kernel]:
+    """Those that fly and order surveys, or all others, which share most of what they call: each is half of the work."""
+    flying = ("ipoa_mission.survey.", "ipoa_mission.vehicles.")
+    return [kernel for kernel in kernels() if kernel.name.startswith(flying) == (number == 1)]
+
+
 def _numbers(dimensions: int, kind: type = np.float64) -> Any:
     return np.zeros((1,) * dimensions, kind)
 

@@ -8,7 +8,6 @@ whose table is to agree, COMMIT of the source that runs there, FILE the record t
 
 import json
 import math
-import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,7 @@ from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from ipoa_mission.vehicles.version import Version
 from tests.verdicts import COMMANDS, FRAMES, LETTERS, UNASKED, UNKNOWN, item, row
+from tools import command_line
 
 PATIENCE_S = 1.0
 TRIES = 8
@@ -77,16 +77,20 @@ class Asked:
 
 
 def main() -> None:
-    if len(sys.argv) != 6:
-        raise SystemExit(__doc__)
-    link, firmware, table, commit, file = sys.argv[1:]
-    asked = Asked(link, autopilot_named(firmware))
-    record = {"autopilot": firmware, "table": table, "says": asked.says(), "commit": commit}
+    parser = command_line(__doc__)
+    parser.add_argument("link")
+    parser.add_argument("firmware", type=autopilot_named)
+    parser.add_argument("table")
+    parser.add_argument("commit")
+    parser.add_argument("file", type=Path)
+    given = parser.parse_args()
+    asked = Asked(given.link, given.firmware)
+    record = {"autopilot": str(given.firmware), "table": given.table, "says": asked.says(), "commit": given.commit}
     rows: dict[str, str] = {}
     for command in COMMANDS:
         for frame in FRAMES:
             rows[f"{command} {int(frame)}"] = "".join(asked.letter(one) for one in row(command, frame))
-    Path(file).write_text(json.dumps(record | {"rows": rows}, indent=0) + "\n", encoding="utf-8")
+    given.file.write_text(json.dumps(record | {"rows": rows}, indent=0) + "\n", encoding="utf-8")
     print(f"{record['says']}: {28 * len(rows)} verdicts")
 
 

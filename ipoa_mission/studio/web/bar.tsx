@@ -17,7 +17,7 @@ const TOOLS: [Tool, string, string, string, string][] = [
 ];
 
 /** The tools for what is open: a survey is no flight by way of a place, and has holes where it has an area. */
-function toolsOf(now: Studio) {
+export function toolsOf(now: Studio) {
   const without: Tool[] = ["waypoint", isSurvey(now) ? "via" : "hole"];
   return TOOLS.filter(([name]) => (isMission(now) ? OF_MISSIONS.includes(name) : !without.includes(name)));
 }

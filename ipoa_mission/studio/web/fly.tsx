@@ -20,6 +20,7 @@ export function Fly({ now }: { now: Studio }) {
   const phase = now.flight?.phase ?? "idle";
   const [open, setOpen] = useState(false);
   useEffect(() => { if (phase !== "idle") setOpen(true); }, [phase]);
+  const lost = now.flight?.lost_s ?? null;
   const idle = phase === "idle" || phase === "over";
   return (
     <details class="panel" open={open} onToggle={event => setOpen(event.currentTarget.open)}>
@@ -45,7 +46,8 @@ export function Fly({ now }: { now: Studio }) {
           {!ready && <p class="note">{isMission(now) ? "Only a mission in which the check finds no error is uploaded." : "Only a proved path is uploaded."}</p>}
         </div>
       )}
-      {now.flight && <p class="note" role="status">{now.flight.words}</p>}
+      {now.flight && <p class={lost === null ? "note" : "bad"} role="status">{now.flight.words}</p>}
+      {lost !== null && <p class="bad" aria-hidden="true">Link lost for {lost} s: nothing can be ordered, and what is shown is what it said last.</p>}
       {phase === "loaded" && now.loaded && <Confirm now={now} />}
       {!idle && phase !== "loaded" && <Watched now={now} />}
       {now.landed && phase === "over" && (
@@ -117,7 +119,7 @@ function Watched({ now }: { now: Studio }) {
     {seen.reserve?.lands != null && <p class={isShort(seen.reserve) ? "bad" : "note"}>It lands with {share(seen.reserve.lands)} ({share(seen.reserve.least!)} to {share(seen.reserve.most!)}) of its battery; {share(seen.reserve.required!)} {isShort(seen.reserve) ? "are required: not enough" : "required"}.</p>}
     <ul class="plain orders" aria-label="What can be ordered now">{(seen.orders ?? []).map(one => (
       <li key={one.what} class={one.clear === null ? "" : one.clear ? "good" : "bad"}>
-        <button type="button" onClick={() => send({ kind: "order", what: one.what })}>{ORDERS[one.what]}</button>
+        <button type="button" disabled={now.flight?.lost_s != null} onClick={() => send({ kind: "order", what: one.what })}>{ORDERS[one.what]}</button>
         {" "}{one.words}{one.seconds === null ? "" : `, ${seconds(one.seconds)}`}
       </li>
     ))}</ul>

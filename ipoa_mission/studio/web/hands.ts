@@ -1,10 +1,11 @@
 // What hands do on the map: choose and drag things, draw new ones. Drawings become tables of the scenario.
 import type { Map as MapLibre, MapMouseEvent, MapTouchEvent } from "maplibre-gl";
 import type { Body, Spot } from "./messages";
+import { useCross } from "./cross";
 import { addItem, placeForNew, takeItem } from "./items";
 import { draft, fit, placesOf } from "./map";
 import { keyPath, line, pathKey } from "./shapes";
-import { chooseItem, drag, edit, endDrag, isMission, listen, set, studio, SURVEY, type Change, type LngLat, type Path, type Tool } from "./store";
+import { chooseItem, drag, edit, endDrag, isMission, isWritten, listen, set, studio, SURVEY, type Change, type LngLat, type Path, type Tool } from "./store";
 
 const HEIGHT = 15; // of what is drawn, until it is given another [m]
 const RADIUS = 3; // of a mast [m]
@@ -42,17 +43,26 @@ export function useHands(map: MapLibre): void {
     else if (corners.length > 2 && !isOpen(studio.tool)) addRing(corners);
     giveUp();
   };
+  /** Use the tool at a place; `closes`: it is so near to the first corner that it closes what is drawn. */
+  const press = (at: LngLat, closes: boolean): string => {
+    const tool = studio.tool;
+    if (tool === "waypoint") addItem(placeForNew(studio), WAYPOINT, at);
+    else if (tool === "via" || tool === "rally") addPlace(tool, at);
+    else if (tool === "cylinder") addMast(at);
+    else if (!isOpen(tool) && corners.length > 2 && closes) {
+      close();
+      return "Closed; its numbers stand at the side.";
+    } else {
+      corners.push(at);
+      show();
+      return `Corner ${corners.length}. ${corners.length > 1 ? studio.notice : ""}`;
+    }
+    return `${tool === "cylinder" ? "Mast" : tool === "waypoint" ? "Waypoint" : "Point"} added.`;
+  };
 
   map.on("click", event => {
-    const at = event.lngLat.toArray() as LngLat, tool = studio.tool;
-    if (tool === "select") return choose(map, event);
-    if (tool === "waypoint") return addItem(placeForNew(studio), WAYPOINT, at);
-    if (tool === "via") return addPlace("via", at);
-    if (tool === "rally") return addPlace("rally", at);
-    if (tool === "cylinder") return addMast(at);
-    if (!isOpen(tool) && corners.length > 2 && near(map, event, corners[0]!)) return close();
-    corners.push(at);
-    show();
+    if (studio.tool === "select") choose(map, event);
+    else press(event.lngLat.toArray() as LngLat, corners.length > 0 && near(map, event.lngLat.toArray() as LngLat, corners[0]!));
   });
   map.on("mousemove", event => {
     if (corners.length) show(event.lngLat.toArray() as LngLat);
@@ -67,7 +77,7 @@ export function useHands(map: MapLibre): void {
   map.on("touchstart", event => { if (studio.tool === "select" && isMission(studio) && !studio.space && event.points.length === 1) grabItem(map, event); });
   addEventListener("keydown", event => {
     if (event.key === "Escape") giveUp();
-    if (event.key === "Enter" && corners.length) close();
+    if (event.key === "Enter" && corners.length && !cross.isShown()) close();
   });
   listen((now, before) => {
     if (now.tool !== before.tool) {
@@ -82,6 +92,23 @@ export function useHands(map: MapLibre): void {
     if (free && event.key === "Home" && studio.world) fit(map, studio.world);
     if (free && (event.key === "Delete" || event.key === "Backspace") && studio.selected) remove(studio.selected);
     else if (free && event.key === "Delete" && isMission(studio) && studio.item !== null) takeItem(studio.item);
+  });
+  const carried = useCarrying(map);
+  const cross = useCross(map, {
+    press: at => {
+      if (studio.tool === "select") return carried.press(at);
+      const last = corners.at(-1), again = last && isSame(at, last) && studio.tool !== "measure";
+      if (!again) return press(at, corners.length > 0 && isSame(at, corners[0]!));
+      if (corners.length < (studio.tool === "corridor" ? 2 : 3)) return `${corners.length} corner${corners.length > 1 ? "s" : ""}: too few to close it.`;
+      close();
+      return "Closed; its numbers stand at the side.";
+    },
+    over: at => (studio.tool === "select" ? carried.over(at) : show(at)),
+    back: () => {
+      if (!corners.pop()) return null;
+      return `The last corner is taken back; ${corners.length} left.`;
+    },
+    letGo: () => carried.letGo(),
   });
 }
 
@@ -142,7 +169,7 @@ function addRing(ring: LngLat[]): void {
   }
 }
 
-function choose(map: MapLibre, event: MapMouseEvent): void {
+function choose(map: MapLibre, event: Touched): void {
   const item = itemAt(map, event);
   if (item !== null) chooseItem(item);
   else if (isMission(studio)) set({ item: null });
@@ -150,12 +177,13 @@ function choose(map: MapLibre, event: MapMouseEvent): void {
 }
 
 /** The number of the item under the pointer. */
-function itemAt(map: MapLibre, { point: { x, y } }: Grip): number | null {
+function itemAt(map: MapLibre, { point: { x, y } }: Touched): number | null {
   const item = map.queryRenderedFeatures([[x - 6, y - 6], [x + 6, y + 6]], { layers: ["items"] })[0];
   return item ? Number(item.properties.seq) : null;
 }
 
 type Grip = MapMouseEvent | MapTouchEvent;
+type Touched = Pick<Grip, "point">;
 
 /** Drag an item of a mission: the legs to it and from it go along; where it is let go it is checked and timed. */
 function grabItem(map: MapLibre, event: Grip): void {
@@ -183,7 +211,7 @@ function grabItem(map: MapLibre, event: Grip): void {
 }
 
 /** The path to what is under the pointer, if the scenario itself draws it. */
-function pick(map: MapLibre, event: MapMouseEvent): Path | null {
+function pick(map: MapLibre, event: Touched): Path | null {
   if (isMission(studio)) return null;
   const features = map.queryRenderedFeatures(event.point, { layers: PICKED });
   const key = features.find(feature => feature.properties.path)?.properties.path as string | undefined;
@@ -217,6 +245,66 @@ function grab(map: MapLibre, event: MapMouseEvent): void {
   addEventListener("mouseup", drop, { once: true });
 }
 
+interface Carried {
+  name: string;
+  taken: LngLat;
+  change: (put: LngLat) => Change;
+  drawn: (put: LngLat) => LngLat[];
+}
+
+/** Take hold of what is at a place and put it down at another, by keyboard. */
+function useCarrying(map: MapLibre) {
+  let held: Carried | null = null;
+  const drop = () => {
+    held = null;
+    draft(map, []);
+    endDrag();
+  };
+  listen((now, before) => { if (held && now.document !== before.document) drop(); }); // it may be there no more
+  return {
+    press: (at: LngLat): string => {
+      if (held) {
+        const { name, change } = held;
+        drop();
+        edit(`${name} moved`, change(at));
+        return `${name} put down.`;
+      }
+      held = carriedAt(map, at);
+      return held ? `${held.name} taken: arrow keys carry it, Enter puts it down, Delete takes it out.` : studio.selected === SURVEY ? "The area is chosen: its corners are buttons behind the map." : "Nothing is here.";
+    },
+    over: (at: LngLat) => {
+      if (!held) return;
+      draft(map, [line(held.drawn(at))]);
+      if (!isMission(studio)) drag([held.change(at)]);
+    },
+    letGo: (): boolean => {
+      const had = held !== null;
+      if (had) drop();
+      return had;
+    },
+  };
+}
+
+/** What is chosen at a place, and can be carried from there. */
+function carriedAt(map: MapLibre, at: LngLat): Carried | null {
+  const touched = { point: map.project(at) }, spot = isMission(studio) ? undefined : studio.world!.spots.find(one => isWritten(one.path) && near(map, at, one.place as LngLat));
+  if (spot) set({ selected: spot.path });
+  else choose(map, touched);
+  const { selected, item } = studio;
+  if (isMission(studio)) {
+    const places = placesOf(studio), n = places.findIndex(one => one.seq === item), taken = places[n]?.place;
+    if (!taken || studio.mission?.items.find(one => one.seq === item)?.part_of) return null;
+    const drawn = (put: LngLat) => [places[n - 1]?.place, put, places[n + 1]?.place].filter(place => place !== undefined);
+    return { name: `item ${item}`, taken, change: put => ({ op: "move_item", seq: item!, place: put }), drawn };
+  }
+  if (!selected || selected === SURVEY) return null;
+  const taken = spot ? spot.place as LngLat : at, ring = spot ? [taken, taken] : ringOf(selected);
+  return {
+    name: nameOf(selected), taken, change: put => ({ op: "shift", path: selected, taken, put_down: put }),
+    drawn: put => ring.map(([lng, lat]) => [lng + put[0] - taken[0], lat + put[1] - taken[1]]),
+  };
+}
+
 function ringOf(path: Path): LngLat[] {
   const key = pathKey(path);
   const body: Body | undefined = studio.world?.bodies.find(one => one.path && pathKey(one.path) === key);
@@ -236,9 +324,12 @@ function lengths(points: LngLat[], closes: boolean): string {
   return `${last}; around ${around.toFixed(1)} m; ${area.toFixed(0)} m²`;
 }
 
-function near(map: MapLibre, event: MapMouseEvent, place: LngLat): boolean {
-  const there = map.project(place);
-  return Math.hypot(there.x - event.point.x, there.y - event.point.y) < CLOSE;
+function near(map: MapLibre, one: LngLat, other: LngLat): boolean {
+  const here = map.project(one), there = map.project(other);
+  return Math.hypot(there.x - here.x, there.y - here.y) < CLOSE;
 }
+
+/** Whether arrow keys have led back to a place. */
+const isSame = (one: LngLat, other: LngLat) => Math.abs(one[0] - other[0]) + Math.abs(one[1] - other[1]) < 1e-7;
 
 const round = (value: number) => Math.round(value * 10) / 10;

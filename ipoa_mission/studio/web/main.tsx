@@ -2,6 +2,7 @@
 import "./trusted";
 import "maplibre-gl/dist/maplibre-gl.css";
 import "../../report/assets/palette.css";
+import "../../report/assets/ways.css";
 import "./studio.css";
 import { render } from "preact";
 import { useEffect, useRef } from "preact/hooks";
@@ -13,6 +14,7 @@ import { Chosen, Limits } from "./form";
 import { GoTo } from "./goto";
 import { useHands } from "./hands";
 import { ChosenItem, Items } from "./items";
+import { Keys } from "./keys";
 import { makeMap } from "./map";
 import { Replayed, World } from "./mission";
 import { showPointer } from "./pointer";
@@ -27,7 +29,7 @@ import { useStudio } from "./use";
 import { Verdict } from "./verdict";
 
 function MapView({ now }: { now: Studio }) {
-  const { notice, tiles, picture, world, whole } = now;
+  const { notice, spoken, tiles, picture, world, whole } = now;
   const place = useRef<HTMLDivElement>(null);
   useEffect(() => {
     try {
@@ -48,6 +50,7 @@ function MapView({ now }: { now: Studio }) {
       <button type="button" class="enlarge" aria-pressed={whole} onClick={() => set({ whole: !whole })}>{whole ? "✕ close" : "⤢ whole screen"}</button>
       <GoTo now={now} />
       {notice && <p class="notice" role="status">{notice}</p>}
+      <p class="spoken" aria-live="polite">{spoken}</p>
     </div>
   );
 }
@@ -79,6 +82,7 @@ function Page() {
           {isScenario && <Items now={now} />}
           {isScenario && <><Candidates now={now} take={take} /><Fly now={now} /><Choices now={now} /><Limits now={now} /><Drop /></>}
           <Remarks now={now} />
+          <Keys now={now} />
           <Text now={now} />
         </aside>
       </main>

@@ -1,6 +1,6 @@
 // The map: MapLibre with a style of our own, made of nothing but the scenario; no tile is asked for anywhere.
 import { Map as MapLibre, NavigationControl, ScaleControl, setWorkerUrl, type GeoJSONSource, type StyleSpecification } from "maplibre-gl";
-import type { Line, Trouble, World } from "./messages";
+import type { MapLine, Seen, Trouble, World } from "./messages";
 import { color, onSchemeChange } from "./colors";
 import { hillshade } from "./hillshade";
 import * as shapes from "./shapes";
@@ -12,6 +12,7 @@ setWorkerUrl(new URL("map-worker.js", document.baseURI).href);
 
 const SOURCES = ["ground", "bodies", "lit", "fences", "bounds", "others", "tube", "homeward", "path", "flown", "ribbon", "flown-ribbon", "kept", "items", "here", "posts", "pillar", "vehicle", "found", "draft", ...SURVEY_SOURCES] as const;
 type SourceName = (typeof SOURCES)[number];
+const UNHEARD_S = 2.5; // a vehicle that is watched says where it is many times in so long
 const EMPTY = shapes.collection([]);
 const FLAT = ["ground", "roofs", "roof-lines", "tube", "arrows", "homeward", "items", ...SURVEY_FLAT];
 const SPACE = [...SURVEY_SPACE, "ground-space", "roofs-space", "zones-space", "posts", "ribbon", "flown-ribbon", "pillar"];
@@ -170,7 +171,7 @@ function showHillshade(map: MapLibre, world: World): void {
 /** The proved path if there is one of what is here now, else the coarse one, dashed. */
 function drawPath(map: MapLibre, now: Studio): void {
   const plan = now.dragSurvey ? null : proved(now), coarse = now.drag ?? (plan ? null : coarseOf(now));
-  const course: Line | undefined = coarse ? coarse.line : plan?.course.line;
+  const course: MapLine | undefined = coarse ? coarse.line : plan?.course.line;
   const untimed = course || !isMission(now) ? [] : placesOf(now).map(item => item.place);
   const turns = coarse ? null : plan?.course.returns_at ?? null; // what comes then is the way home
   fill(map, "path", course && turns !== null ? [shapes.line(course.points.slice(0, turns + 1), { coarse: false }), shapes.line(course.points.slice(turns), { coarse: false, home: true })]
@@ -197,12 +198,23 @@ export function placesOf(now: Studio): { seq: number; place: LngLat }[] {
   return now.mission?.items.flatMap(item => (item.place ? [{ seq: item.seq, place: item.place as LngLat }] : [])) ?? [];
 }
 
+/** Where the vehicle was, as a way that ends where it was not heard and begins again behind that. */
+function heardWays(flown: Seen[]): LngLat[][] {
+  const ways: LngLat[][] = [];
+  flown.forEach((seen, n) => {
+    if (n === 0 || seen.time_s - flown[n - 1]!.time_s > UNHEARD_S) ways.push([]);
+    ways.at(-1)!.push(seen.place as LngLat);
+  });
+  return ways;
+}
+
 function drawFlown(map: MapLibre, now: Studio): void {
   const points = now.replay?.line.points ?? now.flown.map(seen => seen.place), up = now.replay?.line.up ?? now.flown.map(seen => seen.up);
-  fill(map, "flown", points.length > 1 ? [shapes.line(points)] : []);
+  const ways = now.replay ? [points] : heardWays(now.flown);
+  fill(map, "flown", ways.filter(way => way.length > 1).map(way => shapes.line(way)));
   const last = now.flight?.phase === "flying" ? points.at(-1) : undefined;
   fill(map, "vehicle", last ? [{ type: "Feature", properties: {}, geometry: { type: "Point", coordinates: last as [number, number] } }] : []);
-  const course = { points, up } as Line;
+  const course = { points, up } as MapLine;
   fill(map, "flown-ribbon", now.space && now.world && points.length > 1 ? shapes.ribbon(course, shapes.lowest(now.world), 1.4, 1) : []);
 }
 

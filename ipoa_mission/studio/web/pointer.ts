@@ -3,19 +3,31 @@ import type { Map as MapLibre } from "maplibre-gl";
 import type { World } from "./messages";
 import { studio, type LngLat } from "./store";
 
+const shown = document.createElement("p");
+
 export function showPointer(map: MapLibre): void {
-  const shown = document.createElement("p");
   shown.className = "pointer";
   map.getContainer().append(shown);
-  const tell = (event: { lngLat: { toArray(): number[] }; point: { x: number; y: number } }) => {
-    const [lng, lat] = event.lngLat.toArray() as LngLat, up = studio.world ? groundAt(studio.world, [lng, lat]) : null;
-    const body = map.queryRenderedFeatures([event.point.x, event.point.y], { layers: ["roofs", "roofs-space"] })[0]?.properties;
-    shown.textContent = `${lat.toFixed(6)}, ${lng.toFixed(6)}` + (up === null ? "" : ` · ground ${(studio.world!.home_amsl + up).toFixed(1)} m AMSL, ${up.toFixed(1)} above home`)
-      + (body ? ` · ${body.name}: ${Number(body.top).toFixed(1)} above home${up === null ? "" : `, ${(Number(body.top) - up).toFixed(1)} above ground`}` : "");
-  };
+  const tell = (event: { lngLat: { toArray(): number[] } }) => { shown.textContent = told(map, event.lngLat.toArray() as LngLat); };
   map.on("mousemove", tell);
   map.on("click", tell);
   map.on("mouseout", () => { shown.textContent = ""; });
+}
+
+function told(map: MapLibre, [lng, lat]: LngLat): string {
+  const up = studio.world ? groundAt(studio.world, [lng, lat]) : null;
+  const body = map.queryRenderedFeatures(map.project([lng, lat]), { layers: ["roofs", "roofs-space"] })[0]?.properties;
+  return `${lat.toFixed(6)}, ${lng.toFixed(6)}` + (up === null ? "" : ` · ground ${(studio.world!.home_amsl + up).toFixed(1)} m AMSL, ${up.toFixed(1)} above home`)
+    + (body ? ` · ${body.name}: ${Number(body.top).toFixed(1)} above home${up === null ? "" : `, ${(Number(body.top) - up).toFixed(1)} above ground`}` : "");
+}
+
+/** Show the same of a place that no pointer is at. Returns it for who does not see the map: from home first. */
+export function showPlace(map: MapLibre, place: LngLat): string {
+  shown.textContent = told(map, place);
+  const home = studio.world?.spots.find(spot => spot.name === "home")?.place, [wide, high] = studio.world?.degree_m ?? [1, 1];
+  if (!home) return shown.textContent;
+  const east = Math.round((place[0] - home[0]!) * wide!), north = Math.round((place[1] - home[1]!) * high!);
+  return `${Math.abs(east)} m ${east < 0 ? "west" : "east"}, ${Math.abs(north)} m ${north < 0 ? "south" : "north"} of home; ${shown.textContent}`;
 }
 
 /** The ground between the four heights about a place; none outside of the flight's bounds. */

@@ -1,5 +1,5 @@
 // What the map draws, as GeoJSON: the world, a path, its ribbon in space.
-import type { Line, Plan, World } from "./messages";
+import type { MapLine, Plan, World } from "./messages";
 import type { LngLat, Path } from "./store";
 
 type Feature = GeoJSON.Feature;
@@ -54,7 +54,7 @@ export function tube(plan: Plan): Feature[] {
 export const METERS = 111_320; // of a degree of latitude, closely enough to draw by
 
 /** A path as a band of boxes in the air, `wide` meters across: what a map of extrusions can show of it; one that is not proved in pieces. */
-export function ribbon(path: Line, floor: number, wide: number, high: number, look: "proved" | "coarse" | "broken" = "proved"): Feature[] {
+export function ribbon(path: MapLine, floor: number, wide: number, high: number, look: "proved" | "coarse" | "broken" = "proved"): Feature[] {
   const points = path.points as LngLat[];
   const features: Feature[] = [];
   const narrow = Math.cos(((points[0]?.[1] ?? 0) * Math.PI) / 180);

@@ -1,5 +1,5 @@
 // What this window knows: the latest answer of each kind, and what the user is at. One object, replaced as it changes.
-import type { Answer, Beginning, Checked, CoarseSurvey, Document, Edit, Found, Heard, Landed, Loaded, OpenMission, Plan, PlannedSurvey, Put, Progress, Replay, Request, Seen, Sketch, State, SurveyArea, SurveyLayout, SurveyLine, Tiles, Trouble, World } from "./messages";
+import type { Answer, Beginning, Checked, CoarseSurvey, Course, Document, Edit, Found, Heard, Landed, Loaded, OpenMission, Plan, PlannedSurvey, Put, Progress, Replay, Request, Seen, Sketch, State, StripOfEndings, SurveyArea, SurveyLayout, SurveyLine, Tiles, Trouble, World } from "./messages";
 import { connect } from "./link";
 
 export type Change = Edit["changes"][number];
@@ -27,6 +27,8 @@ export interface Studio {
   coarseSurvey: CoarseSurvey | null;
   dragSurvey: CoarseSurvey | null;
   survey: PlannedSurvey | null;
+  /** How the plan's flights can end, flight by flight: they come after it. */
+  endings: Record<number, StripOfEndings>;
   /** Which flight of a survey is looked at, from 0 on, and those that were flown from here, by name. */
   part: number;
   flownParts: string[];
@@ -55,6 +57,8 @@ export interface Studio {
   landed: Landed | null;
   flight: State | null;
   notice: string;
+  /** What is said to who does not see the map. */
+  spoken: string;
   dropped: Dropped | null;
 }
 
@@ -68,10 +72,10 @@ export interface Dropped {
 
 export let studio: Studio = {
   connected: false, document: null, world: null, tiles: null, picture: true, sketch: null, drag: null, plan: null, progress: null, troubles: [],
-  area: null, coarseSurvey: null, dragSurvey: null, survey: null, part: 0, flownParts: [], lookedAt: null,
+  area: null, coarseSurvey: null, dragSurvey: null, survey: null, endings: {}, part: 0, flownParts: [], lookedAt: null,
   mission: null, checked: null, replay: null, start: null, heard: null, found: null, homeward: false, whole: false,
   tool: "select", selected: null, space: false, at: 0, item: null, playing: false, candidates: [], loaded: null, seen: null,
-  flown: [], landed: null, flight: null, notice: "", dropped: null,
+  flown: [], landed: null, flight: null, notice: "", spoken: "", dropped: null,
 };
 
 /** The path to the survey: what is chosen when its area is. */
@@ -91,7 +95,7 @@ export function set(change: Partial<Studio>): void {
 }
 
 /** A server that comes back numbers its revisions anew: what an earlier one proved counts no more; it tells what it has. */
-const FORGOTTEN = { sketch: null, drag: null, plan: null, area: null, coarseSurvey: null, dragSurvey: null, survey: null, mission: null, checked: null, replay: null, progress: null, troubles: [], loaded: null, flight: null };
+const FORGOTTEN = { sketch: null, drag: null, plan: null, endings: {}, area: null, coarseSurvey: null, dragSurvey: null, survey: null, mission: null, checked: null, replay: null, progress: null, troubles: [], loaded: null, flight: null };
 
 const link = connect(hear, connected => set({ connected, ...(connected ? FORGOTTEN : {}) }));
 
@@ -173,14 +177,17 @@ function hear(answer: Answer): void {
       break;
     case "survey": {
       const part = Math.min(studio.part, answer.flights.length - 1);
-      set({ survey: answer, part, progress: null, troubles: studio.troubles.filter(one => one.of !== "plan"), flownParts: [], at: Math.min(studio.at, answer.flights[part]!.plan.course.times.length - 1) });
+      set({ survey: answer, endings: {}, part, progress: null, troubles: studio.troubles.filter(one => one.of !== "plan"), flownParts: [], at: Math.min(studio.at, answer.flights[part]!.plan.course.times.length - 1) });
       break;
     }
     case "progress":
       set({ progress: answer, troubles: studio.troubles.filter(one => one.of !== "plan") });
       break;
     case "plan":
-      set({ plan: answer, progress: null, troubles: studio.troubles.filter(one => one.of !== "plan"), at: Math.min(studio.at, answer.course.times.length - 1) });
+      set({ plan: answer, endings: {}, progress: null, troubles: studio.troubles.filter(one => one.of !== "plan"), at: Math.min(studio.at, answer.course.times.length - 1) });
+      break;
+    case "endings":
+      set({ endings: { ...studio.endings, [answer.flight]: answer } });
       break;
     case "mission":
       set({ mission: answer, item: studio.item !== null && studio.item > answer.items.length ? null : studio.item });
@@ -326,4 +333,24 @@ export function proved(now: Studio): Plan | null {
   if (survey) return survey.flights[Math.min(now.part, survey.flights.length - 1)]!.plan;
   if (isMission(now)) return now.plan?.of === "mission" ? now.plan : null;
   return now.plan && now.document && now.plan.revision === now.document.revision ? now.plan : null;
+}
+
+/** Whether it is known what stands where the flight goes. */
+export const hasWorld = (now: Studio): boolean => !isMission(now) || Boolean(now.mission?.scenario);
+
+/** How the flight that is looked at can end, once that is known. */
+export function endingsOf(now: Studio): StripOfEndings | null {
+  const plan = proved(now), strip = now.endings[surveyed(now) ? now.part : 0];
+  return plan && strip?.revision === plan.revision ? strip : null;
+}
+
+/** The sample of a course at which it has been under way for so long. */
+export function sampleAt(course: Course, time: number): number {
+  let low = 0, high = course.times.length - 1;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (course.times[middle]! < time) low = middle + 1;
+    else high = middle;
+  }
+  return low;
 }

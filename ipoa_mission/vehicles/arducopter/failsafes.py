@@ -11,7 +11,17 @@ from dataclasses import replace
 
 from ipoa_mission.vehicles.arducopter.own_fence import FLOOR_BIT, MAY_BE_ON
 from ipoa_mission.vehicles.ending import Ending, FlightStage
-from ipoa_mission.vehicles.failsafe import BY_HAND, GOES_ON, Failsafe, FailsafeAction, FailsafeRule, Series, ordered
+from ipoa_mission.vehicles.failsafe import (
+    BY_HAND,
+    GOES_ON,
+    STATION_LOST,
+    Failsafe,
+    FailsafeAction,
+    FailsafeRule,
+    Series,
+    StationLoss,
+    ordered,
+)
 from ipoa_mission.vehicles.parameters import Parameters
 
 LAND_PAUSE = 4.0  # LAND_WITH_DELAY_MS [s]
@@ -64,7 +74,7 @@ RULES = (
     FailsafeRule(LOW, "BATT_FS_LOW_ACT", 0.0, ACTIONS, GOES_ON, {"BATT_LOW_VOLT": 10.5, "BATT_LOW_MAH": 0.0}),
     FailsafeRule(CRITICAL, "BATT_FS_CRT_ACT", 0.0, ACTIONS, GOES_ON, {"BATT_CRT_VOLT": 0.0, "BATT_CRT_MAH": 0.0}),
     FailsafeRule("radio control lost", "FS_THR_ENABLE", 1.0, RADIO, LANDS),
-    FailsafeRule("ground station lost", "FS_GCS_ENABLE", 0.0, STATION, RETURNS),
+    FailsafeRule(STATION_LOST, "FS_GCS_ENABLE", 0.0, STATION, RETURNS),
     FailsafeRule(BREACH, "FENCE_ACTION", 1.0, FENCE, FENCE[1], MAY_BE_ON),
     FailsafeRule("position lost (EKF)", "FS_EKF_ACTION", 1.0, ESTIMATE, NO_POSITION, {"FS_EKF_THRESH": 0.8}),
     FailsafeRule("position by dead reckoning", "FS_DR_ENABLE", 2.0, RECKONS, GOES_ON),
@@ -94,6 +104,10 @@ DECIDED_BY = tuple(
         )
     )
 )
+
+#: It heeds stations from the one id to the other (GCS::sysid_is_gcs).
+HEEDED = ("SYSID_MYGCS", "MAV_GCS_SYSID"), "MAV_GCS_SYSID_HI"
+STATION_LOSS = StationLoss("FS_GCS_TIMEOUT", 5.0, ("FS_GCS_ENABLE", "FS_GCS_TIMEOUT", "FS_OPTIONS", *HEEDED), *HEEDED)
 
 
 def failsafes(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]:

@@ -150,6 +150,7 @@ class ArduCopter(Autopilot):
     own_fence_by = (*MAY_BE_ON, "FENCE_TYPE", "FENCE_ACTION", "FENCE_RADIUS", "FENCE_ALT_MAX", "FENCE_ALT_MIN")
     failsafe_by = failsafes.DECIDED_BY
     failsafe_rules = failsafes.RULES
+    station_loss = failsafes.STATION_LOSS
 
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
         """To where its position controller can stop it (its stopping point).
@@ -165,10 +166,6 @@ class ArduCopter(Autopilot):
         limits = copter_limits(parameters)
         near = limits.accel / limits.p_position**2
         return np.where(speed <= near, speed / limits.p_position, near / 2 + speed**2 / (2 * limits.accel))
-
-    def flies_on(self, ending: Ending) -> float:
-        """BRAKE and LAND begin at once."""
-        return 0.0 if ending in (Ending.LAND, Ending.HOLD) else super().flies_on(ending)
 
     def braking_way(self, parameters: Parameters, velocity: "Points", accel: "Points", ending: Ending) -> "Points":
         """Shaped where it lands or brakes, else to its stopping point.

@@ -83,11 +83,6 @@ class Consumption:
         return self.energy_wh * JOULES_A_WATT_HOUR / float(self.times[-1] - self.times[0])
 
     @property
-    def peak_w(self) -> float:
-        """The highest power [W]."""
-        return float(self.spans_w.max())
-
-    @property
     def between(self) -> Interval:
         """All of it with its interval [Wh]."""
         return self.until(float(self.times[-1]))

@@ -9,7 +9,17 @@ import math
 from dataclasses import replace
 
 from ipoa_mission.vehicles.ending import Ending, FlightStage
-from ipoa_mission.vehicles.failsafe import BY_HAND, GOES_ON, Failsafe, FailsafeAction, FailsafeRule, Series, ordered
+from ipoa_mission.vehicles.failsafe import (
+    BY_HAND,
+    GOES_ON,
+    STATION_LOST,
+    Failsafe,
+    FailsafeAction,
+    FailsafeRule,
+    Series,
+    StationLoss,
+    ordered,
+)
 from ipoa_mission.vehicles.parameters import Parameters
 
 SINCE = (1, 18)
@@ -47,7 +57,7 @@ RULES = (
     FailsafeRule("emergency battery", "COM_LOW_BAT_ACT", 0.0, EMERGENCY, GOES_ON),
     FailsafeRule("flight time left is short", "COM_FLTT_LOW_ACT", 0.0, {0: GOES_ON, 1: GOES_ON, 3: RETURNS}, GOES_ON),
     FailsafeRule("radio control lost", "NAV_RCL_ACT", 2.0, RADIO, GOES_ON),
-    FailsafeRule("ground station lost", "NAV_DLL_ACT", 0.0, LINK, GOES_ON),
+    FailsafeRule(STATION_LOST, "NAV_DLL_ACT", 0.0, LINK, GOES_ON),
     FailsafeRule("fence breached", "GF_ACTION", 2.0, GRADES, GOES_ON),
     FailsafeRule("position lost (EKF)", "", math.nan, {}, DRIFTS, until=SINCE),
     FailsafeRule("position lost (EKF)", "COM_POS_FS_ACT", 0.0, {0: DRIFTS, 1: FALLS_WITHOUT}, DRIFTS, since=SINCE),
@@ -84,6 +94,8 @@ DECIDED_BY = tuple(
         )
     )
 )
+
+STATION_LOSS = StationLoss("COM_DL_LOSS_T", 10.0, ("NAV_DLL_ACT", "COM_DL_LOSS_T", EXCEPT["NAV_DLL_ACT"], DELAY))
 
 
 def failsafes(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]:

@@ -129,6 +129,7 @@ class Px4Multicopter(Autopilot):
     own_fence_by = ("GF_ACTION", "GF_MAX_HOR_DIST", "GF_MAX_VER_DIST")
     failsafe_by = failsafes.DECIDED_BY
     failsafe_rules = failsafes.RULES
+    station_loss = failsafes.STATION_LOSS
 
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
         """With MPC_ACC_HOR, to which it changes by MPC_JERK_AUTO."""
@@ -142,10 +143,6 @@ class Px4Multicopter(Autopilot):
         slowed = np.maximum(speed + (gains - brakes) * turns / 2, 0.0)
         turning = turns * (speed + turns * (gains / 2 - limits.jerk * turns / 6))
         return np.asarray(turning + slowed**2 / (2 * brakes))
-
-    def flies_on(self, ending: Ending) -> float:
-        """Where it lands or holds it reckons with that in where it is to stop."""
-        return 0.0 if ending in (Ending.LAND, Ending.HOLD) else super().flies_on(ending)
 
     def braking_way(self, parameters: Parameters, velocity: "Points", accel: "Points", ending: Ending) -> "Points":
         """Straight on to where its navigator puts LAND and hold (preproject_stop_point).

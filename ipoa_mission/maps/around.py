@@ -1,0 +1,118 @@
+"""Which part of a map file is read: a file of a whole country is never in memory, only what lies round the flight."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple, Self, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame
+
+EARTH = 6.36e6  # a least radius [m]
+GRID = 0.02  # a window is widened to multiples of so much: it stays the same when a flight changes a little [deg]
+SPARE = 0.001  # by so much at least, for what is bent in the plane and what is rounded in the file [deg]
+POLAR = 89.0  # beyond this latitude a window goes all round [deg]
+Box: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]  # lower and upper corner (2,), east and north [m]
+
+
+class Degrees(NamedTuple):
+    """A box of longitudes and latitudes [deg]; it may reach beyond longitude 180."""
+
+    west: float
+    south: float
+    east: float
+    north: float
+
+    def meets(self, boxes: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Which boxes (n, 4) west, south, east, north it meets; longitudes go round."""
+        west, south, east, north = boxes.T
+        level = (south <= self.north) & (north >= self.south)
+        turns = (-360.0, 0.0, 360.0)
+        return np.asarray(level & np.any([(west <= self.east + t) & (east >= self.west + t) for t in turns], axis=0))
+
+
+def near_home(home: Geodetic) -> Degrees:
+    """The square of 100 km round home, and no less."""
+    reach = float(np.degrees(REACH / EARTH))
+    wide = min(reach / max(float(np.cos(np.radians(home.latitude_deg))), 1e-9), 180.0)
+    longitude, latitude = float(home.longitude_deg), float(home.latitude_deg)
+    return Degrees(longitude - wide, latitude - reach, longitude + wide, latitude + reach)
+
+
+def window_of(box: Box, frame: LocalFrame) -> Degrees:
+    """The window that holds a local box, and a little more."""
+    east, north = np.meshgrid(*(np.linspace(low, high, 5) for low, high in zip(*box, strict=True)))
+    latitude, longitude, _ = frame.to_geodetic(np.column_stack([east.ravel(), north.ravel(), np.zeros(east.size)]))
+    home = frame.home.longitude_deg
+    longitude = home + (longitude - home + 180.0) % 360.0 - 180.0
+    if np.abs(latitude).max() > POLAR:
+        longitude = np.array([home - 180.0, home + 180.0])
+    low = np.floor((np.array([longitude.min(), latitude.min()]) - SPARE) / GRID) * GRID
+    high = np.ceil((np.array([longitude.max(), latitude.max()]) + SPARE) / GRID) * GRID
+    return Degrees(float(low[0]), float(low[1]), float(high[0]), float(high[1]))
+
+
+@dataclass
+class Around:
+    """What of a file is wanted: what meets the `window`, or all of it; `elsewhere` counts the rest, as it is met.
+
+    `near` is 100 km round home, where something of the file must lie.
+    """
+
+    window: Degrees | None = None
+    near: Degrees | None = None
+    elsewhere: int = 0
+    _found_near: bool = False
+
+    def __post_init__(self) -> None:
+        self._box = np.array([np.inf, np.inf, -np.inf, -np.inf])
+
+    @classmethod
+    def of(cls, frame: LocalFrame, within: Box | None = None) -> Self:
+        """What lies within 100 km of home, or what meets a local box."""
+        near = near_home(frame.home)
+        return cls(near if within is None else window_of(within, frame), near)
+
+    @property
+    def is_small(self) -> bool:
+        """Whether no more than what lies round a flight is wanted."""
+        return self.window != self.near
+
+    def wants(self, boxes: NDArray[np.float64], things: int = 1) -> NDArray[np.bool_]:
+        """Which of the boxes (n, 4) west, south, east, north [deg] of things are wanted, (n,).
+
+        An empty box, of NaN, always is, for it may be anywhere. Each box is of so many `things`, which are counted.
+        """
+        if self.window is None or self.near is None:
+            return np.ones(len(boxes), bool)
+        empty = np.isnan(boxes).any(axis=1)
+        self._found_near = self._found_near or bool(self.near.meets(boxes).any())
+        if not self._found_near and not empty.all():
+            low, high = np.nanmin(boxes[:, :2], axis=0), np.nanmax(boxes[:, 2:], axis=0)
+            self._box = np.concatenate([np.minimum(self._box[:2], low), np.maximum(self._box[2:], high)])
+        wanted = empty | self.window.meets(boxes)
+        self.elsewhere += things * int((~wanted).sum())
+        return np.asarray(wanted)
+
+    def expect_near(self, path: Path) -> None:
+        """See that something of the file lay near home.
+
+        Raises:
+            BadInput: nothing did. It says where the file is.
+        """
+        if self.near is None or self._found_near or not np.isfinite(self._box).all():
+            return
+        west, south, east, north = self._box.tolist()
+        home = [(self.near.south + self.near.north) / 2, (self.near.west + self.near.east) / 2]
+        raise BadInput(
+            f"{path}: expected places within {REACH / 1000:g} km of home ({home[0]:.4f}, {home[1]:.4f}), not only "
+            f"from {south:.4f}, {west:.4f} to {north:.4f}, {east:.4f}",
+            hint="is it the map of another place?",
+        )
+
+
+def cut_out(window: Degrees | None) -> str:
+    """The part of a command of osmium-tool that says what to cut out of a file."""
+    return "W,S,E,N" if window is None else ",".join(f"{side:.2f}" for side in window)

@@ -1,0 +1,177 @@
+"""GeoParquet, as Overture publishes its buildings (needs pyarrow): each row is a feature, its columns are tags.
+
+Of a file that says where the rows of its groups lie, as Overture's do, only the groups that are wanted are read, and of
+these no more than some rows at a time are in memory.
+"""
+
+import json
+from collections.abc import Callable, Iterator, Mapping
+from decimal import Decimal
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from pyproj import CRS
+from pyproj.exceptions import CRSError
+
+from ipoa_mission.errors import BadInput, imported
+from ipoa_mission.files import read_bytes
+from ipoa_mission.maps.around import Around
+from ipoa_mission.maps.feature import Corners, Feature, on_earth
+from ipoa_mission.maps.geojson import blank_keys, degrees_of, tags_of
+
+MAGIC = b"PAR1"
+AT_ONCE = 4096  # rows are read together
+LARGEST_GROUP = 2_000_000_000  # of rows, unpacked [bytes]
+OVERTURES_NAMES = "names"  # a column of which the primary one counts
+TAGS = "tags"  # a column that holds more tags, as some write OpenStreetMap's
+
+
+class _Shapes(NamedTuple):
+    """The column with the shapes, how they become degrees, and the columns with their boxes: west, south, east, north.
+
+    Without boxes that are in degrees the latter is empty.
+    """
+
+    column: str
+    to_degrees: Callable[[Corners], Corners]
+    boxes: tuple[str, ...]
+
+
+def read_parquet(path: Path, around: Around) -> Iterator[list[Feature]]:
+    """The rows of a GeoParquet file that are wanted.
+
+    Raises:
+        BadInput: naming the file and the row, and what was expected there; or pyarrow is not installed.
+    """
+    needed = f"{path}: reading it needs pyarrow, which is not installed"
+    parquet = imported("pyarrow.parquet", needed, "maps", BadInput)
+    arrow = imported("pyarrow", needed, "maps", BadInput)
+    if read_bytes(path, len(MAGIC)) != MAGIC:
+        raise BadInput(f"{path}: expected a Parquet file, but it does not begin like one")
+    any_there = False
+    try:
+        with parquet.ParquetFile(path) as file:
+            for features in _rows(file, arrow, path, around):
+                any_there = True
+                yield features
+    except (arrow.ArrowException, OSError, ValueError) as error:
+        raise BadInput(f"{path}: expected a whole Parquet file: {str(error).partition(chr(10))[0]}") from error
+    if not any_there and not around.elsewhere:
+        raise BadInput(f"{path}: expected rows with shapes, but there are none")
+
+
+def _rows(file: Any, arrow: Any, path: Path, around: Around) -> Iterator[list[Feature]]:
+    shapes = _shapes_of(file, arrow, path)
+    columns = [shapes.column, *_tag_columns(file.schema_arrow, arrow, shapes.column)]
+    row = 0
+    for number in range(file.num_row_groups):
+        group = file.metadata.row_group(number)
+        if group.total_byte_size > LARGEST_GROUP:
+            raise BadInput(f"{path}: expected groups of rows of at most {LARGEST_GROUP / 1e9:g} GB")
+        if (box := _box_of(group, shapes.boxes)) is not None and not around.wants(box, group.num_rows).any():
+            row += group.num_rows
+            continue
+        for batch in file.iter_batches(AT_ONCE, [number], columns):
+            if features := _features(batch, shapes, path, row, around):
+                yield features
+            row += batch.num_rows
+
+
+def _shapes_of(file: Any, arrow: Any, path: Path) -> _Shapes:
+    """Which column has the shapes, by what the file says of itself."""
+    told = (file.schema_arrow.metadata or {}).get(b"geo")
+    if told is None:
+        raise BadInput(
+            f"{path}: expected a GeoParquet file, but none of its columns is said to be a geometry",
+            hint="a table of places becomes one by GeoPandas: GeoDataFrame.to_parquet",
+        )
+    try:
+        geo = json.loads(told)
+        column = geo["primary_column"]
+        about = geo["columns"][column]
+        encoding, system = about["encoding"], about.get("crs", "OGC:CRS84")
+        covering = (about.get("covering") or {}).get("bbox") or {}
+        boxes = tuple(".".join(covering[side]) for side in ("xmin", "ymin", "xmax", "ymax")) if covering else ()
+    except (ValueError, TypeError, KeyError, AttributeError) as error:
+        raise BadInput(f"{path}: geo: expected what GeoParquet says of its columns") from error
+    schema = file.schema_arrow
+    kind = schema.field(column).type if column in schema.names else None
+    if encoding != "WKB" or kind not in (arrow.binary(), arrow.large_binary()):
+        raise BadInput(f"{path}: {column}: expected shapes as WKB, not as {encoding!r:.40} in {kind}")
+    if system is None:
+        raise BadInput(f"{path}: expected a file that names its coordinate system")
+    try:
+        known = CRS.from_user_input(system)
+    except (CRSError, TypeError) as error:
+        raise BadInput(f"{path}: crs: expected a coordinate system as PROJ's JSON has it") from error
+    return _Shapes(column, degrees_of(known), boxes if known.is_geographic else ())
+
+
+def _tag_columns(schema: Any, arrow: Any, shapes: str) -> Iterator[str]:
+    """The columns with tags: all but those with tables in them, of which only names and tags are known."""
+    for field in schema:
+        if field.name == OVERTURES_NAMES and arrow.types.is_struct(field.type):
+            yield f"{field.name}.primary"
+        elif field.name == TAGS or not (arrow.types.is_nested(field.type) or field.name == shapes):
+            yield field.name
+
+
+def _box_of(group: Any, columns: tuple[str, ...]) -> NDArray[np.float64] | None:
+    """Where the rows of a group lie, (1, 4), if the file says so."""
+    about = {}
+    for n in range(group.num_columns if columns else 0):
+        column = group.column(n)
+        if column.path_in_schema in columns:
+            about[column.path_in_schema] = column.statistics
+    if not columns or any(about.get(name) is None or not about[name].has_min_max for name in columns):
+        return None
+    west, south, east, north = (about[name] for name in columns)
+    box = np.array([[west.min, south.min, east.max, north.max]], float)
+    goes_round = west.max > east.max or west.min > east.min  # one of its rows lies across longitude 180
+    return None if goes_round or not np.isfinite(box).all() else box
+
+
+def _features(batch: Any, shapes: _Shapes, path: Path, row: int, around: Around) -> list[Feature]:
+    """Those rows of some, from number `row` on, that are wanted."""
+    drawn = _drawn(batch.column(shapes.column).to_numpy(zero_copy_only=False), shapes.to_degrees, path, row)
+    wanted = np.flatnonzero(around.wants(shapely.bounds(drawn)))
+    tags = batch.drop_columns([shapes.column]).take(wanted).to_pylist() if len(wanted) else []
+    return [_feature(f"{path}: row[{row + n}]", drawn[n], each) for n, each in zip(wanted.tolist(), tags, strict=True)]
+
+
+def _drawn(wkb: NDArray[Any], to_degrees: Callable[[Corners], Corners], path: Path, row: int) -> NDArray[Any]:
+    """The shapes of rows in degrees; what has none is empty.
+
+    Raises:
+        BadInput: naming the first row that is no shape, or lies nowhere on Earth.
+    """
+    try:
+        shapes = shapely.force_2d(shapely.from_wkb(wkb))
+        shapes[shapely.is_missing(shapes)] = shapely.GeometryCollection()
+        return np.asarray(shapely.transform(shapes, lambda corners: on_earth(to_degrees(corners), str(path))))
+    except (shapely.errors.GEOSException, BadInput) as error:
+        if len(wkb) == 1:
+            said = str(error).removeprefix(f"{path}: ")
+            raise BadInput(
+                f"{path}: row[{row}]: {said if isinstance(error, BadInput) else f'expected a shape: {said}'}",
+                hint=getattr(error, "hint", None),
+            ) from error
+        half = len(wkb) // 2
+        return np.concatenate(
+            [_drawn(wkb[:half], to_degrees, path, row), _drawn(wkb[half:], to_degrees, path, row + half)]
+        )
+
+
+def _feature(place: str, shape: Any, row: Mapping[str, Any]) -> Feature:
+    plain = {name: _plain(value) for name, value in row.items()}
+    return Feature(place, shape, dict(tags_of(plain)), frozenset(blank_keys(plain)))
+
+
+def _plain(value: Any) -> Any:
+    """A value as JSON has it: of a map Arrow makes pairs."""
+    if isinstance(value, Decimal):
+        return float(value)
+    return dict(value) if isinstance(value, list) else value

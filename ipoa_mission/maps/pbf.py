@@ -1,0 +1,186 @@
+"""OpenStreetMap's binary extracts (.osm.pbf), as libosmium reads them (needs osmium): the same things as of its XML.
+
+Where all nodes are libosmium keeps in a file of its own. All things are looked at once for where they lie; what is
+wanted is then read again, with its tags.
+"""
+
+from collections.abc import Iterator, Mapping
+from itertools import compress, islice
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from ipoa_mission.errors import BadInput, imported
+from ipoa_mission.files import read_bytes
+from ipoa_mission.maps.around import Around, cut_out
+from ipoa_mission.maps.feature import Feature
+from ipoa_mission.maps.osm import AREAS, NOWHERE, UNTOLD, Relation, area_of, plain_tags, shape_of, thing, ways_of
+
+LARGEST_PBF = 200_000_000  # a file of so much is read in about a minute [bytes]
+AT_ONCE = 4096  # things are looked at together
+HEADER = 64  # in so many bytes a file says what it is
+UNKNOWN = (np.nan,) * 4
+SORTS = {"n": "node", "w": "way", "r": "relation"}
+
+
+class _Place(NamedTuple):
+    """Where a node or way is: its corners as WKB, or, where some of them are not in the file, the box of the others."""
+
+    is_node: bool
+    number: int
+    has_tags: bool
+    wkb: bytes | None
+    box: tuple[float, ...]
+
+
+def read_pbf(path: Path, around: Around) -> Iterator[list[Feature]]:
+    """Everything with tags in an .osm.pbf file that is wanted; a shape is empty where the file lacks some of it.
+
+    Raises:
+        BadInput: it is no such file, is cut off, or is too large; or osmium is not installed.
+    """
+    osmium = imported("osmium", f"{path}: reading it needs osmium, which is not installed", "maps", BadInput)
+    if b"OSMHeader" not in read_bytes(path, HEADER):
+        raise BadInput(f"{path}: expected an .osm.pbf file, but it does not begin like one")
+    if (size := path.stat().st_size) > LARGEST_PBF:
+        raise BadInput(
+            f"{path}: expected an extract of at most {LARGEST_PBF / 1e6:.0f} MB, not {size / 1e6:.0f} MB",
+            hint="cut out what lies round the flight: osmium extract --strategy smart "
+            f"--bbox {cut_out(around.window)} --output town.osm.pbf {path.name}",
+        )
+    any_there = False
+    features = _Extract(osmium, path, around).read()
+    try:
+        while some := list(islice(features, AT_ONCE)):
+            any_there = True
+            yield some
+    except (RuntimeError, OSError, ValueError) as error:
+        raise BadInput(f"{path}: expected a whole .osm.pbf file: {error}") from error
+    if not any_there and not around.elsewhere:
+        raise BadInput(f"{path}: expected things with tags, but there are none")
+
+
+class _Extract:
+    """One file, and what of it is wanted."""
+
+    def __init__(self, osmium: Any, path: Path, around: Around) -> None:
+        self._osmium, self._path, self._around = osmium, path, around
+        self._file = osmium.io.File(str(path), "pbf")
+        self._factory, self._all = osmium.geom.WKBFactory(), osmium.geom.use_nodes.ALL
+        self._nodes, self._ways = set[int](), set[int]()  # those with tags that are wanted
+        self._boxes: dict[str, list[float]] = {}  # of the ways that areas are made of [deg]
+
+    def read(self) -> Iterator[Feature]:
+        """What is wanted of the file: nodes, ways, then areas that several ways go round."""
+        osmium, osm = self._osmium, self._osmium.osm
+        if osmium.io.Reader(self._file, osm.NOTHING).header().has_multiple_object_versions:
+            raise BadInput(f"{self._path}: expected the map as it is now, not its history")
+        relations = self._relations()
+        places = self._look(_parts(relations))
+        if relations:
+            counts = self._around.wants(np.array([self._box_of(relation) for relation in relations.values()]))
+            relations = {number: relations[number] for number in compress(relations, counts.tolist())}
+        for node in self._again(osm.NODE, self._nodes):
+            shape = shapely.Point(node.lon, node.lat) if _is_known(node) else NOWHERE
+            yield from self._thing("node", node.id, _tags(node), shape)
+        parts, lines = _parts(relations), dict[str, list[tuple[float, float]] | None]()
+        located = osmium.NodeLocationsForWays(places)
+        located.ignore_errors()
+        for way in self._again(osm.WAY, self._ways.union(map(int, parts)), located):
+            corners = self._corners(way)
+            if str(way.id) in parts:
+                lines[str(way.id)] = corners
+            if way.id in self._ways:
+                tags = _tags(way)
+                yield from self._thing("way", way.id, tags, shape_of(corners, way.is_closed(), tags))
+        for number, relation in relations.items():
+            yield thing("relation", number, relation.tags, area_of(relation, lines.get), self._path)
+
+    def _relations(self) -> dict[str, Relation]:
+        """The areas that several ways go round, by number."""
+        found = {}
+        for relation in self._osmium.FileProcessor(self._file, self._osmium.osm.RELATION):
+            tags = _tags(relation)
+            if tags.get("type") in AREAS and tags.keys() - UNTOLD - {"type"}:
+                members = tuple((SORTS.get(one.type, ""), str(one.ref), one.role) for one in relation.members)
+                found[str(relation.id)] = Relation(members, tags)
+        return found
+
+    def _look(self, parts: set[str]) -> Any:
+        """See where nodes with tags and ways are, and which are wanted.
+
+        Returns:
+            Where all nodes are, as libosmium keeps it.
+        """
+        osm = self._osmium.osm
+        tagged = self._osmium.filter.EmptyTagFilter().enable_for(osm.NODE)
+        things = self._osmium.FileProcessor(self._file, osm.NODE | osm.WAY).with_locations("sparse_file_array")
+        waiting: list[_Place] = []
+        for each in things.with_filter(tagged):
+            waiting.append(self._place_of_node(each) if each.is_node() else self._place_of_way(each))
+            if len(waiting) >= AT_ONCE:
+                self._choose(waiting, parts)
+                waiting.clear()
+        self._choose(waiting, parts)
+        return things.node_location_storage
+
+    def _choose(self, places: list[_Place], parts: set[str]) -> None:
+        shapes = shapely.from_wkb([one.wkb for one in places])
+        known = np.array([one.box for one in places]).reshape(-1, 4)
+        boxes = np.where(shapely.is_missing(shapes)[:, None], known, shapely.bounds(shapes).reshape(-1, 4))
+        for one, box in zip(places, boxes, strict=True):
+            if not one.is_node and parts and str(one.number) in parts:
+                self._boxes[str(one.number)] = box.tolist()
+        has_tags = np.array([one.has_tags for one in places], bool)
+        for n in np.flatnonzero(has_tags)[self._around.wants(boxes[has_tags])].tolist():
+            (self._nodes if places[n].is_node else self._ways).add(places[n].number)
+
+    def _place_of_node(self, node: Any) -> _Place:
+        box = (node.lon, node.lat, node.lon, node.lat) if _is_known(node) else UNKNOWN
+        return _Place(True, node.id, True, None, box)
+
+    def _place_of_way(self, way: Any) -> _Place:
+        wkb, box = None, UNKNOWN
+        try:
+            wkb = bytes.fromhex(self._factory.create_linestring(way, self._all))
+        except (self._osmium.InvalidLocationError, RuntimeError):  # a node is not in the file, or there is but one
+            corners = [(node.lon, node.lat) for node in way.nodes if _is_known(node)]
+            if corners:
+                box = (*np.min(corners, axis=0).tolist(), *np.max(corners, axis=0).tolist())
+        return _Place(False, way.id, len(way.tags) > 0, wkb, box)
+
+    def _box_of(self, relation: Relation) -> NDArray[np.float64]:
+        boxes = np.array([self._boxes.get(number, UNKNOWN) for number, _ in ways_of(relation)] or [UNKNOWN])
+        return np.concatenate([np.fmin.reduce(boxes[:, :2]), np.fmax.reduce(boxes[:, 2:])])
+
+    def _again(self, sort: Any, numbers: set[int], *handlers: Any) -> Iterator[Any]:
+        """Those of one sort with some numbers; each counts only until the next one is asked for."""
+        if numbers:
+            of_these = self._osmium.filter.IdFilter(numbers)  # the iterator does not keep it
+            with self._osmium.io.Reader(self._file, sort) as reader:
+                yield from self._osmium.OsmFileIterator(reader, *handlers, of_these)
+
+    def _corners(self, way: Any) -> list[tuple[float, float]] | None:
+        """Where a way leads; None where a part of it is not in the file."""
+        corners = [(node.lon, node.lat) for node in way.nodes if _is_known(node)]
+        return corners if len(corners) == len(way.nodes) > 1 else None
+
+    def _thing(self, sort: str, number: int, tags: dict[str, str], shape: Any) -> Iterator[Feature]:
+        if tags.keys() - UNTOLD:
+            yield thing(sort, str(number), tags, shape, self._path)
+
+
+def _tags(each: Any) -> dict[str, str]:
+    return plain_tags((tag.k, tag.v) for tag in each.tags)
+
+
+def _is_known(node: Any) -> bool:
+    return bool(node.location.valid())
+
+
+def _parts(relations: Mapping[str, Relation]) -> set[str]:
+    """The ways that areas are made of."""
+    return {number for relation in relations.values() for number, _ in ways_of(relation)}

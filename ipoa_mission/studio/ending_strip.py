@@ -1,0 +1,91 @@
+"""The strip of endings under the page's profile: as the report has it, and with what each ending takes."""
+
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+
+from ipoa_mission.forecast.endings import EndingBar, Endings
+from ipoa_mission.forecast.endings_now import EVERY_S, NEAREST_S, STEEP, TIMED
+from ipoa_mission.forecast.energy import Budget, Taken, budget_of
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.grades import Grade
+from ipoa_mission.report.ending_bars import ending_bars, stretches
+from ipoa_mission.report.seen import Seen
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.studio.ending_answers import StripBar, StripCost, StripOfEndings, StripStretch
+from ipoa_mission.studio.planned import course_of
+from ipoa_mission.studio.view import without_folders
+from ipoa_mission.vehicles.ending import Ending
+
+EVENLY, MOST = 16, 24  # times of a flight at which it is worked out what an ending takes: at first, and at most
+
+
+def strips_of(forecast: Forecast, revision: int, flight: int) -> Iterator[StripOfEndings]:
+    """It at once, and again when it is known what the endings take: each moment is a flight that is simulated."""
+    bars = () if forecast.scenario is None else ending_bars(forecast)
+    budget, course = budget_of(forecast) if bars else None, course_of(forecast)
+    strip = StripOfEndings(
+        revision=revision,
+        flight=flight,
+        reserve=None if budget is None or budget.battery is None else budget.battery.reserve,
+        bars=tuple(_bar(bar, course, forecast.world) for bar in bars),
+    )
+    yield strip
+    if bars:
+        costs = [tuple(_costs(bar, forecast, budget)) for bar in bars]
+        full = [bar.model_copy(update={"costs": cost}) for bar, cost in zip(strip.bars, costs, strict=True)]
+        yield strip.model_copy(update={"bars": tuple(full)})
+
+
+def _bar(bar: EndingBar, course: Seen, scenario: Scenario) -> StripBar:
+    return StripBar(
+        ending=bar.ending,
+        stretches=tuple(
+            StripStretch(
+                look=one.look,
+                from_s=round(one.row.from_s, 2),
+                to_s=round(one.row.to_s, 2),
+                begins=round(one.begins, 1),
+                ends=round(one.ends, 1),
+                words=without_folders(one.row.in_full, scenario),
+            )
+            for one in stretches(bar, course)
+        ),
+        costs=(),
+    )
+
+
+def _costs(bar: EndingBar, forecast: Forecast, budget: Budget | None) -> Iterator[StripCost]:
+    """None of an ending that does not land, or of which nobody knows where it leads."""
+    if bar.ending not in TIMED or bar.rows[0].grade is Grade.UNKNOWN:
+        return
+    for time, ((low, high), used) in sorted(_taken(bar.ending, forecast.once(Endings)).items()):
+        left = None if budget is None or used is None else budget.left(budget.taken(time, used))
+        yield StripCost(
+            at_s=round(time, 2),
+            seconds=(round(low, 1), round(high, 1)),
+            energy_wh=None if used is None else (round(used.between.low, 2), round(used.between.high, 2)),
+            lands=None if left is None else round(left.likely, 3),
+            least=None if left is None else round(left.low, 3),
+            most=None if left is None else round(left.high, 3),
+        )
+
+
+def _taken(ending: Ending, endings: Endings) -> dict[float, Taken]:
+    """What an ending takes at some times, more of them where that jumps, as where a return begins to climb first."""
+    begin, end = endings.in_air
+    evenly = np.linspace(begin, end, min(EVENLY, 2 + math.floor((end - begin) / EVERY_S))).tolist()
+    found = {time: taken for time in evenly if (taken := endings.takes(ending, time)) is not None}
+    while len(found) < MOST:
+        wide = [(a, b) for a, b in pairwise(sorted(found)) if b - a > NEAREST_S]
+        steep = [(abs(sum(found[b][0]) - sum(found[a][0])) / 2 / (b - a), (a + b) / 2) for a, b in wide]
+        steepest, middle = max(steep, default=(0.0, 0.0))
+        if steepest < STEEP:
+            break
+        taken = endings.takes(ending, middle)
+        if taken is None:
+            break
+        found[middle] = taken
+    return found

@@ -1,0 +1,72 @@
+"""A TCP link that can be cut and joined again, between a ground station and an autopilot behind a port."""
+
+import select
+import socket
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+LOOK_S = 0.01
+
+
+class CutLink:
+    """Carries bytes to and from `far`, a port of this machine; while it is cut, whoever calls is refused."""
+
+    def __init__(self, far: int) -> None:
+        self._far = socket.create_connection(("127.0.0.1", far))
+        self._door: socket.socket | None = socket.create_server(("127.0.0.1", 0))
+        self.port = int(self._door.getsockname()[1])
+        self._near: socket.socket | None = None
+        self._cut, self._over = threading.Event(), threading.Event()
+
+    def cut(self) -> None:
+        """The connection is closed."""
+        self._cut.set()
+
+    def join(self) -> None:
+        """It can be opened again."""
+        self._cut.clear()
+
+    def carry(self) -> None:
+        """Until it is over."""
+        while not self._over.is_set():
+            if self._cut.is_set():
+                self._close()
+            elif self._door is None:
+                self._door = socket.create_server(("127.0.0.1", self.port))
+            self._carry([one for one in (self._far, self._near, self._door) if one is not None])
+        self._close()
+        self._far.close()
+
+    def _carry(self, ends: list[socket.socket]) -> None:
+        for one in select.select(ends, [], [], LOOK_S)[0]:
+            if one is self._door:
+                self._near, _ = one.accept()
+                continue
+            data = one.recv(65536)
+            other = self._near if one is self._far else self._far
+            if data and other is not None:
+                other.sendall(data)
+
+    def _close(self) -> None:
+        for one in (self._near, self._door):
+            if one is not None:
+                one.close()
+        self._near = self._door = None
+
+    def end(self) -> None:
+        """Nothing is carried any more."""
+        self._over.set()
+
+
+@contextmanager
+def cut_link(far: int) -> Iterator[CutLink]:
+    """One that carries while this lasts."""
+    link = CutLink(far)
+    thread = threading.Thread(target=link.carry)
+    thread.start()
+    try:
+        yield link
+    finally:
+        link.end()
+        thread.join()

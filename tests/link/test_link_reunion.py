@@ -1,0 +1,312 @@
+"""A link that is lost in flight comes back by itself; only the same vehicle with the same mission is watched on."""
+
+import logging
+from collections.abc import Callable
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from ipoa_mission.link import reunion
+from ipoa_mission.link.channel import LinkDown, Peer
+from ipoa_mission.link.codec import Codec, Target
+from ipoa_mission.link.connect import meet
+from ipoa_mission.link.dialogue import Cancelled, NoAnswer
+from ipoa_mission.link.interrupt import Interrupt
+from ipoa_mission.link.line import Line
+from ipoa_mission.link.loopback import Loopback
+from ipoa_mission.link.messages import CommandLong, Heartbeat, Message, MissionType
+from ipoa_mission.link.reunion import GONE_S, SILENT_S, Unlike
+from ipoa_mission.link.set_up import without_station
+from ipoa_mission.link.state import OtherKind
+from ipoa_mission.link.telemetry import Position
+from ipoa_mission.mission.commands import Command, VehicleCommand
+from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
+from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.world.frame import Geodetic
+from tests.link.suited import suited
+
+HOME = Geodetic(47.4, 8.5, 400.0)
+THERE, BEYOND = Geodetic(47.4010, 8.5, 400.0), Geodetic(47.4015, 8.5, 400.0)
+MISSION = Mission(HOME, (takeoff(HOME, 20.0), waypoint(THERE, 20.0), waypoint(BEYOND, 20.0), land(BEYOND)))
+OTHER = replace(MISSION, items=(*MISSION.items[:2], land(THERE)))
+ORDERS = frozenset({VehicleCommand.DO_SET_MODE, Command.DO_PAUSE_CONTINUE, Command.COMPONENT_ARM_DISARM})
+ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
+
+
+class Air(Loopback):
+    """A link that is lost while `ends_s` is ahead: silent, or broken until it is opened anew."""
+
+    ends_s = -1.0
+    breaks = deaf = False
+
+    def receive(self, until: float) -> list[tuple[bytes, Peer]]:
+        if self.breaks:
+            raise LinkDown("gone")
+        while True:
+            got = super().receive(until)
+            if got and not self.is_lost:
+                return got
+            if self.now() >= until:
+                return []
+
+    def send(self, data: bytes, peer: Peer | None) -> None:
+        if not (self.is_lost or self.deaf):
+            super().send(data, peer)
+
+    @property
+    def is_lost(self) -> bool:
+        return self.now() < self.ends_s
+
+    def again(self) -> "Air":
+        if self.is_lost:
+            raise LinkDown("not yet")
+        self.breaks = False
+        return self
+
+    def rest(self, seconds: float) -> None:
+        """In place of real time."""
+        super().receive(self.now() + seconds)
+
+
+class Heard(Station):
+    """Notes what it is told."""
+
+    def __init__(self, autopilot: Mock, system: int = 1) -> None:
+        super().__init__(autopilot, system)
+        self.told: list[Message] = []
+        receive = autopilot.receive
+
+        def hear(message: Message, *where: Any) -> None:
+            self.told.append(message)
+            receive(message, *where)
+
+        autopilot.receive = hear  # type: ignore[method-assign,assignment]
+
+
+class Flight:
+    """A vehicle in the middle of its mission, whose link is lost for so many seconds; `then` happens as it is lost."""
+
+    def __init__(self, family: Autopilot, monkeypatch: pytest.MonkeyPatch, opens: bool = True) -> None:
+        self.station = Heard(Mock(family, HOME))
+        self.air = Air(self.station)
+        self.line = Line(self.air, Codec(245, 190), again=self.air.again if opens else None)
+        monkeypatch.setattr(reunion, "time", SimpleNamespace(sleep=self.air.rest))
+        self.vehicle = meet(self.line)
+        self.vehicle.upload(suited(self.vehicle, MISSION))
+        self.vehicle.absence.meanwhile = without_station(self.vehicle)
+        self.vehicle.prepare()
+        self.vehicle.start()
+        self.words: list[str] = []
+        self.told_before = 0
+        self.at_loss: Callable[[], None] = lambda: None
+        self.in_loss: Callable[[], None] = lambda: None
+        self.on_return: Callable[[], None] = lambda: None
+
+    def lose(self, seconds: float, breaks: bool = False, at_m: float = 15.0) -> Any:
+        """The record of the flight."""
+        vehicle, air = self.vehicle, self.air
+
+        def overhear(message: Message) -> None:
+            if isinstance(message, Position) and message.height > at_m and air.ends_s < 0.0:
+                air.ends_s, air.breaks = air.now() + seconds, breaks
+                self.told_before = len(self.station.told)
+                self.at_loss()
+            if vehicle.interrupted:
+                self.on_return()
+
+        def progress(share: float, words: str) -> None:
+            self.words.append(words)
+            if "link lost" in words:
+                assert vehicle.absence.seconds is not None
+                self.in_loss()
+
+        vehicle.overhearing = overhear
+        return vehicle.watch(progress)
+
+    def order_elsewhere(self, mode: int) -> None:
+        """Another station, whose link is not lost, orders a mode."""
+        main, sub, *_ = (*self.vehicle.autopilot.modes.numbers(mode), 0.0)
+        order = CommandLong(VehicleCommand.DO_SET_MODE, (1.0, main, sub, 0.0, 0.0, 0.0, 0.0))
+        self.station.autopilot.receive(order, Target(254, 190), self.air.now())
+
+    def replaced_by(self, mock: Mock, system: int = 1) -> Heard:
+        """Another vehicle takes the place of the one that is lost."""
+        other = self.air.far = Heard(mock, system)
+        return other
+
+
+def is_order(message: Message) -> bool:
+    return isinstance(message, CommandLong) and message.command in ORDERS
+
+
+def loaded(family: Autopilot, mission: Mission) -> Mock:
+    """Another vehicle that holds a mission."""
+    mock = Mock(family, HOME)
+    other = meet(Line(Loopback(Station(mock)), Codec(245, 190)))
+    other.upload(suited(other, mission))
+    return mock
+
+
+@pytest.mark.parametrize("breaks", [False, True])
+@pytest.mark.parametrize("seconds", [3.2, 10.0, 30.0])
+@pytest.mark.parametrize("family", registered())
+def test_a_flight_is_watched_on_where_it_is_when_the_link_is_there_again(
+    family: Autopilot, seconds: float, breaks: bool, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    flight = Flight(family, monkeypatch)
+    flight.in_loss = flight.vehicle.order.hold
+    record = flight.lose(seconds, breaks)
+    assert record.completed, record.why_not
+    assert not any(map(is_order, flight.station.told[flight.told_before :]))
+    assert flight.vehicle.order.words.endswith("was not ordered: the link is lost")
+    told = [one.getMessage() for one in caplog.records if one.levelno == logging.WARNING]
+    assert told[0].startswith("the link is lost")
+    assert "without its ground station the vehicle goes on" in told[0]
+    assert "it is the same vehicle, with the mission that was uploaded" in told[1]
+    assert len(told) == 2
+    assert sum("link lost for" in words for words in flight.words) >= seconds - SILENT_S
+    assert flight.vehicle.absence.seconds is None
+    lost = [b.time_s - a.time_s for a, b in zip(record.path, record.path[1:], strict=False)]
+    assert seconds - 0.5 < max(lost) < seconds + 4.0
+    assert len(record.item_reached_s) == len(MISSION.items)
+
+
+def test_one_that_has_left_its_mission_unheard_is_told_of_when_it_is_heard(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    flight = Flight(PX4, monkeypatch)
+    flight.at_loss = lambda: flight.order_elsewhere(PX4.modes.hold)
+    flight.on_return = lambda: flight.order_elsewhere(PX4.modes.mission)
+    assert flight.lose(20.0).completed
+    assert ", and what it said of that was not heard" in caplog.text
+    assert "the vehicle goes on with its mission" in caplog.text
+
+
+@pytest.mark.parametrize("family", registered())
+def test_an_order_that_the_vehicle_has_not_shown_is_not_said_again_after_a_loss(
+    family: Autopilot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    flight = Flight(family, monkeypatch)
+    flight.at_loss = flight.vehicle.order.hold
+    record = flight.lose(20.0)
+    assert record.completed
+    assert "was ordered, and the link was lost before the vehicle showed it" in flight.vehicle.order.words
+
+
+@pytest.mark.parametrize("family", registered())
+def test_one_that_came_home_unheard_is_told_as_it_stands(
+    family: Autopilot, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    flight = Flight(family, monkeypatch)
+    mode = family.modes.returning
+    flight.at_loss = lambda: flight.order_elsewhere(mode)
+    record = flight.lose(120.0)
+    assert not record.completed
+    assert "it was last heard at item 1 of 4, and landed unheard, 167 m from the place of its LAND" in record.why_not
+    assert (f"in {family.modes.name(mode)}" in record.why_not) is (family is ARDUPILOT)  # PX4 changes it
+    assert not record.armed
+    assert "it landed unheard, at the latest" in caplog.text
+
+
+def test_one_that_ended_its_mission_unheard_has_completed_it_if_it_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    record = Flight(PX4, monkeypatch).lose(120.0)
+    assert record.completed, record.why_not
+    record = Flight(ARDUPILOT, monkeypatch).lose(120.0)  # it begins its mission anew as soon as it stands
+    assert record.why_not.startswith("it was last heard at item 1 of 4, and landed unheard, ")
+
+
+@pytest.mark.parametrize("family", registered())
+def test_another_kind_in_its_place_is_told_nothing(family: Autopilot, monkeypatch: pytest.MonkeyPatch) -> None:
+    flight, others = Flight(family, monkeypatch), list[Heard]()
+    other = next(one for one in registered() if one is not family)
+    flight.at_loss = lambda: others.append(flight.replaced_by(Mock(other, HOME)))
+    with pytest.raises(OtherKind, match="it is told nothing more") as unlike:
+        flight.lose(10.0)
+    assert {type(message) for message in others[0].told} <= {Heartbeat}
+    assert unlike.value.hint is not None
+    assert "when last heard, the vehicle is armed and in the air" in unlike.value.hint
+
+
+@pytest.mark.parametrize("family", registered())
+def test_another_mission_is_told_nothing_and_that_is_said(family: Autopilot, monkeypatch: pytest.MonkeyPatch) -> None:
+    flight, others, mock = Flight(family, monkeypatch), list[Heard](), loaded(family, OTHER)
+    flight.at_loss = lambda: others.append(flight.replaced_by(mock))
+    flight.in_loss = lambda: flight.vehicle.order.give(family.modes.returning)
+    with pytest.raises(Unlike, match=r"after 1\d s vehicle 1 is heard again, but the mission on the vehicle is no lon"):
+        flight.lose(10.0)
+    assert not any(map(is_order, others[0].told))
+    assert not flight.vehicle.record().completed
+
+
+def test_a_vehicle_that_was_restarted_or_tells_another_version_is_another(monkeypatch: pytest.MonkeyPatch) -> None:
+    flight = Flight(PX4, monkeypatch)
+    flight.at_loss = lambda: setattr(flight.vehicle._logbook, "_clock", 1e5)
+    with pytest.raises(Unlike, match=r"its clock has begun anew, \d+ s ago: it was restarted; the vehicle is armed"):
+        flight.lose(5.0)
+    flight = Flight(PX4, monkeypatch)
+    assert flight.vehicle._about is not None
+    flight.vehicle._about = replace(flight.vehicle._about, uid=7)
+    with pytest.raises(Unlike, match="by its AUTOPILOT_VERSION it is another one"):
+        flight.lose(5.0)
+
+
+def test_whoever_has_another_system_id_is_named_until_the_vehicle_is_gone(monkeypatch: pytest.MonkeyPatch) -> None:
+    flight, others = Flight(PX4, monkeypatch), list[Heard]()
+    flight.at_loss = lambda: others.append(flight.replaced_by(Mock(PX4, HOME), 7))
+    with pytest.raises(NoAnswer, match="the link is lost for 300 s: vehicle 7 is heard, and is told nothing"):
+        flight.lose(5.0)
+    assert {type(message) for message in others[0].told} <= {Heartbeat}
+    assert flight.air.now() > GONE_S
+
+
+def test_one_that_is_heard_and_does_not_answer_is_not_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    flight = Flight(ARDUPILOT, monkeypatch)
+    flight.at_loss = lambda: setattr(flight.air, "deaf", True)
+    with pytest.raises(NoAnswer, match="the link is lost for 300 s: it was heard, but the vehicle does not answer"):
+        flight.lose(5.0)
+    assert any("link lost for 100 s; it was heard, but" in words for words in flight.words)
+
+
+def test_a_vehicle_that_holds_another_mission_already_is_known_without_it(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    flight = Flight(PX4, monkeypatch)
+    flight.at_loss = lambda: setattr(flight.vehicle._holdings[MissionType.MISSION], "changed", "it is another")
+    assert flight.lose(10.0).why_not == "the mission on the vehicle is no longer ours: it is another"
+    assert "it is the same vehicle\n" in caplog.text
+
+
+@pytest.mark.parametrize("refuses", [False, True])
+def test_streams_that_were_forgotten_are_asked_for_again(refuses: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    flight = Flight(ARDUPILOT, monkeypatch)
+    schedule = flight.station.autopilot._schedule
+
+    def forget() -> None:
+        for name in [*schedule._due]:
+            if name != "HEARTBEAT":
+                del schedule._due[name], schedule._intervals[name]
+        if refuses:
+            monkeypatch.setattr(schedule, "set_interval", lambda *_: False)
+
+    flight.at_loss = forget
+    record = flight.lose(10.0)
+    assert record.completed is not refuses  # it is watched by its heart alone, to its end
+    assert not record.armed
+
+
+def test_a_link_that_was_lent_is_not_opened_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    flight = Flight(PX4, monkeypatch, opens=False)
+    assert not flight.line.reopens
+    with pytest.raises(LinkDown, match="gone"):
+        flight.lose(10.0, breaks=True)
+
+
+def test_ctrl_c_ends_the_watch_while_the_link_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    flight = Flight(PX4, monkeypatch)
+    monkeypatch.setattr(Interrupt, "take", lambda self: flight.vehicle.absence.seconds is not None)
+    with pytest.raises(Cancelled):
+        flight.lose(10.0)

@@ -1,0 +1,69 @@
+"""What a vehicle does when it loses its ground station, in words, by its own parameters."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from ipoa_mission.link.set_up import without_station
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.parameters import Parameters
+
+ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
+
+
+def words(autopilot: Autopilot, values: Parameters) -> str:
+    """Of a vehicle with these values."""
+
+    def parameters(wanted: Any) -> Parameters:
+        names = {name for one in wanted for name in ((one,) if isinstance(one, str) else one)}
+        assert values.keys() <= names
+        return values
+
+    vehicle: Any = SimpleNamespace(autopilot=autopilot, parameters=parameters)
+    return without_station(vehicle)
+
+
+@pytest.mark.parametrize(
+    ("autopilot", "values", "told"),
+    [
+        (ARDUPILOT, {"FS_GCS_ENABLE": 0}, "without its ground station the vehicle goes on (FS_GCS_ENABLE 0)"),
+        (ARDUPILOT, {"FS_GCS_ENABLE": 1}, "5 s without its ground station lead to rtl or land (FS_GCS_ENABLE 1)"),
+        (
+            ARDUPILOT,
+            {"FS_GCS_ENABLE": 1, "FS_OPTIONS": 2},
+            "without its ground station the vehicle goes on (FS_GCS_ENABLE 1, by FS_OPTIONS)",
+        ),
+        (
+            ARDUPILOT,
+            {"FS_GCS_ENABLE": 5, "FS_GCS_TIMEOUT": 30, "SYSID_MYGCS": 245},
+            "30 s without its ground station lead to land (FS_GCS_ENABLE 5)",
+        ),
+        (
+            ARDUPILOT,
+            {"FS_GCS_ENABLE": 1, "MAV_GCS_SYSID": 255, "MAV_GCS_SYSID_HI": 0},
+            "FS_GCS_ENABLE 1 counts for station 255, and this one is 245",
+        ),
+        (
+            ARDUPILOT,
+            {"FS_GCS_ENABLE": 1, "MAV_GCS_SYSID": 240, "MAV_GCS_SYSID_HI": 250},
+            "5 s without its ground station lead to rtl or land (FS_GCS_ENABLE 1)",
+        ),
+        (PX4, {"NAV_DLL_ACT": 0}, "without its ground station the vehicle goes on (NAV_DLL_ACT 0)"),
+        (
+            PX4,
+            {"NAV_DLL_ACT": 2, "COM_DL_LOSS_T": 20},
+            "20 s without its ground station lead to rtl or land or terminate (NAV_DLL_ACT 2)",
+        ),
+        (PX4, {"COM_DL_LOSS_T": 20}, ""),
+    ],
+)
+def test_it_is_told_by_the_values_that_the_vehicle_has(autopilot: Autopilot, values: Parameters, told: str) -> None:
+    assert words(autopilot, values) == told
+
+
+def test_nothing_is_told_where_nobody_knows() -> None:
+    unknown: Any = SimpleNamespace(station_loss=None)
+    assert words(unknown, {}) == ""
+    unknown = SimpleNamespace(station_loss=PX4.station_loss, failsafes=lambda values: ())
+    assert words(unknown, {"NAV_DLL_ACT": 2}) == ""

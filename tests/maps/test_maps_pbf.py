@@ -1,0 +1,156 @@
+"""OpenStreetMap's binary extracts say the same as its XML, and of a large one only what is wanted is read."""
+
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.maps import pbf, read
+from ipoa_mission.maps.around import Around, Box
+from ipoa_mission.maps.buildings import BuildingRules, search_buildings
+from ipoa_mission.maps.read import read_features
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+from tests.maps.test_maps_osm import RELATION, TOWN, node, way
+
+osmium = pytest.importorskip("osmium")
+#: The town, a wood far round it, a cable car across it, an area of two far ways, a hut, and a road far from all of it.
+COUNTRY = TOWN.replace(
+    "</osm>",
+    "".join(
+        [
+            *(node(100 + n, place) for n, place in enumerate([(46.5, 7.5), (46.5, 8.5), (47.5, 8.5), (47.5, 7.5)])),
+            *(node(200 + n, place) for n, place in enumerate([(46.9, 8.002), (47.1, 8.002)])),
+            *(node(300 + n, place) for n, place in enumerate([(47.3, 8.3), (47.3, 8.301), (47.301, 8.301)])),
+            *(node(400 + n, place) for n, place in enumerate([(49.0, 11.0), (49.1, 11.0)])),
+            node(500, (47.25, 8.25), '<tag k="man_made" v="mast"/>'),
+            way(110, [100, 101, 102]),
+            way(111, [102, 103, 100]),
+            way(120, [200, 201], aerialway="gondola"),
+            way(130, [300, 301, 302, 300], building="hut"),
+            way(140, [400, 401], highway="path"),
+            '<relation id="150"><member type="way" ref="110" role="outer"/><member type="way" ref="111" role="outer"/>'
+            '<tag k="type" v="multipolygon"/><tag k="natural" v="wood"/></relation></osm>',
+        ]
+    ),
+)
+HERE: Box = (np.array([-300.0, -300.0]), np.array([600.0, 600.0]))
+HOME = LocalFrame(Geodetic(47.0, 8.0, 400.0))
+Make = Callable[[str], Path]
+
+
+@pytest.fixture
+def make(tmp_path: Path) -> Make:
+    """Has osmium make a binary file of an XML one, which stays beside it, nodes before ways, as extracts have them."""
+
+    def made(text: str) -> Path:
+        xml, binary = tmp_path / "town.osm", tmp_path / "town.osm.pbf"
+        xml.write_text(text)
+        binary.unlink(missing_ok=True)
+        with osmium.SimpleWriter(binary) as writer:
+            for sort in (osmium.osm.NODE, osmium.osm.WAY, osmium.osm.RELATION):
+                for each in osmium.FileProcessor(xml, sort):
+                    writer.add(each)
+        return binary
+
+    return made
+
+
+def test_it_is_read_as_the_xml_it_was_made_from(make: Make) -> None:
+    binary = make(COUNTRY)
+    told = {one.tags["@id"]: (one.tags, one.shape.wkb) for one in read_features(binary)}
+    assert told == {one.tags["@id"]: (one.tags, one.shape.wkb) for one in read_features(binary.with_suffix(""))}
+    assert {"node/9", "way/13", "relation/30", "relation/150"} < told.keys()
+
+
+def test_only_what_meets_the_window_is_read_and_the_rest_is_counted(make: Make) -> None:
+    around = Around.of(HOME, HERE)
+    numbers = {one.tags["@id"] for one in read_features(make(COUNTRY), around)}
+    assert numbers == {"node/9", "way/10", "way/11", "way/12", "way/13", "way/120", "relation/30", "relation/150"}
+    assert around.elsewhere == 3  # the hut, the path, the mast
+
+
+def test_obstacles_are_those_of_the_xml(make: Make) -> None:
+    binary = make(COUNTRY)
+    ours, theirs = (search_buildings(path, BuildingRules(), HOME, HERE) for path in (binary, binary.with_suffix("")))
+    here = shapely.box(*np.hstack(HERE))
+    near, same = ([s for s in found.standing if here.intersects(s.shape)] for found in (ours, theirs))
+    assert [(one.name, one.height, one.shape.wkb) for one in near] == [(s.name, s.height, s.shape.wkb) for s in same]
+    assert {one.name for one in near} == {"node/9", "Hall & more", "way/12", "way/120", "relation/30"}
+    assert "3 things far from the flight, not looked at" in ours.remarks
+    wood = [one for one in ours.passed_over if one.may_stand]
+    assert [(one.name, one.reason) for one in wood] == [("relation/150", "a wood of unknown height")]
+
+
+def test_a_small_part_is_read_once_until_the_file_is_another(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    binary, times = make(TOWN), 0
+
+    def count(path: Path, around: Around) -> object:
+        nonlocal times
+        times += 1
+        return pbf.read_pbf(path, around)
+
+    monkeypatch.setitem(read._LARGE, ".pbf", count)
+    moved = HERE[0] + 5.0, HERE[1] + 5.0
+    first, second = (search_buildings(binary, BuildingRules(), HOME, box) for box in (HERE, moved))
+    assert (times, len(first.standing)) == (1, len(second.standing))
+    os.utime(binary, ns=(1, 1))
+    search_buildings(binary, BuildingRules(), HOME, HERE)
+    assert times == 2
+
+
+def test_the_map_of_another_place_is_refused(make: Make) -> None:
+    with pytest.raises(BadInput, match=r"expected places within 100 km of home \(46.0000, 9.5000\), not only from 47"):
+        search_buildings(make(TOWN), BuildingRules(), LocalFrame(Geodetic(46.0, 9.5)), HERE)
+
+
+def test_a_flight_beside_all_that_a_map_has_is_none_of_its_mistakes(make: Make) -> None:
+    binary = make(TOWN)
+    away = LocalFrame(Geodetic(47.3, 8.3))
+    assert search_buildings(binary, BuildingRules(), away, HERE).elsewhere == 6
+
+
+def test_what_is_cut_off_or_something_else_is_refused(make: Make) -> None:
+    binary = make(COUNTRY)
+    whole = binary.read_bytes()
+    for content, words in {
+        whole[: len(whole) // 2]: "expected a whole .osm.pbf file",
+        whole[:40] + b"\xff" * 400: "expected a whole .osm.pbf file",
+        COUNTRY.encode(): "expected an .osm.pbf file, but it does not begin like one",
+        b"": "expected an .osm.pbf file, but it does not begin like one",
+    }.items():
+        binary.write_bytes(content)
+        with pytest.raises(BadInput, match=words) as told:
+            read_features(binary)
+        assert str(told.value).startswith(f"{binary}: ")
+
+
+def test_a_file_without_things_is_refused(make: Make) -> None:
+    with pytest.raises(BadInput, match="expected things with tags, but there are none"):
+        read_features(make(f'<osm version="0.6">{node(1, (47.0, 8.0))}</osm>'))
+
+
+def test_what_lies_nowhere_and_an_area_that_does_not_close_have_no_shape(make: Make) -> None:
+    open_one = RELATION.replace('<member type="way" ref="21" role="outer"/>', "")
+    binary = make(TOWN.replace(RELATION, open_one).replace("</osm>", way(14, [5], building="yes") + "</osm>"))
+    empty = {one.tags["@id"] for one in read_features(binary, Around.of(HOME, HERE)) if one.shape.is_empty}
+    assert empty == {"way/13", "way/14", "relation/30"}
+
+
+def test_a_large_file_is_refused_with_what_cuts_it_out(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pbf, "LARGEST_PBF", 100)
+    with pytest.raises(BadInput, match="expected an extract of at most 0 MB") as told:
+        search_buildings(make(TOWN), BuildingRules(), HOME, HERE)
+    assert "osmium extract --strategy smart --bbox 7.98,46.98,8.02,47.02 --output" in str(told.value.hint)
+
+
+def test_without_the_library_the_extra_is_named(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:
+    binary = make(TOWN)
+    monkeypatch.setitem(sys.modules, "osmium", None)
+    with pytest.raises(BadInput, match="reading it needs osmium, which is not installed") as told:
+        read_features(binary)
+    assert told.value.hint == "pip install 'ipoa-mission[maps]'"

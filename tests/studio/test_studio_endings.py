@@ -1,0 +1,100 @@
+"""The strip of endings under the page's profile: the rows of the forecast, where the report has them, with costs."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("tomlkit")
+
+from ipoa_mission import Forecast, read_mission, read_scenario
+from ipoa_mission.forecast.endings import Endings
+from ipoa_mission.forecast.energy import budget_of
+from ipoa_mission.forecast.grades import Grade
+from ipoa_mission.report.page import report_html
+from ipoa_mission.studio.ending_answers import StripCost, StripOfEndings
+from ipoa_mission.studio.ending_strip import strips_of
+from ipoa_mission.studio.planned import course_of
+from ipoa_mission.vehicles.ending import Ending
+from tests.forecast.test_endings_now import BATTERY
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+
+
+@pytest.fixture(scope="module")
+def forecast(tmp_path_factory: pytest.TempPathFactory) -> Forecast:
+    world = tmp_path_factory.mktemp("world") / "sitl.toml"
+    world.write_text((MISSIONS / "sitl.toml").read_text(encoding="utf-8") + BATTERY, encoding="utf-8")
+    return Forecast(read_mission(MISSIONS / "sitl.plan"), read_scenario(world))
+
+
+@pytest.fixture(scope="module")
+def strips(forecast: Forecast) -> tuple[StripOfEndings, ...]:
+    return tuple(strips_of(forecast, 7, 2))
+
+
+def test_the_strip_has_the_rows_of_the_forecast_as_the_report_has(
+    forecast: Forecast, strips: tuple[StripOfEndings, ...]
+) -> None:
+    strip, page, course = strips[0], report_html(forecast), course_of(forecast)
+    assert [(one.kind, one.revision, one.flight) for one in strips] == [("endings", 7, 2)] * 2
+    rows = Endings(forecast).all_rows(timed=False)
+    stretches = [(bar.ending, one) for bar in strip.bars for one in bar.stretches]
+    assert len(stretches) == len(rows) > len(strip.bars) == 3
+    for (ending, one), row in zip(stretches, rows, strict=True):
+        assert (ending, one.words) == (str(row.ending), row.in_full)
+        assert row.keeps in one.words
+        assert "2.50 m required" in one.words
+        assert one.look == {Grade.CLEAR: "clear", Grade.MAY: "perhaps", Grade.WOULD: "not clear"}[row.grade]
+        assert (one.from_s, one.to_s) == pytest.approx((row.from_s, row.to_s), abs=0.006)
+        there = np.interp([row.from_s, row.to_s], course.times, course.along)
+        assert (one.begins, one.ends) == pytest.approx(there, abs=0.06)
+        assert f'data-ending="{ending}" data-from="{one.from_s:.2f}" data-to="{one.to_s:.2f}"' in page
+
+
+def between(costs: tuple[StripCost, ...], time: float) -> list[float]:
+    """What the page makes of the costs beside a moment."""
+    shares = [(*one.seconds, *(one.energy_wh or ()), one.lands, one.least, one.most) for one in costs]
+    return [float(np.interp(time, [one.at_s for one in costs], column)) for column in zip(*shares, strict=True)]
+
+
+@pytest.mark.parametrize("ending", [Ending.RTL, Ending.LAND])
+def test_what_an_ending_takes_lies_between_what_it_takes_before_and_after(
+    forecast: Forecast, strips: tuple[StripOfEndings, ...], ending: Ending
+) -> None:
+    endings, budget = Endings(forecast), budget_of(forecast)
+    assert budget is not None
+    assert not any(bar.costs for bar in strips[0].bars)
+    assert strips[1].reserve == 0.25
+    (bar,) = (bar for bar in strips[1].bars if bar.ending == ending)
+    begin, end = endings.in_air
+    for time in np.linspace(begin + 1.0, end - 1.0, 7).tolist():
+        taken = endings.takes(ending, time)
+        assert taken is not None
+        assert taken[1] is not None
+        used, left = taken[1].between, budget.left(budget.taken(time, taken[1]))
+        assert left is not None
+        low, high, least_wh, most_wh, lands, least, most = between(bar.costs, time)
+        assert (low, high) == pytest.approx(taken[0], rel=0.15, abs=4.0)
+        assert (least_wh, most_wh) == pytest.approx((used.low, used.high), rel=0.15, abs=0.5)
+        assert (least, lands, most) == pytest.approx(left, abs=0.01)
+    assert min(value for one in bar.costs for value in one.seconds) >= 0.0
+
+
+def test_one_that_does_not_land_has_no_cost(strips: tuple[StripOfEndings, ...]) -> None:
+    assert {bar.ending: bool(bar.costs) for bar in strips[1].bars} == {"rtl": True, "land": True, "hold": False}
+
+
+def test_where_nobody_knows_where_it_leads_that_is_told(forecast: Forecast) -> None:
+    elsewhere = replace(forecast.given, parameters={**forecast.given.parameters, "RTL_TYPE": 1.0})
+    *_, strip = strips_of(Forecast(elsewhere, forecast.scenario), 1, 0)
+    bar = strip.bars[0]
+    assert (bar.ending, [one.look for one in bar.stretches], bar.costs) == ("rtl", ["unknown"], ())
+    assert "nobody knows where: not clear: returns to the mission's landing" in bar.stretches[0].words
+
+
+def test_without_a_world_there_is_no_bar(forecast: Forecast) -> None:
+    (strip,) = strips_of(Forecast(forecast.given), 1, 0)
+    assert strip.bars == ()
+    assert strip.reserve is None

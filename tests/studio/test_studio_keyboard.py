@@ -1,0 +1,151 @@
+"""Drawn, placed, moved and taken out by keyboard alone, in a real browser; skipped as the page's other tests are."""
+
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import shapely
+
+from ipoa_mission import read_mission, read_scenario
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+from tests.studio import test_studio_page as own
+from tests.studio.test_studio_page import (
+    address,
+    browser,
+    own_page,
+    page,
+    proved,
+    pytestmark,
+    scenario_of,
+    until,
+    window,
+)
+
+__all__ = ["address", "browser", "own_page", "page", "pytestmark", "window"]
+
+LEFT, RIGHT, UP, DOWN = (f"Arrow{way}" for way in ("Left", "Right", "Up", "Down"))
+
+
+def press(page: Any, *keys: str) -> None:
+    """Press keys; one that is followed by a number so many times."""
+    for key in keys:
+        name, _, times = key.partition("*")
+        for _ in range(int(times or 1)):
+            page.keyboard.press(name)
+
+
+def told(page: Any, words: str) -> None:
+    """Wait for words that are said to who does not see the map."""
+    page.locator(".spoken", has_text=words).wait_for()
+
+
+def undone(page: Any, words: str) -> None:
+    """Wait for a change that can be undone."""
+    until(page, f"document.querySelector('[title^=Undo]').title === 'Undo: {words}'")
+
+
+@pytest.fixture
+def at_home(page: Any) -> Iterator[Any]:
+    """The page with its map as it begins, and nothing on it in focus."""
+    proved(page)
+    page.evaluate("document.activeElement.blur()")
+    press(page, "Home")
+    yield page
+    press(page, "Escape", "Escape")
+
+
+def test_a_flight_is_planned_round_a_building_drawn_by_keyboard(own_page: Any, address: tuple[str, Path]) -> None:
+    page = own_page
+    proved(page)
+    press(page, "Home", "b")
+    told(page, "30 m east, 0 m north of home")  # the middle of the map
+    assert page.evaluate("document.activeElement.className").startswith("maplibregl-canvas")
+    press(page, f"Shift+{RIGHT}", f"{RIGHT}*2", f"Shift+{DOWN}*2", "Enter")
+    told(page, "Corner 1.")
+    press(page, f"{RIGHT}*4", "Enter", f"Shift+{UP}*9", "Enter")
+    told(page, "Corner 3. 90.0 m; around")
+    press(page, "Backspace")
+    told(page, "The last corner is taken back; 2 left.")
+    press(page, f"Shift+{DOWN}*6", "Enter", f"{LEFT}*4", "Enter", "Enter")
+    told(page, "Closed")
+    until(page, "document.querySelector('textarea').value.includes('building 3')")
+    height = page.locator("label", has_text="height").locator("input").first
+    height.press("Control+a")
+    page.keyboard.type("29")
+    press(page, "Tab")
+    until(page, "document.querySelector('textarea').value.includes('height = 29')")
+    proved(page)
+    page.get_by_role("button", name="Mission files").focus()
+    press(page, "Enter")
+    page.get_by_text("written: meadow.plan").wait_for()
+    press(page, "Control+s")
+    page.locator(".saved").wait_for()
+    corners = [[42.0, -20.0], [46.0, -20.0], [46.0, 10.0], [42.0, 10.0]]
+    assert tomllib.loads(address[1].read_text())["obstacles"][2]["footprint"] == corners
+    mission, frame = read_mission(address[1].with_suffix(".plan")), read_scenario(address[1]).frame
+    places = [item for item in mission.items if item.has_position]
+    path = [frame.local(Geodetic(item.latitude_deg, item.longitude_deg, 510.0))[:2] for item in places]
+    assert shapely.LineString(path).distance(shapely.Polygon(corners)) > 1.5  # its hull and the safety distance
+
+
+def test_places_are_put_moved_and_taken_out(at_home: Any) -> None:
+    page, before = at_home, scenario_of(at_home)
+    press(page, "w", f"Shift+{DOWN}*2", "Enter")
+    told(page, "Point added.")
+    undone(page, "via point added")
+    until(page, "document.querySelector('textarea').value.includes('[[via]]')")
+    press(page, "Backspace")
+    until(page, "!document.querySelector('textarea').value.includes('[[via]]')")
+    press(page, "Escape")
+    told(page, "The crosshair is gone.")
+    press(page, "c", f"Shift+{UP}*2", f"{DOWN}*2", "Enter")
+    told(page, "silo taken")
+    press(page, f"Shift+{LEFT}", "Escape")
+    told(page, "Let go where it was.")
+    press(page, f"Shift+{RIGHT}*4", f"Shift+{DOWN}", f"{DOWN}*8", "Enter")
+    told(page, "goal taken")
+    press(page, f"Shift+{LEFT}", "Enter")
+    undone(page, "goal moved")
+    assert before.replace("east = 60.0", "east = 50.0") == scenario_of(page)
+
+
+def test_an_area_to_be_surveyed_is_drawn_and_its_corner_moved(own_page: Any) -> None:
+    page = own_page
+    proved(page)
+    press(page, "Home", "a")
+    told(page, "30 m east, 0 m north of home")
+    press(page, f"Shift+{LEFT}*3", "Enter", f"Shift+{RIGHT}*2", "Enter", f"Shift+{UP}*2", "Enter", "Enter")
+    undone(page, "area drawn")
+    corner = page.locator("[data-grip='survey.polygon.0.1']")
+    corner.focus()
+    press(page, f"Shift+{RIGHT}")
+    until(page, "document.querySelector('[title^=Undo]').title.includes('corner moved')")
+    until(page, "document.querySelector('textarea').value.includes('[30.0, 0.0]')")
+
+
+def test_items_of_a_mission_are_moved_put_in_and_taken_out(own_page: Any, address: tuple[str, Path]) -> None:
+    page = own_page
+    proved(page)
+    page.locator("summary", has_text="Maps and missions").press("Enter")
+    page.locator("input[type=file]").set_input_files(own.REPOSITORY / "missions" / "sitl.plan")
+    page.get_by_role("button", name="Open it by itself").press("Enter")
+    page.get_by_role("heading", name="sitl: a mission file").wait_for()
+    until(page, "window.map?.isStyleLoaded() && map.querySourceFeatures('items').length > 0")
+    page.locator(".items button", has_text="4 ").first.press("Enter")
+    press(page, "c", "Enter")
+    told(page, "item 4 taken")
+    press(page, f"{UP}*3", f"Shift+{RIGHT}", "Enter")
+    undone(page, "item 4 moved")
+    press(page, "Control+s")
+    page.locator(".saved").wait_for()
+    before, after = (read_mission(folder / "sitl.plan") for folder in (own.REPOSITORY / "missions", address[1].parent))
+    frame, was, now = LocalFrame(before.home), before.items[3], after.items[3]
+    there, here = (frame.local(Geodetic(one.latitude_deg, one.longitude_deg))[:2] for one in (now, was))
+    assert there - here == pytest.approx([10.0, 3.0], abs=0.05)
+    press(page, "w", f"Shift+{UP}", "Enter")
+    undone(page, "item 5 added")
+    page.locator(".items summary", has_text=f"({len(before.items) + 1})").wait_for()
+    press(page, "Escape", "Delete")
+    undone(page, "item 5 removed")
