@@ -159,6 +159,11 @@ RULES: Mapping[str, Rule] = {
         "Set the return altitude that the hint names.",
         True,
     ),
+    "land-too-near": Rule(
+        "A failsafe of the vehicle lands where it is, and there it would come down on something, or too near to it.",
+        "Set the parameter that the hint names, so that it returns instead.",
+        True,
+    ),
     "battery-short": Rule(
         "The flight would land with less than the battery's reserve, or may empty it.",
         "Take the battery that the hint names, fly a shorter way or at another speed, or split the mission.",

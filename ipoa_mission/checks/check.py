@@ -80,6 +80,7 @@ def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Findi
             findings += check_landings(flown)
         if scenario is not None:  # what looks at a world is imported where there is one
             from ipoa_mission.checks.energy import check_energy
+            from ipoa_mission.checks.failsafe_landing import check_failsafe_landing
             from ipoa_mission.checks.failsafe_return import check_failsafe_return
             from ipoa_mission.checks.wind import check_wind
 
@@ -88,7 +89,7 @@ def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Findi
             findings += [*_check_world(flown, promise), *(check_wind(flown) if is_flown else ())]
             findings += () if promise is None else check_energy(flown)
             if promise is not None and not any(finding.severity is Severity.ERROR for finding in findings):
-                findings += check_failsafe_return(flown)
+                findings += (*check_failsafe_return(flown), *check_failsafe_landing(flown))
     findings = [finding for finding in findings if finding.code not in ignored]
     return tuple(sorted(findings, key=lambda finding: (finding.severity is Severity.WARNING, finding.seq or 0)))
 

@@ -41,7 +41,7 @@ def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
         if (short < 0.0).any():
             seqs = np.unique(ways.stops().seqs_at(looks.times[short < 0.0]))
             worst = _check(ways, looks, int(np.argmin(short)), legs)
-            words = f"{_in_words(seqs.tolist())}: {order} on the way there {verb} {worst.words()}"
+            words = f"{in_words(seqs.tolist())}: {order} on the way there {verb} {worst.words()}"
             hint = _remedy(ways) if legs.start == RETURNS else None
             yield Finding("return-too-near", Severity.WARNING, int(seqs[0]), words, hint)
 
@@ -68,7 +68,7 @@ def _remedy(ways: EndingWays) -> str | None:
     return f"{by.name} = {value:.0f}{beyond} makes it clear, in the vehicle and under [vehicle.parameters]"
 
 
-def _in_words(seqs: Sequence[int]) -> str:
+def in_words(seqs: Sequence[int]) -> str:
     """Items 3, 4, 5 and 7 are "items 3 to 5, 7"."""
     runs = np.split(np.array(seqs), np.flatnonzero(np.diff(seqs) > 1) + 1)
     words = ", ".join(str(run[0]) if len(run) == 1 else f"{run[0]} to {run[-1]}" for run in runs)

@@ -30,7 +30,6 @@ def endings_as_json(rows: tuple[EndingRow, ...], failsafes: tuple[Failsafe, ...]
 
 def _row(row: EndingRow) -> dict[str, Any]:
     lands = None if row.lands is None else {"east": _rounded(row.lands[0]), "north": _rounded(row.lands[1])}
-    times = None if row.duration_s is None else [_rounded(time) for time in row.duration_s]
     return {
         "ending": str(row.ending),
         "from_s": _rounded(row.from_s),
@@ -40,8 +39,9 @@ def _row(row: EndingRow) -> dict[str, Any]:
         "least_m": _rounded(row.least_m),
         "required_m": _rounded(row.required_m),
         **picked(row, "to", "goal"),
-        "duration_s": times,
-        "energy_wh": None if row.energy_wh is None else [_rounded(wh) for wh in row.energy_wh],
+        "touches_s": _between(row.touches_s),
+        "duration_s": _between(row.duration_s),
+        "energy_wh": _between(row.energy_wh),
         "lands": lands,
     }
 
@@ -117,6 +117,10 @@ def _cells(row: EndingRow) -> tuple[str, ...]:
 
 def _setting(failsafe: Failsafe) -> str:
     return f"{failsafe.parameter} = {failsafe.value:g}" if failsafe.parameter else ""
+
+
+def _between(both: tuple[float, float] | None) -> list[float | None] | None:
+    return None if both is None else [*map(_rounded, both)]
 
 
 def _rounded(value: float) -> float | None:

@@ -43,6 +43,23 @@ def failsafes_of(forecast: Forecast) -> tuple[Failsafe, ...]:
     return mission.autopilot.failsafes(mission.parameters, mission.firmware_version)
 
 
+def lands_by_choice(forecast: Forecast) -> tuple[Failsafe, ...]:
+    """Its failsafes that land where it is, though with another value of their parameter they would return."""
+    return tuple(one for one in failsafes_of(forecast) if one.lands_by_choice)
+
+
+def who_lands(forecast: Forecast) -> str:
+    """These failsafes in words: "critical battery (BATT_FS_CRT_ACT = 1)"."""
+    return " and ".join(f"{one.cause} ({one.parameter} = {one.value:g})" for one in lands_by_choice(forecast))
+
+
+def to_return_instead(forecast: Forecast) -> str:
+    """What makes the same ones return, in words: "BATT_FS_CRT_ACT = 2 returns"."""
+    values = {one.parameter: one.returns_at for one in lands_by_choice(forecast)}
+    words = " and ".join(f"{name} = {value}" for name, value in values.items())
+    return f"{words} return{'s' if len(values) == 1 else ''} instead, in the vehicle and under [vehicle.parameters]"
+
+
 def endings_of(forecast: Forecast) -> tuple[Ending, ...]:
     """The endings that the vehicle has, of those that are looked at: what a failsafe or a pilot's order leads to."""
     failsafes = failsafes_of(forecast)
@@ -57,9 +74,9 @@ class EndingRow:
 
     `least_m` is what is kept at least of the nearest thing, `to`, once the tube is taken off: a distance, or where `to`
     is the ground a height; infinite where nothing is near, NaN where it is not known where the ending leads, and `to`
-    says why. `duration_s` is from the order to the ground at the quickest and at the slowest, `energy_wh` the least
-    and the most that it takes; None where nobody can say. `lands`: east and north of home [m], None where it holds, or
-    where the place changes all the time.
+    says why. From the order it stands on the ground after `touches_s`, and has disarmed after `duration_s`, each at the
+    quickest and at the slowest; `energy_wh` is the least and the most that it takes; None where nobody can say.
+    `lands`: east and north of home [m], None where it holds, or where the place changes all the time.
     """
 
     ending: Ending
@@ -71,6 +88,7 @@ class EndingRow:
     to: str
     goal: str
     lands: tuple[float, float] | None = None
+    touches_s: tuple[float, float] | None = None
     duration_s: tuple[float, float] | None = None
     energy_wh: tuple[float, float] | None = None
 
@@ -272,15 +290,17 @@ class Endings:
             flown = [flown_from(self.forecast, row.ending, float(looks.times[n])) for n in sorted(picked)]
         except MissionError:
             return row
-        used = [taken.between for _, taken in flown if taken is not None]
-        lasts = min(low for (low, _), _ in flown), max(high for (_, high), _ in flown)
+        used = [one.used.between for one in flown if one.used is not None]
+        stood = [one.touches for one in flown if one.touches is not None]
+        touches = (min(low for low, _ in stood), max(high for _, high in stood)) if stood else None
+        lasts = min(one.lasts[0] for one in flown), max(one.lasts[1] for one in flown)
         takes = (min(one.low for one in used), max(one.high for one in used)) if used else None
-        return replace(row, duration_s=lasts, energy_wh=takes)
+        return replace(row, touches_s=touches, duration_s=lasts, energy_wh=takes)
 
     def lasts(self, ending: Ending, time: float) -> tuple[float, float] | None:
         """The least and the most time that an ending takes which is ordered at a time [s]; None where nobody knows."""
         taken = self.takes(ending, time)
-        return None if taken is None else taken[0]
+        return None if taken is None else taken.lasts
 
     def takes(self, ending: Ending, time: float) -> Taken | None:
         """The same with what it takes of the battery, as `flown_from`."""

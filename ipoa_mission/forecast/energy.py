@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,8 +18,16 @@ LOOKS = 12  # at so many times a return is reckoned at first
 NEAREST_S = 1.0  # a point of no return is told so exactly [s]
 NEARER = 'a rally point near there, a shorter way, a larger battery, less wind; or [safety] returns = "warn"'
 
-#: How long an ending takes, at least and at most [s], and of what; None where nothing is known of that.
-Taken: TypeAlias = tuple[tuple[float, float], Consumption | None]
+
+class Taken(NamedTuple):
+    """How long an ending takes until it has disarmed, and until it touches the ground, at least and at most [s].
+
+    `used` is what it takes of the battery; None where nothing is known of that.
+    """
+
+    lasts: tuple[float, float]
+    used: Consumption | None
+    touches: tuple[float, float] | None
 
 
 class ItemEnergy(NamedTuple):
@@ -186,7 +194,7 @@ class Budget:
     def _short_from(self, time: float) -> NoReturn | None:
         seq = next((item.seq for item in self.forecast.estimate.items if item.done_s >= time), 0)
         try:
-            _, ended = flown_from(self.forecast, Ending.RTL, time)
+            ended = flown_from(self.forecast, Ending.RTL, time).used
         except MissionError as error:
             return NoReturn(time, seq, None, str(error))
         if ended is None or self.battery is None:
@@ -236,7 +244,9 @@ def flown_from(forecast: Forecast, ending: Ending, time: float) -> Taken:
     prediction = mission.autopilot.part(FlightModel).broken_off(forecast.itinerary, mission, forecast.wind, None, order)
     track = prediction.track.between(time, np.inf)
     lasts = max(float(prediction.low[-1]) - time, 0.0), max(float(prediction.high[-1]) - time, 0.0)
+    first, _, last = prediction.touched or (np.nan,) * 3
+    touches = (max(first - time, 0.0), max(last - time, 0.0)) if np.isfinite(first) else None
     if len(track.times) < 2 or not track.times[-1] > track.times[0]:
-        return lasts, None
+        return Taken(lasts, None, touches)
     used = flight_energy(forecast.scenario, track.times, track.points, track.speeds, mission.vehicle, forecast.wind)
-    return lasts, None if used is None else used.lasting(*lasts)
+    return Taken(lasts, None if used is None else used.lasting(*lasts), touches)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.looks import CLIMBS, EVERY_S, GROUND, RETURNS, EndingLooks, EndingWays
+from ipoa_mission.forecast.looks import BRAKES, CLIMBS, EVERY_S, GROUND, RETURNS, EndingLooks, EndingWays
 from ipoa_mission.vehicles.ending import Ending
 
 HEIGHT_STEP, HIGHEST = 5, 500  # return altitudes are of every so many meters, up to [m] above home
@@ -28,6 +28,11 @@ class Shortfall:
     missing: float
     part: int
     overhead: bool = False
+
+    @property
+    def comes_down(self) -> bool:
+        """Whether it lands on it, or too near to it."""
+        return self.ending is Ending.LAND and self.part > BRAKES
 
 
 def returning(ways: EndingWays) -> list[Shortfall]:

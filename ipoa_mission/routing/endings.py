@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ipoa_mission.forecast.endings import Endings, endings_of
+from ipoa_mission.forecast.endings import Endings, endings_of, lands_by_choice, to_return_instead, who_lands
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.looks import RETURNS, EndingWays
 from ipoa_mission.forecast.shortfalls import HIGHEST, Shortfall, at_another_height, returning, shortfalls
@@ -28,6 +28,8 @@ def settled(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
     """
     ways = forecast.once(EndingWays)
     braking = list(shortfalls(ways, Ending.HOLD, ways.looks(Ending.HOLD)))
+    if lands_by_choice(forecast):
+        braking += shortfalls(ways, Ending.LAND, ways.looks(Ending.LAND))
     if ways.why_unknown() is not None:
         return forecast, tuple(braking)
     if braking:  # another path it must be, and that is to turn back and climb in the clear as well
@@ -66,14 +68,21 @@ def _with_rally_points(
 def why_not_planned(forecast: Forecast) -> str:
     """Which stretch of which ending is not clear, in words that go on."""
     endings = forecast.once(Endings)
-    rows = [row for ending in (Ending.HOLD, Ending.RTL) for row in endings.rows(ending, timed=False) if not row.clear]
+    asked = (Ending.HOLD, Ending.RTL, *((Ending.LAND,) if lands_by_choice(forecast) else ()))
+    rows = [row for ending in asked for row in endings.rows(ending, timed=False) if not row.clear]
     worst = min(rows, key=lambda row: row.least_m - row.required_m)
+    when = f"from {worst.from_s:.1f} to {worst.to_s:.1f} s after arming"
+    if worst.ending is Ending.LAND:
+        return f"LAND {when}, by {who_lands(forecast)}, is {worst.keeps}"
     where = ", where it brakes" if worst.ending is Ending.HOLD else ""
     kept = f"keeps {worst.least_m:.2f} m of {worst.to}{where}, {worst.required_m:.2f} m required"
-    return (
-        f"RTL from {worst.from_s:.1f} to {worst.to_s:.1f} s after arming "
-        f"{kept if math.isfinite(worst.least_m) else worst.to}"
-    )
+    return f"RTL {when} {kept if math.isfinite(worst.least_m) else worst.to}"
+
+
+def or_else(forecast: Forecast) -> str:
+    """What else than a wider way makes an end of its refusal, in words that go on."""
+    returns = f"or {to_return_instead(forecast)}; " if lands_by_choice(forecast) else ""
+    return f'{returns}or [safety] returns = "warn", to be warned only'
 
 
 def planned_returns(forecast: Forecast) -> Iterator[str]:
@@ -91,7 +100,8 @@ def planned_returns(forecast: Forecast) -> Iterator[str]:
         places = (forecast.frame.local(replace(p, altitude=mission.home.altitude)) for p in mission.rally)
         words = "; ".join(f"east {east:.0f}, north {north:.0f} m" for east, north, _ in places)
         yield f"RTL is clear from every second by rally points, at {words}: they are uploaded with the mission"
-    if scenario.safety.returns == "planned" and Ending.LAND in endings_of(forecast):
+    asked = scenario.safety.returns == "planned" and Ending.LAND in endings_of(forecast)
+    if asked and not lands_by_choice(forecast):
         yield from _lands_on(forecast)
 
 

@@ -17,7 +17,7 @@ class WayHomeBlocked(MissionError):
 
 
 def expect_way_home(attempt: "Attempt") -> None:
-    """See that the own return of a mission whose endings are planned is clear.
+    """See that the own return of a mission whose endings are planned is clear, and what is below it, if it may land.
 
     Raises:
         WayHomeBlocked: it is not.
@@ -25,7 +25,11 @@ def expect_way_home(attempt: "Attempt") -> None:
     scenario = attempt.scenario
     if scenario.safety.returns != "planned" or scenario.route.ending != "rtl" or leads_home(scenario):
         return
-    if attempt.is_promised and not clear_in(scenario)(attempt.forecast.ways_home):
+    if not attempt.is_promised:
+        return
+    after = attempt.promise.flight.way[1]
+    lands = any(one.comes_down and one.time > after for one in attempt.short)
+    if lands or not clear_in(scenario)(attempt.forecast.ways_home):
         raise WayHomeBlocked("the straight way home is not clear")
 
 

@@ -1,9 +1,11 @@
 """Where a path must keep farther away than the scenario asks, so that what is flown along it keeps what is asked."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ipoa_mission.forecast.shortfalls import Shortfall
 from ipoa_mission.forecast.tube.limits import Rim
 from ipoa_mission.forecast.tube.room import grown, shrunk
 from ipoa_mission.geometry import Vector
@@ -24,11 +26,13 @@ EVEN = Rim(1.0, 1.0, 1.0)  # as far up and down as to the sides
 class Needs:
     """By how much obstacles (n,) must be larger, and limits of height and bounds tighter [m].
 
-    `columns`: so much wider than obstacles (n,) is what is kept free below them, down to the ground; negative: nothing.
+    `columns`, `towers`: so much wider than obstacles (n,) is what is kept free below them, down to the ground, and
+    above them, up to the highest bound; negative: nothing.
     """
 
     growth: Vector
     columns: Vector
+    towers: Vector
     above: float = 0.0
     below: float = 0.0
     inside: float = 0.0
@@ -38,18 +42,16 @@ class Needs:
         promise, curve = attempt.promise, attempt.plan.curve
         short = {kept.limit: -kept.slack * MORE + A_LITTLE for kept in promise.broken if kept.on_the_way}
         wanted = [(one.to, short["obstacles"]) for one in promise.broken if one.on_the_way and one.limit == "obstacles"]
-        wanted += [(one.body, one.missing * MORE + A_LITTLE) for one in attempt.short if one.body and not one.overhead]
-        growth, columns = self.growth, self.columns.copy()
+        aside = [one for one in attempt.short if one.body and not one.overhead and not one.comes_down]
+        wanted += [(one.body, one.missing * MORE + A_LITTLE) for one in aside]
+        growth = self.growth
         spots = curve.sample(max(2, int(curve.length / LOOK_EVERY)))
         for name, missing in wanted:
             growth = np.maximum(growth, _growth(spots, name, missing, scenario))
-        number = {body.name: n for n, body in enumerate(scenario.airspace.obstacles)}
-        for name, missing in {one.body: one.missing for one in attempt.short if one.overhead}.items():
-            wide = columns[number[name]]
-            columns[number[name]] = 0.0 if wide < 0.0 else wide + missing * MORE + A_LITTLE
         return Needs(
             growth,
-            columns,
+            _wider(self.columns, (one for one in attempt.short if one.overhead), scenario),
+            _wider(self.towers, (one for one in attempt.short if one.comes_down), scenario),
             self.above + short.get("ground", 0.0),
             self.below + short.get("ceiling", 0.0),
             self.inside + short.get("bounds", 0.0),
@@ -62,9 +64,13 @@ class Needs:
         """
         air = roomy.airspace
         bodies = tuple(
-            _room_below(air, wide, column) if column >= 0.0 else body
-            for body, wide, column in zip(
-                grown(roomy, scenario, self.growth, EVEN, gaps), air.obstacles, self.columns.tolist(), strict=True
+            _upright(air, wide, column, tower) if max(column, tower) >= 0.0 else body
+            for body, wide, column, tower in zip(
+                grown(roomy, scenario, self.growth, EVEN, gaps),
+                air.obstacles,
+                self.columns.tolist(),
+                self.towers.tolist(),
+                strict=True,
             )
         )
         inside = Rim(self.inside, self.inside, self.inside)
@@ -72,14 +78,26 @@ class Needs:
         return problem_of(roomy).tightened(self.above, self.below, Airspace(bounds, air.terrain, bodies))
 
 
-def _room_below(air: Airspace, body: Obstacle, wider: float) -> Obstacle:
-    """The body, so much wider, and all below it down to the lowest bound."""
+def _wider(rooms: Vector, short: Iterable[Shortfall], scenario: Scenario) -> Vector:
+    """What is kept free below or above obstacles (n,), wider by what is missing there; at first as wide as they are."""
+    number = {body.name: n for n, body in enumerate(scenario.airspace.obstacles)}
+    wider = rooms.copy()
+    for name, missing in {one.body: one.missing for one in short}.items():
+        wide = rooms[number[name]]
+        wider[number[name]] = 0.0 if wide < 0.0 else wide + missing * MORE + A_LITTLE
+    return wider
+
+
+def _upright(air: Airspace, body: Obstacle, column: float, tower: float) -> Obstacle:
+    """The body, as wide as the wider of both, with all below it if it has a column, and all above if a tower."""
     (west, south, base), (east, north, top) = body.bounds
-    floor = min(air.bounds.lower[2], base)
+    floor = min(air.bounds.lower[2], base) if column >= 0.0 else base
+    ceiling = max(air.bounds.upper[2], top) if tower >= 0.0 else top
+    wider = max(column, tower)
     if body.column is not None:
-        return body.grown(wider, base - floor, 0.0)
+        return body.grown(wider, base - floor, ceiling - top)
     radius = max(east - west, north - south) / 2 + wider
-    return Cylinder(body.name, (west + east) / 2, (south + north) / 2, radius, floor, top)
+    return Cylinder(body.name, (west + east) / 2, (south + north) / 2, radius, floor, ceiling)
 
 
 def _growth(spots: np.ndarray, name: str, missing: float, scenario: Scenario) -> Vector:
@@ -100,6 +118,8 @@ def a_little(scenario: Scenario) -> Needs:
 
 
 def nothing(scenario: Scenario) -> Needs:
-    """No need of more."""
-    count = len(scenario.airspace.obstacles)
-    return Needs(np.zeros(count), np.full(count, -1.0))
+    """No need of more but, where it may land by choice and that is planned, to stay aside from what is below."""
+    none, vehicle = np.full(len(scenario.airspace.obstacles), -1.0), scenario.vehicle
+    failsafes = vehicle.autopilot.failsafes(vehicle.autopilot_parameters(), vehicle.version)
+    lands = scenario.safety.returns == "planned" and any(one.lands_by_choice for one in failsafes)
+    return Needs(np.zeros_like(none), none, np.zeros_like(none) if lands else none)

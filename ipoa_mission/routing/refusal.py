@@ -7,13 +7,12 @@ from ipoa_mission.forecast.tube.promise import Kept
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.changes import Looks
-from ipoa_mission.routing.endings import why_not_planned
+from ipoa_mission.routing.endings import or_else, why_not_planned
 from ipoa_mission.routing.narrow import Narrow
 from ipoa_mission.scenario.limits import place_names
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
 
-GIVE_UP = 'or [safety] returns = "warn", to be warned only'
 OPPOSITE = -0.5  # the cosine of the angle between what stands on both sides of a gap, at most
 
 
@@ -22,7 +21,8 @@ def refusal(nearest: Attempt, looks: Looks) -> NoPath:
     promise = nearest.promise
     if nearest.short:
         helps, hint = _what_helps("", looks)
-        return NoPath(f"a path is there, but {why_not_planned(nearest.forecast)}; {helps}", hint=f"{hint}; {GIVE_UP}")
+        words = f"a path is there, but {why_not_planned(nearest.forecast)}; {helps}"
+        return NoPath(words, hint=f"{hint}; {or_else(nearest.forecast)}")
     tightest = min(promise.forbidding, key=lambda kept: kept.slack)
     east, north, height = tightest.place
     where = f"at east {east:.1f}, north {north:.1f}, up {height:.1f} m{_leg(nearest, tightest)}"

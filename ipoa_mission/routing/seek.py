@@ -152,7 +152,7 @@ def _first_rooms(scenario: Scenario) -> Iterator[_Room]:
             if (closed and not keep_gaps) or room in sought:
                 continue
             sought.append(room)
-            yield (one := _Room(world, none))
+            yield (one := _Room(none.room(world, scenario, keep_gaps) if (none.towers >= 0.0).any() else world, none))
             closed = closed or one.closed
     yield _Room(scenario, none)
 

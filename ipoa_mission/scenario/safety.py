@@ -17,8 +17,9 @@ class SafetySection(Section):
     `nominal`: what the predicted path keeps, as the paper has it."""
     returns: Literal["planned", "warn"] = "warn"
     """`planned`: RTL, SmartRTL and holding are clear from every second of the flight, by another path, a return
-    altitude or rally points, and a flight of which they cannot be is refused; `warn`: only a warning tells of RTL that
-    is not clear. `ipoa-mission new` writes `planned`."""
+    altitude or rally points, and so is LAND where `vehicle.parameters` make a failsafe land that could return; a flight
+    of which they cannot be is refused. `warn`: only a warning tells of RTL that is not clear. `ipoa-mission new` writes
+    `planned`."""
     ignore: tuple[str, ...] = ()
     """Codes of findings that are not to be told; those from which a crash may follow are told all the same."""
 

@@ -61,7 +61,7 @@ def _costs(bar: EndingBar, forecast: Forecast, budget: Budget | None) -> Iterato
     """None of an ending that does not land, or of which nobody knows where it leads."""
     if bar.ending not in TIMED or bar.rows[0].grade is Grade.UNKNOWN:
         return
-    for time, ((low, high), used) in sorted(_taken(bar.ending, forecast.once(Endings)).items()):
+    for time, ((low, high), used, _) in sorted(_taken(bar.ending, forecast.once(Endings)).items()):
         left = None if budget is None or used is None else budget.left(budget.taken(time, used))
         yield StripCost(
             at_s=round(time, 2),

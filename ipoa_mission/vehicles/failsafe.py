@@ -75,16 +75,30 @@ class FailsafeRule:
         found = self.answers.get(int(value), self.other)
         return found if found.since <= series else self.other
 
+    def returns_at(self, series: Series) -> int | None:
+        """The first value of the parameter at which the vehicle returns; None where it has none."""
+        values = (value for value, one in self.answers.items() if one.ending is Ending.RTL and one.since <= series)
+        return next(values, None)
+
 
 @dataclass(frozen=True)
 class Failsafe:
-    """What follows a cause on the `route` by the parameters of a vehicle, and at other stages what differs."""
+    """What follows a cause on the `route` by the parameters of a vehicle, and at other stages what differs.
+
+    `returns_at`: the value of `parameter` with which it would return; None where it has none.
+    """
 
     cause: str
     parameter: str
     value: float
     route: FailsafeAction
     differs: Mapping[FlightStage, FailsafeAction] = field(default_factory=dict)
+    returns_at: int | None = None
+
+    @property
+    def lands_by_choice(self) -> bool:
+        """Whether it lands where it is on the route, though with another value of its parameter it would return."""
+        return self.route.ending is Ending.LAND and self.returns_at is not None
 
     def at(self, stage: FlightStage) -> FailsafeAction:
         """What follows in this stage of a mission."""

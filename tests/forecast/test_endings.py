@@ -66,6 +66,9 @@ def test_the_first_example_comes_home_clear_from_every_second(campus: Endings) -
     assert row.goal == "home"
     assert row.duration_s is not None
     assert 0.0 < row.duration_s[0] < row.duration_s[1]
+    assert row.touches_s is not None
+    assert row.touches_s[0] < row.duration_s[0] - 1.0
+    assert row.touches_s[1] < row.duration_s[1] - 1.0
 
 
 def test_a_flight_that_is_in_the_air_for_one_moment_has_its_endings_too() -> None:

@@ -107,7 +107,7 @@ def test_a_return_takes_what_remains_of_a_flight_and_no_return_is_where_it_does_
 
 
 def _return(time: float) -> float:
-    _, used = flown_from(budget().forecast, Ending.RTL, time)
+    used = flown_from(budget().forecast, Ending.RTL, time).used
     assert used is not None
     return used.energy_wh
 

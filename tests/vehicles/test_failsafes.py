@@ -37,7 +37,7 @@ DOCUMENTED = {
     "FS_EKF_ACTION": "0:Report only,1:Switch to Land mode,2:AltHold,3:Switch to Land mode",
     "AVD_F_ACTION": "0:None,1:Report,2:Climb Or Descend,3:Move Horizontally,4:Move Perpendicularly in 3D,5:RTL,6:Hover",
     "FS_CRASH_CHECK": "0:Disabled,1:Enabled",
-    "FS_DR_ENABLE": "0:Disabled/NoAction,1:Land",  # the others lead home, where it drifts off its way
+    "FS_DR_ENABLE": "0:Disabled/NoAction",  # in all others it drifts: docs/returns.csv
 }
 GRADES = "0:None,1:Warning,2:Hold mode,3:Return mode,4:Terminate,5:Land mode"
 LINK = "1:Hold mode,2:Return mode,3:Land mode,5:Terminate,6:Disarm"
@@ -62,13 +62,14 @@ OF_118 = OF_PX4 | {
     "COM_PARACHUTE": "0:Disabled,1:Warning,2:Error,3:Return,4:Land",
     "COM_TRAFF_AVOID": "0:Disabled,1:Warning,2:Error,3:Return,4:Land",
     "COM_ARM_ODID": "0:Disabled,1:Warning only,2:Error only,3:Return,4:Land,5:Terminate",
-    "COM_POS_FS_ACT": "0:Land mode,1:Terminate",  # "Descend mode"
+    "COM_POS_FS_ACT": "0:Descend mode,1:Terminate",
 }
 WORDS = {
     r"None|Disabled|Warn|Error|Report": Ending.CONTINUE,
     r"SmartRTL": Ending.SMART_RTL,
     r"DO_LAND_START": Ending.LAND_START,
     r"\bRTL|Return": Ending.RTL,
+    r"Switch to Land|Descend": Ending.UNKNOWN,  # without a position it drifts: docs/returns.csv
     r"Land": Ending.LAND,
     r"Terminate|Disarm": Ending.TERMINATE,
     r"Brake|Hold mode": Ending.HOLD,
@@ -112,6 +113,25 @@ def test_every_documented_value_is_followed_by_what_its_words_say(
             if (found.ending, *found.otherwise[: len(others)]) != (first, *others):
                 wrong[name, value] = str(found)
     assert not wrong
+
+
+@pytest.mark.parametrize(
+    ("autopilot", "version", "table"), [(AP, None, DOCUMENTED), (PX4, None, OF_117), (PX4, NEW, OF_118)]
+)
+def test_who_lands_by_choice_returns_with_the_value_that_is_named(
+    autopilot: Autopilot, version: Version | None, table: dict[str, str]
+) -> None:
+    """The choice is there where the documented values of a parameter have a return as well."""
+    for name, values in table.items():
+        given = LOOKED_FOR | ({"BATT_LOW_VOLT": 0.0} if name == "BATT_FS_CRT_ACT" else {})
+        returns = [value for value, (first, *_) in documented(values) if first is Ending.RTL]
+        for value, _ in documented(values):
+            found = by(name, given | {name: value}, autopilot, version)
+            assert found.lands_by_choice == (found.route.ending is Ending.LAND and bool(returns)), (name, value)
+            if found.lands_by_choice:
+                assert found.returns_at in returns
+                there = by(name, given | {name: float(returns[0])}, autopilot, version)
+                assert there.route.ending is Ending.RTL
 
 
 @pytest.mark.parametrize(("autopilot", "table"), [(AP, DOCUMENTED), (PX4, OF_118)])

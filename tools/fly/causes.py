@@ -95,6 +95,14 @@ COPTER = (
     Trigger("satellite position jumps", {}, {"SIM_GPS1_GLTCH_X": 0.0003}),
     Trigger("compasses lost", {}, {f"SIM_MAG{n}_FAIL": 1 for n in (1, 2, 3)}),
     Trigger("traffic near", {**SEES, "AVD_F_ACTION": 2}, traffic=True),
+    Trigger("low battery", {"BATT_FS_LOW_ACT": 6}, EMPTY),
+    Trigger("critical battery", {**CRITICAL, "BATT_FS_CRT_ACT": 4}, EMPTY),
+    Trigger("critical battery", {**CRITICAL, "BATT_FS_CRT_ACT": 7}, EMPTY),
+    Trigger("ground station lost", {**STATION, "FS_GCS_ENABLE": 4}, silent=True),
+    Trigger("fence breached", {**FENCED, "FENCE_ACTION": 5}, LOW),
+    Trigger("fence breached", {**ROUND, "FENCE_ACTION": 4}, {"FENCE_RADIUS": 30.0}),
+    Trigger("radio control lost", {"FS_THR_ENABLE": 4}, {"SIM_RC_FAIL": 2.0}),
+    Trigger("critical battery", {**CRITICAL, "BATT_FS_CRT_ACT": 5}, EMPTY),
 )
 
 GCS = {"COM_DL_LOSS_T": 60}
@@ -158,6 +166,14 @@ PX4 = (
     Trigger("radio control lost", {**JOYSTICK, "NAV_RCL_ACT": 5}, sticks=True),
     Trigger("position inaccurate", {"COM_POS_LOW_EPH": 500.0, "COM_POS_LOW_ACT": 4}, {"COM_POS_LOW_EPH": 0.01}),
     Trigger("wind too strong", {**SEES_WIND, "COM_WIND_MAX_ACT": 4}, {"COM_WIND_MAX": 0.01}),
+    Trigger("ground station lost", {**GCS, "NAV_DLL_ACT": 6}, silent=True),
+    Trigger("radio control lost", {**JOYSTICK, "NAV_RCL_ACT": 6}, sticks=True),
+    Trigger("fence breached", {"GF_ACTION": 4}, FENCE_ROUND),
+    Trigger("fence breached", {"GF_ACTION": 1}, FENCE_ROUND),
+    Trigger("wind too strong", {**SEES_WIND, "COM_WIND_MAX_ACT": 1}, {"COM_WIND_MAX": 0.01}),
+    Trigger("position inaccurate", {"COM_POS_LOW_EPH": 500.0, "COM_POS_LOW_ACT": 1}, {"COM_POS_LOW_EPH": 0.01}),
+    Trigger("critical battery", {**BATTERY, "COM_LOW_BAT_ACT": 3, "COM_FAIL_ACT_T": 0}, NEARLY),
+    Trigger("flight time left is short", {"COM_FLTT_LOW_ACT": 1, "BAT1_CAPACITY": 9000.0}, {"BAT1_CAPACITY": 40.0}),
 )
 
 TRIGGERS: Mapping[Autopilot, tuple[Trigger, ...]] = {Autopilot.ARDUPILOT: COPTER, Autopilot.PX4: PX4}

@@ -158,11 +158,17 @@ BROKEN_OFF: tuple[tuple[Callable[[random.Random, int], Course], int], ...] = (
     (yard, 6), (hurdles, 4), (slalom, 6), (town, 6), (yard, 4), (gates, 4),
     (hurdles, 5), (town, 4), (yard, 7), (slalom, 4), (town, 5), (yard, 5),
 )  # fmt: skip
+LOTS = 3 * len(BROKEN_OFF)
+
+
+def kind_of(number: int) -> tuple[Callable[[random.Random, int], Course], int]:
+    """Which kind of course to be broken off; after two lots others are in wind, by rally points and over hills."""
+    return BROKEN_OFF[(number + number // (2 * len(BROKEN_OFF))) % len(BROKEN_OFF)]
 
 
 def broken_off(number: int) -> Course:
     """One of a third with rally points, of a third with wind, of a third on a slope; with the default confidence."""
-    make, count = BROKEN_OFF[number % len(BROKEN_OFF)]
+    make, count = kind_of(number)
     rng = random.Random(3000 + number)
     course = make(rng, count) | {"safety_distance": 1.5, "safety": {}}
     if number % 3 == 1:
@@ -223,7 +229,7 @@ def short_courses() -> dict[str, Course]:
 
 def returning_courses() -> dict[str, Course]:
     """By name; `n` is before those whose return is planned."""
-    courses = {f"ret{n:02d}_{kind.__name__}": broken_off(n) for n, (kind, _) in enumerate(2 * BROKEN_OFF)}
+    courses = {f"ret{n:02d}_{kind_of(n)[0].__name__}": broken_off(n) for n in range(LOTS)}
     planned = {f"n{name}": one | {"safety": {"returns": "planned"}} for name, one in courses.items()}
     return courses | planned
 

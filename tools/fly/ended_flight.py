@@ -25,6 +25,7 @@ COPTER_DOES = {
 }
 PX4_DOES = {3: "mission", 4: "hold", 5: "rtl", 18: "land", 12: "land", 13: "terminate", 17: "take-off"}
 TRACK_EVERY = 0.1  # [s]
+STANDS = 0.03  # who is no higher than where he is at last stands there [m]
 STOPPED_UP = 2.0  # whose motors stop so high has not landed [m]
 CRASHED = "Crash: Disarming"
 
@@ -40,6 +41,12 @@ class EndedFlight:
     track: Points
     ended_s: float
     texts: tuple[tuple[float, str], ...]
+
+    def touched(self) -> float:
+        """When it stood on the ground for good; NaN where it was not disarmed."""
+        track = self.track[self.track[:, 0] <= self.ended_s]
+        above = np.flatnonzero(track[:, 3] > track[-1, 3] + STANDS) if len(track) else np.array([], int)
+        return float(track[above[-1] + 1, 0]) if len(above) else math.nan
 
     def left_mission(self) -> float:
         """When it left its mission; NaN where it did not."""

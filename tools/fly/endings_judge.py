@@ -39,6 +39,8 @@ from tools import command_line
 from tools.fly.causes import TRIGGERS
 from tools.fly.ended_flight import EndedFlight
 
+Between = tuple[float, float, float]  # at the earliest, in the mean, at the latest [s]
+NOT_TOLD: Between = (math.nan,) * 3
 STEP = 0.15  # between the points at which a flight is looked at [m]
 AROUND_S = 12.0  # so many seconds from where it is by the clock, the forecast is searched for its place
 LONG_ENOUGH = 10.0  # shares are counted of longer endings only [s]
@@ -60,7 +62,8 @@ class Judged:
     """An order: what was forecast of its second, and what was flown. Metres, seconds; NaN where there is none.
 
     `stage` of its mission; `planned`: "returns" where all its returns were to be planned, nothing where they were not.
-    `grade`: how sure it was that the ending keeps what is required.
+    `grade`: how sure it was that the ending keeps what is required. `touched_s`: until it stood on the ground for good;
+    `flown_s`, until it was disarmed; `touch_low_s` ...: as that was forecast.
     """
 
     number: int
@@ -88,6 +91,10 @@ class Judged:
     stage: str = ""
     planned: str = ""
     grade: str = ""
+    touched_s: float = math.nan
+    touch_low_s: float = math.nan
+    touch_expected_s: float = math.nan
+    touch_high_s: float = math.nan
 
 
 def distances(points: Points, scenario: Scenario) -> tuple[float, str]:
@@ -152,19 +159,20 @@ class Foretold:
         """What was forecast of that second."""
         return self.endings.at(ending, float(np.clip(time, *self.endings.in_air)), timed=False)
 
-    def timed(self, ending: Ending, time: float) -> tuple[float, float, float]:
-        """How long the ending was to last from that time, over level ground: low, mean, high; NaN: not told."""
+    def timed(self, ending: Ending, time: float) -> tuple[Between, Between]:
+        """How long the ending was to last from that time, over level ground, and until it touched the ground."""
         forecast = self.endings.forecast
         model = forecast.mission.autopilot.part(FlightModel)
         order = BrokenOff(float(np.clip(time, *self.endings.in_air)), ending)
         if ending not in (Ending.RTL, Ending.LAND):
-            return math.nan, math.nan, math.nan
+            return NOT_TOLD, NOT_TOLD
         try:
             found = model.broken_off(self.over_level_ground, forecast.mission, forecast.wind, None, order)
         except MissionError:
-            return math.nan, math.nan, math.nan
+            return NOT_TOLD, NOT_TOLD
         low, mean, high = (float(end[-1]) - order.time for end in (found.low, found.done, found.high))
-        return low, mean, high
+        first, touched, last = (time - order.time for time in found.touched or NOT_TOLD)
+        return (low, mean, high), (first, touched, last)
 
     def time_at(self, place: Points, time: float) -> float:
         """When it was forecast to be where it was."""
@@ -225,7 +233,7 @@ def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> 
     if ending not in (Ending.RTL, Ending.LAND, Ending.SMART_RTL, Ending.HOLD):
         return judged
     kind, place, stops = Ending(ending), flight.place(second), foretold.endings.stops(Ending(ending))
-    row, (low, expected, high) = foretold.row(kind, second), foretold.timed(kind, second)
+    row, ((low, expected, high), touches) = foretold.row(kind, second), foretold.timed(kind, second)
     begin, end = foretold.endings.in_air
     stand = stops.at(np.clip([foretold.time_at(place, second)], begin, end))[1][0]
     lands = stand[:2] if row.lands is None else np.array(row.lands)
@@ -240,6 +248,10 @@ def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> 
         low_s=low,
         high_s=high,
         expected_s=expected,
+        touched_s=flight.touched() - second,
+        touch_low_s=touches[0],
+        touch_expected_s=touches[1],
+        touch_high_s=touches[2],
         goal_off=float(np.linalg.norm(flight.place(ended)[:2] - lands)),
         track_off=float(np.linalg.norm(stops.at(np.clip([second], begin, end))[0][0] - place)),
     )
@@ -318,18 +330,27 @@ def summary(judged: list[Judged]) -> Iterator[str]:
     yield f"of planned returns: {len(planned)}, nearer {sum(one.flown_least < one.required for one in planned)}"
     for name in ("rtl", "land"):
         timed = [one for one in judged if one.did == name and not one.trigger and one.ending == name]
-        off = np.array([one.expected_s / one.flown_s - 1.0 for one in timed if one.flown_s > LONG_ENOUGH])
-        if len(off := off[np.isfinite(off)]):
-            quantiles = ", ".join(f"{np.quantile(np.abs(off), share):.1%}" for share in (0.5, 0.9, 0.95, 1.0))
-            within = sum(one.low_s <= one.flown_s <= one.high_s for one in timed)
-            middle = f"{within} within the interval, median {np.median(off):+.1%}"
-            yield f"{name}: {len(timed)}, {middle}, sizes (50, 90, 95, 100 %) {quantiles}"
+        lasted = [(one.flown_s, one.low_s, one.expected_s, one.high_s) for one in timed]
+        stood = [(one.touched_s, one.touch_low_s, one.touch_expected_s, one.touch_high_s) for one in timed]
+        yield from _times(f"{name}, disarmed", np.array(lasted).reshape(-1, 4))
+        yield from _times(f"{name}, on the ground", np.array(stood).reshape(-1, 4))
     fails = [one for one in judged if one.trigger]
     as_said = [one for one in fails if (one.did.split() or ["continue"])[-1] == one.ending]
     yield f"failsafes {len(fails)} of {len({one.trigger for one in fails})} kinds, as said {len(as_said)}"
     yield from (f"otherwise: {rounded(one)}" for one in fails if one not in as_said)
     yield from (f"not foretold: {rounded(one)}" for one in missed)
     yield from (f"false: {rounded(one)}" for one in false)
+
+
+def _times(name: str, seconds: Points) -> Iterator[str]:
+    """By how much forecasts were off, and within their intervals: rows of flown, low, expected, high (n, 4) [s]."""
+    flown, low, expected, high = (known := seconds[np.isfinite(seconds).all(axis=1)]).T
+    off = (expected / flown - 1.0)[flown > LONG_ENOUGH]
+    if len(off):
+        quantiles = ", ".join(f"{np.quantile(np.abs(off), share):.1%}" for share in (0.5, 0.9, 0.95, 1.0))
+        within, late = int(((low <= flown) & (flown <= high)).sum()), np.median(flown - expected)
+        middle = f"{within} within the interval, median {np.median(off):+.1%}, {late:+.2f} s late"
+        yield f"{name}: {len(known)}, {middle}, sizes (50, 90, 95, 100 %) {quantiles}"
 
 
 if __name__ == "__main__":

@@ -25,7 +25,8 @@ class Prediction:
     """When each visit of the itinerary is done (n,) [s], the reason it was slow ("" if none), the path, and remarks.
 
     Nine flights in ten lie from `low` to `high` (n,) [s]; docs/lab/flight-time.md says how many recorded ones did.
-    `missed`: the risk of each visit; empty from a model that knows of none.
+    `missed`: the risk of each visit; empty from a model that knows of none. `touched`: when a flight that is broken off
+    comes down to the ground, at the earliest, in the mean and at the latest [s]; it is done once it is disarmed.
     """
 
     done: Vector
@@ -35,3 +36,4 @@ class Prediction:
     track: Track
     remarks: tuple[str, ...] = ()
     missed: tuple[Missed, ...] = ()
+    touched: tuple[float, float, float] | None = None

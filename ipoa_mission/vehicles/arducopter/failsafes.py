@@ -36,7 +36,7 @@ STOPS = FailsafeAction(Ending.TERMINATE)
 ACTIONS = {0: GOES_ON, 1: LANDS, 2: RETURNS, 3: SMART, 4: SMART_OR_LANDS, 5: STOPS, 6: LAND_START, 7: BRAKES}
 RADIO = {0: GOES_ON, 1: RETURNS, 2: RETURNS, 3: LANDS, 4: SMART, 5: SMART_OR_LANDS, 6: LAND_START, 7: BRAKES}
 STATION = {0: GOES_ON, 1: RETURNS, 2: RETURNS, 3: SMART, 4: SMART_OR_LANDS, 5: LANDS, 6: LAND_START, 7: BRAKES}
-NO_POSITION = replace(LANDS, words="without a position it drifts")
+NO_POSITION = FailsafeAction(Ending.UNKNOWN, (Ending.LAND,), "without a position it drifts as it lands")
 ESTIMATE = {
     0: GOES_ON,
     1: NO_POSITION,
@@ -46,10 +46,10 @@ ESTIMATE = {
 DRIFTS = "by dead reckoning it drifts"
 RECKONS = {
     0: GOES_ON,
-    1: replace(LANDS, words=DRIFTS),
+    1: FailsafeAction(Ending.UNKNOWN, (Ending.LAND,), f"{DRIFTS} as it lands"),
     **dict.fromkeys((2, 3, 4, 6), FailsafeAction(Ending.UNKNOWN, (Ending.LAND,), f"{DRIFTS} on its way home")),
     5: STOPS,
-    7: replace(BRAKES, words=DRIFTS),
+    7: FailsafeAction(Ending.UNKNOWN, (Ending.LAND,), f"{DRIFTS} as it holds"),
 }
 OUTSIDE = "100 m outside it lands"
 FENCE = {
@@ -142,7 +142,8 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
     if rule.cause == TERRAIN:
         landing = replace(GOES_ON, words="a landing needs none")
     differs = {} if landing == answer else {FlightStage.LANDING: landing}
-    return Failsafe(rule.cause, rule.parameter, rule.value(parameters), answer, differs)
+    returns_at = rule.returns_at(series)
+    return Failsafe(rule.cause, rule.parameter, rule.value(parameters), answer, differs, returns_at)
 
 
 def _first(name: str) -> str:
@@ -176,7 +177,7 @@ def _with_its_urgency(one: Failsafe, parameters: Parameters, series: Series) -> 
         "but where the voltage falls through both at once"
     )
     differs = {stage: replace(answer, words=words) for stage, answer in low.differs.items()}
-    return replace(one, route=replace(low.route, words=words), differs=differs)
+    return replace(one, route=replace(low.route, words=words), differs=differs, returns_at=None)
 
 
 def _urgency(action: float) -> int:

@@ -102,8 +102,10 @@ def break_off(
     samples = samples[np.concatenate([[True], np.diff(samples[:, 0]) > 1e-9])]
     done = np.array([copter.state.time])
     doubt = BROKEN_OFF_DOUBT + BROKEN_OFF_SHARE * (done - order.time)
+    touched, off = flight.touched, BROKEN_OFF_DOUBT + BROKEN_OFF_SHARE * (flight.touched - order.time)
     track = Track(samples[:, 0], samples[:, 1:4], np.linalg.norm(samples[:, 4:7], axis=1))
-    return Prediction(done, done - doubt, done + doubt, ("",), track)
+    between = touched - off, touched, touched + off
+    return Prediction(done, done - doubt, done + doubt, ("",), track, touched=between)
 
 
 def _begun(route: Itinerary, limits: CopterLimits, wind: Wind, fast: bool | None, airframe: Airframe) -> "_Flight":
@@ -118,7 +120,7 @@ class _Flight:
     def __init__(self, route: Itinerary, copter: Copter, wind: Wind, airframe: Airframe, airborne: bool) -> None:
         self.route, self.wind, self.copter, self.limits = route, wind, copter, copter.limits
         self.airframe, self.top = airframe, airframe.top_speed(self.limits.lean)
-        self.airborne, self.until = airborne, math.inf
+        self.airborne, self.until, self.touched = airborne, math.inf, math.nan
         self.done: list[float] = []
         self.reasons: list[str] = []
         self.remarks: list[str] = []
@@ -229,7 +231,7 @@ class _Flight:
             if self.is_broken_off:
                 return
         if self.copter.this.kind == DESCENT:
-            delay = self.airframe.landing_delay
+            self.touched, delay = self.copter.state.time, self.airframe.landing_delay
             self.stand(max(THROTTLE_DOWN_S + LAND_DETECTOR_S + self.copter.spool_down + delay, 0.0))
             self.airborne = False
 

@@ -28,7 +28,7 @@ LANDS = FailsafeAction(Ending.LAND, (Ending.TERMINATE,))
 RETURNS = FailsafeAction(Ending.RTL, (Ending.LAND, Ending.TERMINATE))
 HOLDS = FailsafeAction(Ending.HOLD, (Ending.RTL, Ending.LAND, Ending.TERMINATE))
 FALLS_WITHOUT = replace(FALLS, words="lands while it still has a local position")
-DRIFTS = replace(LANDS, words="descends, and drifts where it has no position")
+DRIFTS = FailsafeAction(Ending.UNKNOWN, (Ending.LAND, Ending.TERMINATE), "without a position it drifts as it descends")
 
 
 def new(answer: FailsafeAction) -> FailsafeAction:
@@ -119,7 +119,8 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
     if returning.ending is Ending.RTL and rule.cause != BY_HAND:
         returning = replace(GOES_ON, words="it is returning already")
     differs = {} if returning == answer else {FlightStage.RETURN: returning}
-    return Failsafe(rule.cause, rule.parameter, rule.value(parameters), answer, differs)
+    returns_at = rule.returns_at(series)
+    return Failsafe(rule.cause, rule.parameter, rule.value(parameters), answer, differs, returns_at)
 
 
 def _later(rule: FailsafeRule, answer: FailsafeAction, parameters: Parameters) -> FailsafeAction:

@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -123,24 +123,29 @@ def break_off(
             raise MissionError("with an RTL_LAND_DELAY below 0 it waits over its goal for ever")
         if parameters.get("RTL_TYPE", 0.0) in ALONG_MISSION:
             raise MissionError("how long returns along the mission last is not known well enough")
-    quiet, _ = flights.flown(False, fast)(0)
+    quiet = flights.flown(False, fast)(0).done
     steps = np.diff(quiet)
-    lasted, when = list[float](), list[float]()
+    lasted, stood, when = list[float](), list[float](), list[float]()
     for seed in range(1, RUNS.most + 1):
         if (seed - 1) % RUNS.batch == 0 and _known([np.array([time]) for time in lasted], RUNS.broken_off_share):
             break
         with suppress(MissionError):
-            flown, _, begun = flights.broken_off(order.ending, order.time, seed, fast)
-            lasted.append(float(flown[-1]) - order.time)
-            when.append(float(quiet[begun - 1] + min(order.time - flown[begun - 1], steps[begun - 1])))
+            run, begun = flights.broken_off(order.ending, order.time, seed, fast)
+            lasted.append(float(run.done[-1]) - order.time)
+            stood.append(float(run.done[-1]) - run.touched)
+            when.append(float(quiet[begun - 1] + min(order.time - run.done[begun - 1], steps[begun - 1])))
     then = float(np.mean(when)) if when else order.time
-    flown, samples, _ = flights.broken_off(order.ending, then, None, fast)
-    mean = float(np.mean(lasted)) if lasted else float(flown[-1]) - then
-    doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * mean) ** 2 + RUNS.landing_s**2
-    half = RUNS.broken_off_deviations * math.sqrt(float(np.var(lasted or [mean])) + doubt)
+    last, _ = flights.broken_off(order.ending, then, None, fast)
+    lasted, stood = lasted or [float(last.done[-1]) - then], stood or [float(last.done[-1]) - last.touched]
+    mean = float(np.mean(lasted))
+    doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * mean) ** 2
+    half = RUNS.broken_off_deviations * math.sqrt(float(np.var(lasted)) + doubt + RUNS.landing_s**2)
+    touched = order.time + mean - float(np.mean(stood))
+    off = RUNS.broken_off_deviations * math.sqrt(float(np.var(np.subtract(lasted, stood))) + doubt)
+    samples = last.samples
     track = Track(samples[:, 0] + order.time - then, samples[:, 1:4], np.linalg.norm(samples[:, 4:7], axis=1))
     end = np.array([order.time + mean])
-    return Prediction(end, end - half, end + half, ("",), track)
+    return Prediction(end, end - half, end + half, ("",), track, touched=(touched - off, touched, touched + off))
 
 
 def _known(times: list[Vector], share: float = RUNS.known_share) -> bool:
@@ -158,6 +163,17 @@ def _missed(route: Itinerary, runs: Points) -> tuple[Missed, ...]:
     share = missed.mean(axis=0)
     cost = (longer * missed).sum(axis=0) / np.maximum(missed.sum(axis=0), 1)
     return tuple(Missed(*map(float, both)) for both in zip(share, cost, strict=True))
+
+
+class FlownOnce(NamedTuple):
+    """When each order is done, after the time of the begin (n + 1,) [s], samples, and when it came down, if it did [s].
+
+    A sample (m, 7) is time, place and velocity.
+    """
+
+    done: Vector
+    samples: Points
+    touched: float
 
 
 class Flights:
@@ -187,26 +203,23 @@ class Flights:
         flown, ends = self.flown(noisy, fast, steps), list(self.plan.done)
 
         def once(seed: int) -> tuple[Vector, Points]:
-            done, samples = flown(seed)
-            return done[ends], samples
+            run = flown(seed)
+            return run.done[ends], run.samples
 
         return once
 
-    def broken_off(
-        self, ending: Ending, time: float, seed: int | None, fast: bool | None
-    ) -> tuple[Vector, Points, int]:
+    def broken_off(self, ending: Ending, time: float, seed: int | None, fast: bool | None) -> tuple[FlownOnce, int]:
         """Flown up to a time [s] with the noise of a seed, or without any, and then what is ordered, as `flown`.
 
         And how many orders were begun until then.
         """
         self.orders = tuple(order._replace(until=time) for order in self.plan.orders)
-        done, samples = self.flown(seed is not None, fast, RUNS.most * time / STEP, True)(seed or 0)
-        begun = min(int(np.searchsorted(done[1:], time)) + 1, len(self.orders))
+        until = self.flown(seed is not None, fast, RUNS.most * time / STEP, True)(seed or 0)
+        begun = min(int(np.searchsorted(until.done[1:], time)) + 1, len(self.orders))
         self.orders = with_another_end(
-            self.orders[:begun], self.ending(ending, samples[-1]), self.limits, self.airframe.landing_delay
+            self.orders[:begun], self.ending(ending, until.samples[-1]), self.limits, self.airframe.landing_delay
         )
-        done, samples = self.flown(seed is not None, fast, RUNS.most * time / STEP)(seed or 0)
-        return done, samples, begun
+        return self.flown(seed is not None, fast, RUNS.most * time / STEP)(seed or 0), begun
 
     def ending(self, ending: Ending, at: Vector) -> list[Order]:
         """The orders of an RTL or a LAND from one sample (7,) of a flight."""
@@ -220,22 +233,21 @@ class Flights:
 
     def flown(
         self, noisy: bool, fast: bool | None, steps: float = 0.0, sampled: bool = False
-    ) -> Callable[[int], tuple[Vector, Points]]:
-        """The same by order, after the time of the begin (n + 1,) [s]; raises as `prepared` does.
-
-        With noise samples are noted if they are to be `sampled`.
-        """
+    ) -> Callable[[int], FlownOnce]:
+        """The same by order; raises as `prepared` does. With noise samples are noted if they are to be `sampled`."""
         orders, height = self.orders, flying_already(self.route) or 0.0
         machine, laws = sooner(fly, fast, steps), [self.quiet._replace(noisy=noisy)]
         asked: Any = orders
         if machine is not fly:
             asked, laws = records(orders, Order), records(laws, Law)
 
-        def once(seed: int) -> tuple[Vector, Points]:
+        def once(seed: int) -> FlownOnce:
             one, two = (float(1 + x % 2_000_000_000) for x in np.random.SeedSequence(seed).generate_state(2))
-            done, samples = machine(asked, laws, height, (one, two), SAMPLE_STEPS if sampled or not noisy else 0)
+            done, samples, touched = machine(
+                asked, laws, height, (one, two), SAMPLE_STEPS if sampled or not noisy else 0
+            )
             if len(done) > len(orders):
-                return np.array(done), np.array(samples).reshape(-1, 7)
+                return FlownOnce(np.array(done), np.array(samples).reshape(-1, 7), touched)
             goal = orders[len(done) - 1].goal
             raise MissionError(
                 f"the vehicle does not reach {round(goal.east)} m east and {round(goal.north)} m north of home",

@@ -9,6 +9,8 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.vehicles.px4_multicopter.dynamics.senses import CORRECTED_FOR, no_errors
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     GO,
+    LAND,
+    NOT_YET,
     ON_LINE,
     TAKE_OFF,
     Axis,
@@ -60,10 +62,10 @@ def past_cruise(state: State, order: Order, law: Law) -> State:
 
 def fly(
     orders: Sequence[Order], laws: Sequence[Law], height: float, seeds: tuple[float, float], every: int
-) -> tuple[Vector, Points]:
+) -> tuple[Vector, Points, float]:
     """When each order is done, after the time of the begin (n + 1,) [s]; and a sample every so many steps (0: none).
 
-    A sample is time, place and believed speed: (m, 7).
+    A sample is time, place and believed speed: (m, 7). At last when it came down to the ground, if it did.
 
     It begins over home, at rest, so high; from the ground it takes off after spooling up. An order that is broken off
     is done then. It ends early at an order that is not reached within its patience: then there are fewer times than
@@ -72,7 +74,7 @@ def fly(
     law = laws[0]
     state = at_rest(Enu(0.0, 0.0, height), 0.0, math.nan, no_errors(seeds[0], seeds[1]), height <= 0.0)
     done, samples, taken = np.zeros(len(orders) + 1), np.zeros((ROOM, 7)), 1
-    samples[0, 3] = height
+    samples[0, 3], touched = height, NOT_YET
     for n in range(len(orders)):
         order = orders[n]
         if order.kind == TAKE_OFF and (state.body.on_ground or state.contact.stands):
@@ -80,8 +82,10 @@ def fly(
         state, steps = begun(state, order), 0
         while not is_over(state, order):
             if state.reached < 0.0 and state.time - state.begun > order.patience:
-                return done[: n + 1].copy(), samples[:taken].copy()
+                return done[: n + 1].copy(), samples[:taken].copy(), touched
             state, steps = past_cruise(step(state, order, law), order, law), steps + 1
+            if order.kind == LAND and not state.contact.stands:
+                touched = state.time
             if every > 0 and steps % every == 0:
                 if taken == len(samples):
                     samples = np.concatenate((samples, np.zeros((taken, 7))))
@@ -90,4 +94,4 @@ def fly(
                 row[4], row[5], row[6] = speed.east, speed.north, speed.up
                 taken += 1
         done[n + 1] = state.reached + order.holds if order.until == math.inf else state.time
-    return done, samples[:taken].copy()
+    return done, samples[:taken].copy(), touched

@@ -1,0 +1,93 @@
+"""LAND where it is, ordered by a failsafe of the vehicle's own that could as well return: planned aside, or refused."""
+
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ipoa_mission import check_mission, plan_flight
+from ipoa_mission.flight.flight import Flight
+from ipoa_mission.forecast.endings import Endings
+from ipoa_mission.planning.obstruction import NoPath
+from ipoa_mission.scenario import Scenario, parse_scenario
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.ending import Ending
+from tests.quick_search import search_quickly
+
+LANDS = {"px4": "COM_LOW_BAT_ACT = 3", "ardupilot": "BATT_FS_CRT_ACT = 1, BATT_CRT_VOLT = 10.2"}
+RETURNS = {"px4": "COM_LOW_BAT_ACT = 1", "ardupilot": "BATT_FS_CRT_ACT = 2, BATT_CRT_VOLT = 10.2"}
+
+
+@pytest.fixture(autouse=True)
+def short_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    search_quickly(monkeypatch.setattr)
+
+
+def over_a_roof(autopilot: Autopilot, parameters: str, wide: float = 40.0, returns: str = "planned") -> Scenario:
+    """A low roof so wide [m] across the straight way, which leads over it."""
+    text = f"""
+    safety_distance = 2.0
+    home = {{ latitude_deg = 47.4, longitude_deg = 8.5, altitude_amsl = 400.0 }}
+    start = {{ east = 0.0, north = 0.0, up = 15.0 }}
+    goal = {{ east = 95.0, north = 0.0, up = 15.0 }}
+    bounds = {{ east = [-50.0, 150.0], north = [-80.0, 80.0], up = [-5.0, 60.0] }}
+    vehicle = {{ radius = 0.5, autopilot = "{autopilot}", parameters = {{ {parameters} }} }}
+    route = {{ ending = "land" }}
+    safety = {{ returns = "{returns}" }}
+    [[obstacles]]
+    kind = "box"
+    name = "roof"
+    east = 50.0
+    north = 0.0
+    width = 30.0
+    depth = {wide}
+    height = 8.0
+    """
+    return parse_scenario(text, Path("roof.toml"))
+
+
+def least_of_landings(flight: Flight) -> float:
+    """What landings from many seconds keep of the roof, looked at every few centimeters."""
+    ways = Endings(flight.forecast).ways
+    looks = ways.at(Ending.LAND, np.linspace(*ways.in_air, 60))
+    legs = [np.linspace(a, b, 200) for way in looks.ways[:, 0] for a, b in pairwise(way)]
+    return float(flight.scenario.airspace.obstacle_distance(np.vstack(legs)).min())
+
+
+def codes(flight: Flight, scenario: Scenario) -> list[str]:
+    return [finding.code for finding in check_mission(flight.mission, scenario)]
+
+
+@pytest.mark.parametrize("autopilot", registered())
+def test_who_lands_by_choice_flies_round_what_it_would_come_down_on(autopilot: Autopilot) -> None:
+    asked = over_a_roof(autopilot, LANDS[str(autopilot)])
+    landing, returning = (plan_flight(one, seed=0) for one in (asked, over_a_roof(autopilot, RETURNS[str(autopilot)])))
+    assert least_of_landings(landing) >= asked.limits.obstacle_distance > least_of_landings(returning)
+    assert "land-too-near" not in codes(landing, asked)
+    assert not any("LAND where it is" in remark for remark in landing.remarks)
+    assert any("LAND where it is" in remark for remark in returning.remarks)
+
+
+@pytest.mark.parametrize(("autopilot", "says"), [("px4", "COM_LOW_BAT_ACT = 1"), ("ardupilot", "BATT_FS_CRT_ACT = 2")])
+def test_where_no_way_leads_round_the_refusal_has_the_failsafe_and_what_returns(autopilot: str, says: str) -> None:
+    kind = next(one for one in registered() if str(one) == autopilot)
+    with pytest.raises(NoPath, match=r"LAND from \d+\.\d to \d+\.\d s after arming, by \w+ battery .* roof") as refused:
+        plan_flight(over_a_roof(kind, LANDS[autopilot], wide=160.0), seed=0)
+    assert f"{says} returns instead" in str(refused.value.hint)
+    assert plan_flight(over_a_roof(kind, RETURNS[autopilot], wide=160.0), seed=0).proof.holds
+
+
+def test_who_is_only_to_be_warned_is_told_of_the_items_the_failsafe_and_what_returns() -> None:
+    asked = over_a_roof(Autopilot.ARDUPILOT, LANDS["ardupilot"], returns="warn")
+    flight = plan_flight(asked, seed=0)
+    found = [one for one in check_mission(flight.mission, asked) if one.code == "land-too-near"]
+    assert len(found) == 1
+    assert "by critical battery (BATT_FS_CRT_ACT = 1), comes down" in found[0].message
+    assert str(found[0].hint).startswith("BATT_FS_CRT_ACT = 2 returns instead")
+
+
+def test_what_lands_because_it_cannot_return_is_no_choice() -> None:
+    """By its defaults ArduCopter lands only where its position is lost."""
+    asked = over_a_roof(Autopilot.ARDUPILOT, "", returns="warn")
+    assert "land-too-near" not in codes(plan_flight(asked, seed=0), asked)
