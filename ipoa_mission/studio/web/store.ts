@@ -64,7 +64,7 @@ export interface Studio {
 
 /** A file that was dropped, and is kept beside the scenario. */
 export interface Dropped {
-  kind: "map" | "elevation" | "mission";
+  kind: "map" | "elevation" | "mission" | "log";
   path?: string;
   file: string;
   changes: Change[];
@@ -292,6 +292,11 @@ export const isWritten = (path: Path): boolean =>
 /** The flights of a survey, if they are of the scenario as it is now. */
 export function surveyed(now: Studio): PlannedSurvey | null {
   return now.survey && now.survey.revision === now.document?.revision ? now.survey : null;
+}
+
+/** Plan what a log, with those before, has left of a survey; without one all of it again. */
+export function planRest(now: Studio, log: string | null): void {
+  send({ kind: "rest", logs: log === null ? [] : [...new Set([...surveyed(now)?.flown ?? [], log])] });
 }
 
 /** The lines that no flight flies yet, where they are what is to be shown: of a drag, or while flights are planned. */
