@@ -8,7 +8,6 @@ from ipoa_mission.centimeters import down
 from ipoa_mission.cli.checking import estimate_as_json, route_in_words
 from ipoa_mission.cli.job import Job
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
-from ipoa_mission.flight.flight import Flight
 from ipoa_mission.flight.summary import passed_over_as_json
 from ipoa_mission.forecast.energy import ReserveNow
 from ipoa_mission.forecast.timing.estimate import Estimate
@@ -60,19 +59,23 @@ def tell_flown(job: Job, record: FlightRecord, remarks: tuple[str, ...], written
     tell_table(f"{job.name} on {job.mission.autopilot}: when each item was done", columns, _legs(job.estimate, record))
     tell(
         *([] if job.flight else route_in_words(job.estimate)),
-        f"estimated {job.estimate.total_s:.1f} s, flown {record.total_s:.1f} s{_kept(job.flight)}; "
-        f"QGroundControl would have said {job.estimate.qgroundcontrol_s:.0f} s",
+        f"estimated {job.estimate.total_s:.1f} s, flown {record.total_s:.1f} s{_of_plan(job)}",
         f"written: {', '.join(map(str, written))}",
         *([f"not complete: {record.why_not}"] if record.why_not else []),
     )
 
 
-def _kept(flight: Flight | None) -> str:
-    """The clearance that flights keep, for the last line; nothing where none is known."""
-    kept = None if flight is None else flight.promise.clearance
-    if flight is None or kept is None or flight.promise.confidence is None:
+def _of_plan(job: Job) -> str:
+    """What is told of a flight that was just planned: the clearance that flights keep, and what others would say."""
+    if job.flight is None:
         return ""
-    return f"; {100 * flight.promise.confidence:g} % of flights keep {down(kept.kept):.2f} m"
+    promise, kept = job.flight.promise, job.flight.promise.clearance
+    keep = (
+        f"; {100 * promise.confidence:g} % of flights keep {down(kept.kept):.2f} m"
+        if promise.confidence and kept
+        else ""
+    )
+    return f"{keep}; QGroundControl would have said {job.estimate.qgroundcontrol_s:.0f} s"
 
 
 def _legs(estimate: Estimate, record: FlightRecord) -> list[tuple[str, ...]]:

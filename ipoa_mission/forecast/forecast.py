@@ -163,6 +163,8 @@ class Forecast:
             words = f"the mission is for {self.mission.other_vehicle}, and only multicopters have a time model"
             raise MissionError(words)
         model = self.mission.autopilot.part(FlightModel)
+        if sure and fast is None and model.is_always_sure:
+            return self.expected  # a long flight is large
         return model.predicted(self.itinerary, self.mission, self.wind, fast, sure)
 
     def timed(self, fast: bool | None = None) -> "Estimate":

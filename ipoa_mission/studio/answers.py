@@ -289,12 +289,13 @@ class SurveyPart(PageMessage):
 
 
 class PlannedSurvey(PageMessage):
-    """The proved answer to a scenario with a survey: its lines as they are flown, flight by flight."""
+    """The proved answer to a scenario with a survey: flight by flight, without what was `flown` by these logs."""
 
     kind: Literal["survey"] = "survey"
     revision: int
     layout: SurveyLayout
     flights: tuple[SurveyPart, ...]
+    flown: tuple[str, ...]
     total_s: float
     energy_wh: Number
     took_s: float

@@ -18,7 +18,8 @@ from ipoa_mission.world.frame import REACH, Geodetic, apart
 LARGEST = 200_000_000  # of a file [bytes]
 LONGEST = 200  # of its name without the suffix [bytes]
 MODELS = (".tif", ".tiff", ".hgt")
-KEPT = (*READERS, *MODELS, *MISSIONS)  # what is kept beside a scenario
+LOGS = (".tlog", ".bin", ".ulg")
+KEPT = (*READERS, *MODELS, *MISSIONS, *LOGS)  # what is kept beside a scenario
 PLACES = (*WAYPOINTS, Command.NAV_TAKEOFF, Command.NAV_LAND)
 
 
@@ -41,6 +42,17 @@ def keep(name: str, content: bytes, folder: Path, suffixes: Sequence[str] = KEPT
     return target
 
 
+def log_named(name: str) -> str:
+    """The bare name of a log that is kept.
+
+    Raises:
+        BadInput: it is none.
+    """
+    if Path(name).suffix.lower() not in LOGS:
+        raise BadInput(f"{Path(name).name}: expected a log of a flight: {', '.join(LOGS)}")
+    return Path(name).name
+
+
 def _plain(name: str) -> str:
     """The bare name of a file as any system takes it: without folders and what cannot be printed, not too long."""
     path = Path("".join(letter for letter in name.replace("\\", "/").rpartition("/")[2] if letter.isprintable()))
@@ -48,7 +60,7 @@ def _plain(name: str) -> str:
 
 
 def use_of(file: Path, scenario: str) -> dict[str, Any]:
-    """What a kept file is: a `map`, an `elevation` model, or a `mission` with the `changes` that take its places.
+    """What a kept file is: a `map`, an `elevation` model, a `log`, a `mission` with the `changes` that take its places.
 
     Raises:
         BadInput: the mission makes no sense.
@@ -57,7 +69,8 @@ def use_of(file: Path, scenario: str) -> dict[str, Any]:
     if suffix in MISSIONS:
         changes = changes_of(read_mission(file), scenario)
         return {"kind": "mission", "file": file.name, "changes": [change.model_dump(mode="json") for change in changes]}
-    return {"kind": "elevation" if suffix in MODELS else "map", "file": file.name, "changes": []}
+    kind = "elevation" if suffix in MODELS else "log" if suffix in LOGS else "map"
+    return {"kind": kind, "file": file.name, "changes": []}
 
 
 def changes_of(mission: Mission, scenario: str) -> list[Change]:

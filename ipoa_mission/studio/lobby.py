@@ -15,13 +15,13 @@ from ipoa_mission.report.compare import compare_logged
 from ipoa_mission.scenario.new import new_scenario
 from ipoa_mission.studio import memory
 from ipoa_mission.studio.answers import Beginning, Elsewhere, StartFile, Trouble
-from ipoa_mission.studio.dropped import keep
+from ipoa_mission.studio.dropped import LOGS, keep
 from ipoa_mission.studio.place import place_of
 from ipoa_mission.studio.requests import Begin, Open
-from ipoa_mission.studio.session import Window
 from ipoa_mission.studio.vocabulary import PageMessage
+from ipoa_mission.studio.window import Window
 
-SCENARIO, LOGS = ".toml", (".tlog", ".bin", ".ulg")
+SCENARIO = ".toml"
 EXAMPLES = ("campus.toml",)
 SHOWN = 40  # files of the folder
 NORTHWARDS = 0.0009  # how far from home a new scenario's first goal is [deg], about 100 m

@@ -12,7 +12,7 @@ from pydantic import TypeAdapter
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.positions import refuse_unsound
 from ipoa_mission.checks.unsafe import refuse_errors
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.files import read_text, unused
 from ipoa_mission.finding import Finding
 from ipoa_mission.flight.flight import Flight, plan_flight
@@ -21,9 +21,10 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.files import parse_mission, write_mission
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.planning.sketch import sketch_path
+from ipoa_mission.progress import Progress as ShowProgress
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.scenario.read import parse_toml, scenario_of
-from ipoa_mission.studio.answers import Progress, Sketch, Written
+from ipoa_mission.studio.answers import Progress, Sketch, Trouble, Written
 from ipoa_mission.studio.area_view import area_of
 from ipoa_mission.studio.edits import apply_changes
 from ipoa_mission.studio.ending_strip import strips_of
@@ -138,8 +139,9 @@ class PlanWorker:
                 self._plan = flight = plan_flight(scenario, seed=order["seed"], progress=progress)
                 answer(planned(flight, revision, time.perf_counter() - begun))
             else:
-                self._plan = survey = plan_survey(scenario=scenario, seed=order["seed"], progress=progress)
-                answer(planned_survey(survey, revision, time.perf_counter() - begun))
+                survey, logs = _survey(scenario, order, progress, answer)
+                self._plan = survey
+                answer(planned_survey(survey, revision, time.perf_counter() - begun, logs))
         except MissionError as error:
             answer(refused(error, scenario, revision))
 
@@ -200,6 +202,27 @@ class PlanWorker:
             "write": (self.write, "file"),
             "hand over": (self.hand_over, "flight"),
         }
+
+
+def _survey(
+    scenario: Scenario, order: Order, progress: ShowProgress, answer: Answer
+) -> tuple[Survey, tuple[Path, ...]]:
+    """The survey without what was flown by some logs, and these; where they make no sense that is told, and all of it.
+
+    Raises:
+        MissionError: as `plan_survey`.
+    """
+    logs = tuple(Path(log) for log in order["flown"])
+    try:
+        return plan_survey(scenario=scenario, seed=order["seed"], flown=logs, progress=progress), logs
+    except BadInput as error:
+        if not logs:
+            raise
+        message = str(error)
+        for log in logs:
+            message = message.replace(str(log), log.name)
+        answer(Trouble(of="edit", message=message, hint="all of the survey is planned again"))
+    return plan_survey(scenario=scenario, seed=order["seed"], progress=progress), ()
 
 
 def _mission(order: Order) -> tuple[MissionFile, Forecast]:

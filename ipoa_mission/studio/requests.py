@@ -190,6 +190,13 @@ class Find(PageMessage):
     place: str
 
 
+class Rest(PageMessage):
+    """Plan what is left of the survey where these logs beside it say that some was flown; none: all of it again."""
+
+    kind: Literal["rest"] = "rest"
+    logs: tuple[str, ...]
+
+
 class Do(PageMessage):
     """Something with no more to it. `take_theirs`: the file as another program has written it.
 
@@ -243,7 +250,7 @@ class Order(PageMessage):
 
 
 Request: TypeAlias = Annotated[
-    Edit | Rewrite | Drag | Do | SaveAs | Within | Open | Begin | Find | Upload | Start | Order | Listen,
+    Edit | Rewrite | Drag | Do | Rest | SaveAs | Within | Open | Begin | Find | Upload | Start | Order | Listen,
     Field(discriminator="kind"),
 ]
 REQUESTS: TypeAdapter[Any] = TypeAdapter(Request)

@@ -23,9 +23,10 @@ from ipoa_mission.studio.guard import Guard, policy_for
 from ipoa_mission.studio.lobby import Lobby
 from ipoa_mission.studio.memory import address_of, remember
 from ipoa_mission.studio.requests import REQUESTS
-from ipoa_mission.studio.session import Session, Window
+from ipoa_mission.studio.session import Session
 from ipoa_mission.studio.sessions import Host, Sessions
 from ipoa_mission.studio.tiles import DEEPEST, TileSource, headers_of
+from ipoa_mission.studio.window import Window
 
 LONGEST = 4_000_000  # of a message [bytes]
 TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}

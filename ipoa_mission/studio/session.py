@@ -10,6 +10,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.files import MISSIONS
 from ipoa_mission.studio.answers import Elsewhere, Found, Trouble, Written
 from ipoa_mission.studio.document import Document
+from ipoa_mission.studio.dropped import log_named
 from ipoa_mission.studio.flights import FlightDesk
 from ipoa_mission.studio.place import place_of
 from ipoa_mission.studio.processes import Died, Process
@@ -22,6 +23,7 @@ from ipoa_mission.studio.requests import (
     Listen,
     Open,
     Order,
+    Rest,
     Rewrite,
     SaveAs,
     Start,
@@ -29,6 +31,7 @@ from ipoa_mission.studio.requests import (
     Within,
 )
 from ipoa_mission.studio.vocabulary import PageMessage
+from ipoa_mission.studio.window import Window
 
 SETTLED_S = 0.6  # without a change, after which the proved path is planned
 ALONE_S = 120.0  # without a window and without a flight, after which the planners end; they begin anew when one opens
@@ -48,17 +51,6 @@ PLANNER = "ipoa_mission.studio.planner"
 OpenFile: TypeAlias = Callable[[Path, Path | None], str]
 
 
-class Window:
-    """A page that is open: what it is told is sent in order by a task of its own, out of the `queue`."""
-
-    def __init__(self) -> None:
-        self.queue: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
-
-    def tell(self, message: dict[str, Any]) -> None:
-        """Send it a message, soon."""
-        self.queue.put_nowait(message)
-
-
 class Session:
     """What the windows share. All of it happens in one event loop."""
 
@@ -73,7 +65,7 @@ class Session:
         self.document = Document(path)
         self._open_file, self._world, self._log = open_file, world, log
         self.windows: set[Window] = set()
-        self._seed = seed
+        self._seed, self._flown = seed, tuple[Path, ...]()
         self._quick, self._thorough = Process(PLANNER), Process(PLANNER)
         self._flights = FlightDesk(self.document, self.tell_all)
         self._jobs: dict[str, asyncio.Task[None]] = {}
@@ -107,10 +99,12 @@ class Session:
         answer = message if isinstance(message, dict) else message.model_dump(mode="json")
         self._relay.hear(answer)
         kind = answer["kind"]
-        if kind in KEPT:
-            self._latest[_slot(answer)] = answer
+        if kind in KEPT and (slot := _slot(answer)) != "trouble of edit":
+            self._latest[slot] = answer
         if kind == "state" and answer["phase"] in ("idle", "over"):
             self._forget("loaded")
+        if kind == "survey" and not answer["flown"]:
+            self._flown = ()  # what a log says of another survey counts no more
         for window in self.windows:
             window.tell(answer)
 
@@ -129,6 +123,9 @@ class Session:
                     self._job("drag", self._answer_drags)
                 case Do():
                     self._do(request)
+                case Rest():
+                    self._flown = tuple(self.folder / log_named(log) for log in request.logs)
+                    self._start("plan", self._plan)
                 case Open():
                     self._open_dropped(request.path, window)
                 case SaveAs():
@@ -250,7 +247,8 @@ class Session:
     async def _plan(self) -> None:
         self._forget("trouble of plan", "endings")
         self._stop("endings")
-        if await self._ask(self._thorough, {"job": "plan", "seed": self._seed}):
+        order = {"job": "plan", "seed": self._seed, "flown": [str(log) for log in self._flown]}
+        if await self._ask(self._thorough, order):
             self._start("endings", self._tell_endings)
 
     async def _tell_endings(self) -> None:
@@ -321,7 +319,7 @@ class Session:
         document, kinds = self.document, list[str]()
 
         def hear(answer: dict[str, Any]) -> None:
-            kinds.append(answer["kind"])
+            kinds.append("" if answer.get("of") == "edit" else answer["kind"])
             (tell or self.tell_all)(answer)
 
         order = {"text": document.text, "path": str(document.path), "revision": document.revision} | order

@@ -9,8 +9,9 @@ from typing import Any, Protocol
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.studio import memory
-from ipoa_mission.studio.session import Session, Window
+from ipoa_mission.studio.session import Session
 from ipoa_mission.studio.vocabulary import PageMessage
+from ipoa_mission.studio.window import Window
 
 
 class Host(Protocol):

@@ -52,9 +52,11 @@ class SurveyLayout(PageMessage):
     `height` is least and most above the highest ground that is seen, `footprint` what a photo shows across and along
     the way, or how wide the sensor sees; `trigger` is how far photos are apart at most. `kept_out` is where lines may
     not lie. `front` and `side` are the smallest overlaps with the next photo, and with those of the next line.
-    `short` says in words where photos overlap less than was asked. `degrees` is the direction of the longest line.
+    `starts` are the places from which flights may begin in place of home. `short` says in words where photos overlap
+    less than was asked. `degrees` is the direction of the longest line.
     """
 
+    starts: tuple[LngLat, ...]
     lines: tuple[SurveyLine, ...]
     ways: tuple[tuple[LngLat, ...], ...]
     seen: Polygons

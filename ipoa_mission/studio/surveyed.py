@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -44,8 +45,8 @@ def coarse_survey(
     )
 
 
-def planned_survey(survey: Survey, revision: int, took_s: float) -> answers.PlannedSurvey:
-    """The lines as flights fly them, and each flight as any other plan."""
+def planned_survey(survey: Survey, revision: int, took_s: float, flown: Sequence[Path] = ()) -> answers.PlannedSurvey:
+    """The lines as flights fly them, and each flight as any other plan; `flown` are logs of what is left out."""
     plan, names = survey.plan, survey.names
     parts = []
     for n, flight in enumerate(plan.flights):
@@ -68,6 +69,7 @@ def planned_survey(survey: Survey, revision: int, took_s: float) -> answers.Plan
         revision=revision,
         layout=_layout(plan.scenario, plan, tours, plan.overlaps),
         flights=tuple(parts),
+        flown=tuple(log.name for log in flown),
         total_s=round(survey.total_s, 2),
         energy_wh=round(sum(energy), 2) if len(energy) == len(used) else None,
         took_s=round(took_s, 2),
@@ -92,7 +94,9 @@ def _layout(
     east, north = longest.end - longest.begin
     gaps = [part for part in shapely.get_parts(coverage.gaps) if part.area > SHOWN_GAP]
     front, side = (None, None) if overlaps is None else (overlaps.front, overlaps.side)
+    starts = () if scenario.survey is None else scenario.survey.starts or ()
     return SurveyLayout(
+        starts=on_map(frame, np.array(starts).reshape(-1, 2)),
         lines=tuple(_lines(scenario, sight, tours)),
         ways=tuple(on_map(frame, way) for tour in tours for way in tour.ways if len(way) > 1),
         seen=_polygons(scenario, coverage.seen),

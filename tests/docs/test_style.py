@@ -58,3 +58,10 @@ def test_names_in_the_code_say_meter() -> None:
     for path in FILES:
         if path.suffix == ".py" and "tests" not in path.parts:
             assert not METERS_IN_NAMES.search(path.read_text(encoding="utf-8")), path
+
+
+def test_what_is_read_beside_the_lab_books_is_no_longer_than_one_reads() -> None:
+    """What was measured, and how, stands in docs/lab; the paper's reproduction by itself."""
+    aside = {"lab", "reproduction", "reproduction.md"}
+    pages = [page for page in (REPOSITORY / "docs").rglob("*.md") if not aside & set(page.parts)]
+    assert sum(len(page.read_text(encoding="utf-8").split()) for page in pages) <= 35_000

@@ -208,6 +208,7 @@ def test_a_flight_is_started_by_name_and_watched(own_page: Any) -> None:
     own_page.get_by_text("✓ Landed").wait_for()
     assert own_page.evaluate("window.seenFlying")
     assert own_page.locator(".chart .flown").count() == 1
+    assert int(own_page.get_by_label("Moment of the flight").input_value()) > 0  # it went with the vehicle
 
 
 def test_a_building_is_drawn_named_and_saved(page: Any, address: tuple[str, Path]) -> None:

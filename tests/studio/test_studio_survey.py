@@ -1,6 +1,7 @@
 """A survey in the studio: its area changed in the text, refused with a remedy, planned, written, flown."""
 
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from ipoa_mission import BadInput, plan_survey
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.endings import Endings
 from ipoa_mission.scenario import Scenario, parse_scenario
-from tests.studio.conftest import MEADOW, Studio
+from tests.studio.conftest import HOST, MEADOW, TOKEN, Studio
 
 from ipoa_mission.studio.answers import Remedy, Trouble  # isort: skip
 from ipoa_mission.studio.edits import changed
@@ -35,6 +36,8 @@ from ipoa_mission.studio.vocabulary import LngLat
 
 OUTLINE: tuple[LngLat, ...] = ((8.5001, 47.2998), (8.5007, 47.2998), (8.5007, 47.3002), (8.5001, 47.3002))
 HOLE: tuple[LngLat, ...] = ((8.5002, 47.2999), (8.5003, 47.2999), (8.5003, 47.3))
+CAMPUS_LOG = Path(__file__).parents[2] / "missions/logs/campus-arducopter.tlog"
+OWN = {"host": HOST, "origin": f"http://{HOST}"}
 BESIDE: tuple[LngLat, ...] = tuple((east + 0.001, north) for east, north in OUTLINE)
 WIDE = Put(path=("bounds",), value={"east": [-50.0, 250.0], "north": [-60.0, 60.0], "up": [-5.0, 80.0]})
 FIRST: tuple[str | int, ...] = ("survey", "polygon", 0)
@@ -289,6 +292,38 @@ def test_the_flights_are_flown_one_after_the_other(studio: Studio) -> None:
             talk.wait("state", lambda state: state["phase"] == "over")
             assert landed["log"].startswith(f"meadow-{n + 1}")  # another test may have flown a second meadow
             assert landed["flown_s"] == pytest.approx(part["plan"]["total_s"], rel=0.05)
+            talk.say(kind="rest", logs=[landed["log"]])
+            rest = talk.wait("survey")
+            assert rest["flown"] == [landed["log"]]
+            assert [one["plan"]["name"] for one in rest["flights"]] == ["meadow-rest"]
+            assert rest["flights"][0]["lines"] == planned["flights"][1 - n]["lines"]
+            talk.say(kind="rest", logs=[])
+            again = talk.wait("survey")
+            assert (again["flown"], again["total_s"]) == ([], planned["total_s"])
+        talk.say(kind="rest", logs=["meadow.toml"])
+        assert "meadow.toml: expected a log" in talk.wait_for_trouble("edit")["message"]
+        shutil.copy(CAMPUS_LOG, studio.scenario.parent)
+        talk.say(kind="rest", logs=[CAMPUS_LOG.name])
+        told = f"{CAMPUS_LOG.name}: nothing in it was flown along the lines of this survey"
+        assert talk.wait_for_trouble("edit")["message"] == told
+        assert talk.wait("survey")["flown"] == []
+
+
+def test_start_places_are_shown_and_their_log_is_kept(studio: Studio) -> None:
+    places = [[0.0, 0.0], [60.0, -40.0]]
+    with studio.window() as talk:
+        text = drawn(asked("starts", places))
+        talk.say(kind="rewrite", seen=talk.wait("document")["revision"], text=text)
+        survey = talk.wait("survey")
+        wide, high = talk.has("world")["degree_m"]
+        shown = [[(lng - 8.5) * wide, (lat - 47.3) * high] for lng, lat in survey["layout"]["starts"]]
+        assert np.allclose(shown, places, atol=0.05)
+        begins = [part["plan"]["course"]["line"]["points"][0] for part in survey["flights"]]
+        assert np.allclose(begins, survey["layout"]["starts"], atol=1e-6)
+    use = studio.client.post(f"/{TOKEN}/drop/flight.tlog", content=CAMPUS_LOG.read_bytes(), headers=OWN).json()
+    assert (use["kind"], use["file"]) == ("log", "flight.tlog")
+    moved = changed(text, [Shift(path=("home",), taken=(8.5, 47.3), put_down=(8.5, 47.3001))])
+    assert parse_scenario(moved, MEADOW).survey.starts[1] == pytest.approx((60.0, -40.0 - 11.117), abs=0.02)  # type: ignore[union-attr,index]
 
 
 def test_on_a_link_the_next_flight_waits_for_a_battery_and_is_the_same_vehicle_s() -> None:

@@ -78,6 +78,13 @@ def test_an_area_is_drawn_bent_turned_split_and_flown(own_page: Any, address: tu
     assert page.get_by_role("button", name="Upload").is_disabled()
     page.get_by_label("a charged battery is in").check()
     assert page.get_by_role("button", name="Upload").is_enabled()
+    (log,) = address[1].parent.glob("meadow-1*.tlog")
+    page.get_by_label("Was it broken off?").set_input_files(log)
+    page.get_by_role("button", name="meadow-rest.plan").wait_for()
+    assert page.locator(".flights tbody tr").count() == 1
+    page.get_by_role("button", name="Plan all of it again").click()
+    planned(page, 2)
+    page.get_by_role("button", name="meadow-rest.plan").wait_for(state="detached")
     page.set_viewport_size({"width": 390, "height": 844})
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
 

@@ -12,6 +12,7 @@ import shapely
 from ipoa_mission.errors import BadInput
 from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.flight.survey import Survey, plan_survey
+from ipoa_mission.forecast.energy import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.files import read_mission
@@ -297,3 +298,18 @@ def test_a_battery_that_is_not_quite_enough_in_wind_makes_more_flights() -> None
     battery = {"airframe": AIRFRAME, "battery": {"capacity_wh": 0.993 * windy, "reserve": 0.0}}
     assert len(plan_survey(scenario=scenario(LINES, vehicle=battery)).flights) == 1
     assert len(plan_survey(scenario=scenario(LINES, vehicle=battery, wind=wind)).flights) == 2
+
+
+def test_with_planned_returns_an_rtl_that_would_come_too_late_makes_more_flights() -> None:
+    """A battery that is just enough for all in one flight, but not for an RTL from every second of it."""
+    (whole,) = plan_survey(scenario=scenario(LINES, vehicle={"airframe": AIRFRAME})).flights
+    assert whole.energy is not None
+    battery = {"capacity_wh": 1.0005 * whole.energy.between.high, "reserve": 0.2}
+    tight = {"airframe": AIRFRAME, "battery": battery}
+    assert len(plan_survey(scenario=scenario(LINES, vehicle=tight)).flights) == 1
+    survey = plan_survey(scenario=scenario(LINES, vehicle=tight, safety={"returns": "planned"}))
+    assert len(survey.flights) == 2
+    for forecast in survey.flights:
+        budget = budget_of(forecast)
+        assert budget is not None
+        assert budget.no_return is None

@@ -42,6 +42,9 @@ class FlightModel(ABC):
     simulated: ClassVar[Mapping[str, float]]
     """The numbers of the simulated vehicle by which others differ: drag, lag [s], lift_delay, landing_delay [s]."""
 
+    is_always_sure: ClassVar[bool] = False
+    """Whether it flies the same, `sure` of where it is or not."""
+
     @abstractmethod
     def predicted(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, sure: bool) -> Prediction:
         """The flight of the mission's itinerary; `fast` and `sure` are as in `Forecast.flown`.

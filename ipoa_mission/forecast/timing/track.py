@@ -7,6 +7,7 @@ import numpy as np
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.world.ground import EARTH_RADIUS
 
+AT_ONCE = 20_000  # so many points are thinned at once: a line takes many times the room of its points
 STRAY = 0.02  # how far a thinned path may be from the predicted one [m]
 
 
@@ -46,7 +47,10 @@ def thinned(path: Points, stray: float = STRAY) -> Points:
 
     traveled = arc_lengths(path[:, :2])
     kept = {0}
-    for view in (path[:, :2], np.column_stack([traveled, path[:, 2]])):  # from above, and from the side
-        numbered = shapely.linestrings(np.column_stack([view, np.arange(len(path))]))
-        kept |= set(shapely.get_coordinates(shapely.simplify(numbered, stray), include_z=True)[:, 2].astype(int))
+    for first in range(0, len(path) - 1, AT_ONCE):
+        some = slice(first, first + AT_ONCE + 1)
+        numbers = np.arange(len(path))[some]
+        for view in (path[some, :2], np.column_stack([traveled[some], path[some, 2]])):  # from above, from the side
+            numbered = shapely.linestrings(np.column_stack([view, numbers]))
+            kept |= set(shapely.get_coordinates(shapely.simplify(numbered, stray), include_z=True)[:, 2].astype(int))
     return np.asarray(path[sorted(kept)])

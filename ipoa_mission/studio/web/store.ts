@@ -64,7 +64,7 @@ export interface Studio {
 
 /** A file that was dropped, and is kept beside the scenario. */
 export interface Dropped {
-  kind: "map" | "elevation" | "mission";
+  kind: "map" | "elevation" | "mission" | "log";
   path?: string;
   file: string;
   changes: Change[];
@@ -220,7 +220,7 @@ function hear(answer: Answer): void {
       set({ loaded: answer, landed: null, flown: [], seen: null });
       break;
     case "seen":
-      set({ seen: answer, flown: [...studio.flown, answer] });
+      set({ seen: answer, flown: [...studio.flown, answer], ...following(answer) });
       break;
     case "landed":
       set({ landed: answer, ...(answer.completed && studio.loaded ? { flownParts: [...studio.flownParts, studio.loaded.mission] } : {}) });
@@ -295,6 +295,11 @@ export function surveyed(now: Studio): PlannedSurvey | null {
   return now.survey && now.survey.revision === now.document?.revision ? now.survey : null;
 }
 
+/** Plan what a log, with those before, has left of a survey; without one all of it again. */
+export function planRest(now: Studio, log: string | null): void {
+  send({ kind: "rest", logs: log === null ? [] : [...new Set([...surveyed(now)?.flown ?? [], log])] });
+}
+
 /** The lines that no flight flies yet, where they are what is to be shown: of a drag, or while flights are planned. */
 export function coarseSurveyOf(now: Studio): CoarseSurvey | null {
   if (now.dragSurvey) return now.dragSurvey;
@@ -307,6 +312,17 @@ export const layoutOf = (now: Studio): SurveyLayout | null => coarseSurveyOf(now
 /** Look at another flight of a survey, from its begin. */
 export function choosePart(part: number): void {
   set({ part, at: 0, item: null, playing: false });
+}
+
+/** The slider goes with the vehicle whose plan is shown, from the first that is seen of it until somebody moves it. */
+let followed = 0;
+function following(seen: Seen): Partial<Studio> {
+  const plan = proved(studio);
+  if (!plan || studio.playing || studio.replay || studio.loaded?.mission !== plan.name) return {};
+  if (studio.flown.length && studio.at !== followed) return {};
+  const late = seen.flown_s != null && seen.expected_s != null ? seen.flown_s - seen.expected_s : 0;
+  followed = sampleAt(plan.course, seen.time_s - late);
+  return { at: followed };
 }
 
 /** The photo of the chosen flight that is taken nearest to where the slider stands, with its line. */

@@ -19,6 +19,7 @@ class ArduCopterModel(FlightModel):
     """ArduCopter 4.x, as its SITL flies."""
 
     scatter = (0.15, 0.01, 0.6)
+    is_always_sure = True
     simulated: ClassVar[Mapping[str, float]] = {
         "drag": 1.0,
         "lag": ARDUPILOT_SIMULATOR.lag,
