@@ -78,8 +78,8 @@ function Page() {
           <Outside now={now} />
           <Question now={now} />
           <Verdict now={now} />
-          {isScenario ? <><SurveyFlights now={now} /><Chosen now={now} /><Fly now={now} /><SurveyForm now={now} /><SeesLeast now={now} /></> : <><ChosenItem now={now} /><Items now={now} /><World now={now} /><Fly now={now} /></>}
           <Replayed now={now} />
+          {isScenario ? <><SurveyFlights now={now} /><Chosen now={now} /><Fly now={now} /><SurveyForm now={now} /><SeesLeast now={now} /></> : <><ChosenItem now={now} /><Items now={now} /><World now={now} /><Fly now={now} /></>}
           <div class={last === now ? "" : "past"} inert={last !== now}><Bindings now={last} />{isScenario && <Items now={last} />}</div>
           {isScenario && <Candidates now={now} take={take} />}
           {isScenario && <div class={last === now ? "" : "past"} inert={last !== now}><Choices now={last} /></div>}
