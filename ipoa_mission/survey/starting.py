@@ -15,7 +15,7 @@ from ipoa_mission.survey.split import fewest_parts, first_cut, part_of
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Sortie, Swath, Tour
 
-SURELY = 1.03  # times what a battery holds: a flight that seems to take more is not looked at
+SURELY = 1.1  # times what a battery holds: a flight that seems to take more is not looked at
 NEARLY = 1.002  # times what seemed to be the least time of all is as good
 SLIVER = 1e-3  # of a spacing squared: what is smaller is no part of the area [m^2]
 

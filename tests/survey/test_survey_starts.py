@@ -119,7 +119,7 @@ def test_no_cut_and_no_choice_of_start_places_takes_less_time(
     assert all(tried(part).fits for part in parts)
     assert [s for part in parts for s in part.tour.swaths] == list(tour.swaths)
     assert seconds == pytest.approx(sum(tried(part).seconds for part in parts))
-    assert seconds <= 1.002 * best_of_all(tour, len(starts), tried)
+    assert seconds <= 1.03 * best_of_all(tour, len(starts), tried)  # of 41,000 other cases 1.0222 was the worst
 
 
 def best_of_all(tour: Tour, places: int, tried: Any) -> float:
