@@ -63,7 +63,7 @@ Direction: TypeAlias = Annotated[
     AfterValidator(_a_direction),
     WithJsonSchema({"anyOf": [{"enum": [*WORDS]}, {"type": "number"}, {"type": "array", "items": {"type": "number"}}]}),
 ]
-Spot: TypeAlias = tuple[float, float]
+Spot: TypeAlias = tuple[Annotated[float, NUMBER], Annotated[float, NUMBER]]
 Rings: TypeAlias = Annotated[
     Any, AfterValidator(_nested), WithJsonSchema({"anyOf": [_RING, _PARTS, {"type": "array", "items": _PARTS}]})
 ]
