@@ -59,6 +59,11 @@ def left_to_fly(
     return Tour(tuple(swaths), tuple(ways)) if swaths else None
 
 
+def is_along(tour: Tour, path: Points, sight: Sight, ground: Ground) -> bool:
+    """Whether anything of a path (n, 3) was flown along the lines of a tour."""
+    return bool(_in_order(tour, path, sight, ground))
+
+
 @dataclass(frozen=True)
 class _Run:
     """A piece of a line, from where to where along it [m], flown without a break; `at`: its first place of the path."""
