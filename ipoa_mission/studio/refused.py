@@ -11,7 +11,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio.answers import Remedy, Trouble
 from ipoa_mission.studio.area_view import in_words
-from ipoa_mission.studio.requests import Put, Take
+from ipoa_mission.studio.requests import Add, Put, Take
 from ipoa_mission.studio.survey_remedies import area_remedies, survey_remedies
 from ipoa_mission.studio.view import without_folders
 from ipoa_mission.studio.vocabulary import as_on_map
@@ -20,6 +20,8 @@ ASSIGNMENT = re.compile(r"\b(\w+_height) = (\d+)\b")
 PLACE = re.compile(r"^(start|goal|via)(?:\[(\d+)\])?: nothing can fly there")
 TRIED = re.compile(r"; (\w+)\.(\w+) = (\S+) plans it")
 TRIED_WORDS = {"cruise_speed": "Cruise speed {} m/s", "mode": "Waypoints: {}", "confidence": "Confidence {}"}
+RETURNS = re.compile(r"^(\w+) = (-?[\d.]+) makes it clear")
+LAND = 'or land: route.ending = "land"'
 SPARE = 0.5  # how much more than required a place is put above what is below it [m]
 
 
@@ -36,6 +38,7 @@ def refused(error: MissionError, scenario: Scenario, revision: int, of: Literal[
             *_heights(message, scenario),
             *_higher(str(error), scenario),
             *survey_remedies(str(error), scenario),
+            *_ways_home(error.hint or "", scenario),
         ),
     )
 
@@ -55,6 +58,19 @@ def _tried(message: str) -> Iterator[Remedy]:
         section, key, value = found[1], found[2], json.loads(found[3])
         label = TRIED_WORDS.get(key, f"{key}: {{}}").format(value)
         yield Remedy(label=f"{label}, which was tried", changes=(Put(path=(section, key), value=value),))
+
+
+def _ways_home(hint: str, scenario: Scenario) -> Iterator[Remedy]:
+    """For a way home that is not clear: higher, planned as the flight is, or none."""
+    if not hint.endswith(LAND) or scenario.survey is not None:  # whose flights end over home as it is
+        return
+    if found := RETURNS.match(hint):
+        change = Put(path=("vehicle", "parameters", found[1]), value=float(found[2]))
+        yield Remedy(label=f"{found[1]} = {found[2]}, here and in the vehicle", changes=(change,))
+    over_home = Put(path=("goal",), value={"east": 0.0, "north": 0.0, "up": round(float(scenario.goal_point[2]), 1)})
+    goal = Add(to="via", table=scenario.goal.model_dump(exclude_none=True))
+    yield Remedy(label="Plan the way home too", changes=(goal, over_home))
+    yield Remedy(label="Land at the goal", changes=(Put(path=("route", "ending"), value="land"),))
 
 
 def _heights(message: str, scenario: Scenario) -> Iterator[Remedy]:

@@ -38,9 +38,10 @@ def extract(path: Path) -> None:
 
 
 MAKERS = {"town.parquet": overture, "town.osm.pbf": extract}
+FILES = ["town.parquet", pytest.param("town.osm.pbf", marks=pytest.mark.alone)]
 
 
-@pytest.mark.parametrize("file", MAKERS)
+@pytest.mark.parametrize("file", FILES)
 def test_a_building_of_it_is_flown_round(run: Run, monkeypatch: pytest.MonkeyPatch, file: str) -> None:
     search_quickly(monkeypatch.setattr)
     MAKERS[file](Path(file))
@@ -50,7 +51,7 @@ def test_a_building_of_it_is_flown_round(run: Run, monkeypatch: pytest.MonkeyPat
     assert "08f" in ended.out or "way/9" in ended.out  # what it comes nearest to
 
 
-@pytest.mark.parametrize("file", MAKERS)
+@pytest.mark.parametrize("file", FILES)
 def test_a_scenario_is_begun_from_it_and_an_area_of_it_is_surveyed(run: Run, file: str) -> None:
     MAKERS[file](Path(file))
     begun = run(f"new town.toml --buildings {file} --yes")

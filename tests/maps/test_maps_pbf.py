@@ -18,6 +18,7 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.maps.test_maps_osm import RELATION, TOWN, node, way
 
 osmium = pytest.importorskip("osmium")
+pytestmark = pytest.mark.alone
 #: The town, a wood far round it, a cable car across it, an area of two far ways, a hut, and a road far from all of it.
 COUNTRY = TOWN.replace(
     "</osm>",

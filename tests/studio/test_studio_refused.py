@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission import MissionError, Scenario
+from ipoa_mission import MissionError, Scenario, plan_flight
 from ipoa_mission.planning.sketch import sketch_path
 from ipoa_mission.routing.changes import Looks
 from ipoa_mission.scenario.read import parse_scenario, parse_toml
@@ -63,3 +63,18 @@ def test_a_wood_without_a_height_is_drawn_and_can_be_given_one(tmp_path: Path) -
         mended = Scenario.from_dict(parse_toml(changed(text, remedy.changes), MEADOW), tmp_path)
         assert not mended.passed_over or not any(thing.may_stand for thing in mended.passed_over)
         assert len(mended.airspace.obstacles) == len(scenario.airspace.obstacles) + stand
+
+
+def test_a_way_home_that_is_not_clear_can_be_flown_higher_planned_or_left_out() -> None:
+    text = MEADOW.read_text().replace('ending = "land"', 'ending = "rtl"').replace("height = 25.0", "height = 70.0")
+    scenario = parse_scenario(text, MEADOW)
+    with pytest.raises(MissionError, match="the way home") as caught:
+        plan_flight(scenario, seed=7)
+    planned, landed = refused(caught.value, scenario, 1).remedies
+    assert (planned.label, landed.label) == ("Plan the way home too", "Land at the goal")
+    for remedy in (planned, landed):
+        plan_flight(parse_scenario(changed(text, remedy.changes), MEADOW), seed=7)
+    hint = f"RTL_ALT = 5000 makes it clear, in the vehicle and under [vehicle.parameters]; or {caught.value.hint}"
+    higher, *_ = refused(MissionError("item 4: the way home", hint=hint), scenario, 1).remedies
+    mended = parse_scenario(changed(text, higher.changes), MEADOW)
+    assert mended.vehicle.parameters == {**scenario.vehicle.parameters, "RTL_ALT": 5000.0}

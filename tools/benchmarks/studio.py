@@ -1,16 +1,13 @@
-"""How soon the studio answers a hand that drags, and how smoothly its map is drawn.
+"""How soon the studio answers a hand that drags.
 
-    python -m tools.benchmarks.studio [--drags 100] [--frames]
+    python -m tools.benchmarks.studio [--drags 100]
 
 Answers: the goal is dragged in small steps, as the page asks it of the planner's process: over the campus, and over a
 town of 500 buildings in a GeoJSON map. Told are the times from question to answer (median and 95th percentile, [ms])
-and the processor's part of them, which does not depend on what else the machine does. `--frames`: headless Chromium,
-which draws by software, turns a map of 5,000 buildings; told is the time from frame to frame, and what of it the page's
-own script takes, which a graphics card would not change.
+and the processor's part of them, which does not depend on what else the machine does.
 """
 
 import json
-import shutil
 import statistics
 import subprocess
 import sys
@@ -130,64 +127,13 @@ def drags(scenario: Path, count: int) -> Iterator[tuple[float, float, bool]]:
     planner.close()
 
 
-def frames(scenario: Path, seconds: float = 10.0) -> tuple[list[float], list[float]]:
-    """Milliseconds from frame to frame while a map turns in headless Chromium, and those of the page's own part."""
-    from playwright.sync_api import sync_playwright
-
-    command = [sys.executable, "-m", "ipoa_mission", "studio", str(scenario), "--no-browser"]
-    studio = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
-    assert studio.stdout is not None
-    address = "http://" + studio.stdout.readline().split("http://")[1].strip()
-    with sync_playwright() as play:
-        software = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-        browser = play.chromium.launch(executable_path=shutil.which("chromium"), args=software)
-        page = browser.new_page(viewport={"width": 1280, "height": 800})
-        page.goto(address)
-        page.locator("[data-spot=goal]").wait_for(timeout=120_000)
-        page.get_by_role("button", name="Cancel").click(timeout=120_000)  # the planner wants the same processors
-        page.wait_for_timeout(3000)
-        seen: list[float] = page.evaluate(
-            """seconds => new Promise(done => {
-                const times = [], begun = performance.now();
-                const step = now => {
-                    times.push(now);
-                    map.jumpTo({ bearing: (now - begun) / 50 });
-                    if (now - begun < 1000 * seconds) requestAnimationFrame(step);
-                    else done(times.slice(1).map((time, n) => time - times[n]));
-                };
-                requestAnimationFrame(step);
-            })""",
-            seconds,
-        )
-        own: list[float] = page.evaluate(
-            """() => Array.from({ length: 100 }, (_, n) => {
-                const begun = performance.now();
-                map.jumpTo({ bearing: n });
-                map.redraw();
-                return performance.now() - begun;
-            })"""
-        )
-        page.close()
-        browser.close()
-    studio.terminate()
-    studio.wait()
-    return seen, own
-
-
 def main() -> None:
     parser = command_line(__doc__)
     parser.add_argument("--drags", type=int, default=100)
-    parser.add_argument("--frames", action="store_true")
     arguments = parser.parse_args()
     console = Console()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        if arguments.frames:
-            seen, own = frames(town(5000, folder))
-            for what, times in (("from frame to frame", seen), ("of them the page's script", own)):
-                middle, worst = statistics.median(times), statistics.quantiles(times, n=20)[-1]
-                console.print(f"{what}: median {middle:.1f} ms, least {min(times):.1f} ms, 95 % {worst:.1f} ms")
-            return
         table = Table("scenario", "drags", "held", "median ms", "95 % ms", "processor: median ms", "95 % ms")
         for scenario in (CAMPUS, town(500, folder)):
             waited, busy, held = zip(*drags(scenario, arguments.drags), strict=True)

@@ -187,10 +187,13 @@ def newcomer(hands: CountedHands) -> None:
         for east, north in ((-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)):
             hands.clicks += 1
             page.mouse.click(mx + east * side, my - north * side)
+        hands.click(page.get_by_role("region", name="Chosen").get_by_label("Height"))
+        hands.type("40", "Enter")
 
     def is_round() -> bool:
         verdict = page.locator(".verdict").inner_text()
-        return "Proved" in verdict and "building 1" in verdict
+        is_over = page.get_by_text("The flight passes over it").count() > 0
+        return "Proved" in verdict and "building 1" in verdict and not is_over and "height = 40" in hands.text()
 
     hands.told("a newcomer's flight round a building that he draws", drawn, is_round)
 

@@ -1,6 +1,6 @@
 // What binds the flight and where; the ways to choose waypoints; plans that were kept, side by side; what to know.
 import type { Plan } from "./messages";
-import { edit, keepCandidates, proved, set, surveyed, type Candidate, type Studio } from "./store";
+import { asLastProved, edit, keepCandidates, proved, set, surveyed, type Candidate, type Studio } from "./store";
 import { meters, seconds, share } from "./words";
 
 export function Bindings({ now }: { now: Studio }) {
@@ -68,7 +68,7 @@ export function Candidates({ now, take }: { now: Studio; take: (candidate: Candi
     const name = [..."ABCD"].find(letter => !now.candidates.some(one => one.name === letter)) ?? "E";
     keepCandidates([...now.candidates, { name, plan: plan!, text: now.document!.text }]);
   };
-  if (!shown.length) return null;
+  if (!shown.length && !whole(asLastProved(now))) return null;
   return (
     <section class="candidates" aria-label="Candidates">
       <h2>Candidates <button type="button" disabled={!plan || now.candidates.length > 3} onClick={keep}>Keep this one</button></h2>

@@ -2,7 +2,7 @@
 import { useState } from "preact/hooks";
 import type { Scenario } from "./messages";
 import { nameOf, remove } from "./hands";
-import { edit, isSurvey, studio, type Path, type Studio } from "./store";
+import { edit, isSurvey, proved, studio, type Path, type Studio } from "./store";
 
 interface Field {
   path: Path;
@@ -28,6 +28,7 @@ const WAYS: Field[] = [
   { path: ["route", "mode"], label: "Waypoints", choices: ["fastest", "corridor", "even", "spline"] },
   { path: ["route", "ending"], label: "Ends by", choices: ["rtl", "land"] },
 ];
+const NAMES: Record<string, string> = { rtl: "return home (rtl)", land: "landing there" };
 const SIZES: Record<string, [string, string][]> = {
   place: [["up", "m above home"], ["height_above_ground", "m above ground"], ["altitude_amsl", "m AMSL"]],
   solid: [["height", "m"], ["radius", "m"], ["width", "m"], ["depth", "m"], ["heading_deg", "°"], ["base", "m above home"]],
@@ -53,13 +54,20 @@ export function Chosen({ now }: { now: Studio }) {
             change={value => edit("name changed", { op: "put", path: [...path, "name"], value })} /></label>
       )}
       {sizes.filter(([key]) => key in table).map(([key, unit]) => (
-        <NumberField key={key} field={{ path: [...path, key], label: key.replaceAll("_", " ").replace(" deg", ""), unit, step: key === "heading_deg" ? 5 : 1 }} now={now} />
+        <NumberField key={key} field={{ path: [...path, key], label: (key[0]!.toUpperCase() + key.slice(1)).replaceAll("_", " ").replace(" deg", ""), unit, step: key === "heading_deg" ? 5 : 1 }} now={now} />
       ))}
+      {kind === "obstacles" && isFlownOver(now, nameOf(path)) && <p class="note">The flight passes over it. If it is higher, say so: then it is flown round.</p>}
       {["via", "start", "goal", "rally"].includes(kind) && <Datum path={path} table={table} />}
       {kind === "fence" && <p class="note">{table.inclusion === false ? "The vehicle keeps out of it." : "The vehicle stays inside of it."} It goes into the mission.</p>}
       {typeof path.at(-1) === "number" && <button type="button" onClick={() => remove(path)}>Remove</button>}
     </section>
   );
+}
+
+/** Whether the proved path to the goal leads over a thing; ways home do so as high as they can. */
+function isFlownOver(now: Studio, name: string): boolean {
+  const plan = proved(now), turns = plan?.course.returns_at ?? null;
+  return plan?.beside.some(body => body.look === "below" && body.name === name && (turns === null || body.begins < plan.course.along[turns]!)) ?? false;
 }
 
 const DATA: [string, string][] = [["up", "home"], ["height_above_ground", "the ground"], ["altitude_amsl", "the sea (AMSL)"]];
@@ -149,7 +157,7 @@ function ChoiceField({ field, now }: { field: Field; now: Studio }) {
   return (
     <label class="field"><span>{field.label}</span>
       <select value={value} onChange={event => edit(`${field.label.toLowerCase()} changed`, { op: "put", path: field.path, value: event.currentTarget.value })}>
-        {field.choices!.map(choice => <option key={choice} value={choice}>{choice}</option>)}
+        {field.choices!.map(choice => <option key={choice} value={choice}>{NAMES[choice] ?? choice}</option>)}
       </select></label>
   );
 }
@@ -167,7 +175,7 @@ function HeightForAll({ now }: { now: Studio }) {
   };
   return (
     <label class="field"><span>Height of all places</span>
-      <input type="number" step="1" min="1" placeholder="as each has it"
+      <input type="number" step="1" min="1" placeholder="its own"
         onChange={event => { if (Number(event.currentTarget.value) > 0) change(Number(event.currentTarget.value)); event.currentTarget.value = ""; }} />
       <em>m above ground</em></label>
   );

@@ -30,7 +30,7 @@ export function useHands(map: MapLibre): void {
   const show = (pointer?: LngLat) => {
     const points = pointer && corners.length ? [...corners, pointer] : corners;
     const closes = points.length > 2 && !isOpen(studio.tool);
-    if (points.length > 1) set({ notice: lengths(points, closes) });
+    if (points.length > 1) set({ notice: `${lengths(points, closes)}${closes ? ". Enter, a double click or the first corner closes it." : ""}` });
     draft(map, [
       ...(points.length > 1 ? [line(points)] : []),
       ...(closes ? [line([points.at(-1)!, points[0]!], { closing: true })] : []),
@@ -63,6 +63,12 @@ export function useHands(map: MapLibre): void {
   map.on("click", event => {
     if (studio.tool === "select") choose(map, event);
     else press(event.lngLat.toArray() as LngLat, corners.length > 0 && near(map, event.lngLat.toArray() as LngLat, corners[0]!));
+  });
+  map.on("dblclick", event => {
+    if (!corners.length || studio.tool === "measure") return;
+    event.preventDefault(); // it is no zoom
+    corners.pop(); // its second click
+    close();
   });
   map.on("mousemove", event => {
     if (corners.length) show(event.lngLat.toArray() as LngLat);

@@ -17,13 +17,14 @@ import { ChosenItem, Items } from "./items";
 import { Keys } from "./keys";
 import { makeMap } from "./map";
 import { Replayed, World } from "./mission";
+import { fitOnPaper } from "./paper";
 import { showPointer } from "./pointer";
 import { Profile } from "./profile";
 import { showSpots } from "./spots";
 import { StartPage } from "./start";
 import { SeesLeast, SurveyFlights, SurveyForm } from "./survey";
 import { useSurveyHands } from "./survey-hands";
-import { isMission, send, set, studio, type Candidate, type Studio } from "./store";
+import { asLastProved, isMission, send, set, studio, type Candidate, type Studio } from "./store";
 import { Outside, Text } from "./text";
 import { useStudio } from "./use";
 import { Verdict } from "./verdict";
@@ -38,13 +39,14 @@ function MapView({ now }: { now: Studio }) {
       useHands(map);
       useSurveyHands(map);
       showPointer(map);
+      fitOnPaper(map);
       Object.assign(window, { map }); // for tests, and for the curious
     } catch {
       set({ notice: "No map is drawn: this browser has no WebGL 2. All else works." });
     }
   }, []);
   return (
-    <div class={`map${world ? "" : " unknown"}${whole ? " whole" : ""}`} role="region" aria-label="Map">
+    <div class={`map${world ? "" : " unknown"}${whole ? " whole" : ""}`} role="region" aria-label="Map and tools">
       <div class="canvas" ref={place} />
       {tiles && picture && <p class="attribution">{tiles.attribution}</p>}
       <button type="button" class="enlarge" aria-pressed={whole} onClick={() => set({ whole: !whole })}>{whole ? "✕ close" : "⤢ whole screen"}</button>
@@ -63,7 +65,7 @@ function take(candidate: Candidate): void {
 function Page() {
   const now = useStudio();
   if (now.start) return <><Bar /><StartPage now={now} /></>;
-  const isScenario = !isMission(now);
+  const isScenario = !isMission(now), last = asLastProved(now);
   return (
     <>
       <Bar />
@@ -76,11 +78,12 @@ function Page() {
           <Outside now={now} />
           <Question now={now} />
           <Verdict now={now} />
-          {isScenario ? <><SurveyFlights now={now} /><Chosen now={now} /><SurveyForm now={now} /><SeesLeast now={now} /></> : <><ChosenItem now={now} /><Items now={now} /><World now={now} /><Fly now={now} /></>}
           <Replayed now={now} />
-          <Bindings now={now} />
-          {isScenario && <Items now={now} />}
-          {isScenario && <><Candidates now={now} take={take} /><Fly now={now} /><Choices now={now} /><Limits now={now} /><Drop /></>}
+          {isScenario ? <><SurveyFlights now={now} /><Chosen now={now} /><Fly now={now} /><SurveyForm now={now} /><SeesLeast now={now} /></> : <><ChosenItem now={now} /><Items now={now} /><World now={now} /><Fly now={now} /></>}
+          <div class={last === now ? "" : "past"} inert={last !== now}><Bindings now={last} />{isScenario && <Items now={last} />}</div>
+          {isScenario && <Candidates now={now} take={take} />}
+          {isScenario && <div class={last === now ? "" : "past"} inert={last !== now}><Choices now={last} /></div>}
+          {isScenario && <><Limits now={now} /><Drop /></>}
           <Remarks now={now} />
           <Keys now={now} />
           <Text now={now} />

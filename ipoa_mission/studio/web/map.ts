@@ -3,6 +3,7 @@ import { Map as MapLibre, NavigationControl, ScaleControl, setWorkerUrl, type Ge
 import type { MapLine, Seen, Trouble, World } from "./messages";
 import { color, onSchemeChange } from "./colors";
 import { hillshade } from "./hillshade";
+import { isDrawnBySoftware } from "./renderer";
 import * as shapes from "./shapes";
 import { drawSurvey, groundLayers, lineLayers, photoLayers, SURVEY_FLAT, SURVEY_KEYS, SURVEY_SOURCES, SURVEY_SPACE } from "./survey-map";
 import { blocking, coarseOf, isMission, isNamed, isWritten, listen, proved, set, studio, type LngLat, type Studio } from "./store";
@@ -20,7 +21,7 @@ const SPACE = [...SURVEY_SPACE, "ground-space", "roofs-space", "zones-space", "p
 export function makeMap(container: HTMLElement): MapLibre {
   const map = new MapLibre({
     container, style: style(), center: [0, 0], zoom: 1, maxZoom: 22, maxPitch: 75, attributionControl: false,
-    dragRotate: true, fadeDuration: 0, canvasContextAttributes: { antialias: true },
+    dragRotate: true, fadeDuration: 0, canvasContextAttributes: { antialias: !isDrawnBySoftware() },
   });
   map.on("error", event => {
     if ((event as { sourceId?: string }).sourceId === "tiles") set({ notice: "Some of the map's tiles could not be had." });
@@ -133,6 +134,7 @@ function drawLit(map: MapLibre, now: Studio): void {
 }
 
 function drawAll(map: MapLibre, now: Studio): void {
+  filled.clear();
   if (now.world) {
     drawWorld(map, now.world);
     if (map.getZoom() < 3) fit(map, now.world, false);
@@ -164,7 +166,7 @@ function showHillshade(map: MapLibre, world: World): void {
   const shade = hillshade(world);
   if (!shade) return;
   map.addSource("hillshade", { type: "canvas", canvas: shade.canvas, coordinates: shade.corners, animate: false });
-  const visibility = map.getLayoutProperty("ground", "visibility") ?? "visible";
+  const visibility = studio.space || (studio.tiles && studio.picture) ? "none" : "visible";
   map.addLayer({ id: "hillshade", type: "raster", source: "hillshade", layout: { visibility }, paint: { "raster-fade-duration": 0, "raster-opacity": 0.55 } }, "contours");
 }
 
@@ -245,8 +247,7 @@ function drawHere(map: MapLibre, now: Studio): void {
 }
 
 function showSpace(map: MapLibre, space: boolean): void {
-  for (const name of FLAT) map.setLayoutProperty(name, "visibility", space ? "none" : "visible");
-  for (const name of SPACE) map.setLayoutProperty(name, "visibility", space ? "visible" : "none");
+  showLayers(map, studio);
   for (const name of ["path", "path-home", "coarse"]) map.setPaintProperty(name, "line-opacity", space ? 0.25 : 1);
 }
 
@@ -262,12 +263,32 @@ function showPicture(map: MapLibre, now: Studio): void {
   }
   const shown = tiles !== null && now.picture;
   for (const id of map.getLayersOrder()) if (id.startsWith("tiles")) map.setLayoutProperty(id, "visibility", shown ? "visible" : "none");
-  for (const name of ["ground", "hillshade"]) if (map.getLayer(name)) map.setLayoutProperty(name, "visibility", now.space || shown ? "none" : "visible");
+  showLayers(map, now, "ground");
+  if (map.getLayer("hillshade")) map.setLayoutProperty("hillshade", "visibility", now.space || shown ? "none" : "visible");
   map.setPaintProperty("roofs", "fill-opacity", shown ? 0.55 : 1);
 }
 
+const filled = new Set<string>();
+
+/** What a source holds; layers of one that holds nothing are not drawn: each costs a pass over all of the map. */
 function fill(map: MapLibre, name: SourceName, features: GeoJSON.Feature[]): void {
+  if (!features.length && !filled.has(name)) return;
   (map.getSource(name) as GeoJSONSource | undefined)?.setData(shapes.collection(features));
+  if (features.length > 0 === filled.has(name)) return;
+  if (features.length) filled.add(name);
+  else filled.delete(name);
+  showLayers(map, studio, name);
+}
+
+/** Which layers are drawn: all, or those of one source. */
+function showLayers(map: MapLibre, now: Studio, only?: SourceName): void {
+  const isCovered = now.tiles !== null && now.picture;
+  for (const id of map.getLayersOrder()) {
+    const source = map.getLayer(id)!.source;
+    if (!SOURCES.some(name => name === source) || (only && source !== only)) continue;
+    const isShown = filled.has(source) && !(now.space ? FLAT : SPACE).includes(id) && !(id === "ground" && isCovered);
+    map.setLayoutProperty(id, "visibility", isShown ? "visible" : "none");
+  }
 }
 
 function addImages(map: MapLibre): void {

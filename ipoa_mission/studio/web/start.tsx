@@ -35,8 +35,8 @@ export function StartPage({ now }: { now: Studio }) {
           <p class="buttons"><button type="submit" class="strong">Begin</button></p>
         </form></section>
       <Files words="Open lately" files={start.recent} />
-      <Files words="In this folder" files={start.here} />
       <Files words="Examples, of which a copy is opened" files={start.examples} />
+      <Files words="In this folder" files={start.here} />
     </main>
   );
 }

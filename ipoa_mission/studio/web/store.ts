@@ -277,6 +277,7 @@ export function blocking(now: Studio): Trouble[] {
 export function isNamed(name: string, refusals: Trouble[]): boolean {
   const word = (letter: string | undefined) => letter !== undefined && /[\p{L}\p{N}]/u.test(letter);
   return refusals.some(({ message }) => {
+    if (name === "home") return /^home\b/m.test(message); // elsewhere it is what heights count from
     const at = message.indexOf(name);
     return at >= 0 && !word(message[at - 1]) && !word(message[at + name.length]);
   });
@@ -344,6 +345,12 @@ export function proved(now: Studio): Plan | null {
   if (survey) return survey.flights[Math.min(now.part, survey.flights.length - 1)]!.plan;
   if (isMission(now)) return now.plan?.of === "mission" ? now.plan : null;
   return now.plan && now.document && now.plan.revision === now.document.revision ? now.plan : null;
+}
+
+/** As it was when a plan was last proved, while there is none of what is here now: what stands at the side stays there, faded. */
+export function asLastProved(now: Studio): Studio {
+  const revision = isSurvey(now) ? now.survey?.revision : now.plan?.revision;
+  return !now.document || isMission(now) || revision === undefined || proved(now) ? now : { ...now, document: { ...now.document, revision } };
 }
 
 /** Whether it is known what stands where the flight goes. */

@@ -13,7 +13,7 @@ export function Verdict({ now }: { now: Studio }) {
   const first = refusals[0]?.message;
   useEffect(() => { if (first) place.current?.scrollIntoView({ block: "nearest" }); }, [first]);
   return (
-    <section class="verdict" aria-live="polite" ref={place}>
+    <section class={isMission(now) ? "verdict" : "verdict steady"} aria-live="polite" ref={place}>
       {isMission(now) ? (refusals.length ? <Troubles of={refusals} /> : <MissionVerdict now={now} checked={now.checked?.revision === now.document?.revision ? now.checked : null} />)
         : refusals.length && !now.drag && !now.dragSurvey ? <Troubles of={refusals} />
         : isSurvey(now) ? <SurveyVerdict now={now} />
@@ -71,7 +71,7 @@ function Figures({ now }: { now: Studio }) {
   if (!coarse) return null;
   return (
     <dl class="figures rough">
-      <div><dt>route, at least</dt><dd>{seconds(coarse.seconds)}<small>no estimate: a lower bound</small></dd></div>
+      <div><dt>route, at least</dt><dd>{seconds(coarse.seconds)}<small>a lower bound</small></dd></div>
       <div><dt>coarse path's clearance</dt><dd>{meters(coarse.clearance, 2)}<small>to {coarse.nearest}</small></dd></div>
       <div><dt>path</dt><dd>{meters(coarse.length, 0)}<small>answered in {Math.round(coarse.took_s * 1000)} ms</small></dd></div>
     </dl>

@@ -1,0 +1,82 @@
+"""What one looks at stays where it is: the map where one draws, the side while it is planned; on paper all is there."""
+
+from typing import Any
+
+from tests.studio.test_studio_page import (
+    address,
+    browser,
+    own_page,
+    page,
+    proved,
+    pytestmark,
+    rewrite,
+    scenario_of,
+    until,
+    window,
+)
+
+__all__ = ["address", "browser", "own_page", "page", "pytestmark", "window"]
+
+ROOF = "() => map.queryRenderedFeatures({ layers: ['roofs'] }).map(one => one.properties.name)"
+SEEN = "[map.getZoom(), map.getCenter().lng, map.getCenter().lat]"
+
+
+def test_a_double_click_closes_a_building_and_the_map_stays(page: Any) -> None:
+    proved(page)
+    page.locator("body").press("Home")
+    before = page.evaluate(SEEN)
+    box = page.locator(".maplibregl-canvas").bounding_box()
+    page.locator("body").press("b")
+    for east, north in ((0.75, 0.3), (0.85, 0.3)):
+        page.mouse.click(box["x"] + east * box["width"], box["y"] + north * box["height"])
+    page.mouse.dblclick(box["x"] + 0.85 * box["width"], box["y"] + 0.4 * box["height"])
+    until(page, "document.querySelector('textarea').value.includes('building 3')")
+    assert len(scenario_of(page).split("footprint = ")[1].split("], [")) == 3
+    assert page.evaluate(SEEN) == before
+
+
+def test_it_is_said_that_a_building_is_flown_over(page: Any) -> None:
+    rewrite(page, scenario_of(page).replace("height = 25.0", "height = 2.0").replace("height = 22.0", "height = 2.0"))
+    proved(page)
+    page.locator("body").press("Home")
+    place = page.evaluate(
+        """() => {
+            const box = map.getContainer().getBoundingClientRect();
+            const bodies = map.getStyle().sources.bodies.data.features;
+            const ring = bodies.find(one => one.properties.name === "barn").geometry.coordinates[0];
+            const at = map.project(ring[0].map((_, n) => (ring[0][n] + ring[2][n]) / 2));
+            return [box.x + at.x, box.y + at.y + 12];
+        }"""
+    )
+    until(page, f"({ROOF})().includes('barn')")
+    page.mouse.click(*place)
+    page.get_by_text("The flight passes over it.").wait_for()
+    rewrite(page, scenario_of(page).replace("height = 2.0", "height = 25.0", 1))
+    page.get_by_text("The flight passes over it.").wait_for(state="detached")
+    proved(page)
+    assert page.get_by_text("The flight passes over it.").count() == 0
+
+
+def test_the_side_stays_while_another_plan_is_made(page: Any) -> None:
+    proved(page)
+    items = page.locator(".items")
+    items.first.wait_for()
+    rewrite(page, scenario_of(page).replace("up = 10.0\n\n[bounds]", "up = -3.0\n\n[bounds]"))
+    page.locator(".refusal").first.wait_for()
+    assert items.count() == 1
+    assert page.locator(".past .items").evaluate("one => one.closest('[inert]') !== null")
+    page.get_by_role("button", name="Goal to").click()
+    until(page, "document.querySelector('.past') === null")
+
+
+def test_all_of_the_flight_is_printed_and_the_map_is_then_as_it_was(page: Any) -> None:
+    proved(page)
+    page.evaluate("map.jumpTo({ zoom: map.getZoom() + 3 })")
+    before = page.evaluate(SEEN)
+    page.evaluate("window.print = () => { window.printed = map.getZoom(); }")
+    page.locator("body").press("Control+p")
+    until(page, "window.printed !== undefined")
+    assert page.evaluate("window.printed") < before[0] - 1
+    page.evaluate("dispatchEvent(new Event('afterprint'))")
+    until(page, "map.getContainer().style.width === ''")
+    assert page.evaluate(SEEN) == before
