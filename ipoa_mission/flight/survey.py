@@ -29,6 +29,7 @@ from ipoa_mission.scenario.explain import explained
 from ipoa_mission.scenario.other_home import nearest_start
 from ipoa_mission.scenario.survey import SurveySection, with_survey
 from ipoa_mission.survey.plan import SurveyFlight, SurveyPlan, plan_flights, rest_of
+from ipoa_mission.survey.resume import is_along
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.frame import Geodetic
 
@@ -248,10 +249,11 @@ def plan_survey(
         plan = plan_flights(scenario if wind is None else scenario.in_wind(wind), seed, progress)
         if flown:
             whole = plan
-            plan = rest_of(whole, [path for log in flown for path in _paths(log, scenario)], seed)
+            paths = {str(log): [*_paths(log, scenario)] for log in flown}
+            plan = rest_of(whole, [path for log in paths.values() for path in log], seed)
             plan = replace(plan, scenario=plan.scenario.model_copy(update={"name": f"{scenario.name}-rest"}))
     log.info("%s: %d lines in %d flights", scenario.name, len(plan.tour.swaths), len(plan.flights))
-    before = () if not flown else (_flown_words(whole, plan, flown),)
+    before = () if not flown else (_flown_words(whole, plan, flown), *_elsewhere(whole, paths))
     return Survey(plan, seed, tuple(dict.fromkeys((*before, *_remarks(plan, scenario)))))
 
 
@@ -270,8 +272,15 @@ def _flown_words(whole: SurveyPlan, rest: SurveyPlan, logs: Sequence[str | Path]
     every, left = (sum(swath.length for swath in plan.tour.swaths) for plan in (whole, rest))
     if left >= every:
         raise BadInput(f"{', '.join(map(str, logs))}: nothing in it was flown along the lines of this survey")
-    source = "the log" if len(logs) == 1 else f"{len(logs)} logs"
+    source = "the log" if len(logs) == 1 else "the logs"
     return f"by {source}, {every - left:.0f} m of {every:.0f} m of lines were flown before"
+
+
+def _elsewhere(whole: SurveyPlan, paths: Mapping[str, list[Points]]) -> Iterator[str]:
+    """Which of the logs are of something else."""
+    for log, flown in paths.items():
+        if not any(is_along(whole.tour, path, whole.sight, whole.scenario.airspace.ground) for path in flown):
+            yield f"{log}: nothing in it was flown along the lines of this survey"
 
 
 def _asking(scenario: Scenario, area: Any, camera: Any, asked: Mapping[str, Any]) -> Scenario:

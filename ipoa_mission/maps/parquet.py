@@ -174,4 +174,5 @@ def _plain(value: Any) -> Any:
     """A value as JSON has it: of a map Arrow makes pairs."""
     if isinstance(value, Decimal):
         return float(value)
-    return dict(value) if isinstance(value, list) else value
+    is_map = isinstance(value, list) and all(isinstance(one, tuple) for one in value)
+    return dict(value) if is_map else value

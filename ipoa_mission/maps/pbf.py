@@ -114,12 +114,21 @@ class _Extract:
 
         Returns:
             Where all nodes are, as libosmium keeps it.
+
+        Raises:
+            BadInput: something has a number below 0, as what is only drawn yet.
         """
         osm = self._osmium.osm
         tagged = self._osmium.filter.EmptyTagFilter().enable_for(osm.NODE)
         things = self._osmium.FileProcessor(self._file, osm.NODE | osm.WAY).with_locations("sparse_file_array")
         waiting: list[_Place] = []
         for each in things.with_filter(tagged):
+            if each.id < 0:  # libosmium keeps no place for it
+                raise BadInput(
+                    f"{self._path}: expected things that OpenStreetMap has numbered, not "
+                    f"{'node' if each.is_node() else 'way'} {each.id}",
+                    hint="as OpenStreetMap's XML (.osm) they are read",
+                )
             waiting.append(self._place_of_node(each) if each.is_node() else self._place_of_way(each))
             if len(waiting) >= AT_ONCE:
                 self._choose(waiting, parts)

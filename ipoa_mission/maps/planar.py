@@ -123,10 +123,21 @@ def _near(boxes: NDArray[np.float64], frame: LocalFrame) -> NDArray[np.bool_]:
 
 def clean_polygons(shapes: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.bool_]]:
     """Local shapes (n,), and which of them are one polygon of which `polygons_of` makes just that; these are clean."""
-    clean = shapely.remove_repeated_points(shapes)
+    clean = unrepeated(shapes)
     sound = (shapely.get_type_id(shapes) == shapely.GeometryType.POLYGON) & shapely.is_valid(clean)
     sound &= shapely.area(clean) > LEAST_AREA
     return np.where(sound, clean, shapes), sound
+
+
+def unrepeated(shapes: NDArray[Any]) -> NDArray[Any]:
+    """Shapes without corners that repeat the one before; GEOS makes none with a ring all in one place: as it is."""
+    try:
+        return np.asarray(shapely.remove_repeated_points(shapes))
+    except shapely.errors.GEOSException:
+        if len(shapes) == 1:
+            return shapes
+        half = len(shapes) // 2
+        return np.concatenate([unrepeated(shapes[:half]), unrepeated(shapes[half:])])
 
 
 def polygons_of(shape: Any, place: str) -> tuple[list[Any], str | None]:
@@ -135,7 +146,7 @@ def polygons_of(shape: Any, place: str) -> tuple[list[Any], str | None]:
     Raises:
         BadInput: nothing with an area is left.
     """
-    clean = shapely.remove_repeated_points(shape)
+    (clean,) = unrepeated(np.array([shape], object))
     wrong = None if shapely.is_valid(clean) else shapely.is_valid_reason(clean)
     if wrong is not None:
         clean = shapely.make_valid(clean, method="structure", keep_collapsed=False)

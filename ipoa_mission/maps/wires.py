@@ -78,15 +78,16 @@ def volts_of(text: str) -> float | None:
 
 
 def spans(shape: Any) -> Iterator[Any]:
-    """The straight stretches of lines, each a line of two points."""
+    """The straight stretches of lines, each a line of two points; a line that is all in one place has none."""
     for part in shapely.get_parts(shape):
         if hasattr(part, "geoms"):
             yield from spans(part)
         elif part.geom_type == "Polygon":
             yield from spans(part.boundary)
         elif part.geom_type == "LineString":
-            corners = shapely.get_coordinates(shapely.remove_repeated_points(part))
-            yield from shapely.linestrings(np.stack([corners[:-1], corners[1:]], axis=1)).tolist()
+            corners = shapely.get_coordinates(part)
+            legs = np.stack([corners[:-1], corners[1:]], axis=1)
+            yield from shapely.linestrings(legs[(legs[:, 0] != legs[:, 1]).any(axis=1)]).tolist()
 
 
 def raise_span(

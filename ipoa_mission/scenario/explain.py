@@ -14,7 +14,7 @@ MOST_EXPLAINED = 20  # mistakes; explaining a key takes long
 
 def explained(error: ValidationError, table: Mapping[str, Any], model: type[BaseModel], source: str = "") -> BadInput:
     """All that pydantic finds wrong with a table, a line each; `source` is where it comes from, and begins each."""
-    problems = error.errors(include_url=False)
+    problems = [one for one in error.errors(include_url=False) if not _follows(one)]
     lines = [f"{source}{_explain(problem, table, model)}" for problem in problems[:MOST_EXPLAINED]]
     if len(problems) > MOST_EXPLAINED:
         lines.append(f"{source}and {len(problems) - MOST_EXPLAINED} more like these")
@@ -63,13 +63,20 @@ def _explain(problem: Any, table: Mapping[str, Any], model: type[BaseModel]) -> 
         case "string_pattern_mismatch":
             wanted = "what a file can be called" if place == "name" else "letters, digits and underscores"
         case "too_short" | "too_long":
-            wanted = f"{limits.get('min_length', limits.get('max_length'))} entries"
+            wanted = (
+                f"at least {limits['min_length']} entries" if kind == "too_short" else f"{limits['max_length']} entries"
+            )
             given = len(given)
         case _ if kind.startswith(("float", "int")):
             wanted = "a whole number" if kind.startswith("int") else "a number"
         case _:
             return f"{place}: {lowered(problem['msg'])}, not {_shown(given)}"
     return f"{place}: expected {wanted}, not {_shown(given)}"
+
+
+def _follows(problem: Any) -> bool:
+    """Whether a list is called too short only as some of its entries, of which is told, make no sense."""
+    return bool(problem["type"] == "too_short" and len(problem["input"]) >= problem["ctx"]["min_length"])
 
 
 def _place(location: Sequence[int | str], table: Any) -> str:

@@ -12,7 +12,7 @@ from pydantic import AfterValidator, Field, PositiveInt, ValidationError, WithJs
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
 from ipoa_mission.maps.around import Around
-from ipoa_mission.maps.planar import Whereabouts, to_plane
+from ipoa_mission.maps.planar import Whereabouts, to_plane, unrepeated
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.scenario.camera import Camera, GivenCamera
 from ipoa_mission.scenario.layout import Reach
@@ -63,7 +63,7 @@ Direction: TypeAlias = Annotated[
     AfterValidator(_a_direction),
     WithJsonSchema({"anyOf": [{"enum": [*WORDS]}, {"type": "number"}, {"type": "array", "items": {"type": "number"}}]}),
 ]
-Spot: TypeAlias = tuple[float, float]
+Spot: TypeAlias = tuple[Annotated[float, NUMBER], Annotated[float, NUMBER]]
 Rings: TypeAlias = Annotated[
     Any, AfterValidator(_nested), WithJsonSchema({"anyOf": [_RING, _PARTS, {"type": "array", "items": _PARTS}]})
 ]
@@ -225,7 +225,7 @@ def _mapped(path: Path, width: float | None, frame: LocalFrame) -> Area:
             continue
         if shape.geom_type != "Polygon":
             raise BadInput(f"{place}: expected a polygon, not an open line", hint="with `width` it is a corridor")
-        clean = shapely.remove_repeated_points(shape)
+        (clean,) = unrepeated(np.array([shape], object))
         rings = [shapely.get_coordinates(ring) for ring in (clean.exterior, *clean.interiors)]
         polygons += Area.of([rings], place).shape.geoms
     if not polygons:

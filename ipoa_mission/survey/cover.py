@@ -237,7 +237,7 @@ class _Survey:
         rounds = int(min(10 * len(lines), ROUNDS, STEPS / len(lines) ** 2))
         entries, seconds = search_order(np.arange(len(lines), dtype=np.int64) * 2, times, along, rounds)
         if seconds >= NO_WAY:
-            raise MissionError("survey: no way leads between all parts of the area", hint="survey them one by one")
+            raise _parted()
         route = _route(entries, ways)
         return _Pass(degrees, lines, route, self._seconds(route, begin, end), [], 1.0)
 
@@ -252,8 +252,26 @@ class _Survey:
         return float(self.cost.seconds(places) + self._reach(places[:1], begin)[0] + self._reach(places[-1:], end)[0])
 
     def way(self, start: Vector, end: Vector) -> Points:
-        """The corners (k, 2) of the way from one place to another."""
-        return Ways(np.array([start, start, end, end]), self.ways, self.around, self.cost).way(0, 2)
+        """The corners (k, 2) of the way from one place to another.
+
+        Raises:
+            MissionError: there is none.
+        """
+        first, last = self._out(start), self._out(end)
+        ways = Ways(np.array([first[-1], first[-1], last[-1], last[-1]]), self.ways, self.around, self.cost)
+        if ways.times[0, 2] >= NO_WAY:
+            raise _parted()
+        return np.concatenate([first[:-1], ways.way(0, 2), last[-2::-1]])
+
+    def _out(self, place: Vector) -> Points:
+        """A place, and the nearest one out of what is kept out of only to have fewer corners, (1 or 2, 2).
+
+        What that is differs between an area and a part of it, where lines may end.
+        """
+        spot = shapely.Point(place)
+        if self.around.shape.covers(spot) or self.ways.inner.is_empty:
+            return np.array([place])
+        return np.array([place, shapely.get_coordinates(shapely.shortest_line(self.ways.inner, spot))[0]])
 
     @cached_property
     def _turn(self) -> float:
@@ -266,6 +284,10 @@ class _Survey:
         if place is None:
             return np.zeros(len(ends))
         return np.asarray(np.linalg.norm(ends - np.asarray(place, float), axis=1) / self.cost.speed)
+
+
+def _parted() -> MissionError:
+    return MissionError("survey: no way leads between all parts of the area", hint="survey them one by one")
 
 
 def _simpler(kept: Any, area: Any, spacing: float) -> Any:

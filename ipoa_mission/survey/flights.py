@@ -31,6 +31,7 @@ from ipoa_mission.survey.tour import Sortie, Swath, Tour
 from ipoa_mission.vehicles.energy.flight import NotEnoughBattery
 
 FEW = 3  # start places of which every set is looked at
+MANY = 10  # of which no set but all of them is
 NEVER = Toll(np.inf, np.inf)
 BARELY = float(np.nextafter(1.0, 2.0))
 
@@ -113,8 +114,8 @@ def laid_tours(make: FlightMaker, section: SurveySection, area: Area, outside: A
 
 
 def _sets(count: int) -> Iterator[tuple[int, ...]]:
-    """Sets of start places that may be the quickest: all; of many each alone, and all, but for one at most."""
-    sizes = range(count, 0, -1) if count <= FEW else sorted({count, count - 1, 1}, reverse=True)
+    """Sets of start places that may be the quickest: all; each alone, and all but one; of many only all of them."""
+    sizes = range(count, 0, -1) if count <= FEW else (count, count - 1, 1) if count < MANY else (count,)
     return chain.from_iterable(combinations(range(count), size) for size in sizes)
 
 

@@ -6,6 +6,7 @@ and in the order of the lines: a way to them or home that happens to lead along 
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -58,6 +59,11 @@ def left_to_fly(
     return Tour(tuple(swaths), tuple(ways)) if swaths else None
 
 
+def is_along(tour: Tour, path: Points, sight: Sight, ground: Ground) -> bool:
+    """Whether anything of a path (n, 3) was flown along the lines of a tour."""
+    return bool(_in_order(tour, path, sight, ground))
+
+
 @dataclass(frozen=True)
 class _Run:
     """A piece of a line, from where to where along it [m], flown without a break; `at`: its first place of the path."""
@@ -81,7 +87,7 @@ def _in_order(tour: Tour, path: Points, sight: Sight, ground: Ground) -> list[_R
     chain = max(chains.values(), key=_length, default=[])
     turn = sight.spacing / 2  # a corner may be cut by so much, as it is whenever the line is flown
     last = chain[-1].line if chain else 0
-    return [
+    runs = [
         replace(
             run,
             begin=0.0 if run.begin <= turn else run.begin,
@@ -89,6 +95,23 @@ def _in_order(tour: Tour, path: Points, sight: Sight, ground: Ground) -> list[_R
         )
         for run in chain
     ]
+    return [*runs, *(found for pair in pairwise(runs) for found in _passed(tour, path, *pair, turn))]
+
+
+def _passed(tour: Tour, path: Points, before: _Run, after: _Run, turn: float) -> Iterator[_Run]:
+    """The lines between two that were flown one after the other, if the corners of each leave nothing straight of it.
+
+    The path comes by the middle of each of them, in their order.
+    """
+    if before.end < tour.swaths[before.line].length or after.begin > 0.0:
+        return
+    at = before.at
+    for line in range(before.line + 1, after.line):
+        swath = tour.swaths[line]
+        away = np.linalg.norm(path[at : after.at + 1, :2] - (swath.begin + swath.end) / 2, axis=1)
+        if swath.length < 2 * turn and away.min() <= turn:
+            at += int(away.argmin())
+            yield _Run(at, line, 0.0, swath.length)
 
 
 def _length(chain: list[_Run]) -> float:

@@ -98,6 +98,10 @@ def test_its_flights_are_flown_one_after_the_other(run: Run, tmp_path: Path) -> 
     assert "of lines were flown before" in str(json.loads(rest.out)["remarks"])
     other = run(f"plan {tmp_path}/field.toml --flown {MISSIONS}/logs/campus-arducopter.tlog")
     assert (other.code, "campus-arducopter.tlog: nothing in it was flown along" in other.err) == (2, True)
+    both = f"--flown {MISSIONS}/logs/campus-arducopter.tlog --flown {tmp_path}/out/field-1.tlog"
+    beside = json.loads(run(f"plan {tmp_path}/field.toml --out {tmp_path}/beside {both} --json").out)
+    assert beside["survey"]["lines"] == left["lines"]
+    assert sum("arducopter.tlog: nothing in it was flown along" in words for words in beside["remarks"]) == 1
     done = run(f"plan {tmp_path}/field.toml --flown {tmp_path}/out/field-1.tlog --flown {tmp_path}/out/field-2.tlog")
     assert (done.code, "nothing of it is left" in done.err) == (2, True)
 

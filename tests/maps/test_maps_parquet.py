@@ -203,6 +203,13 @@ def test_a_row_that_is_no_shape_is_named(write: Write, wkb: bytes, words: str) -
     assert str(told.value).startswith(f"{path}: row[4]: {words}")
 
 
+def test_tags_that_are_no_pairs_are_none(write: Write) -> None:
+    kinds = KINDS | {"tags": pa.list_(pa.string())}
+    (found,) = read_features(write([{"height": 9.0, "tags": ["old", "red"]}], [house(0)], kinds=kinds))
+    assert found.tags["height"] == "9.0"
+    assert "tags" not in found.tags
+
+
 def test_what_is_cut_off_empty_or_something_else_is_refused(write: Write) -> None:
     path = write(ROWS, [house(50.0 * n) for n in range(6)])
     whole = path.read_bytes()

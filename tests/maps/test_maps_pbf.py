@@ -68,6 +68,15 @@ def test_it_is_read_as_the_xml_it_was_made_from(make: Make) -> None:
     assert {"node/9", "way/13", "relation/30", "relation/150"} < told.keys()
 
 
+def test_things_that_are_only_drawn_yet_are_refused(make: Make) -> None:
+    """They have numbers below 0, under which no place of a node is kept."""
+    for sort, number in (("way", 130), ("node", 500)):
+        path = make(COUNTRY.replace(f'<{sort} id="{number}"', f'<{sort} id="-{number}"'))
+        with pytest.raises(BadInput, match=f"expected things that OpenStreetMap has numbered, not {sort} -{number}$"):
+            read_features(path)
+        assert [*read_features(path.with_suffix(""))]
+
+
 def test_only_what_meets_the_window_is_read_and_the_rest_is_counted(make: Make) -> None:
     around = Around.of(HOME, HERE)
     numbers = {one.tags["@id"] for one in read_features(make(COUNTRY), around)}

@@ -1,6 +1,8 @@
 import numpy as np
+import pytest
 import shapely
 
+from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.planar import clean_polygons, polygons_of
 
 SQUARE = shapely.Polygon([(0, 0), (9, 0), (9, 9), (0, 9)])
@@ -19,3 +21,18 @@ def test_polygons_found_sound_together_are_those_that_each_makes_alone() -> None
         assert wrong is None
         assert [polygon.wkb for polygon in polygons] == [shape.wkb]
     assert all(kept is given for kept, given in zip(clean[2:], shapes[2:], strict=True))
+
+
+def test_a_ring_that_is_all_in_one_place_is_none() -> None:
+    """GEOS takes no repeated corners from it, but fails."""
+    spot = [(5.0, 5.0)] * 4
+    field, holed = (
+        shapely.box(0.0, 0.0, 10.0, 10.0),
+        shapely.Polygon(shapely.box(0.0, 0.0, 10.0, 10.0).exterior, [spot]),
+    )
+    shapes = np.array([field, holed, shapely.Polygon(spot)])
+    assert clean_polygons(shapes)[1].tolist() == [True, False, False]
+    (part,), _ = polygons_of(holed, "map[1]")
+    assert part.equals(field)
+    with pytest.raises(BadInput, match=r"^map\[2\].geometry: expected a polygon with an area, not a ring with too few"):
+        polygons_of(shapes[2], "map[2]")

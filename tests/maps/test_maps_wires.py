@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from ipoa_mission.maps.buildings import BuildingRules, Buildings, find_buildings, raise_buildings
 from ipoa_mission.maps.read import read_features
-from ipoa_mission.maps.wires import raise_span, volts_of, wire_of
+from ipoa_mission.maps.wires import raise_span, spans, volts_of, wire_of
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import LEVEL
 
@@ -139,6 +139,12 @@ def test_every_part_of_a_wire_stands(write_map: WriteMap, frame: LocalFrame, at:
     found = find(path, frame)
     assert found.remarks == ("1 power line of 110 kV without a height, given 40 m (line_height)",)
     assert len(raise_buildings(found.standing, LEVEL)) == 3
+
+
+def test_of_a_line_that_stays_in_one_place_no_span_stands() -> None:
+    there, here = (3.0, 4.0), (9.0, 4.0)
+    assert [*spans(shapely.LineString([there, there]))] == []
+    assert [*spans(shapely.LineString([there, there, here, here]))] == [shapely.LineString([there, here])]
 
 
 def test_voltages_are_read_as_mappers_write_them() -> None:

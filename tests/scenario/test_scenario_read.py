@@ -38,7 +38,7 @@ BROKEN = {
     ),
     "obstacles = [{ radius = 3 }]": "obstacles[0].kind: expected, but not there",
     "obstacles = [{ kind = 'prism', height = 3, footprint = [[0, 0], [1, 0]] }]": (
-        "obstacles[0].footprint: expected 3 entries, not 2"
+        "obstacles[0].footprint: expected at least 3 entries, not 2"
     ),
     "obstacles = [{ kind = 'box', east = 0, north = 0, width = 1, depth = 1, heigth = 1, height = 1 }]": (
         "obstacles[0].heigth: unknown key; did you mean height?"

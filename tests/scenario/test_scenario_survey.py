@@ -139,6 +139,16 @@ def test_what_makes_no_sense_in_a_map_is_told_with_its_place(tmp_path: Path) -> 
     geojson(path, {"type": "Point", "coordinates": [8.5, 47.4]})
     with pytest.raises(BadInput, match=r"bow.geojson: expected a polygon, but there is none"):
         scenario(over)
+    spot = tmp_path / "spot.osm"
+    spot.write_text(
+        '<osm><node id="1" lat="47.398" lon="8.546"/><way id="2">'
+        + '<nd ref="1"/>' * 4
+        + '<tag k="a" v="b"/></way></osm>'
+    )
+    with pytest.raises(
+        BadInput, match=r"spot.osm: way 2.geometry\[0\]\[0\]\[0\]: expected another corner than the one"
+    ):
+        scenario(over | {"area": str(spot)})
     geojson(path, {"type": "LineString", "coordinates": degrees(SQUARE)[:3]})
     with pytest.raises(BadInput, match=r"expected a polygon, not an open line"):
         scenario(over)

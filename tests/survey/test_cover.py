@@ -14,7 +14,7 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.survey.area import Area
-from ipoa_mission.survey.cover import quickest_tour
+from ipoa_mission.survey.cover import quickest_tour, way_between
 from ipoa_mission.survey.coverage import coverage
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Tour
@@ -111,6 +111,24 @@ def test_what_is_kept_out_of_is_not_entered_and_seen_into() -> None:
     assert shapely.LineString(tour.path).distance(mast) > 0.0
     assert coverage(area, tour, 10.0, mast).share >= 0.999
     assert share_seen(area, tour, 10.0, mast) > 0.997
+
+
+def test_a_way_leads_from_beside_an_obstacle_too() -> None:
+    """What is kept out of is drawn with fewer corners, and so a little larger: lines of a part may end within that."""
+    mast = shapely.Point(60.0, 50.0).buffer(15.0)
+    way = way_between(Area.of([[FIELD]]), 10.0, cost=times(), keep_out=mast)
+    begin, end = np.array([44.999, 50.0]), np.array([75.001, 50.0])
+    path = way(begin, end)
+    assert (path[0] == begin).all()
+    assert (path[-1] == end).all()
+    line = shapely.LineString(path)
+    assert not line.intersects(mast)
+    assert line.length < 60.0
+    wall = shapely.box(50.0, -500.0, 60.0, 500.0)
+    with pytest.raises(MissionError, match="no way leads between all parts"):
+        way_between(Area.of([[FIELD]]), 10.0, cost=times(), keep_out=wall)(
+            np.array([10.0, 50.0]), np.array([100.0, 50.0])
+        )
 
 
 def test_a_tour_begins_and_ends_where_it_is_asked_to() -> None:

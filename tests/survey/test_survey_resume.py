@@ -71,7 +71,19 @@ def test_only_what_was_flown_along_and_high_enough_counts() -> None:
         assert sum(swath.length for swath in left) > 0.98 * sum(whole)
 
 
-def test_a_survey_that_is_flown_is_done() -> None:
-    plan = plan_flights(scenario(LINES))
+@pytest.mark.parametrize("obstacles", [[], [TOWER]])
+def test_a_survey_that_is_flown_is_done(obstacles: list[Any]) -> None:
+    plan = plan_flights(scenario(LINES, obstacles=obstacles))
     with pytest.raises(BadInput, match="nothing of it is left"):
         rest_of(plan, [flown_of(plan, 0)])
+
+
+def test_short_lines_round_a_tower_that_were_not_flown_are_left() -> None:
+    plan = plan_flights(scenario(LINES, obstacles=[TOWER]))
+    lengths = [swath.length for swath in plan.tour.swaths]
+    short = [n for n, length in enumerate(lengths) if length < 5.0]
+    assert len(short) > 20
+    path = flown_of(plan, 0)
+    away = np.hypot(path[:, 0] - 110.0, path[:, 1] - 80.0)
+    left = rest_of(plan, [path[away > 25.0]]).tour.swaths  # as if it had gone straight on there
+    assert sum(swath.length for swath in left) > 0.9 * sum(lengths[n] for n in short)

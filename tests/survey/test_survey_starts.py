@@ -21,6 +21,7 @@ from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.other_home import at_start
+from ipoa_mission.survey.flights import _sets
 from ipoa_mission.survey.plan import rest_of
 from ipoa_mission.survey.split import part_of
 from ipoa_mission.survey.starting import Toll, nearest_areas, quickest_parts
@@ -218,6 +219,11 @@ def test_what_is_left_of_it_is_flown_from_its_places_too(from_both_ends: Survey)
     assert not lines & {(*s.begin, *s.end) for s in plan.flights[0].tour.swaths}
 
 
+def test_of_many_start_places_not_every_set_is_looked_at() -> None:
+    assert [len([*_sets(count)]) for count in (1, 2, 3, 4, 9, 10, 50)] == [1, 3, 7, 9, 19, 1, 1]
+    assert all((*range(count),) in _sets(count) for count in (1, 3, 4, 10))
+
+
 def test_without_a_battery_each_place_flies_what_is_nearest_and_one_too_far_is_told() -> None:
     far = [*ENDS, [-800.0, 0.0]]
     survey = plan_survey(scenario=scenario(OVER | {"starts": far}))
@@ -234,7 +240,9 @@ def test_without_a_battery_each_place_flies_what_is_nearest_and_one_too_far_is_t
 @pytest.mark.parametrize(
     ("survey", "tables", "error", "words"),
     [
-        ({"starts": []}, {}, BadInput, "survey.starts: expected 1 entries, not 0"),
+        ({"starts": []}, {}, BadInput, "survey.starts: expected at least 1 entries, not 0"),
+        ({"starts": [["a", 0]]}, {}, BadInput, r"^survey.starts\[0\]\[0\]: expected a number, not 'a'$"),
+        ({"starts": [[True, 0]]}, {}, BadInput, r"^survey.starts\[0\]\[0\]: expected a number, not true$"),
         ({"starts": [[0, 0], [0, 1]]}, {}, BadInput, r"starts\[1\]: expected another place than starts\[0\]"),
         ({"starts": [[0, 2e5]]}, {}, BadInput, r"starts\[0\]: expected a place within 100 km of home"),
         ({"starts": ENDS, "flights": 2}, {}, BadInput, "flights: expected without starts"),
