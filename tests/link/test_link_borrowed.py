@@ -10,7 +10,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.link import definitions
 from ipoa_mission.link.borrowed import MavutilChannel, own_line
 from ipoa_mission.link.channel import LinkDown
-from ipoa_mission.link.connect import connect, meet
+from ipoa_mission.link.connect import connect, meet, open_line
 from ipoa_mission.link.definitions import add_dialect
 from ipoa_mission.link.messages import Heartbeat, MavAutopilot, Message
 from ipoa_mission.vehicles.autopilot import Autopilot
@@ -34,6 +34,14 @@ def test_an_open_connection_is_read_written_and_left_open() -> None:
         channel.receive(channel.now())
     with pytest.raises(LinkDown, match="the link broke"):
         channel.send(b"there", None)
+
+
+def test_a_line_is_laid_on_what_is_open_and_not_opened_anew() -> None:
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        line = open_line(SimpleNamespace(fd=ours.fileno(), recv=ours.recv, write=ours.send))
+        assert isinstance(line.channel, MavutilChannel)
+        assert not line.reopens
 
 
 def test_what_is_no_connection_is_bad_input() -> None:

@@ -175,6 +175,27 @@ def test_a_flight_is_watched_on_where_it_is_when_the_link_is_there_again(
     assert len(record.item_reached_s) == len(MISSION.items)
 
 
+def test_what_is_read_after_our_own_process_stood_still_counts_once_the_vehicle_is_known_again(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    flight = Flight(PX4, monkeypatch)
+    receive, stood = flight.air.receive, list[float]()
+    flight.at_loss = lambda: stood.append(SILENT_S + 1.0)
+
+    def late(until: float) -> list[tuple[bytes, Peer]]:
+        got = receive(until)
+        if got and stood:
+            flight.air._now += stood.pop()
+        return got
+
+    monkeypatch.setattr(flight.air, "receive", late)
+    record = flight.lose(0.0)
+    assert record.completed, record.why_not
+    told = [one.getMessage() for one in caplog.records if one.levelno == logging.WARNING]
+    assert told[0].startswith("the link is lost")
+    assert "it is the same vehicle" in told[1]
+
+
 def test_one_that_has_left_its_mission_unheard_is_told_of_when_it_is_heard(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
