@@ -213,6 +213,7 @@ def test_a_flight_is_started_by_name_and_watched(own_page: Any) -> None:
 
 def test_a_building_is_drawn_named_and_saved(page: Any, address: tuple[str, Path]) -> None:
     name = '<img src="https://evil.example/x" onerror="alert(1)">'
+    proved(page)  # a page that has just been opened hears no keys yet
     page.keyboard.press("b")
     for place in ((0.2, 0.3), (0.3, 0.3), (0.3, 0.4), (0.2, 0.4)):
         page.mouse.click(*at(page, *place))
