@@ -20,6 +20,7 @@ from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import LocalFrame
+from tests.examples import some
 
 FLIGHTS = Path(__file__).parents[1] / "flights"
 WORLD = """
@@ -85,7 +86,7 @@ def test_the_chords_stand_for_the_curve_as_closely_as_they_say() -> None:
             assert 0.2 * leg.stray < apart.max() < leg.stray
 
 
-@pytest.mark.parametrize("end", ["straight", "long curve", "short curve"])
+@pytest.mark.parametrize("end", some(2, ["long curve", "short curve", "straight"]))
 def test_where_the_copter_stands_after_a_spline_is_what_the_model_says(end: str) -> None:
     """On a curve it brakes by half of its acceleration and within the last leg only, so that a short one is overrun."""
     _, scenario = zigzag((-40.0, -80.0), is_spline=True)

@@ -209,7 +209,7 @@ def test_a_survey_that_is_refused_at_once_is_laid_with_its_remedy(wrong: list[Ch
         ([asked("flights", 99)], "flights"),
         ([asked("flights", 99)], "As few"),
         ([Put(path=("bounds",), value={"up": [-5.0, 30.0]})], "Bounds"),
-        (NARROW, "over silo"),
+        pytest.param(NARROW, "over silo", marks=pytest.mark.long),
     ],
 )
 def test_a_survey_that_is_refused_is_planned_with_its_remedy(wrong: list[Change], label: str) -> None:
