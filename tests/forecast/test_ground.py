@@ -39,7 +39,7 @@ def mission(autopilot: Autopilot, ground: float, parameters: dict[str, float]) -
     return landing_on(Mission(HOME, items, autopilot, parameters=parameters), ground)
 
 
-@pytest.mark.parametrize(("autopilot", "parameters", "ground", "flown", "near"), some(6, FLOWN))
+@pytest.mark.parametrize(("autopilot", "parameters", "ground", "flown", "near"), some(4, FLOWN))
 def test_a_landing_takes_as_long_as_the_ground_asks_for(
     autopilot: Autopilot, parameters: dict[str, float], ground: float, flown: tuple[float, ...], near: float
 ) -> None:
