@@ -12,8 +12,8 @@ from ipoa_mission.checks.check import check_mission
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.itinerary.legs import Phase, flown_legs, join
 from ipoa_mission.mission.commands import Command
+from ipoa_mission.mission.files import read_mission_file
 from ipoa_mission.mission.items import Mission, return_to_launch, spline_waypoint, takeoff, waypoint
-from ipoa_mission.mission.waypoints_file import read_waypoints
 from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario, parse_scenario
@@ -45,7 +45,7 @@ def zigzag(mast: tuple[float, float], is_spline: bool) -> tuple[Mission, Scenari
 @pytest.mark.parametrize("name", ["ways_spl12", "ways_spl25", "ways_spl40"])
 def test_arducopter_flew_along_the_curve_and_not_along_its_chords(name: str) -> None:
     folder = FLIGHTS / f"{name}-ardupilot"
-    mission = read_waypoints(folder / "mission.waypoints", Autopilot.ARDUPILOT).mission
+    mission = read_mission_file(folder / "mission.waypoints", Autopilot.ARDUPILOT).mission
     frame = LocalFrame(mission.home)
     legs = [leg for leg in flown_legs(mission, frame) if mission.items[leg.seq - 1].command == 82]
     curve = shapely.LineString(join(legs)[0][:, :2])
