@@ -46,7 +46,7 @@ def _explain(problem: Any, table: Mapping[str, Any], model: type[BaseModel]) -> 
             key = str(problem["loc"][-1])
             keys = _known_keys(problem["loc"], model)
             near = [one for one in keys if key in one.split("_")] or difflib.get_close_matches(key, keys, n=1)
-            if others := [] if key in near else _tables_with(key, model):
+            if others := [] if near else _tables_with(key, model):
                 return f"{place}: unknown key; {key} stands {_or(others)}"
             return f"{place}: unknown key" + (f"; did you mean {_or(near)}?" if near else "")
         case _ if kind in _WANTED:
