@@ -34,7 +34,7 @@ def test_fly_plans_writes_uploads_flies_and_compares(run: Run, missions: Path, m
     assert "QGroundControl would say" in Path("out/sitl.html").read_text(encoding="utf-8")
     assert "QGroundControl 4.4 loses the take-off" in ended.out
     assert {path.name for path in Path("out").iterdir()} == {
-        f"sitl.{suffix}" for suffix in ("plan", "waypoints", "json", "tlog", "html")
+        f"sitl.{suffix}" for suffix in ("plan", "waypoints", "json", "params", "tlog", "html")
     }
 
 

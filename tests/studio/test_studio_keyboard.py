@@ -11,6 +11,7 @@ import shapely
 from ipoa_mission import read_mission, read_scenario
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.studio import test_studio_page as own
+from tests.studio.pointing import Hand, feature
 from tests.studio.test_studio_page import (
     address,
     browser,
@@ -132,8 +133,9 @@ def test_items_of_a_mission_are_moved_put_in_and_taken_out(own_page: Any, addres
     page.locator("input[type=file]").set_input_files(own.REPOSITORY / "missions" / "sitl.plan")
     page.get_by_role("button", name="Open it by itself").press("Enter")
     page.get_by_role("heading", name="sitl: a mission file").wait_for()
-    until(page, "window.map?.isStyleLoaded() && map.querySourceFeatures('items').length > 0")
+    Hand(page).settle()
     page.locator(".items button", has_text="4 ").first.press("Enter")
+    Hand(page).at(feature("items", "of.icon === 'item4!'"))
     press(page, "c", "Enter")
     told(page, "item 4 taken")
     press(page, f"{UP}*3", f"Shift+{RIGHT}", "Enter")

@@ -26,7 +26,9 @@ export function Profile({ now }: { now: Studio }) {
     timer.current = requestAnimationFrame(step);
     return () => cancelAnimationFrame(timer.current);
   }, [now.playing, plan?.proof]);
-  const ends = hasWorld(now) ? " ends" : "";
+  const isTall = useRef(false);
+  isTall.current ||= hasWorld(now); // a map that has been drawn stays as large as it is
+  const ends = isTall.current ? " ends" : "";
   if (!plan) return <footer class={`profile empty${ends}`}><p class="note">{isMission(now) ? "A mission that cannot be timed has no height profile." : "The height profile comes with the proved path."}</p></footer>;
   const course = plan.course, at = Math.min(now.at, course.times.length - 1);
   const apart = course.apart[at];
@@ -39,7 +41,7 @@ export function Profile({ now }: { now: Studio }) {
           aria-valuetext={`${course.times[at]!.toFixed(0)} seconds`} onInput={event => set({ at: Number(event.currentTarget.value), playing: false })} />
         <output>{seconds(course.times[at]!)} · {course.line.up[at]!.toFixed(1)} m above home{isMission(now) && !now.mission?.scenario ? "" : `, ${(course.line.up[at]! - course.ground[at]!).toFixed(1)} m above ground`} · {course.speeds[at]!.toFixed(1)} m/s{apart === null || apart === undefined ? "" : ` · ${apart.toFixed(1)} m clear`}</output>
       </div>
-      {ends && <Strip now={now} plan={plan} at={at} />}
+      {hasWorld(now) ? <Strip now={now} plan={plan} at={at} /> : ends && <p class="note">How it would end there is not known: nor is what stands there.</p>}
     </footer>
   );
 }
