@@ -442,6 +442,7 @@ def test_it_fits_a_telephone(page: Any) -> None:
     proved(page)
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
     assert page.locator(".map").bounding_box()["height"] > 250
+    assert page.locator(".bar").bounding_box()["height"] < 100  # its tools are one row, which scrolls
 
 
 def test_on_paper_the_findings_remain_and_the_tools_do_not(page: Any) -> None:
