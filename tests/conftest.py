@@ -37,7 +37,6 @@ LONGEST = (
     "studio/test_studio_mission.py",
     "studio/test_studio_server.py",
     "docs/test_api.py",
-    "studio/test_studio_firefox.py",
     "link/test_link_mavproxy.py",
     "planning/test_planning_planner.py",
     "studio/test_studio_survey.py",
