@@ -17,7 +17,6 @@ from ipoa_mission.flight.summary import clearance_as_json, passed_over_as_json, 
 from ipoa_mission.flight.written import as_text, write_files
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
-from ipoa_mission.logs.flight_log import read_flights
 from ipoa_mission.mission.about_file import KEY
 from ipoa_mission.mission.landing_ground import landing_height
 from ipoa_mission.mission.waypoints_file import left_out
@@ -259,6 +258,8 @@ def plan_survey(
 
 def _paths(log: str | Path, scenario: Scenario) -> Iterator[Points]:
     """Where the flights in a log went in the mission mode, (n, 3) each, heights over home."""
+    from ipoa_mission.logs.flight_log import read_flights  # and with it all that a link speaks
+
     for flight in read_flights(log).flights:
         places = [(one.latitude_deg, one.longitude_deg, one.height) for one in flight.flown_in_mission()]
         if places:

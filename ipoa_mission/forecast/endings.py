@@ -217,7 +217,8 @@ class Endings:
         doubt = float(self._doubts(np.array([time]))[0])
         begin, end = np.clip([time - doubt, time + doubt], *self.in_air)
         now = self.ways.at(ending, self._if_sure(np.clip([time], begin, end)))
-        looks = self.looks(ending, (begin, end)).merged(replace(now, times=np.clip([time], begin, end)))
+        both = [self.looks(ending, (begin, end)), replace(now, times=np.clip([time], begin, end))]
+        looks = EndingLooks.merged(both)
         middle = int(np.searchsorted(looks.times, np.clip(time, begin, end)))
         row = self._row(ending, looks, range(len(looks.times)), self._grades(ending, looks)[middle])
         row = replace(row, from_s=time, to_s=time, goal=self.ways.goal(ending, looks, middle))

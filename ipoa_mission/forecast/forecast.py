@@ -101,6 +101,12 @@ class Forecast:
         made: Made = self._made[make]
         return made
 
+    def forget(self, make: "Callable[[Forecast], Any]") -> None:
+        """Let go of what `make` has made of it, and of the pieces of the tube: large, and hardly asked for again."""
+        self._made.pop(make, None)
+        if "promise" in self.__dict__:
+            self.promise.flight.__dict__.pop("pieces", None)
+
     @property
     def world(self) -> "Scenario":
         """The scenario in whose world it is flown, for those who ask nothing where there is none."""

@@ -5,8 +5,10 @@ moves farther than both have to spare. Ways are straight legs, level or upright 
 are larger by the tube of the autopilot.
 """
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from functools import cached_property, reduce
 from itertools import product
 
 import numpy as np
@@ -26,6 +28,7 @@ from ipoa_mission.vehicles.returning import ReturnBy
 from ipoa_mission.world.airspace import NOTHING_NEAR, ROUNDING, Clearance
 
 EVERY_S = 1.0  # between the times that are looked at first [s]
+AT_ONCE = 5_000  # so many of them: what is worked out of each on the way takes room
 NEAREST_S = 0.05  # they come no nearer to each other [s]
 TIGHT_PLACES = 4.0  # at so many tight places the tube has room on one of these ways
 LIFTED = 1.0  # who is lower above where he took off can end his flight by standing still [m]
@@ -70,22 +73,32 @@ class EndingLooks:
         return np.asarray((taken[1:] == taken[:-1]).all(axis=1) & (clear[1:] == clear[:-1]))
 
     def gaps(self) -> Vector:
-        """The middle of each two times between which something may be missed."""
-        moved = np.linalg.norm(np.diff(self.ways, axis=0), axis=-1).max(axis=2)
+        """The middle of each two times between which something may be missed, or something nearer than is known."""
+        places = np.moveaxis(self.ways, 2, 0)  # one after the other: all at once take room
+        moved = reduce(np.maximum, (np.linalg.norm(np.diff(place, axis=0), axis=-1) for place in places))
         moved = np.where(self.taken[1:] | self.taken[:-1], moved, 0.0).max(axis=1)
         hidden = self.clear[:-1] & (self.spare[1:] + self.spare[:-1] < moved)
-        asked = (hidden | ~self.same_as_next) & (np.diff(self.times) > NEAREST_S)
+        asked = (hidden | ~self.same_as_next | self._beside_the_nearest()) & (np.diff(self.times) > NEAREST_S)
         return np.asarray((self.times[1:] + self.times[:-1])[asked] / 2)
+
+    def _beside_the_nearest(self) -> NDArray[np.bool_]:
+        """Which of the gaps lie beside the time that keeps least of those that are the same, (n - 1,)."""
+        beside = np.zeros(len(self.times), dtype=bool)
+        for alike in np.split(np.arange(len(self.times)), np.flatnonzero(~self.same_as_next) + 1):
+            least = alike[np.argmin(self.spare[alike])]
+            beside[max(least - 1, 0) : least + 1] = self.spare[least] < SEEN
+        return beside[:-1]
 
     def all_nearer(self, required: float) -> NDArray[np.bool_]:
         """Whether every way that may be taken comes nearer to something than is required, (n,)."""
         return np.asarray(((self.near.min(axis=2) < required) | ~self.taken).all(axis=1))
 
-    def merged(self, other: "EndingLooks") -> "EndingLooks":
-        """Both, in the order of their times."""
-        order = np.argsort(np.concatenate([self.times, other.times]), kind="stable")
-        both = {f.name: np.concatenate([getattr(self, f.name), getattr(other, f.name)])[order] for f in fields(self)}
-        return EndingLooks(**both)
+    @classmethod
+    def merged(cls, looks: "Sequence[EndingLooks]") -> "EndingLooks":
+        """All of them, in the order of their times."""
+        order = np.argsort(np.concatenate([some.times for some in looks]), kind="stable")
+        taken = slice(None) if (np.diff(order) == 1).all() else order  # all of them as they are, or copied
+        return cls(**{f.name: np.concatenate([getattr(one, f.name) for one in looks])[taken] for f in fields(cls)})
 
 
 class EndingWays:
@@ -157,11 +170,15 @@ class EndingWays:
         begin, end = between
         looks = self.at(ending, np.linspace(begin, end, max(2, round((end - begin) / EVERY_S) + 1)))
         while len(times := looks.gaps()):
-            looks = looks.merged(self.at(ending, times))
+            looks = EndingLooks.merged([looks, self.at(ending, times)])
         return looks
 
     def at(self, ending: Ending, times: Vector) -> EndingLooks:
-        """At an ending from these times (n,)."""
+        """At an ending from these times (n,), in their order."""
+        some = np.array_split(times, math.ceil(len(times) / AT_ONCE) or 1)
+        return EndingLooks.merged([self._at(ending, part) for part in some])
+
+    def _at(self, ending: Ending, times: Vector) -> EndingLooks:
         places, stands = self.stops(ending).at(times)
         ways, taken = np.stack([places, stands], axis=1)[:, None], np.ones((len(times), 1), dtype=bool)
         if ending is Ending.LAND:

@@ -49,7 +49,8 @@ def stops_of(
     speed = np.maximum(np.hypot(*velocity[:, :2].T), STANDS)
     along = velocity[:, :2] / speed[:, None]
     gains = np.gradient(np.hypot(*velocity[:, :2].T), LOOK_EVERY_S) if len(times) > 1 else np.zeros(1)
-    accel = (after + before - 2 * stands)[:, :2] / LOOK_EVERY_S**2
+    accel = (after[:, :2] + before[:, :2] - 2 * stands[:, :2]) / LOOK_EVERY_S**2
+    del before, after  # of many hours they are large
     accel += along * (gains - (accel * along).sum(axis=1))[:, None]
     if not autopilot.guidance.climb_ends_at_once:  # else it stops its climb by itself, within half a meter
         way = autopilot.braking_distance(mission.parameters, np.hypot(*velocity[:, :2].T), gains)

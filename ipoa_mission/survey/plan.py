@@ -12,6 +12,7 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.energy import shortage_of
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.looks import EndingWays
 from ipoa_mission.forecast.tube.promise import Kept, Promise
 from ipoa_mission.geometry import Points
 from ipoa_mission.planning.obstruction import NoPath
@@ -136,7 +137,7 @@ def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int
         make = FlightMaker(scenario, sight, growth, seed)
         tour, parts = parts_of(laid_tours(make, section, area, outside), make, section)
         forecasts = [make(part) for part in parts]
-        near = [(kept, forecast.promise) for forecast in forecasts for kept in forecast.promise.forbidding]
+        near = _too_near(forecasts)
         if not near:
             break
         for kept, promise in near:
@@ -148,6 +149,15 @@ def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int
         raise _TooNear(*min(near, key=lambda pair: pair[0].slack))
     seen = coverage(area, tour, sight.spacing, outside)
     return SurveyPlan(scenario, area, sight, outside, tour, seen, _checked(parts, forecasts), growth)
+
+
+def _too_near(forecasts: Sequence[Forecast]) -> list[tuple[Kept, Promise]]:
+    """What flights come too near to, one by one: of many hours what each is judged by is large."""
+    near = list[tuple[Kept, Promise]]()
+    for forecast in forecasts:
+        near += [(kept, forecast.promise) for kept in forecast.promise.forbidding]
+        forecast.forget(EndingWays)
+    return near
 
 
 def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyPlan:
@@ -165,7 +175,7 @@ def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyP
     make = FlightMaker(scenario, sight, plan.growth, seed)
     tour, parts = parts_of([tour], make, section.model_copy(update={"flights": None}))
     forecasts = [make(part) for part in parts]
-    near = [(kept, one.promise) for one in forecasts for kept in one.promise.forbidding]
+    near = _too_near(forecasts)
     if near:
         raise _refusal(_TooNear(*near[0]), scenario)
     return replace(plan, tour=tour, flights=_checked(parts, forecasts))
@@ -178,6 +188,7 @@ def _checked(parts: Sequence[Sortie], forecasts: Sequence[Forecast]) -> tuple[Su
         findings = refuse_errors(check(forecast))
         if (short := shortage_of(forecast)) is not None:
             raise short
+        forecast.forget(EndingWays)  # of many hours they are large
         flights.append(SurveyFlight(part.tour, forecast, findings, part.start))
     return tuple(flights)
 

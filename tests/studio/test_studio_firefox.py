@@ -99,6 +99,7 @@ def test_the_goal_is_dragged_a_building_drawn_and_saved_and_the_flight_flown(
     assert address[1].read_text().count("[[obstacles]]") == 3
 
 
+@pytest.mark.long
 def test_without_webgl_all_but_the_map_works(address: tuple[str, Path], tmp_path: Path) -> None:
     assert FIREFOX is not None
     (tmp_path / "profile").mkdir()

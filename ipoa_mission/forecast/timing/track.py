@@ -1,5 +1,6 @@
 """Where a vehicle is when: the path of a flight as it is predicted, or as it was flown."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +9,7 @@ from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.world.ground import EARTH_RADIUS
 
 AT_ONCE = 20_000  # so many points are thinned at once: a line takes many times the room of its points
+SAME_S = 1e-9  # samples that are not farther apart are of one moment [s]
 STRAY = 0.02  # how far a thinned path may be from the predicted one [m]
 
 
@@ -19,6 +21,23 @@ class Track:
     points: Points
     speeds: Vector
 
+    @classmethod
+    def of(cls, samples: Points, times: Vector | None = None) -> "Track":
+        """Samples (n, 7) of time, place and velocity; `times` (n,) go before theirs.
+
+        All is copied: samples of many hours are large, and let go of.
+        """
+        own = samples[:, 0] if times is None else times
+        return cls(own.copy(), samples[:, 1:4].copy(), np.linalg.norm(samples[:, 4:7], axis=1))
+
+    @classmethod
+    def joined(cls, tracks: "Sequence[Track]") -> "Track":
+        """One after the other, a moment that is noted twice once."""
+        times = np.concatenate([one.times for one in tracks])
+        later = np.concatenate([[True], np.diff(times) > SAME_S])
+        points, speeds = (np.concatenate([getattr(one, name) for one in tracks]) for name in ("points", "speeds"))
+        return cls(times[later], points[later], speeds[later])
+
     def at(self, times: Vector) -> Points:
         """Where it is at times (m,) [s], (m, 3)."""
         return np.column_stack([np.interp(times, self.times, axis) for axis in self.points.T])
@@ -29,7 +48,8 @@ class Track:
 
     def between(self, begin: float, end: float) -> "Track":
         """The samples from one time to another [s]."""
-        taken = (self.times >= begin) & (self.times <= end)
+        first, last = np.searchsorted(self.times, begin, "left"), np.searchsorted(self.times, end, "right")
+        taken = slice(first, last)
         return Track(self.times[taken], self.points[taken], self.speeds[taken])
 
     def local(self) -> "Track":

@@ -51,11 +51,10 @@ def _bends(track: Track) -> tuple[Vector, Vector]:
     begin, end = float(track.times[0]), float(track.times[-1])
     looks = np.arange(begin, max(end, begin + SMOOTHED_LOOKS * LOOK_EVERY_S) + LOOK_EVERY_S, LOOK_EVERY_S)
     level = track.at(looks)[:, :2]
-    velocity = np.gradient(level, LOOK_EVERY_S, axis=0)
-    accel = np.gradient(velocity, LOOK_EVERY_S, axis=0)
     mean = np.full(SMOOTHED_LOOKS, 1 / SMOOTHED_LOOKS)
-    accel = np.column_stack([np.convolve(axis, mean, "same") for axis in accel.T])
-    cross = np.abs(velocity[:, 0] * accel[:, 1] - velocity[:, 1] * accel[:, 0])
-    across = cross / np.maximum(np.hypot(*velocity.T), 0.5)
+    speeds = [np.gradient(axis, LOOK_EVERY_S) for axis in level.T]
+    gains = [np.convolve(np.gradient(speed, LOOK_EVERY_S), mean, "same") for speed in speeds]
+    cross = np.abs(speeds[0] * gains[1] - speeds[1] * gains[0])
+    across = cross / np.maximum(np.hypot(*speeds), 0.5)
     reach = round(BEND_REACH_S / LOOK_EVERY_S)
     return looks, sliding_window_view(np.pad(across, reach), 2 * reach + 1).max(axis=1)

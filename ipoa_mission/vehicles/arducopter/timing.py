@@ -15,7 +15,6 @@ from ipoa_mission.forecast.timing.flight_model import BrokenOff
 from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.forecast.timing.reasons import corner_deg, slow_because
 from ipoa_mission.forecast.timing.track import Track
-from ipoa_mission.geometry import Points
 from ipoa_mission.mission.commands import LAST_NAV, Command
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, Airframe
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, Stop, stop_at
@@ -66,9 +65,7 @@ def fly_arducopter(
         except MissionError as lost:
             raise MissionError(f"items[{route.visits[n].seq - 1}]: {lost}", lost.hint) from None
         flight.done.append(flight.copter.state.time)
-    samples = np.concatenate(flight.samples)
-    samples = samples[np.concatenate([[True], np.diff(samples[:, 0]) > 1e-9])]
-    track = Track(samples[:, 0], samples[:, 1:4], np.linalg.norm(samples[:, 4:7], axis=1))
+    track = Track.joined(flight.tracks)
     done = np.array(flight.done, dtype=np.float64)
     lands = np.array([visit.item.command == Command.NAV_LAND and visit.item.has_position for visit in route.visits])
     doubt = np.hypot(DOUBT + DOUBT_SHARE * done, LANDING_DOUBT * np.maximum.accumulate(lands.astype(float)))
@@ -98,12 +95,10 @@ def break_off(
     if returns and copter.limits.rtl_final > 0.0:
         raise MissionError("with an RTL_ALT_FINAL above 0 it waits over its goal, and does not land")
     flight.come_down(copter.return_home(route.goal_of_return(copter.place)) if returns else copter.land(None))
-    samples = np.concatenate(flight.samples)
-    samples = samples[np.concatenate([[True], np.diff(samples[:, 0]) > 1e-9])]
     done = np.array([copter.state.time])
     doubt = BROKEN_OFF_DOUBT + BROKEN_OFF_SHARE * (done - order.time)
     touched, off = flight.touched, BROKEN_OFF_DOUBT + BROKEN_OFF_SHARE * (flight.touched - order.time)
-    track = Track(samples[:, 0], samples[:, 1:4], np.linalg.norm(samples[:, 4:7], axis=1))
+    track = Track.joined(flight.tracks)
     between = touched - off, touched, touched + off
     return Prediction(done, done - doubt, done + doubt, ("",), track, touched=between)
 
@@ -124,7 +119,7 @@ class _Flight:
         self.done: list[float] = []
         self.reasons: list[str] = []
         self.remarks: list[str] = []
-        self.samples: list[Points] = []
+        self.tracks: list[Track] = []
         self.note()
 
     @property
@@ -238,11 +233,11 @@ class _Flight:
     def run(self) -> float:
         """Fly the copter's leg to its end; the highest level speed on it [m/s]."""
         flown = self.copter.run(self.until)
-        self.samples.append(flown)
+        self.tracks.append(Track.of(flown))
         self.note()
         return float(np.hypot(flown[:, 4], flown[:, 5]).max(initial=0.0))
 
     def note(self) -> None:
         """Add the present moment to the track."""
         state = self.copter.state
-        self.samples.append(np.array([[state.time, *self.copter.place, state.vx, state.vy, state.vz]]))
+        self.tracks.append(Track.of(np.array([[state.time, *self.copter.place, state.vx, state.vy, state.vz]])))

@@ -103,7 +103,7 @@ def fly_px4(
     half = RUNS.interval_deviations * np.sqrt(runs.var(axis=0) + doubt)
     warped = np.interp(samples[:, 0], [0.0, *smooth], [0.0, *done])
     warped += np.maximum(samples[:, 0] - (smooth[-1] if len(smooth) else 0.0), 0.0)
-    track = Track(warped, samples[:, 1:4], np.linalg.norm(samples[:, 4:7], axis=1))
+    track = Track.of(samples, warped)
     clock = np.ascontiguousarray(samples[:, 0])
     reasons = tuple(flights.why_slow(n, smooth, clock, samples) for n in range(len(route.visits)))
     return Prediction(done, done - half, done + half, reasons, track, tuple(remarks), _missed(route, runs))
@@ -143,7 +143,7 @@ def break_off(
     touched = order.time + mean - float(np.mean(stood))
     off = RUNS.broken_off_deviations * math.sqrt(float(np.var(np.subtract(lasted, stood))) + doubt)
     samples = last.samples
-    track = Track(samples[:, 0] + order.time - then, samples[:, 1:4], np.linalg.norm(samples[:, 4:7], axis=1))
+    track = Track.of(samples, samples[:, 0] + order.time - then)
     end = np.array([order.time + mean])
     return Prediction(end, end - half, end + half, ("",), track, touched=(touched - off, touched, touched + off))
 
@@ -247,7 +247,7 @@ class Flights:
                 asked, laws, height, (one, two), SAMPLE_STEPS if sampled or not noisy else 0
             )
             if len(done) > len(orders):
-                return FlownOnce(np.array(done), np.array(samples).reshape(-1, 7), touched)
+                return FlownOnce(np.asarray(done), np.asarray(samples).reshape(-1, 7), touched)
             goal = orders[len(done) - 1].goal
             raise MissionError(
                 f"the vehicle does not reach {round(goal.east)} m east and {round(goal.north)} m north of home",

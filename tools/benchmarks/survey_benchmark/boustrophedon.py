@@ -9,6 +9,7 @@ and exchanging cells, the best sweeps of an order by dynamic programming.
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -88,6 +89,7 @@ def _sweepable(cell: shapely.Polygon) -> Iterator[tuple[float, Vector]]:
             yield float(np.ptp(across)), along
 
 
+@lru_cache(maxsize=64)  # both autopilots fly the same map
 def _cells(polygon: shapely.Polygon) -> list[shapely.Polygon]:
     """Those of the direction in which the least widths of all cells add up to the least."""
     best, least = list[shapely.Polygon](), math.inf
