@@ -69,7 +69,7 @@ function Page() {
   return (
     <>
       <Bar />
-      <main data-revision={now.document?.revision}>
+      <main>
         <div class="stage">
           <MapView now={now} />
           <Profile now={now} />
