@@ -29,7 +29,7 @@ from ipoa_mission.scenario import parse_scenario
 from ipoa_mission.vehicles.ending import Ending
 from tests.forecast.test_endings_now import BATTERY
 from tests.studio.conftest import MEADOW
-from tests.studio.pointing import PATIENCE_S, Hand, feature, found, stroke
+from tests.studio.pointing import PATIENCE_S, Hand, feature, found, settled, stroke
 
 BROWSERS = (os.environ.get("IPOA_MISSION_CHROMIUM", ""), "chromium", "chromium-browser", "google-chrome")
 CHROMIUM = next((path for name in BROWSERS if name and (path := shutil.which(name))), None)
@@ -151,14 +151,18 @@ def until(page: Any, expression: str) -> None:
 
 
 def rewrite(page: Any, text: str) -> None:
+    """Change the scenario's text, and wait until the page is told that it is changed."""
+    before = page.locator("main").get_attribute("data-revision")
     page.locator("summary", has_text="The scenario's text").click()
     page.locator("textarea").fill(text)
     page.get_by_role("button", name="Apply").click()
+    until(page, f"document.querySelector('main').dataset.revision !== '{before}'")
     page.locator("summary", has_text="The scenario's text").click()
 
 
-def proved(page: Any) -> Any:
-    return page.locator(".verdict :is(.good, .amber)").first.wait_for()
+def proved(page: Any) -> None:
+    """Wait for a plan; one of what was here before does not stay."""
+    settled(page.evaluate, "document.querySelector('.verdict :is(.good, .amber)') && true")
 
 
 def scenario_of(page: Any) -> str:
@@ -320,6 +324,7 @@ def test_the_goal_is_dragged_and_undone(page: Any) -> None:
 
     def look() -> None:
         page.get_by_text("While you drag").wait_for()
+        assert page.locator(".profile.past, .past .bindings").count() == 2
         assert scenario_of(page) == MEADOW.read_text()
 
     Hand(page).drag(found("[data-spot=goal]"), -20, -30, look)
@@ -452,7 +457,9 @@ def test_on_paper_the_findings_remain_and_the_tools_do_not(page: Any) -> None:
     assert page.get_by_text("m required").first.is_visible()
     assert page.locator(".bindings button").first.is_visible()
     assert page.locator("th button", has_text="fastest").is_visible()
-    assert not page.get_by_role("button", name="Save").is_visible()
+    page.set_viewport_size({"width": 700, "height": 1000})  # paper is as narrow as a telephone
+    for name in ("Save", "whole screen"):
+        assert not page.get_by_role("button", name=name).is_visible()
 
 
 def serious(page: Any, scheme: str) -> list[str]:

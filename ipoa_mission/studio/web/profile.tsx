@@ -1,7 +1,7 @@
 // Height over the way, with ground below and what stands near; the slider that flies it.
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Plan, Stop } from "./messages";
-import { chooseItem, edit, hasWorld, isMission, proved, sampleAt, set, studio, type Studio } from "./store";
+import { chooseItem, edit, hasWorld, isDragged, isMission, proved, sampleAt, set, studio, type Studio } from "./store";
 import { Strip } from "./strip";
 import { seconds } from "./words";
 
@@ -33,7 +33,7 @@ export function Profile({ now }: { now: Studio }) {
   const course = plan.course, at = Math.min(now.at, course.times.length - 1);
   const apart = course.apart[at];
   return (
-    <footer class={`profile${ends}`}>
+    <footer class={`profile${ends}${isDragged(now) ? " past" : ""}`}>
       <Chart now={now} plan={plan} at={at} flown={now.replay ? now.replay.times.map((time, n) => [time, now.replay!.line.up[n]!]) : now.loaded?.mission === plan.name ? now.flown.map(seen => [seen.time_s, seen.up]) : []} />
       <div class="slider">
         <button type="button" aria-label={now.playing ? "Pause" : "Play"} onClick={() => set({ playing: !now.playing, at: at >= course.times.length - 1 ? 0 : at })}>{now.playing ? "❚❚" : "▶"}</button>

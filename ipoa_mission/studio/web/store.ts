@@ -282,6 +282,9 @@ export function coarseOf(now: Studio): Sketch | null {
   return now.drag ?? (now.sketch && now.sketch.revision === now.document?.revision ? now.sketch : null);
 }
 
+/** Whether what is shown is of no plan yet, since something is held in the hand. */
+export const isDragged = (now: Studio): boolean => now.drag !== null || now.dragSurvey !== null;
+
 /** What there can be no proved path with; what the planner says counts more than what the coarse look said. */
 export function blocking(now: Studio): Trouble[] {
   const found = now.troubles.filter(one => one.of === "scenario" || one.of === "sketch" || one.of === "plan");
