@@ -6,6 +6,7 @@ import select
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from ipoa_mission.errors import BadInput
@@ -65,6 +66,20 @@ def make_folder(path: Path) -> None:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise BadInput(f"{path}: cannot be made a folder: {error.strerror}") from error
+
+
+@contextmanager
+def in_folder(path: Path) -> Iterator[None]:
+    """With a folder, as `make_folder` makes it; where what is done in it fails and leaves it empty, it goes again."""
+    made = [one for one in (path, *path.parents) if not one.exists()]
+    make_folder(path)
+    try:
+        yield
+    except BaseException:
+        with suppress(OSError):  # it is not empty
+            for one in made:
+                one.rmdir()
+        raise
 
 
 def unused(path: Path) -> Path:

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.mission.commands import WAYPOINTS, Command
+from ipoa_mission.mission.files import read_mission_file
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.mission.waypoints_file import read_waypoints
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.wind import CALM, Wind
@@ -71,7 +71,7 @@ class Recorded:
 def read_flight(folder: Path) -> Recorded:
     """Read one folder of tests/flights or tests/landings."""
     flight = json.loads((folder / "flight.json").read_text())
-    mission = read_waypoints(folder / "mission.waypoints", autopilot_named(flight["autopilot"])).mission
+    mission = read_mission_file(folder / "mission.waypoints", autopilot_named(flight["autopilot"])).mission
     last = max(n for n, item in enumerate(mission.items, 1) if item.command in WAYPOINTS)
     runs = [_run(flight["item_done_s"], flight.get("complete_s"), mission, last)]
     for items, complete in zip(

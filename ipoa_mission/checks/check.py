@@ -43,10 +43,10 @@ def check_mission(
 
     Example:
         >>> from ipoa_mission import check_mission, read_mission, read_scenario
-        >>> for finding in check_mission(read_mission("missions/sitl.plan"), read_scenario("missions/sitl.toml")):
+        >>> low = read_mission("missions/sitl.plan").with_parameters({"RTL_RETURN_ALT": 30.0})  # the mast is higher
+        >>> for finding in check_mission(low, read_scenario("missions/sitl.toml")):
         ...     print(finding.severity, finding.code, finding.seq)
         warning return-too-near 4
-        warning return-too-near 5
     """
     from ipoa_mission.forecast.forecast import Forecast
 

@@ -24,7 +24,7 @@ from ipoa_mission.cli.overwriting import expect_folder
 from ipoa_mission.cli.telling import progress_bar, shown
 from ipoa_mission.cli.vehicles import connect_to, states_firmware
 from ipoa_mission.errors import BadInput
-from ipoa_mission.files import make_folder
+from ipoa_mission.files import in_folder
 
 if TYPE_CHECKING:
     from ipoa_mission.cli.job import Job
@@ -126,11 +126,11 @@ def fly(
         job = planned(plan(scenario, search.seed, air))
     else:
         job = read_job(source, flown_by)
-    make_folder(out)
-    planned_files = [] if job.flight is None else _write(job.flight, out, as_json)
-    usual = out / f"{job.name}.tlog"
-    log = on_link.log or (usual if link is None else unused(usual))
-    job, remarks, record = pilot(job, log)
+    with in_folder(out):
+        planned_files = [] if job.flight is None else _write(job.flight, out, as_json)
+        usual = out / f"{job.name}.tlog"
+        log = on_link.log or (usual if link is None else unused(usual))
+        job, remarks, record = pilot(job, log)
     written = [*map(Path, on_link.written(log))]
     if report and job.flight is not None:
         job.flight.report(page := out / f"{job.name}.html", record)

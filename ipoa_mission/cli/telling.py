@@ -104,6 +104,9 @@ def tell_error(error: MissionError, as_json: bool = False) -> None:
         console.print(f"[bold red]error:[/] {escape(shown(line))}")
     if error.hint:
         console.print(f"[bold]hint:[/] {escape(shown(error.hint))}")
+    written = error.known.get("written")
+    for file in written if isinstance(written, list) else ():
+        console.print(f"written: {escape(shown(file))}")
 
 
 def speak_anywhere() -> None:

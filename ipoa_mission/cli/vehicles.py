@@ -13,7 +13,7 @@ from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.options import Backend
 from ipoa_mission.cli.overwriting import expect_log
 from ipoa_mission.cli.telling import progress_bar
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.vehicles.autopilot import Autopilot
 
 if TYPE_CHECKING:
@@ -24,10 +24,11 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 
-def connect_to(link: str, options: LinkOptions, usual_log: Path | None, reading: bool = False) -> "Vehicle":
-    """The vehicle on a link. Every frame goes to its log (left out: to `usual_log`), unless MAVSDK speaks for us.
+@contextmanager
+def connect_to(link: str, options: LinkOptions, usual_log: Path | None, reading: bool = False) -> "Iterator[Vehicle]":
+    """With the vehicle on a link. Every frame goes to its log (left out: to `usual_log`), unless MAVSDK speaks for us.
 
-    `reading`: nothing is changed on it, and so any vehicle will do.
+    `reading`: nothing is changed on it, and so any vehicle will do. What breaks off in here names the log that is kept.
 
     After `options.timeout` seconds from now it is given up, unless it is in flight by then.
 
@@ -36,6 +37,25 @@ def connect_to(link: str, options: LinkOptions, usual_log: Path | None, reading:
         LinkDown, NoAnswer: there is nobody.
         NotFlown: it is no multicopter of ArduPilot or PX4.
     """
+    logs = {file: _written_ns(file) for file in options.written(usual_log)}
+    try:
+        with _vehicle_on(link, options, usual_log, reading) as vehicle:
+            yield vehicle
+    except MissionError as error:
+        if kept := [file for file, before in logs.items() if _written_ns(file) != before]:
+            error.known["written"] = kept
+        raise
+
+
+def _written_ns(file: str) -> int | None:
+    """When it was written last, if it is there."""
+    try:
+        return Path(file).stat().st_mtime_ns
+    except OSError:
+        return None
+
+
+def _vehicle_on(link: str, options: LinkOptions, usual_log: Path | None, reading: bool) -> "Vehicle":
     from ipoa_mission.cli.signing import signer_of
 
     expect_log(options.log)

@@ -204,7 +204,7 @@ def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, 
         >>> from ipoa_mission import plan_flight, read_scenario
         >>> flight = plan_flight(read_scenario("missions/sitl.toml"), seed=7)
         >>> flight.proof.holds, [path.name for path in flight.write(".")]
-        (True, ['sitl.plan', 'sitl.waypoints', 'sitl.json'])
+        (True, ['sitl.plan', 'sitl.waypoints', 'sitl.json', 'sitl.params'])
     """
     if scenario.survey is not None:
         raise BadInput(

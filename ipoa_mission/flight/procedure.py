@@ -73,7 +73,7 @@ def upload_mission(
         >>> from ipoa_mission import connect, read_mission, upload_mission
         >>> with connect("udpin:127.0.0.1:14550") as vehicle:
         ...     upload_mission(vehicle, read_mission("missions/sitl.plan"))
-        ()
+        ('RTL_RETURN_ALT is 30 on the vehicle, and the mission was made for 70',)
     """
     remarks, others, lacking = _put(vehicle, mission, anyway, stages)
     return (*remarks, *map(str, others), *lacking)

@@ -73,13 +73,21 @@ class EndingLooks:
         return np.asarray((taken[1:] == taken[:-1]).all(axis=1) & (clear[1:] == clear[:-1]))
 
     def gaps(self) -> Vector:
-        """The middle of each two times between which something may be missed."""
+        """The middle of each two times between which something may be missed, or something nearer than is known."""
         places = np.moveaxis(self.ways, 2, 0)  # one after the other: all at once take room
         moved = reduce(np.maximum, (np.linalg.norm(np.diff(place, axis=0), axis=-1) for place in places))
         moved = np.where(self.taken[1:] | self.taken[:-1], moved, 0.0).max(axis=1)
         hidden = self.clear[:-1] & (self.spare[1:] + self.spare[:-1] < moved)
-        asked = (hidden | ~self.same_as_next) & (np.diff(self.times) > NEAREST_S)
+        asked = (hidden | ~self.same_as_next | self._beside_the_nearest()) & (np.diff(self.times) > NEAREST_S)
         return np.asarray((self.times[1:] + self.times[:-1])[asked] / 2)
+
+    def _beside_the_nearest(self) -> NDArray[np.bool_]:
+        """Which of the gaps lie beside the time that keeps least of those that are the same, (n - 1,)."""
+        beside = np.zeros(len(self.times), dtype=bool)
+        for alike in np.split(np.arange(len(self.times)), np.flatnonzero(~self.same_as_next) + 1):
+            least = alike[np.argmin(self.spare[alike])]
+            beside[max(least - 1, 0) : least + 1] = self.spare[least] < SEEN
+        return beside[:-1]
 
     def all_nearer(self, required: float) -> NDArray[np.bool_]:
         """Whether every way that may be taken comes nearer to something than is required, (n,)."""

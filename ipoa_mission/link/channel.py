@@ -22,6 +22,7 @@ MOST_CONNECTIONS = 16
 UNTAKEN_S = 10.0  # a connection that was opened here, and takes nothing for so long, is closed: another is quicker
 RECEIVE_BUFFER = 4 << 20  # bytes: PX4 streams thousands of frames a second while we may be busy
 CLOSED = "the other side closed the connection"
+CLOSED_HINT = "was the autopilot, or what relays it, restarted?"
 MOST_UNSENT = 2048  # bytes that wait for a serial line: a third of a second at 57600 baud
 
 
@@ -191,7 +192,7 @@ class TcpChannel(RealTime):
         """See `Channel`."""
         watched = [*self._connections, *([self._listener] if self._listener else [])]
         if not watched:
-            raise LinkDown(CLOSED)
+            raise LinkDown(CLOSED, CLOSED_HINT)
         ready, _, _ = select.select(watched, [], [], max(0.0, until - self.now()))
         got: list[tuple[bytes, Peer]] = []
         for one in ready:
@@ -261,7 +262,7 @@ class TcpChannel(RealTime):
         self._connections.remove(connection)
         connection.close()
         if self._listener is None:
-            raise LinkDown(CLOSED)
+            raise LinkDown(CLOSED, CLOSED_HINT)
 
 
 class SerialChannel(RealTime):

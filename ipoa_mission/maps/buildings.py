@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import compress
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 import shapely
@@ -39,13 +39,9 @@ from ipoa_mission.maps.kinds import (
 from ipoa_mission.maps.passed import FAR, MOST_NAMED, Key, PassedOver, passed_over
 from ipoa_mission.maps.planar import Whereabouts, clean_polygons, polygons_of, to_plane
 from ipoa_mission.maps.read import hand_on_features
-from ipoa_mission.maps.wires import Wire, raise_span, spans, wire_of
+from ipoa_mission.maps.standing import Standing
+from ipoa_mission.maps.wires import Wire, spans, wire_of
 from ipoa_mission.world.frame import LocalFrame
-from ipoa_mission.world.ground import Ground
-from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
-from ipoa_mission.world.polygon import rings_of
-
-LEAST_HEIGHT = 0.1  # what stands is at least so high [m]
 
 
 @dataclass(frozen=True)
@@ -67,22 +63,6 @@ class BuildingRules:
     wood_height: float | None = None
     height_key: str = "height"
     take: Literal["tagged", "all"] | None = None
-
-
-class Standing(NamedTuple):
-    """Something that stands on the ground: `shape` is local, east, north [m]; `reach` widens a point or line.
-
-    It fills the air from `foot` above the lowest ground under it to `height` above the highest, or above home where
-    `over_home`.
-    """
-
-    name: str
-    shape: Any
-    reach: float
-    foot: float
-    height: float
-    over_home: bool = False
-    hangs: bool = False  # `shape` is a span of a wire between two supports
 
 
 @dataclass(frozen=True)
@@ -313,25 +293,6 @@ class _Finder:
         return made
 
 
-def raise_buildings(standing: Sequence[Standing], ground: Ground) -> tuple[Obstacle, ...]:
-    """The obstacles themselves, standing on the ground."""
-    hanging = [prism for s in standing if s.hangs for prism in raise_span(s.name, s.shape, s.reach, s.height, ground)]
-    standing = [s for s in standing if not s.hangs]
-    if not standing:
-        return tuple(hanging)
-    outlines = [_outline(s) for s in standing]
-    heights = ground(np.vstack(outlines))
-    first = np.cumsum([0, *(len(outline) for outline in outlines)])[:-1]
-    lowest, highest = np.minimum.reduceat(heights, first), np.maximum.reduceat(heights, first)
-    raised = (
-        _obstacle(
-            s, float(low) + s.foot, max(s.height if s.over_home else float(high) + s.height, float(low) + LEAST_HEIGHT)
-        )
-        for s, low, high in zip(standing, lowest, highest, strict=True)
-    )
-    return (*raised, *hanging)
-
-
 def _why_passed_over(feature: Feature, extent: Extent, rules: BuildingRules, every: bool) -> Reason | None:
     why = why_passed_over(feature, extent, rules.height_key, every)
     if why is None:
@@ -374,19 +335,3 @@ def _reach(feature: Feature, usual: float, odd: Odd) -> float:
     """Radius of a point, or half the width of a line [m]."""
     width = width_of(feature.tags, odd)
     return usual if width is None else width / 2
-
-
-def _outline(s: Standing) -> NDArray[np.float64]:
-    """Places under it at which the ground is asked, (n, 2)."""
-    corners = shapely.get_coordinates(s.shape)
-    if s.reach > 0:
-        around = s.reach * np.array([(0, 0), (1, 0), (0, 1), (-1, 0), (0, -1)])
-        return np.asarray((corners[:, None, :] + around).reshape(-1, 2))
-    return np.vstack([corners, shapely.get_coordinates(s.shape.centroid)])
-
-
-def _obstacle(s: Standing, base: float, top: float) -> Obstacle:
-    if s.shape.geom_type == "Point":
-        return Cylinder(s.name, float(s.shape.x), float(s.shape.y), s.reach, base, top)
-    shape = s.shape.buffer(s.reach, cap_style="square", join_style="mitre") if s.reach > 0 else s.shape
-    return Prism(s.name, *rings_of(shape), base, top)

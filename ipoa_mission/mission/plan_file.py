@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.files import read_text
 from ipoa_mission.finding import Severity
 from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame, command_name
 from ipoa_mission.mission.complex_items import as_document, complex_items_in, entries
@@ -60,24 +59,15 @@ def plan_text(mission: Mission) -> str:
     return json.dumps(_plan(mission), indent=4, sort_keys=True, allow_nan=False) + "\n"
 
 
-def read_plan(path: str | Path, autopilot: Autopilot | None = None) -> MissionFile:
-    """Read a mission as QGroundControl, MAVSDK or we write it; surveys and corridor scans become their waypoints.
+def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> MissionFile:
+    """What a `.plan` says, by QGroundControl, MAVSDK or us; surveys and corridor scans become their waypoints.
 
-    `autopilot`, if given, goes before the file's `firmwareType` and `vehicleType`. What is wrong with the file but
-    harms nothing is in `findings`: a home without altitude, a fence without version; and as an error, which `check`
-    shows and which stops an upload: an `Altitude` that is not the one in `params`.
+    `path` is for messages; `autopilot`, if given, goes before the file's `firmwareType` and `vehicleType`. What is
+    wrong with the file but harms nothing is in `findings`: a home without altitude, a fence without version; and as an
+    error, which `check` shows and which stops an upload: an `Altitude` that is not the one in `params`.
 
     Raises:
         BadInput: the message names the place, as in `campus.plan: mission.items[3].params: expected 7 numbers, not 6`.
-    """
-    return parse_plan(Path(path), read_text(Path(path)), autopilot)
-
-
-def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> MissionFile:
-    """What the text of a `.plan` file holds; `path` is for messages.
-
-    Raises:
-        BadInput: as `read_plan`.
     """
     plan = parse_document(path, text)
     if plan["fileType"].text() != "Plan":

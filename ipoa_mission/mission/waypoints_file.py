@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.files import read_text
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.commands import TAKEOFFS, Command, Frame, command_name
 from ipoa_mission.mission.fence_items import CIRCLE, POLYGON, fence_from_wire, rally_from_wire
@@ -86,23 +85,14 @@ def left_out(mission: Mission) -> tuple[str, ...]:
     return tuple(words for words, what in parts if what)
 
 
-def read_waypoints(path: str | Path, autopilot: Autopilot | None = None) -> MissionFile:
-    """Read home and items; CRLF, blank lines and `#` comments are let pass.
+def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -> MissionFile:
+    """What home and items a text has, of the file at `path`; CRLF, blank lines and `#` comments are let pass.
 
     Read and noted in `findings`: numbers that leave some out (items are numbered by their lines, as MAVProxy does), a
     home at 0, 0 (the first place stands in for it), a file that holds a fence or rally points only.
 
     Raises:
         BadInput: the message names line and field, as in `a.waypoints: line 4: latitude: expected a number, not "x"`.
-    """
-    return parse_waypoints(Path(path), read_text(Path(path)), autopilot)
-
-
-def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -> MissionFile:
-    """What is in the text of a `.waypoints` file; `path` is for messages.
-
-    Raises:
-        BadInput: as `read_waypoints`.
     """
     autopilot = autopilot or default_autopilot()
     rows = list(_rows(path, text))

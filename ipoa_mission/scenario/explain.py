@@ -46,6 +46,8 @@ def _explain(problem: Any, table: Mapping[str, Any], model: type[BaseModel]) -> 
             key = str(problem["loc"][-1])
             keys = _known_keys(problem["loc"], model)
             near = [one for one in keys if key in one.split("_")] or difflib.get_close_matches(key, keys, n=1)
+            if others := [] if near else _tables_with(key, model):
+                return f"{place}: unknown key; {key} stands {_or(others)}"
             return f"{place}: unknown key" + (f"; did you mean {_or(near)}?" if near else "")
         case _ if kind in _WANTED:
             wanted = _WANTED[kind].format(**limits)
@@ -109,7 +111,16 @@ def _known_keys(location: Sequence[int | str], model: type[BaseModel]) -> list[s
     return list(here.get("properties", {}))
 
 
+def _tables_with(key: str, model: type[BaseModel]) -> list[str]:
+    """Where else a scenario has this key: `in [safety]`, `before all tables`."""
+    schema = _schema(model)
+    tables = {name: _resolved(one, schema, "") for name, one in schema["properties"].items()}
+    before = ["before all tables"] if key in tables and "properties" not in tables[key] else []
+    return before + [f"in [{name}]" for name, one in tables.items() if key in one.get("properties", {})]
+
+
 def _resolved(node: Any, schema: Any, tag: str) -> Any:
+    node = next((one for one in node.get("anyOf", ()) if "$ref" in one), node)  # or left out
     if "discriminator" in node:
         mapping = node["discriminator"]["mapping"]
         node = {"$ref": mapping[tag]} if tag in mapping else node

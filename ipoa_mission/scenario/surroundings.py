@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.areas import MapArea, join_zones
 from ipoa_mission.maps.around import Box
-from ipoa_mission.maps.buildings import Buildings, Standing, raise_buildings
+from ipoa_mission.maps.buildings import Buildings
 from ipoa_mission.maps.feature import many_objects
 from ipoa_mission.maps.passed import Key, PassedCount, PassedOver, count_passed_over
+from ipoa_mission.maps.standing import Standing, raise_buildings
 from ipoa_mission.scenario.fencing import allowed_area, forbidden
 from ipoa_mission.scenario.layout import Layout
 from ipoa_mission.scenario.maps import BuildingsMap, ElevationTerrain, FlightAreaMap, NoFlyMap

@@ -5,7 +5,8 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import Field, TypeAdapter
 
 from ipoa_mission.studio.ending_answers import StripOfEndings
-from ipoa_mission.studio.flight_answers import Heard, Landed, Loaded, Seen, State
+from ipoa_mission.studio.flight_answers import Heard, Landed, Loaded, Replay, Seen, State
+from ipoa_mission.studio.lobby_answers import Beginning, Elsewhere
 from ipoa_mission.studio.mission_answers import Checked, OpenMission
 from ipoa_mission.studio.requests import Change
 from ipoa_mission.studio.survey_answers import CoarseSurvey, SurveyArea, SurveyLayout
@@ -299,55 +300,6 @@ class PlannedSurvey(PageMessage):
     total_s: float
     energy_wh: Number
     took_s: float
-
-
-class StartFile(PageMessage):
-    """A file that can be opened."""
-
-    path: str
-    name: str
-    folder: str
-    of: Literal["scenario", "mission", "log"]
-
-
-class Beginning(PageMessage):
-    """What the start page offers; new files go into the folder."""
-
-    kind: Literal["beginning"] = "beginning"
-    folder: str
-    recent: tuple[StartFile, ...]
-    here: tuple[StartFile, ...]
-    examples: tuple[StartFile, ...]
-
-
-class FlownItem(PageMessage):
-    """An item of a flight in a log: how long since the one before it was to take, and took, and when it was done."""
-
-    seq: int
-    estimated_s: float
-    flown_s: float
-    done_s: float
-
-
-class Replay(PageMessage):
-    """A flight in a log beside the estimate of the mission: where it went, and item by item."""
-
-    kind: Literal["replay"] = "replay"
-    revision: int
-    log: str
-    line: MapLine
-    times: tuple[float, ...]
-    items: tuple[FlownItem, ...]
-    estimated_s: float
-    flown_s: Number
-    remarks: tuple[str, ...]
-
-
-class Elsewhere(PageMessage):
-    """Another file is open, at this address beside the page's own."""
-
-    kind: Literal["elsewhere"] = "elsewhere"
-    address: str
 
 
 class Found(PageMessage):

@@ -122,7 +122,11 @@ class Document:
             return False
         if there == self._journal.saved:
             return False
-        if self.text == self._journal.saved or there == self.text:
+        if there == self.text:  # the same was done there: what a page knows of it counts on
+            self._journal.mark_saved()
+            self.changed_outside = False
+            return True
+        if self.text == self._journal.saved:
             return self.take_theirs()
         before, self.changed_outside = self.changed_outside, True
         return not before

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from ipoa_mission.studio.vocabulary import InFlight, LngLat, Number, PageMessage
+from ipoa_mission.studio.vocabulary import InFlight, LngLat, MapLine, Number, PageMessage
 
 
 class Loaded(PageMessage):
@@ -100,3 +100,26 @@ class Heard(PageMessage):
 
     kind: Literal["heard"] = "heard"
     links: tuple[HeardLink, ...]
+
+
+class FlownItem(PageMessage):
+    """An item of a flight in a log: how long since the one before it was to take, and took, and when it was done."""
+
+    seq: int
+    estimated_s: float
+    flown_s: float
+    done_s: float
+
+
+class Replay(PageMessage):
+    """A flight in a log beside the estimate of the mission: where it went, and item by item."""
+
+    kind: Literal["replay"] = "replay"
+    revision: int
+    log: str
+    line: MapLine
+    times: tuple[float, ...]
+    items: tuple[FlownItem, ...]
+    estimated_s: float
+    flown_s: Number
+    remarks: tuple[str, ...]

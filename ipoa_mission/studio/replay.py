@@ -10,7 +10,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.logs.flight_log import FlightLog, read_flights
 from ipoa_mission.report.compare import compare_flight, flown_track
-from ipoa_mission.studio.answers import FlownItem, Replay
+from ipoa_mission.studio.flight_answers import FlownItem, Replay
 from ipoa_mission.studio.view import line_of
 
 MOST = 1000  # places of a flown path that a page draws

@@ -12,7 +12,8 @@ from ipoa_mission.mission.items import Mission, land, return_to_launch, takeoff,
 from ipoa_mission.report.exports.table import mission_table
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly_forecast
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.autopilot import Autopilot
+from tests.examples import vehicles
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 
@@ -97,7 +98,7 @@ def test_a_range_finder_slows_arducopter_down_in_time() -> None:
     assert told(slope(-40.0, ARDUPILOT), parameters={"RNGFND1_TYPE": 1.0}) == []
 
 
-@pytest.mark.parametrize("autopilot", registered())
+@pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
 def test_three_goals_below_level_with_and_above_home_are_landed_on_in_three_times(autopilot: Autopilot) -> None:
     totals = []
     for height in (-40.0, 0.0, 12.0):

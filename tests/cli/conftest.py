@@ -69,7 +69,10 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp
 
 @pytest.fixture(scope="session")
 def planned(tmp_path_factory: pytest.TempPathFactory) -> Planned:
-    """A scenario of the repository planned with seed 5, once for all tests: the flight, and the folder of its files."""
+    """A scenario of the repository planned with seed 5, once for all tests: the flight, and the folder of its files.
+
+    Without a return altitude, so that vehicles of both firmwares take the mission.
+    """
     missions = Path(__file__).parents[2] / "missions"
 
     @cache
@@ -77,7 +80,9 @@ def planned(tmp_path_factory: pytest.TempPathFactory) -> Planned:
         folder = tmp_path_factory.mktemp(name)
         with pytest.MonkeyPatch.context() as patch:
             search_quickly(patch.setattr)
-            flight = plan_flight(read_scenario(missions / f"{name}.toml"), seed=5)
+            scenario = read_scenario(missions / f"{name}.toml")
+            safety = scenario.safety.model_copy(update={"returns": "warn"})
+            flight = plan_flight(scenario.model_copy(update={"safety": safety}), seed=5)
         flight.write(folder)
         return flight, folder
 

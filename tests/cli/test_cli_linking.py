@@ -79,8 +79,10 @@ def test_upload_tells_what_the_mission_was_made_for_and_the_vehicle_has_otherwis
 def test_a_mission_made_for_the_other_firmware_is_refused(run: Run, autopilot: Serve, mission: Path) -> None:
     with autopilot(family=Autopilot.ARDUPILOT) as link:
         ended = run(f"upload {mission} --link {link}")
-        assert ended.code == 1
+        log = mission.with_name("sitl-upload.tlog")
+        assert (ended.code, log.is_file()) == (1, True)
         assert "the mission was made for px4, and the vehicle is ardupilot" in ended.err
+        assert f"written: {log}" in ended.err  # of what was said, although nothing came of it
         assert run(f"upload {mission} --link {link} --anyway").code == 0
         whoever = mission.with_suffix(".waypoints")  # it does not say whom it was made for
         assert run(f"upload {whoever} --link {link}").code == 0
@@ -100,6 +102,14 @@ def test_fly_flies_a_vehicle_at_a_link_and_keeps_the_log_of_an_earlier_flight(
     assert (found["armed"], found["in_air"], found["time_zero"]) == (False, False, "armed")
     assert found["written"] == ["out/sitl-2.tlog"]
     assert Path("out/sitl.tlog").read_bytes() == b"the flight of yesterday"
+
+
+def test_where_nobody_is_reached_no_folder_and_no_log_is_left(run: Run, mission: Path) -> None:
+    (log := mission.with_name("sitl-upload.tlog")).write_bytes(b"yesterday")
+    fly = json.loads((ended := run(f"fly {mission} --out far/out --link tcp:127.0.0.1:9 --json")).out)
+    assert (ended.code, "written" in fly, Path("far").exists()) == (1, False, False)
+    assert "written" not in json.loads(run(f"upload {mission} --link tcp:127.0.0.1:9 --json").out)
+    assert log.read_bytes() == b"yesterday"
 
 
 @pytest.mark.parametrize("verb", ["fly {m}", "upload {m} --link udpout:127.0.0.1:9", "clear --link udpout:127.0.0.1:9"])
@@ -174,7 +184,7 @@ def test_ctrl_c_during_an_upload_says_what_the_vehicle_holds(
         ended = run(f"upload {mission} --link {link} --log up.tlog")
     assert ended.code == 130
     assert ended.out == ""
-    assert ended.err.splitlines()[-1].startswith("error: cancelled: the vehicle keeps the mission it had")
+    assert ended.err.splitlines()[-2].startswith("error: cancelled: the vehicle keeps the mission it had")
 
 
 def test_ctrl_c_during_a_flight_says_that_the_vehicle_flies_on(

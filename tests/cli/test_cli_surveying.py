@@ -2,6 +2,7 @@
 
 import json
 import sys
+from contextlib import AbstractContextManager
 from io import StringIO
 from pathlib import Path
 
@@ -131,7 +132,7 @@ def test_on_a_vehicle_its_next_flight_begins_when_the_battery_is_changed(
     monkeypatch.setattr(sys, "stdin", Terminal("y\nn\n"))
     systems: list[int | None] = []
 
-    def connect_to(link: str, options: LinkOptions, log: Path | None) -> Vehicle:
+    def connect_to(link: str, options: LinkOptions, log: Path | None) -> AbstractContextManager[Vehicle]:
         systems.append(options.system)
         return vehicles.connect_to(link, options, log)
 

@@ -41,7 +41,7 @@ def campus() -> Endings:
 
 @pytest.fixture(scope="module")
 def sitl() -> Endings:
-    return Endings(forecast_of("sitl"))
+    return Endings(forecast_of("sitl", RTL_RETURN_ALT=30.0))  # as PX4 has it, not as was planned
 
 
 @pytest.fixture(scope="module")
@@ -99,7 +99,7 @@ def test_one_second_is_told_of_as_its_row_is(sitl: Endings, ending: Ending) -> N
     for row in sitl.rows(ending, timed=False):
         one = sitl.at(ending, (row.from_s + row.to_s) / 2, timed=False)
         assert (one.grade, one.goal) == (row.grade, row.goal)
-        assert one.least_m >= row.least_m - 1e-6 or not row.clear
+        assert one.least_m >= row.least_m - 0.01 or not row.clear  # times nearer than `NEAREST_S` are not looked at
 
 
 def test_what_is_not_clear_is_told_of_for_as_long_as_the_flight_may_be_late(campus: Endings) -> None:
@@ -234,8 +234,7 @@ def test_who_waits_for_ever_lands_at_no_time() -> None:
 def test_a_return_altitude_is_planned_for_a_clear_return(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     text = (MISSIONS / "sitl.toml").read_text(encoding="utf-8")
     (tmp_path / "planned.toml").write_text(
-        text.replace("[vehicle]", '[vehicle]\nautopilot = "ardupilot"').replace('autopilot = "px4"\n', "")
-        + '\n[safety]\nreturns = "planned"\n',
+        text.replace("[vehicle]", '[vehicle]\nautopilot = "ardupilot"').replace('autopilot = "px4"\n', ""),
         encoding="utf-8",
     )
     flight = plan_flight(read_scenario(tmp_path / "planned.toml"), seed=0)

@@ -18,6 +18,7 @@ from ipoa_mission.forecast.energy import ReserveNow, budget_of
 from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.telemetry import BatteryStatus, Position, SystemStatus
 from ipoa_mission.vehicles.ending import Ending
+from tests.examples import some
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 
@@ -40,7 +41,7 @@ def forecast(tmp_path_factory: pytest.TempPathFactory) -> Forecast:
     return Forecast(read_mission(MISSIONS / "sitl.plan"), read_scenario(world))
 
 
-@pytest.mark.parametrize(("late", "share"), [(-5.0, 0.1), (5.0, 0.1), (0.0, 0.45), (-5.0, 0.9), (5.0, 0.9)])
+@pytest.mark.parametrize(("late", "share"), some(2, [(-5.0, 0.1), (5.0, 0.9), (0.0, 0.45), (5.0, 0.1), (-5.0, 0.9)]))
 def test_it_is_told_for_where_the_vehicle_is_though_it_is_late(forecast: Forecast, late: float, share: float) -> None:
     endings, now = Endings(forecast), EndingsNow(forecast)
     begin, end = endings.in_air

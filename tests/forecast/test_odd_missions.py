@@ -80,7 +80,9 @@ def found(autopilot: Autopilot, *items: Item, first: tuple[Item, ...] = (takeoff
 
 
 @BOTH
-@pytest.mark.parametrize("first", [(takeoff(HOME, 30.0),), ()], ids=["from the ground", "in the air"])
+@pytest.mark.parametrize(
+    "first", [(takeoff(HOME, 30.0),), pytest.param((), marks=pytest.mark.long)], ids=["from the ground", "in the air"]
+)
 @pytest.mark.parametrize("name", ODD)
 def test_odd_missions_have_a_time_like_any_other(autopilot: Autopilot, name: str, first: tuple[Item, ...]) -> None:
     result = found(autopilot, *ODD[name], first=first)

@@ -24,6 +24,7 @@ from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
+from tests.examples import some
 from tests.link_pair import HOME, items_of
 
 ARDUPILOT, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
@@ -77,7 +78,7 @@ def each_instruction(act: Callable[[int], None]) -> Iterator[None]:
         sys.settrace(before)
 
 
-@pytest.mark.parametrize(("family", "fast"), [(PX4, False), (ARDUPILOT, False), (ARDUPILOT, True)])
+@pytest.mark.parametrize(("family", "fast"), some(2, [(PX4, False), (ARDUPILOT, True), (ARDUPILOT, False)]))
 def test_at_whatever_instruction_it_comes_a_whole_mission_is_left_and_the_user_is_told_which(
     family: Autopilot, fast: bool
 ) -> None:

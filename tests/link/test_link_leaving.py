@@ -21,6 +21,7 @@ from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.vehicles.kinds import QUADROTOR
 from ipoa_mission.world.frame import Geodetic
+from tests.examples import some
 from tests.link.suited import suited
 from tests.link_pair import far_end, line_of
 
@@ -119,7 +120,7 @@ def beat(family: Autopilot, mode: int, armed: bool = True) -> Heartbeat:
 
 
 @pytest.mark.parametrize("family", registered())
-@pytest.mark.parametrize("lost", [0, 3, 99])
+@pytest.mark.parametrize("lost", some(2, [3, 99, 0]))
 def test_an_order_to_end_the_flight_is_given_until_the_vehicle_shows_it(
     family: Autopilot, lost: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -20,8 +20,9 @@ from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
 from ipoa_mission.link.wire import coordinate
 from ipoa_mission.mission.firmware import to_wire
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
+from tests.examples import vehicles
 from tests.quick_link import hurry
 
 HERE = Path(__file__).parent
@@ -29,7 +30,7 @@ REPOSITORY = HERE.parents[1]
 HOME = Geodetic(47.4, 8.5, 400.0)
 
 
-@pytest.mark.parametrize("family", registered())
+@pytest.mark.parametrize("family", vehicles(Autopilot.PX4))
 def test_mavsdk_uploads_starts_and_sees_the_mission_finish(family: Autopilot, run_mock: Callable[..., object]) -> None:
     with run_mock(family, speedup=60.0) as running:  # type: ignore[attr-defined]
         done = subprocess.run(

@@ -1,34 +1,28 @@
 """An upload ends when the vehicle is known to hold what was sent, or with an error that says what it holds."""
 
-from typing import TypeVar
-
 import pytest
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import MissionRefused
-from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, Exchange, NoAnswer, TimeUp
-from ipoa_mission.link.events import event_number, mission_event, words_of
+from ipoa_mission.link.dialogue import Cancelled, NoAnswer, TimeUp
 from ipoa_mission.link.messages import (
     Ack,
     Count,
-    Current,
-    Event,
     ItemAt,
     Message,
     MissionType,
     Request,
     RequestList,
     Result,
-    Text,
 )
-from ipoa_mission.link.unbroken import Unsettled, download
-from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Unflyable, Upload, upload
+from ipoa_mission.link.unbroken import download
+from ipoa_mission.link.upload import ReadBackDiffers, Upload, upload
 from ipoa_mission.mission.firmware import compare
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from tests.link_pair import CLIENT, STRANGER, Air, Fate, Vehicle, items_of
+from tests.link.scripted_answers import lead
+from tests.link_pair import STRANGER, Air, Fate, Vehicle, items_of
 
-T = TypeVar("T")
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 RALLY = tuple(Item(5100, 3, (0.0,) * 4, 47.4 + 0.001 * n, 8.5, 20.0) for n in range(3))
 FENCE = (Item(5003, 3, (250.0, 0.0, 0.0, 0.0), 47.4, 8.5),)
@@ -36,22 +30,6 @@ FENCE = (Item(5003, 3, (250.0, 0.0, 0.0, 0.0), 47.4, 8.5),)
 
 def interrupt_at(moment: float) -> dict[float, MissionError]:
     return {moment: Cancelled("cancelled")}
-
-
-def lead(dialogue: Dialogue[T], answers: dict[type[Message], list[list[Message]]]) -> Exchange[T]:
-    """Answer each kind of message from a script, then with silence."""
-    exchange, now = Exchange(dialogue, 0.0, SPECIFIED), 0.0
-    while not exchange.finished:
-        said = exchange.outgoing()
-        for message in said:
-            script = answers.get(type(message))
-            for answer in script.pop(0) if script else []:
-                now += 0.2
-                exchange.receive(answer, now)
-        if not said:
-            now = max(now, exchange.deadline)
-            exchange.tick(now)
-    return exchange
 
 
 @pytest.mark.parametrize("autopilot", registered())
@@ -251,136 +229,3 @@ def test_a_download_that_takes_too_long_says_how_much_had_come() -> None:
     vehicle.store(items_of(PX4, 30))
     with pytest.raises(TimeUp, match="9 of 30 items of the mission had come"):
         Air(vehicle, [Fate(1, 0.1)]).hold(download(MissionType.MISSION), interrupts={2.1: TimeUp("the time is up")})
-
-
-# --- the verdict ----------------------------------------------------------------------------------------------------
-
-
-def judged(*words: Message, readings: int = 2) -> dict[type[Message], list[list[Message]]]:
-    items = items_of(PX4, 1)
-    return {
-        Count: [[Request(0)]],
-        ItemAt: [[Ack(0)]],
-        RequestList: [[Count(1)]] * readings,
-        Request: [[ItemAt(0, items[0])]] * readings,
-        Ack: [list(words)],
-    }
-
-
-@pytest.mark.parametrize(
-    ("words", "why"),
-    [
-        ((Event(event_number("navigator_mis_takeoff_too_low"), 3), Current(0, 1, 1)), "the take-off is too low"),
-        ((Text(2, "Mission rejected: geofence\t"), Current(0, 1, 1)), "Mission rejected: geofence$"),
-        ((Event(12345, 3), Current(0, 1, 1)), "no reason was heard"),
-    ],
-)
-def test_a_mission_that_the_vehicle_finds_unflyable_is_an_error_with_its_reason(
-    words: tuple[Message, ...], why: str
-) -> None:
-    with pytest.raises(Unflyable, match=why):
-        lead(upload(Upload(items_of(PX4, 1), PX4)), judged(*words))
-
-
-@pytest.mark.parametrize(
-    "words", [(), (Current(0, 1, 2), Current(0, 1, 2)), (Current(0, 1, 1), Current(0, 1, 2)), (Current(0),)]
-)
-def test_the_last_state_that_is_told_counts(words: tuple[Message, ...]) -> None:
-    assert lead(upload(Upload(items_of(PX4, 1), PX4)), judged(*words)).finished
-
-
-ONE = items_of(PX4, 1)
-OTHER = items_of(PX4, 1, shift=0.1) + items_of(PX4, 2)[1:]
-
-
-@pytest.mark.parametrize(
-    ("ack", "words", "held", "told"),
-    [
-        (Ack(0), (Current(0, 2, 2),), OTHER, "the list: number of items: sent 1, the vehicle holds 2"),
-        (Ack(0), (Current(0, 1, 2), Current(0, 2, 2), Current(0, 2, 3)), OTHER, "number of items"),
-        (Ack(0), (Current(0, 65535, 1),), (), "number of items: sent 1, the vehicle holds 0"),
-        (Ack(0), (Current(0, 0, 1),), (), "number of items: sent 1, the vehicle holds 0"),
-        (Ack(0), (Current(0, 2),), OTHER, "number of items"),
-        (Ack(0, 0, 77), (Current(0, 1, 2, 2, 78),), items_of(PX4, 2)[1:], "item 0: command: sent NAV_TAKEOFF"),
-    ],
-)
-def test_a_mission_that_is_replaced_while_the_verdict_is_awaited_is_an_error(
-    ack: Ack, words: tuple[Message, ...], held: tuple[Item, ...], told: str
-) -> None:
-    script = judged(*words) | {
-        ItemAt: [[ack]],
-        RequestList: [[Count(1)], [Count(len(held))]],
-        Request: [[ItemAt(0, ONE[0])], *([ItemAt(seq, item)] for seq, item in enumerate(held))],
-    }
-    with pytest.raises(Replaced, match=f"the mission on the vehicle is no longer what was sent: .*{told}"):
-        lead(upload(Upload(ONE, PX4)), script)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize(
-    ("words", "readings"),
-    [
-        ((Current(0, 5, 2), Current(0, 1, 2, 2, 77)), 1),  # the first was said before the upload
-        ((Current(0, 1, 2, 2, 77),), 1),
-        ((Current(0, 1, 2),), 2),  # it does not name the mission
-        ((Current(0, 1, 2, 2, 5), Current(0, 1, 2, 2, 77)), 2),
-        ((Current(0, 1, 2, 2, 77), Ack(0, 0, 77)), 1),  # what comes twice says nothing new
-        ((Ack(0, 0, 78), Current(0, 1, 2, 2, 77)), 2),
-        ((Current(0, 5, 2),), 2),  # said before the upload, and came late: it is read again to be sure
-        ((Current(0, 1, 2, 2, 5),), 2),
-    ],
-)
-def test_what_was_said_before_the_upload_is_no_replacement(words: tuple[Message, ...], readings: int) -> None:
-    script = judged(*words) | {
-        ItemAt: [[Ack(0, 0, 77)]],
-        RequestList: [[Count(1)]] * 2,
-        Request: [[ItemAt(0, ONE[0])]] * 2,
-    }
-    assert lead(upload(Upload(ONE, PX4)), script).finished
-    assert len(script[RequestList]) == 2 - readings
-
-
-def test_the_first_id_after_our_count_is_ours_and_a_later_one_is_a_doubt() -> None:
-    """A second station with our ids: its Ack comes to us too, and the mission is its own from there on."""
-    theirs = items_of(PX4, 2)[1:]
-    script = judged(Ack(0, 0, 78), Current(0, 1, 2, 2, 78)) | {
-        ItemAt: [[Ack(0, 0, 77)]],
-        Request: [[ItemAt(0, ONE[0])], [ItemAt(0, theirs[0])]],
-    }
-    with pytest.raises(Replaced, match="no longer what was sent"):
-        lead(upload(Upload(ONE, PX4)), script)
-
-
-def test_an_upload_names_the_mission_only_where_nothing_else_was_heard() -> None:
-    named = lead(upload(Upload(ONE, PX4)), judged(Current(0, 1, 2, 2, 77)) | {ItemAt: [[Ack(0, 0, 77)]]})
-    disputed = judged(Ack(0, 0, 78), Current(0, 1, 2, 2, 77)) | {ItemAt: [[Ack(0, 0, 77)]]}
-    assert named.result == 77
-    assert lead(upload(Upload(ONE, PX4)), disputed).result == 0
-    assert lead(upload(Upload(ONE, PX4)), judged()).result == 0
-
-
-def test_a_vehicle_that_speaks_of_another_mission_at_every_reading_is_no_success() -> None:
-    script = judged(Current(0, 2, 2), readings=9)
-    script[Ack] = [[Current(0, 2, 2)]] * 9
-    script[RequestList] = [[Count(1), Current(0, 2, 2)]] * 9
-    with pytest.raises(Unsettled, match="each time that the one on it is read"):
-        lead(upload(Upload(ONE, PX4)), script)
-
-
-def test_a_vehicle_that_spoke_of_another_mission_and_fell_silent_is_not_taken_for_verified() -> None:
-    with pytest.raises(NoAnswer, match="the vehicle may no longer hold the mission that was sent"):
-        lead(upload(Upload(ONE, PX4)), judged(Current(0, 2, 2), readings=1))
-
-
-def test_what_an_event_says_has_its_numbers_in_it() -> None:
-    assert words_of(*mission_event("takeoff_too_low", 3.0)) == "the take-off is too low: it takes 3.0 m at least"
-    number, arguments = mission_event("unsup_cmd", 2, 400)
-    assert words_of(number, arguments) == "item 2 has command 400, which this vehicle cannot fly"
-    assert words_of(number, b"\x02") == "item 2 has command 0, which this vehicle cannot fly"  # zeros are not sent
-
-
-def test_px4s_numbers_of_events_are_hashes_of_their_names() -> None:
-    # FNV-1a's published test vectors, cut to 24 bits, with the autopilot's component id before them.
-    assert event_number("") == 0x01000000 | 0x811C9DC5 & 0xFFFFFF
-    assert event_number("a") == 0x01000000 | 0xE40C292C & 0xFFFFFF
-    assert event_number("foobar") == 0x01000000 | 0xBF9CF968 & 0xFFFFFF
-    assert CLIENT != STRANGER

@@ -12,8 +12,9 @@ from ipoa_mission.link.messages import Heartbeat
 from ipoa_mission.logs.flight_log import read_flight, read_flights
 from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from tests.examples import vehicles
 from tests.logs.log_writers import WRITERS, Flown, write_dataflash, write_ulog
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
@@ -123,7 +124,7 @@ def test_a_log_that_breaks_off_gives_what_is_in_it(name: str, share: float, flow
     assert flight.item_reached_s.items() <= {k: pytest.approx(v, abs=0.002) for k, v in flown.done.items()}.items()
 
 
-@pytest.mark.parametrize("autopilot", registered())
+@pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
 def test_the_log_of_a_flight_on_the_built_in_autopilot_tells_that_flight(autopilot: Autopilot, tmp_path: Path) -> None:
     log = tmp_path / "flight.tlog"
     mission = mission_for(autopilot)

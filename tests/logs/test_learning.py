@@ -22,9 +22,10 @@ from ipoa_mission.logs.learn.judge import left_out, median_errors, timed
 from ipoa_mission.logs.learn.vehicle_file import read_vehicle, write_vehicle
 from ipoa_mission.mission.items import Item, Mission, land, takeoff, waypoint
 from ipoa_mission.simulator.fly import fly
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from tests.examples import vehicles
 
 HERE = Path(__file__).parent
 HOME = Geodetic(47.397742, 8.545594, 488.0)
@@ -94,7 +95,7 @@ def test_a_forecast_of_the_vehicle_that_flew_is_right_in_every_item() -> None:
     assert found.landing_delay.value == pytest.approx(3.0, abs=0.1)
 
 
-@pytest.mark.parametrize("autopilot", registered())
+@pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
 def test_the_built_in_autopilot_flies_the_learned_vehicle(autopilot: Autopilot) -> None:
     there = LocalFrame(HOME).geodetic(np.array([0.0, 250.0, 0.0]))
     fast = {"WPNAV_SPEED": 1500.0} if autopilot is ARDUPILOT else {"MPC_XY_CRUISE": 12.0}

@@ -9,8 +9,9 @@ import pytest
 import shapely
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.maps.buildings import BuildingRules, find_buildings, raise_buildings
+from ipoa_mission.maps.buildings import BuildingRules, find_buildings
 from ipoa_mission.maps.read import read_features
+from ipoa_mission.maps.standing import raise_buildings
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism

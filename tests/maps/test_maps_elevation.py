@@ -11,6 +11,7 @@ from pyproj import Transformer
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.elevation import ElevationRules, local_grid
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from tests.examples import some
 
 rasterio = pytest.importorskip("rasterio")
 pymap3d = pytest.importorskip("pymap3d")
@@ -82,7 +83,7 @@ def test_the_ground_is_where_the_model_has_it_in_every_coordinate_system(write_m
 
 
 @pytest.mark.parametrize("crs", SYSTEMS)
-@pytest.mark.parametrize("spacing", [None, 7.0, 90.0])
+@pytest.mark.parametrize("spacing", some(1, [7.0, None, 90.0]))
 def test_no_post_lies_above_the_ground(write_model: Write, crs: str, spacing: float | None) -> None:
     path = write_model(hills, crs)
     grid, _ = read(path, spacing=spacing)

@@ -17,6 +17,7 @@ from ipoa_mission.maps.passed import MOST_NAMED, PassedOver, count_passed_over
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.scenario import parse_scenario, surroundings
 from ipoa_mission.world.frame import LocalFrame
+from tests.examples import some
 
 WITHIN: Box = (np.array([-150.0, -100.0]), np.array([200.0, 120.0]))
 AREAS: dict[str, list[dict[str, Any]]] = {
@@ -69,7 +70,7 @@ def generated(seed: int, at: At) -> dict[str, Any]:
     return rng.choice([kinds | {"features": features}, {"features": features} | kinds | crs])
 
 
-@pytest.mark.parametrize("seed", [*range(40), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(40, 240))])
+@pytest.mark.parametrize("seed", some(10, range(240)))
 def test_what_is_near_and_what_is_counted_are_those_of_the_whole_map(
     seed: int, tmp_path: Path, frame: LocalFrame, at: At, monkeypatch: pytest.MonkeyPatch
 ) -> None:

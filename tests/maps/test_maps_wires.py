@@ -10,8 +10,9 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipoa_mission.maps.buildings import BuildingRules, Buildings, find_buildings, raise_buildings
+from ipoa_mission.maps.buildings import BuildingRules, Buildings, find_buildings
 from ipoa_mission.maps.read import read_features
+from ipoa_mission.maps.standing import raise_buildings
 from ipoa_mission.maps.wires import raise_span, spans, volts_of, wire_of
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import LEVEL

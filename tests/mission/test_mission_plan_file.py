@@ -10,10 +10,11 @@ import pytest
 from hypothesis import given
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.mission.files import read_mission_file
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission, takeoff, waypoint
 from ipoa_mission.mission.parameter_file import read_parameters
-from ipoa_mission.mission.plan_file import plan_text, read_plan, write_plan
-from ipoa_mission.mission.waypoints_file import read_waypoints, write_waypoints
+from ipoa_mission.mission.plan_file import plan_text, write_plan
+from ipoa_mission.mission.waypoints_file import write_waypoints
 from ipoa_mission.vehicles import autopilot as autopilots
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
@@ -34,7 +35,7 @@ def written(mission: Mission, folder: Path) -> dict[str, Any]:
 def test_what_was_written_is_read_back_the_same(mission: Mission, tmp_path_factory: Any) -> None:
     path = tmp_path_factory.getbasetemp() / "round.plan"
     write_plan(mission, path)
-    assert same(read_plan(path).mission, mission)
+    assert same(read_mission_file(path).mission, mission)
 
 
 @given(mission=missions())
@@ -70,7 +71,7 @@ def test_what_is_written_keeps_the_rules_of_qgroundcontrols_loader(mission: Miss
 
 
 def test_the_same_mission_gives_the_same_bytes(tmp_path: Path) -> None:
-    mission = read_plan(FILES / "survey.plan").mission
+    mission = read_mission_file(FILES / "survey.plan").mission
     one, other = tmp_path / "one.plan", tmp_path / "other.plan"
     write_plan(mission, one)
     write_plan(mission, other)
@@ -106,7 +107,7 @@ def test_a_jump_to_nowhere_is_not_written(tmp_path: Path) -> None:
 
 
 def test_a_survey_becomes_its_waypoints() -> None:
-    mission = read_plan(FILES / "survey.plan").mission
+    mission = read_mission_file(FILES / "survey.plan").mission
     assert [item.command for item in mission.items] == [22, 530, 16, 206, 16, 206, 16, 206, 16, 206, 177, 20]
     assert mission.autopilot is Autopilot.PX4
     assert mission.home == Geodetic(47.3977419, 8.545594, 488.2)
@@ -116,7 +117,7 @@ def test_a_survey_becomes_its_waypoints() -> None:
 
 
 def test_a_jump_refers_to_a_do_jump_id_and_not_to_a_place_in_the_list() -> None:
-    jump = read_plan(FILES / "survey.plan").mission.items[10]
+    jump = read_mission_file(FILES / "survey.plan").mission.items[10]
     assert jump.params[:2] == (12.0, 1.0), "doJumpId 21 is the twelfth item"
 
 
@@ -126,11 +127,11 @@ def test_a_jump_into_a_survey_is_refused_as_qgroundcontrol_refuses_it(tmp_path: 
     path = tmp_path / "into.plan"
     path.write_text(json.dumps(plan))
     with pytest.raises(BadInput, match=r"items\[2\].params\[0\]: expected the doJumpId of an item outside surveys"):
-        read_plan(path)
+        read_mission_file(path)
 
 
 def test_fence_and_rally_points_are_read() -> None:
-    mission = read_plan(FILES / "survey.plan").mission
+    mission = read_mission_file(FILES / "survey.plan").mission
     polygon, keep_in, keep_out = mission.fence
     assert isinstance(polygon, FencePolygon)
     assert (len(polygon.vertices), polygon.inclusion) == (4, True)
@@ -141,7 +142,7 @@ def test_fence_and_rally_points_are_read() -> None:
 
 def test_mavsdk_reads_the_survey_as_we_do(mavsdk: Any) -> None:
     path = FILES / "survey.plan"
-    mission = read_plan(path).mission
+    mission = read_mission_file(path).mission
     assert len(mission.items) == 12
     theirs = mavsdk.read(path.read_text(), "plan", Autopilot.PX4)
     assert [row[2] for row in theirs["mission"]] == [item.command for item in mission.items]
@@ -151,14 +152,14 @@ def test_mavsdk_reads_the_survey_as_we_do(mavsdk: Any) -> None:
 
 
 def test_a_corridor_scan_on_ardupilot_is_read() -> None:
-    mission = read_plan(FILES / "corridor.plan").mission
+    mission = read_mission_file(FILES / "corridor.plan").mission
     assert mission.autopilot is Autopilot.ARDUPILOT
     assert [item.command for item in mission.items] == [22, 16, 206, 16, 16, 206, 21]
     assert [item.frame for item in mission.items] == [3, 10, 2, 10, 10, 2, 3]
 
 
 def test_the_autopilot_that_is_asked_for_goes_before_that_of_the_file() -> None:
-    assert read_plan(FILES / "corridor.plan", Autopilot.PX4).mission.autopilot is Autopilot.PX4
+    assert read_mission_file(FILES / "corridor.plan", Autopilot.PX4).mission.autopilot is Autopilot.PX4
 
 
 def test_what_other_programs_leave_out_is_not_needed(tmp_path: Path) -> None:
@@ -168,9 +169,9 @@ def test_what_other_programs_leave_out_is_not_needed(tmp_path: Path) -> None:
         del item["AltitudeMode"], item["Altitude"], item["AMSLAltAboveTerrain"], item["doJumpId"]
     path = tmp_path / "sparse.plan"
     path.write_text(json.dumps(plan))
-    assert len(read_plan(path).mission.items) == 2
+    assert len(read_mission_file(path).mission.items) == 2
     path.write_text(json.dumps(plan | {"geoFence": {}, "rallyPoints": {}, "somethingElse": [1, 2]}))
-    assert same(read_plan(path).mission, replace(read_plan(path).mission, fence=(), rally=()))
+    assert same(read_mission_file(path).mission, replace(read_mission_file(path).mission, fence=(), rally=()))
 
 
 def test_a_take_off_without_a_position_is_one_from_here(tmp_path: Path) -> None:
@@ -178,7 +179,7 @@ def test_a_take_off_without_a_position_is_one_from_here(tmp_path: Path) -> None:
     plan["mission"]["items"][0]["params"][4:6] = [None, None]
     path = tmp_path / "here.plan"
     path.write_text(json.dumps(plan))
-    (item,) = read_plan(path).mission.items
+    (item,) = read_mission_file(path).mission.items
     assert (item.latitude_deg, item.longitude_deg, item.has_position) == (0.0, 0.0, False)
 
 
@@ -187,7 +188,9 @@ def test_a_return_point_of_the_fence_is_reported_as_not_kept(tmp_path: Path) -> 
     plan["geoFence"]["breachReturn"] = [39.1, 121.8, 50]
     path = tmp_path / "breach.plan"
     path.write_text(json.dumps(plan))
-    assert [str(f) for f in read_plan(path).findings] == ["warning: geoFence.breachReturn: a return point is not kept"]
+    assert [str(f) for f in read_mission_file(path).findings] == [
+        "warning: geoFence.breachReturn: a return point is not kept"
+    ]
 
 
 def test_a_home_without_an_altitude_is_not_written(tmp_path: Path) -> None:
@@ -204,11 +207,13 @@ def test_a_plan_is_for_the_autopilot_of_its_firmware_and_its_class_of_vehicle(
     plane = Plane()
     path = tmp_path / "wings.plan"
     path.write_text(plan_text(replace(MISSION, autopilot=Autopilot.ARDUPILOT, vehicle_type=1)))
-    assert read_plan(path).mission.autopilot is Autopilot.ARDUPILOT  # its firmware's, where none is known for planes
+    assert (
+        read_mission_file(path).mission.autopilot is Autopilot.ARDUPILOT
+    )  # its firmware's, where none is known for planes
     monkeypatch.setitem(autopilots._REGISTERED, plane.name, plane)
-    assert read_plan(str(path)).mission.autopilot is plane
+    assert read_mission_file(str(path)).mission.autopilot is plane
     path.write_text(plan_text(replace(MISSION, autopilot=Autopilot.ARDUPILOT)))
-    assert read_plan(path).mission.autopilot is Autopilot.ARDUPILOT
+    assert read_mission_file(path).mission.autopilot is Autopilot.ARDUPILOT
 
 
 def test_each_format_is_read_by_a_path_or_its_name(tmp_path: Path) -> None:
@@ -216,8 +221,8 @@ def test_each_format_is_read_by_a_path_or_its_name(tmp_path: Path) -> None:
     mission = replace(MISSION, parameters={"MPC_XY_CRUISE": 8.0})
     write_plan(mission, path)
     write_waypoints(mission, path.with_suffix(".waypoints"))
-    assert same(read_plan(str(path)).mission, read_plan(path).mission)
+    assert same(read_mission_file(str(path)).mission, read_mission_file(path).mission)
     waypoints = path.with_suffix(".waypoints")
-    assert same(read_waypoints(str(waypoints)).mission, read_waypoints(waypoints).mission)
+    assert same(read_mission_file(str(waypoints)).mission, read_mission_file(waypoints).mission)
     parameters = path.with_suffix(".params")
     assert read_parameters(str(parameters)) == read_parameters(parameters) == {"MPC_XY_CRUISE": 8.0}

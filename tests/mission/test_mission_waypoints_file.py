@@ -11,8 +11,9 @@ from hypothesis import assume, given
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.mission.commands import TAKEOFFS
+from ipoa_mission.mission.files import read_mission_file
 from ipoa_mission.mission.items import FenceCircle, Item, Mission, change_speed, takeoff, waypoint
-from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST, read_waypoints, write_waypoints
+from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST, write_waypoints
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.mission_strategies import missions, same
@@ -28,7 +29,7 @@ def test_what_was_written_is_read_back_the_same(mission: Mission, tmp_path_facto
     assume((mission.home.latitude_deg, mission.home.longitude_deg) != (0.0, 0.0))  # which stands for no place
     takes_off = any(item.command in TAKEOFFS for item in mission.items)
     assert write_waypoints(mission, path) == ((TAKEOFF_LOST,) if takes_off else ())
-    back = read_waypoints(path, mission.autopilot).mission
+    back = read_mission_file(path, mission.autopilot).mission
     if mission.autopilot is Autopilot.ARDUPILOT:
         mission = replace(mission, items=tuple(replace(i, params=_zeros(i.params)) for i in mission.items))
     assert same(back, replace(mission, cruise_speed=None))
@@ -114,11 +115,11 @@ def test_what_other_programs_write_is_read(change: Any, tmp_path: Path) -> None:
     path = tmp_path / "lenient.waypoints"
     write_waypoints(FLIGHT, path)
     path.write_bytes(change(path.read_text()).encode())
-    assert same(read_waypoints(path).mission, FLIGHT)
+    assert same(read_mission_file(path).mission, FLIGHT)
 
 
 def test_a_file_of_mission_planner_is_read() -> None:
-    mission = read_waypoints(FILES / "mission_planner.waypoints", Autopilot.ARDUPILOT).mission
+    mission = read_mission_file(FILES / "mission_planner.waypoints", Autopilot.ARDUPILOT).mission
     assert mission.home == Geodetic(-35.3632622, 149.1652376, 584.09)
     assert [(item.command, item.frame) for item in mission.items] == [
         (22, 3),
@@ -134,10 +135,10 @@ def test_a_file_of_mission_planner_is_read() -> None:
 @pytest.mark.parametrize("name", ["corners-ardupilot", "hold-px4"])
 def test_recorded_missions_are_read_and_written_back(name: str, tmp_path: Path) -> None:
     source = FILES / f"{name}.waypoints"
-    mission = read_waypoints(source).mission
+    mission = read_mission_file(source).mission
     path = tmp_path / "again.waypoints"
     write_waypoints(mission, path)
-    assert same(read_waypoints(path).mission, mission)
+    assert same(read_mission_file(path).mission, mission)
     assert len(mission.items) == len(source.read_text().splitlines()) - 2
 
 

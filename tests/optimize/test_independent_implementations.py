@@ -16,6 +16,7 @@ from ipoa_mission.optimize.search import Box, Optimizer, minimize
 from ipoa_mission.paper.rivals.dbo import DBO
 from ipoa_mission.paper.rivals.hho import HHO
 from ipoa_mission.paper.rivals.ssa import SSA
+from tests.examples import some
 from tests.optimize.authors_rules import dbo, hho, ssa
 
 D = 5
@@ -46,7 +47,7 @@ def ours(optimizer: Optimizer, function: Callable[[np.ndarray], np.ndarray]) -> 
 
 
 @pytest.mark.parametrize("function", FUNCTIONS)
-@pytest.mark.parametrize(("kind", "rule"), [(HHO, hho), (DBO, dbo), (SSA, ssa)])
+@pytest.mark.parametrize(("kind", "rule"), some(1, [(DBO, dbo), (HHO, hho), (SSA, ssa)]))
 def test_rivals_are_distributed_as_by_their_authors_rules(
     kind: type, rule: Callable[..., float], function: Callable[[np.ndarray], np.ndarray]
 ) -> None:

@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+import pytest
+
 from ipoa_mission.paper.markdown import filled
 from ipoa_mission.paper.page import page
 from ipoa_mission.paper.reproduce import ITEMS
@@ -20,6 +22,7 @@ def recorded() -> dict[str, Sequence[TrialRow]]:
     return found
 
 
+@pytest.mark.long
 def test_the_page_in_the_documents_is_made_of_the_recorded_rows() -> None:
     rows = recorded()
     made = {name: item.make(rows) if "figure" not in name else "<svg/>" for name, item in ITEMS.items()}

@@ -9,6 +9,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.optimize.registry import optimizer_names
 from ipoa_mission.planning.planner import NoPath, plan_path
 from ipoa_mission.planning.proof import prove_curve
+from tests.examples import some
 from tests.planning.conftest import Make, Place, Town
 from tests.quick_search import QUICK
 
@@ -30,7 +31,7 @@ def gap(width: float) -> list[dict[str, Any]]:
     return [TALL | {"name": f"{name} wall", "north": north, "depth": 120} for name, north in sides.items()]
 
 
-@pytest.mark.parametrize("name", optimizer_names())
+@pytest.mark.parametrize("name", some(1, optimizer_names()))
 def test_every_optimizer_finds_a_safe_path(scenario: Make, name: str) -> None:
     job = scenario(obstacles=[PILLAR, BALL], optimizer={"name": name})
     plan = plan_path(job, seed=1)
@@ -41,7 +42,7 @@ def test_every_optimizer_finds_a_safe_path(scenario: Make, name: str) -> None:
     np.testing.assert_array_equal(plan.curve.control[[0, -1]], [job.start_point, job.goal_point])
 
 
-@pytest.mark.parametrize("tables", [{}, {"planning": {"polish": False}}, {"cost": {"form": "nodes"}}])
+@pytest.mark.parametrize("tables", some(1, [{}, {"planning": {"polish": False}}, {"cost": {"form": "nodes"}}]))
 def test_the_same_seed_gives_the_same_plan_to_the_last_bit(scenario: Make, tables: dict[str, Any]) -> None:
     job = scenario(obstacles=[PILLAR], optimizer={"population": 10, "iterations": 20}, **tables)
     one, two, other = (plan_path(job, seed=seed, strategy=QUICK) for seed in (5, 5, 6))
@@ -163,7 +164,7 @@ def test_out_of_a_courtyard_in_loops_where_climbs_are_limited(scenario: Make) ->
     assert plan.cost.turning_deg > 300
 
 
-@pytest.mark.parametrize("thick", [0.3, 7.0])
+@pytest.mark.parametrize("thick", some(1, [7.0, 0.3]))
 def test_a_gap_much_narrower_than_the_lattice_is_flown_through(scenario: Make, thick: float) -> None:
     narrow = [wall | {"north": 41.3 + 2 * wall["north"], "width": thick, "depth": 240} for wall in gap(0.22)]
     bounds = {"east": (-50, 150), "north": (-100, 100), "up": (0, 40)}

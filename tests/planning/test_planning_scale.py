@@ -27,6 +27,7 @@ def room() -> PathProblem:
     return PathProblem(airspace, limits, np.array([[0.0, 0.0, 1.0], [4.8, 0.0, 1.2]]), radius=0.1)
 
 
+@pytest.mark.long
 def test_every_seed_finds_the_same_way_through_a_room() -> None:
     thin = SearchStrategy(lattice=LatticeStrategy(nodes=20_000))
     costs = [plan_path(room(), seed=seed, strategy=thin).cost.total for seed in range(2)]

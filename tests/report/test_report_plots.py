@@ -27,6 +27,7 @@ def test_outlines_and_silhouettes_fill_the_obstacles_box(body: Obstacle) -> None
         assert np.allclose([shadow.min(axis=0), shadow.max(axis=0)], body.bounds[:, [axis, 2]])
 
 
+@pytest.mark.long
 def test_the_same_scenario_and_paths_give_the_same_bytes(missions: Path, tmp_path: Path) -> None:
     scenario = read_scenario(missions / "sitl.toml")
     paths = {"straight": np.array([scenario.start_point, scenario.goal_point])}

@@ -15,6 +15,7 @@ from ipoa_mission.report.panels.profile import along_axis
 from ipoa_mission.report.panels.strip import endings_strip
 from ipoa_mission.report.seen import Seen, follow
 from ipoa_mission.scenario import Scenario
+from tests.examples import some
 from tests.report.conftest import Bowed, Foreseen
 
 WAY = re.compile(
@@ -30,7 +31,7 @@ def strip_of(forecast: Forecast) -> tuple[Seen, list[tuple[str, ...]]]:
     return course, WAY.findall(endings_strip(forecast, course))
 
 
-@pytest.mark.parametrize("name", ["campus.toml", "sitl.toml", "downtown.toml"])
+@pytest.mark.parametrize("name", some(2, ["campus.toml", "sitl.toml", "downtown.toml"]))
 def test_the_bars_are_the_rows_of_the_forecast(forecast: Foreseen, name: str) -> None:
     _, ways = strip_of(forecast(name))
     rows = {str(row): row for row in Endings(forecast(name)).all_rows(timed=False)}

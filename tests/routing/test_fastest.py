@@ -20,8 +20,9 @@ from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.build import build_mission
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly as fly_here
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import LocalFrame
+from tests.examples import some, vehicles
 from tests.quick_search import QUICK
 
 FLIGHTS = Path(__file__).parent.parent / "flights"
@@ -67,7 +68,7 @@ def as_plan(curve: Spline, scenario: Scenario) -> Plan:
     )
 
 
-@pytest.mark.parametrize("autopilot", registered())
+@pytest.mark.parametrize("autopilot", vehicles(Autopilot.PX4))
 def test_modes_are_told_quickest_first_and_that_is_at_or_under_the_best_that_was_flown(autopilot: Autopilot) -> None:
     curve, scenario = curve_of_the_ways(autopilot)
     options = weigh_routes(as_plan(curve, scenario), scenario)
@@ -87,7 +88,7 @@ def test_modes_are_told_quickest_first_and_that_is_at_or_under_the_best_that_was
 
 @pytest.mark.parametrize(
     ("autopilot", "seed"),
-    [(Autopilot.ARDUPILOT, 1), pytest.param(Autopilot.ARDUPILOT, 2, marks=pytest.mark.long), (Autopilot.PX4, 3)],
+    some(1, [(Autopilot.PX4, 3), (Autopilot.ARDUPILOT, 1), (Autopilot.ARDUPILOT, 2)]),
 )
 def test_among_random_towers_the_predicted_path_keeps_its_distance(autopilot: Autopilot, seed: int) -> None:
     """Corners cut and overshot: the distance is measured here, from every place of the predicted path."""
@@ -111,7 +112,7 @@ def test_among_random_towers_the_predicted_path_keeps_its_distance(autopilot: Au
     assert flown.deviation <= WITHIN
 
 
-@pytest.mark.parametrize("autopilot", registered())
+@pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
 def test_the_built_in_autopilot_flies_the_quickest_route_beside_the_curve_clear_and_to_its_goal(
     autopilot: Autopilot,
 ) -> None:
@@ -154,7 +155,7 @@ def test_a_thinned_path_keeps_its_bends_from_above_and_from_the_side() -> None:
     assert np.linalg.norm(ends + share * ways - path, axis=2).min(axis=0).max() < 0.08
 
 
-@pytest.mark.parametrize("autopilot", registered())
+@pytest.mark.parametrize("autopilot", vehicles(Autopilot.PX4))
 def test_a_way_to_a_via_point_and_back_is_flown(autopilot: Autopilot) -> None:
     """Out 60 m and back to 3 m beside the start: all of the short cut lies within the tolerance of the curve."""
     text = f"""

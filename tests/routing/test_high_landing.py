@@ -20,6 +20,7 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.checks.test_check_ground import ARDUPILOT, PX4, slope
+from tests.examples import some
 from tests.quick_search import search_quickly
 
 HOME = Geodetic(47.0, 8.0, 500.0)
@@ -65,7 +66,7 @@ def sink_at_last(mission: Mission) -> float:
 
 @pytest.mark.parametrize(
     ("autopilot", "wanted", "slow"),
-    [(ARDUPILOT, {"LAND_ALT_LOW": 2200.0}, 0.5), (PX4, {"MPC_LAND_ALT1": 22.0, "MPC_LAND_ALT2": 17.0}, 0.7)],
+    some(1, [(ARDUPILOT, {"LAND_ALT_LOW": 2200.0}, 0.5), (PX4, {"MPC_LAND_ALT1": 22.0, "MPC_LAND_ALT2": 17.0}, 0.7)]),
 )
 def test_a_planned_landing_on_high_ground_is_slow(
     autopilot: Autopilot, wanted: dict[str, float], slow: float, tmp_path: Path

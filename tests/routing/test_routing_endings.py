@@ -12,8 +12,9 @@ from ipoa_mission.forecast.endings import Endings
 from ipoa_mission.forecast.looks import RETURNS, EndingWays
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario, parse_scenario, read_scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.ending import Ending
+from tests.examples import vehicles
 from tests.quick_search import search_quickly
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -69,7 +70,7 @@ def kept_by_dense_sampling(flight: Flight) -> float:
     return float(flight.scenario.airspace.obstacle_distance(np.vstack(legs)).min())
 
 
-@pytest.mark.parametrize("autopilot", registered())
+@pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
 @pytest.mark.parametrize("seed", [1, pytest.param(4, marks=pytest.mark.long)])
 def test_among_towers_every_return_keeps_its_distance_by_another_geometry(autopilot: Autopilot, seed: int) -> None:
     flight = plan_flight(towers(autopilot, seed), seed=0)
@@ -81,7 +82,7 @@ def test_among_towers_every_return_keeps_its_distance_by_another_geometry(autopi
     assert all(row.to in told[0] or "more" in told[0] for row in lands)
 
 
-@pytest.mark.parametrize("autopilot", registered())
+@pytest.mark.parametrize("autopilot", vehicles(Autopilot.PX4))
 def test_a_path_is_not_laid_under_what_hangs_over_it(autopilot: Autopilot) -> None:
     """RTL climbs: under a balloon it is laid aside, or so low a return is chosen that it does not come to it."""
     flight = plan_flight(scene(autopilot, BALLOON), seed=0)
@@ -89,7 +90,7 @@ def test_a_path_is_not_laid_under_what_hangs_over_it(autopilot: Autopilot) -> No
     assert kept_by_dense_sampling(flight) >= flight.scenario.limits.obstacle_distance
 
 
-@pytest.mark.parametrize("autopilot", registered())
+@pytest.mark.parametrize("autopilot", vehicles(Autopilot.PX4))
 def test_where_no_altitude_within_the_bounds_helps_rally_points_are_planned(autopilot: Autopilot) -> None:
     flight = plan_flight(scene(autopilot, WALL, top=70.0), seed=0)
     assert 1 <= len(flight.mission.rally) <= 2
@@ -97,7 +98,7 @@ def test_where_no_altitude_within_the_bounds_helps_rally_points_are_planned(auto
     assert all(row.clear for row in Endings(flight.forecast).rows(Ending.RTL, timed=False))
 
 
-@pytest.mark.parametrize("autopilot", registered())
+@pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
 def test_a_way_home_that_no_altitude_clears_is_planned_as_the_way_out_is(autopilot: Autopilot) -> None:
     highest = {"px4": "RTL_RETURN_ALT = 30", "ardupilot": "RTL_ALT = 3000"}[str(autopilot)]
     flight = plan_flight(scene(autopilot, WALL, parameters=highest, top=70.0, ending="rtl"), seed=0)

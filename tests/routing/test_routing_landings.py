@@ -13,6 +13,7 @@ from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.vehicles.ending import Ending
+from tests.examples import some, vehicles
 from tests.quick_search import search_quickly
 
 LANDS = {"px4": "COM_LOW_BAT_ACT = 3", "ardupilot": "BATT_FS_CRT_ACT = 1, BATT_CRT_VOLT = 10.2"}
@@ -59,7 +60,7 @@ def codes(flight: Flight, scenario: Scenario) -> list[str]:
     return [finding.code for finding in check_mission(flight.mission, scenario)]
 
 
-@pytest.mark.parametrize("autopilot", registered())
+@pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
 def test_who_lands_by_choice_flies_round_what_it_would_come_down_on(autopilot: Autopilot) -> None:
     asked = over_a_roof(autopilot, LANDS[str(autopilot)])
     landing, returning = (plan_flight(one, seed=0) for one in (asked, over_a_roof(autopilot, RETURNS[str(autopilot)])))
@@ -69,7 +70,9 @@ def test_who_lands_by_choice_flies_round_what_it_would_come_down_on(autopilot: A
     assert any("LAND where it is" in remark for remark in returning.remarks)
 
 
-@pytest.mark.parametrize(("autopilot", "says"), [("px4", "COM_LOW_BAT_ACT = 1"), ("ardupilot", "BATT_FS_CRT_ACT = 2")])
+@pytest.mark.parametrize(
+    ("autopilot", "says"), some(1, [("px4", "COM_LOW_BAT_ACT = 1"), ("ardupilot", "BATT_FS_CRT_ACT = 2")])
+)
 def test_where_no_way_leads_round_the_refusal_has_the_failsafe_and_what_returns(autopilot: str, says: str) -> None:
     kind = next(one for one in registered() if str(one) == autopilot)
     with pytest.raises(NoPath, match=r"LAND from \d+\.\d to \d+\.\d s after arming, by \w+ battery .* roof") as refused:

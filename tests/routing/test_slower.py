@@ -20,6 +20,7 @@ from ipoa_mission.routing.route import Route
 from ipoa_mission.routing.seek import TooNear
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from tests.examples import vehicles
 from tests.quick_search import search_quickly
 from tests.routing.test_promise_kept import nearest, way
 
@@ -70,7 +71,7 @@ def found_only(route: Route, patch: pytest.MonkeyPatch) -> None:
     patch.setattr("ipoa_mission.routing.seek.seek", seek)
 
 
-@pytest.mark.parametrize("autopilot", registered())
+@pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
 def test_what_is_too_near_at_the_cruise_speed_is_planned_with_a_slower_stretch(
     autopilot: Autopilot, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -26,6 +26,8 @@ BROKEN = {
     "start = { east = 0, north = 0 }": "start: expected exactly one of up, altitude_amsl or height_above_ground",
     "goal = {latitude_deg = 46, longitude_deg = 8, up = 9}": "goal: expected a place within 100 km of home, not 111 km",
     "goal = { east = 0, nort = 0, up = 1 }": "goal.nort: unknown key; did you mean north?",
+    "ignore = ['battery-reserve']": "ignore: unknown key; ignore stands in [safety]",
+    "survey = { line_spacin = 3 }": "survey.line_spacin: unknown key; did you mean line_spacing?",
     "safety_distance = -1": "safety_distance: expected a number of at least 0, not -1",
     "safety_distance = inf": "safety_distance: expected a finite number, not inf",
     "safety_distance = 'far'": "safety_distance: expected a number, not 'far'",

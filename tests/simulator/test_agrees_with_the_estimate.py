@@ -15,6 +15,7 @@ from ipoa_mission.mission.items import Item, Mission, change_speed, land, return
 from ipoa_mission.simulator.flight import SimulatedFlight
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from tests.examples import some
 
 HOME = Geodetic(39.101, 121.82, 20.0)
 
@@ -59,7 +60,7 @@ PX4: Mapping[str, tuple[tuple[Item, ...], Mapping[str, float]]] = {
     ),
     "the nose first, then the way": ((*OFF, to(0, 60), to(60, 60), to(20, 0), HOMEWARD), {"MPC_YAW_MODE": 4.0}),
 }  # fmt: skip
-CASES = [(Autopilot.ARDUPILOT, name) for name in COPTER] + [(Autopilot.PX4, name) for name in PX4]
+CASES = [*((Autopilot.ARDUPILOT, name) for name in COPTER), *some(3, [(Autopilot.PX4, name) for name in PX4])]
 
 
 #: PX4's landings differ by a second and more from one to the next.

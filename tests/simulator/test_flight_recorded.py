@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.vehicles.autopilot import Autopilot
+from tests.examples import some
 from tests.flown_here import fly_here
 from tests.recorded_flights import FLIGHTS, LANDINGS, Recorded, read_flight, read_flights
 
@@ -18,7 +19,7 @@ def test_an_arducopter_mission_takes_as_long_as_it_was_recorded(flight: Recorded
     assert end - done[flight.last] == pytest.approx(flight.end_s - flight.runs[0][flight.last], rel=0.05)
 
 
-@pytest.mark.parametrize("name", ["dense2", "corners", "spline5", "straight"])
+@pytest.mark.parametrize("name", some(2, ["dense2", "corners", "spline5", "straight"]))
 def test_a_px4_mission_takes_as_long_as_the_mean_of_its_recordings(name: str) -> None:
     flight = read_flight(FLIGHTS / f"{name}-px4")
     flown = [fly_here(flight, seed) for seed in SEEDS]
@@ -40,6 +41,7 @@ def test_arducopter_leaves_the_ground_and_comes_back_to_it_as_recorded(flight: R
     assert done[land] - done[flight.last] == pytest.approx(run[land] - run[flight.last], abs=1.3)
 
 
+@pytest.mark.long
 def test_px4_stands_on_the_ground_as_long_as_recorded() -> None:
     flights = [read_flight(LANDINGS / f"land{height}_fast-px4") for height in (8, 30)]
     land = len(flights[0].mission.items)

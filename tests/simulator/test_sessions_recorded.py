@@ -38,7 +38,7 @@ from ipoa_mission.link.messages import (
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.mission.commands import VehicleCommand
-from ipoa_mission.mission.plan_file import read_plan
+from ipoa_mission.mission.files import read_mission_file
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as BuiltIn
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
 
@@ -159,7 +159,7 @@ def test_what_the_real_one_said_is_the_same_flight_to_our_client(name: str) -> N
     vehicle._numbers = count(first_checksum(said(name)), 2)
     assert vehicle.autopilot is autopilot
     vehicle.home()
-    vehicle.upload(read_plan(SESSIONS / f"{autopilot}.plan").mission)
+    vehicle.upload(read_mission_file(SESSIONS / f"{autopilot}.plan").mission)
     vehicle.parameters(["FENCE_ENABLE" if autopilot is Autopilot.ARDUPILOT else "GF_ACTION"])
     vehicle.prepare(permit=lambda place: None)
     vehicle.start()
@@ -186,7 +186,7 @@ def answers(name: str) -> list[tuple[float, Message]]:
     """What the built-in autopilot says to the client's side of a recording, and when."""
     autopilot = autopilot_of(name)
     recorded = said(name)
-    home = read_plan(SESSIONS / f"{autopilot}.plan").mission.home
+    home = read_mission_file(SESSIONS / f"{autopilot}.plan").mission.home
     mock = BuiltIn(autopilot, home, cold=True)
     told: list[tuple[float, Message]] = []
 

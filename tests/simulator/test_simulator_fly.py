@@ -15,6 +15,7 @@ from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.fly import board, fly
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
+from tests.examples import vehicles
 from tests.link_pair import far_end, line_of
 
 HOME = Geodetic(47.4, 8.5, 400.0)
@@ -30,7 +31,7 @@ def mission(autopilot: Autopilot, waypoints: int = 4) -> Mission:
     return Mission(HOME, (takeoff(HOME, 20.0), change_speed(8.0), *legs, return_to_launch()), autopilot)
 
 
-@pytest.mark.parametrize("autopilot", registered())
+@pytest.mark.parametrize("autopilot", vehicles(Autopilot.PX4))
 def test_a_mission_is_flown_and_every_item_is_done_in_order(autopilot: Autopilot, tmp_path: Path) -> None:
     log = tmp_path / "flight.tlog"
     record = fly(mission(autopilot), log=log)
@@ -44,7 +45,7 @@ def test_a_mission_is_flown_and_every_item_is_done_in_order(autopilot: Autopilot
     assert len(list(read_tlog(log))) > 100
 
 
-@pytest.mark.parametrize("autopilot", registered())
+@pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
 def test_the_same_seed_gives_the_same_bytes(autopilot: Autopilot, tmp_path: Path) -> None:
     logs = [tmp_path / "one.tlog", tmp_path / "two.tlog"]
     for log in logs:
@@ -74,7 +75,7 @@ def test_fence_and_rally_points_come_back_as_they_were_sent(autopilot: Autopilot
         assert (read.items, read.fence, read.rally) == ((), (), ())
 
 
-@pytest.mark.parametrize("autopilot", registered())
+@pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
 def test_a_flight_begins_at_the_first_item_whatever_the_vehicle_was_told(autopilot: Autopilot) -> None:
     with board(Forecast(mission(autopilot))) as vehicle:
         vehicle.upload(mission(autopilot))

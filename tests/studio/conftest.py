@@ -40,9 +40,12 @@ class Talk:
                 return answer
             assert answer["kind"] != "trouble", answer
 
-    def has(self, kind: str) -> dict[str, Any]:
-        """The latest answer of a kind, or else the next one: what different processes answer comes in any order."""
-        return next((answer for answer in reversed(self.heard) if answer["kind"] == kind), None) or self.wait(kind)
+    def has(self, kind: str, meant: Callable[[dict[str, Any]], bool] = lambda answer: True) -> dict[str, Any]:
+        """The latest answer of a kind that is meant, or else the next: what processes answer comes in any order."""
+        for answer in reversed(self.heard):
+            if answer["kind"] == kind and meant(answer):
+                return answer
+        return self.wait(kind, meant)
 
     def wait_for_trouble(self, of: str) -> dict[str, Any]:
         """The next trouble of this sort."""

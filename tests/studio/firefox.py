@@ -16,7 +16,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-PATIENCE_S = 60.0
+from tests.studio.pointing import PATIENCE_S, element, settled
+
 #: WebGL also by software, and nothing asked of anyone at the start.
 PREFERENCES = {
     "webgl.force-enabled": True,
@@ -48,7 +49,7 @@ class Firefox:
 
     def value(self, expression: str) -> Any:
         """What an expression of the page's script comes to, as JSON has it."""
-        asked = f"JSON.stringify({expression} ?? null)"
+        asked = f"Promise.resolve({expression}).then(value => JSON.stringify(value ?? null))"
         told = self._do("script.evaluate", expression=asked, target={"context": self._page}, awaitPromise=True)
         assert told["type"] == "success", told
         return json.loads(told["result"]["value"])
@@ -66,15 +67,10 @@ class Firefox:
         steps = [moves[0], {"type": "pointerDown", "button": 0}, *moves[1:], {"type": "pointerUp", "button": 0}]
         self._act({"type": "pointer", "id": "mouse", "actions": steps})
 
-    def click(self, element: str) -> None:
+    def click(self, script: str) -> None:
         """Click what an expression of the page's script finds."""
-        self.value(f"{element}.scrollIntoView({{block: 'center'}})")
-        self.drag(self.middle(element))
-
-    def middle(self, element: str) -> tuple[float, float]:
-        """Where an element is on the screen."""
-        box = self.value(f"{element}.getBoundingClientRect()")
-        return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        self.value(f"{script}.scrollIntoView({{block: 'center'}})")
+        self.drag(settled(self.value, element(script), "true"))
 
     def type(self, words: str) -> None:
         """Press keys."""

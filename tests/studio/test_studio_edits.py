@@ -10,6 +10,7 @@ from ipoa_mission import BadInput, read_mission, read_scenario
 from ipoa_mission.scenario import parse_scenario
 
 pytest.importorskip("tomlkit")
+from ipoa_mission.studio.document import Document
 from ipoa_mission.studio.dropped import changes_of, keep
 from ipoa_mission.studio.edits import changed
 from ipoa_mission.studio.requests import Add, Change, Put, Shift, Take
@@ -140,3 +141,14 @@ def test_what_is_no_map_is_not_kept(tmp_path: Path, name: str) -> None:
     with pytest.raises(BadInput, match="expected a file that ends in"):
         keep(name, b"", tmp_path)
     assert not list(tmp_path.iterdir())
+
+
+def test_what_another_program_wrote_just_the_same_makes_no_edit_stale(tmp_path: Path) -> None:
+    file = tmp_path / "meadow.toml"
+    file.write_text(MEADOW.read_text())
+    document = Document(file)
+    shown = document.revision + document.edit([Put(path=("safety_distance",), value=3.0)], "farther", 1)
+    file.write_text(document.text)
+    assert document.look_at_disk()
+    assert (document.revision, document.as_answer().unsaved) == (shown, False)
+    assert document.edit([Put(path=("obstacles", 0, "height"), value=30.0)], "higher", shown)

@@ -15,6 +15,7 @@ import pytest
 from ipoa_mission.errors import MissionError
 from tests.studio.conftest import MEADOW
 from tests.studio.firefox import Firefox, firefox
+from tests.studio.pointing import found, settled
 
 pytest.importorskip("websockets")
 FIREFOX = next((path for name in ("firefox-esr", "firefox") if (path := shutil.which(name))), None)
@@ -77,15 +78,12 @@ def test_the_goal_is_dragged_a_building_drawn_and_saved_and_the_flight_flown(
     (tmp_path / "profile").mkdir()
     with firefox(FIREFOX, tmp_path / "profile", XVFB) as page:
         page.open(address[0])
-        page.until("window.map?.loaded() ?? false")
-        page.until(PROVED)
-        (sx, sy), (gx, gy) = (
-            page.middle(f"document.querySelector('[data-spot={name}]')") for name in ("start", "goal")
-        )
+        (sx, sy), (gx, gy) = (settled(page.value, found(f"[data-spot={name}]")) for name in ("start", "goal"))
         page.drag((gx, gy), (gx - 10, gy - 15), (gx - 20, gy - 30))
         page.until(f"!{TEXT}.includes('east = 60.0')")
         page.click(button("Undo"))
         page.until(f"{TEXT}.includes('east = 60.0')")
+        settled(page.value)
         page.click(button("Building, corner by corner"))
         for east, north in ((0.2, 0.3), (0.3, 0.3), (0.3, 0.4), (0.2, 0.4), (0.2, 0.3)):
             page.drag((sx + east * (gx - sx), sy - north * (gx - sx)))
@@ -101,6 +99,7 @@ def test_the_goal_is_dragged_a_building_drawn_and_saved_and_the_flight_flown(
     assert address[1].read_text().count("[[obstacles]]") == 3
 
 
+@pytest.mark.long
 def test_without_webgl_all_but_the_map_works(address: tuple[str, Path], tmp_path: Path) -> None:
     assert FIREFOX is not None
     (tmp_path / "profile").mkdir()

@@ -1,5 +1,6 @@
 """Drawn, placed, moved and taken out by keyboard alone, in a real browser; skipped as the page's other tests are."""
 
+import re
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,6 +12,7 @@ import shapely
 from ipoa_mission import read_mission, read_scenario
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.studio import test_studio_page as own
+from tests.studio.pointing import Hand, feature
 from tests.studio.test_studio_page import (
     address,
     browser,
@@ -111,6 +113,7 @@ def test_places_are_put_moved_and_taken_out(at_home: Any) -> None:
     assert before.replace("east = 60.0", "east = 50.0") == scenario_of(page)
 
 
+@pytest.mark.long
 def test_an_area_to_be_surveyed_is_drawn_and_its_corner_moved(own_page: Any) -> None:
     page = own_page
     proved(page)
@@ -132,8 +135,9 @@ def test_items_of_a_mission_are_moved_put_in_and_taken_out(own_page: Any, addres
     page.locator("input[type=file]").set_input_files(own.REPOSITORY / "missions" / "sitl.plan")
     page.get_by_role("button", name="Open it by itself").press("Enter")
     page.get_by_role("heading", name="sitl: a mission file").wait_for()
-    until(page, "window.map?.isStyleLoaded() && map.querySourceFeatures('items').length > 0")
-    page.locator(".items button", has_text="4 ").first.press("Enter")
+    Hand(page).settle()
+    page.locator(".items").get_by_role("button", name=re.compile("^(! )?4 ")).press("Enter")
+    Hand(page).at(feature("items", "of.icon === 'item4!'"))
     press(page, "c", "Enter")
     told(page, "item 4 taken")
     press(page, f"{UP}*3", f"Shift+{RIGHT}", "Enter")
@@ -144,8 +148,8 @@ def test_items_of_a_mission_are_moved_put_in_and_taken_out(own_page: Any, addres
     frame, was, now = LocalFrame(before.home), before.items[3], after.items[3]
     there, here = (frame.local(Geodetic(one.latitude_deg, one.longitude_deg))[:2] for one in (now, was))
     assert there - here == pytest.approx([10.0, 3.0], abs=0.05)
-    press(page, "w", f"Shift+{UP}", "Enter")
-    undone(page, "item 5 added")
-    page.locator(".items summary", has_text=f"({len(before.items) + 1})").wait_for()
-    press(page, "Escape", "Delete")
+    press(page, "w", f"Shift+{UP}", "Enter", "Escape", "Delete")  # sooner than the list shows it
     undone(page, "item 5 removed")
+    page.locator(".items summary", has_text=f"({len(before.items)})").wait_for()
+    press(page, "Delete", "Delete")
+    page.locator(".items summary", has_text=f"({len(before.items) - 2})").wait_for()

@@ -189,7 +189,7 @@ def test_a_change_is_written_as_ground_stations_write_it(change: Any, expected: 
 def test_who_changes_what_is_not_there_is_told_so() -> None:
 
     text = (MISSIONS / "sitl.plan").read_text()
-    with pytest.raises(BadInput, match="item 99: expected a number from 1 to 6"):
+    with pytest.raises(BadInput, match="item 99: expected a number from 1 to 7"):
         mission_changed(text, Path("a.plan"), [MoveItem(seq=99, place=(8.5, 47.4))])
 
 

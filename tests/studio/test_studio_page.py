@@ -9,6 +9,7 @@ import re
 import shutil
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec
@@ -28,6 +29,7 @@ from ipoa_mission.scenario import parse_scenario
 from ipoa_mission.vehicles.ending import Ending
 from tests.forecast.test_endings_now import BATTERY
 from tests.studio.conftest import MEADOW
+from tests.studio.pointing import PATIENCE_S, Hand, feature, found, settled, stroke
 
 BROWSERS = (os.environ.get("IPOA_MISSION_CHROMIUM", ""), "chromium", "chromium-browser", "google-chrome")
 CHROMIUM = next((path for name in BROWSERS if name and (path := shutil.which(name))), None)
@@ -49,7 +51,7 @@ SOFTWARE = [
 COARSE = 0.5  # pixels of the picture for a pixel of the page
 #: What the browser says of being set up so.
 OF_THE_SETUP = "GL Driver Message (OpenGL, Performance, GL_CLOSE_PATH_NV, High): GPU stall due to ReadPixels"
-PATIENCE_MS = 300_000
+PATIENCE_MS = int(1000 * PATIENCE_S)
 USUAL = {"width": 1280, "height": 800}
 
 
@@ -140,7 +142,8 @@ def page(window: Window, address: tuple[str, Path]) -> Iterator[Any]:
 
 def until(page: Any, expression: str) -> None:
     """Wait for an expression to be true; playwright's own wait uses `eval`, which the page forbids."""
-    for _ in range(PATIENCE_MS // 25):
+    until_s = time.monotonic() + PATIENCE_S
+    while time.monotonic() < until_s:
         if page.evaluate(expression):
             return
         page.wait_for_timeout(25)
@@ -148,26 +151,28 @@ def until(page: Any, expression: str) -> None:
 
 
 def rewrite(page: Any, text: str) -> None:
+    """Change the scenario's text, and wait until the page is told that it is changed."""
+    before = page.locator("main").get_attribute("data-revision")
     page.locator("summary", has_text="The scenario's text").click()
     page.locator("textarea").fill(text)
     page.get_by_role("button", name="Apply").click()
+    until(page, f"document.querySelector('main').dataset.revision !== '{before}'")
     page.locator("summary", has_text="The scenario's text").click()
 
 
-def proved(page: Any) -> Any:
-    return page.locator(".verdict :is(.good, .amber)").first.wait_for()
+def proved(page: Any) -> None:
+    """Wait for a plan; one of what was here before does not stay."""
+    settled(page.evaluate, "document.querySelector('.verdict :is(.good, .amber)') && true")
 
 
 def scenario_of(page: Any) -> str:
     return str(page.locator("textarea").input_value())
 
 
-def at(page: Any, east_share: float, north_share: float) -> tuple[float, float]:
-    """A place on the screen: shares of the way from the start to the goal, and as far aside."""
-    box, goal = (page.locator(f"[data-spot={name}]").bounding_box() for name in ("start", "goal"))
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    reach = goal["x"] - box["x"]
-    return x + east_share * reach, y - north_share * reach
+def places(page: Any, *shares: tuple[float, float]) -> list[tuple[float, float]]:
+    """Places on the screen: shares of the way from the start to the goal, and as far aside."""
+    (x, y), (goal, _) = (Hand(page).at(found(f"[data-spot={name}]")) for name in ("start", "goal"))
+    return [(x + east * (goal - x), y - north * (goal - x)) for east, north in shares]
 
 
 def test_candidates_stand_side_by_side(own_page: Any) -> None:
@@ -215,8 +220,8 @@ def test_a_building_is_drawn_named_and_saved(page: Any, address: tuple[str, Path
     name = '<img src="https://evil.example/x" onerror="alert(1)">'
     proved(page)  # a page that has just been opened hears no keys yet
     page.keyboard.press("b")
-    for place in ((0.2, 0.3), (0.3, 0.3), (0.3, 0.4), (0.2, 0.4)):
-        page.mouse.click(*at(page, *place))
+    for place in places(page, (0.2, 0.3), (0.3, 0.3), (0.3, 0.4), (0.2, 0.4)):
+        page.mouse.click(*place)
     page.keyboard.press("Enter")
     until(page, "document.querySelector('textarea').value.split('[[obstacles]]').length === 4")  # it has come back
     field = page.locator("label", has_text="Name").locator("input")
@@ -258,25 +263,16 @@ def test_a_mission_is_dropped_opened_and_changed_item_by_item(own_page: Any, add
     own_page.get_by_role("button", name="Open it by itself").click()
     own_page.get_by_role("heading", name="sitl: a mission file").wait_for()
     own_page.get_by_label("In the world of").select_option("")
-    until(own_page, "document.querySelectorAll('.chart .grip').length > 1")
-    until(own_page, "window.map?.isStyleLoaded() && map.querySourceFeatures('items').length > 0")
-    own_page.locator(".items button", has_text="4 ").first.click()
-    there = "map.querySourceFeatures('items').find(one => one.properties.seq === 4).geometry.coordinates"
-    x, y = own_page.evaluate(f"Object.values(map.project({there}))")
-    box = own_page.locator(".map").bounding_box()
-    own_page.mouse.move(box["x"] + x, box["y"] + y)
-    own_page.mouse.down()
-    own_page.mouse.move(box["x"] + x + 30, box["y"] + y - 30, steps=3)
-    own_page.mouse.up()
+    own_page.get_by_text("no clearance is looked at").wait_for()
+    hand = Hand(own_page)
+    own_page.locator(".items").get_by_role("button", name=re.compile("^(! )?4 ")).click()
+    hand.drag(feature("items", "of.icon === 'item4!'"), 30, -30)
     own_page.locator(".unsaved").wait_for()
-    grip = own_page.evaluate("document.querySelectorAll('.chart .grip')[1].getBoundingClientRect().toJSON()")
-    own_page.mouse.move(grip["x"], grip["y"])
-    own_page.mouse.down()
-    own_page.mouse.move(grip["x"], grip["y"] - 15, steps=3)
-    own_page.mouse.up()
+    hand.drag(stroke(".chart .grip", 1), 0, -15)
     until(own_page, "document.querySelector('[title^=\"Undo\"]').title.includes('height')")
     own_page.get_by_role("button", name="Undo").click()
-    own_page.locator(".items button", has_text="4 ").first.click()
+    until(own_page, "!document.querySelector('[title^=\"Undo\"]').title.includes('height')")
+    own_page.locator(".items").get_by_role("button", name=re.compile("^(! )?4 ")).click()
     field = own_page.get_by_role("spinbutton", name="Height")
     field.fill("31.5")
     field.press("Tab")
@@ -325,13 +321,13 @@ def test_an_item_is_chosen_in_list_map_and_profile_alike(page: Any) -> None:
 
 def test_the_goal_is_dragged_and_undone(page: Any) -> None:
     proved(page)
-    x, y = at(page, 1.0, 0.0)
-    page.mouse.move(x, y)
-    page.mouse.down()
-    page.mouse.move(x - 20, y - 30, steps=4)
-    page.get_by_text("While you drag").wait_for()
-    assert scenario_of(page) == MEADOW.read_text()
-    page.mouse.up()
+
+    def look() -> None:
+        page.get_by_text("While you drag").wait_for()
+        assert page.locator(".profile.past, .past .bindings").count() == 2
+        assert scenario_of(page) == MEADOW.read_text()
+
+    Hand(page).drag(found("[data-spot=goal]"), -20, -30, look)
     until(page, "!document.querySelector('textarea').value.includes('east = 60.0')")
     assert "a comment that stays" in scenario_of(page)
     page.locator(".unsaved").wait_for()
@@ -436,6 +432,7 @@ def test_the_strip_says_what_each_ending_would_do_at_this_second(page: Any, addr
         until(page, f"document.querySelector('.strip .then').textContent.includes({json.dumps(row.in_full)})")
     looks = page.locator(".strip [data-ending=land] .way").evaluate_all("ways => ways.map(way => way.textContent)")
     assert looks == [LOOK[row.grade] for row in rows]
+    Hand(page).settle()
     box = ways.bounding_box()
     page.mouse.move(box["x"] + 0.25 * box["width"], box["y"] + box["height"] / 2)
     until(page, "document.querySelector('.strip .then').textContent.startsWith('land at')")
@@ -451,6 +448,7 @@ def test_it_fits_a_telephone(page: Any) -> None:
     proved(page)
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
     assert page.locator(".map").bounding_box()["height"] > 250
+    assert page.locator(".bar").bounding_box()["height"] < 100  # its tools are one row, which scrolls
 
 
 def test_on_paper_the_findings_remain_and_the_tools_do_not(page: Any) -> None:
@@ -459,7 +457,9 @@ def test_on_paper_the_findings_remain_and_the_tools_do_not(page: Any) -> None:
     assert page.get_by_text("m required").first.is_visible()
     assert page.locator(".bindings button").first.is_visible()
     assert page.locator("th button", has_text="fastest").is_visible()
-    assert not page.get_by_role("button", name="Save").is_visible()
+    page.set_viewport_size({"width": 700, "height": 1000})  # paper is as narrow as a telephone
+    for name in ("Save", "whole screen"):
+        assert not page.get_by_role("button", name=name).is_visible()
 
 
 def serious(page: Any, scheme: str) -> list[str]:

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from tests.studio.pointing import Hand, feature
 from tests.studio.test_studio_page import (
     address,
     browser,
@@ -17,13 +18,13 @@ from tests.studio.test_studio_page import (
 
 __all__ = ["address", "browser", "own_page", "page", "pytestmark", "window"]
 
-ROOF = "() => map.queryRenderedFeatures({ layers: ['roofs'] }).map(one => one.properties.name)"
 SEEN = "[map.getZoom(), map.getCenter().lng, map.getCenter().lat]"
 
 
 def test_a_double_click_closes_a_building_and_the_map_stays(page: Any) -> None:
     proved(page)
     page.locator("body").press("Home")
+    Hand(page).settle()
     before = page.evaluate(SEEN)
     box = page.locator(".maplibregl-canvas").bounding_box()
     page.locator("body").press("b")
@@ -39,17 +40,7 @@ def test_it_is_said_that_a_building_is_flown_over(page: Any) -> None:
     rewrite(page, scenario_of(page).replace("height = 25.0", "height = 2.0").replace("height = 22.0", "height = 2.0"))
     proved(page)
     page.locator("body").press("Home")
-    place = page.evaluate(
-        """() => {
-            const box = map.getContainer().getBoundingClientRect();
-            const bodies = map.getStyle().sources.bodies.data.features;
-            const ring = bodies.find(one => one.properties.name === "barn").geometry.coordinates[0];
-            const at = map.project(ring[0].map((_, n) => (ring[0][n] + ring[2][n]) / 2));
-            return [box.x + at.x, box.y + at.y + 12];
-        }"""
-    )
-    until(page, f"({ROOF})().includes('barn')")
-    page.mouse.click(*place)
+    Hand(page).click(feature("roofs", "of.name === 'barn' && of.top < 3", aside=(0, 12)))
     page.get_by_text("The flight passes over it.").wait_for()
     rewrite(page, scenario_of(page).replace("height = 2.0", "height = 25.0", 1))
     page.get_by_text("The flight passes over it.").wait_for(state="detached")

@@ -209,7 +209,7 @@ def test_a_survey_that_is_refused_at_once_is_laid_with_its_remedy(wrong: list[Ch
         ([asked("flights", 99)], "flights"),
         ([asked("flights", 99)], "As few"),
         ([Put(path=("bounds",), value={"up": [-5.0, 30.0]})], "Bounds"),
-        (NARROW, "over silo"),
+        pytest.param(NARROW, "over silo", marks=pytest.mark.long),
     ],
 )
 def test_a_survey_that_is_refused_is_planned_with_its_remedy(wrong: list[Change], label: str) -> None:
@@ -249,7 +249,7 @@ def test_a_survey_is_laid_planned_dragged_and_written_as_plan_writes_it(studio: 
         talk.say(kind="rewrite", seen=talk.wait("document")["revision"], text=text)
         assert talk.wait("area", lambda area: area["rings"])["rings"][0]["path"] == list(FIRST)
         planned, coarse = talk.has("survey"), talk.has("coarse_survey")
-        strips = [talk.wait("endings", lambda told, n=n: told["flight"] == n) for n in (0, 1)]  # type: ignore[misc]
+        strips = [talk.has("endings", lambda told, n=n: told["flight"] == n) for n in (0, 1)]  # type: ignore[misc]
         turn = {"op": "put", "path": ["survey", "direction_deg"], "value": 30.0}
         talk.say(kind="drag", number=7, changes=[turn])
         dragged = talk.wait("coarse_survey", lambda answer: answer["number"] == 7)

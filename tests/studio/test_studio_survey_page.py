@@ -5,6 +5,7 @@ from typing import Any
 
 from ipoa_mission.scenario import read_scenario
 from tests.studio import test_studio_page as own
+from tests.studio.pointing import Hand, found
 from tests.studio.test_studio_page import address, browser, own_page, pytestmark, until
 
 __all__ = ["address", "browser", "own_page", "pytestmark"]
@@ -18,14 +19,12 @@ def planned(page: Any, flights: int) -> None:
 
 def dragged(page: Any, grip: str, right: float, down: float) -> None:
     """Drag a handle; while it is dragged nothing looks proved."""
-    box = page.locator(f"[data-grip='{grip}']").bounding_box()
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    page.mouse.move(x, y)
-    page.mouse.down()
-    page.mouse.move(x + right, y + down, steps=4)
-    page.get_by_text("While you drag").wait_for()
-    assert page.locator(".verdict :is(.good, .amber)").count() == 0
-    page.mouse.up()
+
+    def look() -> None:
+        page.get_by_text("While you drag").wait_for()
+        assert page.locator(".verdict :is(.good, .amber)").count() == 0
+
+    Hand(page).drag(found(f"[data-grip='{grip}']"), right, down, look)
 
 
 def test_an_area_is_drawn_bent_turned_split_and_flown(own_page: Any, address: tuple[str, Path]) -> None:
@@ -33,8 +32,8 @@ def test_an_area_is_drawn_bent_turned_split_and_flown(own_page: Any, address: tu
     own.proved(page)
     page.locator("summary", has_text="Survey").click()
     page.get_by_role("button", name="Draw an area …").click()
-    for place in ((-0.2, -0.25), (0.4, -0.25), (0.4, 0.15), (-0.2, 0.15)):
-        page.mouse.click(*own.at(page, *place))
+    for place in own.places(page, (-0.2, -0.25), (0.4, -0.25), (0.4, 0.15), (-0.2, 0.15)):
+        page.mouse.click(*place)
     page.keyboard.press("Enter")
     page.get_by_role("button", name="Bounds that hold the survey").click()  # it is flown higher than the meadow's
     planned(page, 1)
@@ -47,9 +46,9 @@ def test_an_area_is_drawn_bent_turned_split_and_flown(own_page: Any, address: tu
     page.keyboard.press("Shift+ArrowRight")
     until(page, "document.querySelector('[title^=Undo]').title.includes('lines at')")
     page.keyboard.press("h")
-    box = page.locator("[data-grip='survey middle']").bounding_box()
-    for right, down in ((-60, 30), (-20, 30), (-20, 60)):
-        page.mouse.click(box["x"] + right, box["y"] + down)
+    x, y = Hand(page).at(found("[data-grip='survey middle']"))
+    for right, down in ((-48, 42), (-8, 42), (-8, 72)):
+        page.mouse.click(x + right, y + down)
     page.keyboard.press("Enter")
     page.get_by_role("button", name="Take hole 1 out").wait_for()
     page.get_by_label("Number of flights").fill("2")

@@ -8,6 +8,7 @@ import shapely
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.survey.plan import SurveyPlan, plan_flights, rest_of
+from tests.examples import some
 from tests.survey.test_survey_flights import FIELD, LINES, PHOTOS, TOWER, scenario
 
 
@@ -71,7 +72,7 @@ def test_only_what_was_flown_along_and_high_enough_counts() -> None:
         assert sum(swath.length for swath in left) > 0.98 * sum(whole)
 
 
-@pytest.mark.parametrize("obstacles", [[], [TOWER]])
+@pytest.mark.parametrize("obstacles", some(1, [[], [TOWER]]))
 def test_a_survey_that_is_flown_is_done(obstacles: list[Any]) -> None:
     plan = plan_flights(scenario(LINES, obstacles=obstacles))
     with pytest.raises(BadInput, match="nothing of it is left"):

@@ -28,7 +28,7 @@ def a_town(rng: np.random.Generator, count: int) -> tuple[Obstacle, ...]:
     return tuple(town)
 
 
-@pytest.mark.parametrize("count", [1, 10, 300])
+@pytest.mark.parametrize("count", [1, 10, pytest.param(300, marks=pytest.mark.long)])
 def test_the_nearest_obstacle_is_found_as_if_all_were_asked(count: int) -> None:
     rng = np.random.default_rng(count)
     for _ in range(300 // count // 20 + 1):

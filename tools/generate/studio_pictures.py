@@ -148,6 +148,15 @@ def proved(page: Any) -> None:
     page.wait_for_timeout(700)
 
 
+def picture(page: Any, file: Path, **how: Any) -> None:
+    """Save how a page looks when its map is drawn and stands still."""
+    page.wait_for_timeout(300)
+    while not page.evaluate("map.loaded() && !map.isMoving()"):
+        page.wait_for_timeout(100)
+    page.wait_for_timeout(500)
+    page.screenshot(path=file, **how)
+
+
 def main() -> None:
     parser = command_line(__doc__)
     parser.add_argument("out", type=Path)
@@ -174,14 +183,12 @@ def main() -> None:
             ):
                 page = opened(width, height, scheme)
                 page.get_by_label("Moment of the flight").fill("250")
-                page.wait_for_timeout(300)
-                page.screenshot(path=out / f"studio-{name}.png")
+                picture(page, out / f"studio-{name}.png")
                 if name == "390":
-                    page.screenshot(path=out / f"studio-{name}-whole.png", full_page=True)
+                    picture(page, out / f"studio-{name}-whole.png", full_page=True)
                 if name != "390":
                     page.get_by_role("button", name="3-D").click()
-                    page.wait_for_timeout(2500)
-                    page.screenshot(path=out / f"studio-{name}-space.png")
+                    picture(page, out / f"studio-{name}-space.png")
                 page.close()
             page = opened(1280, 800, "light")
             hands = Hands(page)
@@ -194,10 +201,9 @@ def main() -> None:
                 hands.until(is_done)
                 print(f"{task}: {hands.clicks} clicks, {time.perf_counter() - begun:.2f} s")
                 number = list(tasks(hands)).index(task) + 1
-                page.screenshot(path=out / f"task-{number:02d}.png")
+                picture(page, out / f"task-{number:02d}.png")
             page.get_by_role("button", name="Arm and start …").click()
-            page.wait_for_timeout(300)
-            page.screenshot(path=out / "studio-start.png")
+            picture(page, out / "studio-start.png")
             page.get_by_role("dialog").locator("input").fill("campus")
             page.get_by_role("dialog").get_by_role("button", name="Arm and start").click()
             page.get_by_text("flying for").wait_for()

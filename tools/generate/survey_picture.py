@@ -13,7 +13,7 @@ from pathlib import Path
 from playwright.sync_api import sync_playwright
 
 from tools import command_line
-from tools.generate.studio_pictures import PATIENCE_MS, SOFTWARE, studio
+from tools.generate.studio_pictures import PATIENCE_MS, SOFTWARE, picture, studio
 
 HOW_TO = Path("docs/how-to/survey.md")
 CAMERA = 'camera = "DJI Mavic 3E"\nfront_overlap = 0.75\nside_overlap = 0.65'
@@ -40,8 +40,7 @@ def main() -> None:
             page.goto(address)
             page.get_by_role("button", name="field-2.plan").click()
             page.get_by_label("Moment of the flight").fill("330")
-            page.wait_for_timeout(1500)
-            page.screenshot(path=out / "studio-survey.png")
+            picture(page, out / "studio-survey.png")
         browser.close()
 
 

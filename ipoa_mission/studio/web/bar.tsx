@@ -29,28 +29,30 @@ export function Bar() {
   return (
     <header class="bar">
       <h1>{shown.name}<span class={shown.unsaved ? "unsaved" : "saved"}>{shown.unsaved ? "unsaved" : "saved"}</span></h1>
-      <div class="group" role="toolbar" aria-label="Tools">
-        {toolsOf(now).map(([name, sign, word, words, key]) => (
-          <button type="button" key={name} aria-pressed={tool === name} title={`${words} (${key})`} aria-label={words}
-            onClick={() => set({ tool: name })}><span aria-hidden="true">{sign}<small>{word}</small></span></button>
-        ))}
-      </div>
       <div class="group">
         <button type="button" disabled={!shown.undo} title={shown.undo ? `Undo: ${shown.undo}` : "Undo"} aria-label="Undo"
           onClick={() => send({ kind: "do", what: "undo" })}>↶</button>
         <button type="button" disabled={!shown.redo} title={shown.redo ? `Redo: ${shown.redo}` : "Redo"} aria-label="Redo"
           onClick={() => send({ kind: "do", what: "redo" })}>↷</button>
-      </div>
-      <div class="group">
-        {now.tiles && <button type="button" aria-pressed={now.picture} onClick={() => set({ picture: !now.picture })}>Map</button>}
-        <button type="button" disabled={!proved(now)?.homeward.length} aria-pressed={now.homeward} title="Where RTL would lead at the moment that the slider stands at, and from everywhere else; red: not clear"
-          onClick={() => set({ homeward: !now.homeward })}>Ways home</button>
-        <button type="button" aria-pressed={space} onClick={() => set({ space: !space })}>3-D</button>
         <button type="button" class="strong" disabled={!shown.unsaved} onClick={() => send({ kind: "do", what: "save" })}>Save</button>
-        {isMission(now) ? <SaveAs now={now} /> : <button type="button" disabled={!proved(now)} title={`Write ${shown.name}.plan, .waypoints, .json and the report`}
-          onClick={() => send({ kind: "do", what: "export" })}>Mission files</button>}
-        {!isMission(now) && <button type="button" disabled={!proved(now)} title="The planned flight as a mission file of its own, to be changed item by item: it will be planned and proved no more"
-          onClick={() => send({ kind: "do", what: "detach", flight: now.part })}>Edit items</button>}
+      </div>
+      <div class="tools">
+        <div class="group" role="toolbar" aria-label="Tools">
+          {toolsOf(now).map(([name, sign, word, words, key]) => (
+            <button type="button" key={name} aria-pressed={tool === name} title={`${words} (${key})`} aria-label={words}
+              onClick={() => set({ tool: name })}><span aria-hidden="true">{sign}<small>{word}</small></span></button>
+          ))}
+        </div>
+        <div class="group">
+          {now.tiles && <button type="button" aria-pressed={now.picture} onClick={() => set({ picture: !now.picture })}>Map</button>}
+          <button type="button" disabled={!proved(now)?.homeward.length} aria-pressed={now.homeward} title="Where RTL would lead at the moment that the slider stands at, and from everywhere else; red: not clear"
+            onClick={() => set({ homeward: !now.homeward })}>Ways home</button>
+          <button type="button" aria-pressed={space} onClick={() => set({ space: !space })}>3-D</button>
+          {isMission(now) ? <SaveAs now={now} /> : <button type="button" disabled={!proved(now)} title={`Write ${shown.name}.plan, .waypoints, .json and the report`}
+            onClick={() => send({ kind: "do", what: "export" })}>Mission files</button>}
+          {!isMission(now) && <button type="button" disabled={!proved(now)} title="The planned flight as a mission file of its own, to be changed item by item: it will be planned and proved no more"
+            onClick={() => send({ kind: "do", what: "detach", flight: now.part })}>Edit items</button>}
+        </div>
       </div>
       {!connected && <p class="lost" role="status">The studio does not answer. What was done is kept; it will be back when the program is.</p>}
     </header>

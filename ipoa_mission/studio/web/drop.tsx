@@ -1,5 +1,5 @@
 // Files that are dropped on the page: the server keeps them beside the scenario, the user says what they are.
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
 import { edit, isSurvey, planRest, send, set, studio, type Dropped, type Studio } from "./store";
 
 const KINDS: [string, string][] = [["buildings", "Buildings to fly round"], ["no_fly", "Zones to keep out of"], ["flight_area", "The area to stay in"], ["survey", "The area to be surveyed"]];
@@ -28,7 +28,7 @@ function use(dropped: Dropped, kind: string): void {
 /** What a dropped file is, asked where one looks: on top of all that is said of the flight. */
 export function Question({ now }: { now: Studio }) {
   const asked = now.dropped, first = useRef<HTMLButtonElement>(null);
-  useEffect(() => first.current?.focus(), [asked]);
+  useLayoutEffect(() => first.current?.focus(), [asked]); // at once: later it took the focus from who was quick
   if (!asked) return null;
   const close = () => set({ dropped: null });
   return (

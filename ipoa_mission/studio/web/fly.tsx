@@ -38,7 +38,7 @@ export function Fly({ now }: { now: Studio }) {
               {now.heard && <ul class="plain">{now.heard.links.map(row => (
                 <li key={row.link + row.system}>{row.system === null ? <>{row.link}: {row.words}</>
                   : <button type="button" onClick={() => { setLink(row.link); setSystem(row.system); }}>{row.link}: <b>{row.words}</b></button>}</li>))}</ul>}
-              <label><input type="checkbox" checked={sets} onChange={event => setSets(event.currentTarget.checked)} /> give it the parameters that this was made for, where it has others</label></>
+              <label class="check"><input type="checkbox" checked={sets} onChange={event => setSets(event.currentTarget.checked)} /> give it the parameters that this was made for, where it has others</label></>
             : <label class="field"><span>So many times as fast</span><input type="number" min="0.5" max="1000" value={speedup} onChange={event => setSpeedup(Number(event.currentTarget.value) || 1)} /><em>×</em></label>}
           <NextFlight now={now} onLink={real} charged={charged} say={setCharged} />
           <button type="button" class="strong" disabled={!ready || (real && !charged && asksBattery(now))}

@@ -24,7 +24,7 @@ import { showSpots } from "./spots";
 import { StartPage } from "./start";
 import { SeesLeast, SurveyFlights, SurveyForm } from "./survey";
 import { useSurveyHands } from "./survey-hands";
-import { asLastProved, isMission, send, set, studio, type Candidate, type Studio } from "./store";
+import { asLastProved, isDragged, isMission, send, set, studio, type Candidate, type Studio } from "./store";
 import { Outside, Text } from "./text";
 import { useStudio } from "./use";
 import { Verdict } from "./verdict";
@@ -65,11 +65,11 @@ function take(candidate: Candidate): void {
 function Page() {
   const now = useStudio();
   if (now.start) return <><Bar /><StartPage now={now} /></>;
-  const isScenario = !isMission(now), last = asLastProved(now);
+  const isScenario = !isMission(now), last = asLastProved(now), isPast = last !== now || isDragged(now);
   return (
     <>
       <Bar />
-      <main>
+      <main data-revision={now.document?.revision}>
         <div class="stage">
           <MapView now={now} />
           <Profile now={now} />
@@ -80,9 +80,9 @@ function Page() {
           <Verdict now={now} />
           <Replayed now={now} />
           {isScenario ? <><SurveyFlights now={now} /><Chosen now={now} /><Fly now={now} /><SurveyForm now={now} /><SeesLeast now={now} /></> : <><ChosenItem now={now} /><Items now={now} /><World now={now} /><Fly now={now} /></>}
-          <div class={last === now ? "" : "past"} inert={last !== now}><Bindings now={last} />{isScenario && <Items now={last} />}</div>
+          <div class={isPast ? "past" : ""} inert={isPast}><Bindings now={last} />{isScenario && <Items now={last} />}</div>
           {isScenario && <Candidates now={now} take={take} />}
-          {isScenario && <div class={last === now ? "" : "past"} inert={last !== now}><Choices now={last} /></div>}
+          {isScenario && <div class={isPast ? "past" : ""} inert={isPast}><Choices now={last} /></div>}
           {isScenario && <><Limits now={now} /><Drop /></>}
           <Remarks now={now} />
           <Keys now={now} />

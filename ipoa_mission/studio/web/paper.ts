@@ -9,8 +9,8 @@ export function fitOnPaper(map: MapLibre): void {
   const { style } = map.getContainer();
   let before: CameraOptions | null = null;
   const prepare = () => {
-    if (!studio.world || before) return;
-    before = { center: map.getCenter(), zoom: map.getZoom(), bearing: map.getBearing(), pitch: map.getPitch() };
+    if (!studio.world) return;
+    before ??= { center: map.getCenter(), zoom: map.getZoom(), bearing: map.getBearing(), pitch: map.getPitch() };
     Object.assign(style, { width: "180mm", height: "110mm" });
     map.resize();
     fit(map, studio.world, false);

@@ -1,7 +1,7 @@
 // Height over the way, with ground below and what stands near; the slider that flies it.
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Plan, Stop } from "./messages";
-import { chooseItem, edit, hasWorld, isMission, proved, sampleAt, set, studio, type Studio } from "./store";
+import { chooseItem, edit, hasWorld, isDragged, isMission, proved, sampleAt, set, studio, type Studio } from "./store";
 import { Strip } from "./strip";
 import { seconds } from "./words";
 
@@ -26,12 +26,14 @@ export function Profile({ now }: { now: Studio }) {
     timer.current = requestAnimationFrame(step);
     return () => cancelAnimationFrame(timer.current);
   }, [now.playing, plan?.proof]);
-  const ends = hasWorld(now) ? " ends" : "";
+  const isTall = useRef(false);
+  isTall.current ||= hasWorld(now); // a map that has been drawn stays as large as it is
+  const ends = isTall.current ? " ends" : "";
   if (!plan) return <footer class={`profile empty${ends}`}><p class="note">{isMission(now) ? "A mission that cannot be timed has no height profile." : "The height profile comes with the proved path."}</p></footer>;
   const course = plan.course, at = Math.min(now.at, course.times.length - 1);
   const apart = course.apart[at];
   return (
-    <footer class={`profile${ends}`}>
+    <footer class={`profile${ends}${isDragged(now) ? " past" : ""}`}>
       <Chart now={now} plan={plan} at={at} flown={now.replay ? now.replay.times.map((time, n) => [time, now.replay!.line.up[n]!]) : now.loaded?.mission === plan.name ? now.flown.map(seen => [seen.time_s, seen.up]) : []} />
       <div class="slider">
         <button type="button" aria-label={now.playing ? "Pause" : "Play"} onClick={() => set({ playing: !now.playing, at: at >= course.times.length - 1 ? 0 : at })}>{now.playing ? "❚❚" : "▶"}</button>
@@ -39,7 +41,7 @@ export function Profile({ now }: { now: Studio }) {
           aria-valuetext={`${course.times[at]!.toFixed(0)} seconds`} onInput={event => set({ at: Number(event.currentTarget.value), playing: false })} />
         <output>{seconds(course.times[at]!)} · {course.line.up[at]!.toFixed(1)} m above home{isMission(now) && !now.mission?.scenario ? "" : `, ${(course.line.up[at]! - course.ground[at]!).toFixed(1)} m above ground`} · {course.speeds[at]!.toFixed(1)} m/s{apart === null || apart === undefined ? "" : ` · ${apart.toFixed(1)} m clear`}</output>
       </div>
-      {ends && <Strip now={now} plan={plan} at={at} />}
+      {hasWorld(now) ? <Strip now={now} plan={plan} at={at} /> : ends && <p class="note">How it would end there is not known: nor is what stands there.</p>}
     </footer>
   );
 }

@@ -17,6 +17,7 @@ interface Shown {
 
 export function showSpots(map: MapLibre): void {
   const shown = new Map<string, Shown>();
+  let held = "";
   const draw = () => {
     const spots = (studio.world?.spots ?? []).filter(spot => isWritten(spot.path));
     const keys = new Set(spots.map(spot => pathKey(spot.path)));
@@ -28,10 +29,10 @@ export function showSpots(map: MapLibre): void {
     }
     for (const spot of spots) {
       const key = pathKey(spot.path);
-      if (!shown.has(key)) shown.set(key, make(map, spot, () => shown.get(key)!));
+      if (!shown.has(key)) shown.set(key, make(map, spot, () => shown.get(key)!, what => { held = what; }));
       const one = shown.get(key)!;
       one.spot = spot;
-      one.marker.setLngLat(spot.place as LngLat);
+      if (held !== key) one.marker.setLngLat(spot.place as LngLat); // a hand knows better
       one.button.setAttribute("aria-label", `${spot.name}, ${spot.up.toFixed(0)} m above home; arrow keys move it`);
       one.button.title = `${spot.name}: ${spot.up.toFixed(1)} m above home, ${spot.above_ground.toFixed(1)} m above ground`;
     }
@@ -51,7 +52,7 @@ export function showSpots(map: MapLibre): void {
   draw();
 }
 
-function make(map: MapLibre, spot: Spot, self: () => Shown): Shown {
+function make(map: MapLibre, spot: Spot, self: () => Shown, hold: (key: string) => void): Shown {
   const kind = String(spot.path[0]);
   const button = document.createElement("button");
   button.type = "button";
@@ -60,8 +61,10 @@ function make(map: MapLibre, spot: Spot, self: () => Shown): Shown {
   button.textContent = SIGNS[kind] || String(Number(spot.path[1] ?? 0) + 1);
   const marker = new Marker({ element: button, draggable: true, offset: kind === "home" ? BESIDE : [0, 0] }).setLngLat(spot.place as LngLat).addTo(map);
   const shift = (put: LngLat): Change => ({ op: "shift", path: self().spot.path, taken: self().spot.place as LngLat, put_down: put });
+  marker.on("dragstart", () => hold(pathKey(self().spot.path)));
   marker.on("drag", () => drag([shift(marker.getLngLat().toArray() as LngLat)]));
   marker.on("dragend", () => {
+    hold("");
     endDrag();
     edit(`${self().spot.name} moved`, shift(marker.getLngLat().toArray() as LngLat));
     set({ selected: self().spot.path });

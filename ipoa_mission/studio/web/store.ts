@@ -1,6 +1,7 @@
 // What this window knows: the latest answer of each kind, and what the user is at. One object, replaced as it changes.
 import type { Answer, Beginning, Checked, CoarseSurvey, Course, Document, Edit, Found, Heard, Landed, Loaded, OpenMission, Plan, PlannedSurvey, Put, Progress, Replay, Request, Seen, Sketch, State, StripOfEndings, SurveyArea, SurveyLayout, SurveyLine, Tiles, Trouble, World } from "./messages";
 import { connect } from "./link";
+import { changed, chosenAsShown, shows, waits, waitsBehind } from "./numbers";
 
 export type Change = Edit["changes"][number];
 export type Path = Put["path"];
@@ -97,16 +98,23 @@ export function set(change: Partial<Studio>): void {
 /** A server that comes back numbers its revisions anew: what an earlier one proved counts no more; it tells what it has. */
 const FORGOTTEN = { sketch: null, drag: null, plan: null, endings: {}, area: null, coarseSurvey: null, dragSurvey: null, survey: null, mission: null, checked: null, replay: null, progress: null, troubles: [], loaded: null, flight: null };
 
-const link = connect(hear, connected => set({ connected, ...(connected ? FORGOTTEN : {}) }));
+const link = connect(hear, connected => {
+  shows(undefined, true);
+  set({ connected, ...(connected ? FORGOTTEN : {}) });
+});
 
 export function send(request: Request): void {
-  link.send(request);
+  if (request.kind !== "do" || !waitsBehind(() => send(request))) link.send(request);
 }
+
+const shownRevision = (now: Studio): number | undefined => (isMission(now) ? now.mission : now.document)?.revision;
 
 /** Change the file; every window is told. A mission's items are meant by the numbers that are shown. */
 export function edit(label: string, ...changes: Change[]): void {
-  const shown = isMission(studio) ? studio.mission : studio.document;
-  if (shown) send({ kind: "edit", seen: shown.revision, label, changes });
+  const seen = shownRevision(studio);
+  if (seen === undefined || waits(() => edit(label, ...changes))) return;
+  send({ kind: "edit", seen, label, changes });
+  changed(seen, changes);
 }
 
 /** Whether a mission file is open, and no scenario. */
@@ -144,6 +152,12 @@ function dragAnswered(): void {
 }
 
 function hear(answer: Answer): void {
+  take(answer);
+  const isRefused = answer.kind === "trouble" && answer.of !== "flight", isBehind = isMission(studio) && studio.mission?.revision !== studio.document?.revision;
+  if (isRefused || !isBehind) shows(shownRevision(studio), isRefused);
+}
+
+function take(answer: Answer): void {
   switch (answer.kind) {
     case "document":
       document.title = `${answer.unsaved ? "● " : ""}${answer.name} · studio`;
@@ -259,6 +273,7 @@ export function keepCandidates(candidates: Candidate[]): void {
 /** An item of the mission is chosen: in the list, on the map and in the profile alike. */
 export function chooseItem(seq: number): void {
   const stop = proved(studio)?.stops.find(one => one.seq === seq);
+  chosenAsShown();
   set({ item: seq, playing: false, ...(stop ? { at: stop.at } : {}) });
 }
 
@@ -266,6 +281,9 @@ export function chooseItem(seq: number): void {
 export function coarseOf(now: Studio): Sketch | null {
   return now.drag ?? (now.sketch && now.sketch.revision === now.document?.revision ? now.sketch : null);
 }
+
+/** Whether what is shown is of no plan yet, since something is held in the hand. */
+export const isDragged = (now: Studio): boolean => now.drag !== null || now.dragSurvey !== null;
 
 /** What there can be no proved path with; what the planner says counts more than what the coarse look said. */
 export function blocking(now: Studio): Trouble[] {

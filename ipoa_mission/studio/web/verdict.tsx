@@ -7,8 +7,11 @@ import { blocking, coarseOf, edit, isMission, isSurvey, proved, send, studio, ty
 import { SurveyFigures, SurveyVerdict } from "./survey";
 import { meters, seconds, share } from "./words";
 
+/** Whether it is about what lies on the map. */
+const isOfPlan = (trouble: Trouble): boolean => ["scenario", "sketch", "plan"].includes(trouble.of);
+
 export function Verdict({ now }: { now: Studio }) {
-  const refusals = blocking(now), others = now.troubles.filter(one => !["scenario", "sketch", "plan"].includes(one.of));
+  const refusals = blocking(now), others = now.troubles.filter(one => !isOfPlan(one));
   const plan = proved(now), coarse = coarseOf(now), place = useRef<HTMLElement>(null);
   const first = refusals[0]?.message;
   useEffect(() => { if (first) place.current?.scrollIntoView({ block: "nearest" }); }, [first]);
@@ -50,7 +53,7 @@ function Troubles({ of }: { of: Trouble[] }) {
       <p class="remedies">
         {trouble.remedies?.map(remedy => <button type="button" key={remedy.label} onClick={() => edit(remedy.label, ...remedy.changes)}>{remedy.label}</button>)}
         {trouble.of === "scenario" && studio.document?.undo && <button type="button" onClick={() => send({ kind: "do", what: "undo" })}>Undo: {studio.document.undo}</button>}
-        {trouble.of !== "edit" && <button type="button" onClick={() => showNamed(trouble)}>Show on the map</button>}
+        {isOfPlan(trouble) && <button type="button" onClick={() => showNamed(trouble)}>Show on the map</button>}
         {trouble.of === "plan" && <button type="button" onClick={() => send({ kind: "do", what: "plan" })}>Plan again</button>}</p>
     </div>
   ))}</>;

@@ -1,0 +1,66 @@
+"""What stands on a map, and the obstacles that it is where the ground is known."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from ipoa_mission.maps.wires import raise_span
+from ipoa_mission.world.ground import Ground
+from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
+from ipoa_mission.world.polygon import rings_of
+
+LEAST_HEIGHT = 0.1  # what stands is at least so high [m]
+
+
+class Standing(NamedTuple):
+    """Something that stands on the ground: `shape` is local, east, north [m]; `reach` widens a point or line.
+
+    It fills the air from `foot` above the lowest ground under it to `height` above the highest, or above home where
+    `over_home`.
+    """
+
+    name: str
+    shape: Any
+    reach: float
+    foot: float
+    height: float
+    over_home: bool = False
+    hangs: bool = False  # `shape` is a span of a wire between two supports
+
+
+def raise_buildings(standing: Sequence[Standing], ground: Ground) -> tuple[Obstacle, ...]:
+    """The obstacles themselves, standing on the ground."""
+    hanging = [prism for s in standing if s.hangs for prism in raise_span(s.name, s.shape, s.reach, s.height, ground)]
+    standing = [s for s in standing if not s.hangs]
+    if not standing:
+        return tuple(hanging)
+    outlines = [_outline(s) for s in standing]
+    heights = ground(np.vstack(outlines))
+    first = np.cumsum([0, *(len(outline) for outline in outlines)])[:-1]
+    lowest, highest = np.minimum.reduceat(heights, first), np.maximum.reduceat(heights, first)
+    raised = (
+        _obstacle(
+            s, float(low) + s.foot, max(s.height if s.over_home else float(high) + s.height, float(low) + LEAST_HEIGHT)
+        )
+        for s, low, high in zip(standing, lowest, highest, strict=True)
+    )
+    return (*raised, *hanging)
+
+
+def _outline(s: Standing) -> NDArray[np.float64]:
+    """Places under it at which the ground is asked, (n, 2)."""
+    corners = shapely.get_coordinates(s.shape)
+    if s.reach > 0:
+        around = s.reach * np.array([(0, 0), (1, 0), (0, 1), (-1, 0), (0, -1)])
+        return np.asarray((corners[:, None, :] + around).reshape(-1, 2))
+    return np.vstack([corners, shapely.get_coordinates(s.shape.centroid)])
+
+
+def _obstacle(s: Standing, base: float, top: float) -> Obstacle:
+    if s.shape.geom_type == "Point":
+        return Cylinder(s.name, float(s.shape.x), float(s.shape.y), s.reach, base, top)
+    shape = s.shape.buffer(s.reach, cap_style="square", join_style="mitre") if s.reach > 0 else s.shape
+    return Prism(s.name, *rings_of(shape), base, top)
