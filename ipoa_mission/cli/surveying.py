@@ -81,7 +81,11 @@ class SurveyOptions:
             if path is None:
                 raise BadInput("expected a scenario, or an area: --survey AREA")
             return read_scenario(path)
-        table = {"name": self.survey.stem, "home": _home_beside(self.survey)} if path is None else read_table(path)
+        table = (
+            {"name": self.survey.stem.removesuffix(".osm"), "home": _home_beside(self.survey)}
+            if path is None
+            else read_table(path)
+        )
         own = table.pop("survey", {})
         asked = {**(own if isinstance(own, dict) else {}), **{k: v for k, v in given.items() if v is not None}}
         if asked.keys().isdisjoint({"height_above_ground", "gsd_cm"}):

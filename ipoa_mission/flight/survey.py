@@ -1,7 +1,7 @@
 """A survey from its scenario to its files: one mission for each flight, and one NAME.json about them all."""
 
 import logging
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
@@ -69,6 +69,12 @@ class Survey:
         return (self.name,) if count == 1 else tuple(f"{self.name}-{n}" for n in range(1, count + 1))
 
     @property
+    def notes(self) -> tuple[str, ...]:
+        """Those of the remarks that are no findings of a check of one of its flights."""
+        warned = {*_told_of_flights(self.plan, _warned)}
+        return tuple(words for words in self.remarks if words not in warned)
+
+    @property
     def total_s(self) -> float:
         """How long all flights take together [s]."""
         return sum(forecast.estimate.total_s for forecast in self.flights)
@@ -118,7 +124,7 @@ class Survey:
 
         panel, pages = survey_panel(self.plan, self.names), list[Path]()
         for name, flight in zip(self.names, self.plan.flights, strict=True):
-            page = report_html(flight.forecast, None, None, self.remarks, flight.findings, panel)
+            page = report_html(flight.forecast, None, None, self.notes, flight.findings, panel)
             pages.append(Path(folder) / f"{name}.html")
             write_atomically(pages[-1], page)
         return tuple(pages)
@@ -306,20 +312,37 @@ def _asking(scenario: Scenario, area: Any, camera: Any, asked: Mapping[str, Any]
     return asking
 
 
+def _told_of_flights(plan: SurveyPlan, told: Callable[[SurveyFlight], Iterable[str]]) -> Iterator[str]:
+    """What is told of the flights, each thing once: of which it is said, where it is not of all of several."""
+    of = dict[str, list[int]]()
+    for n, flight in enumerate(plan.flights, 1):
+        for words in dict.fromkeys(told(flight)):
+            of.setdefault(words, []).append(n)
+    for words, numbers in of.items():
+        is_of_all = len(numbers) == len(plan.flights)
+        yield words if is_of_all else f"flight{'s' * (len(numbers) > 1)} {', '.join(map(str, numbers))}: {words}"
+
+
+def _warned(flight: SurveyFlight) -> Iterator[str]:
+    return (words for finding in flight.findings for words in (finding.message, finding.hint) if words)
+
+
+def _repairs(flight: SurveyFlight) -> Iterator[str]:
+    forecast = flight.forecast
+    yield from climb_for_way_home(forecast.mission)
+    yield from slowed_for_ground(forecast)
+    yield from planned_returns(forecast)
+    yield from left_out(forecast.mission)
+
+
 def _remarks(plan: SurveyPlan, asked: Scenario) -> Iterator[str]:
     """What a user should know, in words."""
-    for flight in plan.flights:
-        for finding in flight.findings:
-            yield from (words for words in (finding.message, finding.hint) if words)
+    yield from _told_of_flights(plan, _warned)
     if (speed := plan.scenario.vehicle.cruise_speed) != asked.vehicle.cruise_speed:
         yield f"flown at {speed:g} m/s: at {asked.vehicle.cruise_speed:g} m/s flights would come too near"
     if plan.overlaps is not None:
         yield from plan.overlaps.falls_short(*plan.sight.overlaps)
-    for flight in plan.flights:
-        yield from climb_for_way_home(flight.forecast.mission)
-        yield from slowed_for_ground(flight.forecast)
-        yield from planned_returns(flight.forecast)
-        yield from left_out(flight.forecast.mission)
+    yield from _told_of_flights(plan, _repairs)
     starts, used = () if plan.section.starts is None else plan.section.starts, {one.start for one in plan.flights}
     for n in range(len(starts)):
         if n not in used:

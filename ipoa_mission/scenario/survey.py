@@ -187,11 +187,12 @@ class SurveySection(Section):
             BadInput: naming the map, or the key, and the place in it that makes no sense.
         """
         if self.line is not None:
-            return Area(shapely.MultiPolygon([_corridor(np.array(self.line), self.width or 0.0, "survey.line")]))
+            corridor = _corridor(np.array(self.line), self.width or 0.0, "survey.line")
+            return _expect_here(Area(shapely.MultiPolygon([corridor])), "survey.line")
         if self.polygon is not None:
-            return _drawn(self.polygon)
+            return _expect_here(_drawn(self.polygon), "survey.polygon")
         assert self.area is not None
-        return _mapped(self.area, self.width, frame)
+        return _expect_here(_mapped(self.area, self.width, frame), str(self.area))
 
     def middles(self, frame: LocalFrame) -> tuple[Points, ...]:
         """The lines along which corridors lead, (n, 2) each; none of an area."""
@@ -201,6 +202,15 @@ class SurveySection(Section):
             return ()
         shapes = (shape for _, shape in _shapes(self.area, frame))
         return tuple(shapely.get_coordinates(shape) for shape in shapes if shape.geom_type == "LineString")
+
+
+def _expect_here(area: Area, place: str) -> Area:
+    """The area, if all of it is near home; raises BadInput where it is not."""
+    farthest = float(np.linalg.norm(shapely.get_coordinates(area.shape), axis=1).max())
+    if not farthest < REACH:
+        words = f"{place}: expected an area within {REACH / 1000:g} km of home, not up to {farthest / 1000:.0f} km away"
+        raise BadInput(words, hint="places count in metres from home")
+    return area
 
 
 def _given(overlap: float | None) -> float:

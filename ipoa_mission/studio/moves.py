@@ -16,7 +16,7 @@ Move: TypeAlias = Callable[[float, float], tuple[float, float]]
 def local_of(frame: LocalFrame, place: LngLat) -> list[float]:
     """East and north of a place of the map, to the centimetre [m]."""
     east, north = frame.local(Geodetic(place[1], place[0], frame.home.altitude))[:2].round(DIGITS).tolist()
-    return [east, north]
+    return [east + 0.0, north + 0.0]  # never -0.0
 
 
 def moves_of(old: LocalFrame, new: LocalFrame, step: Any) -> tuple[Move, Move]:

@@ -78,8 +78,7 @@ def planned_survey(survey: Survey, revision: int, took_s: float, flown: Sequence
 
 def _remarks(survey: Survey) -> tuple[str, ...]:
     """Those that are no warnings."""
-    warned = {words for flight in survey.plan.flights for one in flight.findings for words in (one.message, one.hint)}
-    return tuple(without_folders(words, survey.plan.scenario) for words in survey.remarks if words not in warned)
+    return tuple(without_folders(words, survey.plan.scenario) for words in survey.notes)
 
 
 def _layout(

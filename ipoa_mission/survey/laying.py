@@ -1,5 +1,6 @@
 """From what a scenario asks of its survey to the lines that see its area; and these at once, without a flight."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -21,6 +22,8 @@ from ipoa_mission.survey.keep_out import SPARE, keep_out, tube
 from ipoa_mission.survey.sight import Sight, sight_of
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Tour
+
+MOST_LINES = 3000  # in one survey: to put them in order takes room for the ways from each to each other
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +99,7 @@ def lay_lines(
     which nobody knows yet which, they begin anywhere.
 
     Raises:
+        BadInput: it would take more lines than can be put in order.
         NoPath: they leave nothing.
     """
     if area.without(outside).is_empty:
@@ -103,6 +107,7 @@ def lay_lines(
             f"survey: obstacles and the clearance to them leave nothing of the area at {sight.least:g} m above ground",
             hint="fly higher (survey.height_above_ground), or with a smaller safety_distance",
         )
+    _expect_lines(area, sight.spacing)
     begin = np.array(section.entry or scenario.start_point[:2]) if at is None else at
     end = np.array(section.exit or scenario.goal_point[:2]) if at is None else at
     is_anywhere = section.starts is not None and at is None
@@ -122,6 +127,16 @@ def lay_lines(
         begin=None if is_anywhere else begin,
         end=None if is_anywhere else end,
     )
+
+
+def _expect_lines(area: Area, spacing: float) -> None:
+    (west, south, east, north) = area.shape.bounds
+    least = area.shape.area / spacing / math.hypot(east - west, north - south)  # no line is longer than that
+    if least > MOST_LINES:
+        raise BadInput(
+            f"survey: expected at most {MOST_LINES} lines, not {least:.0f} or more, {spacing:g} m apart",
+            hint="with lines farther apart (survey.line_spacing, or a camera from higher), or in several surveys",
+        )
 
 
 def way_over(

@@ -313,3 +313,32 @@ def test_with_planned_returns_an_rtl_that_would_come_too_late_makes_more_flights
         budget = budget_of(forecast)
         assert budget is not None
         assert budget.no_return is None
+
+
+@pytest.mark.parametrize(
+    ("survey", "words"),
+    [
+        ({"polygon": [[0.0, 0.0], [9e5, 0.0], [9e5, 9e5]]}, "survey.polygon: expected an area within 100 km of home"),
+        ({"line": [[0.0, 0.0], [2e5, 0.0]], "width": 20.0}, "survey.line: expected an area within 100 km of home"),
+        (
+            {"polygon": [[0.0, 0.0], [3e4, 0.0], [3e4, 4e4], [0.0, 4e4]], "line_spacing": 2.0},
+            "survey: expected at most 3000 lines, not 12000 or more, 2 m apart",
+        ),
+        ({"line": [[0.0, 0.0], [9e3, 0.0]], "width": 5e3, "line_spacing": 0.5}, "survey: expected at most 3000 lines"),
+    ],
+)
+def test_more_than_can_be_put_in_order_is_refused_at_once(survey: dict[str, Any], words: str) -> None:
+    with pytest.raises(BadInput, match=words):
+        plan_survey(scenario=scenario({"line_spacing": 20.0, "height_above_ground": 40.0} | survey))
+
+
+def test_a_remark_says_of_which_flights_it_is() -> None:
+    mast = TOWER | {"east": 160.0, "north": 90.0, "radius": 4.0, "height": 70.0}
+    survey = plan_survey(scenario=scenario(LINES | {"flights": 2}, obstacles=[mast]))
+    hints = {finding.hint for flight in survey.plan.flights for finding in flight.findings}
+    assert len(hints) == 1  # of both flights
+    assert hints <= {*survey.remarks}
+    for n, flight in enumerate(survey.plan.flights, 1):
+        (finding,) = flight.findings
+        assert f"flight {n}: {finding.message}" in survey.remarks
+    assert survey.notes == ()
