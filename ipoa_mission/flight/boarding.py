@@ -46,7 +46,8 @@ def compare_homes(mission: Mission, there: Geodetic, anyway: bool = False) -> tu
         if counts_from_home(mission) and not anyway:
             raise FarFromHome(
                 words,
-                hint="heights count from the vehicle's home: plan from where it stands, or send it with --anyway "
+                hint="heights count from the vehicle's home: plan from where it stands, or send it with --anyway; "
+                "one that was moved since it was armed last has its home where it stands once it is restarted "
                 f"(the built-in autopilot goes there by `mock --home {_words(here)}`)",
             )
         return (words,)
