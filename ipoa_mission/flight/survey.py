@@ -114,15 +114,19 @@ class Survey:
         }
 
     def report(self, folder: str | Path = ".") -> tuple[Path, ...]:
-        """Write the page of each flight, each with what all of them see.
+        """Write the page of each flight, each with what all of them see; where there are several, one of all first.
 
         Raises:
             BadInput: a file cannot be written.
         """
         from ipoa_mission.report.page import report_html
         from ipoa_mission.report.panels.survey import survey_panel
+        from ipoa_mission.report.survey_page import survey_html
 
         panel, pages = survey_panel(self.plan, self.names), list[Path]()
+        if len(self.flights) > 1:
+            pages.append(Path(folder) / f"{self.name}.html")
+            write_atomically(pages[-1], survey_html(self.plan, self.names, self.remarks))
         for name, flight in zip(self.names, self.plan.flights, strict=True):
             page = report_html(flight.forecast, None, None, self.notes, flight.findings, panel)
             pages.append(Path(folder) / f"{name}.html")

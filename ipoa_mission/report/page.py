@@ -124,13 +124,13 @@ def report_html(
         "limits": "" if proof is None else limits_table(proof),
         "search": "" if plan is None else search_panel(plan, scenario),
         "footer": _footer(scenario, plan, mission),
-        "css": _asset("palette.css") + _asset("page.css") + _asset("ways.css"),
-        "map_js": _asset("map.js"),
-        "scene_js": _asset("scene.js"),
-        "page_js": _asset("page.js"),
+        "css": asset("palette.css") + asset("page.css") + asset("ways.css"),
+        "map_js": asset("map.js"),
+        "scene_js": asset("scene.js"),
+        "page_js": asset("page.js"),
         "data": page_data(scenario, extent, course, stop_list, flown, tube, home),
     }
-    return Template(_asset("page.html")).substitute(parts).translate(_CONTROLS)
+    return Template(asset("page.html")).substitute(parts).translate(_CONTROLS)
 
 
 LEGS_NOTE = (
@@ -159,5 +159,6 @@ def _footer(scenario: Scenario, plan: Plan | None, mission: Mission) -> str:
     return f"<dl>{body}</dl>"
 
 
-def _asset(name: str) -> str:
+def asset(name: str) -> str:
+    """What lies beside the code for its pages."""
     return files("ipoa_mission.report").joinpath("assets", name).read_text(encoding="utf-8")

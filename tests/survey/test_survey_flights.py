@@ -197,8 +197,12 @@ def test_a_battery_too_small_for_all_makes_several_flights_that_come_home_with_t
 def test_the_page_shows_the_area_and_every_flight(tmp_path: Path) -> None:
     survey = plan_survey(scenario=scenario(PHOTOS | {"flights": 2}, obstacles=[TOWER]))
     pages = survey.report(tmp_path)
-    assert [page.name for page in pages] == ["field-1.html", "field-2.html"]
-    text = pages[1].read_text(encoding="utf-8")
+    assert [page.name for page in pages] == ["field.html", "field-1.html", "field-2.html"]
+    whole = pages[0].read_text(encoding="utf-8")
+    assert all(f'<a href="field-{n}.html">' in whole for n in (1, 2))
+    assert whole.count('class="verdict') == 2
+    assert "what is seen, north up" in whole
+    text = pages[2].read_text(encoding="utf-8")
     assert "field-1" in text
     assert "what is seen, north up" in text
 
