@@ -29,7 +29,7 @@ class NotFlown(MissionError):
         self.kind = kind
         super().__init__(
             f"{name} is {with_article(str(kind))}; missions and orders are for multicopters of ArduPilot and PX4",
-            hint="`scan` and `download` read from any vehicle",
+            hint="any vehicle can be read: its mission by `ipoa-mission download`",
         )
 
 

@@ -106,6 +106,7 @@ class FlightDesk:
 
     async def _fly(self, request: Upload, hand_over: Callable[[Path], Awaitable[bool]], name: str) -> None:
         file, document = self._folder / "flight.pickle", self._document
+        log = unused(document.path.with_name(f"{name}.tlog"))
         revision = document.revision  # what is handed over is of this one, whatever is changed meanwhile
         self._tell(State(phase="uploading", words="getting the plan"))
         if not await hand_over(file):
@@ -115,7 +116,7 @@ class FlightDesk:
             "job": "fly",
             "file": str(file),
             "revision": revision,
-            "log": str(unused(document.path.with_name(f"{name}.tlog"))),
+            "log": str(log),
         }
         troubled = False
 
@@ -141,4 +142,4 @@ class FlightDesk:
         finally:
             self._flies = False
         if troubled:
-            self._tell(State(phase="idle", words=""))
+            self._tell(State(phase="idle", words=f"every frame up to there is in {log.name}" if log.exists() else ""))

@@ -1,11 +1,11 @@
 """Classes of vehicles, as MAV_TYPE numbers them."""
 
 QUADROTOR = 2  # MAV_TYPE
-#: MAV_TYPE of what hovers on rotors alone: quadrotor, coaxial, helicopter, hexa-, octo-, tri-, dodeca-, decarotor.
-MULTICOPTERS = frozenset({QUADROTOR, 3, 4, 13, 14, 15, 29, 35})
+#: MAV_TYPE of what hovers on rotors of fixed pitch: quadrotor, coaxial, hexa-, octo-, tri-, dodeca-, decarotor.
+MULTICOPTERS = frozenset({QUADROTOR, 3, 13, 14, 15, 29, 35})
 
-_CLASSES = {1: "plane", 5: "antenna tracker", 7: "airship", 8: "balloon", 9: "rocket", 10: "rover", 11: "boat"}
-_CLASSES |= {12: "submarine", 16: "flapping wing", 17: "kite", 28: "parafoil"}
+_CLASSES = {1: "plane", 4: "helicopter", 5: "antenna tracker", 7: "airship", 8: "balloon", 9: "rocket"}
+_CLASSES |= {10: "rover", 11: "boat", 12: "submarine", 16: "flapping wing", 17: "kite", 28: "parafoil"}
 _CLASSES |= dict.fromkeys(MULTICOPTERS, "multicopter") | dict.fromkeys(range(19, 26), "VTOL")
 
 #: Of those what takes off from nowhere: rover, boat, submarine.

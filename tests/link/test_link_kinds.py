@@ -27,7 +27,7 @@ from ipoa_mission.world.frame import Geodetic
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 MISSION = Mission(HOME, (takeoff(HOME, 20.0), waypoint(HOME, 30.0)), Autopilot.ARDUPILOT)
-OTHERS = [(3, 1), (3, 10), (3, 12), (3, 5), (12, 1), (12, 20), (0, 7), (0, 2), (4, 2)]
+OTHERS = [(3, 1), (3, 4), (3, 10), (3, 12), (3, 5), (12, 1), (12, 4), (12, 20), (0, 7), (0, 2), (4, 2)]
 CHANGES: dict[str, Callable[[Vehicle], object]] = {
     "upload": lambda vehicle: vehicle.upload(MISSION),
     "upload_items": lambda vehicle: vehicle.upload_items((), 0),

@@ -192,6 +192,8 @@ def test_candidates_stand_side_by_side(own_page: Any) -> None:
     cells = "[...document.querySelectorAll('[aria-label=\"Candidates\"] tbody tr:first-child td')]"
     times = f"{cells}.map(cell => parseFloat(cell.textContent))"
     until(own_page, f"({times}).length === 2 && ({times})[1] > ({times})[0]")  # slower takes longer
+    assert own_page.get_by_role("row", name="clearance predicted").is_visible()
+    assert own_page.evaluate("document.documentElement.scrollHeight <= innerHeight")  # the side alone scrolls
     own_page.get_by_role("button", name="Take", exact=True).click()
     until(own_page, f"document.querySelector('textarea').value === {json.dumps(before)}")
     own_page.reload()
@@ -462,12 +464,14 @@ def test_it_fits_a_telephone(page: Any) -> None:
 def test_on_paper_the_findings_remain_and_the_tools_do_not(page: Any) -> None:
     proved(page)
     page.emulate_media(media="print")
-    assert page.get_by_text("m required").first.is_visible()
+    assert page.locator(".verdict").get_by_text("m required").first.is_visible()
     assert page.locator(".bindings button").first.is_visible()
     assert page.locator("th button", has_text="fastest").is_visible()
     page.set_viewport_size({"width": 700, "height": 1000})  # paper is as narrow as a telephone
     for name in ("Save", "whole screen"):
         assert not page.get_by_role("button", name=name).is_visible()
+    fields = "[...document.querySelectorAll('input, select, textarea')]"
+    assert not page.evaluate(f"{fields}.some(one => one.checkVisibility())")
 
 
 def serious(page: Any, scheme: str) -> list[str]:

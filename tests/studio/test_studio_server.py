@@ -3,12 +3,18 @@
 A flight is uploaded, named, started, watched on the built-in autopilot; and refused where it must be.
 """
 
+import socket
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
 
 from ipoa_mission import read_scenario
 from ipoa_mission.files import write_atomically
+from ipoa_mission.link.codec import EVERYONE, Codec
+from ipoa_mission.link.messages import Heartbeat
 from tests.studio.conftest import HOST, MEADOW, TOKEN, Studio
 
 GOAL_HEIGHT = {"op": "put", "path": ["goal", "up"]}
@@ -197,6 +203,49 @@ def test_a_flight_of_another_scenario_is_not_started(studio: Studio) -> None:
         assert "changed after the upload" in talk.wait_for_trouble("flight")["message"]
         talk.say(kind="do", what="abandon")
         talk.wait("state", lambda state: state["phase"] == "idle")
+
+
+@contextmanager
+def beating(port: int, firmware: int, mav_type: int) -> Iterator[set[bytes]]:
+    """A vehicle of this kind sends heartbeats to a port; what it has heard."""
+    heard, codec, is_over = set[bytes](), Codec(1, 1), threading.Event()
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as own:
+        own.settimeout(0.05)
+        own.bind(("127.0.0.1", 0))
+
+        def beat() -> None:
+            while not is_over.is_set():
+                own.sendto(codec.encode(Heartbeat(mav_type, firmware), EVERYONE, 0.0), ("127.0.0.1", port))
+                with suppress(OSError):
+                    heard.add(own.recv(300))
+
+        thread = threading.Thread(target=beat)
+        thread.start()
+        yield heard
+        is_over.set()
+        thread.join()
+
+
+def test_one_that_is_not_flown_is_refused_by_name_and_its_frames_are_kept(studio: Studio) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as found:
+        found.bind(("127.0.0.1", 0))
+        port = int(found.getsockname()[1])
+    with studio.window() as talk, beating(port, 3, 1) as heard:
+        talk.wait("plan")
+        talk.say(kind="upload", link=f"udpin:127.0.0.1:{port}", system=None, speedup=1.0)
+        trouble = talk.wait_for_trouble("flight")
+        words = talk.wait("state", lambda state: state["phase"] == "idle")["words"]
+        talk.say(kind="upload", link=None, system=None, speedup=1.0)  # which who opens a window later is told of
+        talk.wait("loaded")
+        talk.say(kind="do", what="abandon")
+        talk.wait("state", lambda state: state["phase"] == "idle")
+        said = [frame for frame in map(Codec(1, 1).decode, heard) if frame is not None]
+    assert trouble["message"].startswith("vehicle 1 is an ArduPilot plane;")
+    assert {type(one.message) for one in said} == {Heartbeat}
+    log = studio.scenario.with_name(words.removeprefix("every frame up to there is in "))
+    assert log.suffix == ".tlog"
+    assert log.stat().st_size > 0
+    log.unlink()
 
 
 def test_an_extract_that_is_dropped_stands_on_the_map(studio: Studio, tmp_path: Path) -> None:

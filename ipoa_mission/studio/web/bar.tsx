@@ -84,6 +84,12 @@ export function listenToKeys(): void {
       if (event.key === "Escape") set({ tool: "select", selected: null });
       if (event.key === "3") set({ space: true });
       if (event.key === "2") set({ space: false });
+      if (event.key === "?") showKeys(document.querySelector(".keys"));
     }
   });
+}
+
+function showKeys(keys: HTMLDetailsElement | null): void {
+  if (keys) keys.open = true;
+  keys?.scrollIntoView();
 }

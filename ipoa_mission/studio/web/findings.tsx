@@ -43,7 +43,7 @@ export function Choices({ now }: { now: Studio }) {
 
 const ROWS: [string, (plan: Plan) => string][] = [
   ["flight", plan => seconds(plan.total_s)],
-  ["flights keep", plan => (plan.kept === null ? "–" : meters(plan.kept, 2))],
+  ["clearance", plan => (plan.kept === null ? "–" : `${plan.confidence === null ? "predicted" : `${share(plan.confidence)} keep`} ${meters(plan.kept, 2)}`)],
   ["nearest", plan => plan.nearest],
   ["path", plan => meters(plan.length, 0)],
   ["waypoints", plan => String(plan.choices.find(choice => choice.chosen)?.waypoints ?? "–")],

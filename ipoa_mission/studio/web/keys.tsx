@@ -12,6 +12,7 @@ const KEYS: [string, string][] = [
   ["Home", "the whole flight on the map"],
   ["2, 3", "from above, in space"],
   ["Ctrl-Z, Ctrl-Y, Ctrl-S", "undo, redo, save"],
+  ["?", "these keys"],
 ];
 
 export function Keys({ now }: { now: Studio }) {
