@@ -5,11 +5,10 @@
 
 Each map is planned by `quickest_tour`, by boustrophedon cells as a generalized traveling salesman's problem, and as
 QGroundControl lays out its transects: as they are, through holes; led round them; and so near to each other that they
-see 99.9 % too. All begin and end at a corner of the map, have the same spacing but for these, and are flown by the
-forecast of a mission of their corners. Coverage and how far the
-path leaves the area are told by `coverage`, the sensor on all the way for all but ours. Times are sums [s], CPU is the
-median [s]. `--turned`: each map lies at an angle of its own, as fields do. Maps that are already in FILE are not
-planned again.
+see 99.9 % too, by steps of 1 %. All begin and end at a corner of the map, have the same spacing but for these, and are
+flown by the forecast of a mission of their corners. Coverage and how far the path leaves the area are told by
+`coverage`, the sensor on all the way for all but ours. Times are sums [s], CPU is the median [s]. `--turned`: each map
+lies at an angle of its own, as fields do. Maps that are already in FILE are not planned again.
 """
 
 import csv
@@ -88,7 +87,7 @@ def planned(area: Area, cost: LegTimes) -> Iterator[tuple[str, Points, Tour, flo
     yield "QGroundControl", path, all_on(path), 0.0
     path = led_round(lines, area, cost, place)
     yield "QGroundControl, led round", path, all_on(path), 0.0
-    for nearer in np.arange(1.0, 0.3, -0.05):
+    for nearer in np.arange(1.0, 0.3, -0.01):
         path = led_round(transects(area, SPACING * float(nearer), HOME), area, cost, place)
         if coverage(area, all_on(path), SPACING).share >= ENOUGH:
             yield "QGroundControl, led round, sees 99.9 %", path, all_on(path), 0.0
