@@ -115,6 +115,6 @@ def _lands_on(forecast: Forecast) -> Iterator[str]:
         seconds = lasts[~(looks.clear[1:] & looks.clear[:-1])].sum()
         others = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
         yield (
-            f"LAND where it is is not planned: in {seconds:.0f} of {whole:.0f} s in the air it may end on or too near "
+            f"LAND is not planned: in {seconds:.0f} of {whole:.0f} s in the air it may end on or too near "
             f"{', '.join(names[:NAMED])}{others} (`check --endings` says when)"
         )

@@ -109,8 +109,10 @@ def screen(xvfb: str | None) -> Iterator[dict[str, str]]:
     command = [xvfb, "-displayfd", "1", "-screen", "0", "1400x1000x24", "-nolisten", "tcp"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
         assert process.stdout is not None
-        yield {"DISPLAY": f":{process.stdout.readline().strip()}", "LIBGL_ALWAYS_SOFTWARE": "1"}
-        process.terminate()
+        try:
+            yield {"DISPLAY": f":{process.stdout.readline().strip()}", "LIBGL_ALWAYS_SOFTWARE": "1"}
+        finally:
+            process.terminate()
 
 
 @contextmanager
