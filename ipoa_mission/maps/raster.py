@@ -158,7 +158,7 @@ def open_raster(path: Path, nodata: float | None) -> Iterator[RasterFile]:
     """An elevation raster, open while in use.
 
     Raises:
-        BadInput: the file is none that GDAL reads.
+        BadInput: the file is none that GDAL reads, or a picture.
         BadInput: rasterio is not installed.
     """
     needed = f"{path}: reading an elevation model needs rasterio, which is not installed"
@@ -171,6 +171,11 @@ def open_raster(path: Path, nodata: float | None) -> Iterator[RasterFile]:
         raise BadInput(f"{path}: expected an elevation model: {error}") from error
     try:
         with dataset:
+            if dataset.colorinterp[0].name in ("red", "palette"):
+                raise BadInput(
+                    f"{path}: expected an elevation model, but it is a picture",
+                    hint="as MBTiles it lies under the studio's map: gdal_translate -of MBTILES, then `studio --tiles`",
+                )
             yield RasterFile(path, dataset, nodata)
     except (rasterio.errors.RasterioError, ProjError, UnicodeDecodeError) as error:
         raise BadInput(

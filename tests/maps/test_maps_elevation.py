@@ -51,11 +51,12 @@ def write_model(tmp_path: Path) -> Write:
         columns, rows = np.meshgrid(left + pixel * (np.arange(size) + 0.5), top - pixel * (np.arange(size) + 0.5))
         longitude, latitude = there.transform(columns, rows, direction="INVERSE")
         data = np.asarray(heights(latitude, longitude))
-        options = {"driver": "GTiff", "dtype": "float64", "crs": crs} | profile
+        options = {"driver": "GTiff", "dtype": "float64", "crs": crs, "count": 1} | profile
         transform = rasterio.Affine(pixel, 0, left, 0, -pixel, top)
         path = tmp_path / name
-        with rasterio.open(path, "w", width=size, height=size, count=1, transform=transform, **options) as file:
-            file.write(data.astype(options["dtype"]), 1)
+        with rasterio.open(path, "w", width=size, height=size, transform=transform, **options) as file:
+            for band in file.indexes:
+                file.write(data.astype(options["dtype"]), band)
             if unit:
                 file.units = (unit,)
         return path
@@ -258,3 +259,5 @@ def test_what_is_no_elevation_model_is_refused(write_model: Write, tmp_path: Pat
         read(text)
     with pytest.raises(BadInput, match="expected an elevation model that names its coordinate system"):
         read(write_model(crs=None))
+    with pytest.raises(BadInput, match=r"model\.tif: expected an elevation model, but it is a picture"):
+        read(write_model(dtype="uint8", photometric="RGB", count=3))

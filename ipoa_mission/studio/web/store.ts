@@ -285,10 +285,11 @@ export function coarseOf(now: Studio): Sketch | null {
 /** Whether what is shown is of no plan yet, since something is held in the hand. */
 export const isDragged = (now: Studio): boolean => now.drag !== null || now.dragSurvey !== null;
 
-/** What there can be no proved path with; what the planner says counts more than what the coarse look said. */
+/** What there can be no proved path with: what is not understood first, then what the planner says, then the coarse look. */
 export function blocking(now: Studio): Trouble[] {
   const found = now.troubles.filter(one => one.of === "scenario" || one.of === "sketch" || one.of === "plan");
-  return found.some(one => one.of === "plan") ? found.filter(one => one.of !== "sketch") : found;
+  const first = (["scenario", "plan", "sketch"] as const).find(of => found.some(one => one.of === of));
+  return found.filter(one => one.of === first);
 }
 
 /** Whether a thing of the map is named in what is refused. */
