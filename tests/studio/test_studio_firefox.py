@@ -20,7 +20,7 @@ from tests.studio.pointing import found, settled
 pytest.importorskip("websockets")
 FIREFOX = next((path for name in ("firefox-esr", "firefox") if (path := shutil.which(name))), None)
 XVFB = shutil.which("Xvfb")
-pytestmark = pytest.mark.skipif(FIREFOX is None, reason="needs Firefox")
+pytestmark = [pytest.mark.skipif(FIREFOX is None, reason="needs Firefox"), pytest.mark.long]
 TEXT = "document.querySelector('textarea').value"
 PROVED = "document.querySelector('.verdict .good, .verdict .amber') !== null"
 
@@ -99,7 +99,6 @@ def test_the_goal_is_dragged_a_building_drawn_and_saved_and_the_flight_flown(
     assert address[1].read_text().count("[[obstacles]]") == 3
 
 
-@pytest.mark.long
 def test_without_webgl_all_but_the_map_works(address: tuple[str, Path], tmp_path: Path) -> None:
     assert FIREFOX is not None
     (tmp_path / "profile").mkdir()

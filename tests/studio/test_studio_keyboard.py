@@ -113,7 +113,6 @@ def test_places_are_put_moved_and_taken_out(at_home: Any) -> None:
     assert before.replace("east = 60.0", "east = 50.0") == scenario_of(page)
 
 
-@pytest.mark.long
 def test_an_area_to_be_surveyed_is_drawn_and_its_corner_moved(own_page: Any) -> None:
     page = own_page
     proved(page)

@@ -1,22 +1,25 @@
 """What one looks at stays where it is: the map where one draws, the side while it is planned; on paper all is there."""
 
+import json
 from typing import Any
 
-from tests.studio.pointing import Hand, feature
+from tests.studio.conftest import MEADOW
+from tests.studio.pointing import Hand, feature, found
 from tests.studio.test_studio_page import (
     address,
     browser,
+    in_a_browser,
     own_page,
     page,
     proved,
-    pytestmark,
     rewrite,
     scenario_of,
     until,
     window,
 )
 
-__all__ = ["address", "browser", "own_page", "page", "pytestmark", "window"]
+__all__ = ["address", "browser", "own_page", "page", "window"]
+pytestmark = in_a_browser
 
 SEEN = "[map.getZoom(), map.getCenter().lng, map.getCenter().lat]"
 
@@ -71,3 +74,21 @@ def test_all_of_the_flight_is_printed_and_the_map_is_then_as_it_was(page: Any) -
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     until(page, "map.getContainer().style.width === ''")
     assert page.evaluate(SEEN) == before
+
+
+def test_the_goal_is_dragged_and_undone(page: Any) -> None:
+    proved(page)
+    page.locator("body").press("Home")
+
+    def look() -> None:
+        page.get_by_text("While you drag").wait_for()
+        assert page.locator(".profile.past, .past .bindings").count() == 2
+        assert scenario_of(page) == MEADOW.read_text()
+
+    Hand(page).drag(found("[data-spot=goal]"), -20, -30, look)
+    until(page, "!document.querySelector('textarea').value.includes('east = 60.0')")
+    assert "a comment that stays" in scenario_of(page)
+    page.locator(".unsaved").wait_for()
+    page.keyboard.press("Control+z")
+    until(page, f"document.querySelector('textarea').value === {json.dumps(MEADOW.read_text())}")
+    page.locator(".saved").wait_for()
