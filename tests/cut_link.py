@@ -43,10 +43,26 @@ class CutLink:
             if one is self._door:
                 self._near, _ = one.accept()
                 continue
-            data = one.recv(65536)
             other = self._near if one is self._far else self._far
-            if data and other is not None:
-                other.sendall(data)
+            try:
+                data = one.recv(65536)
+            except ConnectionError:  # whoever is done closes it, at any time
+                data = b""
+            if not data:
+                self._leave(one)
+            elif other is not None:
+                try:
+                    other.sendall(data)
+                except ConnectionError:
+                    self._leave(other)
+
+    def _leave(self, one: socket.socket) -> None:
+        """Carry on without an end that was closed; without the vehicle there is nothing to carry."""
+        if one is self._far:
+            self._over.set()
+        elif one is self._near:
+            one.close()
+            self._near = None
 
     def _close(self) -> None:
         for one in (self._near, self._door):
