@@ -249,7 +249,12 @@ def test_a_survey_is_laid_planned_dragged_and_written_as_plan_writes_it(studio: 
         talk.say(kind="rewrite", seen=talk.wait("document")["revision"], text=text)
         assert talk.wait("area", lambda area: area["rings"])["rings"][0]["path"] == list(FIRST)
         planned, coarse = talk.has("survey"), talk.has("coarse_survey")
-        strips = [talk.has("endings", lambda told, n=n: told["flight"] == n) for n in (0, 1)]  # type: ignore[misc]
+        own = planned["revision"]  # endings of what was there before may come late
+
+        def of_flight(n: int) -> Any:
+            return talk.has("endings", lambda told: (told["revision"], told["flight"]) == (own, n))
+
+        strips = [of_flight(n) for n in (0, 1)]
         turn = {"op": "put", "path": ["survey", "direction_deg"], "value": 30.0}
         talk.say(kind="drag", number=7, changes=[turn])
         dragged = talk.wait("coarse_survey", lambda answer: answer["number"] == 7)
