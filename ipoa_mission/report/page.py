@@ -3,7 +3,7 @@
 All is drawn here as HTML and SVG; the script on the page links the views and turns the 3D one.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from importlib.metadata import version
 from importlib.resources import files
@@ -124,13 +124,12 @@ def report_html(
         "limits": "" if proof is None else limits_table(proof),
         "search": "" if plan is None else search_panel(plan, scenario),
         "footer": _footer(scenario, plan, mission),
-        "css": asset("palette.css") + asset("page.css") + asset("ways.css"),
-        "map_js": asset("map.js"),
-        "scene_js": asset("scene.js"),
-        "page_js": asset("page.js"),
+        "map_js": _asset("map.js"),
+        "scene_js": _asset("scene.js"),
+        "page_js": _asset("page.js"),
         "data": page_data(scenario, extent, course, stop_list, flown, tube, home),
     }
-    return Template(asset("page.html")).substitute(parts).translate(_CONTROLS)
+    return page_of("page.html", parts)
 
 
 LEGS_NOTE = (
@@ -159,6 +158,12 @@ def _footer(scenario: Scenario, plan: Plan | None, mission: Mission) -> str:
     return f"<dl>{body}</dl>"
 
 
-def asset(name: str) -> str:
-    """What lies beside the code for its pages."""
+def page_of(template: str, parts: Mapping[str, str]) -> str:
+    """A template filled with its parts, `title` among them; no control character is in it."""
+    css = "".join(map(_asset, ("palette.css", "page.css", "ways.css")))
+    head = Template(_asset("head.html")).substitute(parts, css=css)
+    return Template(_asset(template)).substitute(parts, head=head).translate(_CONTROLS)
+
+
+def _asset(name: str) -> str:
     return files("ipoa_mission.report").joinpath("assets", name).read_text(encoding="utf-8")

@@ -2,51 +2,28 @@
 
 from collections.abc import Sequence
 from html import escape
-from string import Template
+from urllib.parse import quote
 
-from ipoa_mission.report.page import asset
+from ipoa_mission.report.page import page_of
 from ipoa_mission.report.panels.headline import verdict, warnings
 from ipoa_mission.report.panels.survey import survey_panel
 from ipoa_mission.report.seen import dangers, follow
 from ipoa_mission.report.words import seconds
 from ipoa_mission.survey.plan import SurveyFlight, SurveyPlan
 
-PAGE = Template("""<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="generator" content="ipoa-mission">
-<title>$title</title>
-<style>
-$css
-</style>
-</head>
-<body>
-<header>
-<h1>$title</h1>
-<p>$subtitle</p>
-</header>
-$warnings
-$survey
-<section><h2>Flights</h2>$flights</section>
-</body>
-</html>
-""")
-
 
 def survey_html(plan: SurveyPlan, names: Sequence[str], remarks: Sequence[str]) -> str:
     """The whole page; `names` are those of the flights' files, whose pages lie beside it."""
     whole = sum(flight.forecast.estimate.total_s for flight in plan.flights)
     flights = "".join(_flight(flight, name) for name, flight in zip(names, plan.flights, strict=True))
-    return PAGE.substitute(
-        title=escape(plan.scenario.name),
-        subtitle=f"Survey in {len(names)} flights, {seconds(whole)} together",
-        css=asset("palette.css") + asset("page.css"),
-        warnings=warnings([], [], remarks),
-        survey=survey_panel(plan, names),
-        flights=flights,
-    )
+    parts = {
+        "title": escape(plan.scenario.name),
+        "subtitle": f"Survey in {len(names)} flights, {seconds(whole)} together",
+        "warnings": warnings([], [], remarks),
+        "survey": survey_panel(plan, names),
+        "flights": flights,
+    }
+    return page_of("survey.html", parts)
 
 
 def _flight(flight: SurveyFlight, name: str) -> str:
@@ -54,5 +31,5 @@ def _flight(flight: SurveyFlight, name: str) -> str:
     course = follow(forecast.estimate.track, forecast.world.airspace)
     proof = forecast.proof if forecast.cruise else None
     judged = verdict(proof, forecast.promise_if_known, dangers(course, forecast.world), flight.findings)
-    link = f'<a href="{escape(name, quote=True)}.html">{escape(name)}</a>'
+    link = f'<a href="{quote(name)}.html">{escape(name)}</a>'
     return f"<h3>{link}: {seconds(forecast.estimate.total_s)}</h3>{judged}"

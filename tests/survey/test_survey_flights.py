@@ -1,9 +1,11 @@
 """Surveys from their scenario to their flights, judged by dense samples and not by what planned them."""
 
 import json
+import re
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote, urlsplit
 
 import numpy as np
 import pytest
@@ -205,6 +207,17 @@ def test_the_page_shows_the_area_and_every_flight(tmp_path: Path) -> None:
     text = pages[2].read_text(encoding="utf-8")
     assert "field-1" in text
     assert "what is seen, north up" in text
+
+
+def test_the_page_of_all_flights_links_to_files_of_any_name_and_shows_names_of_any_sort(tmp_path: Path) -> None:
+    odd = scenario(LINES | {"flights": 2}, obstacles=[TOWER | {"name": "<b>t\x07"}])
+    survey = plan_survey(scenario=odd.model_copy(update={"name": "a #1"}))
+    first, *others = survey.report(tmp_path)
+    whole = first.read_text(encoding="utf-8")
+    hrefs = re.findall(r'<a href="([^"]+)">', whole)
+    assert [tmp_path / unquote(urlsplit(href).path) for href in hrefs] == others
+    assert "&lt;b&gt;t" in whole
+    assert "\x07" not in whole
 
 
 def test_so_many_flights_as_are_asked_for() -> None:
