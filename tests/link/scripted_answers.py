@@ -1,25 +1,33 @@
 """A dialogue with nobody but a script."""
 
+from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange
-from ipoa_mission.link.messages import (
-    Message,
-)
+from ipoa_mission.link.messages import Message
 
 T = TypeVar("T")
 
 
 def lead(dialogue: Dialogue[T], answers: dict[type[Message], list[list[Message]]]) -> Exchange[T]:
     """Answer each kind of message from a script, then with silence."""
+
+    def answer(message: Message) -> Sequence[Message]:
+        script = answers.get(type(message))
+        return script.pop(0) if script else []
+
+    return lead_by(dialogue, answer)
+
+
+def lead_by(dialogue: Dialogue[T], answer: Callable[[Message], Sequence[Message]]) -> Exchange[T]:
+    """Each thing said gets its answers, 0.2 s apart; where nothing is said time passes to the next deadline."""
     exchange, now = Exchange(dialogue, 0.0, SPECIFIED), 0.0
     while not exchange.finished:
         said = exchange.outgoing()
         for message in said:
-            script = answers.get(type(message))
-            for answer in script.pop(0) if script else []:
+            for one in answer(message):
                 now += 0.2
-                exchange.receive(answer, now)
+                exchange.receive(one, now)
         if not said:
             now = max(now, exchange.deadline)
             exchange.tick(now)

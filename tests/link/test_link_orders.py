@@ -31,6 +31,7 @@ from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
+from tests.link.scripted_answers import lead_by
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 HOME = Geodetic(47.4, 8.5, 400.0)
@@ -40,17 +41,8 @@ T = TypeVar("T")
 
 def lead(dialogue: Dialogue[T], *answers: Sequence[Message]) -> Exchange[T]:
     """Each thing said gets the next of the answers; then there is silence."""
-    exchange, now, script = Exchange(dialogue, 0.0, SPECIFIED), 0.0, list(answers)
-    while not exchange.finished:
-        said = exchange.outgoing()
-        for _ in said:
-            for answer in script.pop(0) if script else []:
-                now += 0.2
-                exchange.receive(answer, now)
-        if not said:
-            now = max(now, exchange.deadline)
-            exchange.tick(now)
-    return exchange
+    script = list(answers)
+    return lead_by(dialogue, lambda message: script.pop(0) if script else ())
 
 
 def said_by(dialogue: Dialogue[object], *answers: list[Message]) -> list[Message]:
