@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import chain, combinations
 from typing import Any
@@ -44,6 +44,7 @@ class FlightMaker:
     sight: Sight
     growth: Mapping[str, float]
     seed: int
+    _longest: dict[Swath, tuple[Tour, Forecast]] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __call__(self, part: Sortie) -> Forecast:
         """How it is expected to be flown.
@@ -54,24 +55,45 @@ class FlightMaker:
             MissionError, Unsafe: as `assemble_survey`.
         """
         world, tour = self.scenario, part.tour
+        longest = self._longest.get(tour.swaths[0])
+        if longest is not None and part.start is None and longest[0].swaths == tour.swaths:
+            return longest[1]
         if part.start is not None:
             world = _expect_clear(at_start(self.scenario, part.start), part.start)
             tour = tour.moved(between(self.scenario.frame, world.frame))
         return Forecast(assemble_survey(tour, self.sight, world, self.growth, self.seed), world)
 
+    def fits(self, tour: Tour) -> bool:
+        """Whether one flight from home flies all of a tour; the last one from each line that does is kept."""
+        forecast = self._taken(Sortie(tour))
+        if forecast is None or (self.scenario.vehicle.battery is not None and refusal_of(forecast) is not None):
+            return False
+        self._longest[tour.swaths[0]] = tour, forecast
+        return True
+
     def tried(self, part: Sortie) -> Toll:
         """Whether the vehicle takes so many items, and comes home with its reserve."""
-        vehicle = self.scenario.vehicle
-        per = 2 if self.sight.trigger is None else 4  # items of a line at least
-        if per * len(part.tour.swaths) > vehicle.autopilot.firmware(vehicle.version).max_items:
-            return NEVER
-        forecast = self(part)
-        if is_too_long(forecast.mission):
+        forecast = self._taken(part)
+        if forecast is None:
             return NEVER
         budget, seconds = budget_of(forecast), forecast.estimate.total_s
         if refusal_of(forecast) is not None:
             return Toll(BARELY if budget is None else max(budget.share, BARELY), seconds)
         return Toll(0.0 if budget is None else min(budget.share, 1.0), seconds)
+
+    @property
+    def most_lines(self) -> int:
+        """So many lines one flight has at most."""
+        vehicle = self.scenario.vehicle
+        per = 2 if self.sight.trigger is None else 4  # items of a line at least
+        return vehicle.autopilot.firmware(vehicle.version).max_items // per
+
+    def _taken(self, part: Sortie) -> Forecast | None:
+        """A flight that is not too long for the vehicle to take."""
+        if len(part.tour.swaths) > self.most_lines:
+            return None
+        forecast = self(part)
+        return None if is_too_long(forecast.mission) else forecast
 
     @cached_property
     def again(self) -> float:
@@ -150,12 +172,10 @@ def parts_of(tours: Sequence[Tour], make: FlightMaker, section: SurveySection) -
             raise BadInput(f"survey.flights: expected at most one for each of {len(tour.swaths)} lines")
         return tour, tuple(map(Sortie, parts_of_equal_length(tour, section.flights)))
 
-    def fits(piece: Tour) -> bool:
-        return make.tried(Sortie(piece)).fits
-
-    if fits(tour):
+    if make.fits(tour):
         return tour, (Sortie(tour),)
-    parts = fewest_parts(tour, fits, make.again)
+    guess = make.most_lines if make.scenario.vehicle.battery is None else 1
+    parts = fewest_parts(tour, make.fits, make.again, guess)
     if isinstance(parts, Swath):
         raise _unreached(parts, "and home")
     return tour, tuple(map(Sortie, parts))

@@ -20,15 +20,16 @@ def part_of(tour: Tour, first: int, last: int) -> Tour:
     return Tour(tour.swaths[first:last], tour.ways[first : last - 1])
 
 
-def fewest_parts(tour: Tour, fits: Fits, overlap: float) -> tuple[Tour, ...] | Swath:
+def fewest_parts(tour: Tour, fits: Fits, overlap: float, guess: int = 1) -> tuple[Tour, ...] | Swath:
     """The fewest parts that fit, each as long as can be; no part could be longer, so none fewer would do.
 
+    The first one has about so many lines as the `guess`, and each other as the one before it.
     A line that fits in no flight is cut, and what was seen up to `overlap` [m] before the cut is seen again. Where even
     a piece of it does not fit, that line is returned.
     """
     parts, ahead = list[Tour](), tour
     while ahead.swaths:
-        before = len(parts[-1].swaths) if parts else 1
+        before = len(parts[-1].swaths) if parts else guess
         count = most(lambda n, ahead=ahead: fits(part_of(ahead, 0, n)), len(ahead.swaths), before)  # type: ignore[misc]
         if count == 0:
             cut = first_cut(ahead, fits, overlap)

@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.forecast import estimate
@@ -24,6 +26,7 @@ from ipoa_mission.vehicles.arducopter.book import BOOK as ARDUCOPTER_BOOK
 from ipoa_mission.vehicles.arducopter.limits import copter_limits
 from ipoa_mission.vehicles.arducopter.renamed import RENAMED
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.px4_multicopter.dynamics.senses import normal
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
@@ -214,3 +217,13 @@ def test_loitering_for_a_time_is_counted_and_without_end_refused(autopilot: Auto
     assert found.total_s == pytest.approx(plain.total_s + 27.0, abs=2.0)
     with pytest.raises(BadInput, match=r"items\[1\]: loiters without end"):
         fly(autopilot, Item(Command.NAV_LOITER_UNLIM, Frame.GLOBAL_RELATIVE_ALT, (0.0, 0.0, 0.0, 0.0), *at))
+
+
+@given(st.integers(1, 2_000_000_000))
+def test_a_seed_goes_on_as_whole_numbers_do(seed: int) -> None:
+    first, second = seed, seed
+    noise = (float(seed), float(seed))
+    for _ in range(50):
+        first, second = first * 40014 % 2147483563, second * 40692 % 2147483399
+        noise = normal(*noise)[:2]
+        assert noise == (first, second)

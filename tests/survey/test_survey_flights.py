@@ -18,6 +18,7 @@ from ipoa_mission.forecast.energy import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.area import Area
@@ -76,6 +77,20 @@ def test_every_place_of_a_field_is_seen_and_nothing_outside_is_flown_over(autopi
     assert np.abs(waypoints(flight)[:, 2] - 40.0).max() < 0.05
     assert not flight.promise.forbidding
     assert flight.estimate.total_s > 0
+
+
+@pytest.mark.parametrize("battery", [{}, {"airframe": AIRFRAME, "battery": {"capacity_wh": 25.0}}])
+def test_a_flight_that_was_tried_is_not_made_again(battery: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    made = list[tuple[Swath, ...]]()
+
+    def counted(tour: Tour, *rest: Any) -> Mission:
+        made.append(tour.swaths)
+        return assemble_survey(tour, *rest)
+
+    monkeypatch.setattr("ipoa_mission.survey.flights.assemble_survey", counted)
+    flights = plan_survey(scenario=scenario(LINES, vehicle=battery)).plan.flights
+    assert (len(flights) > 1) == bool(battery)
+    assert [made.count(flight.tour.swaths) for flight in flights] == [1] * len(flights)
 
 
 def test_photos_are_triggered_on_lines_only_and_counted() -> None:

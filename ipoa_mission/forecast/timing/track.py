@@ -66,11 +66,13 @@ def thinned(path: Points, stray: float = STRAY) -> Points:
     import shapely  # only what looks at a world needs it
 
     traveled = arc_lengths(path[:, :2])
-    kept = {0}
+    is_kept = np.zeros(len(path), dtype=bool)
+    is_kept[0] = True
     for first in range(0, len(path) - 1, AT_ONCE):
         some = slice(first, first + AT_ONCE + 1)
         numbers = np.arange(len(path))[some]
         for view in (path[some, :2], np.column_stack([traveled[some], path[some, 2]])):  # from above, from the side
             numbered = shapely.linestrings(np.column_stack([view, numbers]))
-            kept |= set(shapely.get_coordinates(shapely.simplify(numbered, stray), include_z=True)[:, 2].astype(int))
-    return np.asarray(path[sorted(kept)])
+            kept = shapely.get_coordinates(shapely.simplify(numbered, stray), include_z=True)[:, 2]
+            is_kept[kept.astype(int)] = True
+    return np.asarray(path[is_kept])

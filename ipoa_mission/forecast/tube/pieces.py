@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
 
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points, Vector, arc_lengths
@@ -39,11 +40,12 @@ def pieces_of(track: Track) -> Pieces:
     return Pieces(times, track.points[kept], track.speeds[kept], across)
 
 
-def _apart(points: Points) -> Vector:
+def _apart(points: Points) -> NDArray[np.intp]:
     """Numbers of points that are so far from the one kept before that a piece between them is worth having."""
-    traveled = arc_lengths(points)
-    _, first = np.unique(np.floor(traveled / SHORTEST_PIECE), return_index=True)
-    return np.asarray(np.union1d(first, [len(points) - 1]))
+    reached = np.floor(arc_lengths(points) / SHORTEST_PIECE)
+    is_kept = np.concatenate([[True], np.diff(reached) > 0.0])
+    is_kept[-1] = True
+    return np.flatnonzero(is_kept)
 
 
 def _bends(track: Track) -> tuple[Vector, Vector]:

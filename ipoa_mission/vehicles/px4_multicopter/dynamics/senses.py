@@ -18,9 +18,14 @@ FACTOR_2, MODULUS_2 = 40692.0, 2147483399.0
 
 def normal(first: float, second: float) -> tuple[float, float, float, float]:
     """The next two seeds, and two normally distributed numbers (Box and Muller)."""
-    first, second = first * FACTOR % MODULUS, second * FACTOR_2 % MODULUS_2
+    first, second = rest(first * FACTOR, MODULUS), rest(second * FACTOR_2, MODULUS_2)
     size, angle = math.sqrt(-2.0 * math.log(first / MODULUS)), 2.0 * math.pi * second / MODULUS_2
     return first, second, size * math.cos(angle), size * math.sin(angle)
+
+
+def rest(value: float, modulus: float) -> float:
+    """`value % modulus` of whole numbers whose quotient is small: as exact, and far quicker than a compiled `%`."""
+    return value - math.floor(value / modulus) * modulus
 
 
 def no_errors(seed_1: float, seed_2: float) -> Errors:
