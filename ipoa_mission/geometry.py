@@ -13,7 +13,8 @@ GRAVITY = 9.80665  # standard gravity [m/s^2]
 
 def leg_lengths(points: Points) -> Vector:
     """Length of each leg between consecutive points, (n-1,) [m]."""
-    return np.asarray(np.linalg.norm(np.diff(points, axis=0), axis=1))
+    axes = np.ascontiguousarray(points.T)  # of many points NumPy adds these far quicker
+    return np.asarray(np.linalg.norm(np.diff(axes), axis=0))
 
 
 def arc_lengths(points: Points) -> Vector:

@@ -6,10 +6,11 @@ are larger by the tube of the autopilot.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, reduce
 from itertools import product
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,6 +95,18 @@ class EndingLooks:
         return np.asarray(((self.near.min(axis=2) < required) | ~self.taken).all(axis=1))
 
     @classmethod
+    def following(cls, parts: "Iterable[EndingLooks]", count: int) -> "EndingLooks":
+        """Parts one after the other, of so many times in all; each is let go of as the next one is looked at."""
+        whole, begin = dict[str, NDArray[Any]](), 0
+        for part in parts:
+            own = {f.name: getattr(part, f.name) for f in fields(cls)}
+            whole = whole or {name: np.empty((count, *some.shape[1:]), some.dtype) for name, some in own.items()}
+            for name, some in own.items():
+                whole[name][begin : begin + len(some)] = some
+            begin += len(part.times)
+        return cls(**whole)
+
+    @classmethod
     def merged(cls, looks: "Sequence[EndingLooks]") -> "EndingLooks":
         """All of them, in the order of their times."""
         order = np.argsort(np.concatenate([some.times for some in looks]), kind="stable")
@@ -176,7 +189,7 @@ class EndingWays:
     def at(self, ending: Ending, times: Vector) -> EndingLooks:
         """At an ending from these times (n,), in their order."""
         some = np.array_split(times, math.ceil(len(times) / AT_ONCE) or 1)
-        return EndingLooks.merged([self._at(ending, part) for part in some])
+        return EndingLooks.following((self._at(ending, part) for part in some), len(times))
 
     def _at(self, ending: Ending, times: Vector) -> EndingLooks:
         places, stands = self.stops(ending).at(times)

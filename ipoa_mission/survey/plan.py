@@ -186,9 +186,9 @@ def _checked(parts: Sequence[Sortie], forecasts: Sequence[Forecast]) -> tuple[Su
     flights = list[SurveyFlight]()
     for part, forecast in zip(parts, map(returning, forecasts), strict=True):
         findings = refuse_errors(check(forecast))
+        forecast.forget(EndingWays)  # of many hours they are large
         if (short := shortage_of(forecast)) is not None:
             raise short
-        forecast.forget(EndingWays)  # of many hours they are large
         flights.append(SurveyFlight(part.tour, forecast, findings, part.start))
     return tuple(flights)
 

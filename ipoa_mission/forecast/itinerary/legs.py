@@ -224,7 +224,7 @@ class _LegBuilder:
         for goal, up in zip((self.home, *self._rally_points()), ups, strict=True):
             there = self.frame.geodetic(goal)
             distances = np.hypot(*(goal - places)[:, :2].T)
-            both = zip(altitude - amsl, distances, strict=True)
+            both = zip((altitude - amsl).tolist(), distances.tolist(), strict=True)
             heights = np.array([autopilot.return_height(self.parameters, *one, up) for one in both])
             ways = np.stack([places, places, np.tile(goal, (len(places), 1))], axis=1)
             ways[:, 1, 2] = self.frame.to_local(latitude, longitude, amsl + heights)[:, 2]

@@ -71,8 +71,9 @@ def thinned(path: Points, stray: float = STRAY) -> Points:
     for first in range(0, len(path) - 1, AT_ONCE):
         some = slice(first, first + AT_ONCE + 1)
         numbers = np.arange(len(path))[some]
-        for view in (path[some, :2], np.column_stack([traveled[some], path[some, 2]])):  # from above, from the side
+        above, aside = path[some, :2], np.column_stack([traveled[some], path[some, 2]])
+        for view, may_turn_back in ((above, True), (aside, False)):  # where it does it must not be folded
             numbered = shapely.linestrings(np.column_stack([view, numbers]))
-            kept = shapely.get_coordinates(shapely.simplify(numbered, stray), include_z=True)[:, 2]
-            is_kept[kept.astype(int)] = True
+            few = shapely.simplify(numbered, stray, preserve_topology=may_turn_back)
+            is_kept[shapely.get_coordinates(few, include_z=True)[:, 2].astype(int)] = True
     return np.asarray(path[is_kept])

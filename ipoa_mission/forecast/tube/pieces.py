@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ipoa_mission.forecast.timing.track import Track
@@ -58,5 +57,13 @@ def _bends(track: Track) -> tuple[Vector, Vector]:
     gains = [np.convolve(np.gradient(speed, LOOK_EVERY_S), mean, "same") for speed in speeds]
     cross = np.abs(speeds[0] * gains[1] - speeds[1] * gains[0])
     across = cross / np.maximum(np.hypot(*speeds), 0.5)
-    reach = round(BEND_REACH_S / LOOK_EVERY_S)
-    return looks, sliding_window_view(np.pad(across, reach), 2 * reach + 1).max(axis=1)
+    return looks, _greatest_near(across, round(BEND_REACH_S / LOOK_EVERY_S))
+
+
+def _greatest_near(values: Vector, reach: int) -> Vector:
+    """The greatest of each value (n,), none of them negative, and `reach` more on either side of it."""
+    greatest, seen, asked = np.pad(values, reach), 1, 2 * reach + 1
+    while seen < asked:  # of twice as many each time
+        more = min(seen, asked - seen)
+        greatest, seen = np.maximum(greatest[:-more], greatest[more:]), seen + more
+    return greatest

@@ -29,8 +29,10 @@ def corner_speed(at: Trajectory, goal: Enu, beyond: Enu, order: Order, limits: P
     to_east, to_north = goal.east - at.east.place, goal.north - at.north.place
     on_east, on_north = beyond.east - goal.east, beyond.north - goal.north
     distance = math.sqrt(to_east * to_east + to_north * to_north)
-    onward = math.sqrt(on_east * on_east + on_north * on_north)
     accel, jerk, leave = limits.accel, limits.jerk, 0.0
+    if speed_to(distance, leave, accel, jerk) >= order.cruise:  # whatever the corner is like: it is still far
+        return order.cruise
+    onward = math.sqrt(on_east * on_east + on_north * on_north)
     if onward > 0.001 and onward >= order.radius:
         cosine = 0.0 if distance < 1e-9 else -(to_east * on_east + to_north * on_north) / (distance * onward)
         turn = math.sqrt(limits.corner_gain * accel * order.radius * half_tangent(cosine))
