@@ -25,13 +25,14 @@ from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.assembly import assemble_survey
 from ipoa_mission.survey.laying import lay_lines, leg_times, way_over
 from ipoa_mission.survey.sight import Sight
-from ipoa_mission.survey.split import fewest_parts, parts_of_equal_length
+from ipoa_mission.survey.split import fewest_parts, part_of, parts_of_equal_length
 from ipoa_mission.survey.starting import Toll, by_start, nearest_areas, nearest_parts, quickest_parts
 from ipoa_mission.survey.tour import Sortie, Swath, Tour
 from ipoa_mission.vehicles.energy.flight import NotEnoughBattery
 
 FEW = 3  # start places of which every set is looked at
 MANY = 10  # of which no set but all of them is
+PERHAPS = 1.5  # times as many lines as a flight seems to fly are tried at once
 NEVER = Toll(np.inf, np.inf)
 BARELY = float(np.nextafter(1.0, 2.0))
 
@@ -172,13 +173,27 @@ def parts_of(tours: Sequence[Tour], make: FlightMaker, section: SurveySection) -
             raise BadInput(f"survey.flights: expected at most one for each of {len(tour.swaths)} lines")
         return tour, tuple(map(Sortie, parts_of_equal_length(tour, section.flights)))
 
-    if make.fits(tour):
+    about = _lines_at_once(tour, make)
+    if len(tour.swaths) <= PERHAPS * about and make.fits(tour):
         return tour, (Sortie(tour),)
-    guess = make.most_lines if make.scenario.vehicle.battery is None else 1
-    parts = fewest_parts(tour, make.fits, make.again, guess)
+    parts = fewest_parts(tour, make.fits, make.again, max(int(about), 1))
     if isinstance(parts, Swath):
         raise _unreached(parts, "and home")
     return tour, tuple(map(Sortie, parts))
+
+
+def _lines_at_once(tour: Tour, make: FlightMaker) -> float:
+    """About how many lines of a tour one flight flies, by what the first of them takes alone."""
+    if make.scenario.vehicle.battery is None or len(tour.swaths) == 1:
+        return make.most_lines
+    try:
+        alone = make.tried(Sortie(part_of(tour, 0, 1)))
+    except (NoPath, NoRoute):  # from its end no way may lead home, and from that of another line one may
+        return make.most_lines
+    if not 0.0 < alone.share <= 1.0:
+        return 1.0 if alone.share else make.most_lines
+    on_a_line = leg_times(make.scenario, make.sight).seconds(tour.path) / len(tour.swaths)
+    return min(1.0 + (1.0 / alone.share - 1.0) * alone.seconds / on_a_line, make.most_lines)
 
 
 def _from_starts(tours: Sequence[Tour], make: FlightMaker, starts: Points) -> tuple[Tour, tuple[Sortie, ...]]:

@@ -24,6 +24,7 @@ from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Tour
 
 MOST_LINES = 3000  # in one survey: to put them in order takes room for the ways from each to each other
+MOST_HOURS = 200  # of flight in one survey: an hour takes up to 0.2 s and 9 MB, and nobody plans a week in one go
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,15 +100,17 @@ def lay_lines(
     which nobody knows yet which, they begin anywhere.
 
     Raises:
-        BadInput: it would take more lines than can be put in order.
+        BadInput: it would take more lines than can be put in order, or more hours than can be planned.
         NoPath: they leave nothing.
     """
-    if area.without(outside).is_empty:
+    free = area.without(outside)
+    if free.is_empty:
         raise NoPath(
             f"survey: obstacles and the clearance to them leave nothing of the area at {sight.least:g} m above ground",
             hint="fly higher (survey.height_above_ground), or with a smaller safety_distance",
         )
     _expect_lines(area, sight.spacing)
+    _expect_hours(float(free.area), sight.spacing, scenario.vehicle.cruise_speed)
     begin = np.array(section.entry or scenario.start_point[:2]) if at is None else at
     end = np.array(section.exit or scenario.goal_point[:2]) if at is None else at
     is_anywhere = section.starts is not None and at is None
@@ -136,6 +139,16 @@ def _expect_lines(area: Area, spacing: float) -> None:
         raise BadInput(
             f"survey: expected at most {MOST_LINES} lines, not {least:.0f} or more, {spacing:g} m apart",
             hint="with lines farther apart (survey.line_spacing, or a camera from higher), or in several surveys",
+        )
+
+
+def _expect_hours(seen_m2: float, spacing: float, speed: float) -> None:
+    length = seen_m2 / spacing  # no lines that see all of it are shorter
+    if (hours := length / speed / 3600.0) > MOST_HOURS:
+        raise BadInput(
+            f"survey: expected at most {MOST_HOURS} h of flight, not {hours:.0f} h or more: "
+            f"{length / 1000.0:.0f} km of lines at {speed:g} m/s",
+            hint="in several surveys, or with lines farther apart (survey.line_spacing, or a camera from higher)",
         )
 
 

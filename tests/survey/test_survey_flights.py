@@ -357,9 +357,13 @@ def test_with_planned_returns_an_rtl_that_would_come_too_late_makes_more_flights
             "survey: expected at most 3000 lines, not 12000 or more, 2 m apart",
         ),
         ({"line": [[0.0, 0.0], [9e3, 0.0]], "width": 5e3, "line_spacing": 0.5}, "survey: expected at most 3000 lines"),
+        (
+            {"polygon": [[0.0, 0.0], [19e3, 0.0], [19e3, 8e4], [0.0, 8e4]]},
+            "survey: expected at most 200 h of flight, not 2639 h or more: 76000 km of lines at 8 m/s",
+        ),
     ],
 )
-def test_more_than_can_be_put_in_order_is_refused_at_once(survey: dict[str, Any], words: str) -> None:
+def test_more_than_can_be_planned_is_refused_at_once(survey: dict[str, Any], words: str) -> None:
     with pytest.raises(BadInput, match=words):
         plan_survey(scenario=scenario({"line_spacing": 20.0, "height_above_ground": 40.0} | survey))
 
