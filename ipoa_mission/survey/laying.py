@@ -24,7 +24,7 @@ from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Tour
 
 MOST_LINES = 3000  # in one survey: to put them in order takes room for the ways from each to each other
-MOST_HOURS = 200  # of flight in one survey: an hour takes up to 0.2 s and 9 MB, and nobody plans a week in one go
+MOST_HOURS = 100  # of flight in one survey: to plan it takes a gigabyte or two, and nobody flies for so long in one go
 
 
 @dataclass(frozen=True, eq=False)

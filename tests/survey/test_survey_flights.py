@@ -359,7 +359,7 @@ def test_with_planned_returns_an_rtl_that_would_come_too_late_makes_more_flights
         ({"line": [[0.0, 0.0], [9e3, 0.0]], "width": 5e3, "line_spacing": 0.5}, "survey: expected at most 3000 lines"),
         (
             {"polygon": [[0.0, 0.0], [19e3, 0.0], [19e3, 8e4], [0.0, 8e4]]},
-            "survey: expected at most 200 h of flight, not 2639 h or more: 76000 km of lines at 8 m/s",
+            "survey: expected at most 100 h of flight, not 2639 h or more: 76000 km of lines at 8 m/s",
         ),
     ],
 )
