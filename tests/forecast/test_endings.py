@@ -18,9 +18,10 @@ from ipoa_mission.cli.app import app
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.endings import LOOKED_AT, EndingRow, Endings, endings_of
 from ipoa_mission.forecast.grades import Grade
-from ipoa_mission.forecast.looks import SEEN
+from ipoa_mission.forecast.looks import SEEN, EndingWays
 from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import FenceCircle, Item
+from ipoa_mission.vehicles.arducopter.braking import Shaping
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.version import Version
@@ -298,3 +299,23 @@ def test_a_row_says_in_words_what_is_in_the_way_and_where_it_leads(changed: dict
 def test_endings_depend_on_a_world() -> None:
     ended = CliRunner().invoke(app, ["check", str(MISSIONS / "sitl.plan"), "--endings"])
     assert isinstance(ended.exception, BadInput)
+
+
+@pytest.mark.parametrize("ending", [Ending.RTL, Ending.LAND])
+def test_looks_at_a_few_times_at_once_are_those_at_all(
+    sitl: Endings, ending: Ending, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    times = np.linspace(*sitl.ways.in_air, 50)
+    whole = sitl.ways.at(ending, times)
+    monkeypatch.setattr("ipoa_mission.forecast.looks.AT_ONCE", 7)
+    parts = EndingWays(sitl.forecast).at(ending, times)
+    for name in ("times", "ways", "taken", "near", "which", "spare"):
+        assert np.array_equal(getattr(parts, name), getattr(whole, name))
+
+
+def test_many_are_braked_as_each_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    random = np.random.default_rng(3)
+    velocity, accel = 8.0 * random.normal(size=(10, 2)), random.normal(size=(10, 2))
+    alone = [Shaping(2.5, 5.0).way(velocity[n : n + 1], accel[n : n + 1]) for n in range(10)]
+    monkeypatch.setattr("ipoa_mission.vehicles.arducopter.braking.AT_ONCE", 4)
+    assert np.array_equal(Shaping(2.5, 5.0).way(velocity, accel), np.vstack(alone))

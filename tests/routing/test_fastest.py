@@ -155,6 +155,17 @@ def test_a_thinned_path_keeps_its_bends_from_above_and_from_the_side() -> None:
     assert np.linalg.norm(ends + share * ways - path, axis=2).min(axis=0).max() < 0.08
 
 
+@pytest.mark.parametrize("legs", [1, 2, 3, 4, 5])
+def test_a_thinned_path_that_climbs_to_and_fro_over_itself_is_not_folded(legs: int) -> None:
+    """From above it is one line, and from the side too."""
+    along = np.linspace(0.0, legs, 100 * legs + 1)
+    path = np.column_stack([50.0 * np.abs((along + 1.0) % 2.0 - 1.0), np.zeros(len(along)), 10.0 * along])
+    few = thinned(path)
+    ends, ways = few[:-1, None], np.diff(few, axis=0)[:, None]
+    share = np.clip(((path - ends) * ways).sum(axis=2) / (ways**2).sum(axis=2), 0, 1)[..., None]
+    assert np.linalg.norm(ends + share * ways - path, axis=2).min(axis=0).max() < 0.04
+
+
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.PX4))
 def test_a_way_to_a_via_point_and_back_is_flown(autopilot: Autopilot) -> None:
     """Out 60 m and back to 3 m beside the start: all of the short cut lies within the tolerance of the curve."""

@@ -4,12 +4,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.world.ground import EARTH_RADIUS
 
 AT_ONCE = 20_000  # so many points are thinned at once: a line takes many times the room of its points
 SAME_S = 1e-9  # samples that are not farther apart are of one moment [s]
+SAME_PLACE = 1e-12  # the square of the length of a leg that has none [m^2]
+BOTH = 1.5  # times as far as it may be in one view it may be in both of them
 STRAY = 0.02  # how far a thinned path may be from the predicted one [m]
 
 
@@ -72,8 +75,25 @@ def thinned(path: Points, stray: float = STRAY) -> Points:
         some = slice(first, first + AT_ONCE + 1)
         numbers = np.arange(len(path))[some]
         above, aside = path[some, :2], np.column_stack([traveled[some], path[some, 2]])
-        for view, may_turn_back in ((above, True), (aside, False)):  # where it does it must not be folded
+        for view in (above, aside):
             numbered = shapely.linestrings(np.column_stack([view, numbers]))
-            few = shapely.simplify(numbered, stray, preserve_topology=may_turn_back)
+            few = shapely.simplify(numbered, stray, preserve_topology=False)  # of which is seen below
             is_kept[shapely.get_coordinates(few, include_z=True)[:, 2].astype(int)] = True
+        is_kept[some] |= _folded(path[some], np.flatnonzero(is_kept[some]), BOTH * stray)
     return np.asarray(path[is_kept])
+
+
+def _folded(path: Points, kept: NDArray[np.intp], most: float) -> NDArray[np.bool_]:
+    """What of a path (n, 3) lies between two kept points whose leg passes a point between them farther away [m].
+
+    So does a way that climbs to and fro over itself: from above and from the side all of it is one leg.
+    """
+    gap = np.clip(np.searchsorted(kept, np.arange(len(path)), "right") - 1, 0, len(kept) - 2)
+    begins, ways = path[kept], np.diff(path[kept], axis=0)
+    lengths = np.maximum((ways**2).sum(axis=1), SAME_PLACE)
+    beside = path - begins[gap]
+    share = np.clip((beside * ways[gap]).sum(axis=1) / lengths[gap], 0.0, 1.0)
+    beside -= share[:, None] * ways[gap]
+    far = np.zeros(len(ways), dtype=bool)
+    far[gap[np.linalg.norm(beside, axis=1) > most]] = True
+    return np.asarray(far[gap])
