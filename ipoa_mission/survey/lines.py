@@ -12,6 +12,7 @@ from ipoa_mission.geometry import Points, Vector
 SHORT = 0.25  # a piece of a line shorter than this share of the spacing is left to what closes gaps
 ARC = 8  # segments of a quarter of a circle, around what is seen
 EVEN = 1e-6  # of a spacing: what is less than this too wide for a line less is not
+SEAM, GRID = 1e-4, 1e-6  # [m]
 TRIED = 5  # places of an extra line
 
 
@@ -63,9 +64,16 @@ def cut(edges: Points, grid: LineAxes, at: Vector) -> Points:
     return grid.back(pairs.reshape(-1, 2)).reshape(-1, 2, 2)
 
 
-def seen_from(lines: Any, width: float) -> Any:
-    """What is seen from lines (n, 2, 2), or from nothing."""
-    return shapely.union_all(shapely.buffer(shapely.linestrings(lines), width / 2, quad_segs=ARC))
+def seen_from(lines: Any, width: float, arc: int = ARC, seam: float = SEAM) -> Any:
+    """What is seen from lines (n, 2, 2), or from nothing: within half the width and, that lines meet, a seam."""
+    drawn = shapely.linestrings(lines)
+    around = shapely.buffer(drawn, width / 2 + seam, quad_segs=arc)
+    seen = shapely.union_all(around)
+    shapely.prepare(seen)
+    middles = shapely.line_interpolate_point(drawn, 0.5, normalized=True)
+    if not shapely.intersects(seen, middles).all():  # GEOS may lose what just meets, but for on a grid, which is slow
+        return shapely.union_all(around, grid_size=GRID)
+    return seen
 
 
 def parts_of(gaps: Any) -> list[Any]:
@@ -82,7 +90,7 @@ def line_over(gap: Any, inner: Any, width: float) -> Points | None:
     lengths = np.linalg.norm(sides, axis=1)
     along = sides[int(lengths.argmax())] / lengths.max()
     grid = LineAxes(along, np.array([-along[1], along[0]]))
-    places = grid.turned(shapely.get_coordinates(shapely.segmentize(gap.exterior, width / 4)))
+    places = grid.turned(shapely.get_coordinates(shapely.segmentize(gap.boundary, width / 4)))
     (west, south), (east, north) = places.min(axis=0), places.max(axis=0)
     low, high = sorted((north - width / 2, south + width / 2))
     best, most = None, 0
