@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.survey.area import ARC, Area
-from ipoa_mission.survey.lines import seen_from
+from ipoa_mission.survey.lines import union_along
 from ipoa_mission.survey.tour import Tour
 
 STEP, MOST = 0.1, 20_000  # between places at which it is looked how far a path strays [m], and how many at most
@@ -50,7 +50,7 @@ def coverage(area: Area, tour: Tour, width: float, keep_out: Any = None) -> Cove
     """
     can = area.visible(keep_out, width)
     lines = np.array([[swath.begin, swath.end] for swath in tour.swaths]).reshape(-1, 2, 2)
-    seen = area.shape.intersection(seen_from(lines, width, ARC, 0.0))
+    seen = area.shape.intersection(union_along(shapely.linestrings(lines), width / 2, ARC))
     gaps = can.difference(seen)
     whole = float(can.area)
     share = 1.0 if whole <= 0.0 else 1.0 - float(gaps.area) / whole

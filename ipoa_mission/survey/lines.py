@@ -64,16 +64,20 @@ def cut(edges: Points, grid: LineAxes, at: Vector) -> Points:
     return grid.back(pairs.reshape(-1, 2)).reshape(-1, 2, 2)
 
 
-def seen_from(lines: Any, width: float, arc: int = ARC, seam: float = SEAM) -> Any:
-    """What is seen from lines (n, 2, 2), or from nothing: within half the width and, that lines meet, a seam."""
-    drawn = shapely.linestrings(lines)
-    around = shapely.buffer(drawn, width / 2 + seam, quad_segs=arc)
-    seen = shapely.union_all(around)
-    shapely.prepare(seen)
+def seen_from(lines: Any, width: float) -> Any:
+    """What is seen from lines (n, 2, 2), or from nothing; nothing is left between two that just meet."""
+    return union_along(shapely.linestrings(lines), width / 2 + SEAM, ARC)
+
+
+def union_along(drawn: Any, away: float, arc: int) -> Any:
+    """What lies so near to lines (n,) of shapely, their ends rounded by so many segments for a quarter of a circle."""
+    around = shapely.buffer(drawn, away, quad_segs=arc)
+    whole = shapely.union_all(around)
+    shapely.prepare(whole)
     middles = shapely.line_interpolate_point(drawn, 0.5, normalized=True)
-    if not shapely.intersects(seen, middles).all():  # GEOS may lose what just meets, but for on a grid, which is slow
+    if not shapely.intersects(whole, middles).all():  # GEOS may lose what just meets, but for on a grid, which is slow
         return shapely.union_all(around, grid_size=GRID)
-    return seen
+    return whole
 
 
 def parts_of(gaps: Any) -> list[Any]:
