@@ -23,9 +23,9 @@ from ipoa_mission.survey.tour import Swath, Tour
 #: Of the lines, clockwise from north [degrees]; several: one pass in each; crosshatch: the best one and the one across.
 Direction: TypeAlias = Literal["best", "crosshatch"] | float | Sequence[float]
 
-BUILT = 8  # directions and shifts of which the lines are laid out, of all that are looked at
+BUILT = 20  # directions and shifts of which the lines are laid out and put in order, of all that are looked at
 BUILT_WHOLE = 4  # of an area without holes
-WORKED_OUT = 800  # lines of all that are worked out
+WORKED_OUT = 800  # lines of all of them
 REFINED = 2  # times what closes gaps is put in order with the lines
 SURELY = 0.5  # of the least that it took to see all that others left unseen: each needs that, too
 LARGE, LONG = 0.2, 4.0  # a gap of such an area, of such an outline, by the spacing, gets a line before all is ordered
@@ -171,10 +171,12 @@ class _Survey:
     def quickest(self, degrees: list[float], begin: Vector | None, end: Vector | None) -> _Pass:
         """The quickest pass in one of some directions; of those that promise the most all is worked out."""
         looked = sorted((self._rough(each, shift), each, shift) for each in degrees for shift in SHIFTS)
-        built = BUILT if self._is_holed else BUILT_WHOLE
-        laid = [(each, self._laid(each, shift)) for _, each, shift in looked[:built]]
-        count = int(max(1, min(built, WORKED_OUT / max(len(lines) for _, lines in laid))))
-        ordered = sorted((self._ordered(*one, begin, end) for one in laid[:count]), key=lambda one: one.seconds)
+        laid, lines = list[tuple[float, Points]](), 0
+        for _, each, shift in looked[: BUILT if self._is_holed else BUILT_WHOLE]:
+            if not laid or lines + len(laid[-1][1]) <= WORKED_OUT:
+                laid.append((each, self._laid(each, shift)))
+                lines += len(laid[-1][1])
+        ordered = sorted((self._ordered(*one, begin, end) for one in laid), key=lambda one: one.seconds)
         best = min(
             (self._closed(ordered[0], once, begin, end) for once in sorted({False, self._is_holed})),
             key=lambda one: one.worth,
