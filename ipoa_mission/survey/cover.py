@@ -15,7 +15,7 @@ from ipoa_mission.survey._kernels import NO_WAY, search_order
 from ipoa_mission.survey.area import ARC, Area
 from ipoa_mission.survey.free import FreeSpace, Ways
 from ipoa_mission.survey.gaps import LEFT, Closing, SensedPath
-from ipoa_mission.survey.lines import EVEN, SHORT, LineAxes, cut, heights, line_over, parts_of, seen_from
+from ipoa_mission.survey.lines import SHORT, LineAxes, cut, heights, line_over, parts_of, seen_from
 from ipoa_mission.survey.outline import narrower, wider
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Swath, Tour
@@ -34,6 +34,7 @@ MOST_LOOKED_AT = 36
 ALIKE_DEG = 1.0  # directions nearer to each other are one
 SHIFTS = (0.0, -1.0, 1.0, -0.5, 0.5)
 ROUNDS, STEPS = 1000, 1e6  # of the search that find nothing better, and so many for the square of the number of lines
+RIM = 0.25  # of what may stay unseen: so much a rim may cost, into which no lines lead
 SIMPLER = 0.03  # of the spacing: by so much what is kept out of may grow, to have fewer corners
 EDGES, EDGES_M = 0.03, 0.1  # of the spacing, and at most: how far rounded edges of the area are kept off, to have fewer
 
@@ -145,7 +146,7 @@ class _Survey:
     @classmethod
     def of(cls, area: Area, spacing: float, keep_out: Any, turns_outside: float, cost: LegTimes) -> "_Survey":
         kept = shapely.Polygon() if keep_out is None else _simpler(keep_out, area.shape, spacing)
-        free = FreeSpace.of(_where_lines_go(area.shape, spacing).difference(kept))
+        free = FreeSpace.of(_where_lines_go(area.shape, spacing, cost.past_corners).difference(kept))
         if free.inner.is_empty:
             raise MissionError("survey: nothing of the area may be flown over", hint="it lies in what is kept out of")
         holes = shapely.union_all([shapely.Polygon(ring) for part in area.shape.geoms for ring in part.interiors])
@@ -315,12 +316,20 @@ def _simpler(kept: Any, area: Any, spacing: float) -> Any:
     return wider(kept, most)
 
 
-def _where_lines_go(area: Any, spacing: float) -> Any:
-    """The area with fewer corners, where that leaves no part of it out of sight."""
-    simple = narrower(area, min(EDGES * spacing, EDGES_M))
-    hidden = area.difference(simple.buffer(spacing / 2, quad_segs=ARC)).area
-    is_whole = len(shapely.get_parts(simple)) == len(shapely.get_parts(area)) and hidden <= EVEN * area.area
-    return simple if is_whole else area
+def _where_lines_go(area: Any, spacing: float, past: float) -> Any:
+    """The area with fewer corners, without the rim into which vehicles fly past corners.
+
+    Only where all of it can be seen from there; round holes there is no such rim, as it takes many lines more.
+    """
+    outlines = shapely.union_all([shapely.Polygon(part.exterior) for part in area.geoms])
+    rim = min(past, (RIM * LEFT * spacing**2 * math.sqrt(area.area)) ** (1 / 3))  # as what the ends of lines miss grows
+    for share in (1.0, 0.5, 0.0):
+        inside = outlines.buffer(-share * rim, join_style="mitre").intersection(area)
+        simple = narrower(inside, min(EDGES * spacing, EDGES_M))
+        hidden = area.difference(simple.buffer(spacing / 2, quad_segs=ARC)).area
+        if len(shapely.get_parts(simple)) == len(shapely.get_parts(area)) and hidden <= LEFT / 10 * area.area:
+            return simple
+    return area
 
 
 def _route(entries: Any, ways: Ways) -> SensedPath:

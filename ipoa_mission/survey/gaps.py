@@ -66,16 +66,19 @@ class Closing:
     cost: LegTimes
 
     def gaps(self, route: SensedPath) -> Any:
-        """What the route leaves unseen, the ways that see some of that switched on."""
+        """What the route leaves unseen; where that is too much, ways that see some of it are switched on."""
         gaps = self.area.difference(seen_from(route.legs(True), self.width))
+        too_much = gaps.area - LEFT * self.area.area
         off = [n for n, on in enumerate(route.is_on) if not on]
-        if gaps.is_empty or not off:
+        if too_much <= 0.0 or not off:
             return gaps
         around = shapely.buffer(shapely.linestrings(route.legs(False)), self.width / 2, quad_segs=ARC)
         shapely.prepare(gaps)
         touched = np.flatnonzero(shapely.intersects(gaps, around))
         seen = shapely.area(shapely.intersection(around[touched], gaps))
-        chosen = touched[seen > SEES * self.width**2]
+        order = np.argsort(-seen, kind="stable")
+        needed = (np.cumsum(seen[order]) - seen[order] < too_much) & (seen[order] > SEES * self.width**2)
+        chosen = touched[order[needed]]
         for n in chosen:
             route.is_on[off[n]] = True
         return gaps.difference(shapely.union_all(around[chosen])) if len(chosen) else gaps

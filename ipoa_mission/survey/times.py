@@ -38,6 +38,7 @@ class LegTimes:
     Attributes:
         speed: that is asked for [m/s].
         clock: the same as the kernels take it.
+        past_corners: how far it flies past a corner of 90 degrees [m].
 
     Example:
         >>> from ipoa_mission.vehicles.autopilot import default_autopilot
@@ -50,6 +51,7 @@ class LegTimes:
 
     speed: float
     clock: Clock
+    past_corners: float
 
     @classmethod
     def of(cls, mission: Mission, speed: float, height: float = 30.0, wind: Wind = CALM) -> "LegTimes":
@@ -69,11 +71,12 @@ class LegTimes:
         long = LONG * to_speed * speed
         pace = _paces(mission, speed, height, wind, long)
         stretches = _stretches(SHORT_S * speed, long)
-        costs = np.maximum(_corners(mission, speed, height, wind, stretches, pace), 0.0)
+        costs, past = _corners(mission, speed, height, wind, stretches, pace)
         alone, pairs = costs[: len(ANGLES) - 1], costs[len(ANGLES) - 1 :].reshape(-1, len(SHORT_S)) / 2
         sharp = np.repeat(pairs[-1:], len(ANGLES) - len(pairs), axis=0)
         corner = np.column_stack([np.concatenate([pairs, sharp]), [0.0, *alone]])
-        return cls(speed, Clock(pace, np.ascontiguousarray(corner), float(SHORT_S[0]) * speed, math.log(RATIO)))
+        clock = Clock(pace, np.ascontiguousarray(corner), float(SHORT_S[0]) * speed, math.log(RATIO))
+        return cls(speed, clock, float(past[-len(SHORT_S) :].max()))
 
     def seconds(self, path: Points) -> float:
         """How long a polyline (n, 2) takes, corners counted, at speed where it begins and ends [s]."""
@@ -101,8 +104,11 @@ def _stretches(lengths: Vector, long: float) -> list[Stretch]:
 
 def _corners(
     mission: Mission, speed: float, height: float, wind: Wind, stretches: list[Stretch], pace: Vector
-) -> Vector:
-    """What each stretch takes beyond its length over the speed (n,) [s]; all are flown in one go."""
+) -> tuple[Vector, Vector]:
+    """What each stretch takes beyond its length over the speed (n,) [s], how far it leads past its first corner [m].
+
+    All are flown in one go.
+    """
     first, last = stretches[0][0], stretches[-1][-1]
     lead = [first] * 3  # to be at speed before the first one
     path = _polyline(*np.array([*lead, *chain(*stretches), last]).T)
@@ -113,7 +119,11 @@ def _corners(
     passed = [_passing(track, path[at], corners[n], done[n : n + 2]) for at, n in zip(ends, middles, strict=True)]
     clock = Clock(pace, np.zeros((2, 2)), 1.0, 1.0)
     alone = [path_seconds(clock, np.ascontiguousarray(path[a : b + 1])) for a, b in pairwise(ends)]
-    return np.asarray(np.diff(passed) - alone)
+    legs = np.array([path[at + 1] - path[at] for at in ends[:-1]])
+    ahead = legs / np.linalg.norm(legs, axis=1, keepdims=True)
+    ways = [track.between(*times).points[:, :2] for times in pairwise(passed)]
+    past = [((way - path[at + 1]) @ along).max() for way, at, along in zip(ways, ends[:-1], ahead, strict=True)]
+    return np.maximum(np.diff(passed) - alone, 0.0), np.maximum(past, 0.0)
 
 
 def _passing(track: Track, place: Vector, start: Vector, between: Vector) -> float:

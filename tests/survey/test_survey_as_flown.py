@@ -9,7 +9,7 @@ import shapely
 from ipoa_mission.flight.survey import plan_survey, survey_as_json
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points
-from ipoa_mission.survey.flown import as_flown
+from ipoa_mission.survey.flown import as_flown, expected_lines
 from ipoa_mission.survey.plan import rest_of
 from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.survey.test_survey_flights import LINES, TOWER, scenario
@@ -54,8 +54,21 @@ def test_a_flight_cuts_corners_and_flies_past_them(autopilot: Autopilot) -> None
     ]
     assert 0.95 < plan.flown.share < plan.coverage.share
     assert plan.flown.share == pytest.approx(sampled_share(whole, plan.area.shape, 5.0), abs=6e-3)
-    assert 0.1 < plan.flown.outside_m < 5.0
     assert survey_as_json(plan, ("a", "b"))["as_flown"]["covered_share"] == pytest.approx(plan.flown.share, abs=1e-6)
+
+
+@pytest.mark.parametrize("autopilot", [Autopilot.PX4, Autopilot.ARDUPILOT])
+def test_what_flies_past_corners_stays_in_the_outline(autopilot: Autopilot) -> None:
+    """Where lines are far enough apart that they may end before it."""
+    plan = plan_survey(scenario=scenario(LINES, autopilot)).plan
+    track, ends = expected_lines(plan.flights[0].forecast, plan.tour, plan.scenario.frame)
+    way = track.between(ends[0, 0], ends[-1, 1]).points
+    assert shapely.covers(plan.area.shape, shapely.points(way[:, :2])).all()
+    corners = np.array([swath.end for swath in plan.tour.swaths])
+    assert shapely.distance(plan.area.shape.boundary, shapely.points(corners)).min() > 0.2
+    assert plan.flown is not None
+    assert plan.flown.outside_m == 0.0
+    assert plan.coverage.share >= 0.999
 
 
 def test_flights_from_start_places_see_the_same_area() -> None:
