@@ -143,13 +143,17 @@ def describe(survey: "Survey") -> list[str]:
     firmware = first.autopilot.checked_for(first.firmware_version)
     heights = f"{sight.least:.1f}" + (f" to {sight.least + sight.band:.1f}" if sight.band else "")
     photos = "" if sight.trigger is None else f", {plan.photos} photos, one each {sight.trigger:.1f} m or less"
-    share = down(100 * seen.share)
     inside = "nothing outside" if seen.outside_m < 0.005 else f"up to {seen.outside_m:.1f} m outside"
+    told = [f"{down(100 * seen.share):.2f} % of what can be seen of {plan.area.shape.area / 1e4:.2f} ha is; {inside}"]
+    if flown := plan.flown:
+        told.append(
+            f"as flown, with corners cut and passed: {down(100 * flown.share):.2f} %, {flown.outside_m:.1f} m outside"
+        )
     overlaps = [f"photos overlap by {plan.overlaps} at least"] if str(plan.overlaps or "") else []
     return [
         f"{survey.name}: {len(plan.tour.swaths)} lines {sight.spacing:.1f} m apart, {heights} m above ground, "
         f"for {firmware}{photos}",
-        f"{share:.2f} % of what can be seen of {plan.area.shape.area / 1e4:.2f} ha is; {inside}",
+        *told,
         *overlaps,
         f"estimated {survey.total_s:.1f} s in {len(survey.flights)} flight{'s' if len(survey.flights) > 1 else ''}",
         *notes(survey.remarks),

@@ -136,12 +136,13 @@ class Survey:
 
 def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
     """What a survey comes to, for machines."""
-    seen, sight = plan.coverage, plan.sight
+    seen, sight, flown = plan.coverage, plan.sight, plan.flown
     return {
         "lines": len(plan.tour.swaths),
         "covered_share": rounded(seen.share),
         "seen_m2": rounded(seen.seen_m2),
         "outside_m": rounded(seen.outside_m),
+        "as_flown": flown and {"covered_share": rounded(flown.share), "outside_m": rounded(flown.outside_m)},
         "photos": plan.photos,
         "line_spacing_m": rounded(sight.spacing),
         "trigger_distance_m": None if sight.trigger is None else rounded(sight.trigger),

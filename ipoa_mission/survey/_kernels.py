@@ -13,6 +13,8 @@ from ipoa_mission.compiled import njit
 
 NO_WAY = 1e9  # [s]
 DIRECT, NONE = -1, -2
+BESIDE = 0.05  # [m]
+BOXED = 8  # edges, one after the other, that are looked at together first
 
 
 @njit(cache=True, error_model="numpy")
@@ -58,58 +60,120 @@ def path_seconds(clock, path):
 
 
 @njit(cache=True, error_model="numpy")
-def _is_clear(edges, px, py, qx, qy):
+def _boxes(edges):
+    """What each `BOXED` edges (m, 4), one after the other, lie in: west, east, south, north (k, 4)."""
+    boxes = np.empty(((len(edges) + BOXED - 1) // BOXED, 4))
+    for box in range(len(boxes)):
+        boxes[box] = np.inf, -np.inf, np.inf, -np.inf
+        for k in range(box * BOXED, min((box + 1) * BOXED, len(edges))):
+            boxes[box, 0] = min(boxes[box, 0], edges[k, 0], edges[k, 2])
+            boxes[box, 1] = max(boxes[box, 1], edges[k, 0], edges[k, 2])
+            boxes[box, 2] = min(boxes[box, 2], edges[k, 1], edges[k, 3])
+            boxes[box, 3] = max(boxes[box, 3], edges[k, 1], edges[k, 3])
+    return boxes
+
+
+@njit(cache=True, error_model="numpy")
+def _is_clear(edges, boxes, px, py, qx, qy):
     """Whether a segment crosses no edge (m, 4); one that just touches an edge's begin counts as crossing."""
     west, east, south, north = min(px, qx), max(px, qx), min(py, qy), max(py, qy)
-    for k in range(len(edges)):
-        ax, ay, bx, by = edges[k, 0], edges[k, 1], edges[k, 2], edges[k, 3]
-        if max(ax, bx) < west or min(ax, bx) > east or max(ay, by) < south or min(ay, by) > north:
+    for box in range(len(boxes)):
+        if boxes[box, 1] < west or boxes[box, 0] > east or boxes[box, 3] < south or boxes[box, 2] > north:
             continue
-        a = (qx - px) * (ay - py) - (qy - py) * (ax - px)
-        b = (qx - px) * (by - py) - (qy - py) * (bx - px)
-        if (a >= 0.0) == (b >= 0.0):
-            continue
-        p = (bx - ax) * (py - ay) - (by - ay) * (px - ax)
-        q = (bx - ax) * (qy - ay) - (by - ay) * (qx - ax)
-        if (p > 0.0) != (q > 0.0):
-            return False
+        for k in range(box * BOXED, min((box + 1) * BOXED, len(edges))):
+            ax, ay, bx, by = edges[k, 0], edges[k, 1], edges[k, 2], edges[k, 3]
+            if max(ax, bx) < west or min(ax, bx) > east or max(ay, by) < south or min(ay, by) > north:
+                continue
+            a = (qx - px) * (ay - py) - (qy - py) * (ax - px)
+            b = (qx - px) * (by - py) - (qy - py) * (bx - px)
+            if (a >= 0.0) == (b >= 0.0):
+                continue
+            p = (bx - ax) * (py - ay) - (by - ay) * (px - ax)
+            q = (bx - ax) * (qy - ay) - (by - ay) * (qx - ax)
+            if (p > 0.0) != (q > 0.0):
+                return False
     return True
 
 
 @njit(cache=True, error_model="numpy")
 def sights(places, others, edges):
     """Which of the `others` (m, 2) each of the places (n, 2) sees past the edges, (n, m)."""
-    seen = np.empty((len(places), len(others)), np.bool_)
+    seen, boxes = np.empty((len(places), len(others)), np.bool_), _boxes(edges)
     for i in range(len(places)):
         for j in range(len(others)):
-            seen[i, j] = _is_clear(edges, places[i, 0], places[i, 1], others[j, 0], others[j, 1])
+            seen[i, j] = _is_clear(edges, boxes, places[i, 0], places[i, 1], others[j, 0], others[j, 1])
     return seen
 
 
 @njit(cache=True, error_model="numpy")
-def straight_ways(corners, edges):
-    """How far it is straight from each corner (n, 2) to each other (n, n) [m]; NO_WAY where an edge is between."""
+def _goes_by(arms, corner, east, north):
+    """Whether a way from so far away may touch a corner: what leads along its `arms` is on one side of the way.
+
+    Almost so is enough, as lines may end nearer to what is gone round than corners lie.
+    """
+    one = east * arms[corner, 1] - north * arms[corner, 0]
+    other = east * arms[corner, 3] - north * arms[corner, 2]
+    return one * other >= 0.0 or min(abs(one), abs(other)) <= BESIDE
+
+
+@njit(cache=True, error_model="numpy")
+def straight_ways(corners, arms, edges):
+    """How far it is straight from each corner (n, 2) to each other that a shortest way may go to from it (n, n) [m].
+
+    NO_WAY where an edge is between, or the way would not go by both; `arms` (n, 4) lead to the corners beside each.
+    """
     count = len(corners)
-    apart = np.empty((count, count))
+    apart, boxes = np.empty((count, count)), _boxes(edges)
     for i in range(count):
         apart[i, i] = NO_WAY
         for j in range(i):
-            away = NO_WAY
-            if _is_clear(edges, corners[i, 0], corners[i, 1], corners[j, 0], corners[j, 1]):
-                away = math.hypot(corners[i, 0] - corners[j, 0], corners[i, 1] - corners[j, 1])
+            away, e, n = NO_WAY, corners[j, 0] - corners[i, 0], corners[j, 1] - corners[i, 1]
+            is_way = _goes_by(arms, i, e, n) and _goes_by(arms, j, e, n)
+            if is_way and _is_clear(edges, boxes, corners[i, 0], corners[i, 1], corners[j, 0], corners[j, 1]):
+                away = math.hypot(e, n)
             apart[i, j] = apart[j, i] = away
     return apart
 
 
 @njit(cache=True, error_model="numpy")
-def _spread(start, ends, corners, near, between, bend, dist, prev):
+def _near(ends, corners, arms, edges):
+    """How far it is straight from each end (n, 2) to each corner (m, 2) by which ways go from there (n, m) [m]."""
+    away, boxes = np.empty((len(ends), len(corners))), _boxes(edges)
+    for i in range(len(ends)):
+        for c in range(len(corners)):
+            e, n = corners[c, 0] - ends[i, 0], corners[c, 1] - ends[i, 1]
+            is_way = _goes_by(arms, c, e, n)
+            is_way = is_way and _is_clear(edges, boxes, ends[i, 0], ends[i, 1], corners[c, 0], corners[c, 1])
+            away[i, c] = math.hypot(e, n) if is_way else NO_WAY
+    return away
+
+
+@njit(cache=True, error_model="numpy")
+def _lists(apart):
+    """Where less than NO_WAY stands in each row (n, m), one row after the other, and where each row's begin."""
+    begins = np.empty(len(apart) + 1, np.int32)
+    begins[0] = 0
+    for i in range(len(apart)):
+        begins[i + 1] = begins[i]
+        for c in range(apart.shape[1]):
+            begins[i + 1] += apart[i, c] < NO_WAY
+    found, k = np.empty(begins[-1], np.int32), 0
+    for i in range(len(apart)):
+        for c in range(apart.shape[1]):
+            if apart[i, c] < NO_WAY:
+                found[k] = c
+                k += 1
+    return begins, found
+
+
+@njit(cache=True, error_model="numpy")
+def _spread(start, near, between, begins, others, bend, dist, prev):
     """The shortest ways from one end to all corners, a bend counted as so long, and the corner before each."""
-    count = len(corners)
+    count = near.shape[1]
     done = np.empty(count, np.bool_)
     for c in range(count):
-        done[c], dist[c], prev[start, c] = False, NO_WAY, DIRECT
-        if near[start, c]:
-            dist[c] = bend + math.hypot(corners[c, 0] - ends[start, 0], corners[c, 1] - ends[start, 1])
+        done[c], prev[start, c] = False, DIRECT
+        dist[c] = bend + near[start, c] if near[start, c] < NO_WAY else NO_WAY
     for _ in range(count):
         here, least = -1, NO_WAY
         for c in range(count):
@@ -118,42 +182,42 @@ def _spread(start, ends, corners, near, between, bend, dist, prev):
         if here < 0:
             break
         done[here] = True
-        for c in range(count):
-            if not done[c] and between[here, c] < NO_WAY:
-                through = least + between[here, c] + bend
-                if through < dist[c]:
-                    dist[c], prev[start, c] = through, here
+        for k in range(begins[here], begins[here + 1]):
+            through = least + between[here, others[k]] + bend
+            if through < dist[others[k]]:
+                dist[others[k]], prev[start, others[k]] = through, here
 
 
 @njit(cache=True, error_model="numpy")
-def ways_between(clock, ends, corners, between, edges, bend):
+def ways_between(clock, ends, corners, arms, between, edges, bend):
     """How long the way takes from each end of a line to each other's (n, n) [s], corners at both ends counted.
 
     Returns the times, and to find the ways again: by which corner an end is reached at last (n, n), and by which one
     that corner was reached (n, corners); DIRECT where by none, NONE where no way was found.
     """
     count, many = len(ends), len(corners)
-    near = sights(ends, corners, edges)
+    near, boxes = _near(ends, corners, arms, edges), _boxes(edges)
+    begins, others = _lists(between)
+    first, beside = _lists(near)
     times, last = np.empty((count, count)), np.empty((count, count), np.int16)
     prev = np.empty((count, max(many, 1)), np.int16)
     dist = np.empty(max(many, 1))
     for i in range(count):
-        _spread(i, ends, corners, near, between, bend, dist, prev)
+        _spread(i, near, between, begins, others, bend, dist, prev)
         out_e, out_n = ends[i, 0] - ends[i ^ 1, 0], ends[i, 1] - ends[i ^ 1, 1]
         out = math.hypot(out_e, out_n)
         for j in range(count):
             times[i, j], last[i, j] = NO_WAY, NONE
             if i == j or j == i ^ 1:
                 continue
-            if _is_clear(edges, ends[i, 0], ends[i, 1], ends[j, 0], ends[j, 1]):
+            if _is_clear(edges, boxes, ends[i, 0], ends[i, 1], ends[j, 0], ends[j, 1]):
                 last[i, j] = DIRECT
             else:
                 least = NO_WAY
-                for c in range(many):
-                    if near[j, c] and dist[c] < least:
-                        through = dist[c] + math.hypot(corners[c, 0] - ends[j, 0], corners[c, 1] - ends[j, 1])
-                        if through < least:
-                            least, last[i, j] = through, c
+                for k in range(first[j], first[j + 1]):
+                    through = dist[beside[k]] + near[j, beside[k]]
+                    if through < least:
+                        least, last[i, j] = through, beside[k]
                 if last[i, j] == NONE:
                     continue
             # Backward from j: the line there, the corners one after the other, the line at i.

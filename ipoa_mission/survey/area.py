@@ -11,6 +11,8 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
 
 LEAST_M2 = 1e-3  # a ring that holds less has no area
+INSET = 0.02  # lines and ways keep so far inside, more than a mission's whole 1e-7 degrees are off [m]
+ARC = 64  # segments of a quarter of a circle
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +48,13 @@ class Area:
     def without(self, keep_out: Any | None) -> Any:
         """What of it may be flown over where a shapely geometry is kept out of, or nothing."""
         return self.shape if keep_out is None else self.shape.difference(keep_out)
+
+    def visible(self, keep_out: Any | None, width: float) -> Any:
+        """What of it lies within half a width of where lines may be: `INSET` away from what is kept out of."""
+        if keep_out is None:
+            return self.shape
+        inner = self.without(keep_out).buffer(-INSET, join_style="mitre")
+        return self.shape.intersection(inner.buffer(width / 2, quad_segs=ARC))
 
 
 def _polygon(rings: Sequence[Sequence[Sequence[float]] | Points], where: str) -> shapely.Polygon:

@@ -12,27 +12,31 @@ import shapely
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.survey._kernels import NO_WAY, search_order
-from ipoa_mission.survey.area import Area
+from ipoa_mission.survey.area import ARC, Area
 from ipoa_mission.survey.free import FreeSpace, Ways
 from ipoa_mission.survey.gaps import LEFT, Closing, SensedPath
 from ipoa_mission.survey.lines import SHORT, LineAxes, cut, heights, line_over, parts_of, seen_from
+from ipoa_mission.survey.outline import narrower, wider
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Swath, Tour
 
 #: Of the lines, clockwise from north [degrees]; several: one pass in each; crosshatch: the best one and the one across.
 Direction: TypeAlias = Literal["best", "crosshatch"] | float | Sequence[float]
 
-BUILT = 8  # directions and shifts of which the lines are laid out, of all that are looked at
+BUILT = 20  # directions and shifts of which the lines are laid out and put in order, of all that are looked at
 BUILT_WHOLE = 4  # of an area without holes
-WORKED_OUT = 800  # lines of all that are worked out
+WORKED_OUT = 800  # lines of all of them
 REFINED = 2  # times what closes gaps is put in order with the lines
-LARGE, LONG = 0.05, 2.5  # a gap of such an area, of such an outline, by the spacing, gets a line before all is ordered
+SURELY = 0.5  # of the least that it took to see all that others left unseen: each needs that, too
+LARGE, LONG = 0.2, 4.0  # a gap of such an area, of such an outline, by the spacing, gets a line before all is ordered
 LONG_LEG = 9e3  # [m]
 MOST_LOOKED_AT = 36
 ALIKE_DEG = 1.0  # directions nearer to each other are one
 SHIFTS = (0.0, -1.0, 1.0, -0.5, 0.5)
 ROUNDS, STEPS = 1000, 1e6  # of the search that find nothing better, and so many for the square of the number of lines
+RIM = 0.25  # of what may stay unseen: so much a rim may cost, into which no lines lead
 SIMPLER = 0.03  # of the spacing: by so much what is kept out of may grow, to have fewer corners
+EDGES, EDGES_M = 0.03, 0.1  # of the spacing, and at most: how far rounded edges of the area are kept off, to have fewer
 
 
 def quickest_tour(
@@ -120,6 +124,7 @@ class _Pass:
     seconds: float
     goals: list[Points]
     unseen: float
+    once: bool = False
 
     @property
     def worth(self) -> tuple[float, float]:
@@ -141,7 +146,7 @@ class _Survey:
     @classmethod
     def of(cls, area: Area, spacing: float, keep_out: Any, turns_outside: float, cost: LegTimes) -> "_Survey":
         kept = shapely.Polygon() if keep_out is None else _simpler(keep_out, area.shape, spacing)
-        free = FreeSpace.of(area.shape.difference(kept))
+        free = FreeSpace.of(_where_lines_go(area.shape, spacing, cost.past_corners).difference(kept))
         if free.inner.is_empty:
             raise MissionError("survey: nothing of the area may be flown over", hint="it lies in what is kept out of")
         holes = shapely.union_all([shapely.Polygon(ring) for part in area.shape.geoms for ring in part.interiors])
@@ -149,10 +154,7 @@ class _Survey:
         ways = FreeSpace.of(area.shape.buffer(turns_outside).difference(closed)) if turns_outside > 0 else free
         reach = 2 * spacing + max(np.ptp(np.array(area.shape.bounds).reshape(2, 2), axis=0))
         around = FreeSpace.of(shapely.box(*area.shape.bounds).buffer(reach, join_style="mitre").difference(closed))
-        can = area.shape
-        if keep_out is not None:
-            can = can.intersection(can.difference(keep_out).buffer(spacing / 2))
-        return cls(can, free, ways, around, spacing, cost)
+        return cls(area.visible(keep_out, spacing), free, ways, around, spacing, cost)
 
     def directions(self) -> list[float]:
         """Those of the edges, and of the hull's, the longest first, but no two alike [degrees]."""
@@ -170,26 +172,33 @@ class _Survey:
     def quickest(self, degrees: list[float], begin: Vector | None, end: Vector | None) -> _Pass:
         """The quickest pass in one of some directions; of those that promise the most all is worked out."""
         looked = sorted((self._rough(each, shift), each, shift) for each in degrees for shift in SHIFTS)
-        built = BUILT if len(shapely.get_rings(self.free.shape)) > 1 else BUILT_WHOLE
-        laid = [(each, self._laid(each, shift)) for _, each, shift in looked[:built]]
-        count = int(max(1, min(built, WORKED_OUT / max(len(lines) for _, lines in laid))))
-        ordered = sorted((self._ordered(*one, begin, end) for one in laid[:count]), key=lambda one: one.seconds)
-        best = self._closed(ordered[0], begin, end)
+        laid, lines = list[tuple[float, Points]](), 0
+        for _, each, shift in looked[: BUILT if self._is_holed else BUILT_WHOLE]:
+            if not laid or lines + len(laid[-1][1]) <= WORKED_OUT:
+                laid.append((each, self._laid(each, shift)))
+                lines += len(laid[-1][1])
+        ordered = sorted((self._ordered(*one, begin, end) for one in laid), key=lambda one: one.seconds)
+        best = min(
+            (self._closed(ordered[0], once, begin, end) for once in sorted({False, self._is_holed})),
+            key=lambda one: one.worth,
+        )
+        needed = SURELY * (best.seconds - ordered[0].seconds)
         for one in ordered[1:]:
-            best = self._better(best, one, begin, end)
-        for _ in range(REFINED if best.goals else 0):
-            more = np.array([goal[[0, -1]] for goal in best.goals if len(goal) < 3]).reshape(-1, 2, 2)
-            one = self._ordered(best.degrees, np.concatenate([best.lines, more]), begin, end)
-            if (other := self._better(best, one, begin, end)) is best:
+            if best.worth <= (0.0, one.seconds + needed):
                 break
-            best = other
+            closed = self._closed(one, best.once, begin, end)
+            needed = min(needed, SURELY * (closed.seconds - one.seconds))
+            best = min(best, closed, key=lambda one: one.worth)
+        for _ in range(REFINED):
+            more = [goal[[0, -1]] for goal in best.goals if len(goal) < 3]
+            if not more:
+                break
+            one = self._ordered(best.degrees, np.concatenate([best.lines, more]), begin, end)
+            closed = self._closed(one, best.once, begin, end)
+            if closed.worth >= best.worth:
+                break
+            best = closed
         return best
-
-    def _better(self, best: _Pass, other: _Pass, begin: Vector | None, end: Vector | None) -> _Pass:
-        """Of two passes the better one; the other has no detours yet, and is none quicker with them."""
-        if best.worth <= (0.0, other.seconds):
-            return best
-        return min(best, self._closed(other, begin, end), key=lambda one: one.worth)
 
     def _rough(self, degrees: float, shift: float) -> float:
         """About how long lines in a direction take, ways not counted [s]."""
@@ -241,15 +250,16 @@ class _Survey:
         route = _route(entries, ways)
         return _Pass(degrees, lines, route, self._seconds(route, begin, end), [], 1.0)
 
-    def _closed(self, one: _Pass, begin: Vector | None, end: Vector | None) -> _Pass:
-        """The same led past what it leaves unseen; its route is changed."""
-        goals, unseen = Closing(self.area, self.spacing, self.ways, self.cost).close(one.route)
-        return replace(one, seconds=self._seconds(one.route, begin, end), goals=goals, unseen=round(unseen, 4))
+    def _closed(self, one: _Pass, once: bool, begin: Vector | None, end: Vector | None) -> _Pass:
+        """The same led past what it leaves unseen, `once` round holes or to each gap."""
+        route = SensedPath([*one.route.places], [*one.route.is_on])
+        goals, unseen = Closing(self.area, self.spacing, self.ways, self.cost).close(route, once)
+        seconds = self._seconds(route, begin, end)
+        return replace(one, route=route, seconds=seconds, goals=goals, unseen=round(unseen, 4), once=once)
 
     def _seconds(self, route: SensedPath, begin: Vector | None, end: Vector | None) -> float:
         """How long a route takes, with the ways to it and from it."""
-        places = np.array(route.places)
-        return float(self.cost.seconds(places) + self._reach(places[:1], begin)[0] + self._reach(places[-1:], end)[0])
+        return self.cost.seconds(np.array([*_known(begin), *route.places, *_known(end)]))
 
     def way(self, start: Vector, end: Vector) -> Points:
         """The corners (k, 2) of the way from one place to another.
@@ -274,16 +284,25 @@ class _Survey:
         return np.array([place, shapely.get_coordinates(shapely.shortest_line(self.ways.inner, spot))[0]])
 
     @cached_property
+    def _is_holed(self) -> bool:
+        return len(shapely.get_rings(self.free.shape)) > len(shapely.get_parts(self.free.shape))
+
+    @cached_property
     def _turn(self) -> float:
         """What it costs to turn about from one long line to the next [s]."""
         corners = np.array([[0.0, 0.0], [LONG_LEG, 0.0], [LONG_LEG, self.spacing], [0.0, self.spacing]])
         return self.cost.seconds(corners) - 2 * LONG_LEG / self.cost.speed
 
     def _reach(self, ends: Points, place: Vector | None) -> Vector:
-        """How long it is from each end (n, 2) to a place, or nothing [s]."""
+        """How long it is from each end (2n, 2) of lines to a place, or nothing, the corner there counted [s]."""
         if place is None:
             return np.zeros(len(ends))
-        return np.asarray(np.linalg.norm(ends - np.asarray(place, float), axis=1) / self.cost.speed)
+        lines = [ends[[n ^ 1, n]] for n in range(len(ends))]
+        return np.array([self.cost.seconds(np.array([*line, place])) - self.cost.seconds(line) for line in lines])
+
+
+def _known(place: Vector | None) -> list[Vector]:
+    return [] if place is None else [np.asarray(place, float)]
 
 
 def _parted() -> MissionError:
@@ -293,8 +312,24 @@ def _parted() -> MissionError:
 def _simpler(kept: Any, area: Any, spacing: float) -> Any:
     """What is kept out of with fewer corners, grown by so little that hardly anything more is lost to view."""
     edge = float(kept.boundary.intersection(area).length)
-    most = SIMPLER * spacing if edge <= 0.0 else min(SIMPLER * spacing, LEFT / 4 * area.area / edge)
-    return kept.buffer(most, quad_segs=4).simplify(most)
+    most = SIMPLER * spacing if edge <= 0.0 else min(SIMPLER * spacing, LEFT / 2 * area.area / edge)
+    return wider(kept, most)
+
+
+def _where_lines_go(area: Any, spacing: float, past: float) -> Any:
+    """The area with fewer corners, without the rim into which vehicles fly past corners.
+
+    Only where all of it can be seen from there; round holes there is no such rim, as it takes many lines more.
+    """
+    outlines = shapely.union_all([shapely.Polygon(part.exterior) for part in area.geoms])
+    rim = min(past, (RIM * LEFT * spacing**2 * math.sqrt(area.area)) ** (1 / 3))  # as what the ends of lines miss grows
+    for share in (1.0, 0.5, 0.0):
+        inside = outlines.buffer(-share * rim, join_style="mitre").intersection(area)
+        simple = narrower(inside, min(EDGES * spacing, EDGES_M))
+        hidden = area.difference(simple.buffer(spacing / 2, quad_segs=ARC)).area
+        if len(shapely.get_parts(simple)) == len(shapely.get_parts(area)) and hidden <= LEFT / 10 * area.area:
+            return simple
+    return area
 
 
 def _route(entries: Any, ways: Ways) -> SensedPath:

@@ -1,18 +1,19 @@
-"""How much of an area a tour sees, where not, and whether it keeps inside: by shapely, not by what planned it.
+"""How much of an area a tour sees, where not, and whether it keeps inside: by geometry, not by how it was planned.
 
 A place is seen that lies within half the width of a line, its ends rounded: the sensor sees a disc. Of what can be
-covered all is asked: places of the area within half the width of some place of the area outside of what is kept out of.
+covered all is asked: places of the area within half the width of some place of it where lines may be (`Area.visible`).
 """
 
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import shapely
 
-from ipoa_mission.survey.area import Area
+from ipoa_mission.survey.area import ARC, Area
+from ipoa_mission.survey.lines import union_along
 from ipoa_mission.survey.tour import Tour
 
-ARC = 64  # segments of a quarter of a circle
 STEP, MOST = 0.1, 20_000  # between places at which it is looked how far a path strays [m], and how many at most
 
 
@@ -47,9 +48,9 @@ def coverage(area: Area, tour: Tour, width: float, keep_out: Any = None) -> Cove
         width: of what the sensor sees [m].
         keep_out: a shapely geometry that is not entered.
     """
-    can = area.shape.intersection(area.without(keep_out).buffer(width / 2, quad_segs=ARC))
-    lines = shapely.linestrings([[swath.begin, swath.end] for swath in tour.swaths])
-    seen = area.shape.intersection(shapely.union_all(shapely.buffer(lines, width / 2, quad_segs=ARC)))
+    can = area.visible(keep_out, width)
+    lines = np.array([[swath.begin, swath.end] for swath in tour.swaths]).reshape(-1, 2, 2)
+    seen = area.shape.intersection(union_along(shapely.linestrings(lines), width / 2, ARC))
     gaps = can.difference(seen)
     whole = float(can.area)
     share = 1.0 if whole <= 0.0 else 1.0 - float(gaps.area) / whole

@@ -10,21 +10,26 @@ from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points
 from ipoa_mission.survey._kernels import DIRECT, NO_WAY, NONE, sights, straight_ways, ways_between
+from ipoa_mission.survey.area import INSET
 from ipoa_mission.survey.times import LegTimes
 
-INSET = 0.02  # lines and ways keep so far inside, more than a mission's whole 1e-7 degrees are off [m]
 BEND_S = 1.0  # a bend of a way counts as so much, when the shortest is sought [s]
+SHARP = np.radians(40.0)  # a corner that turns by more
 LEAVING_S = 60.0  # that a way leaves the area counts as so much: only to come to another part [s]
 
 
 @dataclass(frozen=True, eq=False)
 class FreeSpace:
-    """Polygons that may be flown in: all, what of them is `INSET` from the edge, edges (m, 4), corners to go round."""
+    """Polygons that may be flown in: all, what of them is `INSET` from the edge, edges (m, 4), corners to go round.
+
+    `arms` (n, 4) are the directions from each corner (n, 2) to those beside it.
+    """
 
     shape: Any
     inner: Any
     edges: Points
     corners: Points
+    arms: Points
 
     @classmethod
     def of(cls, shape: Any) -> "FreeSpace":
@@ -32,22 +37,27 @@ class FreeSpace:
         inner = shape.buffer(-INSET, join_style="mitre")
         rings = _rings(shape)
         edges = [np.column_stack([ring[:-1], ring[1:]]) for ring in rings]
-        corners = [_bends(ring) for ring in _rings(inner)]
+        bends = np.concatenate([np.empty((0, 6)), *map(_bends, _rings(inner))])
         return cls(
             shape,
             inner,
             np.ascontiguousarray(np.concatenate([np.empty((0, 4)), *edges])),
-            np.ascontiguousarray(np.concatenate([np.empty((0, 2)), *corners])),
+            np.ascontiguousarray(bends[:, :2]),
+            np.ascontiguousarray(bends[:, 2:]),
         )
 
     @cached_property
     def between(self) -> Points:
         """How far it is straight from corner to corner (n, n) [m]."""
-        return np.asarray(straight_ways(self.corners, self.edges))
+        return np.asarray(straight_ways(self.corners, self.arms, self.edges))
 
     def sees(self, places: Points, others: Points) -> NDArray[np.bool_]:
         """Whether there is a straight way from each of the places (n, 2) to each of the others (m, 2), (n, m)."""
         return np.asarray(sights(np.ascontiguousarray(places), np.ascontiguousarray(others), self.edges))
+
+    def ways(self, ends: Points, cost: LegTimes, bend: float) -> Any:
+        """The ways between ends of lines (2n, 2), as `ways_between` has them."""
+        return ways_between(cost.clock, ends, self.corners, self.arms, self.between, self.edges, bend)
 
 
 class Ways:
@@ -60,15 +70,14 @@ class Ways:
     def __init__(self, ends: Points, inside: FreeSpace, outside: FreeSpace, cost: LegTimes) -> None:
         self.ends, self._spaces, self._found = ends, (inside, outside), list[Any]()
         bend = BEND_S * cost.speed
-        self._found.append(ways_between(cost.clock, ends, inside.corners, inside.between, inside.edges, bend))
+        self._found.append(inside.ways(ends, cost, bend))
         self.times = self._found[0][0]
         partner = np.arange(len(ends)) ^ 1
         lost = self.times >= NO_WAY
         lost[np.arange(len(ends)), np.arange(len(ends))] = lost[np.arange(len(ends)), partner] = False
         self._is_outside = lost
         if lost.any():
-            found = ways_between(cost.clock, ends, outside.corners, outside.between, outside.edges, bend)
-            self._found.append(found)
+            self._found.append(outside.ways(ends, cost, bend))
             self.times = np.where(lost, np.minimum(self._found[1][0] + LEAVING_S, NO_WAY), self.times)
 
     def way(self, i: int, j: int) -> Points:
@@ -90,7 +99,14 @@ def _rings(shape: Any) -> list[Points]:
 
 
 def _bends(ring: Points) -> Points:
-    """The corners of a ring, what is inside on its left, that a shortest way may go round: it turns right there."""
+    """The corners of a ring, what is inside on its left, that a shortest way may go round, as it turns right there.
+
+    With the directions to those beside each, (k, 6); with zeros where it turns sharply, as a way of fewer bends may
+    turn there before it must.
+    """
     corners = ring[:-1]
-    into, out = corners - np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0) - corners
-    return np.asarray(corners[into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0] < 0.0])
+    back, on = np.roll(corners, 1, axis=0) - corners, np.roll(corners, -1, axis=0) - corners
+    back, on = (arm / np.linalg.norm(arm, axis=1, keepdims=True) for arm in (back, on))
+    turns = np.arctan2(on[:, 0] * back[:, 1] - on[:, 1] * back[:, 0], -(on * back).sum(axis=1))
+    arms = np.where(turns[:, None] > -SHARP, np.column_stack([back, on]), 0.0)
+    return np.asarray(np.column_stack([corners, arms])[turns < 0.0])

@@ -7,7 +7,7 @@ import numpy as np
 import shapely
 from shapely.ops import substring
 
-from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.geometry import Points, Vector, polyline_length
 from ipoa_mission.survey._kernels import NO_WAY
 from ipoa_mission.survey.free import FreeSpace, Ways
 from ipoa_mission.survey.lines import ARC, line_over, parts_of, seen_from
@@ -17,8 +17,22 @@ LEFT = 7e-4  # share of the area that may stay unseen
 PASSES = 8  # over all gaps that are left
 USEFUL = 0.1  # share of a gap that a line must see
 NEAR = 6  # detours that are tried for a gap
+WHOLE = 0.6  # of an edge round a hole: where more of it is to be flown along, all of it may be
 SEES = 1e-3  # of the spacing squared: a way that sees more of a gap has the sensor on
 WITHIN = 0.999  # of half the width: as circles are polygons
+
+
+@dataclass(frozen=True, eq=False)
+class Detour:
+    """From a leg of a path by places `via` (k, 2) on to its end: what leads to `goal` (m, 2), that, and the way on.
+
+    Leg -1 and that after the last: before and after all. It takes `seconds` more.
+    """
+
+    leg: int
+    via: Points
+    goal: Points
+    seconds: float
 
 
 @dataclass
@@ -33,6 +47,14 @@ class SensedPath:
         chosen = [n for n, each in enumerate(self.is_on) if each is on]
         return np.array([[self.places[n], self.places[n + 1]] for n in chosen]).reshape(-1, 2, 2)
 
+    def lead(self, detour: Detour) -> Points:
+        """Fly a detour, the sensor on; the places (k, 2) from where it leaves the path to where it is on it again."""
+        n, via = detour.leg, list(detour.via)
+        begin, end = self.places[max(n, 0) : n + 1], self.places[n + 1 : n + 2]
+        self.places[n + 1 : n + 1] = via
+        self.is_on[max(n, 0) : n + 1] = [True] * (len(begin) + len(via) + len(end) - 1)
+        return np.array([*begin, *via, *end])
+
 
 @dataclass(frozen=True, eq=False)
 class Closing:
@@ -44,42 +66,67 @@ class Closing:
     cost: LegTimes
 
     def gaps(self, route: SensedPath) -> Any:
-        """What the route leaves unseen, the ways that see some of that switched on."""
+        """What the route leaves unseen; where that is too much, ways that see some of it are switched on."""
         gaps = self.area.difference(seen_from(route.legs(True), self.width))
+        too_much = gaps.area - LEFT * self.area.area
         off = [n for n, on in enumerate(route.is_on) if not on]
-        if gaps.is_empty or not off:
+        if too_much <= 0.0 or not off:
             return gaps
         around = shapely.buffer(shapely.linestrings(route.legs(False)), self.width / 2, quad_segs=ARC)
         shapely.prepare(gaps)
         touched = np.flatnonzero(shapely.intersects(gaps, around))
         seen = shapely.area(shapely.intersection(around[touched], gaps))
-        chosen = touched[seen > SEES * self.width**2]
+        order = np.argsort(-seen, kind="stable")
+        needed = (np.cumsum(seen[order]) - seen[order] < too_much) & (seen[order] > SEES * self.width**2)
+        chosen = touched[order[needed]]
         for n in chosen:
             route.is_on[off[n]] = True
         return gaps.difference(shapely.union_all(around[chosen])) if len(chosen) else gaps
 
-    def close(self, route: SensedPath) -> tuple[list[Points], float]:
+    def close(self, route: SensedPath, once: bool) -> tuple[list[Points], float]:
         """Lead the route by detours past what it leaves unseen, the largest gaps first, until little is left.
+
+        Args:
+            route: is changed.
+            once: holes are gone round once, for all gaps along their edge, rather than to each of these.
 
         Returns:
             The lines (k, 2) and places (1, 2) to which the detours lead; the share that is left too much.
         """
-        hopeless, led = list[Any](), list[Points]()
+        hopeless, led, left = list[Any](), list[Points](), self.gaps(route)
         for n in range(PASSES + 1):
-            parts = sorted(parts_of(self.gaps(route)), key=lambda part: part.area)
-            lost = np.array([any(part.equals(other) for other in hopeless) for part in parts], bool)
-            areas = np.array([part.area for part in parts])
-            too_much = np.cumsum(np.where(lost, 0.0, areas)) + areas[lost].sum() > LEFT * self.area.area
-            tried = [parts[k] for k in np.flatnonzero(too_much & ~lost)[::-1]]
+            gaps = self._by_hole(parts_of(left)) if once else parts_of(left)
+            gaps.sort(key=lambda gap: gap.area)
+            lost = np.array([any(gap.equals(other) for other in hopeless) for gap in gaps], bool)
+            areas = np.array([gap.area for gap in gaps])
+            may_stay = max(LEFT * self.area.area - float(areas[lost].sum()), LEFT / 10 * self.area.area)
+            too_much = np.cumsum(np.where(lost, 0.0, areas)) > may_stay
+            tried = [gaps[k] for k in np.flatnonzero(too_much & ~lost)[::-1]]
             if not tried or n == PASSES:
                 break
-            for part in tried:
-                via = self._pass(route, part)
-                (hopeless if via is None else led).append(part if via is None else via)
+            seen = list[Any]()
+            for gap in tried:
+                if (detour := self._detour(route, gap)) is None:
+                    hopeless.append(gap)
+                else:
+                    led.append(detour.goal)
+                    seen.append(shapely.LineString(route.lead(detour)).buffer(self.width / 2, quad_segs=ARC))
+            left = left.difference(shapely.union_all(seen))
         return led, max(float(areas.sum()) / self.area.area - LEFT, 0.0)
 
-    def _pass(self, route: SensedPath, gap: Any) -> Points | None:
-        """Lead the route past one gap, where there is a way; to which places (k, 2)."""
+    def _by_hole(self, gaps: list[Any]) -> list[Any]:
+        """The same, those along the edge of one hole as one."""
+        rings = [ring for part in shapely.get_parts(self.space.inner) for ring in part.interiors]
+        if not rings or not gaps:
+            return gaps
+        gap, ring = shapely.STRtree(rings).query_nearest(gaps, max_distance=self.width / 2, all_matches=False)
+        others = np.setdiff1d(np.arange(len(gaps)), gap)
+        return [shapely.union_all([gaps[n] for n in gap[ring == k]]) for k in np.unique(ring)] + [
+            gaps[n] for n in others
+        ]
+
+    def _detour(self, route: SensedPath, gap: Any) -> Detour | None:
+        """The quickest one past a gap, straight if that can be; None where there is no way."""
         around = self._whence(gap)
         lines = [] if around is not None else self._lines(gap)
         if around is None and not lines:  # what is seen of it from where it is nearest
@@ -87,41 +134,35 @@ class Closing:
             if gap.difference(around.buffer(self.width / 2)).area > (1 - USEFUL) * gap.area:
                 return None
         legs = self._near(route, shapely.get_coordinates(gap.centroid)[0])
-        found = self._detour(route, legs, around, lines, led=False) or self._detour(
-            route, legs, around, lines, led=True
-        )
-        if found is None:
-            return None
-        n, via, goal = found
-        if n < 0:
-            route.places[:0], route.is_on[:0] = list(via), [True] * len(via)
-        elif n == len(route.places) - 1:
-            route.places += list(via)
-            route.is_on += [True] * len(via)
-        else:
-            route.places[n + 1 : n + 1] = list(via)
-            route.is_on[n : n + 1] = [True] * (len(via) + 1)
-        return goal
+        straight = self._quickest(route, legs, around, lines, led=False)
+        return straight or self._quickest(route, legs, around, lines, led=True)
 
-    def _detour(
+    def _quickest(
         self, route: SensedPath, legs: list[int], around: Any | None, lines: list[Points], led: bool
-    ) -> tuple[int, Points, Points] | None:
-        """The quickest detour: a leg, places (k, 2) between its ends, what is seen from; `led` round corners or not."""
+    ) -> Detour | None:
+        """The quickest detour from one of some legs, by ways `led` round corners or not."""
         best, least = None, np.inf
         for n in legs:
             before, after = route.places[max(n - 1, 0) : n + 1], route.places[n + 1 : n + 3]
-            for via in self._vias(around, lines, before[-1:], after[:1]):
-                whole = self._led(before[-1:], via, after[:1]) if led else via
-                if whole is None:
+            now = self.cost.seconds(np.array([*before, *after]))
+            for goal in self._goals(around, lines, before[-1:], after[:1]):
+                if self._at_least(before, goal, after) - now >= least:
                     continue
-                straight = np.array([*before[-1:], *whole, *after[:1]])
+                via = self._led(before[-1:], goal, after[:1]) if led else goal
+                if via is None:
+                    continue
+                straight = np.array([*before[-1:], *via, *after[:1]])
                 if not led and not self.space.sees(straight[:-1], straight[1:]).diagonal().all():
                     continue
-                seconds = self.cost.seconds(np.array([*before, *whole, *after]))
-                seconds -= self.cost.seconds(np.array([*before, *after]))
+                seconds = self.cost.seconds(np.array([*before, *via, *after])) - now
                 if seconds < least:
-                    best, least = (n, whole, via), seconds
+                    best, least = Detour(n, via, goal, seconds), seconds
         return best
+
+    def _at_least(self, before: list[Vector], via: Points, after: list[Vector]) -> float:
+        """What places before, a line and places after take at least, corners where they meet not counted [s]."""
+        legs = np.diff(np.array([*before, via[0]]), axis=0), np.diff(np.array([via[-1], *after]), axis=0)
+        return self.cost.seconds(via) + float(np.linalg.norm(np.concatenate(legs), axis=1).sum()) / self.cost.speed
 
     def _led(self, before: list[Vector], via: Points, after: list[Vector]) -> Points | None:
         """The same places with the ways to them and on from them round corners; None where there are none."""
@@ -167,11 +208,11 @@ class Closing:
         return np.array(route.is_on, bool)
 
     def _lines(self, gap: Any) -> list[Points]:
-        """The line (k, 2) that sees the most of a gap: straight through it, or along the edge that is nearest."""
-        line, places = (
-            line_over(gap, self.space.inner, self.width),
-            shapely.points(_densely(gap.exterior, self.width / 8)),
-        )
+        """The line (k, 2) that sees the most of a gap: straight through it, or along the edge that is nearest.
+
+        Of an edge round a hole most of which that is, all of it too: it may be entered anywhere.
+        """
+        places = shapely.points(_densely(gap.boundary, self.width / 8))
         rings = shapely.get_rings(shapely.get_parts(self.space.inner))
         ring = rings[int(shapely.distance(rings, gap).argmin())]
         at = np.sort(shapely.line_locate_point(ring, places))
@@ -180,18 +221,32 @@ class Closing:
         spans = [(start, end)] if start <= end else [(start, ring.length), (0.0, end)]
         edge = np.concatenate([shapely.get_coordinates(substring(ring, *span)) for span in spans])
         edge = edge[np.concatenate([[True], np.linalg.norm(np.diff(edge, axis=0), axis=1) > 1e-6])]
+        if polyline_length(edge) > WHOLE * ring.length and ring.distance(gap) < self.width / 2:
+            return [edge, shapely.get_coordinates(ring)]
+        line = line_over(gap, self.space.inner, self.width)
         found = [each for each in (line, edge) if each is not None and len(each) > 1]
         left = [gap.difference(shapely.LineString(each).buffer(self.width / 2, quad_segs=ARC)).area for each in found]
         quick = [n for n, area in enumerate(left) if area <= min(left) + USEFUL * gap.area]
         return [found[quick[0]]] if quick and left[quick[0]] < (1 - USEFUL) * gap.area else []
 
-    def _vias(self, around: Any | None, lines: list[Points], before: list[Vector], after: list[Vector]) -> list[Points]:
-        """The places by which a detour from one place to another sees a gap."""
-        if lines:
-            return [each for line in lines for each in (line, line[::-1])]
+    def _goals(
+        self, around: Any | None, lines: list[Points], before: list[Vector], after: list[Vector]
+    ) -> list[Points]:
+        """The places (k, 2) by which detours from one place to another see a gap."""
         ends = np.array([*before, *after])
+        if lines:
+            begun = [_begun_near(line, ends) for line in lines]
+            return [each for line in begun for each in (line, line[::-1])]
         leg = shapely.LineString(ends) if len(ends) > 1 else shapely.Point(ends[0])
         return [shapely.get_coordinates(shapely.shortest_line(around, leg))[:1]]
+
+
+def _begun_near(line: Points, places: Points) -> Points:
+    """A line (n, 2); one that is closed begins at the corner that is nearest to some places."""
+    if (line[0] != line[-1]).any():
+        return line
+    away = np.linalg.norm(line[:-1, None] - places, axis=2).sum(axis=1)
+    return np.roll(line[:-1], -int(away.argmin()), axis=0)[[*range(len(line) - 1), 0]]
 
 
 def _densely(shape: Any, spacing: float) -> Points:

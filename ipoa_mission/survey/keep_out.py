@@ -3,6 +3,7 @@
 The clearance is the promised one: the required distance, and how far flights of this autopilot lie beside their path.
 """
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -12,6 +13,7 @@ import shapely
 from ipoa_mission.forecast.tube.limits import NO_TUBE, Rim, rim_of
 from ipoa_mission.forecast.tube.measured import law_of
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.survey.outline import wider
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.obstacles import Obstacle
@@ -19,8 +21,8 @@ from ipoa_mission.world.obstacles import Obstacle
 TIGHT_PLACES = 4.0  # at so many tight places the tube has room
 SPARE = 0.05  # and so much more [m]
 LOOKS = 7  # lines each way on which the ground round an obstacle is looked at
-CORNERS = 4  # of a quarter of a circle round a corner
-SIMPLER = 0.05  # outlines may be drawn wider by so much, with fewer corners [m]
+CORNERS = 16  # of a quarter of a circle round a corner
+SIMPLER, SIMPLER_M = 0.05, 0.25  # outlines are wider at corners by so much, of the spacing and at most, to have fewer
 
 
 def tube(scenario: Scenario) -> Rim:
@@ -41,7 +43,7 @@ def keep_out(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> A
     air, rim = scenario.airspace, tube(scenario)
     distance = scenario.limits.obstacle_distance + SPARE
     shapes = [
-        _wider(body, distance + rim.level + growth.get(body.name, 0.0))
+        _grown(body, distance + rim.level + growth.get(body.name, 0.0), min(SIMPLER * sight.spacing, SIMPLER_M))
         for body in air.obstacles
         if body.name in growth or not _is_passed(body, sight, air.ground, distance, rim)
     ]
@@ -52,8 +54,8 @@ def keep_out(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> A
     return shapely.union_all(shapes) if shapes else None
 
 
-def _wider(body: Obstacle, by: float) -> Any:
-    return body.plan.buffer(by + SIMPLER, quad_segs=CORNERS).simplify(SIMPLER)
+def _grown(body: Obstacle, by: float, most: float) -> Any:
+    return wider(body.plan.buffer(by / math.cos(math.pi / 4 / CORNERS), quad_segs=CORNERS), most)
 
 
 def _is_passed(body: Obstacle, sight: Sight, ground: Ground, distance: float, rim: Rim) -> bool:

@@ -12,6 +12,7 @@ from ipoa_mission.geometry import Points, Vector
 SHORT = 0.25  # a piece of a line shorter than this share of the spacing is left to what closes gaps
 ARC = 8  # segments of a quarter of a circle, around what is seen
 EVEN = 1e-6  # of a spacing: what is less than this too wide for a line less is not
+SEAM, GRID = 1e-4, 1e-6  # [m]
 TRIED = 5  # places of an extra line
 
 
@@ -64,8 +65,19 @@ def cut(edges: Points, grid: LineAxes, at: Vector) -> Points:
 
 
 def seen_from(lines: Any, width: float) -> Any:
-    """What is seen from lines (n, 2, 2), or from nothing."""
-    return shapely.union_all(shapely.buffer(shapely.linestrings(lines), width / 2, quad_segs=ARC))
+    """What is seen from lines (n, 2, 2), or from nothing; nothing is left between two that just meet."""
+    return union_along(shapely.linestrings(lines), width / 2 + SEAM, ARC)
+
+
+def union_along(drawn: Any, away: float, arc: int) -> Any:
+    """What lies so near to lines (n,) of shapely, their ends rounded by so many segments for a quarter of a circle."""
+    around = shapely.buffer(drawn, away, quad_segs=arc)
+    whole = shapely.union_all(around)
+    shapely.prepare(whole)
+    middles = shapely.line_interpolate_point(drawn, 0.5, normalized=True)
+    if not shapely.intersects(whole, middles).all():  # GEOS may lose what just meets, but for on a grid, which is slow
+        return shapely.union_all(around, grid_size=GRID)
+    return whole
 
 
 def parts_of(gaps: Any) -> list[Any]:
@@ -82,7 +94,7 @@ def line_over(gap: Any, inner: Any, width: float) -> Points | None:
     lengths = np.linalg.norm(sides, axis=1)
     along = sides[int(lengths.argmax())] / lengths.max()
     grid = LineAxes(along, np.array([-along[1], along[0]]))
-    places = grid.turned(shapely.get_coordinates(shapely.segmentize(gap.exterior, width / 4)))
+    places = grid.turned(shapely.get_coordinates(shapely.segmentize(gap.boundary, width / 4)))
     (west, south), (east, north) = places.min(axis=0), places.max(axis=0)
     low, high = sorted((north - width / 2, south + width / 2))
     best, most = None, 0

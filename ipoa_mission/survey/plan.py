@@ -22,6 +22,7 @@ from ipoa_mission.scenario.survey import SurveySection
 from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.coverage import Coverage, coverage
 from ipoa_mission.survey.flights import FlightMaker, laid_tours, parts_of, returning
+from ipoa_mission.survey.flown import AsFlown, as_flown, expected_lines
 from ipoa_mission.survey.keep_out import keep_out
 from ipoa_mission.survey.laying import expect_high_enough, expect_survey, way_over
 from ipoa_mission.survey.overlap import Overlaps, flown_lines, smallest_overlaps
@@ -55,7 +56,8 @@ class SurveyPlan:
     """A survey that may be flown: what is seen, by which lines, in which flights.
 
     The scenario's cruise speed is that which is flown, a lower one where at that of the file too few flights would keep
-    the clearance; `growth`: so much more room than others some obstacles were given [m], by name.
+    the clearance; `growth`: so much more room than others some obstacles were given [m], by name; `is_rest`: it is what
+    is left of a survey, all of whose lines together have that coverage.
     """
 
     scenario: Scenario
@@ -66,6 +68,7 @@ class SurveyPlan:
     coverage: Coverage
     flights: tuple[SurveyFlight, ...]
     growth: Mapping[str, float]
+    is_rest: bool = False
 
     @property
     def photos(self) -> int:
@@ -80,6 +83,15 @@ class SurveyPlan:
         frame = self.scenario.frame
         lines = [line for flight in self.flights for line in flown_lines(flight.forecast, self.sight.lag, frame)]
         return smallest_overlaps(lines, self.sight, self.scenario.airspace.ground, self.free)
+
+    @cached_property
+    def flown(self) -> AsFlown | None:
+        """What is seen as the flights are expected to be flown; None of the rest of a survey."""
+        if self.is_rest:
+            return None
+        visible = self.area.visible(self.keep_out, self.sight.spacing)
+        flights = (expected_lines(flight.forecast, flight.tour, self.scenario.frame) for flight in self.flights)
+        return as_flown(flights, self.area.shape, visible, self.sight.across)
 
     @property
     def section(self) -> SurveySection:
@@ -178,7 +190,7 @@ def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyP
     near = _too_near(forecasts)
     if near:
         raise _refusal(_TooNear(*near[0]), scenario)
-    return replace(plan, tour=tour, flights=_checked(parts, forecasts))
+    return replace(plan, tour=tour, flights=_checked(parts, forecasts), is_rest=True)
 
 
 def _checked(parts: Sequence[Sortie], forecasts: Sequence[Forecast]) -> tuple[SurveyFlight, ...]:

@@ -23,10 +23,11 @@ from ipoa_mission.survey.clock import Clock
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
-ANGLES = np.radians([0.0, 45.0, 90.0, 135.0, 180.0])
+RIGHT = 4  # of the angles: a right one
+ANGLES = np.radians(90.0 / RIGHT * np.arange(2 * RIGHT + 1))
 SHORT_S = np.array([0.3, 1.0, 10 / 3])  # legs that are flown between two corners take so long at speed [s] ...
 RATIO = 10 / 3  # ... and what is longer than the last by as much as that is longer than the one before is long
-LONG = 2.5  # a long leg is so many times as long as it takes to get up to speed and to brake
+LONG = 10.0  # a long leg is so many times as long as it takes to get up to speed and to brake
 BEARINGS = 8  # in which legs are flown in a wind
 
 
@@ -37,6 +38,7 @@ class LegTimes:
     Attributes:
         speed: that is asked for [m/s].
         clock: the same as the kernels take it.
+        past_corners: how far it flies past a corner of 90 degrees [m].
 
     Example:
         >>> from ipoa_mission.vehicles.autopilot import default_autopilot
@@ -49,6 +51,7 @@ class LegTimes:
 
     speed: float
     clock: Clock
+    past_corners: float
 
     @classmethod
     def of(cls, mission: Mission, speed: float, height: float = 30.0, wind: Wind = CALM) -> "LegTimes":
@@ -67,12 +70,13 @@ class LegTimes:
         to_speed = limits.speed / limits.accel + (limits.accel / limits.jerk if math.isfinite(limits.jerk) else 0.0)
         long = LONG * to_speed * speed
         pace = _paces(mission, speed, height, wind, long)
-        stretches = _zigzag(ANGLES[1:], long)
-        stretches += _to_and_fro(SHORT_S * speed, long, stretches[-1][-1][0])
-        costs = np.maximum(_corners(mission, speed, height, wind, stretches, pace), 0.0)
-        wide, sharp = np.array([0.0, *costs[: len(ANGLES) - 1]]), costs[len(ANGLES) - 1 :] / 2
-        corner = np.column_stack([np.repeat(sharp[None, :], len(ANGLES), axis=0), wide])
-        return cls(speed, Clock(pace, np.ascontiguousarray(corner), float(SHORT_S[0]) * speed, math.log(RATIO)))
+        stretches = _stretches(SHORT_S * speed, long)
+        costs, past = _corners(mission, speed, height, wind, stretches, pace)
+        alone, pairs = costs[: len(ANGLES) - 1], costs[len(ANGLES) - 1 :].reshape(-1, len(SHORT_S)) / 2
+        sharp = np.repeat(pairs[-1:], len(ANGLES) - len(pairs), axis=0)
+        corner = np.column_stack([np.concatenate([pairs, sharp]), [0.0, *alone]])
+        clock = Clock(pace, np.ascontiguousarray(corner), float(SHORT_S[0]) * speed, math.log(RATIO))
+        return cls(speed, clock, float(past[-len(SHORT_S) :].max()))
 
     def seconds(self, path: Points) -> float:
         """How long a polyline (n, 2) takes, corners counted, at speed where it begins and ends [s]."""
@@ -82,35 +86,44 @@ class LegTimes:
 Stretch: TypeAlias = list[tuple[float, float]]  # bearings [rad] and lengths [m]
 
 
-def _zigzag(angles: Vector, long: float) -> list[Stretch]:
-    """From the middle of one long leg to that of the next, by a corner of each angle, left and right by turns."""
-    bearings = np.cumsum([0.0, *angles * np.resize([1.0, -1.0], len(angles))])
-    return [[(a, long / 2), (b, long / 2)] for a, b in pairwise(map(float, bearings))]
+def _stretches(lengths: Vector, long: float) -> list[Stretch]:
+    """From the middle of a long leg to that of another, by a corner of each angle; then by two, a short leg between.
 
-
-def _to_and_fro(lengths: Vector, long: float, there: float) -> list[Stretch]:
-    """The same by two corners of 90 degrees, and a leg of each length between them; it begins at a bearing."""
-    back, across = there + math.pi, there + math.pi / 2
-    senses = [(there, back) if n % 2 == 0 else (back, there) for n in range(len(lengths))]
-    return [
-        [(a, long / 2), (across, float(length)), (b, long / 2)] for (a, b), length in zip(senses, lengths, strict=True)
-    ]
+    Such pairs turn by right angles at most: at sharper ones what is flown jumps as the leg grows.
+    """
+    found, bearing = list[Stretch](), 0.0
+    for angle in map(float, ANGLES[1:]):
+        found.append([(bearing, long / 2), (bearing + angle, long / 2)])
+        bearing += angle
+    for angle in map(float, ANGLES[: RIGHT + 1]):
+        for length in map(float, lengths):
+            found.append([(bearing, long / 2), (bearing + angle, length), (bearing + 2 * angle, long / 2)])
+            bearing += 2 * angle
+    return found
 
 
 def _corners(
     mission: Mission, speed: float, height: float, wind: Wind, stretches: list[Stretch], pace: Vector
-) -> Vector:
-    """What each stretch takes beyond its length over the speed (n,) [s]; all are flown in one go."""
+) -> tuple[Vector, Vector]:
+    """What each stretch takes beyond its length over the speed (n,) [s], how far it leads past its first corner [m].
+
+    All are flown in one go.
+    """
     first, last = stretches[0][0], stretches[-1][-1]
-    path = _polyline(*np.array([first, *chain(*stretches), last]).T)
-    ends = 1 + np.cumsum([0, *map(len, stretches)])  # in the middle of long legs
+    lead = [first] * 3  # to be at speed before the first one
+    path = _polyline(*np.array([*lead, *chain(*stretches), last]).T)
+    ends = len(lead) + np.cumsum([0, *map(len, stretches)])  # in the middle of long legs
     corners = np.delete(path, ends, axis=0)
     done, track = _flown(mission, speed, height, wind, corners)
     middles = np.flatnonzero(np.isin(np.arange(len(path)), ends)) - np.arange(len(ends)) - 1
     passed = [_passing(track, path[at], corners[n], done[n : n + 2]) for at, n in zip(ends, middles, strict=True)]
     clock = Clock(pace, np.zeros((2, 2)), 1.0, 1.0)
     alone = [path_seconds(clock, np.ascontiguousarray(path[a : b + 1])) for a, b in pairwise(ends)]
-    return np.asarray(np.diff(passed) - alone)
+    legs = np.array([path[at + 1] - path[at] for at in ends[:-1]])
+    ahead = legs / np.linalg.norm(legs, axis=1, keepdims=True)
+    ways = [track.between(*times).points[:, :2] for times in pairwise(passed)]
+    past = [((way - path[at + 1]) @ along).max() for way, at, along in zip(ways, ends[:-1], ahead, strict=True)]
+    return np.maximum(np.diff(passed) - alone, 0.0), np.maximum(past, 0.0)
 
 
 def _passing(track: Track, place: Vector, start: Vector, between: Vector) -> float:

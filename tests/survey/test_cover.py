@@ -159,8 +159,9 @@ def test_the_direction_is_that_of_the_lines() -> None:
 
 
 def test_ways_leave_the_area_as_far_as_they_may() -> None:
-    bay = [(0.0, 0.0), (100.0, 0.0), (100.0, 60.0), (55.0, 60.0), (50.0, 10.0), (45.0, 60.0), (0.0, 60.0)]
-    area = Area.of([[bay]])
+    """Between two bays on one side a line is come to and left on the other side, unless ways may leave the area."""
+    bays = [(54.0, 60.0), (50.0, 10.0), (46.0, 60.0), (44.0, 60.0), (40.0, 10.0), (36.0, 60.0)]
+    area = Area.of([[[(0.0, 0.0), (100.0, 0.0), (100.0, 60.0), *bays, (0.0, 60.0)]]])
     inside = quickest_tour(area, 10.0, cost=times(), direction=0.0)
     outside = quickest_tour(area, 10.0, cost=times(), direction=0.0, turns_outside=20.0)
     assert coverage(area, inside, 10.0).outside_m == 0.0

@@ -22,24 +22,32 @@ import numpy as np
 
 from ipoa_mission.flight.procedure import fly_forecast
 from ipoa_mission.flight.survey import Survey, plan_survey
+from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.scenario.read import scenario_of
+from ipoa_mission.survey.flown import AsFlown, as_flown, expected_lines
 from ipoa_mission.vehicles.arducopter.dataflash import read_records
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from tools import command_line
+from tools.fly.ended_flight import flight_from
 from tools.fly.endings import connected, set_up, simulation
 from tools.fly.flown import ARMED_STATE
 
 COUNT = 20
 HOME = {"latitude_deg": 47.397742, "longitude_deg": 8.545594, "altitude_amsl": 488.0}
 KINDS = ("field", "hole", "concave", "tower", "corridor")
+AROUND, LATE = 3.0, 0.03  # when a flight passes a place: so far from when it was expected to [s], and of that
 WINDY = 4  # one of so many
 PHOTO = "camera_trigger"  # PX4's topic, a message a photo
 
 
 @dataclass(frozen=True)
 class Row:
-    """A flight from arming to disarming [s]; photos as they were counted, and in the vehicle's log."""
+    """A flight from arming to disarming [s]; photos as they were counted, and in the vehicle's log.
+
+    `seen` and `outside_m`: of what can be seen the share that lies within half a spacing of the way along the lines,
+    and how far that leaves the area, as expected and by the simulator's true track.
+    """
 
     survey: int
     kind: str
@@ -51,6 +59,10 @@ class Row:
     flown_s: float
     photos: int
     photos_logged: int
+    seen_expected: float
+    seen: float
+    outside_expected_m: float
+    outside_m: float
 
     @property
     def off(self) -> float:
@@ -101,8 +113,8 @@ def _wind(rng: np.random.Generator) -> dict[str, float]:
     return {"speed": round(float(rng.uniform(2.5, 4.5)), 1), "from_deg": round(float(rng.uniform(0.0, 360.0)))}
 
 
-def flown(survey: Survey, given: argparse.Namespace) -> tuple[FlightRecord, int]:
-    """One flight, and how many photos the vehicle's log has."""
+def flown(survey: Survey, given: argparse.Namespace) -> tuple[FlightRecord, Path]:
+    """One flight, and the vehicle's log."""
     (forecast,) = survey.flights
     folder, home = given.work / survey.name, forecast.mission.home
     words = given.start.format(
@@ -116,7 +128,28 @@ def flown(survey: Survey, given: argparse.Namespace) -> tuple[FlightRecord, int]
         record = fly_forecast(vehicle, forecast, set_params=True, anyway=False)
         time.sleep(1.0)  # the log's last lines are written
     logs = sorted((*folder.rglob("*.BIN"), *folder.rglob("*.ulg")), key=lambda log: log.stat().st_mtime)
-    return record, photos_in(logs[-1])
+    return record, logs[-1]
+
+
+def seen_by(survey: Survey, log: Path) -> tuple[AsFlown, AsFlown]:
+    """What the only flight of a survey sees as expected, and by its true track; no more than a spacing wide."""
+    plan, (forecast,) = survey.plan, survey.flights
+    expected, ends = expected_lines(forecast, plan.tour, plan.scenario.frame)
+    flight = flight_from(log, forecast.mission.home)
+    times, points = flight.track[:, 0], flight.track[:, 1:]
+    true = Track(times, points, np.zeros(len(times)))
+    passed = list[float]()
+    for due, place in zip(ends.ravel().tolist(), expected.at(ends.ravel()), strict=True):
+        near = np.abs(times - due) < AROUND + LATE * due
+        away = np.where(near, np.linalg.norm(points[:, :2] - place[:2], axis=1), np.inf)
+        passed.append(float(times[away.argmin()]))
+    width = plan.sight.spacing
+    visible = plan.area.visible(plan.keep_out, width)
+    one, other = (
+        as_flown([flight], plan.area.shape, visible, width)
+        for flight in ((expected, ends), (true, np.array(passed).reshape(-1, 2)))
+    )
+    return one, other
 
 
 def photos_in(log: Path) -> int:
@@ -154,10 +187,11 @@ def main() -> None:
             continue
         scenario = scenario_of(surveyed(number, autopilot), Path("survey"))
         survey = plan_survey(scenario=scenario)
-        record, logged = flown(survey, given)
+        record, log = flown(survey, given)
         if not record.completed:
             print(f"{survey.name}: not complete: {record.why_not}", flush=True)
             continue
+        expected, true = seen_by(survey, log)
         rows.append(
             Row(
                 survey=number,
@@ -169,7 +203,11 @@ def main() -> None:
                 estimated_s=round(survey.total_s, 2),
                 flown_s=round(record.total_s, 2),
                 photos=survey.plan.photos,
-                photos_logged=logged,
+                photos_logged=photos_in(log),
+                seen_expected=round(expected.share, 5),
+                seen=round(true.share, 5),
+                outside_expected_m=round(expected.outside_m, 2),
+                outside_m=round(true.outside_m, 2),
             )
         )
         with given.rows.open("w", encoding="utf-8", newline="") as lines:

@@ -78,8 +78,8 @@ def kernels() -> Iterator[Kernel]:
         "nearest": (_numbers(2), _numbers(2), 0.0, 1.0, _numbers(1), _numbers(1)),
         "path_seconds": (clock, _numbers(2)),
         "sights": (_numbers(2),) * 3,
-        "straight_ways": (_numbers(2),) * 2,
-        "ways_between": (clock, *(_numbers(2),) * 4, 1.0),
+        "straight_ways": (_numbers(2),) * 3,
+        "ways_between": (clock, *(_numbers(2),) * 5, 1.0),
         "search_order": (_numbers(1, np.int64), _numbers(2), _numbers(1), 0),
         "spread": (nodes, _numbers(2, np.int64), _numbers(1), True, 0, chart, rules),
     }

@@ -1,0 +1,85 @@
+"""What flights see as they are flown: judged by dense samples, and by tracks whose gaps are known in closed form."""
+
+import math
+
+import numpy as np
+import pytest
+import shapely
+
+from ipoa_mission.flight.survey import plan_survey, survey_as_json
+from ipoa_mission.forecast.timing.track import Track
+from ipoa_mission.geometry import Points
+from ipoa_mission.survey.flown import as_flown, expected_lines
+from ipoa_mission.survey.plan import rest_of
+from ipoa_mission.vehicles.autopilot import Autopilot
+from tests.survey.test_survey_flights import LINES, TOWER, scenario
+
+FIELD = shapely.box(0.0, 0.0, 100.0, 20.0)
+
+
+def flown(*places: tuple[float, float]) -> Track:
+    """Straight from one to the next, 1 m/s."""
+    points = np.array(places)
+    times = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    return Track(times, np.column_stack([points, np.zeros(len(points))]), np.ones(len(points)))
+
+
+def test_only_lines_see_and_all_that_is_flown_between_them_may_lead_outside() -> None:
+    track = flown((0.0, 5.0), (103.0, 5.0), (103.0, 15.0), (0.0, 15.0))
+    both = as_flown([(track, np.array([[0.0, 103.0], [113.0, 216.0]]))], FIELD, FIELD, 10.0)
+    assert both.share == pytest.approx(1.0, abs=1e-3)
+    assert both.outside_m == pytest.approx(3.0)
+    one = as_flown([(track, np.array([[0.0, 60.0]]))], FIELD, FIELD, 10.0)
+    assert one.share == pytest.approx((60.0 * 10.0 + math.pi * 25.0 / 2) / 2000.0, rel=2e-3)
+    assert one.outside_m == 0.0
+
+
+def sampled_share(tracks: list[Points], area: shapely.Geometry, width: float) -> float:
+    """Of places all over an area those that lie near some place of the tracks (n, 2)."""
+    west, south, east, north = area.bounds
+    places = shapely.points(np.random.default_rng(2).uniform((west, south), (east, north), (20_000, 2)))
+    places = places[shapely.covers(area, places)]
+    near = shapely.STRtree(shapely.points(np.concatenate(tracks))).query_nearest(
+        places, return_distance=True, all_matches=False
+    )[1]
+    return float((near <= width / 2).mean())
+
+
+@pytest.mark.parametrize("autopilot", [Autopilot.PX4, Autopilot.ARDUPILOT])
+def test_a_flight_cuts_corners_and_flies_past_them(autopilot: Autopilot) -> None:
+    plan = plan_survey(scenario=scenario(LINES | {"line_spacing": 5.0, "flights": 2}, autopilot)).plan
+    assert plan.flown is not None
+    whole = [  # the sensor on between the lines too: it sees little more
+        flight.forecast.predicted(sure=True).track.points[:, :2] for flight in plan.flights
+    ]
+    assert 0.95 < plan.flown.share < plan.coverage.share
+    assert plan.flown.share == pytest.approx(sampled_share(whole, plan.area.shape, 5.0), abs=6e-3)
+    assert survey_as_json(plan, ("a", "b"))["as_flown"]["covered_share"] == pytest.approx(plan.flown.share, abs=1e-6)
+
+
+@pytest.mark.parametrize("autopilot", [Autopilot.PX4, Autopilot.ARDUPILOT])
+def test_what_flies_past_corners_stays_in_the_outline(autopilot: Autopilot) -> None:
+    """Where lines are far enough apart that they may end before it."""
+    plan = plan_survey(scenario=scenario(LINES, autopilot)).plan
+    track, ends = expected_lines(plan.flights[0].forecast, plan.tour, plan.scenario.frame)
+    way = track.between(ends[0, 0], ends[-1, 1]).points
+    assert shapely.covers(plan.area.shape, shapely.points(way[:, :2])).all()
+    corners = np.array([swath.end for swath in plan.tour.swaths])
+    assert shapely.distance(plan.area.shape.boundary, shapely.points(corners)).min() > 0.2
+    assert plan.flown is not None
+    assert plan.flown.outside_m == 0.0
+    assert plan.coverage.share >= 0.999
+
+
+def test_flights_from_start_places_see_the_same_area() -> None:
+    near = plan_survey(scenario=scenario(LINES | {"starts": [[0.0, 0.0], [220.0, 150.0]]}, obstacles=[TOWER])).plan
+    assert near.flown is not None
+    assert near.flown.share == pytest.approx(near.coverage.share, abs=0.02)
+
+
+def test_of_the_rest_of_a_survey_nothing_is_told() -> None:
+    plan = plan_survey(scenario=scenario(LINES)).plan
+    track = plan.flights[0].forecast.expected.track.points
+    rest = rest_of(plan, [track[: len(track) // 2]])
+    assert rest.flown is None
+    assert survey_as_json(rest, ("a",))["as_flown"] is None
