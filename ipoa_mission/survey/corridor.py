@@ -11,17 +11,20 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.tour import Swath, Tour
 
+SHORT = 1 / 8  # of the spacing
 INSIDE = 1e-6  # lines may lie so far outside by rounding [m]
 
 
-def corridor_tour(middle: Points, width: float, spacing: float, begin: Vector, inside: Any) -> Tour | None:
+def corridor_tour(middle: Points, width: float, spacing: float, begin: Vector, inside: Any, past: float) -> Tour | None:
     """Lines `spacing` apart at most, from the end of the corridor that is nearer to `begin` (2,).
 
-    None where one of them would bend back on itself, or leave what `inside` holds: then it is an area like any other.
+    They end before it by what the vehicle flies `past` corners [m], as far as hardly anything is lost to view.
+    None where one would bend back on itself, or leave what `inside` holds: then it is an area like any other.
     """
     count = max(math.ceil(width / spacing - 1e-9), 1)
     if np.linalg.norm(middle[-1] - begin) < np.linalg.norm(middle[0] - begin):
         middle = middle[::-1]
+    middle = _shorter(middle, min(past, SHORT * spacing))
     lines = list[Points]()
     for n in range(count):
         line = shapely.LineString(middle).offset_curve(width * ((n + 0.5) / count - 0.5), join_style="mitre")
@@ -31,6 +34,16 @@ def corridor_tour(middle: Points, width: float, spacing: float, begin: Vector, i
         lines.append(corners if n % 2 == 0 else corners[::-1])
     swaths = tuple(Swath(a, b) for line in lines for a, b in pairwise(line))
     return Tour(swaths, tuple(np.array([one.end, other.begin]) for one, other in pairwise(swaths)))
+
+
+def _shorter(middle: Points, by: float) -> Points:
+    """A line (n, 2) without so much at either end [m], if its first and last leg are longer than twice that."""
+    legs = middle[[1, -2]] - middle[[0, -1]]
+    lengths = np.linalg.norm(legs, axis=1, keepdims=True)
+    if (lengths <= 2 * by).any():
+        return middle
+    ends = middle[[0, -1]] + by / lengths * legs
+    return np.concatenate([ends[:1], middle[1:-1], ends[1:]])
 
 
 def where_allowed(area: Area, keep_out: Any | None) -> Any:

@@ -198,14 +198,10 @@ class Closing:
             np.einsum("ij,ij->i", center - from_, leg) / np.maximum(np.einsum("ij,ij->i", leg, leg), 1e-12), 0, 1
         )
         away = np.linalg.norm(from_ + share[:, None] * leg - center, axis=1)
-        away[np.array(route.is_on, bool) & self._is_line(route)] = np.inf
+        away[np.array(route.is_on, bool)] = np.inf  # they must not be bent, as they see what nothing else does
         order = np.argsort(away, kind="stable")[:NEAR]
         found = [int(n) for n in order if np.isfinite(away[n])]
         return [*found, -1, len(places) - 1]
-
-    def _is_line(self, route: SensedPath) -> Any:
-        """Which legs must not be bent, as they see what nothing else does."""
-        return np.array(route.is_on, bool)
 
     def _lines(self, gap: Any) -> list[Points]:
         """The line (k, 2) that sees the most of a gap: straight through it, or along the edge that is nearest.

@@ -113,17 +113,18 @@ def lay_lines(
     _expect_hours(float(free.area), sight.spacing, scenario.vehicle.cruise_speed)
     begin = np.array(section.entry or scenario.start_point[:2]) if at is None else at
     end = np.array(section.exit or scenario.goal_point[:2]) if at is None else at
+    cost = leg_times(scenario, sight)
     is_anywhere = section.starts is not None and at is None
     middles = section.middles(scenario.frame)
     if len(middles) == 1 and section.width is not None and section.direction_deg == "best":
         inside = where_allowed(area, outside)
-        along = corridor_tour(middles[0], section.width, sight.spacing, begin, inside)
+        along = corridor_tour(middles[0], section.width, sight.spacing, begin, inside, cost.past_corners)
         if along is not None:
             return along
     return quickest_tour(
         area,
         sight.spacing,
-        cost=leg_times(scenario, sight),
+        cost=cost,
         keep_out=outside,
         direction=section.direction_deg,
         turns_outside=section.turns_outside,

@@ -258,6 +258,8 @@ def test_a_corridor_is_followed() -> None:
     lines = shapely.multilinestrings([[s.begin, s.end] for s in swaths_of(survey)])
     assert shapely.hausdorff_distance(lines, shapely.LineString(line)) < 25.0
     assert survey.plan.coverage.share > 0.999
+    assert survey.plan.flown is not None
+    assert survey.plan.flown.outside_m == 0.0  # what flies past corners does not leave it
 
 
 @pytest.mark.parametrize(
