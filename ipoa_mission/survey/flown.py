@@ -49,7 +49,7 @@ def as_flown(flights: Iterable[tuple[Track, Points]], area: Any, visible: Any, w
 
 def expected_lines(forecast: Forecast, tour: Tour, frame: LocalFrame) -> tuple[Track, Points]:
     """How a flight of lines that are given in a frame is expected to be flown, as `as_flown` takes it."""
-    prediction, move = forecast.predicted(sure=True), between(forecast.frame, frame)
+    prediction, move = forecast.promise.flight.prediction, between(forecast.frame, frame)
     items = [visit.item for visit in forecast.itinerary.visits]
     latitude, longitude = np.array([[item.latitude_deg, item.longitude_deg] for item in items]).T
     places = frame.to_local(latitude, longitude, forecast.mission.home.altitude)[:, :2]
@@ -64,5 +64,7 @@ def expected_lines(forecast: Forecast, tour: Tour, frame: LocalFrame) -> tuple[T
 
 def _path(track: Track, begin: float, end: float) -> Points:
     """Where it leads in plan from one time to another [s], (n, 2)."""
-    first, last = track.at(np.array([begin, end]))
+    before = max(int(np.searchsorted(track.times, begin, "right")) - 1, 0)
+    near = slice(before, np.searchsorted(track.times, end) + 1)  # all of many hours takes long for each line
+    first, last = Track(track.times[near], track.points[near], track.speeds[near]).at(np.array([begin, end]))
     return thinned(np.vstack([first, track.between(begin, end).points, last]))[:, :2]
