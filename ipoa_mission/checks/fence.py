@@ -11,6 +11,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.legs import Phase
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Mission
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.world.union import union_of
 
 CIRCLE_SEGMENTS = 90  # a quarter: the polygon lies within 4e-5 radii of the circle
 TOUCH = 0.05  # [m] by which a leg may cross the fence's edge
@@ -53,9 +54,9 @@ def _allowed(mission: Mission, frame: LocalFrame) -> shapely.Geometry:
     """Where the fence allows flying, in the local plane; a fence of exclusions only allows everything else."""
     inside = [_area(part, frame) for part in mission.fence if part.inclusion]
     outside = [_area(part, frame) for part in mission.fence if not part.inclusion]
-    join = shapely.union_all if mission.autopilot.firmware().fence_is_union else shapely.intersection_all
+    join = union_of if mission.autopilot.firmware().fence_is_union else shapely.intersection_all
     allowed = join(inside) if inside else shapely.box(-1e7, -1e7, 1e7, 1e7)
-    return shapely.difference(allowed, shapely.union_all(outside))
+    return shapely.difference(allowed, union_of(outside))
 
 
 def _area(part: FencePolygon | FenceCircle, frame: LocalFrame) -> shapely.Geometry:

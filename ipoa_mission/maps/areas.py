@@ -15,6 +15,7 @@ from ipoa_mission.maps.kinds import Reason
 from ipoa_mission.maps.passed import FAR, PassedOver, passed_over
 from ipoa_mission.maps.planar import Whereabouts, polygons_of, to_plane
 from ipoa_mission.world.frame import LocalFrame
+from ipoa_mission.world.union import union_of
 
 #: Of the words of ED-269 and ED-318, those that keep a flight out unless it is allowed, and all.
 Restriction: TypeAlias = Literal["PROHIBITED", "REQ_AUTHORISATION", "CONDITIONAL"]
@@ -97,7 +98,7 @@ def join_zones(zones: Sequence[MapArea]) -> tuple[Any, tuple[Any, ...]]:
 
     From one to the other no flight may go.
     """
-    whole = shapely.union_all([zone.shape for zone in zones])
+    whole = union_of([zone.shape for zone in zones])
     parts = sorted(shapely.get_parts(whole), key=lambda part: float(part.distance(shapely.Point(0.0, 0.0))))
     return parts[0], tuple(parts[1:])
 

@@ -19,6 +19,7 @@ from pyproj.exceptions import CRSError
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
 from ipoa_mission.maps.feature import DEEPEST, Feature, Mistakes, on_earth, read_all
+from ipoa_mission.world.union import union_of
 
 VERSIONS = ("1.0", "1.1", "2.0")
 MOST_SHOWN = 60  # characters of a name
@@ -199,5 +200,5 @@ def _shadow(rings: list[Points]) -> Any:
     pieces = [part for shadow in shadows for part in shapely.get_parts(shadow)]
     polygons = [part for part in pieces if "Polygon" in part.geom_type and part.area > LEAST_WALL_AREA]
     if polygons:
-        return shapely.union_all(polygons)
+        return union_of(polygons)
     return shapely.MultiPoint(np.unique(np.vstack(rings), axis=0))

@@ -15,6 +15,7 @@ import shapely
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.feature import Feature, on_earth
+from ipoa_mission.world.union import union_of
 
 #: A closed way with one of these is a line all the same, unless it says that it is an area.
 LINES = {"highway", "barrier", "railway", "waterway", "aerialway", "route", "man_made=pipeline", "power=line"}
@@ -174,5 +175,5 @@ def area_of(relation: Relation, corners_of: Callable[[str], Sequence[Sequence[fl
         found, cuts, dangles, invalid = shapely.polygonize_full(np.array(lines, object))
         if any(not shapely.is_empty(rest) for rest in (cuts, dangles, invalid)):
             return NOWHERE
-        areas[is_outer] = shapely.union_all(shapely.get_parts(found))
+        areas[is_outer] = union_of(shapely.get_parts(found))
     return shapely.difference(areas[True], areas[False])

@@ -14,6 +14,7 @@ from ipoa_mission.geometry import Vector
 from ipoa_mission.planning.problem import PreparedProblem
 from ipoa_mission.world.obstacles import Obstacle
 from ipoa_mission.world.terrain import Flat, Grid
+from ipoa_mission.world.union import union_of
 
 ROUGHLY, FINELY = 2, 16  # sides of a quarter of a circle; they lie inside the true one
 NOT_ROUND = 1 - np.cos(np.pi / 4 / FINELY)
@@ -117,7 +118,7 @@ class _View:
 
     def _pieces(self, share: float, sides: int) -> list[shapely.Geometry]:
         grown = shapely.buffer(self.shapes, self.radii + share * self.required, quad_segs=sides)
-        return list(shapely.get_parts(self.area.difference(shapely.union_all(grown))))
+        return list(shapely.get_parts(self.area.difference(union_of(grown))))
 
 
 def _heights(problem: PreparedProblem, body: Obstacle) -> tuple[float, float]:

@@ -19,6 +19,7 @@ from ipoa_mission.scenario.layout import Reach
 from ipoa_mission.scenario.section import NUMBER, NotNegative, Positive, Section, beside
 from ipoa_mission.survey.area import LEAST_M2, Area
 from ipoa_mission.world.frame import REACH, LocalFrame
+from ipoa_mission.world.union import union_of
 
 BAND = 0.15  # over ground that is not flat it is flown up to such a share higher than it must be
 OVERLAP = 0.7  # where a camera comes with none
@@ -242,7 +243,7 @@ def _mapped(path: Path, width: float | None, frame: LocalFrame) -> Area:
         wanted = "a polygon" if width is None else "a line or a polygon"
         raise BadInput(f"{path}: expected {wanted}, but there is none", hint="an area is a Polygon, or a closed line")
     if width is not None:
-        return Area(shapely.MultiPolygon([*shapely.get_parts(shapely.union_all(polygons))]))
+        return Area(shapely.MultiPolygon([*shapely.get_parts(union_of(polygons))]))
     rings_of = ([shapely.get_coordinates(ring) for ring in (p.exterior, *p.interiors)] for p in polygons)
     return Area.of([*rings_of], str(path))
 

@@ -72,7 +72,9 @@ def _polygon(rings: Sequence[Sequence[Sequence[float]] | Points], where: str) ->
             if hole.within(other) or other.within(hole):
                 inner, around = (name, names[m + 1]) if hole.within(other) else (names[m + 1], name)
                 raise BadInput(f"{inner}: expected no ring inside of the hole {around}: islands are not surveyed")
-    left = bare.difference(shapely.union_all(solid)) if solid else bare
+    left = bare
+    for hole in solid:
+        left = left.difference(hole)
     if left.area < LEAST_M2:
         raise BadInput(f"{where}: expected some area, but its holes cover all of it")
     if left.geom_type != "Polygon":

@@ -19,6 +19,7 @@ from ipoa_mission.survey.lines import SHORT, LineAxes, cut, heights, line_over, 
 from ipoa_mission.survey.outline import narrower, wider
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Swath, Tour
+from ipoa_mission.world.union import union_of
 
 #: Of the lines, clockwise from north [degrees]; several: one pass in each; crosshatch: the best one and the one across.
 Direction: TypeAlias = Literal["best", "crosshatch"] | float | Sequence[float]
@@ -149,7 +150,7 @@ class _Survey:
         free = FreeSpace.of(_where_lines_go(area.shape, spacing, cost.past_corners).difference(kept))
         if free.inner.is_empty:
             raise MissionError("survey: nothing of the area may be flown over", hint="it lies in what is kept out of")
-        holes = shapely.union_all([shapely.Polygon(ring) for part in area.shape.geoms for ring in part.interiors])
+        holes = union_of([shapely.Polygon(ring) for part in area.shape.geoms for ring in part.interiors])
         closed = holes.union(kept)
         ways = FreeSpace.of(area.shape.buffer(turns_outside).difference(closed)) if turns_outside > 0 else free
         reach = 2 * spacing + max(np.ptp(np.array(area.shape.bounds).reshape(2, 2), axis=0))
@@ -321,7 +322,7 @@ def _where_lines_go(area: Any, spacing: float, past: float) -> Any:
 
     Only where all of it can be seen from there; round holes there is no such rim, as it takes many lines more.
     """
-    outlines = shapely.union_all([shapely.Polygon(part.exterior) for part in area.geoms])
+    outlines = union_of([shapely.Polygon(part.exterior) for part in area.geoms])
     rim = min(past, (RIM * LEFT * spacing**2 * math.sqrt(area.area)) ** (1 / 3))  # as what the ends of lines miss grows
     for share in (1.0, 0.5, 0.0):
         inside = outlines.buffer(-share * rim, join_style="mitre").intersection(area)

@@ -12,6 +12,7 @@ from ipoa_mission.survey._kernels import NO_WAY
 from ipoa_mission.survey.free import FreeSpace, Ways
 from ipoa_mission.survey.lines import ARC, line_over, parts_of, seen_from
 from ipoa_mission.survey.times import LegTimes
+from ipoa_mission.world.union import union_of
 
 LEFT = 7e-4  # share of the area that may stay unseen
 PASSES = 8  # over all gaps that are left
@@ -81,7 +82,7 @@ class Closing:
         chosen = touched[order[needed]]
         for n in chosen:
             route.is_on[off[n]] = True
-        return gaps.difference(shapely.union_all(around[chosen])) if len(chosen) else gaps
+        return gaps.difference(union_of(around[chosen])) if len(chosen) else gaps
 
     def close(self, route: SensedPath, once: bool) -> tuple[list[Points], float]:
         """Lead the route by detours past what it leaves unseen, the largest gaps first, until little is left.
@@ -111,7 +112,7 @@ class Closing:
                 else:
                     led.append(detour.goal)
                     seen.append(shapely.LineString(route.lead(detour)).buffer(self.width / 2, quad_segs=ARC))
-            left = left.difference(shapely.union_all(seen))
+            left = left.difference(union_of(seen))
         return led, max(float(areas.sum()) / self.area.area - LEFT, 0.0)
 
     def _by_hole(self, gaps: list[Any]) -> list[Any]:
@@ -121,9 +122,7 @@ class Closing:
             return gaps
         gap, ring = shapely.STRtree(rings).query_nearest(gaps, max_distance=self.width / 2, all_matches=False)
         others = np.setdiff1d(np.arange(len(gaps)), gap)
-        return [shapely.union_all([gaps[n] for n in gap[ring == k]]) for k in np.unique(ring)] + [
-            gaps[n] for n in others
-        ]
+        return [union_of([gaps[n] for n in gap[ring == k]]) for k in np.unique(ring)] + [gaps[n] for n in others]
 
     def _detour(self, route: SensedPath, gap: Any) -> Detour | None:
         """The quickest one past a gap, straight if that can be; None where there is no way."""

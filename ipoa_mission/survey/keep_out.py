@@ -17,6 +17,7 @@ from ipoa_mission.survey.outline import wider
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.obstacles import Obstacle
+from ipoa_mission.world.union import union_of
 
 TIGHT_PLACES = 4.0  # at so many tight places the tube has room
 SPARE = 0.05  # and so much more [m]
@@ -51,7 +52,7 @@ def keep_out(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> A
         inside = air.bounds.footprint.shape.buffer(-rim.level - SPARE - growth.get("bounds", 0.0))
         (west, south, *_), (east, north, *_) = air.bounds.lower, air.bounds.upper
         shapes.append(shapely.box(west, south, east, north).buffer(2 * scenario.bounds.margin).difference(inside))
-    return shapely.union_all(shapes) if shapes else None
+    return union_of(shapes) if shapes else None
 
 
 def _grown(body: Obstacle, by: float, most: float) -> Any:

@@ -8,11 +8,12 @@ import numpy as np
 import shapely
 
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.world.union import union_of
 
 SHORT = 0.25  # a piece of a line shorter than this share of the spacing is left to what closes gaps
 ARC = 8  # segments of a quarter of a circle, around what is seen
 EVEN = 1e-6  # of a spacing: what is less than this too wide for a line less is not
-SEAM, GRID = 1e-4, 1e-6  # [m]
+SEAM = 1e-4  # [m]
 TRIED = 5  # places of an extra line
 
 
@@ -71,13 +72,7 @@ def seen_from(lines: Any, width: float) -> Any:
 
 def union_along(drawn: Any, away: float, arc: int) -> Any:
     """What lies so near to lines (n,) of shapely, their ends rounded by so many segments for a quarter of a circle."""
-    around = shapely.buffer(drawn, away, quad_segs=arc)
-    whole = shapely.union_all(around)
-    shapely.prepare(whole)
-    middles = shapely.line_interpolate_point(drawn, 0.5, normalized=True)
-    if not shapely.intersects(whole, middles).all():  # GEOS may lose what just meets, but for on a grid, which is slow
-        return shapely.union_all(around, grid_size=GRID)
-    return whole
+    return union_of(shapely.buffer(drawn, away, quad_segs=arc))
 
 
 def parts_of(gaps: Any) -> list[Any]:

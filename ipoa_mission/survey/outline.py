@@ -8,6 +8,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.geometry import Points, Vector
+from ipoa_mission.world.union import union_of
 
 MOST_TURN = math.radians(60.0)  # of a corner that takes the place of others: what turns more is a corner of its own
 
@@ -38,7 +39,7 @@ def _redrawn(shape: Any, redraw: Callable[[Points], Points]) -> Any:
         outer, *inner = (redraw(shapely.get_coordinates(ring)[:-1]) for ring in shapely.get_rings(part))
         simple = shapely.Polygon(outer, inner)
         parts.append(simple if simple.is_valid else part)
-    return shapely.union_all(parts)
+    return union_of(parts)
 
 
 def _turns(ring: Points) -> Vector:

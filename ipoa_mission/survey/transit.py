@@ -21,6 +21,7 @@ from ipoa_mission.survey._kernels import NO_WAY
 from ipoa_mission.survey.free import FreeSpace
 from ipoa_mission.survey.keep_out import TIGHT_PLACES
 from ipoa_mission.world.airspace import Airspace
+from ipoa_mission.world.union import union_of
 
 HALVINGS = 5  # of the tolerance within which the waypoints stand for the planned curve
 SAME = 0.5  # places so near are one [m]
@@ -72,7 +73,7 @@ def _round(straight: Points, task: PathProblem) -> Points | None:
         for body in task.airspace.obstacles
         if body.bounds[0, 2] - distance < high and body.bounds[1, 2] + distance > low and body.plan.intersects(near)
     ]
-    free = FreeSpace.of(inside.difference(shapely.union_all(bodies)))
+    free = FreeSpace.of(inside.difference(union_of(bodies)))
     if not 0 < len(free.corners) <= MOST_CORNERS:
         return None
     places = np.vstack([free.corners, straight[:, :2]])
