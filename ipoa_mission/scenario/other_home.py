@@ -81,6 +81,8 @@ def between(old: LocalFrame, new: LocalFrame) -> Move:
     """How places in one frame are given in another."""
 
     def moved(places: Points) -> Points:
+        if old.home == new.home:
+            return places
         latitude, longitude, _ = old.to_geodetic(np.column_stack([places, np.zeros(len(places))]))
         return new.to_local(latitude, longitude, new.home.altitude)[:, :2]
 

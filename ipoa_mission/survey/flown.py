@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.timing.track import Track, thinned
+from ipoa_mission.forecast.timing.track import STRAY, Track
 from ipoa_mission.geometry import Points
 from ipoa_mission.scenario.other_home import between
 from ipoa_mission.survey.lines import union_along
@@ -39,8 +39,8 @@ def as_flown(flights: Iterable[tuple[Track, Points]], area: Any, visible: Any, w
     lines, outside = list[Any](), 0.0
     shapely.prepare(area)
     for track, ends in flights:
-        lines += [shapely.LineString(_path(track, *times)) for times in ends.tolist()]
-        whole = shapely.LineString(_path(track, float(ends[0, 0]), float(ends[-1, 1])))
+        lines += [_path(track, *times) for times in ends.tolist()]
+        whole = _path(track, float(ends[0, 0]), float(ends[-1, 1]))
         strayed = shapely.points(shapely.get_coordinates(whole.difference(area)))
         outside = max(outside, float(shapely.distance(area, strayed).max(initial=0.0)))
     unseen = visible.difference(union_along(np.array(lines), width / 2, ARC)).area
@@ -62,9 +62,10 @@ def expected_lines(forecast: Forecast, tour: Tour, frame: LocalFrame) -> tuple[T
     return Track(track.times, plan, track.speeds), prediction.done[visits].reshape(-1, 2)
 
 
-def _path(track: Track, begin: float, end: float) -> Points:
-    """Where it leads in plan from one time to another [s], (n, 2)."""
+def _path(track: Track, begin: float, end: float) -> Any:
+    """Where it leads in plan from one time to another [s], a line of shapely."""
     before = max(int(np.searchsorted(track.times, begin, "right")) - 1, 0)
     near = slice(before, np.searchsorted(track.times, end) + 1)  # all of many hours takes long for each line
     first, last = Track(track.times[near], track.points[near], track.speeds[near]).at(np.array([begin, end]))
-    return thinned(np.vstack([first, track.between(begin, end).points, last]))[:, :2]
+    places = np.vstack([first, track.between(begin, end).points, last])[:, :2]
+    return shapely.simplify(shapely.LineString(places), STRAY, preserve_topology=False)
