@@ -45,14 +45,22 @@ def keep_out(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> A
     distance = scenario.limits.obstacle_distance + SPARE
     shapes = [
         _grown(body, distance + rim.level + growth.get(body.name, 0.0), min(SIMPLER * sight.spacing, SIMPLER_M))
-        for body in air.obstacles
-        if body.name in growth or not _is_passed(body, sight, air.ground, distance, rim)
+        for body in flown_round(scenario, sight, growth)
     ]
     if air.bounds.footprint is not None:
         inside = air.bounds.footprint.shape.buffer(-rim.level - SPARE - growth.get("bounds", 0.0))
         (west, south, *_), (east, north, *_) = air.bounds.lower, air.bounds.upper
         shapes.append(shapely.box(west, south, east, north).buffer(2 * scenario.bounds.margin).difference(inside))
     return union_of(shapes) if shapes else None
+
+
+def flown_round(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> list[Obstacle]:
+    """The obstacles that are neither flown over nor under; those that have more room are not."""
+    air, rim = scenario.airspace, tube(scenario)
+    distance = scenario.limits.obstacle_distance + SPARE
+    return [
+        body for body in air.obstacles if body.name in growth or not _is_passed(body, sight, air.ground, distance, rim)
+    ]
 
 
 def _grown(body: Obstacle, by: float, most: float) -> Any:

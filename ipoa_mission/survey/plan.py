@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+import shapely
+
 from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import BadInput, MissionError
@@ -13,6 +15,7 @@ from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.energy import shortage_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.looks import EndingWays
+from ipoa_mission.forecast.timing.track import STRAY
 from ipoa_mission.forecast.tube.promise import Kept, Promise
 from ipoa_mission.geometry import Points
 from ipoa_mission.planning.obstruction import NoPath
@@ -23,7 +26,7 @@ from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.coverage import Coverage, coverage
 from ipoa_mission.survey.flights import FlightMaker, laid_tours, parts_of, returning
 from ipoa_mission.survey.flown import AsFlown, as_flown, expected_lines
-from ipoa_mission.survey.keep_out import keep_out
+from ipoa_mission.survey.keep_out import flown_round, keep_out
 from ipoa_mission.survey.laying import expect_high_enough, expect_survey, way_over
 from ipoa_mission.survey.overlap import Overlaps, flown_lines, smallest_overlaps
 from ipoa_mission.survey.resume import left_to_fly
@@ -149,14 +152,16 @@ def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int
         make = FlightMaker(scenario, sight, growth, seed)
         tour, parts = parts_of(laid_tours(make, section, area, outside), make, section)
         forecasts = [make(part) for part in parts]
-        near = _too_near(forecasts)
+        near, wanted = _too_near(forecasts), dict[str, float]()
         if not near:
             break
         for kept, promise in near:
             if kept.limit not in ("obstacles", "bounds"):
                 raise _TooNear(kept, promise)
-            name = "bounds" if kept.limit == "bounds" else kept.to
-            growth[name] = max(growth.get(name, 0.0), growth.get(name, 0.0) - kept.slack * MORE + A_LITTLE)
+            missing = {"bounds": -kept.slack} if kept.limit == "bounds" else _missing(kept, promise, sight, growth)
+            for name, by in missing.items():
+                wanted[name] = max(wanted.get(name, 0.0), growth.get(name, 0.0) + by * MORE + A_LITTLE)
+        growth |= wanted
     else:
         raise _TooNear(*min(near, key=lambda pair: pair[0].slack))
     seen = coverage(area, tour, sight.spacing, outside)
@@ -170,6 +175,19 @@ def _too_near(forecasts: Sequence[Forecast]) -> list[tuple[Kept, Promise]]:
         near += [(kept, forecast.promise) for kept in forecast.promise.forbidding]
         forecast.forget(EndingWays)
     return near
+
+
+def _missing(kept: Kept, promise: Promise, sight: Sight, growth: Mapping[str, float]) -> dict[str, float]:
+    """How much room is missing [m] to what one flight keeps too little of, and to all else that it flies round as near.
+
+    Only the worst is promised: of the others the tube is taken to be as wide as there.
+    """
+    flight, lost = promise.flight, kept.nominal - kept.kept
+    way = shapely.LineString(flight.prediction.track.between(*flight.way).points[:, :2]).simplify(STRAY)
+    bodies = flown_round(flight.scenario, sight, growth)
+    slack = shapely.distance(way, [body.plan for body in bodies]) - lost - kept.required
+    missing = {body.name: -float(each) for body, each in zip(bodies, slack, strict=True) if each < 0.0}
+    return missing | {kept.to: -kept.slack}
 
 
 def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyPlan:

@@ -25,8 +25,10 @@ from ipoa_mission.world.union import union_of
 
 HALVINGS = 5  # of the tolerance within which the waypoints stand for the planned curve
 SAME = 0.5  # places so near are one [m]
-NEAR, APART = 60.0, 0.1  # what stands so near to the straight way at least is looked at, and kept away from by more [m]
-CORNERS, WIDER = 4, 1.02  # of a quarter of a circle, and by so much wider they lie round it
+NEAR = 60.0  # what stands so near to the straight way at least is looked at [m]
+#: By how much more it is kept away from [m], with how many corners to a quarter of a circle, so much wider round it;
+#: then how where a line begins nearer to it.
+ROUND = ((0.1, 4, 1.02), (0.01, 16, 1.0013))
 MOST_CORNERS = 250
 
 
@@ -45,9 +47,10 @@ def clear_way(begin: Vector, end: Vector, scenario: Scenario, growth: Mapping[st
     task = _with_room(straight, scenario, growth)
     if prove(straight, task, spare=0.0).holds:
         return straight
-    around = _round(straight, task)
-    if around is not None and prove(around, task, spare=0.0).holds:
-        return around
+    for apart, corners, wider in ROUND:
+        around = _round(straight, task, wider * (task.limits.obstacle_distance + apart), corners)
+        if around is not None and prove(around, task, spare=0.0).holds:
+            return around
     curve, width = plan_path(task, seed=seed).curve, scenario.route.tolerance
     for _ in range(HALVINGS):
         points = push_clear(corridor(curve, width), task)
@@ -57,19 +60,19 @@ def clear_way(begin: Vector, end: Vector, scenario: Scenario, growth: Mapping[st
     raise NoRoute(f"the way between home and the survey comes too close: {proof.words()}")
 
 
-def _round(straight: Points, task: PathProblem) -> Points | None:
-    """The shortest way between two places (2, 3) by the corners of what stands as high; None: there is none.
+def _round(straight: Points, task: PathProblem, distance: float, corners: int) -> Points | None:
+    """The shortest way between two places (2, 3) by corners so far from what stands as high; None: there is none.
 
     Nor is it looked for among very many corners.
     """
     (west, south, *_), (east, north, *_) = task.airspace.bounds.lower, task.airspace.bounds.upper
-    line, distance = shapely.LineString(straight[:, :2]), (task.limits.obstacle_distance + APART) * WIDER
+    line = shapely.LineString(straight[:, :2])
     near, (low, high) = line.buffer(max(line.length / 2, NEAR)), np.sort(straight[:, 2])
     inside = near.intersection(shapely.box(west, south, east, north))
     if (footprint := task.airspace.bounds.footprint) is not None:
         inside = inside.intersection(footprint.shape)
     bodies = [
-        body.plan.buffer(distance, quad_segs=CORNERS)
+        body.plan.buffer(distance, quad_segs=corners)
         for body in task.airspace.obstacles
         if body.bounds[0, 2] - distance < high and body.bounds[1, 2] + distance > low and body.plan.intersects(near)
     ]
@@ -82,10 +85,10 @@ def _round(straight: Points, task: PathProblem) -> Points | None:
     seen = free.sees(straight[:, :2], free.corners)
     ways[-2:, :-2] = np.where(seen, np.linalg.norm(straight[:, None, :2] - free.corners, axis=2), np.inf)
     ways[:-2, -2:] = ways[-2:, :-2].T
-    corners = _shortest(ways)
-    if corners is None:
+    passed = _shortest(ways)
+    if passed is None:
         return None
-    path = np.vstack([straight[:1, :2], places[corners], straight[1:, :2]])
+    path = np.vstack([straight[:1, :2], places[passed], straight[1:, :2]])
     along = arc_lengths(path)
     return np.column_stack([path, straight[0, 2] + along / along[-1] * (straight[1, 2] - straight[0, 2])])
 
