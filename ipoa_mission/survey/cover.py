@@ -147,7 +147,8 @@ class _Survey:
     @classmethod
     def of(cls, area: Area, spacing: float, keep_out: Any, turns_outside: float, cost: LegTimes) -> "_Survey":
         kept = shapely.Polygon() if keep_out is None else _simpler(keep_out, area.shape, spacing)
-        free = FreeSpace.of(_where_lines_go(area.shape, spacing, cost.past_corners).difference(kept))
+        visible = area.visible(keep_out, spacing)
+        free = FreeSpace.of(_where_lines_go(area.shape, kept, visible, spacing, cost.past_corners))
         if free.inner.is_empty:
             raise MissionError("survey: nothing of the area may be flown over", hint="it lies in what is kept out of")
         holes = union_of([shapely.Polygon(ring) for part in area.shape.geoms for ring in part.interiors])
@@ -155,7 +156,7 @@ class _Survey:
         ways = FreeSpace.of(area.shape.buffer(turns_outside).difference(closed)) if turns_outside > 0 else free
         reach = 2 * spacing + max(np.ptp(np.array(area.shape.bounds).reshape(2, 2), axis=0))
         around = FreeSpace.of(shapely.box(*area.shape.bounds).buffer(reach, join_style="mitre").difference(closed))
-        return cls(area.visible(keep_out, spacing), free, ways, around, spacing, cost)
+        return cls(visible, free, ways, around, spacing, cost)
 
     def directions(self) -> list[float]:
         """Those of the edges, and of the hull's, the longest first, but no two alike [degrees]."""
@@ -317,20 +318,22 @@ def _simpler(kept: Any, area: Any, spacing: float) -> Any:
     return wider(kept, most)
 
 
-def _where_lines_go(area: Any, spacing: float, past: float) -> Any:
-    """The area with fewer corners, without the rim into which vehicles fly past corners.
+def _where_lines_go(area: Any, kept: Any, visible: Any, spacing: float, past: float) -> Any:
+    """What of the area is not kept out of, with fewer corners, without the rim into which vehicles fly past corners.
 
-    Only where all of it can be seen from there; round holes there is no such rim, as it takes many lines more.
+    Only where all that is visible can be seen from there; round holes there is no such rim: it takes many lines more.
     """
     outlines = union_of([shapely.Polygon(part.exterior) for part in area.geoms])
-    rim = min(past, (RIM * LEFT * spacing**2 * math.sqrt(area.area)) ** (1 / 3))  # as what the ends of lines miss grows
+    rim = min(past, (RIM * LEFT * spacing**2 * math.sqrt(area.area)) ** (1 / 3))  # as what ends of lines miss grows
+    whole = area.difference(kept)
+    may_hide = visible.difference(whole.buffer(spacing / 2, quad_segs=ARC)).area + LEFT / 10 * area.area
     for share in (1.0, 0.5, 0.0):
         inside = outlines.buffer(-share * rim, join_style="mitre").intersection(area)
-        simple = narrower(inside, min(EDGES * spacing, EDGES_M))
-        hidden = area.difference(simple.buffer(spacing / 2, quad_segs=ARC)).area
-        if len(shapely.get_parts(simple)) == len(shapely.get_parts(area)) and hidden <= LEFT / 10 * area.area:
+        simple = narrower(inside, min(EDGES * spacing, EDGES_M)).difference(kept)
+        hidden = visible.difference(simple.buffer(spacing / 2, quad_segs=ARC)).area
+        if len(shapely.get_parts(simple)) == len(shapely.get_parts(whole)) and hidden <= may_hide:
             return simple
-    return area
+    return whole
 
 
 def _route(entries: Any, ways: Ways) -> SensedPath:
