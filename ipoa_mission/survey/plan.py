@@ -35,7 +35,8 @@ from ipoa_mission.survey.tour import Sortie, Tour
 
 log = logging.getLogger(__name__)
 
-ROUNDS = 5  # so often what comes too near is given more room, at each speed
+ROUNDS = 8  # so often what comes too near is given more room, at each speed
+AS_NEAR = 0.25  # what has no more room than that, as far as is known, is given more, too [m]
 SPEEDS = (1.0, 0.7, 0.5)  # times the cruise speed
 MORE, A_LITTLE = 1.15, 0.05  # times what is missing, and so much [m]
 
@@ -186,7 +187,7 @@ def _missing(kept: Kept, promise: Promise, sight: Sight, growth: Mapping[str, fl
     way = shapely.LineString(flight.prediction.track.between(*flight.way).points[:, :2]).simplify(STRAY)
     bodies = flown_round(flight.scenario, sight, growth)
     slack = shapely.distance(way, [body.plan for body in bodies]) - lost - kept.required
-    missing = {body.name: -float(each) for body, each in zip(bodies, slack, strict=True) if each < 0.0}
+    missing = {body.name: AS_NEAR - float(each) for body, each in zip(bodies, slack, strict=True) if each < AS_NEAR}
     return missing | {kept.to: -kept.slack}
 
 

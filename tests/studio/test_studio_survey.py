@@ -217,9 +217,10 @@ def test_a_survey_that_is_refused_is_planned_with_its_remedy(
 ) -> None:
     text = drawn(*wrong)
     wanted = parse_scenario(text, MEADOW)
-    with monkeypatch.context() as hurried, pytest.raises(MissionError) as error:
+    with monkeypatch.context() as hurried:
         hurried.setattr("ipoa_mission.survey.plan.ROUNDS", 1)  # no more room is given to what is too near
-        plan_survey(scenario=wanted)
+        with pytest.raises(MissionError) as error:
+            plan_survey(scenario=wanted)
     trouble = refused(error.value, wanted, 1)
     mended = parse_scenario(changed(text, remedy(trouble, label).changes), MEADOW)
     assert plan_survey(scenario=mended).plan.coverage.share > 0.999

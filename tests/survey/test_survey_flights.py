@@ -251,6 +251,23 @@ def test_the_same_survey_has_the_same_bytes_and_is_read_again_as_one_item(tmp_pa
     assert len(document["mission"]["items"][2]["TransectStyleComplexItem"]["Items"]) > 10
 
 
+@pytest.mark.parametrize("autopilot", [Autopilot.PX4, Autopilot.ARDUPILOT])
+def test_all_that_flights_come_too_near_to_is_given_room_at_once(
+    autopilot: Autopilot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Six round towers, more than there are rounds."""
+    monkeypatch.setattr("ipoa_mission.survey.plan.ROUNDS", 5)
+    places = [(45.0, 40.0), (95.0, 45.0), (150.0, 40.0), (50.0, 115.0), (105.0, 120.0), (160.0, 110.0)]
+    towers = [
+        {"kind": "cylinder", "name": f"tower {n}", "east": east, "north": north, "radius": 6.0, "height": 80.0}
+        for n, (east, north) in enumerate(places)
+    ]
+    plan = plan_survey(scenario=scenario(LINES | {"line_spacing": 9.0}, autopilot, obstacles=towers)).plan
+    assert plan.scenario.vehicle.cruise_speed == 8.0
+    assert len(plan.growth) == 6
+    assert plan.coverage.share >= 0.999
+
+
 def test_a_corridor_is_followed() -> None:
     line = [[20.0, 20.0], [200.0, 60.0], [300.0, 200.0]]
     over = {"line": line, "width": 60.0, "line_spacing": 20.0, "height_above_ground": 40.0}
