@@ -11,7 +11,8 @@ import shapely
 
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.survey._kernels import NO_WAY, search_order
+from ipoa_mission.survey._kernels import NO_WAY
+from ipoa_mission.survey._order import search_order
 from ipoa_mission.survey.area import ARC, Area
 from ipoa_mission.survey.free import FreeSpace, Ways
 from ipoa_mission.survey.gaps import LEFT, Closing, SensedPath

@@ -32,7 +32,7 @@ MODULES = {
     "sights": "survey._kernels",
     "straight_ways": "survey._kernels",
     "ways_between": "survey._kernels",
-    "search_order": "survey._kernels",
+    "search_order": "survey._order",
 }
 
 
