@@ -184,6 +184,11 @@ RULES: Mapping[str, Rule] = {
         "Give its height, as the hint says, or fly round it.",
         True,
     ),
+    "not-read": Rule(
+        "A file of the scenario holds something that may be an obstacle, a zone or a limit, and was not read.",
+        "Do what the hint says. If it is none, ignore this code, by `--ignore` or by `safety.ignore`.",
+        False,
+    ),
     "fast-touchdown": Rule(
         "The vehicle touches down faster than it lands, on ground that is higher than home.",
         "Set the parameters that the hint names.",

@@ -14,7 +14,7 @@ from ipoa_mission.cli.app import VERBS
 
 PACKAGE = Path(ipoa_mission.__file__).parent
 #: Everyone may import these; they import nothing of ours.
-GROUND = {"centimeters", "errors", "files", "finding", "rules", "geometry", "progress", "wind"}
+GROUND = {"centimeters", "errors", "files", "finding", "rules", "geometry", "progress", "unread", "wind"}
 
 #: Room by room, from the ground up: a room may import those that are named, and all of them stand above it.
 _MISSION = {"mission/commands", "mission/items", "vehicles", "world"}  # what all above a mission know

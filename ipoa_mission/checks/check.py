@@ -100,11 +100,13 @@ def _check_world(forecast: "Forecast", promise: "Promise | None") -> Iterator[Fi
     from ipoa_mission.checks.clearance import check_clearance
     from ipoa_mission.checks.ground import check_ground
     from ipoa_mission.checks.passed_over import check_passed_over
+    from ipoa_mission.checks.unread import check_unread
 
     findings = [*check_airspace(forecast)]
     judged = {finding.seq for finding in findings}
     yield from findings
     if promise is not None:
         yield from (finding for finding in check_clearance(forecast.mission, promise) if finding.seq not in judged)
+    yield from check_unread(forecast.world.unread)
     yield from check_passed_over(forecast)
     yield from check_ground(forecast)

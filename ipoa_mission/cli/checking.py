@@ -11,6 +11,7 @@ from ipoa_mission.cli.options import EndingsOption, FileArgument, JsonOption, Sc
 from ipoa_mission.cli.telling import notes, picked, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
+from ipoa_mission.unread import unread_as_json
 
 if TYPE_CHECKING:
     from ipoa_mission.cli.reading import Given
@@ -65,7 +66,7 @@ def check(
             ways = forecast.once(Endings).all_rows(), failsafes_of(forecast)
     messages = {finding.message for finding in findings}
     remarks = tuple(remark for remark in given.remarks if remark not in messages)
-    remarks += () if world is None else world.remarks
+    remarks += () if world is None else tuple(remark for remark in world.remarks if remark not in messages)
     errors = sum(finding.severity is Severity.ERROR for finding in findings)
     if as_json:
         rows = [picked(finding, "code", "severity", "seq", "message", "hint") for finding in findings]
@@ -74,6 +75,7 @@ def check(
             from ipoa_mission.flight.summary import clearance_as_json, passed_over_as_json
 
             about = {"clearance": clearance_as_json(promise) or None, "passed_over": passed_over_as_json(world)}
+            about["unread"] = unread_as_json(world.unread)
         if endings:
             about |= endings_as_json(*ways)
         about["firmware"] = mission.autopilot.facts(mission.firmware_version)
@@ -120,7 +122,9 @@ def estimate(
         from ipoa_mission.forecast.energy import budget_of
 
         budget = budget_of(forecast)
-    remarks = (*given.remarks, *refused, *prediction.remarks, *_planned_otherwise(given, prediction))
+    world = forecast.scenario
+    unread = () if world is None else tuple(thing.words for thing in world.unread)
+    remarks = (*given.remarks, *refused, *unread, *prediction.remarks, *_planned_otherwise(given, prediction))
     if as_json:
         energy: dict[str, Any] = {"energy_wh": None if budget is None else round(budget.used.energy_wh, 3)}
         energy |= {} if budget is None else {"energy": energy_as_json(budget)}

@@ -13,6 +13,7 @@ from ipoa_mission.forecast.energy import ReserveNow
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.commands import command_name
+from ipoa_mission.unread import unread_as_json
 
 
 def flight_as_json(estimate: Estimate, record: FlightRecord, reserves: Sequence[ReserveNow] = ()) -> dict[str, Any]:
@@ -36,6 +37,7 @@ def tell_flown_as_json(job: Job, record: FlightRecord, remarks: tuple[str, ...],
     outcome: dict[str, Any] = {"remarks": all_remarks, "written": [str(path) for path in written]}
     if job.flight is not None:
         outcome["passed_over"] = passed_over_as_json(job.flight.scenario)
+        outcome["unread"] = unread_as_json(job.flight.scenario.unread)
     told = flight_as_json(job.estimate, record, job.reserves)
     tell_json(told | outcome | ({"error": record.why_not} if record.why_not else {}))
 

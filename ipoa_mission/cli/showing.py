@@ -72,7 +72,8 @@ def show(
         total = f"estimated {timed.total_s:.0f} s" if not errors else "no time: a position or height makes no sense"
     except MissionError as error:
         total = f"no time: {error}"
-    remarks = (*given.remarks, *errors)
+    world = forecast.scenario
+    remarks = (*given.remarks, *errors, *(() if world is None else (thing.words for thing in world.unread)))
     if as_json:
         tell_json([asdict(row) | {"done_s": done.get(row.seq)} for row in rows])
         return

@@ -44,6 +44,7 @@ from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.routing.slower import slowed_stretches
 from ipoa_mission.routing.split import split_flight
 from ipoa_mission.scenario import Scenario
+from ipoa_mission.unread import unread_as_json
 from ipoa_mission.vehicles.energy.flight import Consumption
 from ipoa_mission.wind import Wind
 
@@ -163,6 +164,7 @@ class Flight:
             **({"parameters": parameters} if parameters else {}),
             "remarks": list(self.remarks),
             "passed_over": passed_over_as_json(scenario),
+            "unread": unread_as_json(scenario.unread),
             "routes": [option_as_json(option, scenario.route.mode) for option in self.options],
         }
 

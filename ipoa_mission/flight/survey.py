@@ -29,6 +29,7 @@ from ipoa_mission.scenario.other_home import nearest_start
 from ipoa_mission.scenario.survey import SurveySection, with_survey
 from ipoa_mission.survey.plan import SurveyFlight, SurveyPlan, plan_flights, rest_of
 from ipoa_mission.survey.resume import is_along
+from ipoa_mission.unread import unread_as_json
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.frame import Geodetic
 
@@ -111,6 +112,7 @@ class Survey:
             "survey": survey_as_json(plan, self.names),
             "remarks": list(self.remarks),
             "passed_over": passed_over_as_json(plan.scenario),
+            "unread": unread_as_json(plan.scenario.unread),
         }
 
     def report(self, folder: str | Path = ".") -> tuple[Path, ...]:

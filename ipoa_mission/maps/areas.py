@@ -14,6 +14,7 @@ from ipoa_mission.maps.geozones import VerticalLimit, limits_of
 from ipoa_mission.maps.kinds import Reason
 from ipoa_mission.maps.passed import FAR, PassedOver, passed_over
 from ipoa_mission.maps.planar import Whereabouts, polygons_of, to_plane
+from ipoa_mission.unread import Unread
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.union import union_of
 
@@ -36,11 +37,12 @@ class MapArea:
 
 @dataclass(frozen=True)
 class Zones:
-    """The zones of a map, what of it is none, and remarks on what was mended."""
+    """The zones of a map, what of it is none, remarks on what was mended, and what else was not read."""
 
     zones: tuple[MapArea, ...]
     passed_over: tuple[PassedOver, ...]
     remarks: tuple[str, ...]
+    unread: tuple[Unread, ...] = ()
 
 
 def find_zones(

@@ -41,6 +41,7 @@ from ipoa_mission.maps.planar import Whereabouts, clean_polygons, polygons_of, t
 from ipoa_mission.maps.read import hand_on_features
 from ipoa_mission.maps.standing import Standing
 from ipoa_mission.maps.wires import Wire, spans, wire_of
+from ipoa_mission.unread import Unread
 from ipoa_mission.world.frame import LocalFrame
 
 
@@ -72,7 +73,7 @@ class Buildings:
     Of what lies outside the box that was asked for only the first things of each kind are there, for their names:
     `beyond` counts the other things that stand, `left_out` those passed over. `box` is west, south, east and north of
     all that stands [m], (4,); `features` are how many things of the map were looked at, `elsewhere` how many of a large
-    file were not, for they lie far from the box.
+    file were not, for they lie far from the box. `unread` is what else was not read.
     """
 
     standing: tuple[Standing, ...]
@@ -83,6 +84,7 @@ class Buildings:
     box: NDArray[np.float64]
     features: int
     elsewhere: int = 0
+    unread: tuple[Unread, ...] = ()
 
 
 def search_buildings(path: Path, rules: BuildingRules, frame: LocalFrame, within: Box | None = None) -> Buildings:

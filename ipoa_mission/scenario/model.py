@@ -30,6 +30,7 @@ from ipoa_mission.scenario.survey import SurveySection, with_survey
 from ipoa_mission.scenario.vehicle import VehicleSection
 from ipoa_mission.scenario.wind import WindSection
 from ipoa_mission.survey.area import Area
+from ipoa_mission.unread import Unread
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, apart
@@ -313,6 +314,11 @@ class Scenario(Section):
     def passed_counts(self) -> tuple[PassedCount, ...]:
         """How many things on the maps became no obstacle, by file and reason."""
         return self._surroundings.passed_counts
+
+    @property
+    def unread(self) -> tuple[Unread, ...]:
+        """What the readers of its files did not take, each kind once; `passed_counts` are the rest."""
+        return self._surroundings.unread
 
     @cached_property
     def places(self) -> Points:

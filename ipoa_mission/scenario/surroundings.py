@@ -25,6 +25,7 @@ from ipoa_mission.scenario.fencing import allowed_area, forbidden
 from ipoa_mission.scenario.layout import Layout
 from ipoa_mission.scenario.maps import BuildingsMap, ElevationTerrain, FlightAreaMap, NoFlyMap
 from ipoa_mission.scenario.places import FenceSection, FlatTerrain
+from ipoa_mission.unread import Unread, gathered
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import LEVEL, Ground
@@ -44,13 +45,15 @@ class Surroundings:
     """A scenario's world, the geofence of its mission, and what its maps have beyond that.
 
     `passed_over` are the things near the flight that are no obstacles and may stand there all the same, and some of the
-    others; `passed_counts` count all. `remarks` say what was assumed, mended or passed over.
+    others; `passed_counts` count all. `unread` is what else the readers did not take. `remarks` say what was assumed,
+    mended or passed over.
     """
 
     airspace: Airspace
     geofence: tuple[FenceSection, ...]
     passed_over: tuple[PassedOver, ...]
     passed_counts: tuple[PassedCount, ...]
+    unread: tuple[Unread, ...]
     remarks: tuple[str, ...]
 
 
@@ -62,6 +65,7 @@ class _Zones:
     area: Any | None
     area_fenced: bool
     passed_over: tuple[PassedOver, ...]
+    unread: tuple[Unread, ...]
     remarks: Mapping[int, tuple[str, ...]]
 
 
@@ -95,19 +99,23 @@ def _surroundings_of(scenario: Layout) -> Surroundings:
     airspace = Airspace(bounds, terrain, (*drawn, *raised, *zones))
     passed = (*maps.passed_over, *(thing for found in buildings.values() for thing in found.passed_over), *beyond)
     counts = tuple(count_passed_over(passed, _left_out(scenario, buildings)))
+    unread = gathered((*maps.unread, *(thing for found in buildings.values() for thing in found.unread)))
     of_maps = {**maps.remarks} | {number: found.remarks for number, found in buildings.items()}
     remarks = (
         *(f"{scenario.maps[number].file.name}: {remark}" for number in sorted(of_maps) for remark in of_maps[number]),
         *terrain_remarks,
         *(counted.words() for counted in counts),
+        *(thing.words for thing in unread),
     )
-    return Surroundings(airspace, (*scenario.fence, *_geofence(maps, (lower, upper))), passed, counts, remarks)
+    fence = (*scenario.fence, *_geofence(maps, (lower, upper)))
+    return Surroundings(airspace, fence, passed, counts, unread, remarks)
 
 
 def _read_zones(scenario: Layout) -> _Zones:
     no_fly: list[tuple[NoFlyMap, MapArea]] = []
     areas: list[Any] = []
     passed: list[PassedOver] = []
+    unread: list[Unread] = []
     remarks: dict[int, tuple[str, ...]] = {}
     fenced = False
     for number, section in enumerate(scenario.maps):
@@ -115,6 +123,7 @@ def _read_zones(scenario: Layout) -> _Zones:
             continue
         found = section.read(scenario.frame, scenario.unix_s)
         passed += found.passed_over
+        unread += found.unread
         remarks[number] = found.remarks
         if isinstance(section, NoFlyMap):
             no_fly += [(section, zone) for zone in found.zones]
@@ -125,7 +134,7 @@ def _read_zones(scenario: Layout) -> _Zones:
             passed += [PassedOver(section.file.name, f"area {n}", why, each, False) for n, each in enumerate(others, 2)]
             fenced |= section.geofence
         _expect_home_allowed(section, found.zones, scenario.frame.home.altitude)
-    return _Zones(tuple(no_fly), _one(areas) if areas else None, fenced, tuple(passed), remarks)
+    return _Zones(tuple(no_fly), _one(areas) if areas else None, fenced, tuple(passed), tuple(unread), remarks)
 
 
 def _read_buildings(

@@ -1,0 +1,55 @@
+"""What a reader did not take of a file: counted by kind, with the first place and an example of each."""
+
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Unread:
+    """One kind of thing that a reader did not take.
+
+    Attributes:
+        file: name of the file.
+        what: the thing and why it was not taken: `tag "hgt", which may be a height`.
+        place: where the first of them is: `features[3]`.
+        example: value of the first, as the file spells it; empty where there is none.
+        count: how many there are.
+        may_limit: whether it may be an obstacle, a zone or another limit of the flight; it is an error then.
+        remedy: what the user can do about it.
+
+    Example:
+        >>> tags = [Unread("town.shp", 'tag "hgt"', f"row[{n}]", "12") for n in (4, 7)]
+        >>> [thing.words for thing in gathered(tags)]
+        ['town.shp: not read: tag "hgt": 2 times, first row[4] ("12")']
+    """
+
+    file: str
+    what: str
+    place: str
+    example: str = ""
+    count: int = 1
+    may_limit: bool = False
+    remedy: str = ""
+
+    @property
+    def words(self) -> str:
+        """A sentence without a full stop."""
+        times = f"{self.count} times, first " if self.count > 1 else ""
+        example = f' ("{self.example[:40]}")' if self.example else ""
+        return f"{self.file}: not read: {self.what}: {times}{self.place}{example}"
+
+
+def gathered(things: Iterable[Unread]) -> tuple[Unread, ...]:
+    """Each kind once, with its count, those that may limit the flight first; else in their order."""
+    kinds: dict[tuple[str, str, bool], Unread] = {}
+    for thing in things:
+        key = (thing.file, thing.what, thing.may_limit)
+        first = kinds.get(key)
+        kinds[key] = thing if first is None else replace(first, count=first.count + thing.count)
+    return tuple(sorted(kinds.values(), key=lambda thing: not thing.may_limit))
+
+
+def unread_as_json(things: Iterable[Unread]) -> list[dict[str, Any]]:
+    """The list `unread` in what a verb prints for machines."""
+    return [asdict(thing) for thing in things]
