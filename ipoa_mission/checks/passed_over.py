@@ -3,7 +3,8 @@
 How high such a thing is nobody knows: what counts is the distance in plan.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 import shapely
@@ -14,11 +15,14 @@ from ipoa_mission.forecast.forecast import Forecast
 
 
 def check_passed_over(forecast: Forecast) -> Iterator[Finding]:
-    """An error for each leg that comes nearer than an obstacle may be, and than the path may leave its legs."""
+    """An error for each leg, and each code, that comes nearer than an obstacle may be and the path may leave it."""
+    things = [thing for thing in forecast.world.passed_over if thing.may_stand and not shapely.is_empty(thing.shape)]
+    for code in sorted({thing.code for thing in things}):
+        yield from _near(forecast, [thing for thing in things if thing.code == code], code)
+
+
+def _near(forecast: Forecast, things: Sequence[Any], code: str) -> Iterator[Finding]:
     scenario = forecast.world
-    things = [thing for thing in scenario.passed_over if thing.may_stand and not shapely.is_empty(thing.shape)]
-    if not things:
-        return
     tree = shapely.STRtree([thing.shape for thing in things])
     required = scenario.limits.obstacle_distance + scenario.route.tolerance
     for leg in forecast.legs:
@@ -30,4 +34,8 @@ def check_passed_over(forecast: Forecast) -> Iterator[Finding]:
             others = f" (and {len(near) - 1} more such)" if len(near) > 1 else ""
             where = f"passes {aside:.1f} m from" if aside > 0 else "crosses"
             words = f"{where} {first.name} on {first.file}, {first.reason}{others}"
-            yield item_of(forecast.mission, leg.seq).error("map-not-understood", words, first.remedy)
+            item = item_of(forecast.mission, leg.seq)
+            if code == "not-read":
+                yield item.error("not-read", words, first.remedy)
+            else:
+                yield item.error("map-not-understood", words, first.remedy)

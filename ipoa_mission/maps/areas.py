@@ -12,7 +12,7 @@ from ipoa_mission.maps.activity import may_be_active, periods_of
 from ipoa_mission.maps.feature import Feature, Mistakes
 from ipoa_mission.maps.geozones import VerticalLimit, limits_of
 from ipoa_mission.maps.kinds import Reason
-from ipoa_mission.maps.passed import FAR, PassedOver, passed_over
+from ipoa_mission.maps.passed import FAR, PassedOver, not_read, passed_over
 from ipoa_mission.maps.planar import Whereabouts, polygons_of, to_plane
 from ipoa_mission.unread import Unread
 from ipoa_mission.world.frame import LocalFrame
@@ -64,12 +64,17 @@ def find_zones(
     shapes, near = to_plane([f.shape for f in features], [f.place for f in features], about)
     about.expect_near()
     mistakes, zones, remarks = Mistakes(), list[MapArea](), list[str]()
-    passed = list[PassedOver]()
+    passed, unread = list[PassedOver](), list[Unread]()
     for feature, shape, counted in zip(features, shapes, near, strict=True):
         restriction = feature.tags.get("restriction")
         if counted and restriction in NAMED_RESTRICTIONS and restriction not in restrictions:
             passed.append(passed_over(feature, shape, Reason(f"its restriction is {restriction}", False), path))
             continue
+        missed = not_read(feature, frame, path)
+        if isinstance(missed, Unread):
+            unread.append(missed)
+        elif missed is not None:
+            passed.append(missed)
         at_times = "limitedApplicability" in feature.tags
         if counted and at_times and time is not None and not may_be_active(feature.tags, time):
             passed.append(passed_over(feature, shape, Reason("not active in the hour of the flight", False), path))
@@ -77,7 +82,7 @@ def find_zones(
         limits = mistakes.attempt(limits_of, feature.tags, feature.place) or (None, None)
         parts = [_outline(part) for part in _flat(shape)]
         rest = [part for part in parts if part.geom_type != "Polygon"]
-        if rest or not parts:
+        if rest or not (parts or missed):
             why = _why_no_zone(rest, bool(counted))
             passed.append(passed_over(feature, shapely.GeometryCollection(rest), why, path))
         for part in parts:
@@ -92,7 +97,7 @@ def find_zones(
     mistakes.tell()
     if not zones and not any("restriction" in thing.reason or "active" in thing.reason for thing in passed):
         raise BadInput(f"{path}: expected a polygon, but there is none among {len(features)} features")
-    return Zones(tuple(zones), tuple(passed), tuple(remarks))
+    return Zones(tuple(zones), tuple(passed), tuple(remarks), tuple(unread))
 
 
 def join_zones(zones: Sequence[MapArea]) -> tuple[Any, tuple[Any, ...]]:

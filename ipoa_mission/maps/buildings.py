@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import compress
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import shapely
@@ -18,25 +18,27 @@ from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.around import Around, Box
+from ipoa_mission.maps.building_rules import BuildingRules, area_height, reach_of, thin_height
 from ipoa_mission.maps.feature import Feature, Mistakes
 from ipoa_mission.maps.geojson import Take
-from ipoa_mission.maps.heights import Odd, foot_of, height_of, meters, width_of
+from ipoa_mission.maps.heights import Odd, foot_of, height_of, says_nothing, unread_heights, width_of
+from ipoa_mission.maps.keys import Means, meaning
 from ipoa_mission.maps.kinds import (
     CABLE,
     FLAT,
+    NO_BUILDING,
     TOP_AMSL,
     WOOD,
-    WOODS,
     Extent,
     Reason,
     as_openstreetmap,
     extents_of,
     has_kind,
     has_place_for_height,
-    tagged,
     why_passed_over,
 )
-from ipoa_mission.maps.passed import FAR, MOST_NAMED, Key, PassedOver, passed_over
+from ipoa_mission.maps.lengths import meters
+from ipoa_mission.maps.passed import FAR, MOST_NAMED, NOT_READ, NOT_UNDERSTOOD, Key, PassedOver, not_read, passed_over
 from ipoa_mission.maps.planar import Whereabouts, clean_polygons, polygons_of, to_plane
 from ipoa_mission.maps.read import hand_on_features
 from ipoa_mission.maps.standing import Standing
@@ -44,26 +46,9 @@ from ipoa_mission.maps.wires import Wire, spans, wire_of
 from ipoa_mission.unread import Unread
 from ipoa_mission.world.frame import LocalFrame
 
-
-@dataclass(frozen=True)
-class BuildingRules:
-    """How features become obstacles where their tags leave it open, all in metres.
-
-    `height_key` is the property that holds the height. `take` is `all` for every feature that its tags do not call
-    flat, `tagged` for what tags call a thing that stands, the rest being nothing; None takes a file of nothing but
-    buildings whole. A height of 0 says that such things are nothing; a `line_height` of None is by the voltage, and
-    without a `wood_height` a wood may stand.
-    """
-
-    default_height: float = 8.0
-    storey_height: float = 3.0
-    point_height: float = 20.0
-    point_radius: float = 2.0
-    line_height: float | None = None
-    aerialway_height: float = 40.0
-    wood_height: float | None = None
-    height_key: str = "height"
-    take: Literal["tagged", "all"] | None = None
+#: Keys whose values, where they are not understood, may make a thing higher than it is taken to be.
+HEIGHTENS = (Means.TOP, Means.LEVELS, Means.MAX_LEVEL, Means.HUB, Means.ROOF, Means.ROOF_LEVELS, Means.ROTOR)
+HEIGHT_REMEDY = "write the height in metres, or name the property that holds it under [[maps]]: height_key"
 
 
 @dataclass(frozen=True)
@@ -154,6 +139,7 @@ class _Finder:
         self._passed, self._seen, self._left_out = list[PassedOver](), Counter[Key](), Counter[Key]()
         self._box = np.array([np.inf, np.inf, -np.inf, -np.inf])
         self._features = 0
+        self._unread = list[Unread]()
 
     @property
     def only_buildings(self) -> bool:
@@ -181,6 +167,8 @@ class _Finder:
         standing: list[Standing] = []
         for feature, extent, shape, sound, counted, outside in each:
             why = _why_passed_over(feature, extent, self._rules, self._all_buildings) if counted else FAR
+            if self._misses(feature, extent, self._all_buildings) and extent == "none":
+                continue
             if why is None:
                 standing += self._mistakes.attempt(self._stand, feature, shape, sound) or ()
             else:
@@ -212,6 +200,7 @@ class _Finder:
             self._box,
             self._features,
             elsewhere,
+            tuple(self._unread),
         )
 
     def _outside(self, boxes: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -235,29 +224,43 @@ class _Finder:
         self._beyond += int(outside.sum())
         self._standing += compress(standing, (~outside).tolist())
 
-    def _pass(self, feature: Feature, shape: Any, why: Reason, outside: bool) -> None:
+    def _misses(self, feature: Feature, extent: Extent, every: bool) -> bool:
+        """Whether a part of a feature was not read that may be in the way, which is noted."""
+        if feature.missing is None and extent != "none":
+            return False
+        why = _why_passed_over(feature, "area", self._rules, every)
+        thing = not_read(feature, self._frame, self._path) if why is None or why.may_stand else None
+        if isinstance(thing, Unread):
+            self._unread.append(thing)
+        elif thing is not None and not self._outside(shapely.bounds(thing.shape))[0]:
+            self._passed.append(thing)
+        return thing is not None
+
+    def _pass(self, feature: Feature, shape: Any, why: Reason, outside: bool, code: str = NOT_UNDERSTOOD) -> None:
         """Note that a feature is passed over: where it is, if it matters, or is one of the first for its reason."""
         key = (not why.may_stand, self._path.name, why.words)
         self._seen[key] += 1
         matters = self._within is None or (why.may_stand and not outside)
         if matters or self._seen[key] <= MOST_NAMED:
-            self._passed.append(passed_over(feature, shape, why, self._path))
+            self._passed.append(replace(passed_over(feature, shape, why, self._path), code=code))
         else:
             self._left_out[key] += 1
 
     def _stand(self, feature: Feature, shape: Any, sound: bool) -> list[Standing]:
         """One obstacle for each part of the feature's shape; a `sound` shape is one polygon that needs no mending."""
-        rules, counts = self._rules, self._counts
+        rules, counts, doubts = self._rules, self._counts, list[str]()
 
         def odd(key: str, value: str) -> None:
             self._odd += 1
             if self._odd <= MOST_NAMED:
                 self._odd_first.append(f"{feature.name} ({key} {value[:20]!r})")
+            if meaning(key) in HEIGHTENS and not says_nothing(value):
+                doubts.append(key)
 
         over_home = TOP_AMSL in feature.tags
         height = height_of(feature.tags, rules.height_key, rules.storey_height, odd)
         if over_home:
-            height = math.inf  # told by sea level
+            height = math.inf  # said by sea level
         foot = foot_of(feature.tags, rules.storey_height, odd)
         if height is not None and foot >= height:
             counts["building(s) whose min_height is not below the height, taken to stand on the ground"] += 1
@@ -267,23 +270,24 @@ class _Finder:
             if height is None:
                 counts[f"{wire.words} without a height, given {wire.height:g} m ({wire.key})"] += 1
             top, reach = wire.height if height is None else height, _reach(feature, wire.reach, odd)
+            self._doubt(feature, shape, doubts, top)
             return [Standing(feature.name, span, reach, 0.0, top, hangs=True) for span in hanging]
         made: list[Standing] = []
-        building = bool(feature.tags.keys() & {"building", "building:part"})
+        building = any(feature.tags.get(key, "no") not in NO_BUILDING for key in ("building", "building:part"))
         hollow = not building and feature.tags.keys() & {"barrier", "natural"}
         for part in [shape] if sound else _parts(shape, not hollow):
             thin = part.geom_type != "Polygon"
+            kind, default = thin_height(feature.tags, rules) if thin else area_height(feature.tags, rules)
             if height is None:
-                kind, default = ("point(s) or line(s)", rules.point_height) if thin else _area(feature, rules)
-                counts[f"{kind} without a height, given {default:g} m"] += 1
-            top = height if height is not None else foot + default
+                counts[f"{kind}(s) without a height, given {default:g} m"] += 1
+            top = foot + default if height is None else max(height, default if doubts else 0.0)
             if thin:
                 if building and rules.take != "all":
                     raise BadInput(
                         f"{feature.place}.geometry: expected the outline of a building, not a {part.geom_type}",
                         hint="export whole outlines (`out geom` in Overpass turbo), not centers",
                     )
-                made.append(Standing(feature.name, part, _reach(feature, rules.point_radius, odd), foot, top))
+                made.append(Standing(feature.name, part, reach_of(feature.tags, rules, part, top, odd), foot, top))
                 continue
             polygons, wrong = ([part], None) if sound else polygons_of(part, feature.place)
             if wrong is not None:
@@ -292,7 +296,15 @@ class _Finder:
         if over_home:
             above = meters(feature.tags[TOP_AMSL], f"{feature.place}.properties.{TOP_AMSL}") - self._frame.home.altitude
             return [s._replace(height=above, over_home=True) for s in made]
+        self._doubt(feature, shape, doubts, max((s.height for s in made), default=0.0))
         return made
+
+    def _doubt(self, feature: Feature, shape: Any, keys: Sequence[str], top: float) -> None:
+        """Note heights that were not understood, or may be above the top that was taken [m]."""
+        for key in dict.fromkeys((*keys, *unread_heights(feature.tags, top))):
+            words = f"a height that was not understood ({key} {feature.tags[key][:20]!r}), {top:g} m was taken"
+            outside = bool(self._outside(shapely.bounds(shape))[0])
+            self._pass(feature, shape, Reason(words, True, HEIGHT_REMEDY), outside, NOT_READ)
 
 
 def _why_passed_over(feature: Feature, extent: Extent, rules: BuildingRules, every: bool) -> Reason | None:
@@ -325,12 +337,6 @@ def _parts(shape: Any, filled: bool) -> Iterator[Any]:
             yield shapely.Polygon(part)
         else:
             yield part
-
-
-def _area(feature: Feature, rules: BuildingRules) -> tuple[str, float]:
-    """What an area of no height is called, and how high it is taken to be [m]."""
-    is_wood = rules.wood_height is not None and tagged(feature.tags, WOODS) and "building" not in feature.tags
-    return ("wood(s)", float(rules.wood_height or 0.0)) if is_wood else ("building(s)", rules.default_height)
 
 
 def _reach(feature: Feature, usual: float, odd: Odd) -> float:

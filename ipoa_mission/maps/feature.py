@@ -17,6 +17,18 @@ MANY = 10  # mistakes told at once
 DEEPEST = 16  # collections in each other: nobody draws more, and shapely would not bear thousands
 
 
+class Missing(NamedTuple):
+    """A part of a feature that was not read: what it is, where it is [deg], and what can be done about it.
+
+    `shape` is empty where nobody knows; the part may then be anywhere, unless it is `elsewhere` for sure.
+    """
+
+    words: str
+    shape: Any
+    remedy: str = ""
+    elsewhere: bool = False
+
+
 class Feature(NamedTuple):
     """`shape` is a shapely geometry in longitude, latitude [deg, WGS 84], as it stands in the file: it may be invalid.
 
@@ -28,6 +40,7 @@ class Feature(NamedTuple):
     shape: Any
     tags: Mapping[str, str]
     blank: frozenset[str] = frozenset()
+    missing: Missing | None = None
 
     @property
     def name(self) -> str:

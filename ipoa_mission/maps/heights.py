@@ -1,114 +1,121 @@
-"""How high a building is, by OpenStreetMap's tags: `height`, `min_height`, `building:levels` and their relatives.
+"""How high and wide a thing is by its tags: OpenStreetMap's, and those of other maps that mean the same.
 
-A value is metres unless it says feet. Where a tag gives several values, or a range, the greatest counts: too high is
-safe. What cannot be read is named, and taken as if it were not there.
+Of several heights the greatest counts: too high is safe. Of what cannot be read as a whole the greatest number counts,
+and the key is named.
 """
 
-import math
-import re
 from collections.abc import Callable, Mapping
-from functools import lru_cache
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.maps.keys import Means, meaning, plain, those
+from ipoa_mission.maps.lengths import FOOT, counted_storeys, length_of, storeys_of
 
-FOOT = 0.3048
-INCH = FOOT / 12
-LONGEST = 40  # characters of a length
-NUMBER = r"(\d+(?:[.,]\d{1,2}|\.\d+)?(?:e[-+]?\d)?|[.,]\d+)"  # 1,200 is no length: a comma there may mean thousands
-ABOUT = re.compile(r"(?:~|≈|<|approx(?:imately|\.)?|about|around|circa|ca?\.?|est(?:imated|\.)?) *")
-METRES = re.compile(rf"{NUMBER} ?(?:m|metres?|meters?)?")
-FEET = re.compile(rf"{NUMBER} ?(?:ft|feet|foot|'|′|’)(?: ?{NUMBER} ?(?:in|inches|\"|″|”|''))?")
-STOREYS = re.compile(rf"{NUMBER} ?(?:storey|story|storie|level|floor)s?")
-RANGE = re.compile(r"(.*\d[^-–]*)[-–](.*\d.*)")
-Odd = Callable[[str, str], None]  # told of the key and the value of a tag that cannot be read
-
-
-def meters(text: str, place: str) -> float:
-    """A length of OpenStreetMap ("23", "23 m", "75 ft", "7'6\\"", "12;15", "12-15", "approx 12") in metres.
-
-    Raises:
-        BadInput: it is none.
-    """
-    lengths = [_one_length(part.strip().lower()) for part in text.split(";")]
-    if any(length is None for length in lengths):
-        raise BadInput(f'{place}: expected metres or feet ("23", "23 m", "75 ft"), not {text!r}')
-    return max(length for length in lengths if length is not None)
-
-
-def levels(text: str, place: str) -> float:
-    """A number of storeys ("5", "2.5", "3;4").
-
-    Raises:
-        BadInput: it is none.
-    """
-    numbers = [re.fullmatch(NUMBER, part.strip()) for part in text.split(";")]
-    if not all(numbers):
-        raise BadInput(f"{place}: expected a number of storeys, not {text!r}")
-    return max(_number(number[1]) for number in numbers if number)
+WIDEST_ROTOR = 170.0  # taken where nobody says it; newer ones are seldom wider [m]
+IN_FEET = {"ft", "feet", "foot"}
+IN_METRES = {"m", "metre", "metres", "meter", "meters"}
+Odd = Callable[[str, str], None]  # called with the key and the value of a tag that is not understood
 
 
 def height_of(tags: Mapping[str, str], height_key: str, storey_height: float, odd: Odd) -> float | None:
-    """Height of the top above the ground [m]: `height_key`, or the storeys and those in the roof; None if untagged.
+    """Height of the top above the ground [m]; None if no tag says it.
 
-    `odd` is told of each tag that is no height, or one of nothing.
+    The `height_key` counts alone where it is not OpenStreetMap's. Else it is the greatest height, or, where there is
+    no `height`, the storeys and those in the roof if they reach higher.
     """
-    if height_key in tags:
-        text = ABOUT.sub("", tags[height_key].strip().lower(), count=1)
-        storeys = STOREYS.fullmatch(text)
-        height = _number(storeys[1]) * storey_height if storeys else _read(meters, tags, height_key, odd)
-        if height is not None and height > 0:
-            return height
-        if height is not None:
-            odd(height_key, tags[height_key])
-    if (storeys_told := _read(levels, tags, "building:levels", odd)) is None:
-        return None
-    roof = _read(meters, tags, "roof:height", odd)
-    if roof is None:
-        roof = (_read(levels, tags, "roof:levels", odd) or 0.0) * storey_height
-    return storeys_told * storey_height + roof or None  # no storey at all is said of sheds and canopies
+    own = _top(tags, height_key, storey_height, odd) if height_key in tags else None
+    if own is not None and height_key != "height":
+        return own
+    others = [_top(tags, key, storey_height, odd) for key in those(tags, Means.TOP) if key != height_key]
+    heights = [height for height in (own, *others) if height is not None]
+    if (tip := _tip(tags, odd, bool(heights))) is not None:
+        heights.append(tip)
+    if own is None and (by_storeys := _by_storeys(tags, storey_height, odd)) is not None:
+        heights.append(by_storeys)
+    return max(heights, default=None)
 
 
 def foot_of(tags: Mapping[str, str], storey_height: float, odd: Odd) -> float:
     """Height of the lower side above the ground [m]: of what bridges a street or stands on other parts.
 
-    What begins below the ground, or at a height that cannot be read, of which `odd` is told, stands on the ground.
+    What begins below the ground, or at a height that is not understood, stands on the ground.
     """
-    if "min_height" in tags:
-        return 0.0 if tags["min_height"].startswith("-") else _read(meters, tags, "min_height", odd) or 0.0
-    return (_read(levels, tags, "building:min_level", odd) or 0.0) * storey_height
+    if any(meaning(key) is Means.UNIT and tags[key].lower() not in IN_METRES for key in tags):
+        return 0.0
+    feet = those(tags, Means.FOOT)
+    keys, read, each = (feet, length_of, 1.0) if feet else (those(tags, Means.MIN_LEVEL), storeys_of, storey_height)
+    heights = []
+    for key in keys:
+        value, sure = read(tags[key])
+        is_below = tags[key].startswith("-")
+        if not is_below and (value is None or not sure):
+            odd(key, tags[key])
+        heights.append(0.0 if value is None or not sure else value * each)
+    return min(heights, default=0.0)
 
 
-def width_of(tags: Mapping[str, str], odd: Odd) -> float | None:
-    """Diameter of what is a point, or width of a line [m]; None if untagged."""
-    widths = (_read(meters, tags, key, odd) for key in ("diameter", "diameter_crown", "width"))
-    return next((width for width in widths if width), None)
+def width_of(tags: Mapping[str, str], odd: Odd, is_tree: bool = False) -> float | None:
+    """Diameter of what is a point, or width of a line [m]; None if no tag says it.
+
+    `diameter` is that of the trunk where it `is_tree`.
+    """
+    wide = (Means.CROWN,) if is_tree else (Means.ROTOR, Means.CROWN, Means.WIDTH)
+    widths = [_length(tags, key, odd) for key in those(tags, *wide)]
+    half = (Means.RADIUS,) if is_tree else (Means.BLADE, Means.RADIUS)
+    widths += [None if radius is None else 2 * radius for radius in (_length(tags, k, odd) for k in those(tags, *half))]
+    return max((width for width in widths if width), default=None)
 
 
-def _read(read: Callable[[str, str], float], tags: Mapping[str, str], key: str, odd: Odd) -> float | None:
-    if key not in tags:
-        return None
-    try:
-        return read(tags[key], key)
-    except BadInput:
+def unread_heights(tags: Mapping[str, str], height: float) -> list[str]:
+    """The keys that may be a height, and are not read, with values above the `height` that was taken [m]."""
+    return [key for key in those(tags, Means.PERHAPS) if (length_of(tags[key])[0] or 0.0) > height]
+
+
+def says_nothing(text: str) -> bool:
+    """Whether a value says that nobody knows: it has no number, or one that is not above 0."""
+    value, _ = length_of(text)
+    return not value
+
+
+def _top(tags: Mapping[str, str], key: str, storey_height: float, odd: Odd) -> float | None:
+    storeys = counted_storeys(tags[key])
+    height = _length(tags, key, odd) if storeys is None else storeys * storey_height
+    if height is not None and height <= 0:
         odd(key, tags[key])
         return None
+    return height
 
 
-@lru_cache(maxsize=4096)  # a map says the same few heights over and over
-def _one_length(text: str) -> float | None:
-    if len(text) > LONGEST:
+def _length(tags: Mapping[str, str], key: str, odd: Odd) -> float | None:
+    length, sure = length_of(tags[key])
+    if length is None or not sure:
+        odd(key, tags[key])
+    in_feet = sure and IN_FEET & set(plain(key).split("_")) and tags[key].replace(".", "", 1).isdecimal()
+    return length * FOOT if length is not None and in_feet else length
+
+
+def _tip(tags: Mapping[str, str], odd: Odd, height_known: bool) -> float | None:
+    """Where the blades of a wind turbine reach [m], by its hub; None where no tag says it but a `height`."""
+    hubs = [height for key in those(tags, Means.HUB) if (height := _length(tags, key, odd))]
+    rotor = width_of(tags, odd) if those(tags, Means.ROTOR, Means.BLADE) else None
+    if not hubs or (rotor is None and height_known):
         return None
-    text = ABOUT.sub("", text, count=1) if ABOUT.match(text) else text
-    if (match := RANGE.fullmatch(text)) and "e-" not in text:
-        ends = [_one_length(end.strip()) for end in match.groups()]
-        return None if None in ends else max(end for end in ends if end is not None)
-    if match := METRES.fullmatch(text):
-        return _number(match[1])
-    if match := FEET.fullmatch(text):
-        return _number(match[1]) * FOOT + (_number(match[2]) * INCH if match[2] else 0.0)
-    return None
+    return max(hubs) + (min(WIDEST_ROTOR / 2, max(hubs)) if rotor is None else rotor / 2)
 
 
-def _number(text: str) -> float:
-    value = float(text.replace(",", "."))
-    return value if math.isfinite(value) else 0.0
+def _by_storeys(tags: Mapping[str, str], storey_height: float, odd: Odd) -> float | None:
+    counts = [_count(tags, key, odd) for key in those(tags, Means.LEVELS)]
+    counts += [None if n is None else n + 1 for n in (_count(tags, key, odd) for key in those(tags, Means.MAX_LEVEL))]
+    known = [count for count in counts if count is not None]
+    if not known:
+        return None
+    roofs = [_length(tags, key, odd) for key in those(tags, Means.ROOF)]
+    if not any(roof is not None for roof in roofs):
+        roofs = [(_count(tags, key, odd) or 0.0) * storey_height for key in those(tags, Means.ROOF_LEVELS)]
+    roof = max((roof for roof in roofs if roof is not None), default=0.0)
+    return max(known) * storey_height + roof or None  # no storey at all is said of sheds and canopies
+
+
+def _count(tags: Mapping[str, str], key: str, odd: Odd) -> float | None:
+    count, sure = storeys_of(tags[key])
+    if count is None or not sure:
+        odd(key, tags[key])
+    return count

@@ -1,16 +1,18 @@
 """What the tags of a feature say that it is: something that stands in the way, something flat, or nothing at all.
 
-The tags are OpenStreetMap's. Those of Overture's buildings are read as the tags of OpenStreetMap that mean the same.
+The tags are OpenStreetMap's, and those of other maps that mean the same (`keys`).
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Literal, TypeAlias, cast
 
 import numpy as np
 import shapely
 
 from ipoa_mission.maps.feature import Feature
+from ipoa_mission.maps.keys import Means, Names, meaning, those
 from ipoa_mission.maps.wires import OVERGROUND, WIRES
 
 #: What a shape covers.
@@ -20,17 +22,29 @@ NO_BUILDING = {"no", "entrance", "demolished", "razed", "proposed", "constructio
 #: What is tall by nature, whether or not its height is known.
 TALL = {
     "man_made": {
-        "antenna", "chimney", "communications_tower", "cooling_tower", "crane", "flagpole", "gasometer", "lighthouse",
-        "mast", "monitoring_station", "obelisk", "silo", "storage_tank", "telescope", "tower", "utility_pole",
-        "water_tower", "windmill",
+        "antenna", "bell_tower", "campanile", "ceremonial_gate", "chimney", "column", "communications_tower",
+        "cooling_tower", "crane", "cross", "flagpole", "flare", "gantry", "gasometer", "goods_conveyor", "kiln",
+        "lamp_post", "lighthouse", "mast", "minaret", "monitoring_station", "monument", "obelisk",
+        "observation_tower", "offshore_platform", "power_pole", "pylon", "radar", "satellite_dish", "silo",
+        "ski_jump", "statue", "storage_tank", "stupa", "tank", "telescope", "torii", "tower", "utility_pole",
+        "ventilation_shaft", "water_tank", "water_tower", "wind_turbine", "windmill", "windpump",
     },
     "natural": {"tree", "tree_row"},
-    "power": {"tower", "pole", "portal", "terminal"},
+    "power": {"catenary_mast", "pole", "portal", "terminal", "tower", "wind_turbine"},
     "generator:source": {"wind"},
+    "generator:method": {"wind_turbine"},
     "aerialway": {"pylon"},
+    "aeroway": {"navigationaid", "windsock"},
     "highway": {"street_lamp"},
+    "historic": {"castle", "church", "city_gate", "monument", "obelisk", "tower"},
+    "artwork_type": {"obelisk", "statue"},
+    "attraction": {"big_wheel", "drop_tower", "roller_coaster"},
     "advertising": {"column", "totem"},
 }  # fmt: skip
+#: Before a key these say that the thing no longer serves, or is not yet whole; it may stand.
+LIFECYCLE = ("disused:", "abandoned:", "ruins:", "construction:", "was:")
+#: Roads, railways and paths on a bridge are in the air.
+ON_BRIDGES = ("highway", "railway", "waterway")
 #: Trees over an area: no obstacle unless their height is known, but in the way.
 WOODS = {"natural": {"wood"}, "landuse": {"forest", "orchard"}, "landcover": {"trees"}}
 #: What lies on the ground, or is only an area: all values of these keys but those named.
@@ -55,10 +69,9 @@ FLAT_AMENITIES = {
     "marketplace", "parking", "parking_entrance", "parking_space", "place_of_worship", "school", "university",
     "waste_basket",
 }  # fmt: skip
+NO_BRIDGE = {"no", "abandoned", "demolished", "removed", "proposed", "low_water_crossing", "boardwalk"}
 #: Keys by which a file of buildings is known even where they are null.
-HEIGHTS = {"height", "building:levels", "num_floors", "min_height", "roof_height"}
-OVERTURE = {"num_floors", "num_floors_underground", "min_floor", "roof_height", "has_parts", "is_underground"}
-AS_OPENSTREETMAP = {"num_floors": "building:levels", "min_floor": "building:min_level", "roof_height": "roof:height"}
+OVERTURE = {"has_parts", "is_underground"}
 #: The height of the top above mean sea level [m].
 TOP_AMSL = "height:amsl"
 #: Tags that say which thing it is, not what.
@@ -91,20 +104,36 @@ WOOD = Reason(
 FLAT = Reason("tagged as something flat", False)
 
 
+_OTHER_KEYS = ("building", "building:part", "location", "tunnel", "bridge", "layer", "voltage", "barrier", "height")
+_NAMES = Names((*TALL, *WIRES, *WOODS, *OVERTURE, *_OTHER_KEYS, TOP_AMSL))
+#: What a thing measures only if it stands.
+_MEASURES = (Means.TOP, Means.LEVELS, Means.MAX_LEVEL, Means.HUB, Means.ROTOR, Means.BLADE)
+_OF_BUILDINGS = (*_MEASURES, Means.FOOT, Means.MIN_LEVEL, Means.ROOF, Means.ROOF_LEVELS)
+
+
 def as_openstreetmap(feature: Feature) -> Feature:
-    """The same feature with Overture's tags under the names that OpenStreetMap has for them."""
-    if OVERTURE.isdisjoint(feature.tags) and OVERTURE.isdisjoint(feature.blank):
+    """The same feature, its keys of kind as OpenStreetMap spells them, whatever their capitals and marks."""
+    tags = feature.tags
+    renamed = {key: named for key in tags if (named := _named(key)) != key and named not in tags}
+    if not renamed and "is_underground" not in tags:
         return feature
-    tags = {AS_OPENSTREETMAP.get(key, key): value for key, value in feature.tags.items()}
+    tags = {renamed.get(key, key): value for key, value in tags.items()}
     if tags.pop("is_underground", "no") == "yes":
         tags["location"] = "underground"
     return feature._replace(tags=tags)
 
 
+@lru_cache(maxsize=65536)
+def _named(key: str) -> str:
+    for before in LIFECYCLE:
+        key = key.removeprefix(before)
+    return _NAMES.of(key)
+
+
 def has_place_for_height(feature: Feature, height_key: str) -> bool:
     """Whether a feature has a key by which files of buildings are known, with a value or without."""
-    keys = HEIGHTS | OVERTURE | {height_key}
-    return not (keys.isdisjoint(feature.tags) and keys.isdisjoint(feature.blank))
+    keys = {*feature.tags, *feature.blank}
+    return not keys.isdisjoint(OVERTURE | {height_key}) or any(meaning(key) in _OF_BUILDINGS for key in keys)
 
 
 def has_kind(feature: Feature) -> bool:
@@ -126,10 +155,11 @@ def why_passed_over(feature: Feature, extent: Extent, height_key: str, all_build
     if _is_below(tags):
         return Reason("underground", False)
     values = [tags[key] for key in ("building", "building:part") if key in tags]
-    if values:
-        gone = all(value in NO_BUILDING for value in values)
-        return Reason(f"tagged building={values[0]}", False) if gone else None
-    if {height_key, TOP_AMSL, "building:levels"} & tags.keys() or tagged(tags, TALL):
+    if any(value not in NO_BUILDING for value in values) or tagged(tags, TALL) or is_bridge(tags):
+        return None
+    if values and not tagged(tags, WIRES):
+        return Reason(f"tagged building={values[0]}", False)
+    if {height_key, TOP_AMSL} & tags.keys() or those(tags, *_MEASURES):
         return None
     if tags.get("power") == "cable" and tags.get("location") not in OVERGROUND:
         return CABLE
@@ -139,18 +169,19 @@ def why_passed_over(feature: Feature, extent: Extent, height_key: str, all_build
         return WOOD
     if _is_flat(tags):
         return FLAT
-    if areal and (all_buildings or (HEIGHTS | {height_key}) & feature.blank):
+    has_blank = height_key in feature.blank or any(meaning(key) in _OF_BUILDINGS for key in feature.blank)
+    if areal and (all_buildings or has_blank):
         return None
     unknown = "of a kind unknown" if tags.keys() - NAMING else "untagged"
     if areal:
         return Reason(f"an area {unknown}", True)
-    return Reason(f"a point or line {unknown}", bool((HEIGHTS | {height_key}) & feature.blank))
+    return Reason(f"a point or line {unknown}", has_blank or bool(those(tags, Means.PERHAPS)))
 
 
 def key_of_height(feature: Feature) -> str | None:
     """The key under [[maps]] that says how high a thing is of which the map does not say it; None for other things."""
     tags = feature.tags
-    if {"height", TOP_AMSL, "building:levels", "building"} & tags.keys() or _is_below(tags):
+    if {TOP_AMSL, "building"} & tags.keys() or those(tags, *_MEASURES) or _is_below(tags):
         return None
     if tagged(tags, WIRES):
         return "aerialway_height" if tags.get("aerialway") in WIRES["aerialway"] else "line_height"
@@ -158,8 +189,21 @@ def key_of_height(feature: Feature) -> str | None:
 
 
 def tagged(tags: Mapping[str, str], kinds: Mapping[str, set[str]]) -> bool:
-    """Whether the tags have one of the values of one of the keys; most have none of them."""
-    return not kinds.keys().isdisjoint(tags) and any(tags.get(key) in values for key, values in kinds.items())
+    """Whether the tags have one of the values of one of the keys, alone or among others; most have none of them."""
+    if kinds.keys().isdisjoint(tags):
+        return False
+    return any(not values.isdisjoint(values_of(tags[key])) for key, values in kinds.items() if key in tags)
+
+
+@lru_cache(maxsize=4096)
+def values_of(text: str) -> tuple[str, ...]:
+    """The values of a tag: `Mast; tower` are two."""
+    return tuple(part.strip().lower() for part in text.split(";"))
+
+
+def is_bridge(tags: Mapping[str, str]) -> bool:
+    """Whether it leads over a bridge."""
+    return tags.get("bridge", "no") not in NO_BRIDGE and not tags.keys().isdisjoint(ON_BRIDGES)
 
 
 def extents_of(shapes: Sequence[Any]) -> list[Extent]:

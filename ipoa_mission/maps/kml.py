@@ -1,12 +1,13 @@
-"""KML 2.2, and KMZ, as Google Earth, Google My Maps and flight planners write it: its points, lines and polygons.
+"""KML 2.2, and KMZ, as Google Earth, Google My Maps and flight planners write it: points, lines, rings and polygons.
 
-A polygon that is drawn down to the ground (`extrude`) has its greatest altitude as its height, above the ground or
-above sea level. Other heights in a KML are not read: a scenario says how high a zone is.
+What is drawn down to the ground (`extrude`) has its greatest altitude as its height, above the ground or above sea
+level. Other heights in a KML are not read: a scenario says how high a zone is.
 """
 
 import contextlib
 import lzma
 import math
+import re
 import struct
 import zipfile
 import zlib
@@ -20,10 +21,21 @@ import shapely
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
-from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, on_earth, read_all
+from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, Missing, on_earth, read_all
 
 MOST_FOLDERS = 64
-ELSEWHERE = {"NetworkLink", "GroundOverlay"}  # what they show is in another file: passed over, but counted
+ELSEWHERE = {"NetworkLink", "GroundOverlay", "PhotoOverlay"}  # what they show is in another file
+#: What is not read, and what it is.
+UNREAD = {
+    "NetworkLink": "whose places are in another file",
+    "GroundOverlay": "an image on the ground",
+    "PhotoOverlay": "an image in the air",
+    "Model": "a body in another file",
+}
+REMEDY = "save what it shows as a KML of its own, and name that under [[maps]]"
+BESIDE_COMMA = re.compile(r"\s*,\s*")
+MOST_COMMAS = 2  # in a position
+EXTRUDED = {"Polygon", "LinearRing", "LineString", "Point"}
 LARGEST = 64 << 20  # bytes of a .kml in a .kmz: an archive may hold a thousand times its size
 #: How altitudes count, and the tag that a height becomes.
 MODES = {"relativeToGround": "height", "absolute": "height:amsl"}
@@ -55,10 +67,10 @@ def read_kmz(path: Path) -> tuple[Feature, ...]:
     """
     try:
         with zipfile.ZipFile(path) as archive:
-            name = next((each for each in archive.namelist() if each.lower().endswith(".kml")), None)
-            if name is None:
+            names = [each for each in archive.namelist() if each.lower().endswith(".kml")]
+            if not names:
                 raise BadInput(f"{path}: expected a .kml in it, but there is none")
-            with archive.open(name) as file:
+            with archive.open(names[0]) as file:
                 text = file.read(LARGEST + 1)
     except OSError as error:
         raise BadInput(f"{path}: cannot be read: {error.strerror or error}") from error
@@ -66,7 +78,12 @@ def read_kmz(path: Path) -> tuple[Feature, ...]:
         raise BadInput(f"{path}: expected a KMZ, a .kml in a zip archive: {error}") from error
     if len(text) > LARGEST:
         raise BadInput(f"{path}: expected a .kml of at most {LARGEST >> 20} MB in it")
-    return _read(text, path)
+    nowhere = shapely.GeometryCollection()
+    others = (
+        Feature(f"{path}: {name}", nowhere, {}, missing=Missing(f"{name}, a second KML", nowhere, REMEDY))
+        for name in names[1:]
+    )
+    return (*_read(text, path), *others)
 
 
 def _read(text: bytes, path: Path) -> tuple[Feature, ...]:
@@ -120,27 +137,46 @@ def _placemarks(root: ElementTree.Element, path: Path) -> Iterator[ElementTree.E
 def _feature(placemark: ElementTree.Element, place: str) -> Feature:
     shapes = list(_shapes(placemark, place))
     tags = _height(placemark) | dict(_tags(placemark))
-    return Feature(place, shapes[0] if len(shapes) == 1 else shapely.GeometryCollection(shapes), tags)
+    shape = shapes[0] if len(shapes) == 1 else shapely.GeometryCollection(shapes)
+    return Feature(place, shape, tags, missing=_missing(placemark, place))
+
+
+def _missing(placemark: ElementTree.Element, place: str) -> Missing | None:
+    """What of a placemark is drawn otherwise than by points, lines and polygons."""
+    for element in placemark.iter():
+        if (kind := _local(element)) in UNREAD:
+            sides = {_local(each): (each.text or "").strip() for each in element.iter()}
+            box = shapely.GeometryCollection()
+            with contextlib.suppress(KeyError, ValueError):
+                box = shapely.box(*(float(sides[side]) for side in ("west", "south", "east", "north")))
+                on_earth(shapely.get_coordinates(box), place)
+            return Missing(f"{kind}, {UNREAD[kind]}", box, REMEDY)
+    return None
 
 
 def _height(placemark: ElementTree.Element) -> dict[str, str]:
-    """The height of the highest polygon that is drawn down to the ground, as a tag; nothing where there is none."""
+    """The greatest height of what is drawn down to the ground, as a tag; nothing where there is none."""
     tops: dict[str, float] = {}
-    for polygon in (each for each in placemark.iter() if _local(each) == "Polygon"):
-        texts = {_local(child): (child.text or "").strip() for child in polygon}
+    for drawn in (each for each in placemark.iter() if _local(each) in EXTRUDED):
+        texts = {_local(child): (child.text or "").strip() for child in drawn}
         key = MODES.get(texts.get("altitudeMode", ""))
         if texts.get("extrude") not in ("1", "true") or key is None:
             continue
-        for element in polygon.iter():
+        for element in drawn.iter():
             if _local(element) == "coordinates":
                 tops[key] = max([tops.get(key, 0.0), *_altitudes(element.text or "")])
     return {key: f"{top:.2f}" for key, top in tops.items() if 0 < top < HIGHEST}
 
 
 def _altitudes(text: str) -> Iterator[float]:
-    for word in text.split():
+    for word in _words(text):
         with contextlib.suppress(ValueError):
             yield from (float(number) for number in word.split(",")[2:3] if math.isfinite(float(number)))
+
+
+def _words(text: str) -> list[str]:
+    """The positions in a text: blanks beside a comma do not part them, as in GDAL and fastkml."""
+    return BESIDE_COMMA.sub(",", text).split()
 
 
 def _tags(placemark: ElementTree.Element) -> Iterator[tuple[str, str]]:
@@ -161,12 +197,16 @@ def _shapes(parent: ElementTree.Element, place: str, depth: int = 0) -> Iterator
         raise BadInput(f"{place}: expected collections in no more than {DEEPEST} others")
     for element in parent:
         kind = _local(element)
-        if kind in {"MultiGeometry", "Document", "Folder"}:
+        if kind in {"MultiGeometry", "Document", "Folder", "MultiTrack"}:
             yield from _shapes(element, place, depth + 1)
         elif kind == "Point":
             yield shapely.Point(_corners(element, f"{place}.{kind}")[0])
         elif kind == "LineString":
             yield shapely.LineString(_corners(element, f"{place}.{kind}"))
+        elif kind == "LinearRing":
+            yield shapely.Polygon(_corners(element, f"{place}.{kind}"))
+        elif kind == "Track":
+            yield shapely.LineString(_track(element, f"{place}.{kind}"))
         elif kind == "Polygon":
             outer = [ring for side in element if _local(side) == "outerBoundaryIs" for ring in side]
             inner = [ring for side in element if _local(side) == "innerBoundaryIs" for ring in side]
@@ -178,16 +218,30 @@ def _shapes(parent: ElementTree.Element, place: str, depth: int = 0) -> Iterator
             yield shapely.Polygon(rings[0], rings[1:])
 
 
+def _track(element: ElementTree.Element, place: str) -> Corners:
+    """The way that a `gx:Track` leads: longitude, latitude and altitude with blanks between them."""
+    text = " ".join(",".join((each.text or "").split()) for each in element if _local(each) == "coord")
+    return _positions(text, 2, f"{place}.coord")
+
+
 def _corners(element: ElementTree.Element, place: str) -> Corners:
-    text = next((child.text for child in element if _local(child) == "coordinates"), None) or ""
+    texts = [child.text or "" for child in element if _local(child) == "coordinates"]
+    if len(texts) > 1:
+        raise BadInput(f"{place}: expected one list of coordinates, not {len(texts)}")
+    return _positions("".join(texts), WORDS[_local(element)], f"{place}.coordinates")
+
+
+def _positions(text: str, least: int, place: str) -> Corners:
+    words = _words(text)
     try:
-        corners = np.array([[float(number) for number in word.split(",")[:2]] for word in text.split()], float)
+        corners = np.array([[float(number) for number in word.split(",")[:2]] for word in words], float)
     except ValueError:
         corners = np.zeros((0, 0))
-    least = WORDS[_local(element)]
+    if any(word.count(",") > MOST_COMMAS for word in words):
+        raise BadInput(f"{place}: expected blanks between positions, as in 8.54,47.39,0 8.55,47.39,0")
     if corners.ndim != 2 or corners.shape[1] != 2 or len(np.unique(corners, axis=0)) < least:
-        raise BadInput(f"{place}.coordinates: expected {least} or more different positions as longitude,latitude")
-    return on_earth(corners, f"{place}.coordinates", "a KML has longitude,latitude in degrees, always on WGS 84")
+        raise BadInput(f"{place}: expected {least} or more different positions as longitude,latitude")
+    return on_earth(corners, place, "a KML has longitude,latitude in degrees, always on WGS 84")
 
 
 def _local(element: ElementTree.Element) -> str:

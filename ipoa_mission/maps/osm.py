@@ -1,6 +1,7 @@
 """OpenStreetMap's own XML (.osm), as its Export button and Overpass give it: nodes with tags, ways, multipolygons.
 
-An extract may lack corners of what crosses its edge. Such a thing has no shape here, and is told as one without.
+An extract may lack corners of what crosses its edge. Such a thing has no shape here; where its other corners are is
+noted.
 """
 
 import math
@@ -14,7 +15,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.maps.feature import Feature, on_earth
+from ipoa_mission.maps.feature import Feature, Missing, on_earth
 from ipoa_mission.world.union import union_of
 
 #: A closed way with one of these is a line all the same, unless it says that it is an area.
@@ -22,6 +23,7 @@ LINES = {"highway", "barrier", "railway", "waterway", "aerialway", "route", "man
 AREAS = {"multipolygon", "building"}  # types of relations that are areas
 UNTOLD = {"created_by", "source"}  # what says nothing of a thing
 LEAST_RING = 4
+WHOLE = "export a larger part of the map, with all of what crosses its edge"
 NOWHERE = shapely.GeometryCollection()
 
 
@@ -119,21 +121,30 @@ def _features(extract: _Extract, path: Path) -> Iterator[Feature]:
     for number, way in extract.ways.items():
         if way.tags.keys() - UNTOLD:
             closes = len(way.nodes) > 1 and way.nodes[0] == way.nodes[-1]
-            yield thing("way", number, way.tags, shape_of(corners_of(number), closes, way.tags), path)
+            known = [extract.places[node] for node in way.nodes if node in extract.places]
+            yield thing("way", number, way.tags, shape_of(corners_of(number), closes, way.tags), path, known)
     for number, relation in extract.relations.items():
         if relation.tags.keys() - UNTOLD - {"type"}:
-            yield thing("relation", number, relation.tags, area_of(relation, corners_of), path)
+            ways = [extract.ways[way] for way, _ in ways_of(relation) if way in extract.ways]
+            known = [extract.places[node] for way in ways for node in way.nodes if node in extract.places]
+            yield thing("relation", number, relation.tags, area_of(relation, corners_of), path, known)
 
 
-def thing(sort: str, number: str, tags: dict[str, str], shape: Any, path: Path) -> Feature:
-    """A node, way or relation with its shape [deg].
+def thing(
+    sort: str, number: str, tags: dict[str, str], shape: Any, path: Path, known: Sequence[Sequence[float]] = ()
+) -> Feature:
+    """A node, way or relation with its shape [deg]; where it has none, with those of its corners that are `known`.
 
     Raises:
         BadInput: it lies nowhere on Earth.
     """
     place = f"{path}: {sort} {number}"
     on_earth(shapely.get_coordinates(shape), place)
-    return Feature(place, shape, {**tags, "@id": f"{sort}/{number}"})
+    missing = None
+    if shapely.is_empty(shape):
+        hull = shapely.MultiPoint(known).convex_hull if known else NOWHERE
+        missing = Missing("of which a part is not in the file", hull, WHOLE, elsewhere=not known)
+    return Feature(place, shape, {**tags, "@id": f"{sort}/{number}"}, missing=missing)
 
 
 def _corners(way: _Way, extract: _Extract) -> Sequence[tuple[float, float]] | None:

@@ -4,7 +4,7 @@ Where all nodes are libosmium keeps in a file of its own. All things are looked 
 wanted is then read again, with its tags.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import compress, islice
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -87,17 +87,20 @@ class _Extract:
             shape = shapely.Point(node.lon, node.lat) if _is_known(node) else NOWHERE
             yield from self._thing("node", node.id, _tags(node), shape)
         parts, lines = _parts(relations), dict[str, list[tuple[float, float]] | None]()
+        known = dict[str, list[tuple[float, float]]]()
         located = osmium.NodeLocationsForWays(places)
         located.ignore_errors()
         for way in self._again(osm.WAY, self._ways.union(map(int, parts)), located):
-            corners = self._corners(way)
+            here = [(node.lon, node.lat) for node in way.nodes if _is_known(node)]
+            corners = here if len(here) == len(way.nodes) > 1 else None
             if str(way.id) in parts:
-                lines[str(way.id)] = corners
+                lines[str(way.id)], known[str(way.id)] = corners, here
             if way.id in self._ways:
                 tags = _tags(way)
-                yield from self._thing("way", way.id, tags, shape_of(corners, way.is_closed(), tags))
+                yield from self._thing("way", way.id, tags, shape_of(corners, way.is_closed(), tags), here)
         for number, relation in relations.items():
-            yield thing("relation", number, relation.tags, area_of(relation, lines.get), self._path)
+            of_ways = [corner for way, _ in ways_of(relation) for corner in known.get(way, ())]
+            yield thing("relation", number, relation.tags, area_of(relation, lines.get), self._path, of_ways)
 
     def _relations(self) -> dict[str, Relation]:
         """The areas that several ways go round, by number."""
@@ -172,14 +175,11 @@ class _Extract:
             with self._osmium.io.Reader(self._file, sort) as reader:
                 yield from self._osmium.OsmFileIterator(reader, *handlers, of_these)
 
-    def _corners(self, way: Any) -> list[tuple[float, float]] | None:
-        """Where a way leads; None where a part of it is not in the file."""
-        corners = [(node.lon, node.lat) for node in way.nodes if _is_known(node)]
-        return corners if len(corners) == len(way.nodes) > 1 else None
-
-    def _thing(self, sort: str, number: int, tags: dict[str, str], shape: Any) -> Iterator[Feature]:
+    def _thing(
+        self, sort: str, number: int, tags: dict[str, str], shape: Any, known: Sequence[tuple[float, float]] = ()
+    ) -> Iterator[Feature]:
         if tags.keys() - UNTOLD:
-            yield thing(sort, str(number), tags, shape, self._path)
+            yield thing(sort, str(number), tags, shape, self._path, known)
 
 
 def _tags(each: Any) -> dict[str, str]:

@@ -9,7 +9,8 @@ from pydantic import Field, model_validator
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.areas import RESTRICTIONS, Restriction, Zones, find_zones
 from ipoa_mission.maps.around import Around, Box
-from ipoa_mission.maps.buildings import BuildingRules, Buildings, search_buildings
+from ipoa_mission.maps.building_rules import BuildingRules
+from ipoa_mission.maps.buildings import Buildings, search_buildings
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.scenario.section import NotNegative, Positive, Section, beside
 from ipoa_mission.world.frame import LocalFrame
@@ -35,14 +36,17 @@ class BuildingsMap(MapFile):
     nothing but buildings is taken whole, and a flight near what is passed over and may stand there is refused."""
     height_key: str = "height"
     """The property that holds the height of the top above the ground [m, or feet if it says so]."""
-    default_height: Positive = 8.0
-    """Height of a building that has neither a height nor storeys [m]."""
+    default_height: Positive | None = None
+    """Height of a building that has neither a height nor storeys [m]; left out, by its kind: 12 m of a house or garage,
+    20 m of one of unknown kind, more of what is higher as a rule."""
     storey_height: Positive = 3.0
     """Height of a storey where only their number is known [m]."""
-    point_height: Positive = 20.0
-    """Height of a mast, tree or other point that has none [m]."""
-    point_radius: Positive = 2.0
-    """Radius of a mast, tree or other point; also half the width of a wall [m]."""
+    point_height: Positive | None = None
+    """Height of a mast, tree or other point that has none [m]; left out, by its kind: 30 m of a tree, 120 m of a mast,
+    250 m of a wind turbine, 20 m of others."""
+    point_radius: Positive | None = None
+    """Radius of a mast, tree or other point, and half the width of a wall, that has no width [m]; left out, by its
+    kind: 5 m of a tree, 10 m of a mast, 85 m of a wind turbine, 2 m of others."""
     line_height: NotNegative | None = None
     """Height of a power or telephone line that has none [m]; left out, by its voltage; 0: there are none."""
     aerialway_height: NotNegative = 40.0

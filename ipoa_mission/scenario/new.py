@@ -15,7 +15,8 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.maps.buildings import BuildingRules, search_buildings
+from ipoa_mission.maps.building_rules import BuildingRules
+from ipoa_mission.maps.buildings import search_buildings
 from ipoa_mission.maps.feature import Feature
 from ipoa_mission.maps.geojson import Take
 from ipoa_mission.maps.kinds import key_of_height

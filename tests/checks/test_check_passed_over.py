@@ -68,7 +68,7 @@ def test_within_reach_of_the_path_a_thing_passed_over_is_an_error(read: Read, no
 
 def test_the_scenario_may_say_itself_that_it_is_nothing_or_an_obstacle(read: Read) -> None:
     assert errors(read(3.0, ", take = 'tagged'")) == []
-    assert errors(read(3.0, ", take = 'all'")) == []  # 8 m high, far below
+    assert errors(read(3.0, ", take = 'all', default_height = 8")) == []  # 8 m high, far below
     (through,) = errors(read(-5.0, ", take = 'all', default_height = 30"))
     assert through.code == "leg-too-near"
 

@@ -10,7 +10,8 @@ import shapely
 from pyproj import Transformer
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.maps.buildings import BuildingRules, Buildings, find_buildings
+from ipoa_mission.maps.building_rules import BuildingRules
+from ipoa_mission.maps.buildings import Buildings, find_buildings
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
@@ -100,7 +101,7 @@ def test_what_is_ground_is_passed_over_and_the_rest_stands(write: Write) -> None
         corners(0, 0, 30, GROUND, GROUND + 4),
     )
     found = read(path)
-    assert {thing.name: thing.height for thing in found.standing} == {"wall": 4.0, "plan": 7.5, "tree": 20.0}
+    assert {thing.name: thing.height for thing in found.standing} == {"wall": 4.0, "plan": 7.5, "tree": 30.0}
     assert {thing.name: thing.may_stand for thing in found.passed_over} == {"road": False, "relief": False}
 
 

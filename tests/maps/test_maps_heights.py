@@ -3,7 +3,8 @@
 import pytest
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.maps.heights import foot_of, height_of, meters
+from ipoa_mission.maps.heights import foot_of, height_of
+from ipoa_mission.maps.lengths import meters
 
 #: What the wiki's page on `height` allows, and what is met in exports, in metres.
 LENGTHS = {
@@ -28,8 +29,27 @@ LENGTHS = {
     "ca. 12 m": 12.0,
     "1e2": 100.0,
     "1.5e1": 15.0,
+    "22.": 22.0,
+    "22+": 22.0,
+    "60 m (AGL)": 60.0,
+    "866 in": 21.9964,
+    "1,200": 1200.0,
+    "1.200,5": 1200.5,
+    "1 234": 1234.0,
+    "12 yd": 10.9728,
+    "12 km": 12_000.0,
+    "0.022 km": 22.0,
+    "1800 cm": 18.0,
+    "22 meters (roof)": 22.0,
+    "22.5m approx": 22.5,
+    "+22": 22.0,
+    "100 ft (30 m)": 30.48,
+    "6'2": 1.8796,
+    "30 +/- 2 m": 32.0,
+    "12..15": 15.0,
+    "> 60": 60.0,
 }
-NO_LENGTHS = ["tall", "", "-3", "-5-3", "1,200", "12 km", "3 storeys", "nan", "inf", "3e400", "12;tall", "²", "1-" * 99]
+NO_LENGTHS = ["tall", "", "-3", "-5-3", "3 storeys", "nan", "inf", "3e400", "12;tall", "²", "1-" * 99]
 
 
 @pytest.mark.parametrize(("text", "expected"), LENGTHS.items(), ids=LENGTHS)

@@ -12,7 +12,8 @@ import pytest
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps import geojson, streamed
 from ipoa_mission.maps.around import Box
-from ipoa_mission.maps.buildings import BuildingRules, find_buildings, search_buildings
+from ipoa_mission.maps.building_rules import BuildingRules
+from ipoa_mission.maps.buildings import find_buildings, search_buildings
 from ipoa_mission.maps.passed import MOST_NAMED, PassedOver, count_passed_over
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.scenario import parse_scenario, surroundings

@@ -14,7 +14,8 @@ from pyproj import CRS, Transformer
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.around import Around, Box
-from ipoa_mission.maps.buildings import BuildingRules, search_buildings
+from ipoa_mission.maps.building_rules import BuildingRules
+from ipoa_mission.maps.buildings import search_buildings
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.scenario.new import new_scenario, suggest_answers
 from ipoa_mission.scenario.read import parse_scenario
@@ -96,7 +97,7 @@ def test_overtures_buildings_become_what_they_become_as_geojson(write: Write, tm
     ]
     twin.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
     ours, theirs = (search_buildings(p, BuildingRules(), HOME, HERE) for p in (write(ROWS, shapes), twin))
-    assert [(s.foot, s.height) for s in ours.standing] == [(0, 21.5), (0, 12), (3, 9), (6, 9), (0, 8)]
+    assert [(s.foot, s.height) for s in ours.standing] == [(0, 21.5), (0, 12), (3, 9), (6, 9), (0, 20)]
     assert [s._replace(shape=s.shape.wkb) for s in ours.standing] == [
         s._replace(shape=s.shape.wkb) for s in theirs.standing
     ]

@@ -7,7 +7,8 @@ from typing import Any
 import pytest
 import shapely
 
-from ipoa_mission.maps.buildings import BuildingRules, Buildings, find_buildings
+from ipoa_mission.maps.building_rules import BuildingRules
+from ipoa_mission.maps.buildings import Buildings, find_buildings
 from ipoa_mission.maps.passed import count_passed_over
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.world.frame import Geodetic, LocalFrame
@@ -58,7 +59,7 @@ def test_a_polygon_beside_a_building_stands_or_is_named(
 def test_a_file_of_nothing_but_buildings_is_taken_whole(write_map: WriteMap, frame: LocalFrame, square: Square) -> None:
     """A cadastre's, say: some have a height, none a tag of OpenStreetMap."""
     path = write_map((square(0, 0), {"height": 12}), (square(50, 0), {"class": "garage"}), (square(90, 0), {}))
-    assert [(s.shape.area > 390, s.height) for s in find(path, frame).standing] == [(True, 12), (True, 8), (True, 8)]
+    assert [(s.shape.area > 390, s.height) for s in find(path, frame).standing] == [(True, 12), (True, 20), (True, 20)]
     assert len(find(path, frame, BuildingRules(take="tagged")).standing) == 1
 
 
@@ -73,9 +74,9 @@ def test_overtures_buildings_are_read_by_their_own_tags(write_map: WriteMap, fra
         {"height": 5, "is_underground": True},
     ]
     found = find(write_map(*((square(50 * n, 0), row) for n, row in enumerate(rows))), frame)
-    assert [(s.foot, s.height) for s in found.standing] == [(0, 21.5), (0, 14.5), (6, 9), (3, 9), (0, 8), (0, 8)]
+    assert [(s.foot, s.height) for s in found.standing] == [(0, 21.5), (0, 14.5), (6, 9), (3, 9), (0, 20), (0, 20)]
     assert found.standing[0].name == "Hall"
-    assert found.remarks == ("2 buildings without a height, given 8 m",)
+    assert found.remarks == ("2 buildings without a height, given 20 m",)
     assert [thing.reason for thing in found.passed_over] == ["underground"]
 
 
@@ -89,11 +90,14 @@ def test_points_lines_and_what_has_no_geometry_are_counted(
         ({"type": "LineString", "coordinates": [at(0, 0), at(9, 9)]}, {"name": "way"}),
         ({"type": "LineString", "coordinates": square(60, 0)["coordinates"][0]}, {"name": "ring"}),
     )
-    counts = list(count_passed_over(find(path, frame).passed_over))
+    found = find(path, frame)
+    counts = list(count_passed_over(found.passed_over))
     assert [counted.words() for counted in counts] == [
         "map.geojson: 1 passed over, an area untagged: ring",
         "map.geojson: 2 passed over, a point or line untagged: spot, way",
-        "map.geojson: 1 passed over, without a geometry: lost",
+    ]
+    assert [(thing.words, thing.may_limit) for thing in found.unread] == [
+        ('map.geojson: not read: without a geometry: features[1] ("lost")', True)
     ]
 
 

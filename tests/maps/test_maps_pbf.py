@@ -12,7 +12,8 @@ import shapely
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps import pbf, read
 from ipoa_mission.maps.around import Around, Box
-from ipoa_mission.maps.buildings import BuildingRules, search_buildings
+from ipoa_mission.maps.building_rules import BuildingRules
+from ipoa_mission.maps.buildings import search_buildings
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.maps.test_maps_osm import RELATION, TOWN, node, way

@@ -10,7 +10,8 @@ import shapely
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipoa_mission.maps.buildings import BuildingRules, Buildings, find_buildings
+from ipoa_mission.maps.building_rules import BuildingRules
+from ipoa_mission.maps.buildings import Buildings, find_buildings
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.maps.standing import raise_buildings
 from ipoa_mission.maps.wires import raise_span, spans, volts_of, wire_of
@@ -74,7 +75,7 @@ def test_the_scenario_changes_heights_and_zero_is_nothing(write_map: WriteMap, f
 
 def test_a_wood_is_what_the_scenario_says(write_map: WriteMap, frame: LocalFrame, square: Callable[..., Any]) -> None:
     path = write_map((square(0, 0), {"building": "yes"}), (square(90, 0), {"landuse": "forest"}))
-    assert [s.height for s in find(path, frame, wood_height=35.0).standing] == [8.0, 35.0]
+    assert [s.height for s in find(path, frame, wood_height=35.0).standing] == [20.0, 35.0]
     for rules, may_stand in (
         ({}, True),
         ({"take": "all"}, True),

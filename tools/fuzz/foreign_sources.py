@@ -15,7 +15,8 @@ from ipoa_mission.logs.flight_log import read_flights
 from ipoa_mission.logs.learn.vehicle_file import read_vehicle, write_vehicle
 from ipoa_mission.logs.learn.witness import witness_of
 from ipoa_mission.maps.areas import find_zones
-from ipoa_mission.maps.buildings import BuildingRules, find_buildings
+from ipoa_mission.maps.building_rules import BuildingRules
+from ipoa_mission.maps.buildings import find_buildings
 from ipoa_mission.maps.feature import Feature
 from ipoa_mission.maps.read import READERS, read_features
 from ipoa_mission.maps.standing import raise_buildings

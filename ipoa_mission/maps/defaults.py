@@ -1,0 +1,91 @@
+"""How high and wide things are taken to be where no map says it: by their kind, and rather too high and too wide.
+
+They are above most of their kind, not above all: what is given so is counted in a note.
+"""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from ipoa_mission.maps.heights import WIDEST_ROTOR
+from ipoa_mission.maps.kinds import is_bridge, values_of
+from ipoa_mission.maps.lengths import storeys_of
+
+
+class Size(NamedTuple):
+    """A kind of thing, the height of its top above the ground, and its radius or half its width [m]."""
+
+    kind: str
+    height: float
+    radius: float
+
+
+TREES = ("tree", "tree_row")
+TREE = Size("tree", 30.0, 5.0)
+TURBINE = Size("wind turbine", 250.0, WIDEST_ROTOR / 2)
+OTHER = Size("point or line", 20.0, 2.0)
+#: Points and lines, by the value of a tag that says what they are.
+_POINTS: Mapping[str, tuple[float, float]] = {
+    "antenna": (60, 5), "chimney": (150, 8), "column": (40, 5), "communications_tower": (250, 15),
+    "cooling_tower": (180, 70), "crane": (100, 60), "flagpole": (40, 3), "gasometer": (100, 40),
+    "lighthouse": (70, 8), "mast": (120, 10), "monitoring_station": (20, 5), "obelisk": (60, 5),
+    "observation_tower": (100, 15), "portal": (40, 12), "pylon": (80, 8), "silo": (60, 15), "storage_tank": (30, 40),
+    "telescope": (60, 50), "terminal": (20, 5), "tower": (150, 15), "utility_pole": (20, 3), "pole": (30, 3),
+    "water_tower": (70, 20), "windmill": (40, 20), "street_lamp": (15, 3), "gantry": (15, 10), "windsock": (15, 3),
+    "minaret": (90, 5), "statue": (60, 10), "flare": (150, 8),
+}  # fmt: skip
+_POWER_TOWER = Size("power tower", 80.0, 16.0)
+#: Buildings by their kind; those of unknown kind are 20 m high.
+_LOW = {
+    "annexe", "barn", "boathouse", "bungalow", "bunker", "cabin", "carport", "conservatory", "cowshed",
+    "detached", "farm", "farm_auxiliary", "garage", "garages", "ger", "greenhouse", "guardhouse", "house",
+    "houseboat", "hut", "kiosk", "outbuilding", "pavilion", "roof", "semidetached_house", "service", "shed",
+    "slurry_tank", "stable", "static_caravan", "sty", "summer_cottage", "tent", "toilets", "tree_house", "trullo",
+}  # fmt: skip
+_BUILDINGS: Mapping[str, float] = {
+    "apartments": 40, "bridge": 40, "castle": 40, "cathedral": 120, "chapel": 30, "chimney": 150, "church": 80,
+    "commercial": 40, "cooling_tower": 180, "dormitory": 40, "fort": 40, "government": 40, "grandstand": 40,
+    "hangar": 40, "hospital": 60, "hotel": 60, "industrial": 40, "lighthouse": 70, "mosque": 90, "office": 80,
+    "public": 40, "religious": 80, "residential": 40, "silo": 60, "skyscraper": 300, "stadium": 60, "storage_tank": 30,
+    "synagogue": 40, "temple": 60, "tower": 150, "train_station": 40, "university": 40, "warehouse": 30,
+    "water_tower": 70, "windmill": 40,
+}  # fmt: skip
+#: Above the higher ground at its ends, for each layer, and half its width [m].
+BRIDGE_HEIGHT, BRIDGE_REACH = 10.0, 8.0
+LOW_HEIGHT, BUILDING_HEIGHT = 12.0, 20.0
+
+
+def size_of(tags: Mapping[str, str]) -> Size:
+    """The height and radius that a point or line of these tags is given."""
+    if is_turbine(tags):
+        return TURBINE
+    if is_bridge(tags):
+        layer, _ = storeys_of(tags.get("layer", "1"))
+        return Size("bridge", BRIDGE_HEIGHT * max(layer or 1.0, 1.0), BRIDGE_REACH)
+    if tags.get("natural") in TREES:
+        return TREE
+    if tags.get("power") == "tower":
+        return _POWER_TOWER
+    kinds = [kind for value in tags.values() for kind in values_of(value) if kind in _POINTS]
+    if not kinds:
+        return OTHER
+    kind = max(kinds, key=lambda kind: _POINTS[kind])
+    return Size(kind.replace("_", " "), *map(float, _POINTS[kind]))
+
+
+def building_height(tags: Mapping[str, str]) -> tuple[str, float]:
+    """What a building is called, and the height that it is given [m]."""
+    kinds = [tags[key] for key in ("building", "building:part") if key in tags]
+    heights = [(_BUILDINGS[kind], kind) for kind in kinds if kind in _BUILDINGS]
+    if heights:
+        height, kind = max(heights)
+        return kind.replace("_", " "), float(height)
+    if kinds and all(kind in _LOW for kind in kinds):
+        return "small building", LOW_HEIGHT
+    return "building", BUILDING_HEIGHT
+
+
+def is_turbine(tags: Mapping[str, str]) -> bool:
+    """Whether it is a wind turbine."""
+    return tags.get("generator:source") == "wind" or "wind_turbine" in (
+        tags.get("generator:method"), tags.get("man_made"), tags.get("power")
+    )  # fmt: skip

@@ -1,0 +1,140 @@
+"""Lengths and numbers of storeys as mappers spell them: `23 m`, `7'4"`, `22+`, `60 m (AGL)`, `1,200`, `G+4`.
+
+A bare number is metres. Of several values, of a range and of what can be read in two ways the greatest counts: too much
+is safe.
+"""
+
+import math
+import re
+from functools import lru_cache
+
+from ipoa_mission.errors import BadInput
+
+INCH, FOOT = 0.0254, 0.3048
+LONGEST = 60  # characters of a length
+UNITS = {
+    1.0: "m metre metres meter meters mtr mtrs mt mts м metri metros mètre mètres",
+    0.01: "cm centimetre centimetres centimeter centimeters",
+    0.001: "mm millimetre millimetres millimeter millimeters",
+    1000.0: "km kilometre kilometres kilometer kilometers",
+    FOOT: "ft feet foot ' ′ ’ ` ´",
+    INCH: "in inch inches \" ″ ” “ ''",
+    3 * FOOT: "yd yds yard yards",
+}
+FACTORS = {name: factor for factor, names in UNITS.items() for name in names.split()}
+#: Thousands are parted by commas, dots or blanks; `12,5` is a decimal. A sign is no part: `12-15` is a range.
+NUMBER = (
+    r"(?:\d{1,3}(?:,\d{3})+(?:\.\d+)?(?!\d)|\d{1,3}(?:\.\d{3})+,\d+|\d{1,3}(?: \d{3})+(?!\d)"
+    r"|\d+(?:[.,]\d+)?(?:e[-+]?\d(?!\d))?|[.,]\d+)"
+)
+_QUANTITY = re.compile(rf"({NUMBER})\.? ?([a-zм′’″”“`´'\"è]*)")
+#: Words beside a number that change nothing, or say that it is about so much.
+_ASIDE = re.compile(
+    r"approx(?:imate(?:ly)?)?|about|around|circa|ca?|est(?:imate[d]?)?|roughly|agl|above|over|ground|level|lvl|from|the|"
+    r"high|tall|height|total|overall|roof|ridge|top|tip|spire|antenna|mast|tower|building|parapet|with(?:out)?|"
+    r"max(?:imum)?|min(?:imum)?|at least|up|to|and|incl(?:uding)?|of|[~≈<>≤≥=+±()\[\];/&,.?–—-]|\s"
+)
+_AT_LEAST = re.compile(r"[>≥]|\+ ?[a-z]{0,6}$|at least|\bover\b|\bmin")
+_STOREY = (
+    r"storeys?|story|stories|storie|levels?|floors?|lvls?|fl|étages?|etages?|stockwerke?|geschosse?|pisos?|plantas?"
+    r"|piani"
+)
+_STOREYS = re.compile(rf"({NUMBER}) ?(?:{_STOREY})\b")
+_BELOW = re.compile(r"(?:b|ub|ug|kg|sb|ss|bg|basement)s?\d*|\d+ ?(?:ug|kg|ss|sb)")
+_TERM = r"(?:\d+(?:[.,]5)?[a-zäöü]{0,3}|[a-zäöü]{1,8}|(?:b|ub|ug|sb|ss)\d+)"
+_SUM = re.compile(rf"{_TERM}(?:\+{_TERM})+")
+
+
+def meters(text: str, place: str) -> float:
+    """A length in metres.
+
+    Raises:
+        BadInput: it is none.
+    """
+    length, sure = length_of(text)
+    if length is None or not sure:
+        raise BadInput(f'{place}: expected metres or feet ("23", "23 m", "75 ft"), not {text!r}')
+    return length
+
+
+@lru_cache(maxsize=4096)  # a map says the same few heights over and over
+def length_of(text: str) -> tuple[float | None, bool]:
+    """The greatest length that a text names, in metres, and whether all of the text was understood.
+
+    None where there is no number. A number whose unit is unknown counts as metres, and is not understood.
+    """
+    text = text.strip().lower()
+    if len(text) > LONGEST or text.startswith(("-", "−")):
+        return None, False
+    text = re.sub(r"\.{2,}|…", "-", text)
+    lengths, end, last, rest = list[float](), 0, 0.0, list[str]()
+    for match in _QUANTITY.finditer(text):
+        between, end = text[end : match.start()], match.end()
+        rest.append(between)
+        unit = match[2]
+        factor = FACTORS.get(unit)
+        if factor is None:  # 22approx, 60agl: a word that stands without a blank
+            factor = 1.0
+            rest.append(unit)
+        if last == FOOT and not unit and not between.strip():  # 6'2
+            factor = INCH
+        length = _number(match[1]) * factor
+        if lengths and factor < last and not between.strip(" ,"):  # 7 ft 4 in, 5 m 30 cm
+            lengths[-1] += length
+        else:
+            lengths.append(length)
+        last = factor if unit else 0.0
+    rest.append(text[end:])
+    sure = not any(_ASIDE.sub("", part) for part in rest) and all(map(_has_number, text.split(";")))
+    greatest = sum(lengths) if "±" in text or "+/-" in text else max(lengths, default=None)
+    return (None, False) if greatest is None or not math.isfinite(greatest) else (greatest, sure)
+
+
+@lru_cache(maxsize=4096)
+def storeys_of(text: str) -> tuple[float | None, bool]:
+    """The greatest number of storeys above the ground that a text names, and whether all of it was understood.
+
+    In `G+4` and `2+1` each part counts, a letter as one storey, those of basements as none.
+    """
+    text = text.strip().lower()
+    if len(text) > LONGEST or text.startswith(("-", "−")):
+        return None, False
+    numbers, sure = list[float](), True
+    for part in re.split(r"[;/]|(?<=\d)[-–](?=\d)", re.sub(r"\s*\+\s*", "+", text)):
+        part = re.sub(rf"\b(?:{_STOREY})\b", "", part).strip(" ~≈<>.()")
+        if _SUM.fullmatch(part):
+            each = [one for one in part.split("+") if not _BELOW.fullmatch(one)]
+            numbers.append(sum(_number(re.sub("[a-zäöü]+$", "", one)) if one[0].isdigit() else 1.0 for one in each))
+        else:
+            found = [_number(one) for one in re.findall(NUMBER, part)]
+            numbers += found
+            sure = sure and len(found) == 1 and not _ASIDE.sub("", re.sub(NUMBER, "", part, count=1))
+    return (max(numbers), sure) if numbers and math.isfinite(max(numbers)) else (None, False)
+
+
+def counted_storeys(text: str) -> float | None:
+    """The storeys of a height that is told by them (`6 floors`, `G+4`); None where it is not."""
+    text = re.sub(r"\s*\+\s*", "+", text.strip().lower())
+    if len(text) > LONGEST:
+        return None
+    if _STOREYS.search(text) or (_SUM.fullmatch(text) and re.match("[a-z]", text)):
+        return storeys_of(text)[0]
+    return None
+
+
+def names_least(text: str) -> bool:
+    """Whether a text names the least that something measures: `22+`, `> 60 m`."""
+    return _AT_LEAST.search(text.strip().lower()) is not None
+
+
+def _has_number(text: str) -> bool:
+    return any(letter.isdecimal() for letter in text)
+
+
+def _number(text: str) -> float:
+    text = text.replace(" ", "")
+    if re.fullmatch(r"\d{1,3}(\.\d{3})+,\d+", text):
+        text = text.replace(".", "")
+    if re.fullmatch(r"\d{1,3}(,\d{3})+(\.\d+)?", text):
+        text = text.replace(",", "")
+    return float(text.replace(",", "."))
