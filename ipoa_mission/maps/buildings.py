@@ -301,7 +301,7 @@ class _Finder:
 
     def _doubt(self, feature: Feature, shape: Any, keys: Sequence[str], top: float) -> None:
         """Note heights that were not understood, or may be above the top that was taken [m]."""
-        for key in dict.fromkeys((*keys, *unread_heights(feature.tags, top))):
+        for key in dict.fromkeys((*keys, *unread_heights(feature.tags, top, self._rules.storey_height))):
             words = f"a height that was not understood ({key} {feature.tags[key][:20]!r}), {top:g} m was taken"
             outside = bool(self._outside(shapely.bounds(shape))[0])
             self._pass(feature, shape, Reason(words, True, HEIGHT_REMEDY), outside, NOT_READ)

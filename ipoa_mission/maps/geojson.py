@@ -1,13 +1,13 @@
-"""GeoJSON (RFC 7946) as OpenStreetMap's exports write it: Overpass turbo, osmtogeojson, QGIS.
+"""GeoJSON (RFC 7946), also one value a line, as OpenStreetMap's exports write it: Overpass turbo, osmtogeojson, QGIS.
 
 They differ in where they keep the tags: beside each other in `properties`, under `properties.tags`, or, from GDAL's
 OSM driver, as text in `properties.other_tags`. QGIS may write other coordinates than degrees, and says so in `crs`.
 """
 
 import json
-import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,6 @@ from pyproj import CRS, Transformer
 from pyproj.exceptions import CRSError
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.files import read_text
 from ipoa_mission.maps.cityjson import cityjson_features, is_cityjson
 from ipoa_mission.maps.feature import (
     DEEPEST,
@@ -31,11 +30,13 @@ from ipoa_mission.maps.feature import (
 )
 from ipoa_mission.maps.geozones import circle, ed269_features, is_ed269, layer_tags
 from ipoa_mission.maps.outlines import sound_polygons
-from ipoa_mission.maps.streamed import Unstreamed, read_document
+from ipoa_mission.maps.overpass import is_overpass, overpass_features
+from ipoa_mission.maps.properties import blank_keys, cut_off, tags_of
+from ipoa_mission.maps.streamed import Unstreamed, read_document, read_values
 
 MOST_SHOWN = 80  # characters of a place
+END = object()
 AT_ONCE = 1024  # features are made together
-HSTORE = re.compile(r'"((?:[^"\\]|\\.)*)"=>"((?:[^"\\]|\\.)*)"')
 
 
 #: Takes features, some at a time.
@@ -65,9 +66,37 @@ def _hand_on(path: Path, begin: Callable[[], Take]) -> None:
         with suppress(Unstreamed):
             if _Collection(path, begin()).read(document) or _Collection(path, begin(), document).read({}):
                 return
+    values = read_values(path)
     with _told_of(path):
-        whole = json.loads(read_text(path))
-    begin()(_whole(whole, path))
+        first, second = next(values), next(values, None)
+    if second is None:
+        begin()(_whole(first, path))
+    else:
+        _hand_on_each(path, chain((first, second), values), begin())
+
+
+def _hand_on_each(path: Path, values: Iterator[Any], take: Take) -> None:
+    """Hand on the features of a file of several values of JSON (GeoJSONSeq, RFC 8142, CityJSONSeq)."""
+    mistakes, features, city = Mistakes(), list[Feature](), dict[str, Any]()
+    for number in count(1):
+        with _told_of(path):
+            value: Any = next(values, END)
+        if value is END:
+            break
+        place = f"{path}: value {number}"
+        if is_cityjson(value):
+            city = value
+        elif city and isinstance(value, dict) and value.get("type") == "CityJSONFeature":
+            own = {key: value.get(key) for key in ("CityObjects", "vertices")}
+            features += mistakes.attempt(cityjson_features, {**city, **own}, path) or ()
+        else:
+            features += mistakes.attempt(_whole, value, path, place) or ()
+        if len(features) >= AT_ONCE:
+            take(features)
+            features = []
+    mistakes.tell()
+    if features:
+        take(features)
 
 
 @contextmanager
@@ -147,23 +176,29 @@ def _rings(feature: Any) -> Any:
     return None
 
 
-def _whole(document: Any, path: Path) -> tuple[Feature, ...]:
+def _whole(document: Any, path: Path, place: str = "") -> tuple[Feature, ...]:
     if is_ed269(document):
         return ed269_features(document, path)
     if is_cityjson(document):
         return cityjson_features(document, path)
+    if is_overpass(document):
+        return overpass_features(document, path)
+    place = place or str(path)
     kind = document.get("type") if isinstance(document, dict) else None
     if kind == "FeatureCollection":
         features = document.get("features")
         if not isinstance(features, list):
-            raise BadInput(f"{path}: features: expected a list")
-        placed = [(f"{path}: features[{i}]{_number(feature)}", feature) for i, feature in enumerate(features)]
+            raise BadInput(f"{place}: features: expected a list")
+        placed = [(f"{place}: features[{i}]{_number(feature)}", feature) for i, feature in enumerate(features)]
     elif kind == "Feature":
-        placed = [(f"{path}: feature", document)]
+        placed = [(f"{place}: feature", document)]
     elif isinstance(kind, str) and (kind == "GeometryCollection" or kind in SHAPES):
-        placed = [(f"{path}: feature", {"type": "Feature", "geometry": document})]
+        placed = [(f"{place}: feature", {"type": "Feature", "geometry": document})]
     else:
-        raise BadInput(f"{path}: type: expected 'FeatureCollection', not {kind!r:.40}", hint="a map is a GeoJSON file")
+        raise BadInput(
+            f"{place}: type: expected 'FeatureCollection', not {kind!r:.40}",
+            hint="a map is GeoJSON (one value, or one a line), CityJSON or Overpass's JSON",
+        )
     to_degrees = _coordinate_system(document, path)
     return read_all(_feature, ((place, feature, to_degrees) for place, feature in placed))
 
@@ -180,6 +215,7 @@ def _feature(place: str, feature: Any, to_degrees: "_Degrees", drawn: Any = None
         raise BadInput(f"{place}: expected a Feature")
     geometry, properties = feature.get("geometry"), feature.get("properties")
     properties = properties if isinstance(properties, dict) else {}
+    missing = cut_off(properties)
     tags = dict(tags_of(properties))
     if isinstance(feature.get("id"), str | int):
         tags.setdefault("@id", str(feature["id"]))
@@ -189,43 +225,7 @@ def _feature(place: str, feature: Any, to_degrees: "_Degrees", drawn: Any = None
         shape = shapely.GeometryCollection() if geometry is None else _shape(geometry, f"{place}.geometry", to_degrees)
     if isinstance(geometry, dict) and isinstance(geometry.get("layer"), dict):
         tags |= dict(layer_tags(geometry["layer"]))
-    return Feature(place, shape, tags, frozenset(blank_keys(properties)))
-
-
-def tags_of(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Properties as tags; of those under `tags` and `other_tags` too. What has no value is left out."""
-    for key, value in properties.items():
-        if isinstance(value, str):
-            if key == "other_tags":
-                yield from ((_unescaped(k), _unescaped(v)) for k, v in HSTORE.findall(value))
-            elif text := value.strip():
-                yield key, text
-        elif key == "tags" and isinstance(value, dict):
-            yield from tags_of(value)
-        elif key == "names" and isinstance(value, dict) and isinstance(value.get("primary"), str):
-            yield "name", value["primary"]  # Overture's
-        elif key == "limitedApplicability" and isinstance(value, list) and value:
-            yield key, json.dumps(value)
-        elif isinstance(value, bool):
-            yield key, "yes" if value else "no"
-        elif isinstance(value, int | float) and value == value:
-            yield key, str(value)
-
-
-def blank_keys(properties: Mapping[str, Any]) -> Iterator[str]:
-    """Keys of the properties that have no value."""
-    for key, value in properties.items():
-        if isinstance(value, str):
-            if not value.strip():
-                yield key
-        elif key == "tags" and isinstance(value, dict):
-            yield from blank_keys(value)
-        elif value is None or value != value:  # NaN is what pandas makes of null
-            yield key
-
-
-def _unescaped(text: str) -> str:
-    return re.sub(r"\\(.)", r"\1", text)
+    return Feature(place, shape, tags, frozenset(blank_keys(properties)), missing and missing._replace(shape=shape))
 
 
 def _shape(geometry: Any, place: str, to_degrees: "_Degrees", depth: int = 0) -> Any:

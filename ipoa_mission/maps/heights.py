@@ -6,7 +6,7 @@ and the key is named.
 
 from collections.abc import Callable, Mapping
 
-from ipoa_mission.maps.keys import Means, meaning, plain, those
+from ipoa_mission.maps.keys import PERHAPS, Means, meaning, plain, those
 from ipoa_mission.maps.lengths import FOOT, counted_storeys, length_of, storeys_of
 
 WIDEST_ROTOR = 170.0  # taken where nobody says it; newer ones are seldom wider [m]
@@ -64,9 +64,13 @@ def width_of(tags: Mapping[str, str], odd: Odd, is_tree: bool = False) -> float 
     return max((width for width in widths if width), default=None)
 
 
-def unread_heights(tags: Mapping[str, str], height: float) -> list[str]:
-    """The keys that may be a height, and are not read, with values above the `height` that was taken [m]."""
-    return [key for key in those(tags, Means.PERHAPS) if (length_of(tags[key])[0] or 0.0) > height]
+def unread_heights(tags: Mapping[str, str], height: float, storey_height: float) -> list[str]:
+    """The keys that may be a height, or storeys, with values above the `height` that was taken [m]."""
+    return [
+        key
+        for key in those(tags, Means.PERHAPS)
+        if (length_of(tags[key])[0] or 0.0) * (storey_height if PERHAPS in plain(key) else 1.0) > height
+    ]
 
 
 def says_nothing(text: str) -> bool:

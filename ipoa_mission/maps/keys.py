@@ -10,6 +10,7 @@ from enum import StrEnum
 from functools import lru_cache
 
 CUT = 10  # letters of a name in a Shapefile
+PERHAPS = "perhaps"  # a word in the names of keys that may be another's
 
 
 def _set(words: str) -> frozenset[str]:
@@ -89,6 +90,7 @@ _NARROW = _set(
     "passage tread bore opening circumference"
 )
 _PERHAPS = _set("h ht alt altitude z zmax ztop hmax dach toit top tip amsl asl msl elev elevation")
+_MEASURED = ("height", "diameter", "levels", "storeys", "floors", "radius")
 _UNITS = _set("unit units uom einheit")
 
 
@@ -107,6 +109,8 @@ def meaning(key: str) -> Means:
     words = frozenset(text.split("_"))
     if words & _ABOUT:
         return Means.NOTHING
+    if PERHAPS in words:
+        return Means.PERHAPS
     if words & _UNITS:
         return Means.UNIT
     if _HEIGHT.search(text):
@@ -151,13 +155,19 @@ class Names:
         """The known key that is written so but for capitals and marks; else the key itself."""
         return self._known.get(plain(key), key)
 
-    def cut(self, key: str) -> tuple[str, ...]:
-        """The known keys that a Shapefile would call by this name of ten letters; the last may be a number."""
-        text = key.lower().replace(":", "_")
-        if len(text) != CUT:
-            return ()
-        begins = [text, re.sub(r"_\d{1,2}$", "", text)]  # a second one of the same letters ends in _1
-        return tuple(known for name, known in self._known.items() if len(name) > CUT and name.startswith(tuple(begins)))
+    def starting_as(self, key: str) -> tuple[str, ...]:
+        """The known keys of which a Shapefile keeps these ten letters, the last of them a number it may be."""
+        text = key.lower()
+        begins = (text, re.sub(r"_\d{1,2}$", "_" if text[CUT - 3] == "_" else "", text))  # a second one ends in _1
+        written = ((known, known.lower().replace(":", "_")) for known in self._known.values())
+        return tuple(known for known, name in written if len(name) > CUT and name.startswith(begins))
+
+
+def completed(key: str) -> str:
+    """A key whose last word measures something and was cut, with all of that word."""
+    before, mark, last = key.rpartition("_")
+    whole = next((word for word in _MEASURED if len(last) > 2 and word.startswith(last.lower())), last)
+    return f"{before}{mark}{whole}"
 
 
 def those(tags: Mapping[str, str], *means: Means) -> list[str]:

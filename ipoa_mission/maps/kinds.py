@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.maps.feature import Feature
-from ipoa_mission.maps.keys import Means, Names, meaning, those
+from ipoa_mission.maps.keys import CUT, PERHAPS, Means, Names, completed, meaning, those
 from ipoa_mission.maps.wires import OVERGROUND, WIRES
 
 #: What a shape covers.
@@ -105,7 +105,14 @@ FLAT = Reason("tagged as something flat", False)
 
 
 _OTHER_KEYS = ("building", "building:part", "location", "tunnel", "bridge", "layer", "voltage", "barrier", "height")
-_NAMES = Names((*TALL, *WIRES, *WOODS, *OVERTURE, *_OTHER_KEYS, TOP_AMSL))
+#: Keys of more than ten letters that bear on height, width, kind or limit: a Shapefile cuts them.
+_LONG_KEYS = (
+    "building:levels", "building:height", "building:min_level", "building:min_height", "building:max_level",
+    "roof:height", "roof:levels", "diameter_crown", "rotor:diameter", "tower:height", "measuredHeight",
+    "storeysAboveGround", "restriction", "limitedApplicability", "lowerVerticalReference", "upperVerticalReference",
+)  # fmt: skip
+_NAMES = Names((*TALL, *WIRES, *WOODS, *OVERTURE, *_OTHER_KEYS, *_LONG_KEYS, TOP_AMSL))
+_KNOWN = frozenset(_OTHER_KEYS) | TALL.keys() | WIRES.keys() | WOODS.keys()
 #: What a thing measures only if it stands.
 _MEASURES = (Means.TOP, Means.LEVELS, Means.MAX_LEVEL, Means.HUB, Means.ROTOR, Means.BLADE)
 _OF_BUILDINGS = (*_MEASURES, Means.FOOT, Means.MIN_LEVEL, Means.ROOF, Means.ROOF_LEVELS)
@@ -128,6 +135,17 @@ def _named(key: str) -> str:
     for before in LIFECYCLE:
         key = key.removeprefix(before)
     return _NAMES.of(key)
+
+
+def uncut(key: str, value: str) -> str:
+    """The key of which a Shapefile's field is the beginning; what may be one of several has `perhaps` in its name."""
+    if len(key) != CUT or _named(key) in _KNOWN:
+        return key
+    begun = _NAMES.starting_as(key)
+    of_kind = [known for known in begun if value in TALL.get(known, ())]
+    if of_kind or (len(begun) == 1 and not key[-1].isdigit()):
+        return (of_kind or begun)[0]
+    return f"{key} {PERHAPS}" if begun else completed(key)
 
 
 def has_place_for_height(feature: Feature, height_key: str) -> bool:

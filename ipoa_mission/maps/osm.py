@@ -6,6 +6,7 @@ noted.
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -23,11 +24,15 @@ LINES = {"highway", "barrier", "railway", "waterway", "aerialway", "route", "man
 AREAS = {"multipolygon", "building"}  # types of relations that are areas
 UNTOLD = {"created_by", "source"}  # what says nothing of a thing
 LEAST_RING = 4
+MOST_SHOWN = 80  # characters of a remark
+BOUNDS = ("minlon", "minlat", "maxlon", "maxlat")
 WHOLE = "export a larger part of the map, with all of what crosses its edge"
 NOWHERE = shapely.GeometryCollection()
 
 
-class _Way(NamedTuple):
+class Way(NamedTuple):
+    """The numbers of its nodes, and its tags."""
+
     nodes: tuple[str, ...]
     tags: dict[str, str]
 
@@ -40,11 +45,25 @@ class Relation(NamedTuple):
 
 
 @dataclass
-class _Extract:
+class Extract:
+    """What a file says of nodes, ways and areas, by their numbers; `remarks` are a server's, which broke off."""
+
     places: dict[str, tuple[float, float]] = field(default_factory=dict)
     tagged: dict[str, dict[str, str]] = field(default_factory=dict)
-    ways: dict[str, _Way] = field(default_factory=dict)
+    ways: dict[str, Way] = field(default_factory=dict)
     relations: dict[str, Relation] = field(default_factory=dict)
+    boxes: dict[str, Any] = field(default_factory=dict)
+    remarks: list[str] = field(default_factory=list)
+
+    def corners(self, each: Iterable[tuple[str, float | None, float | None]]) -> tuple[str, ...]:
+        """The numbers of a way's nodes, each with its longitude and latitude where these are given in it."""
+        numbers = []
+        for number, longitude, latitude in each:
+            name = number or f"{longitude},{latitude}"
+            if longitude is not None and latitude is not None:
+                self.places.setdefault(name, (longitude, latitude))
+            numbers.append(name)
+        return tuple(numbers)
 
 
 def read_osm(path: Path) -> tuple[Feature, ...]:
@@ -61,27 +80,45 @@ def read_osm(path: Path) -> tuple[Feature, ...]:
         raise BadInput(f"{path}: expected OpenStreetMap's XML: {error}") from error
     except (LookupError, ValueError) as error:  # of an encoding that nobody knows, or of several bytes
         raise BadInput(f"{path}: expected XML in an encoding such as UTF-8: {error}") from error
+    return features_of(extract, path)
+
+
+def features_of(extract: Extract, path: Path) -> tuple[Feature, ...]:
+    """The things with tags of an extract.
+
+    Raises:
+        BadInput: there are none, one lies nowhere on Earth, or of no way the places are known.
+    """
+    tagged = [number for number, way in extract.ways.items() if way.tags.keys() - UNTOLD]
+    if tagged and not any(node in extract.places for number in tagged for node in extract.ways[number].nodes):
+        raise BadInput(
+            f"{path}: way {tagged[0]}: expected the places of its nodes",
+            hint="end a query of Overpass with `out geom;`, or with `out body; >; out skel qt;`",
+        )
     features = tuple(_features(extract, path))
     if not features:
         raise BadInput(f"{path}: expected things with tags, but there are none")
     return features
 
 
-def _extract(path: Path) -> _Extract:
-    extract, root = _Extract(), None
+def _extract(path: Path) -> Extract:
+    extract, root = Extract(), None
     for event, element in ElementTree.iterparse(path, ("start", "end")):
         if root is None:
             root = element
             if root.tag != "osm":
                 raise BadInput(f"{path}: expected OpenStreetMap's XML, <osm>, not <{root.tag[:40]}>")
-        if event == "end" and element.tag in ("node", "way", "relation"):
+        if event == "end" and element.tag in ("node", "way", "relation", "remark"):
             _take(element, extract, path)
             root.clear()
     return extract
 
 
-def _take(element: ElementTree.Element, extract: _Extract, path: Path) -> None:
+def _take(element: ElementTree.Element, extract: Extract, path: Path) -> None:
     number = element.get("id", "")
+    if element.tag == "remark":
+        extract.remarks.append((element.text or "").strip())
+        return
     if element.get("action") == "delete" or element.get("visible") == "false":
         return
     tags = plain_tags((tag.get("k", ""), tag.get("v", "")) for tag in element.iterfind("tag"))
@@ -89,12 +126,28 @@ def _take(element: ElementTree.Element, extract: _Extract, path: Path) -> None:
         extract.places[number] = _degrees(element, "lon", path), _degrees(element, "lat", path)
         if tags.keys() - UNTOLD:
             extract.tagged[number] = tags
-    elif element.tag == "way":
-        extract.ways[number] = _Way(tuple(one.get("ref", "") for one in element.iterfind("nd")), tags)
+        return
+    if (bounds := element.find("bounds")) is not None:
+        with suppress(ValueError):
+            extract.boxes[f"{element.tag} {number}"] = shapely.box(*(float(bounds.get(side, "")) for side in BOUNDS))
+    if element.tag == "way":
+        extract.ways[number] = Way(_nodes(element, extract, path), tags)
     elif tags.get("type") in AREAS:
-        members = element.iterfind("member")
+        members = list(element.iterfind("member"))
+        for member in members:
+            if member.get("type") == "way" and member.find("nd") is not None:
+                extract.ways.setdefault(member.get("ref", ""), Way(_nodes(member, extract, path), {}))
         told = tuple((one.get("type", ""), one.get("ref", ""), one.get("role", "")) for one in members)
         extract.relations[number] = Relation(told, tags)
+
+
+def _nodes(element: ElementTree.Element, extract: Extract, path: Path) -> tuple[str, ...]:
+    """The nodes of a way; Overpass writes their places into it by `out geom`."""
+    here = [(one, one.get("lat") is not None) for one in element.iterfind("nd")]
+    return extract.corners(
+        (one.get("ref", ""), *((_degrees(one, "lon", path), _degrees(one, "lat", path)) if known else (None, None)))
+        for one, known in here
+    )
 
 
 def plain_tags(told: Iterable[tuple[str, str]]) -> dict[str, str]:
@@ -108,26 +161,37 @@ def _degrees(element: ElementTree.Element, key: str, path: Path) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise BadInput(f"{path}: node {element.get('id')}: expected its {key} in degrees")
+        number = element.get("id", element.get("ref"))
+        raise BadInput(f"{path}: node {number}: expected its {key} in degrees")
     return value
 
 
-def _features(extract: _Extract, path: Path) -> Iterator[Feature]:
+def _features(extract: Extract, path: Path) -> Iterator[Feature]:
     def corners_of(number: str) -> Sequence[Sequence[float]] | None:
         return _corners(extract.ways[number], extract) if number in extract.ways else None
 
+    for remark in extract.remarks:
+        words = f"what the server left out ({remark[:MOST_SHOWN]})"
+        missing = Missing(words, NOWHERE, "ask it anew, for a smaller area")
+        yield Feature(f"{path}: remark", NOWHERE, {}, missing=missing)
     for number, tags in extract.tagged.items():
         yield thing("node", number, tags, shapely.Point(extract.places[number]), path)
     for number, way in extract.ways.items():
         if way.tags.keys() - UNTOLD:
             closes = len(way.nodes) > 1 and way.nodes[0] == way.nodes[-1]
-            known = [extract.places[node] for node in way.nodes if node in extract.places]
+            known = _known((way,), extract, f"way {number}")
             yield thing("way", number, way.tags, shape_of(corners_of(number), closes, way.tags), path, known)
     for number, relation in extract.relations.items():
         if relation.tags.keys() - UNTOLD - {"type"}:
             ways = [extract.ways[way] for way, _ in ways_of(relation) if way in extract.ways]
-            known = [extract.places[node] for way in ways for node in way.nodes if node in extract.places]
+            known = _known(ways, extract, f"relation {number}")
             yield thing("relation", number, relation.tags, area_of(relation, corners_of), path, known)
+
+
+def _known(ways: Iterable[Way], extract: Extract, name: str) -> list[Any]:
+    """Those corners of some ways that the file has, or else those of the box that it says that they are in."""
+    corners: list[Any] = [extract.places[node] for way in ways for node in way.nodes if node in extract.places]
+    return corners or (shapely.get_coordinates(extract.boxes[name]).tolist() if name in extract.boxes else [])
 
 
 def thing(
@@ -147,7 +211,7 @@ def thing(
     return Feature(place, shape, {**tags, "@id": f"{sort}/{number}"}, missing=missing)
 
 
-def _corners(way: _Way, extract: _Extract) -> Sequence[tuple[float, float]] | None:
+def _corners(way: Way, extract: Extract) -> Sequence[tuple[float, float]] | None:
     """Where a way leads; None where a part of it is not in the extract."""
     corners = [extract.places[node] for node in way.nodes if node in extract.places]
     return corners if len(corners) == len(way.nodes) > 1 else None

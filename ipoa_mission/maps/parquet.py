@@ -20,13 +20,14 @@ from ipoa_mission.errors import BadInput, imported
 from ipoa_mission.files import read_bytes
 from ipoa_mission.maps.around import Around
 from ipoa_mission.maps.feature import Corners, Feature, on_earth
-from ipoa_mission.maps.geojson import blank_keys, degrees_of, tags_of
+from ipoa_mission.maps.geojson import degrees_of
+from ipoa_mission.maps.keys import Means, meaning
+from ipoa_mission.maps.properties import PACKED, blank_keys, cut_off, tags_of
 
 MAGIC = b"PAR1"
 AT_ONCE = 4096  # rows are read together
 LARGEST_GROUP = 2_000_000_000  # of rows, unpacked [bytes]
 OVERTURES_NAMES = "names"  # a column of which the primary one counts
-TAGS = "tags"  # a column that holds more tags, as some write OpenStreetMap's
 
 
 class _Shapes(NamedTuple):
@@ -111,11 +112,13 @@ def _shapes_of(file: Any, arrow: Any, path: Path) -> _Shapes:
 
 
 def _tag_columns(schema: Any, arrow: Any, shapes: str) -> Iterator[str]:
-    """The columns with tags: all but those with tables in them, of which only names and tags are known."""
+    """The columns with tags: all but those with tables in them, of which only names, tags and measures are known."""
     for field in schema:
         if field.name == OVERTURES_NAMES and arrow.types.is_struct(field.type):
             yield f"{field.name}.primary"
-        elif field.name == TAGS or not (arrow.types.is_nested(field.type) or field.name == shapes):
+        elif field.name == shapes:
+            continue
+        elif field.name in PACKED or not arrow.types.is_nested(field.type) or meaning(field.name) is not Means.NOTHING:
             yield field.name
 
 
@@ -167,7 +170,10 @@ def _drawn(wkb: NDArray[Any], to_degrees: Callable[[Corners], Corners], path: Pa
 
 def _feature(place: str, shape: Any, row: Mapping[str, Any]) -> Feature:
     plain = {name: _plain(value) for name, value in row.items()}
-    return Feature(place, shape, dict(tags_of(plain)), frozenset(blank_keys(plain)))
+    missing = cut_off(plain)
+    return Feature(
+        place, shape, dict(tags_of(plain)), frozenset(blank_keys(plain)), missing and missing._replace(shape=shape)
+    )
 
 
 def _plain(value: Any) -> Any:

@@ -14,7 +14,7 @@ from ipoa_mission.maps.parquet import read_parquet
 from ipoa_mission.maps.pbf import read_pbf
 from ipoa_mission.maps.tables import BEGINS, read_table
 
-GEOJSON = (".geojson", ".json")
+GEOJSON = (".geojson", ".json", ".geojsonl", ".geojsons", ".geojsonseq", ".ndjson", ".jsonl")
 _OTHERS = {
     ".kml": read_kml,
     ".kmz": read_kmz,

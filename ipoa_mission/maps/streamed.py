@@ -18,7 +18,7 @@ BLOCK = 1 << 20  # read at once [bytes]
 NEAR_THE_END = 1 << 15  # in so many characters a border between features is sought
 #: The end of a feature before another one, as nearly all files have it.
 _BORDER = re.compile(r'\}\s*(?=,\s*\{\s*"type"\s*:\s*"Feature")|"Feature"\s*\}\s*(?=,\s*\{)')
-_blank = re.compile(r"[ \t\n\r]*").match
+_blank = re.compile(r"[ \t\n\r\x1e]*").match  # RFC 8142 parts values by \x1e
 _scan = json.JSONDecoder().scan_once  # type: ignore[attr-defined]
 
 
@@ -36,8 +36,25 @@ def read_document(path: Path, document: dict[str, Any]) -> Iterator[tuple[int, l
     if not text.next_is("{"):
         raise Unstreamed
     yield from _members(text, document)
-    if text.mark():
+    if after := text.mark():
+        if after == "{":
+            raise Unstreamed
         raise text.wrong("Extra data")
+
+
+def read_values(path: Path) -> Iterator[Any]:
+    """The values of a file that holds one, or several objects one after the other.
+
+    Raises:
+        BadInput: the file cannot be read, or is not UTF-8.
+        json.JSONDecodeError: it is no JSON, or something else stands between them.
+    """
+    text = _Text(iter([read_text(path)]) if path.is_fifo() else _blocks(path))
+    yield text.value()
+    while after := text.mark():
+        if after != "{":
+            raise text.wrong("Extra data")
+        yield text.value()
 
 
 class Unstreamed(Exception):

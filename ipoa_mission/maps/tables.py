@@ -14,10 +14,12 @@ from pyproj import CRS, Transformer
 from ipoa_mission.errors import BadInput, imported
 from ipoa_mission.files import read_bytes
 from ipoa_mission.maps.feature import Corners, Feature, on_earth, read_all
-from ipoa_mission.maps.geojson import blank_keys, tags_of
+from ipoa_mission.maps.kinds import uncut
+from ipoa_mission.maps.properties import blank_keys, cut_off, tags_of
 
 #: How files begin, by their suffix.
 BEGINS = {".shp": b"\x00\x00\x27\x0a", ".fgb": b"fgb", ".gpkg": b"SQLite format 3\x00"}
+HEADER, ROW = 100, 8  # of a .shx [bytes]
 MOST_ROWS = 5_000_000
 WRONG_SYSTEM = "the file names a coordinate system (a Shapefile in its .prj) that its coordinates do not fit"
 
@@ -33,11 +35,13 @@ def read_table(path: Path) -> tuple[Feature, ...]:
     suffix = path.suffix.lower()
     if not read_bytes(path, 16).startswith(BEGINS[suffix]):
         raise BadInput(f"{path}: expected a {suffix} file, but it does not begin like one")
+    if suffix == ".shp":
+        _expect_whole(path)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what GDAL mends it says; what it makes of it is judged here
             layers = [str(name) for name, kind in pyogrio.list_layers(path) if kind is not None]
-            features = [feature for layer in layers for feature in _rows(path, layer, pyogrio.raw, len(layers) > 1)]
+            features = [feature for layer in layers for feature in _rows(path, layer, pyogrio, len(layers) > 1)]
     except (RuntimeError, ValueError, UnboundLocalError) as error:  # of pyogrio (with a .prj that is none), PROJ, texts
         beside = "; the .shx and .dbf files must lie beside a .shp" if suffix == ".shp" else ""
         raise BadInput(f"{path}: cannot be read: {error}{beside}") from error
@@ -46,8 +50,8 @@ def read_table(path: Path) -> tuple[Feature, ...]:
     return tuple(features)
 
 
-def _rows(path: Path, layer: str, raw: Any, named: bool) -> tuple[Feature, ...]:
-    meta, numbers, shapes, fields = raw.read(path, layer=layer, return_fids=True, max_features=MOST_ROWS)
+def _rows(path: Path, layer: str, pyogrio: Any, named: bool) -> tuple[Feature, ...]:
+    meta, numbers, shapes, fields = pyogrio.raw.read(path, layer=layer, return_fids=True, max_features=MOST_ROWS)
     place = f"{path}: {layer}" if named else f"{path}: row"
     if not meta["crs"]:
         raise BadInput(
@@ -55,25 +59,55 @@ def _rows(path: Path, layer: str, raw: Any, named: bool) -> tuple[Feature, ...]:
             hint="a Shapefile says it in the .prj file beside it",
         )
     to_degrees = Transformer.from_crs(CRS.from_user_input(meta["crs"]), "OGC:CRS84", always_xy=True)
+    if (count := pyogrio.read_info(path, layer=layer)["features"]) > len(numbers):
+        raise BadInput(f"{path}: expected {count} rows, but only {len(numbers)} can be read")
+    is_cut = path.suffix.lower() == ".shp"
     rows = (
-        {str(name): _plain(column[n]) for name, column in zip(meta["fields"], fields, strict=True)}
+        {
+            uncut(str(name), str(column[n])) if is_cut else str(name): _plain(column[n])
+            for name, column in zip(meta["fields"], fields, strict=True)
+        }
         for n in range(len(numbers))
     )
     each = zip(numbers, shapes, rows, strict=True)
     return read_all(_feature, ((f"{place}[{number}]", shape, row, to_degrees) for number, shape, row in each))
 
 
+def _expect_whole(path: Path) -> None:
+    """See that the files of a Shapefile are all there, whole, and of as many rows.
+
+    Raises:
+        BadInput: they are not.
+    """
+    sizes = {}
+    for suffix in (".shx", ".dbf"):
+        beside = next(
+            (one for one in (path.with_suffix(suffix), path.with_suffix(suffix.upper())) if one.exists()), None
+        )
+        if beside is None:
+            raise BadInput(f"{path}: expected the {suffix} file beside it", hint="a Shapefile is .shp, .shx and .dbf")
+        sizes[suffix] = read_bytes(beside, HEADER), beside.stat().st_size
+    for begin, size in ((read_bytes(path, HEADER), path.stat().st_size), sizes[".shx"]):
+        if len(begin) < HEADER or int.from_bytes(begin[24:28], "big") * 2 > size:
+            raise BadInput(f"{path}: expected a whole Shapefile, but its end is missing")
+    begin, size = sizes[".dbf"]
+    rows, first, each = (int.from_bytes(begin[a:b], "little") for a, b in ((4, 8), (8, 10), (10, 12)))
+    if first + rows * each > size or rows != (sizes[".shx"][1] - HEADER) // ROW:
+        raise BadInput(f"{path}: expected a .dbf file with the {(sizes['.shx'][1] - HEADER) // ROW} rows of the .shx")
+
+
 def _feature(place: str, shape: Any, row: dict[str, Any], to_degrees: Transformer) -> Feature:
     def convert(corners: Corners) -> Corners:
         return on_earth(np.column_stack(to_degrees.transform(*corners.T)), place, WRONG_SYSTEM)
 
+    tags, blank, missing = dict(tags_of(row)), frozenset(blank_keys(row)), cut_off(row)
     if shape is None:
-        return Feature(place, shapely.GeometryCollection(), dict(tags_of(row)), frozenset(blank_keys(row)))
+        return Feature(place, shapely.GeometryCollection(), tags, blank)
     try:
         flat = shapely.transform(shapely.force_2d(shapely.from_wkb(shape)), convert)
     except shapely.errors.GEOSException as error:
         raise BadInput(f"{place}: expected a shape: {error}") from error
-    return Feature(place, flat, dict(tags_of(row)), frozenset(blank_keys(row)))
+    return Feature(place, flat, tags, blank, missing and missing._replace(shape=flat))
 
 
 def _plain(value: Any) -> Any:

@@ -21,9 +21,9 @@ class MapFile(Section):
     """A table that names a file of shapes."""
 
     file: Annotated[Path, beside("a map")]
-    """A GeoJSON or CityJSON (`.geojson`, `.json`), KML (`.kml`, `.kmz`), OpenStreetMap (`.osm`, `.osm.pbf`), GeoParquet
-    (`.parquet`, `.geoparquet`), Shapefile (`.shp`), FlatGeobuf (`.fgb`) or GeoPackage (`.gpkg`) file, relative to the
-    scenario file."""
+    """A GeoJSON, CityJSON or Overpass JSON (`.geojson`, `.json`; one value a line: `.geojsonl`, `.ndjson`, `.jsonl`),
+    KML (`.kml`, `.kmz`), OpenStreetMap (`.osm`, `.osm.pbf`), GeoParquet (`.parquet`, `.geoparquet`), Shapefile
+    (`.shp`), FlatGeobuf (`.fgb`) or GeoPackage (`.gpkg`) file, relative to the scenario file."""
 
 
 class BuildingsMap(MapFile):

@@ -13,7 +13,10 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.read import read_features
 
 RING = [[8.0, 47.0], [8.001, 47.0], [8.001, 47.001], [8.0, 47.0]]
-ENDINGS = ".geojson, .json, .kml, .kmz, .osm, .shp, .fgb, .gpkg, .pbf, .parquet, .geoparquet"
+ENDINGS = (
+    ".geojson, .json, .geojsonl, .geojsons, .geojsonseq, .ndjson, .jsonl, .kml, .kmz, .osm, .shp, .fgb, .gpkg, .pbf, "
+    ".parquet, .geoparquet"
+)
 TAGS = {"building": "yes", "height": "23", "name": 'The "Rose"'}
 
 #: The same building as each exporter writes its properties.

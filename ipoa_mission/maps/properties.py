@@ -1,0 +1,116 @@
+"""The properties of a feature as tags: OpenStreetMap's may lie packed in one of them, as an object or as text."""
+
+import json
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from typing import Any
+
+import shapely
+
+from ipoa_mission.maps.feature import Missing
+from ipoa_mission.maps.keys import Means, meaning
+
+#: Properties in which more tags lie: of osmtogeojson and osm2pgsql, and of GDAL's OSM driver.
+PACKED = ("tags", "other_tags", "all_tags")
+HSTORE = re.compile(r'"((?:[^"\\]|\\.)*)"=>(?:"((?:[^"\\]|\\.)*)"|NULL)\s*(?:,\s*|$)')
+DEEPEST = 3  # objects in each other
+
+
+def tags_of(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Properties as tags; of those that lie packed in one too. What has no value is left out.
+
+    Of other objects and lists what measures something is a tag, several values of it parted by `;`.
+    """
+    for key, value in properties.items():
+        if isinstance(value, str):
+            if key in PACKED:
+                yield from _unpacked(key, value)
+            elif text := value.strip():
+                yield key, text
+        elif key in PACKED and isinstance(value, dict):
+            yield from tags_of(value)
+        elif key == "names" and isinstance(value, dict) and isinstance(value.get("primary"), str):
+            yield "name", value["primary"]  # Overture's
+        elif key == "limitedApplicability" and isinstance(value, list) and value:
+            yield key, json.dumps(value)
+        elif isinstance(value, dict | list):
+            yield from _measures(key, value, DEEPEST)
+        else:
+            yield from _plain(key, value)
+
+
+def blank_keys(properties: Mapping[str, Any]) -> Iterator[str]:
+    """Keys of the properties that have no value."""
+    for key, value in properties.items():
+        if isinstance(value, str):
+            if not value.strip():
+                yield key
+        elif key in PACKED and isinstance(value, dict):
+            yield from blank_keys(value)
+        elif value is None or value != value:  # NaN is what pandas makes of null
+            yield key
+
+
+def cut_off(properties: Mapping[str, Any]) -> Missing | None:
+    """Tags that lie packed in a text and were not read, as its end was cut off; None where there are none.
+
+    A Shapefile cuts texts to 254 bytes.
+    """
+    for key in PACKED:
+        text = properties.get(key)
+        if isinstance(text, str) and (rest := _rest(text)):
+            words = f"of which {key} is not whole (... {rest[-20:]!r})"
+            return Missing(words, shapely.GeometryCollection(), "write the map as a GeoPackage, which keeps long texts")
+    return None
+
+
+def _unpacked(key: str, text: str) -> Iterator[tuple[str, str]]:
+    """The tags in a text of JSON or of PostgreSQL's hstore; any other text is a tag itself."""
+    with suppress(ValueError, RecursionError):
+        if isinstance(value := json.loads(text), dict):
+            yield from tags_of(value)
+            return
+    pairs = HSTORE.findall(text)
+    yield from ((_unescaped(name), _unescaped(value)) for name, value in pairs if value.strip())
+    if not pairs and text.strip():
+        yield key, text.strip()
+
+
+def _rest(text: str) -> str:
+    """What of a text of tags is none; nothing where the text is of another kind."""
+    is_json, is_hstore = text.lstrip().startswith('{"'), '"=>' in text
+    if is_json:
+        with suppress(ValueError, RecursionError):
+            json.loads(text)
+            return ""
+        return text
+    return HSTORE.sub("", text).strip(" ,") if is_hstore else ""
+
+
+def _measures(key: str, value: Any, depth: int) -> Iterator[tuple[str, str]]:
+    """What measures something in an object or list."""
+    if isinstance(value, dict) and depth:
+        for name, inner in value.items():
+            yield from _measures(f"{key}:{name}", inner, depth - 1)
+    elif isinstance(value, list) and depth and all(isinstance(one, dict) for one in value):
+        for inner in value:
+            yield from _measures(key, inner, depth - 1)
+    elif meaning(key) is not Means.NOTHING:
+        several = value if isinstance(value, list) else [value]
+        texts = [text for one in several for _, text in _plain(key, one)]
+        if texts:
+            yield key, ";".join(texts)
+
+
+def _plain(key: str, value: Any) -> Iterator[tuple[str, str]]:
+    if isinstance(value, bool):
+        yield key, "yes" if value else "no"
+    elif isinstance(value, str) and value.strip():
+        yield key, value.strip()
+    elif isinstance(value, int | float) and value == value:
+        yield key, str(value)
+
+
+def _unescaped(text: str) -> str:
+    return re.sub(r"\\(.)", r"\1", text)
