@@ -21,7 +21,7 @@ from ipoa_mission.maps.around import Around, Box
 from ipoa_mission.maps.building_rules import BuildingRules, area_height, reach_of, thin_height
 from ipoa_mission.maps.feature import Feature, Mistakes
 from ipoa_mission.maps.geojson import Take
-from ipoa_mission.maps.heights import Odd, foot_of, height_of, says_nothing, unread_heights, width_of
+from ipoa_mission.maps.heights import Odd, foot_of, height_of, is_by_storeys, says_nothing, unread_heights, width_of
 from ipoa_mission.maps.keys import Means, meaning
 from ipoa_mission.maps.kinds import (
     CABLE,
@@ -265,6 +265,8 @@ class _Finder:
         if height is not None and foot >= height:
             counts["building(s) whose min_height is not below the height, taken to stand on the ground"] += 1
             foot = 0.0
+        if is_by_storeys(feature.tags):
+            counts[f"building(s) of known storeys and unknown roof, {rules.storey_height:g} m a storey"] += 1
         wire = None if over_home else _wire(feature, rules)
         if wire is not None and (hanging := list(spans(shape))):
             if height is None:

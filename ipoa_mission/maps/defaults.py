@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from ipoa_mission.maps.heights import WIDEST_ROTOR
+from ipoa_mission.maps.keys import Means, those
 from ipoa_mission.maps.kinds import is_bridge, values_of
 from ipoa_mission.maps.lengths import storeys_of
 
@@ -85,7 +86,9 @@ def building_height(tags: Mapping[str, str]) -> tuple[str, float]:
 
 
 def is_turbine(tags: Mapping[str, str]) -> bool:
-    """Whether it is a wind turbine."""
+    """Whether it is a wind turbine: by what it is, or by its hub or rotor."""
+    if those(tags, Means.HUB, Means.ROTOR, Means.BLADE):
+        return True
     return tags.get("generator:source") == "wind" or "wind_turbine" in (
         tags.get("generator:method"), tags.get("man_made"), tags.get("power")
     )  # fmt: skip

@@ -73,6 +73,13 @@ def unread_heights(tags: Mapping[str, str], height: float, storey_height: float)
     ]
 
 
+def is_by_storeys(tags: Mapping[str, str]) -> bool:
+    """Whether storeys alone say how high a thing is, and nothing how high its roof."""
+    if those(tags, Means.TOP, Means.ROOF, Means.ROOF_LEVELS) or tags.get("roof:shape") == "flat":
+        return False
+    return bool(those(tags, Means.LEVELS, Means.MAX_LEVEL))
+
+
 def says_nothing(text: str) -> bool:
     """Whether a value says that nobody knows: it has no number, or one that is not above 0."""
     value, _ = length_of(text)

@@ -71,7 +71,7 @@ _HEIGHT = re.compile(r"height|hoehe|höhe|hauteur|altura|altezza|hoogte|hgt|vý�
 _LOWER = _set(
     "min base bottom foot ground clearance passage sill door entrance gate step kerb curb riser ceiling storey "
     "story level floor terrain restriction limit limits vehicle legal physical signed person seat table handrail "
-    "maxheight tunnel lane parking under"
+    "maxheight platform tunnel lane parking under"
 )
 _EAVES = _set("eave eaves gutter traufe trauf gouttiere parapet wall")
 _HUB = _set("hub nacelle axis")

@@ -1,0 +1,169 @@
+"""No quiet loss: a changed map stands in the way at least as much as the one it was, or the change is named.
+
+`python -m tools.fuzz.mutated_maps --count 10000` tries so many changes; exit code 1 when one is lost without a word.
+"""
+
+import argparse
+import random
+import tempfile
+import warnings
+from collections import Counter
+from collections.abc import Iterator
+from copy import deepcopy
+from pathlib import Path
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.maps.areas import find_zones
+from ipoa_mission.maps.building_rules import BuildingRules
+from ipoa_mission.maps.buildings import search_buildings
+from ipoa_mission.maps.passed import PassedOver, count_passed_over
+from ipoa_mission.maps.read import read_features
+from ipoa_mission.maps.standing import Standing
+from ipoa_mission.unread import Unread
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+from tools.fuzz.map_scenes import CHANGES, DRIVERS, TEXTS, Row, pack, scene, write
+
+FRAME = LocalFrame(Geodetic(47.0, 8.0, 400.0))
+NEAR = 0.06  # positions are rounded, and units too [m]
+SAMPLES = 12  # places looked at in each thing
+
+
+class Reading:
+    """What became of a file: what stands, and what is said."""
+
+    def __init__(self, path: Path) -> None:
+        self.standing, self.doubts, self.words = list[Standing](), list[PassedOver](), set[str]()
+        self.anywhere = False
+        try:
+            self._read(path)
+        except BadInput as refused:
+            self.words.add(f"refused: {str(refused).replace(str(path), '')}")
+            self.anywhere = True
+
+    def _read(self, path: Path) -> None:
+        if path.suffix == ".kml":
+            zones = find_zones(read_features(path), FRAME, path)
+            self.standing = [Standing(zone.name, zone.shape, 0.0, -1e3, 1e6) for zone in zones.zones]
+            self._say(zones.passed_over, zones.unread, zones.remarks)
+        else:
+            maps = search_buildings(path, BuildingRules(), FRAME)
+            self.standing = list(maps.standing)
+            self._say(maps.passed_over, maps.unread, maps.remarks)
+
+    def _say(self, passed: tuple[PassedOver, ...], unread: tuple[Unread, ...], remarks: tuple[str, ...]) -> None:
+        self.doubts = [thing for thing in passed if thing.may_stand]
+        self.words = {*remarks, *(one.words() for one in count_passed_over(passed)), *(one.words for one in unread)}
+        self.anywhere = any(thing.may_limit for thing in unread)
+
+    def holds(self, place: NDArray[np.float64]) -> bool:
+        """Whether a place, local and above the ground, is in something that stands, or may."""
+        point = shapely.Point(place[:2])
+        return (
+            self.anywhere
+            or any(shapely.dwithin(thing.shape, point, NEAR) for thing in self.doubts)
+            or any(
+                shapely.dwithin(thing.shape, point, thing.reach + NEAR)
+                and thing.foot - NEAR <= place[2] <= thing.height + NEAR
+                for thing in self.standing
+            )
+        )
+
+    def places(self, chance: random.Random) -> Iterator[NDArray[np.float64]]:
+        """Places in what stands, most of them near its top and its edge."""
+        for thing in self.standing:
+            body = thing.shape.buffer(thing.reach * 0.999) if thing.reach else thing.shape.buffer(-NEAR)
+            corners = shapely.get_coordinates(body)
+            for _ in range(SAMPLES if len(corners) else 0):
+                corner = corners[chance.randrange(len(corners))]
+                inside = shapely.get_coordinates(body.representative_point())[0]
+                share = chance.choice([1.0, 0.99, chance.random()])
+                place = inside + share * (corner - inside)
+                if not shapely.dwithin(body, shapely.Point(place), NEAR / 2):
+                    continue
+                top = min(thing.height, 1e3)
+                yield np.array([*place, chance.choice([top - NEAR, chance.uniform(max(thing.foot, 0.0), top)])])
+
+
+def lost(rows: list[Row], changed: list[Row], path: Path, cut: float | None, chance: random.Random) -> str | None:
+    """What was lost without a word by a change; None where nothing was."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # GDAL's, of the names that it cuts
+        write(rows, path)
+        before = Reading(path)
+        write(changed, path)
+    if cut is not None:
+        data = path.read_bytes()
+        part = data[: int(len(data) * cut)]
+        if path.suffix == ".geojsonl" and part.rstrip().endswith(b"}}"):
+            return None  # whole lines: nobody can know that there were more
+        path.write_bytes(part)
+    after = Reading(path)
+    if after.words - before.words:
+        return None
+    for place in before.places(chance):
+        if not after.holds(place):
+            return f"{path.suffix} cut {cut}: {place.round(2).tolist()} of {rows} is free in {changed}"
+    return None
+
+
+def tries(count: int, seed: int) -> Iterator[tuple[str, str | None]]:
+    """What was changed, and what that lost without a word, so many times."""
+    chance = random.Random(seed)
+    suffixes = [*TEXTS, *TEXTS, *TEXTS, *DRIVERS]
+    with tempfile.TemporaryDirectory() as folder:
+        for n in range(count):
+            suffix = chance.choice(suffixes)
+            rows = scene(chance)
+            if suffix in (".kml", *DRIVERS):
+                rows = [row for row in rows if row[0]["type"] == "Polygon"]
+                if suffix == ".kml":
+                    rows = [row for row in rows if len(row[0]["coordinates"]) == 1]
+            if suffix in (".json", ".osm", ".kml"):
+                rows = [row for row in rows if len(row[0]["coordinates"]) == 1 or row[0]["type"] != "Polygon"]
+            if not rows:
+                continue
+            changed, cut = deepcopy(rows), None
+            change = chance.choice(CHANGES)
+            if change is pack and suffix in (".json", ".osm", ".kml"):
+                continue  # their tags are tags
+            change(chance.choice(changed), chance)
+            keys = [key.lower() for key in {key for _, tags in changed for key in tags}]
+            if suffix in DRIVERS and len(set(keys)) < len(keys):
+                continue  # a table has one field of a name
+            if suffix in (".json", ".osm", ".kml") and not all(shape and tags for shape, tags in changed):
+                continue  # which is nothing there
+            if suffix in DRIVERS and any("Polygon" not in shape.get("type", "") for shape, _ in changed):
+                continue
+            name = change.__name__
+            if chance.random() < 0.15:
+                changed, cut, name = rows, chance.random(), "cut"
+            path = Path(folder) / f"map{n}{suffix}"
+            yield f"{name} {suffix}", lost(rows, changed, path, cut, chance)
+            for one in Path(folder).glob(f"map{n}.*"):
+                one.unlink()
+
+
+def main() -> int:
+    """Try, count by kind, and print what was lost."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--count", type=int, default=10_000)
+    parser.add_argument("--seed", type=int, default=1)
+    options = parser.parse_args()
+    counts, losses = Counter[str](), 0
+    for kind, loss in tries(options.count, options.seed):
+        counts[kind] += 1
+        if loss is not None:
+            losses += 1
+            print(f"lost without a word: {kind}: {loss}")
+    for kind, count in sorted(counts.items()):
+        print(f"{count:6} {kind}")
+    print(f"{counts.total()} changes, {losses} lost without a word")
+    return 1 if losses else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
