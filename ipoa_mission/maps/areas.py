@@ -1,6 +1,7 @@
 """Polygons of a map as zones to keep out of, or as the one area to stay in."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
@@ -11,6 +12,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.activity import may_be_active, periods_of
 from ipoa_mission.maps.feature import Feature, Mistakes
 from ipoa_mission.maps.geozones import VerticalLimit, limits_of
+from ipoa_mission.maps.heights import radius_of
 from ipoa_mission.maps.kinds import Reason
 from ipoa_mission.maps.passed import FAR, PassedOver, not_read, passed_over
 from ipoa_mission.maps.planar import Whereabouts, polygons_of, to_plane
@@ -21,6 +23,7 @@ from ipoa_mission.world.union import union_of
 #: Of the words of ED-269 and ED-318, those that keep a flight out unless it is allowed, and all.
 Restriction: TypeAlias = Literal["PROHIBITED", "REQ_AUTHORISATION", "CONDITIONAL"]
 RESTRICTIONS: tuple[Restriction, ...] = ("PROHIBITED", "REQ_AUTHORISATION", "CONDITIONAL")
+QUARTER = 16  # sides of a quarter of a circle
 OPEN = "close the line in the map, so that it is the edge of a zone, or take it out"
 NAMED_RESTRICTIONS = (*RESTRICTIONS, "NO_RESTRICTION")
 
@@ -80,7 +83,7 @@ def find_zones(
             passed.append(passed_over(feature, shape, Reason("not active in the hour of the flight", False), path))
             continue
         limits = mistakes.attempt(limits_of, feature.tags, feature.place) or (None, None)
-        parts = [_outline(part) for part in _flat(shape)]
+        parts = [_outline(part, feature.tags) for part in flat(shape)]
         rest = [part for part in parts if part.geom_type != "Polygon"]
         if rest or not (parts or missed):
             why = _why_no_zone(rest, bool(counted))
@@ -119,11 +122,16 @@ def _why_no_zone(rest: Sequence[Any], near: bool) -> Reason:
     return Reason("a line that encloses no area", True, OPEN) if lines else Reason("a point", False)
 
 
-def _outline(shape: Any) -> Any:
+def _outline(shape: Any, tags: Mapping[str, str]) -> Any:
+    """A closed line as the polygon in it, and a point with a radius as the circle round it."""
+    if shape.geom_type == "Point" and (radius := radius_of(tags)) is not None:
+        return shape.buffer(
+            radius / math.cos(math.pi / (4 * QUARTER)), quad_segs=QUARTER
+        )  # no narrower than the circle
     closed = shape.geom_type == "LineString" and shape.is_closed and len(shape.coords) > 3
     return shapely.Polygon(shape) if closed else shape
 
 
-def _flat(shape: Any) -> list[Any]:
+def flat(shape: Any) -> list[Any]:
     """The simple shapes of a collection, however deep."""
-    return [part for piece in shape.geoms for part in _flat(piece)] if hasattr(shape, "geoms") else [shape]
+    return [part for piece in shape.geoms for part in flat(piece)] if hasattr(shape, "geoms") else [shape]

@@ -10,7 +10,8 @@ from ipoa_mission.maps.keys import PERHAPS, Means, meaning, plain, those
 from ipoa_mission.maps.lengths import FOOT, counted_storeys, length_of, storeys_of
 
 WIDEST_ROTOR = 170.0  # taken where nobody says it; newer ones are seldom wider [m]
-IN_FEET = {"ft", "feet", "foot"}
+#: Units in the name of a key; smaller ones are not applied: too much is safe.
+IN_NAMES = {"ft": FOOT, "feet": FOOT, "km": 1000.0, "nm": 1852.0, "nmi": 1852.0, "mi": 1609.344, "miles": 1609.344}
 IN_METRES = {"m", "metre", "metres", "meter", "meters"}
 Odd = Callable[[str, str], None]  # called with the key and the value of a tag that is not understood
 
@@ -99,8 +100,15 @@ def _length(tags: Mapping[str, str], key: str, odd: Odd) -> float | None:
     length, sure = length_of(tags[key])
     if length is None or not sure:
         odd(key, tags[key])
-    in_feet = sure and IN_FEET & set(plain(key).split("_")) and tags[key].replace(".", "", 1).isdecimal()
-    return length * FOOT if length is not None and in_feet else length
+    if length is not None and tags[key].replace(".", "", 1).isdecimal():
+        length *= next((IN_NAMES[word] for word in plain(key).split("_") if word in IN_NAMES), 1.0)
+    return length
+
+
+def radius_of(tags: Mapping[str, str]) -> float | None:
+    """The radius of the circle that a point stands for [m]; None where no tag says it."""
+    radii = [_length(tags, key, lambda *_: None) for key in those(tags, Means.RADIUS)]
+    return max((radius for radius in radii if radius), default=None)
 
 
 def _tip(tags: Mapping[str, str], odd: Odd, height_known: bool) -> float | None:

@@ -20,6 +20,8 @@ UNITS = {
     FOOT: "ft feet foot ' ′ ’ ` ´",
     INCH: "in inch inches \" ″ ” “ ''",
     3 * FOOT: "yd yds yard yards",
+    1852.0: "nm nmi",
+    1609.344: "mi mile miles",
 }
 FACTORS = {name: factor for factor, names in UNITS.items() for name in names.split()}
 #: Thousands are parted by commas, dots or blanks; `12,5` is a decimal. A sign is no part: `12-15` is a range.

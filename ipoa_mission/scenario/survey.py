@@ -11,6 +11,7 @@ from pydantic import AfterValidator, Field, PositiveInt, ValidationError, WithJs
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
+from ipoa_mission.maps.areas import flat
 from ipoa_mission.maps.around import Around
 from ipoa_mission.maps.planar import Whereabouts, to_plane, unrepeated
 from ipoa_mission.maps.read import read_features
@@ -255,7 +256,9 @@ def _shapes(path: Path, frame: LocalFrame) -> Iterator[tuple[str, Any]]:
     shapes, near = to_plane([f.shape for f in features], [f.place for f in features], about)
     about.expect_near()
     for feature, shape, counts in zip(features, shapes, near, strict=True):
-        for part in shapely.get_parts(shape) if counts else ():
+        if (missing := feature.missing) is not None and not missing.elsewhere:
+            raise BadInput(f"{feature.place}: expected an area that can be read, not {missing.words}", missing.remedy)
+        for part in flat(shape) if counts else ():
             is_closed = part.geom_type == "LineString" and part.is_closed and len(part.coords) > 3
             if part.geom_type in ("Polygon", "LineString"):
                 yield f"{feature.place}.geometry", shapely.Polygon(part) if is_closed else part

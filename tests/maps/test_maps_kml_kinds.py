@@ -4,9 +4,11 @@ Cases of public reports: placemark/togeojson #104 and mapbox/togeojson #189 (Lin
 """
 
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from shapely import Point
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.areas import Zones, find_zones
@@ -104,3 +106,21 @@ def test_a_second_kml_in_a_kmz_is_named(tmp_path: Path, frame: LocalFrame) -> No
 def test_positions_that_run_together_are_refused(tmp_path: Path, frame: LocalFrame, coordinates: str) -> None:
     with pytest.raises(BadInput, match="Placemark"):
         zones_of(tmp_path, frame, ring(coordinates))
+
+
+@pytest.mark.parametrize(
+    ("tags", "radius"),
+    [
+        ({"radius": 500}, 500.0),
+        ({"Radius": "500 m"}, 500.0),
+        ({"radius_nm": 2}, 3704.0),
+        ({"radius": "1.5 km"}, 1500.0),
+    ],
+)
+def test_a_point_with_a_radius_is_a_circle(
+    write_map: Callable[..., Path], frame: LocalFrame, tags: dict[str, object], radius: float
+) -> None:
+    """As Leaflet draws them; no side of the polygon lies inside of the circle."""
+    path = write_map(({"type": "Point", "coordinates": [8.0, 47.0]}, tags))
+    (zone,) = find_zones(read_features(path), frame, path).zones
+    assert zone.shape.exterior.distance(Point(0, 0)) == pytest.approx(radius, rel=1e-6)
