@@ -1,141 +1,156 @@
-"""Wind out of a weather forecast: NetCDF or GRIB by xarray, with what its members and hours say apart as the spread.
+"""Wind out of a weather forecast (NetCDF or GRIB): a profile above home, with what members and hours differ by.
 
-Winds are two variables, towards the east and the north, known by their standard names or as u and v; heights above the
-ground are a coordinate in meters, or stand in the name, as in u10. Those at the nearest point of the grid count.
+Winds at the nearest point of the grid count. Heights above sea level are taken less home's altitude.
 """
 
-import re
-import warnings
-from collections.abc import Iterator
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
+from ipoa_mission.maps.geoid import undulation
+from ipoa_mission.maps.grib_winds import grib_winds
+from ipoa_mission.maps.netcdf_winds import netcdf_winds
+from ipoa_mission.maps.wind_levels import STRONGEST, Datum, ForecastWind, ForecastWinds, Times, WindSamples
+from ipoa_mission.unread import gathered
 from ipoa_mission.wind import MOST_LEVELS, Wind
 from ipoa_mission.world.frame import Geodetic
 
-GRIB = (".grib", ".grb", ".grib2", ".grb2")
-EASTWARD, NORTHWARD = re.compile(r"u(grd)?_?(\d+)?m?|(\d+)u"), re.compile(r"v(grd)?_?(\d+)?m?|(\d+)v")
-STANDARD = {"eastward_wind": 0, "northward_wind": 1}
-MEMBERS = {"number", "member", "ensemble", "realization"}
-HEIGHTS = {"height", "heightAboveGround", "height_above_ground", "altitude", "z"}
-FARTHEST_DEG = 0.5  # from the nearest point of the grid, in latitude or longitude
+GRIB_BEGINS = b"GRIB"
 LASTS = np.timedelta64(1, "h")  # a flight, as for zones
-HIGHEST = 500.0  # above the ground [m]: a level above it is not kept beside lower ones
+USUAL = range(0, 160, 10)  # heights that are flown [m]
+HIGHEST = 500.0  # above home [m]: of the levels above it only the lowest is read
+SAY_DATUM = "the standard_name height (above ground) or altitude (above the geoid) says it"
+DIGITS = 2  # levels whose heights agree to a centimeter are one
 
 
-def read_wind(path: Path, place: Geodetic, time: np.datetime64 | None) -> Wind:
+def read_wind(path: Path, place: Geodetic, time: np.datetime64 | None) -> ForecastWind:
     """The wind over a place from a time (UTC) on; its `spread`: how far a member or an hour is from the mean at most.
 
     Raises:
         BadInput: the file cannot be read, has no such winds, or is of another place or time.
         MissionError: a library that reads it is not installed.
     """
-    levels = dict[float, list[Points]]()
-    for data in _opened(path):
-        for height, east, north in _winds(data):
-            both = np.stack([_there(path, part, place, time) for part in (east, north)], axis=-1)
-            levels.setdefault(height, []).append(both.reshape(-1, 2))
-    heights = _thinned(sorted(levels))
-    if not heights:
-        raise BadInput(f"{path}: expected winds (eastward_wind and northward_wind, or u and v) at heights in meters")
-    every = [np.concatenate(levels[height]) for height in heights]
-    means = [part.mean(axis=0) for part in every]
-    apart = max(float(np.hypot(*(part - mean).T).max()) for part, mean in zip(every, means, strict=True))
-    winds = [Wind.towards_north_east(float(north), float(east)) for east, north in means]
-    if len(winds) == 1:
-        return Wind(winds[0].speed, winds[0].from_deg, spread=apart)
-    return Wind.of_profile(heights, [wind.speed for wind in winds], [wind.from_deg for wind in winds], apart)
+    found = grib_winds(path, place) if _is_grib(path) else netcdf_winds(path, place)
+    if not found.samples:
+        unread = "".join(f"\n{thing.words}" for thing in gathered(found.unread))
+        words = "expected winds (eastward_wind and northward_wind, or u and v) at heights in meters"
+        raise BadInput(f"{path}: {words}{unread}")
+    is_unknown = any(each.datum is Datum.UNKNOWN for each in found.samples)
+    if not is_unknown:
+        chosen = _profile(path, found, place, time, Datum.GROUND)
+    else:
+        chosen = max((_profile(path, found, place, time, each) for each in (Datum.GROUND, Datum.SEA)), key=_harm)
+    return replace(chosen, unread=gathered((*found.unread, *chosen.unread)))
 
 
-def _thinned(heights: list[float]) -> list[float]:
-    low = [height for height in heights if height <= HIGHEST] or heights[:1]
-    picked = np.linspace(0, len(low) - 1, min(len(low), MOST_LEVELS)).round().astype(int)
-    return [low[n] for n in dict.fromkeys(picked.tolist())]
+def _harm(forecast: ForecastWind) -> tuple[float, float]:
+    """How much a wind disturbs a flight at usual heights: at its strongest, and on average [m/s]."""
+    speeds = [forecast.wind.at(height) + forecast.wind.spread for height in USUAL]
+    return max(speeds), float(np.mean(speeds))
 
 
-def _opened(path: Path) -> list[Any]:
-    """The sets of variables in a file: one of NetCDF, one for each kind of level of GRIB."""
-    hint = "pip install 'ipoa-mission[wind]'"
+def _is_grib(path: Path) -> bool:
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # what the libraries say to each other
-            if path.suffix.lower() in GRIB:
-                import cfgrib
-
-                return list(cfgrib.open_datasets(str(path), backend_kwargs={"indexpath": ""}))
-            import xarray
-
-            with xarray.open_dataset(path) as data:
-                return [data.load()]
-    except ImportError as error:
-        raise MissionError(f"{path}: a forecast of winds needs {error.name}", hint=hint) from error
-    except Exception as error:  # each library has its own
-        raise BadInput(f"{path}: expected a forecast of winds in NetCDF or GRIB: {error}") from error
+        with path.open("rb") as file:
+            return file.read(4) == GRIB_BEGINS or path.suffix.lower() in (".grib", ".grb", ".grib2", ".grb2")
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
 
 
-def _winds(data: Any) -> Iterator[tuple[float, Any, Any]]:
-    """Height [m], and what it blows towards the east and the north, of every level."""
-    found = dict[str, dict[int, Any]]()
-    for name, variable in data.data_vars.items():
-        name = str(name).lower()
-        by_name = 0 if EASTWARD.fullmatch(name) else 1 if NORTHWARD.fullmatch(name) else None
-        which = STANDARD.get(variable.attrs.get("standard_name", ""), by_name)
-        if which is not None:
-            found.setdefault("".join(re.findall(r"\d+", name)), {})[which] = variable
-    for digits, parts in found.items():
-        if len(parts) < 2:
-            continue
-        east, north = parts[0], parts[1]
-        along = next((name for name in east.dims if name in HEIGHTS), None)
-        if along is not None:
-            for n, height in enumerate(np.asarray(east[along], float).tolist()):
-                yield height, east.isel({along: n}), north.isel({along: n})
-            continue
-        if digits:
-            yield float(digits), east, north
-            continue
-        alone = [float(east[name]) for name in HEIGHTS & set(map(str, east.coords)) if east[name].ndim == 0]
-        yield from ((height, east, north) for height in alone[:1])
+def _profile(
+    path: Path, found: ForecastWinds, place: Geodetic, time: np.datetime64 | None, unknown: Datum
+) -> ForecastWind:
+    """The wind above home, heights of unknown datum taken as of `unknown`."""
+    levels = dict[float, list[WindSamples]]()
+    remarks, notes = list[str](), ForecastWinds(path.name)
+    for each in found.samples:
+        datum = unknown if each.datum is Datum.UNKNOWN else each.datum
+        at_home = _datum_at_home(path, datum, place)
+        levels.setdefault(round(each.height - at_home, DIGITS) + 0.0, []).append(each)
+        if each.datum is Datum.UNKNOWN:
+            notes.leave(f"datum of its heights, taken as {datum}: {SAY_DATUM}", "wind", f"{each.height:g}")
+        elif datum is not Datum.GROUND:
+            remarks.append(f"{path.name}: heights above {datum} taken less home's {at_home:g} m")
+    kept = _kept(path, sorted(levels), place, notes)
+    blowing = {height: _at_the_time(path, height, levels[height], time, notes) for height in kept}
+    means = {height: winds.mean(axis=0) for height, winds in blowing.items()}
+    picked = [kept[n] for n in np.linspace(0, len(kept) - 1, min(len(kept), MOST_LEVELS)).round().astype(int)]
+    towards = [Wind.towards_north_east(float(means[height][1]), float(means[height][0])) for height in picked]
+    wind = Wind(towards[0].speed, towards[0].from_deg)
+    if len(picked) > 1:
+        wind = Wind.of_profile(picked, [one.speed for one in towards], [one.from_deg for one in towards])
+    between = {height: np.array(wind.towards(height)) for height in kept if height not in picked}
+    apart = (winds - (means | between)[height] for height, winds in blowing.items())
+    spread = max(float(np.hypot(*each.T).max()) for each in apart)
+    return ForecastWind(replace(wind, spread=spread), tuple(dict.fromkeys(remarks)), tuple(notes.unread))
 
 
-def _there(path: Path, part: Any, place: Geodetic, time: np.datetime64 | None) -> np.ndarray:
-    """All members' and hours' values of one part of the wind at the nearest point, (n,) [m/s]."""
-    for kind, wanted in (("lat", place.latitude_deg), ("lon", place.longitude_deg)):
-        name = next((str(one) for one in part.coords if str(one).lower().startswith(kind)), None)
-        if name is None or part[name].ndim > 1:
-            raise BadInput(f"{path}: expected latitudes and longitudes as axes of the winds")
-        degrees = np.atleast_1d(np.asarray(part[name], float))
-        off = np.abs((degrees - wanted + 180.0) % 360.0 - 180.0)
-        nearest = int(off.argmin())
-        if off[nearest] > FARTHEST_DEG:
-            raise BadInput(f"{path}: expected a forecast of home's place, {wanted:g} degrees of {name}")
-        part = part.isel({name: nearest}) if part[name].ndim else part
-    hours = next((name for name in ("valid_time", "time") if name in part.coords and part[name].ndim < 2), None)
-    if hours is not None:
-        which = _hours(path, np.atleast_1d(np.asarray(part[hours], "datetime64[s]")), time)
-        part = part.isel({part[hours].dims[0]: which}) if part[hours].ndim else part
-    strange = [str(name) for name in part.dims if name not in MEMBERS and name not in ("time", "step", "valid_time")]
-    if strange:
-        raise BadInput(f"{path}: expected winds by height, member and time, not by {', '.join(strange)}")
-    values = np.asarray(part, float).ravel()
-    if not np.isfinite(values).all():
-        raise BadInput(f"{path}: expected a wind at home, but there is none at the nearest point")
-    return values
+def _datum_at_home(path: Path, datum: Datum, place: Geodetic) -> float:
+    """Home's height by a datum [m]."""
+    if datum is Datum.GROUND:
+        return 0.0
+    if datum is Datum.SEA:
+        return place.altitude
+    try:
+        return place.altitude + undulation(place.latitude_deg, place.longitude_deg, None, path)[0]
+    except BadInput as error:
+        hint = "give the file heights above the ground or the geoid, or get the grid by `pyproj sync`"
+        raise BadInput(str(error), hint=hint) from error
 
 
-def _hours(path: Path, times: np.ndarray, time: np.datetime64 | None) -> list[int]:
-    """The numbers of the times that a flight meets: the last one before it, those in it, the first one after it."""
+def _kept(path: Path, heights: list[float], place: Geodetic, notes: ForecastWinds) -> list[float]:
+    """The levels that a flight meets: from the ground up to the first one above `HIGHEST`."""
+    above = [height for height in heights if height >= 0]
+    if not above:
+        raise BadInput(
+            f"{path}: expected winds above home, which is at {place.altitude:g} m; the highest are {-heights[-1]:g} m "
+            "below it"
+        )
+    if len(above) < len(heights):
+        notes.leave("wind below the ground at home", "height", f"{heights[0]:g}", count=len(heights) - len(above))
+    low = [height for height in above if height < HIGHEST]
+    kept = above[: len(low) + 1]
+    if len(kept) < len(above):
+        what = f"wind more than {kept[-1]:g} m above home"
+        notes.leave(what, "height", f"{above[len(kept)]:g}", count=len(above) - len(kept))
+    return kept
+
+
+def _at_the_time(
+    path: Path, height: float, samples: Sequence[WindSamples], time: np.datetime64 | None, notes: ForecastWinds
+) -> Points:
+    """The winds of all members at the times that a flight meets, (n, 2); those that the file lacks are counted."""
+    winds, times = np.concatenate([s.winds for s in samples]), np.concatenate([s.times for s in samples])
+    undated = np.isnat(times)
+    if undated.any():
+        notes.leave("time of a wind, taken as the flight's", f"{height:g} m up")
+    if not undated.all():
+        chosen = _hours(path, np.unique(times[~undated]), time)
+        winds = winds[undated | np.isin(times, chosen)]
+    there = np.isfinite(winds).all(axis=1)
+    if not there.any():
+        raise BadInput(f"{path}: expected a wind at home, but there is none at the nearest point, {height:g} m up")
+    if gaps := int((~there).sum()):
+        what = f"wind of a member or time: {len(winds) - gaps} others count"
+        notes.leave(what, f"{height:g} m up", "missing", count=gaps)
+    if (strange := np.abs(winds[there]).max()) > STRONGEST:
+        raise BadInput(f"{path}: expected winds, not {strange:g} m/s, {height:g} m up")
+    return np.asarray(winds[there])
+
+
+def _hours(path: Path, times: Times, time: np.datetime64 | None) -> Times:
+    """The times that a flight meets: the last one before it, those in it, the first one after it."""
     if time is None:
         if len(times) == 1:
-            return [0]
+            return times
         raise BadInput(f"{path}: expected `time` in the scenario, for a forecast of {len(times)} times")
     begin = time.astype("datetime64[s]")
-    if begin + LASTS < times.min() or begin - LASTS > times.max():
-        raise BadInput(f"{path}: expected a forecast for {begin}, not of {times.min()} to {times.max()}")
+    if begin + LASTS < times[0] or begin - LASTS > times[-1]:
+        raise BadInput(f"{path}: expected a forecast for {begin}, not of {times[0]} to {times[-1]}")
     first = int(np.searchsorted(times, begin, side="right")) - 1
     last = int(np.searchsorted(times, begin + LASTS, side="left"))
-    return list(range(max(first, 0), min(last, len(times) - 1) + 1))
+    return times[max(first, 0) : min(last, len(times) - 1) + 1]

@@ -198,7 +198,8 @@ class Scenario(Section):
         from ipoa_mission.maps.winds import read_wind
 
         begins = None if self.time is None else np.datetime64(int(self.time.timestamp()), "s")
-        return self.in_wind(read_wind(self.wind.file, self.home.geodetic(), begins))
+        forecast = read_wind(self.wind.file, self.home.geodetic(), begins)
+        return self.model_copy(update={"wind": WindSection.of(forecast.wind, forecast)})
 
     def in_wind(self, wind: Wind) -> "Scenario":
         """The same in this wind."""
@@ -302,8 +303,10 @@ class Scenario(Section):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What was assumed, mended or left out when the maps were read, for the user to know."""
-        return self._surroundings.remarks
+        """What was assumed, mended or left out when maps and wind were read, for the user to know."""
+        wind = self.wind.forecast
+        more = () if wind is None else (*wind.remarks, *(thing.words for thing in wind.unread))
+        return (*self._surroundings.remarks, *more)
 
     @property
     def passed_over(self) -> tuple[PassedOver, ...]:
@@ -318,7 +321,8 @@ class Scenario(Section):
     @property
     def unread(self) -> tuple[Unread, ...]:
         """What the readers of its files did not take, each kind once; `passed_counts` are the rest."""
-        return self._surroundings.unread
+        wind = self.wind.forecast
+        return (*self._surroundings.unread, *(() if wind is None else wind.unread))
 
     @cached_property
     def places(self) -> Points:

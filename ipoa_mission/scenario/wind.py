@@ -4,9 +4,10 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import Field, PrivateAttr, model_validator
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.maps.wind_levels import ForecastWind
 from ipoa_mission.scenario.section import NotNegative, Section, beside
 from ipoa_mission.wind import MOST_LEVELS, Wind
 
@@ -31,10 +32,12 @@ class WindSection(Section):
     """Where it blows from at each of `heights`, clockwise from north."""
     file: Annotated[Path | None, beside("a forecast of winds")] = None
     """A weather forecast (NetCDF or GRIB, extra `wind`) in place of all numbers: the wind at home from `time` on, with
-    what its members and hours differ by as the spread."""
+    what its members and hours differ by as the spread. Its units are converted. Heights count as their CF standard name
+    says: `height` above the ground, `altitude` above the geoid. If the file says neither, the stronger wind counts."""
     spread: NotNegative = 0.0
     """By so much it may be stronger or weaker, gusts and all [m/s]: it counts for the tube, for the most energy, and a
     flight that it would push off its path is refused."""
+    _forecast: ForecastWind | None = PrivateAttr(None)
 
     @model_validator(mode="after")
     def _one_wind(self) -> "WindSection":
@@ -60,8 +63,19 @@ class WindSection(Section):
         return Wind(self.speed, self.from_deg, self.exponent, self.gradient_height, self.spread)
 
     @classmethod
-    def of(cls, wind: Wind) -> "WindSection":
-        """The section that says so."""
+    def of(cls, wind: Wind, forecast: ForecastWind | None = None) -> "WindSection":
+        """The section that says so; `forecast` is what it was read from."""
+        section = cls._of(wind)
+        section._forecast = forecast
+        return section
+
+    @property
+    def forecast(self) -> ForecastWind | None:
+        """What it was read from: its remarks, and what of it was not read."""
+        return self._forecast
+
+    @classmethod
+    def _of(cls, wind: Wind) -> "WindSection":
         if not wind.levels:
             plain = ("speed", "from_deg", "exponent", "gradient_height", "spread")
             return cls(**{name: getattr(wind, name) for name in plain})

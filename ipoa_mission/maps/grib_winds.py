@@ -1,0 +1,175 @@
+"""Read winds out of GRIB by eccodes, message by message, at the nearest point of each message's own grid."""
+
+import re
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ipoa_mission.errors import BadInput, imported
+from ipoa_mission.maps.units import unit_factor
+from ipoa_mission.maps.wind_levels import FARTHEST_DEG, Datum, ForecastWinds, WindSamples
+from ipoa_mission.world.frame import Geodetic
+
+EAST, NORTH = "east", "north"
+NAMED = re.compile(r"(\d*)([uv])")  # eccodes' shortName: u, 10u, 100v
+NUMBERS = {2: EAST, 3: NORTH}  # GRIB 2: parameters of discipline 0, category 2
+MOMENTUM = (0, 2)
+DATUMS = {"heightAboveGround": Datum.GROUND, "heightAboveSea": Datum.SEA}
+#: Grids whose axes point east and north: "relative to the grid" is no other direction there.
+NORTH_UP = ("regular_ll", "regular_gg", "reduced_ll", "reduced_gg", "mercator", "unstructured_grid")
+PLAIN = {0, 1}  # product definition templates of one forecast, and of one member
+MEAN = {0, 1}  # derived forecasts that are a mean of members; others are spreads and ranks
+
+
+@dataclass(frozen=True)
+class _Message:
+    part: str
+    height: float
+    datum: Datum
+    time: np.datetime64
+    member: int
+    value: float
+
+
+def grib_winds(path: Path, place: Geodetic) -> ForecastWinds:
+    """The winds at the nearest grid point.
+
+    Raises:
+        BadInput: the file is damaged, of another place, or gives winds along the axes of a turned grid.
+        MissionError: eccodes is not installed.
+    """
+    eccodes = imported("eccodes", f"{path}: a forecast of winds needs eccodes", "wind")
+    found, nearest = ForecastWinds(path.name), dict[str, int]()
+    parts = defaultdict[tuple[float, Datum, np.datetime64, int], dict[str, list[float]]](lambda: defaultdict(list))
+    for number, handle in enumerate(_messages(eccodes, path), 1):
+        message = _read(eccodes, handle, path, f"message {number}", place, nearest, found)
+        if message is not None:
+            key = (message.height, message.datum, message.time, message.member)
+            parts[key][message.part].append(message.value)
+    levels = defaultdict[tuple[float, Datum], list[tuple[np.datetime64, float, float]]](list)
+    members = defaultdict[tuple[float, Datum, np.datetime64], set[int]](set)
+    for (height, datum, time, member), both in parts.items():
+        pairs = list(zip(both[EAST], both[NORTH], strict=False))
+        if odd := len(both[EAST]) + len(both[NORTH]) - 2 * len(pairs):
+            found.leave("one component of a wind without the other", f"{height:g} m", str(time), True, odd)
+        levels[height, datum] += [(time, *pair) for pair in pairs]
+        if pairs:
+            members[height, datum, time].add(member)
+    most = max(map(len, members.values()), default=0)
+    if gaps := sum(len(each) < most for each in members.values()):
+        what = f"members: {most} at some levels and times, fewer at {gaps} of {len(members)}"
+        first = next(key for key, each in members.items() if len(each) < most)
+        found.leave(what, f"{first[0]:g} m, {first[2]}", len(members[first]))
+    for (height, datum), rows in levels.items():
+        winds = np.array([row[1:] for row in rows], float).reshape(-1, 2)
+        found.samples.append(WindSamples(height, datum, winds, np.array([row[0] for row in rows])))
+    return found
+
+
+@contextmanager
+def _several_fields(eccodes: Any) -> Iterator[None]:
+    """Let a message hold more fields than one: NCEP packs both components of a wind together."""
+    eccodes.codes_grib_multi_support_on()
+    try:
+        yield
+    finally:
+        eccodes.codes_grib_multi_support_off()
+
+
+def _messages(eccodes: Any, path: Path) -> Iterator[Any]:
+    count = 0
+    try:
+        with path.open("rb") as file, _several_fields(eccodes):
+            while (handle := eccodes.codes_grib_new_from_file(file)) is not None:
+                count += 1
+                try:
+                    yield handle
+                finally:
+                    eccodes.codes_release(handle)
+    except eccodes.CodesInternalError as error:
+        raise BadInput(f"{path}: message {count + 1}: expected a forecast of winds in GRIB: {error}") from error
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
+    if not count:
+        raise BadInput(f"{path}: expected a forecast of winds in GRIB, but there is no message in it")
+
+
+def _read(
+    eccodes: Any, handle: Any, path: Path, where: str, place: Geodetic, nearest: dict[str, int], found: ForecastWinds
+) -> _Message | None:
+    """What a message says of the wind; None, counted, where it is wind and not taken."""
+
+    def get(key: str, kind: type = str) -> Any:
+        return eccodes.codes_get(handle, key, kind) if eccodes.codes_is_defined(handle, key) else None
+
+    short, level_type = get("shortName"), get("typeOfLevel")
+    named = NAMED.fullmatch(short)
+    if get("edition", int) == 2:
+        numbers = get("discipline", int), get("parameterCategory", int)
+        part = NUMBERS.get(get("parameterNumber", int)) if numbers == MOMENTUM else None
+        is_wind = numbers == MOMENTUM
+    else:
+        part = None if named is None else EAST if named[2] == "u" else NORTH
+        is_wind = part is not None or "wind" in get("name").lower() or "gust" in get("name").lower()
+    if part is None:
+        if is_wind:
+            found.leave(f"{get('name')} at {level_type}", where, get("level"))
+        return None
+    above_ground = named is not None and named[1] and level_type == "surface"  # ECMWF's 10 m wind in GRIB 1
+    datum = Datum.GROUND if above_ground else DATUMS.get(level_type)
+    if datum is None:
+        found.leave(f"wind at {level_type}, which is no height", where, get("level"))
+        return None
+    if why := _no_single_forecast(get):
+        found.leave(f"{get('name')}, {why}", where, get("level"))
+        return None
+    index = _nearest(eccodes, handle, path, place, nearest)
+    if get("uvRelativeToGrid", int) and get("gridType") not in NORTH_UP:
+        raise BadInput(
+            f"{path}: expected winds towards the east and the north, not along the axes of a {get('gridType')} grid",
+            hint="turn them first, as `wgrib2 IN -new_grid_winds earth` does",
+        )
+    unit = get("units")
+    factor = 1.0 if unit in (None, "unknown") else unit_factor(unit, "m/s", f"{path}: {short}.units")
+    value = eccodes.codes_get_double_element(handle, "values", index)
+    missing = bool(get("bitmapPresent", int)) and value == get("missingValue", float)
+    height = float(named[1]) if above_ground and named is not None else get("level", float)
+    return _Message(part, height, datum, _valid(get), get("number", int) or 0, np.nan if missing else value * factor)
+
+
+def _no_single_forecast(get: Any) -> str:
+    """Why a message is no wind at one time of one forecast: an average, a spread, a percentile."""
+    if get("stepType") not in (None, "instant"):
+        return f"its {get('stepType')} over a time"
+    template = get("productDefinitionTemplateNumber", int)
+    if template in (None, *PLAIN) or get("derivedForecast", int) in MEAN:
+        return ""
+    return f"by product template {template}"
+
+
+def _valid(get: Any) -> np.datetime64:
+    date, clock = get("validityDate", int), get("validityTime", int)
+    day = np.datetime64(f"{date // 10000:04d}-{date // 100 % 100:02d}-{date % 100:02d}", "s")
+    return day + np.timedelta64(clock // 100 * 60 + clock % 100, "m")
+
+
+def _nearest(eccodes: Any, handle: Any, path: Path, place: Geodetic, known: dict[str, int]) -> int:
+    """The number of the grid point nearest to the place, by eccodes' own latitudes and longitudes."""
+    grid = eccodes.codes_get(handle, "md5GridSection")
+    if grid not in known:
+        latitudes, longitudes = (eccodes.codes_get_array(handle, key) for key in ("latitudes", "longitudes"))
+        north = np.abs(latitudes - place.latitude_deg)
+        east = np.abs((longitudes - place.longitude_deg + 180.0) % 360.0 - 180.0)
+        index = int(np.hypot(north, east * np.cos(np.radians(place.latitude_deg))).argmin())
+        if max(north[index], east[index]) > FARTHEST_DEG:
+            raise BadInput(
+                f"{path}: expected a forecast of home's place, {place.latitude_deg:g}, {place.longitude_deg:g}; "
+                f"the nearest point is {latitudes[index]:g}, {(longitudes[index] + 180.0) % 360.0 - 180.0:g}"
+            )
+        known[grid] = index
+    return known[grid]
