@@ -15,6 +15,8 @@ from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.commands import command_name
 from ipoa_mission.unread import unread_as_json
 
+NEXT_STEPS = {"resume": "goes on with its mission", "rtl": "brings it home"}
+
 
 def flight_as_json(estimate: Estimate, record: FlightRecord, reserves: Sequence[ReserveNow] = ()) -> dict[str, Any]:
     """Estimate and flight for machines; items are numbered as in the file, where home is 0."""
@@ -27,8 +29,15 @@ def flight_as_json(estimate: Estimate, record: FlightRecord, reserves: Sequence[
         "items": [{"seq": index + 1, "done_s": round(at, 3)} for index, at in sorted(record.item_reached_s.items())],
         "estimate": estimate_as_json(estimate),
         "messages": list(record.messages),
+        **({"deviations": [one.as_json() for one in record.deviations]} if record.deviations else {}),
         **({"battery": [_reserve_as_json(one) for one in reserves]} if reserves else {}),
     }
+
+
+def next_steps(link: str) -> str:
+    """What can be done about a vehicle that was left in the air."""
+    orders = (f"`ipoa-mission {verb} --link {link}` {does}" for verb, does in NEXT_STEPS.items())
+    return f"{', '.join(orders)}; a pilot can take it over"
 
 
 def tell_flown_as_json(job: Job, record: FlightRecord, remarks: tuple[str, ...], written: Sequence[Path]) -> None:
@@ -39,7 +48,8 @@ def tell_flown_as_json(job: Job, record: FlightRecord, remarks: tuple[str, ...],
         outcome["passed_over"] = passed_over_as_json(job.flight.scenario)
         outcome["unread"] = unread_as_json(job.flight.scenario.unread)
     told = flight_as_json(job.estimate, record, job.reserves)
-    tell_json(told | outcome | ({"error": record.why_not} if record.why_not else {}))
+    failure = {"error": record.failure} if record.failure else {}
+    tell_json(told | outcome | failure, indent=None if record.deviations else 2)  # events are lines before it
 
 
 def _reserve_as_json(now: ReserveNow) -> dict[str, Any]:
@@ -63,7 +73,7 @@ def tell_flown(job: Job, record: FlightRecord, remarks: tuple[str, ...], written
         *([] if job.flight else route_in_words(job.estimate)),
         f"estimated {job.estimate.total_s:.1f} s, flown {record.total_s:.1f} s{_of_plan(job)}",
         f"written: {', '.join(map(str, written))}",
-        *([f"not complete: {record.why_not}"] if record.why_not else []),
+        *([f"{'not complete' if record.why_not else 'not as forecast'}: {record.failure}"] if record.failure else []),
     )
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ipoa_mission.cli.groups import FaultOptions, FlownByOptions, LinkOptions, SearchOptions
+from ipoa_mission.cli.groups import FaultOptions, FlightOptions, FlownByOptions, LinkOptions, SearchOptions
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.options import (
     NAMES,
@@ -17,7 +17,6 @@ from ipoa_mission.cli.options import (
     OutOption,
     ReportOption,
     SeedOption,
-    link_option,
     or_packed,
 )
 from ipoa_mission.cli.overwriting import expect_folder
@@ -44,6 +43,7 @@ def fly(
         ),
     ],
     search: SearchOptions,
+    on_vehicle: FlightOptions,
     flown_by: FlownByOptions,
     on_link: LinkOptions,
     worse: FaultOptions,
@@ -51,42 +51,18 @@ def fly(
     report: ReportOption = False,
     force: ForceOption = False,
     as_json: JsonOption = False,
-    link: Annotated[
-        str | None,
-        link_option(
-            "--link",
-            metavar="URL",
-            help="A real vehicle, like udpin:127.0.0.1:14550; left out, the built-in autopilot.",
-        ),
-    ] = None,
-    begin: Annotated[
-        int,
-        link_option(
-            "--from",
-            metavar="N",
-            min=1,
-            help="Begin at item N instead of the first, as `show` numbers it; the way there is checked.",
-        ),
-    ] = 1,
-    set_params: Annotated[
-        bool,
-        link_option(
-            "--set-params",
-            metavar="",
-            help="Write the scenario's parameters, and those of --param, that the vehicle has otherwise.",
-        ),
-    ] = False,
 ) -> None:
     """Fly a mission from upload to landing, and hold the flown time against the estimate.
 
     A scenario is planned first and its mission files are written. Without `--link` the built-in autopilot flies it, as
     fast as it goes. With `--link` a vehicle on the ground is waited for until it is ready, armed, started at its first
-    item, and watched. Every frame goes to the log. Exit code 0: it landed and was disarmed where its mission ends;
-    after an RTL that may be a rally point.
+    item, and watched: position and progress are compared with the forecast, and a vehicle that deviates is ordered to
+    hold (`--on-deviation`). Every frame goes to the log. Exit code 0: it landed and was disarmed where its mission
+    ends, as it was forecast; after an RTL that may be a rally point.
 
     Example: `ipoa-mission fly missions/campus.toml --out out --report`
     """
-    from ipoa_mission.cli.flown import tell_flown, tell_flown_as_json
+    from ipoa_mission.cli.flown import next_steps, tell_flown, tell_flown_as_json
     from ipoa_mission.cli.job import adapt_scenario, plan, planned, read_job
     from ipoa_mission.cli.overwriting import expect_log, expect_plans
     from ipoa_mission.cli.surveying import EACH_BY_ITSELF, expect_flyable, fly_survey, plan_here, write_survey
@@ -97,7 +73,8 @@ def fly(
     if not is_planned:
         _expect_no_plan(source, {"--report": report, "--optimizer": search.optimizer})
     faults = worse.faults()
-    _expect_together(link, faults, begin != 1 or set_params)
+    link = on_vehicle.link
+    _expect_together(on_vehicle, faults)
     expect_folder(out)
     expect_log(on_link.log)
     air = flown_by.air
@@ -106,16 +83,15 @@ def fly(
         _fly_there,
         source=source,
         flown_by=flown_by,
-        link=link or "",
+        on_vehicle=on_vehicle,
         on_link=on_link,
-        begin=begin,
-        set_params=set_params,
+        as_json=as_json,
     )
     pilot: Pilot = here if link is None else there
     if is_planned:
         scenario = adapt_scenario(read_scenario(source), search, flown_by)
         if scenario.survey is not None:
-            if begin != 1:
+            if on_vehicle.begin != 1:
                 raise BadInput("--from: expected a mission, not a survey", hint=EACH_BY_ITSELF)
             survey = plan_here(scenario, search, flown_by)
             expect_flyable(survey, on_link.log, is_on_link=link is not None)
@@ -137,11 +113,13 @@ def fly(
         written.insert(0, page)
     if as_json:
         tell_flown_as_json(job, record, remarks, [*planned_files, *written])
-        if record.why_not:
-            print(f"error: not complete: {shown(record.why_not)}", file=sys.stderr)
+        if record.failure:
+            print(f"error: {shown(record.failure)}", file=sys.stderr)
     else:
         tell_flown(job, record, remarks, written)
-    if record.why_not:
+    if record.deviations and record.in_air and link is not None:
+        print(f"hint: {next_steps(link)}", file=sys.stderr)
+    if record.failure:
         raise typer.Exit(1)
 
 
@@ -160,22 +138,25 @@ def _fly_there(
     *,
     source: Path,
     flown_by: FlownByOptions,
-    link: str,
+    on_vehicle: FlightOptions,
     on_link: LinkOptions,
-    begin: int,
-    set_params: bool,
+    as_json: bool,
 ) -> "Piloted":
     """A flight on a vehicle; the job as this vehicle's firmware flies it."""
     from ipoa_mission.cli.job import read_job
-    from ipoa_mission.cli.real_flight import begun_with, fly_there, no_flight_yet
+    from ipoa_mission.cli.real_flight import begun_with, fly_there, no_flight_yet, tell_deviation
 
+    begin = on_vehicle.begin
     begun_with(job, begin)  # or there is no such item: that is told before anybody is called
-    with no_flight_yet(), connect_to(link, on_link, log) as there:
+    with no_flight_yet(), connect_to(on_vehicle.link or "", on_link, log) as there:
         if not states_firmware(source, flown_by.autopilot):
             job = read_job(source, flown_by, there.autopilot)
+        there.conformance.on_deviation = on_vehicle.on_deviation
+        if as_json:
+            there.conformance.tell = tell_deviation
         on_link.system = there.system  # whoever else is heard by then, a survey's next flight is this vehicle's
         job = begun_with(replace(job, forecast=job.forecast.on(there.firmware_version())), begin)
-        remarks, record = fly_there(job, there, begin - 1, on_link.anyway, set_params)
+        remarks, record = fly_there(job, there, begin - 1, on_link.anyway, on_vehicle.set_params)
     return job, (*remarks, *_where_it_landed(job, record)), record
 
 
@@ -192,14 +173,16 @@ def _expect_no_plan(source: Path, options: dict[str, object]) -> None:
             raise BadInput(f"{option}: expected a scenario, not {source}", hint="a mission is flown as it is")
 
 
-def _expect_together(link: str | None, faults: "Faults", is_for_a_vehicle: bool) -> None:
+def _expect_together(on_vehicle: FlightOptions, faults: "Faults") -> None:
     """That a vehicle's options came with a link, and the built-in autopilot's without."""
-    if link is None and is_for_a_vehicle:
+    if on_vehicle.link is None and on_vehicle != FlightOptions():
+        words = "--from, --set-params, --on-deviation: expected with --link"
+        raise BadInput(words, hint="the built-in autopilot begins at the first item, and flies by the forecast's model")
+    if on_vehicle.link is not None and not faults.is_none:
         raise BadInput(
-            "--from, --set-params: expected with --link", hint="the built-in autopilot begins at the first item"
+            "--link: expected without --loss, --duplicate, --delay and --reorder",
+            hint="they are for the built-in autopilot, which flies without --link",
         )
-    if link is not None and not faults.is_none:
-        raise BadInput("--link: expected without --loss, --duplicate, --delay and --reorder")
 
 
 def _write(flight: "Flight", folder: Path, as_json: bool) -> list[Path]:
@@ -222,5 +205,5 @@ def demo(
 
     Example: `ipoa-mission demo`
     """
-    ways = SearchOptions(seed=seed), FlownByOptions(), LinkOptions(), FaultOptions()
+    ways = SearchOptions(seed=seed), FlightOptions(), FlownByOptions(), LinkOptions(), FaultOptions()
     fly(or_packed(Path(NAMES[0])), *ways, out=out, report=True, force=force, as_json=as_json)

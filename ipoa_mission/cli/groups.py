@@ -24,6 +24,7 @@ from ipoa_mission.cli.options import (
     read_parameter_options,
     read_wind_option,
 )
+from ipoa_mission.link.on_deviation import OnDeviation
 
 if TYPE_CHECKING:
     from ipoa_mission.simulator.faults import Faults
@@ -127,7 +128,8 @@ class LinkOptions:
             "--timeout",
             metavar="S",
             min=1.0,
-            help="Give up if it is not done, or the flight not begun, within so many seconds; left out, an hour.",
+            help="Give up if it is not done within so many seconds, also in flight: nobody watches the vehicle then. "
+            "Left out, an hour until a flight begins.",
         ),
     ] = None
     backend: Annotated[Backend, link_option("--backend", help="Who speaks MAVLink for us.")] = Backend.BUILTIN
@@ -144,6 +146,44 @@ class LinkOptions:
         """The file with every frame, if there is one; MAVSDK keeps none."""
         log = self.log or usual_log
         return [] if self.backend is Backend.MAVSDK or log is None else [str(log)]
+
+
+@dataclass
+class FlightOptions:
+    """How a real vehicle is flown."""
+
+    link: Annotated[
+        str | None,
+        link_option(
+            "--link",
+            metavar="URL",
+            help="A real vehicle, like udpin:127.0.0.1:14550; left out, the built-in autopilot.",
+        ),
+    ] = None
+    begin: Annotated[
+        int,
+        link_option(
+            "--from",
+            metavar="N",
+            min=1,
+            help="Begin at item N instead of the first, as `show` numbers it; the way there is checked.",
+        ),
+    ] = 1
+    set_params: Annotated[
+        bool,
+        link_option(
+            "--set-params",
+            metavar="",
+            help="Write the scenario's parameters, and those of --param, that the vehicle has otherwise.",
+        ),
+    ] = False
+    on_deviation: Annotated[
+        OnDeviation,
+        link_option(
+            "--on-deviation",
+            help="What the vehicle is ordered, once, when its flight deviates from the forecast.",
+        ),
+    ] = OnDeviation.HOLD
 
 
 @dataclass

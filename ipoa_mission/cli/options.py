@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 NAMES = ("campus",)
 #: Options that `--help` gathers under a heading.
 link_option = partial(typer.Option, rich_help_panel="The link")
-bad_link_option = partial(typer.Option, rich_help_panel="A worse link than there is, to see what happens")
+bad_link_option = partial(typer.Option, rich_help_panel="A worse link to the built-in autopilot, to see what happens")
 
 
 class Backend(StrEnum):

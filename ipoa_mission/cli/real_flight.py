@@ -10,9 +10,11 @@ from functools import partial
 from ipoa_mission.checks.start import begun_at
 from ipoa_mission.cli.flown import flight_as_json
 from ipoa_mission.cli.job import Job
+from ipoa_mission.cli.telling import tell_json
 from ipoa_mission.cli.vehicles import stages_shown
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.procedure import Stage, fly_forecast
+from ipoa_mission.forecast.conformance import Deviation
 from ipoa_mission.forecast.endings_now import EndingsNow
 from ipoa_mission.forecast.energy import ReserveNow, budget_of
 from ipoa_mission.forecast.forecast import Forecast
@@ -36,6 +38,11 @@ def no_flight_yet() -> Iterator[None]:
     except MissionError as error:
         error.known = {"completed": False, "armed": None, "in_air": None} | error.known
         raise
+
+
+def tell_deviation(deviation: Deviation) -> None:
+    """Print a deviation as it is found, for machines: one line."""
+    tell_json({"event": "deviation"} | deviation.as_json(), indent=None)
 
 
 def begun_with(job: Job, item: int) -> Job:

@@ -244,8 +244,8 @@ def fly_survey(
             flown.append(told | {"file": f"{name}.plan", **({"remarks": list(remarks)} if remarks else {})})
         else:
             tell_flown(job, record, remarks, [own])
-        if record.why_not:
-            why = f"{name} was not flown to its end: {record.why_not}"
+        if record.failure:
+            why = f"{name} was not flown {'to its end' if record.why_not else 'as forecast'}: {record.failure}"
             break
     if as_json:
         about = survey_as_json(survey.plan, survey.names)

@@ -6,7 +6,7 @@ from dataclasses import replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, TypeAlias
 
-from ipoa_mission.checks.start import NotAtStart, check_start
+from ipoa_mission.checks.start import NotAtStart, begun_at, check_start
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.boarding import await_home, expect_charge, expect_fit, expect_slow_landing
 from ipoa_mission.forecast.forecast import Forecast
@@ -20,6 +20,7 @@ from ipoa_mission.progress import Progress, silent
 from ipoa_mission.world.frame import Geodetic
 
 if TYPE_CHECKING:
+    from ipoa_mission.forecast.conformance import ConformanceMonitor
     from ipoa_mission.scenario import Scenario
 
 
@@ -124,6 +125,9 @@ def fly_mission(
 ) -> FlightRecord:
     """Upload a mission, make the vehicle ready, arm it, start it, and watch it until it stands again.
 
+    Position and progress are compared with the forecast. At the first deviation the vehicle is ordered what
+    `vehicle.conformance.on_deviation` says, to hold by default; once it holds, the watching ends.
+
     Args:
         vehicle: on the ground and disarmed.
         mission: for its autopilot, unless `anyway`.
@@ -135,7 +139,7 @@ def fly_mission(
         remark: told what the user should know, as it is found.
 
     Returns:
-        When its items were reached, its path, and whether it completed.
+        When its items were reached, its path, whether it completed, and its deviations from the forecast.
 
     Raises:
         NotReady: it is armed already, does not know where it is, or cannot be armed; with its own reasons.
@@ -167,8 +171,8 @@ def fly_forecast(
     remark: Remark = unheard,
 ) -> FlightRecord:
     """As `fly_mission`, of a mission whose flight is forecast already."""
-    load_mission(vehicle, forecast, anyway=anyway, set_params=set_params, stages=stages, remark=remark)
-    return begin_mission(vehicle, forecast, first=first, anyway=anyway, stages=stages, remark=remark)
+    own = load_mission(vehicle, forecast, anyway=anyway, set_params=set_params, stages=stages, remark=remark)
+    return begin_mission(vehicle, own, first=first, anyway=anyway, stages=stages, remark=remark)
 
 
 def load_mission(
@@ -179,8 +183,12 @@ def load_mission(
     set_params: bool = False,
     stages: Stages = unseen,
     remark: Remark = unheard,
-) -> None:
-    """The first half of `fly_forecast`: all until the mission is on a vehicle that stands and knows where it is."""
+) -> Forecast:
+    """The first half of `fly_forecast`: all until the mission is on a vehicle that stands and knows where it is.
+
+    Returns:
+        The forecast with the vehicle's own values of the parameters that the mission names.
+    """
     mission = forecast.given
     vehicle.expect_on_ground()
     with stages(Stage.POSITION) as show:
@@ -194,6 +202,10 @@ def load_mission(
         vehicle.absence.meanwhile = without_station(vehicle)
     for words in (*remarks, *(f"{other}: --set-params writes it" for other in others), *lacking):
         remark(words)
+    if not others or mission.autopilot is not vehicle.autopilot:
+        return forecast
+    own = mission.with_parameters({other.name: other.has for other in others})
+    return Forecast(own, forecast.scenario, None if forecast.scenario else forecast.wind)
 
 
 def begin_mission(
@@ -221,11 +233,29 @@ def begin_mission(
             remark(words)
 
     with stages(Stage.READY) as show:
+        vehicle.conformance.compare(_monitor(vehicle, forecast, first, remark))
         vehicle.prepare(first, show, permit)
     with stages(Stage.START) as show:
         vehicle.start(show)
     with stages(Stage.FLIGHT) as show:
         return vehicle.watch(show)
+
+
+def _monitor(vehicle: Vehicle, forecast: Forecast, first: int, remark: Remark) -> "ConformanceMonitor | None":
+    """What a flight that begins with item `first` is compared with; None, and a remark, where nothing is known."""
+    from ipoa_mission.forecast.conformance import ConformanceMonitor
+
+    mission = forecast.given
+    try:
+        if mission.autopilot is not vehicle.autopilot:
+            raise MissionError(f"it was forecast for {mission.autopilot}, and the vehicle is {vehicle.autopilot}")
+        if first:
+            wind = None if forecast.scenario else forecast.wind
+            forecast = Forecast(begun_at(mission, first), forecast.scenario, wind)
+        return ConformanceMonitor(forecast)
+    except MissionError as unknown:
+        remark(f"the flight is not compared with a forecast: {unknown}")
+        return None
 
 
 def _set_parameters(vehicle: Vehicle, mission: Mission, remark: Remark) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 
 from ipoa_mission.forecast.endings import EndingRow, Endings
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.geometry import Vector
 from ipoa_mission.vehicles.ending import Ending
 
@@ -14,6 +15,7 @@ NEAR_S = 12.0  # so much earlier or later than before the vehicle may be where t
 LIKELY = 0.2  # of two times at which it comes by a place, one that is likelier by a second may be so far off [m]
 EVERY_S = 10.0  # how long an ending takes is worked out as often, and lies between the two beside a moment
 STEEP, NEAREST_S = 2.5, 1.0  # more often where it changes by so many seconds a second, but no more often than this [s]
+NEAR = 8.0  # what is so much farther than required is nothing near [m]
 TIMED = (Ending.RTL, Ending.LAND)  # the others do not end on the ground
 
 
@@ -48,6 +50,19 @@ class EndingsNow:
         found = float(stops.times[near][best])
         self._late_s = time - found
         return found, float(apart[best])
+
+    def from_here(self, ending: Ending, place: Vector, velocity: Vector) -> EndingRow:
+        """To hold or to land from where the vehicle is (3,) [m], at its velocity east and north (2,) [m/s]."""
+        forecast, ways = self._endings.forecast, self._endings.ways
+        autopilot, parameters = forecast.mission.autopilot, forecast.mission.parameters
+        stand = place.copy()
+        stand[:2] += autopilot.flies_on(ending) * velocity
+        stand[:2] += autopilot.braking_way(parameters, velocity[None, :], np.zeros((1, 2)), ending)[0]
+        ground = np.array([stand[0], stand[1], float(ways.roomy.airspace.ground(stand[None, :])[0])])
+        path = np.array([place, stand] if ending is Ending.HOLD else [place, stand, ground])
+        near = ways.roomy.airspace.obstacle_clearance(path, within=ways.required + NEAR)
+        grade = Grade.CLEAR if near.distance >= ways.required else Grade.WOULD
+        return EndingRow(ending, 0.0, 0.0, grade, near.distance, ways.required, near.what, "here")
 
     def words(self, time: float) -> str:
         """The same in a line: "rtl clear, 2.13 m from mast, 62 s"."""

@@ -109,6 +109,11 @@ class FlightOrder:
         mission = self._change(self._state.autopilot.modes.mission)
         self._take(mission, *([_Step("go on", order(Command.DO_PAUSE_CONTINUE, 1.0))] if self.is_paused else []))
 
+    @property
+    def is_under_way(self) -> bool:
+        """Whether something was ordered that the vehicle has neither shown nor refused."""
+        return bool(self._steps)
+
     def cut(self, is_cut: bool) -> None:
         """The link is lost, or is there again; what was ordered and has not been seen is not said any more."""
         self._is_cut = is_cut

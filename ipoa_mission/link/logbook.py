@@ -1,9 +1,9 @@
 """What happened on a flight, by the vehicle's own clock, gathered from whatever it says."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from ipoa_mission.link.dialogue import Dialogue, Pause
 from ipoa_mission.link.messages import CommandAck, CommandResult, Current, Heartbeat, Message, Reached, Text
@@ -13,6 +13,9 @@ from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic, apart
+
+if TYPE_CHECKING:
+    from ipoa_mission.forecast.conformance import Deviation
 
 COMPLETE = 5  # MISSION_STATE
 #: How far from the place of its LAND a flight may end, on the level, and still have ended there [m].
@@ -51,6 +54,7 @@ class FlightRecord:
         why_not: what is missing for that.
         armed: as last told.
         in_air: as last told.
+        deviations: from the forecast; a flight can be completed with some of them.
     """
 
     item_reached_s: dict[int, float]
@@ -61,6 +65,12 @@ class FlightRecord:
     why_not: str = ""
     armed: bool = False
     in_air: bool = False
+    deviations: "tuple[Deviation, ...]" = ()
+
+    @property
+    def failure(self) -> str:
+        """Why it was not flown to its end, else how it deviated from its forecast; nothing if neither."""
+        return self.why_not or "; ".join(map(str, self.deviations))
 
 
 def brings_down(command: int) -> bool:
@@ -123,6 +133,11 @@ class Logbook:
     def disarmed_s(self) -> float | None:
         """When the flight was over [s]; None while it is not."""
         return self._flight.disarmed_s if self._flight else None
+
+    @property
+    def armed_s(self) -> float:
+        """When the vehicle was armed, on its clock [s]."""
+        return self._flight.zero if self._flight else 0.0
 
     @property
     def clock_s(self) -> float:
@@ -238,7 +253,7 @@ class Logbook:
             item = f"item {flight.current + 1 - self._first} of {len(self._items)}"
             if flight.landed_unheard:
                 return f"it was last heard at {item}, and landed unheard{self._place(flight)}{mode}"
-            return f"it was disarmed at {item}" if flight.mode in self.modes else f"it was disarmed at {item}{mode}"
+            return f"it was disarmed at {item}{mode}"
         if flight.mode not in self.modes:
             return f"it left its mission before the landing{mode}"
         aside = self._aside(flight)
@@ -263,8 +278,10 @@ class Aside(Protocol):
         """Something was heard; `now_s` by the vehicle's clock."""
 
 
-def watch(logbook: Logbook, progress: Progress = silent, *asides: Aside) -> Dialogue[FlightRecord]:
-    """Listen until the flight is over: disarmed, or, for a mission that does not land, flown.
+def watch(
+    logbook: Logbook, progress: Progress = silent, *asides: Aside, is_over: Callable[[], bool] = lambda: False
+) -> Dialogue[FlightRecord]:
+    """Listen until the flight is over: disarmed, or, for a mission that does not land, flown; or `is_over`.
 
     The logbook hears the same messages first. `progress` is told of items done, and `asides` of all that is heard.
     """
@@ -279,3 +296,5 @@ def watch(logbook: Logbook, progress: Progress = silent, *asides: Aside) -> Dial
             return logbook.record()
         for aside in asides:
             yield from aside.look(heard, logbook.clock_s)
+        if is_over():
+            return logbook.record()

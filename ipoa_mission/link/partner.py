@@ -64,7 +64,7 @@ class Partner:
         return messages_from(own_line(self.line), self.system, seconds, names, self._overhear)
 
     def give_up_after(self, seconds: float) -> None:
-        """Raise TimeUp in what is under way so many seconds from now; a flight that has begun is watched to its end."""
+        """Raise TimeUp in what is under way so many seconds from now: the watching of a flight, too."""
         self._until = self.line.now() + seconds
 
     def close(self) -> None:

@@ -5,6 +5,7 @@ holds the mission that was uploaded; what it says meanwhile counts only from the
 """
 
 import logging
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -65,11 +66,17 @@ class Absence:
         self.words, self.meanwhile = "", ""
         self._line, self._why = line, ""
         self._since_s = self._told_s = self._open_s = 0.0
+        self._until_s = math.inf
         self._is_open = True
         self._others = ""
 
     def end(
-        self, lost: MissionError, known: KnownVehicle, patience: Patience, tell: Callable[[str], None]
+        self,
+        lost: MissionError,
+        known: KnownVehicle,
+        patience: Patience,
+        tell: Callable[[str], None],
+        until_s: float = math.inf,
     ) -> list[Message]:
         """Wait until the vehicle is heard again, and known to be the same: what it has said by then.
 
@@ -78,14 +85,16 @@ class Absence:
             known: what is known of it.
             patience: how long answers are waited for.
             tell: told every second in which it is not known again.
+            until_s: when the user's time is up, on the line's clock.
 
         Raises:
             LinkDown: the link broke, and is not ours to open anew.
             Unlike, OtherKind: somebody else is heard in its place, or another mission is on it.
             NoAnswer: it was not known again in `GONE_S`.
+            TimeUp: nor until `until_s`.
             Cancelled: by Ctrl-C.
         """
-        now = self._line.now()
+        now, self._until_s = self._line.now(), until_s
         self._is_open = not isinstance(lost, LinkDown)
         if not (self._is_open or self._line.reopens):
             raise lost
@@ -96,6 +105,8 @@ class Absence:
         try:
             with noted_interrupts() as interrupt:
                 while (kept := self._kept(known, patience, interrupt, tell)) is None:
+                    if self._line.now() >= until_s:
+                        raise TimeUp("the time is up")
                     if self._is_over:
                         raise NoAnswer(_with(f"the link is lost for {GONE_S:g} s: ", self._why, self._others))
             log.warning("the link is there again after %.0f s: %s", self._line.now() - self._since_s, _same(known))
@@ -128,7 +139,7 @@ class Absence:
             if Heartbeat not in stranger.heard:
                 return None
             dialogue = noting(recognize(stranger, known), lambda heard: stranger.expect_flown())
-            end_s = self._since_s + GONE_S
+            end_s = min(self._since_s + GONE_S, self._until_s)
             converse(self._line, target, dialogue, patience, overhear=note, until=end_s, quiet_s=SILENT_S)
             return kept
         except LinkDown as down:
@@ -154,7 +165,7 @@ class Absence:
 
     @property
     def _is_over(self) -> bool:
-        return self._line.now() >= self._since_s + GONE_S
+        return self._line.now() >= min(self._since_s + GONE_S, self._until_s)
 
     def _look(self, tell: Callable[[str], None]) -> None:
         """Time has passed."""

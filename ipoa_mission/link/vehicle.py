@@ -7,7 +7,7 @@ import itertools
 import logging
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import partial
 
@@ -18,6 +18,7 @@ from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link import conversations, orders, unbroken
 from ipoa_mission.link.channel import LinkDown
+from ipoa_mission.link.conformance import Conformance
 from ipoa_mission.link.departure import (
     LIMITS,
     NEEDED,
@@ -28,14 +29,14 @@ from ipoa_mission.link.departure import (
     subscribe,
     unsubscribe,
 )
-from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Silence, until
+from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Silence, TimeUp, until
 from ipoa_mission.link.file_transfer import FileRefused
 from ipoa_mission.link.hold import SHOWN_S, FlightOrder, pause, resume, return_to_launch
 from ipoa_mission.link.holding import Holding, Lookout, ReplacedSince, read_again
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.leaving import Leaving
 from ipoa_mission.link.line import Carrier
-from ipoa_mission.link.logbook import FlightRecord, Logbook, watch
+from ipoa_mission.link.logbook import Aside, FlightRecord, Logbook, watch
 from ipoa_mission.link.messages import Heartbeat, Message, MissionType
 from ipoa_mission.link.mission_file import upload_by_file
 from ipoa_mission.link.partner import Partner
@@ -82,6 +83,8 @@ class Vehicle(Partner):
         self._leaving = Leaving(self.state)
         self.order = FlightOrder(self.state, line.now)
         """Has a vehicle that is watched hold its place, go on, or end its flight."""
+        self.conformance = Conformance(self.state, self.order)
+        """Compares a vehicle that is watched with the forecast of its flight, and what is ordered if it deviates."""
         self.absence = Absence(line)
         """Whether the link to a vehicle that is watched is lost, for how long, and what it does meanwhile."""
         self._numbers = itertools.count(2 * round(1e3 * line.now()), 2)  # not those of the last session
@@ -234,13 +237,19 @@ class Vehicle(Partner):
             CommandRefused, NoAnswer, NotReady, LinkDown, Cancelled: with the vehicle's state as the hint; it was
                 disarmed again if it said that it was still on the ground.
         """
-        until_s, self._until = min(self._until, self.line.now() + self.ready_s), math.inf
+        until_s, given = min(self._until, self.line.now() + self.ready_s), self._until
         departure = replace(self._departure, progress=progress)
-        with self.state.told():
-            self._tell(depart_when_ready(departure, lambda: until_s - self.line.now()))
+        self._until = math.inf  # what is half started is ended first
+        try:
+            with self.state.told():
+                self._tell(depart_when_ready(departure, lambda: until_s - self.line.now()))
+        finally:
+            self._until = given
 
     def watch(self, progress: Progress = silent) -> FlightRecord:
-        """Wait until the flight is over; `progress` is told of items done, and for how long the link is lost.
+        """Wait until the flight is over, or the vehicle holds because it deviated from its forecast (`conformance`).
+
+        `progress` is told of items done, and for how long the link is lost.
 
         A vehicle that leaves its mission in the air, and a mission that is replaced, are logged as warnings at once.
         So is a link that is lost: it is opened anew, and the flight watched on when the same vehicle is heard again,
@@ -249,15 +258,19 @@ class Vehicle(Partner):
         Raises:
             NoAnswer, LinkDown: the vehicle is not heard any more; with its last known state as the hint.
             Unlike, NotFlown: another one is heard in its place, or one with another mission.
+            TimeUp: the time given by `give_up_after` is up; the vehicle may be in the air.
         """
         holding, is_back, record = self._holdings.get(MissionType.MISSION), False, None
-        with self.state.told(), self._leaving.watched(self._logbook.modes):
+        compared = self.conformance.of(self._logbook)
+        with self.state.told(), self._in_flight_time(), self._leaving.watched(self._logbook.modes):
             while record is None:
-                lookouts = [] if holding is None else [Lookout(holding)]
+                lookouts = () if holding is None else (Lookout(holding),)
+                asides: tuple[Aside, ...] = (self.order, compared, *lookouts)
                 try:
                     if is_back:
                         self._subscribe_again()
-                    record = self._hold(watch(self._logbook, progress, self.order, *lookouts), SILENT_S)
+                    dialogue = watch(self._logbook, progress, *asides, is_over=lambda: compared.is_over)
+                    record = self._hold(dialogue, SILENT_S)
                 except (Silence, LinkDown) as lost:
                     self._meet_again(lost, progress)
                     is_back = True
@@ -268,15 +281,22 @@ class Vehicle(Partner):
                 self._hold(read_again(holding, self.state))
         return self.record()
 
+    @contextmanager
+    def _in_flight_time(self) -> Iterator[None]:
+        """What is watched in here is left to itself when the user's time is up."""
+        try:
+            yield
+        except TimeUp:
+            raise TimeUp("the time is up: nobody watches the vehicle any more, and it flies on") from None
+
     def _meet_again(self, lost: MissionError, progress: Progress) -> None:
         """Go on where the vehicle is, once it is known again."""
         logbook, holding = self._logbook, self._holdings.get(MissionType.MISSION)
         proved = None if holding is None or holding.changed else holding
         known = KnownVehicle(self.system, self.state, logbook.clock_s, self._about, proved)
         self.order.cut(True)
-        kept = self.absence.end(
-            lost, known, self._patience, lambda words: count(progress, logbook.done, logbook.total, "item ", words)
-        )
+        tell = partial(count, progress, logbook.done, logbook.total, "item ")
+        kept = self.absence.end(lost, known, self._patience, tell, self._until)
         self.order.cut(False)
         logbook.note_return()
         for message in sorted(kept, key=lambda one: isinstance(one, Heartbeat)):  # where it is, before whether it ended
@@ -293,9 +313,10 @@ class Vehicle(Partner):
                 self._tell(subscribe(self.state))
 
     def record(self) -> FlightRecord:
-        """The flight so far; one on which the vehicle came to hold another mission is not complete."""
-        record, changed = self._logbook.record(), self.changed
-        return replace(record, completed=False, why_not=changed) if changed else record
+        """The flight so far; not complete if a deviation ended it, or the vehicle came to hold another mission."""
+        record, why_not = self._logbook.record(), self.changed or self.conformance.why_not
+        record = replace(record, deviations=tuple(self.conformance.deviations))
+        return replace(record, completed=False, why_not=why_not) if why_not else record
 
     @property
     def ready_s(self) -> float:

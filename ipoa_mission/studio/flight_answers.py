@@ -48,7 +48,7 @@ class Reserve(PageMessage):
 class Seen(PageMessage):
     """Where the vehicle is, as it says; `expected_s` is when the estimate had the last item that is done.
 
-    `held`: it holds its place; `said`: what it has said lately, the last words first.
+    `held`: it holds its place; `said`: what it has said lately, the last words first; `deviations`: from the forecast.
     """
 
     kind: Literal["seen"] = "seen"
@@ -65,14 +65,16 @@ class Seen(PageMessage):
     satellites: int | None = None
     wind: tuple[float, float] | None = None
     said: tuple[str, ...] = ()
+    deviations: tuple[str, ...] = ()
 
 
 class Landed(PageMessage):
-    """The flight is over."""
+    """The flight is over; `ordered`: the order of the page by which it landed."""
 
     kind: Literal["landed"] = "landed"
     completed: bool
     why_not: str
+    ordered: Literal["rtl", "land"] | None = None
     flown_s: float
     estimated_s: float
     log: str

@@ -7,6 +7,7 @@ import queue
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Literal
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.procedure import Stage, begin_mission, load_mission
@@ -48,9 +49,8 @@ class FlightWorker:
             forecast = handed.forecast.on(vehicle.firmware_version())
             items = len(forecast.given.items)
             name = f"{'built-in ' if order['link'] is None else ''}{vehicle.autopilot}, system {vehicle.system}"
-            remarks = _upload(
-                forecast, vehicle, order["set_params"], lambda words: answer(State(phase="uploading", words=words))
-            )
+            tell = lambda words: answer(State(phase="uploading", words=words))  # noqa: E731
+            forecast, remarks = _upload(forecast, vehicle, order["set_params"], tell)
             loaded = Loaded(
                 revision=order["revision"],
                 vehicle=name,
@@ -65,17 +65,23 @@ class FlightWorker:
             answer(State(phase="loaded", words=f"{items} items are on {name}, read back and equal"))
             self._await_start(loaded)
             speedup = order["speedup"] if order["link"] is None else None
-            record = _flown(forecast, vehicle, answer, speedup, self._beside)
+            record, ordered = _flown(forecast, vehicle, answer, speedup, self._beside)
+        ordered = None if record.completed or record.armed or record.deviations else ordered
         answer(
             Landed(
                 completed=record.completed,
                 why_not=record.why_not,
+                ordered=ordered,
                 flown_s=round(record.total_s, 2),
                 estimated_s=round(forecast.estimate.total_s, 2),
                 log=log.name,
             )
         )
-        answer(State(phase="over", words="landed" if record.completed else f"not complete: {record.why_not}"))
+        if record.completed or ordered:
+            words = f"landed{'' if ordered is None else ', as ordered'}"
+        else:
+            words = f"not complete: {record.why_not}"
+        answer(State(phase="over", words=words))
 
     def _await_start(self, loaded: Loaded) -> None:
         """Wait until the page starts this very flight; often, since nothing cancels a thread that waits for ever."""
@@ -99,8 +105,10 @@ def _vehicle(order: Order, forecast: Forecast, log: Path) -> Iterator[Vehicle]:
         yield vehicle
 
 
-def _upload(forecast: Forecast, vehicle: Vehicle, set_params: bool, tell: Callable[[str], None]) -> tuple[str, ...]:
-    """The mission on the vehicle, each stage told; what the user should know of it."""
+def _upload(
+    forecast: Forecast, vehicle: Vehicle, set_params: bool, tell: Callable[[str], None]
+) -> tuple[Forecast, tuple[str, ...]]:
+    """The mission on the vehicle, each stage told; the forecast for its parameters, and what the user should know."""
 
     @contextmanager
     def stages(stage: Stage) -> Iterator[Progress]:
@@ -108,16 +116,16 @@ def _upload(forecast: Forecast, vehicle: Vehicle, set_params: bool, tell: Callab
         yield lambda _, words: tell(words)
 
     remarks: list[str] = []
-    load_mission(vehicle, forecast, set_params=set_params, stages=stages, remark=remarks.append)
-    return tuple(remarks)
+    own = load_mission(vehicle, forecast, set_params=set_params, stages=stages, remark=remarks.append)
+    return own, tuple(remarks)
 
 
 def _flown(
     forecast: Forecast, vehicle: Vehicle, answer: Answer, speedup: float | None, beside: "queue.SimpleQueue[Order]"
-) -> FlightRecord:
+) -> tuple[FlightRecord, Literal["rtl", "land"] | None]:
     """The flight from here to its end; the built-in autopilot, which knows no clock, so many times as fast as real.
 
-    `beside` holds what the page orders.
+    `beside` holds what the page orders; by which of the orders it landed is told, too.
     """
 
     watching: list[Watch] = []
@@ -136,7 +144,9 @@ def _flown(
     def remark(words: str) -> None:
         answer(State(phase="preparing", words=words))
 
-    return begin_mission(vehicle, forecast, stages=stages, remark=remark)
+    vehicle.conformance.ends_held = False  # the page orders what is next
+    record = begin_mission(vehicle, forecast, stages=stages, remark=remark)
+    return record, watching[0].ordered
 
 
 if __name__ == "__main__":

@@ -6,6 +6,9 @@ import time
 from collections import deque
 from collections.abc import Iterator
 from contextlib import suppress
+from typing import Literal
+
+import numpy as np
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.procedure import Stage
@@ -62,6 +65,8 @@ class Watch:
         self._satellites: int | None = None
         self._wind: tuple[float, float] | None = None
         self._begun: tuple[float, float] | None = None
+        self.ordered: Literal["rtl", "land"] | None = None
+        """The order of the page that ends the flight, if there is one."""
 
     @property
     def is_held(self) -> bool:
@@ -97,10 +102,19 @@ class Watch:
         words, lost_s = vehicle.changed or vehicle.order.words, None
         if absence.seconds is not None:
             words, lost_s = "; ".join(filter(None, (absence.words, words))), round(absence.seconds)
+        words = words or vehicle.conformance.why_not or self._order_obeyed
         words = words or ("it holds its place" if self.is_held else vehicle.interrupted)
         if (words, lost_s) != self._told:
             self._told = words, lost_s
             self._answer(State(phase="flying", words=words or Stage.START, lost_s=lost_s))
+
+    @property
+    def _order_obeyed(self) -> str:
+        """The order of the page that the vehicle carries out, in words; nothing where it does not."""
+        mode, modes = self._vehicle.state.custom_mode, self._vehicle.autopilot.modes
+        if self.ordered == "rtl" and mode in modes.returns:
+            return "it returns, as ordered"
+        return "it lands, as ordered" if self.ordered == "land" and mode in modes.lands else ""
 
     def _seen(self, at: Position, record: FlightRecord) -> Seen:
         reached = record.item_reached_s
@@ -120,6 +134,7 @@ class Watch:
             satellites=self._satellites,
             wind=self._wind,
             said=tuple(self._said),
+            deviations=tuple(map(str, self._vehicle.conformance.deviations)),
         )
 
     def _orders_then(self, at: Position, time_s: float) -> tuple[tuple[OrderThen, ...], Reserve | None]:
@@ -134,21 +149,32 @@ class Watch:
                 now, aside = self._endings.time_at(place, time_s)
                 is_away = aside > AWAY or (self._vehicle.interrupted and not self.is_held)
                 unknown = ELSEWHERE if is_away else ""
-            self._then = tuple(self._each_order(now, unknown)), self._reserve(now, bool(unknown))
+            self._then = tuple(self._each_order(now, unknown, at)), self._reserve(now, bool(unknown))
         return self._then
 
-    def _each_order(self, now: float, unknown: str) -> Iterator[OrderThen]:
-        """What can be ordered, and what it would do at a time of the forecast, or why that is `unknown`."""
+    def _each_order(self, now: float, unknown: str, at: Position) -> Iterator[OrderThen]:
+        """What can be ordered, and what it would do at a time of the forecast, or why that is `unknown`.
+
+        Hold and land are looked at from where the vehicle is, wherever that is.
+        """
         mode, modes = self._vehicle.state.custom_mode, self._vehicle.autopilot.modes
         done = {"hold": self.is_held, "rtl": mode in modes.returns, "land": mode in modes.lands}
         offered: list[InFlight] = [what for what in ORDERED if not done[what]]
         if self.is_held:
             yield self._go_on(now, unknown)
-        if unknown or self._endings is None:
+        if self._endings is None:
             yield from (OrderThen(what=what, clear=None, words=unknown, seconds=None) for what in offered)
             return
-        told = {row.ending: (row, seconds) for row, seconds in self._endings.at(now)}
+        told = {} if unknown else {row.ending: (row, seconds) for row, seconds in self._endings.at(now)}
+        if unknown:
+            place = self._forecast.frame.local(Geodetic(at.latitude_deg, at.longitude_deg, at.altitude))
+            velocity = np.array([at.velocity[1], at.velocity[0]])
+            here = (Ending.HOLD, Ending.LAND)
+            told = {ending: (self._endings.from_here(ending, place, velocity), None) for ending in here}
         for what in offered:
+            if ORDERED[what] not in told:
+                yield OrderThen(what=what, clear=None, words=unknown, seconds=None)
+                continue
             row, seconds = told[ORDERED[what]]
             words = f"{row.leads}: {row.keeps}"
             yield OrderThen(
@@ -183,6 +209,7 @@ class Watch:
     def _order(self, what: InFlight) -> None:
         """Order it; what becomes of that is told as the vehicle's state."""
         order, modes = self._vehicle.order, self._vehicle.autopilot.modes
+        self.ordered = what if what == "rtl" or what == "land" else None
         match what:
             case "hold":
                 order.hold()

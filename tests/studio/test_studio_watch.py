@@ -40,6 +40,7 @@ def test_wind_satellites_and_words_are_told_with_where_it_is(wind: Message, told
         changed="",
         absence=SimpleNamespace(seconds=None, words=""),
         interrupted="",
+        conformance=SimpleNamespace(why_not="", deviations=()),
         record=lambda: record,
     )
     watch = Watch(forecast, vehicle, heard.append, None, queue.SimpleQueue())

@@ -7,6 +7,8 @@ import { seconds, share } from "./words";
 
 const ORDERS: Record<OrderThen["what"], string> = { hold: "Hold", go_on: "Go on", rtl: "Return now", land: "Land now" };
 
+const LANDED = { rtl: "Returned and landed, as ordered", land: "Landed, as ordered" };
+
 export function Fly({ now }: { now: Studio }) {
   const ready = isMission(now) ? isSound(now) : proved(now) !== null;
   const [real, setReal] = useState(false);
@@ -51,7 +53,7 @@ export function Fly({ now }: { now: Studio }) {
       {phase === "loaded" && now.loaded && <Confirm now={now} />}
       {!idle && phase !== "loaded" && <Watched now={now} />}
       {now.landed && phase === "over" && (
-        <p class={now.landed.completed ? "good" : "bad"}>{now.landed.completed ? "✓ Landed" : `✕ ${now.landed.why_not}`}: flown {seconds(now.landed.flown_s)}, estimated {seconds(now.landed.estimated_s)}. Every frame is in {now.landed.log}.</p>
+        <p class={now.landed.completed || now.landed.ordered ? "good" : "bad"}>{now.landed.completed ? "✓ Landed" : now.landed.ordered ? `✓ ${LANDED[now.landed.ordered]}` : `✕ ${now.landed.why_not}`}: flown {seconds(now.landed.flown_s)}, estimated {seconds(now.landed.estimated_s)}. Every frame is in {now.landed.log}.</p>
       )}
       {!idle && <button type="button" onClick={() => send({ kind: "do", what: "abandon" })}>{phase === "flying" ? "Stop watching" : "Leave it"}</button>}
     </details>
@@ -117,6 +119,7 @@ function Watched({ now }: { now: Studio }) {
       {seen.wind && <div><dt>wind</dt><dd>{seen.wind[0].toFixed(1)} m/s<small>from {seen.wind[1]}°</small></dd></div>}
     </dl>
     {seen.reserve?.lands != null && <p class={isShort(seen.reserve) ? "bad" : "note"}>It lands with {share(seen.reserve.lands)} ({share(seen.reserve.least!)} to {share(seen.reserve.most!)}) of its battery; {share(seen.reserve.required!)} {isShort(seen.reserve) ? "are required: not enough" : "required"}.</p>}
+    {(seen.deviations ?? []).length > 0 && <ul class="plain bad" role="alert" aria-label="Deviations from the forecast">{seen.deviations!.map(words => <li key={words}>{words}</li>)}</ul>}
     <ul class="plain orders" aria-label="What can be ordered now">{(seen.orders ?? []).map(one => (
       <li key={one.what} class={one.clear === null ? "" : one.clear ? "good" : "bad"}>
         <button type="button" disabled={now.flight?.lost_s != null} onClick={() => send({ kind: "order", what: one.what })}>{ORDERS[one.what]}</button>

@@ -1,0 +1,282 @@
+"""Whether a flight conforms to its forecast: position and progress, compared sample by sample, without I/O."""
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.timing.estimate import ItemTime
+from ipoa_mission.forecast.tube.law import DeviationLaw
+from ipoa_mission.forecast.tube.limits import rim_of
+from ipoa_mission.forecast.tube.measured import law_of
+from ipoa_mission.forecast.tube.pieces import pieces_of
+from ipoa_mission.geometry import Points, Vector, arc_lengths
+from ipoa_mission.mission.commands import ENDINGS, FLOWN_TO, TAKEOFFS, WAYPOINTS, Command, Frame, plain_frame
+from ipoa_mission.world.frame import Geodetic
+
+#: The margin beyond the tube: twice its width, and at least this [m]; a take-off drifts twice as far.
+MARGIN, LEAST_MARGIN, TAKE_OFF = 2.0, 5.0, 2.0
+#: PX4 that misses an item comes back to it; it goes beyond it by its braking distance and this at most [m].
+COMES_BACK = 10.0
+#: Late: so many times the longest time that nine flights of ten take for an item, which counts as 10 s or more.
+LATE, LEAST_LEG_S = 2.0, 10.0
+SETTLED_S = 1.0  # a deviation must last for so long [s]
+DOUBT_S = 3.0  # by which the vehicle's word on its item may be early or late [s]
+SPACING = 0.5  # of the places that a sample is compared with [m]
+CHANCE = 0.01  # of the tube, where no scenario states a confidence
+#: While these are flown only the time is compared: the time models have no circle, and no descent to a payload.
+NOT_COMPARED = FLOWN_TO - WAYPOINTS - TAKEOFFS - ENDINGS - {Command.NAV_LOITER_TIME, Command.NAV_LOITER_UNLIM}
+
+
+class DeviationKind(StrEnum):
+    """How a flight deviates from its forecast."""
+
+    AWAY = "moves-away"
+    PASSED = "passed-item"
+    OUTSIDE = "left-corridor"
+    LATE = "late"
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """A deviation from the forecast, on the way to item number `item` of the mission file (home is 0).
+
+    `time_s` is on the clock of the samples; `found` is greater than `allowed`, both in metres, or for LATE in seconds.
+    """
+
+    kind: DeviationKind
+    item: int
+    time_s: float
+    found: float
+    allowed: float
+    words: str
+
+    def __str__(self) -> str:
+        return f"item {self.item}: {self.words}"
+
+    def as_json(self) -> dict[str, Any]:
+        """The same for machines; `unit` is that of `found` and `allowed`."""
+        unit = "s" if self.kind is DeviationKind.LATE else "m"
+        rounded = {"time_s": round(self.time_s, 2), "found": round(self.found, 2), "allowed": round(self.allowed, 2)}
+        return {"kind": str(self.kind), "item": self.item, **rounded, "unit": unit, "words": str(self)}
+
+
+class _Leg(NamedTuple):
+    """What the flight to one visit is compared with; `goal`: None where the mission ends, or nothing is compared.
+
+    `excursion`: how far the predicted flight itself moves away from the goal [m]; `comes_back`: how far beyond it the
+    vehicle may turn back [m]; `longest_s`: the most time that nine flights of ten take for it.
+    """
+
+    points: Points
+    limits: Points
+    goal: Vector | None
+    excursion: float
+    comes_back: float
+    longest_s: float
+    is_landing: bool
+    is_compared: bool
+
+
+class ConformanceMonitor:
+    """Compares samples of one flight, in the order of their times, with its forecast.
+
+    Raises:
+        MissionError: nobody can say how it will be flown.
+
+    Example:
+        >>> import numpy as np
+        >>> from ipoa_mission import Forecast, read_mission
+        >>> monitor = ConformanceMonitor(Forecast(read_mission("missions/sitl.plan")))
+        >>> flown = {0.0: (0.0, 0.0, 5.0), 5.0: (0.0, 40.0, 10.0), 6.0: (0.0, 41.0, 10.0)}
+        >>> [str(found.kind) for t, at in flown.items() if (found := monitor.see(t, np.array(at), 0))]
+        ['left-corridor']
+    """
+
+    def __init__(self, forecast: Forecast) -> None:
+        self._forecast, self._estimate = forecast, forecast.estimate
+        self._visits, self._program = forecast.itinerary.visits, forecast.itinerary.program
+        safety = None if forecast.scenario is None else forecast.scenario.safety.chance
+        self._chance = CHANCE if safety is None else safety
+        wind = forecast.wind.speed if forecast.scenario is None else forecast.scenario.wind.strongest
+        self._law = law_of(forecast.mission.autopilot, wind)
+        frames = {plain_frame(item.frame) for item in forecast.mission.items if item.has_position}
+        self._counts_from_home = Frame.GLOBAL not in frames
+        self._knows_height = not forecast.itinerary.over_terrain
+        self._times, self._points, self._tube = self._corridor()
+        self._legs: dict[int, _Leg] = {}
+        self._visit = 0
+        self._begun_s: float | None = None
+        self._nearest = math.inf
+        self._since: dict[DeviationKind, float] = {}
+        self._reported: set[tuple[DeviationKind, int]] = set()
+        self._detour: Points | None = None
+
+    def local(self, at: Geodetic, height: float) -> Vector:
+        """East, north and up of home of a vehicle `at` a place that is so high above the vehicle's home [m]."""
+        home = self._forecast.mission.home
+        up = home.altitude + height if self._counts_from_home else at.altitude
+        return self._forecast.frame.local(Geodetic(at.latitude_deg, at.longitude_deg, up))
+
+    def interrupt(self) -> None:
+        """The vehicle does not fly its mission now; when it does again, it may go on from another place."""
+        self._begun_s = None
+        self._since.clear()
+
+    def see(self, time: float, place: Vector, item: int | None) -> Deviation | None:
+        """Compare one sample; the deviation, once it has lasted, the first time for each item and kind.
+
+        Args:
+            time: on any clock that does not stop [s].
+            place: east, north and up of home (3,) [m].
+            item: index in `Mission.items` of the item that the vehicle flies to; None: as before.
+        """
+        self._turn_to(item, time, place)
+        leg = self._leg(self._visit)
+        found = [self._late(leg, time, place)]
+        if leg.is_compared:
+            distance = math.inf if leg.goal is None else float(np.linalg.norm(place - leg.goal))
+            self._nearest = min(self._nearest, distance)
+            found += [self._beyond(leg, distance, time), self._outside(leg, place, distance, time)]
+        seen = {one.kind: one for one in found if one is not None}
+        self._since = {kind: self._since.get(kind, time) for kind in seen}
+        for kind, deviation in seen.items():
+            if time - self._since[kind] >= SETTLED_S and (kind, self._visit) not in self._reported:
+                self._reported.add((kind, self._visit))
+                return deviation
+        return None
+
+    def _turn_to(self, item: int | None, time: float, place: Vector) -> None:
+        """The vehicle is on its way to this item: in a loop, to its next visit."""
+        last = self._visit
+        if item is not None and self._visits[last].seq != item + 1:
+            seqs = [visit.seq for visit in self._visits]
+            later = [n for n in (*range(last, len(seqs)), *range(last)) if seqs[n] == item + 1]
+            self._visit = later[0] if later else last
+        if self._begun_s is None or self._visit != last:
+            self._detour = self._direct(place) if self._begun_s is None else None
+            self._begun_s, self._nearest = time, math.inf
+            self._since.clear()
+
+    def _late(self, leg: _Leg, time: float, place: Vector) -> Deviation | None:
+        assert self._begun_s is not None
+        lasted, allowed = time - self._begun_s, LATE * leg.longest_s
+        if lasted <= allowed or (leg.is_landing and math.dist(place[:2], self._points[-1, :2]) < LEAST_MARGIN):
+            return None  # it sinks to where it lands, which may lie lower than known
+        words = f"the vehicle flies to it for {lasted:.0f} s; in nine flights of ten that takes {leg.longest_s:.0f} s"
+        return self._deviation(DeviationKind.LATE, time, lasted, allowed, f"{words} at most")
+
+    def _beyond(self, leg: _Leg, distance: float, time: float) -> Deviation | None:
+        if leg.goal is None:
+            return None
+        moved, allowed = distance - self._nearest, leg.excursion + leg.comes_back
+        if moved <= allowed:
+            return None
+        if self._nearest <= COMES_BACK:
+            words = f"the vehicle passed it at {self._nearest:.1f} m without turning, and is {distance:.0f} m beyond it"
+            return self._deviation(DeviationKind.PASSED, time, moved, allowed, words)
+        words = f"the vehicle moves away from it: it was {self._nearest:.0f} m away, and is {distance:.0f} m"
+        return self._deviation(DeviationKind.AWAY, time, moved, allowed, words)
+
+    def _outside(self, leg: _Leg, place: Vector, distance: float, time: float) -> Deviation | None:
+        comes_back = self._nearest <= COMES_BACK and distance <= leg.excursion + leg.comes_back
+        if comes_back or (leg.goal is None and self._detour is not None):
+            return None
+        points, limits = leg.points, leg.limits
+        if self._detour is not None:
+            points = np.vstack([points, self._detour])
+            limits = np.vstack([limits, np.tile(limits.max(axis=0), (len(self._detour), 1))])
+        level, higher = np.hypot(*(place[:2] - points[:, :2]).T), place[2] - points[:, 2]
+        shares = level / limits[:, 0]
+        if self._knows_height:
+            shares = np.maximum(shares, np.where(higher > 0.0, higher / limits[:, 2], -higher / limits[:, 1]))
+        if leg.is_landing:  # the ground where it lands may be lower than known
+            shares = np.where(higher < 0.0, level / limits[:, 0], shares) if level[-1] < limits[-1, 0] else shares
+        least = float(shares.min())
+        if least <= 1.0:
+            return None
+        away = np.hypot(level, higher) if self._knows_height else level
+        n = int(away.argmin())
+        words = f"the vehicle is {away[n]:.1f} m from the predicted path, {level[n]:.1f} m beside it"
+        if self._knows_height:
+            words += f" and {abs(higher[n]):.1f} m {'above' if higher[n] > 0.0 else 'below'}"
+        side, below, above = self._width(self._law)
+        most = f"{100.0 * (1.0 - self._chance):g} % of flights stay within {side:.1f} m beside"
+        words += f"; {most}, {above:.1f} m above and {below:.1f} m below"
+        return self._deviation(DeviationKind.OUTSIDE, time, float(away[n]), float(away[n]) / least, words)
+
+    def _deviation(self, kind: DeviationKind, time: float, found: float, allowed: float, words: str) -> Deviation:
+        return Deviation(kind, self._visits[self._visit].seq, time, found, allowed, words)
+
+    def _width(self, law: DeviationLaw) -> Vector:
+        """How far the tube reaches to the side, down and up, in a straight flight (3,) [m]."""
+        rim = rim_of(law, self._chance)
+        return np.array([law.beside(self._chance), rim.down, rim.up])
+
+    def _corridor(self) -> tuple[Vector, Points, Points]:
+        """Times (n,), places (n, 3) of the predicted flight, and its tube there to the side, down and up (n, 3)."""
+        track, law = self._estimate.track, self._law
+        flown = arc_lengths(track.points)
+        evenly = np.interp(np.arange(0.0, flown[-1], SPACING), flown, track.times)
+        times = np.unique(np.concatenate([track.times[:1], evenly, track.times[-1:]]))
+        pieces = pieces_of(track)
+        across = np.interp(times, (pieces.times[:-1] + pieces.times[1:]) / 2, pieces.across)
+        tube = np.tile(self._width(law), (len(times), 1))
+        goals = [item.done_s for n, item in enumerate(self._estimate.items) if self._goal(n) is not None]
+        tube[times > max(goals, default=math.inf)] = self._width(law.after_the_way())
+        tube[:, 0] *= law.stretch(across)
+        return times, track.at(times), tube
+
+    def _goal(self, visit: int) -> Vector | None:
+        """The place of a visit to a waypoint."""
+        command = self._visits[visit].item.command
+        if command not in FLOWN_TO - TAKEOFFS - ENDINGS or self._program.leaves_open(visit):
+            return None
+        return np.array(self._program.places[visit])
+
+    def _leg(self, visit: int) -> _Leg:
+        if visit not in self._legs:
+            self._legs[visit] = self._leg_to(visit)
+        return self._legs[visit]
+
+    def _leg_to(self, visit: int) -> _Leg:
+        commands = [one.item.command for one in self._visits]
+        items: tuple[ItemTime, ...] = self._estimate.items
+        target = next((n for n in range(visit, len(items)) if self._goal(n) is not None), None)
+        before = next((n for n in reversed(range(visit)) if commands[n] in FLOWN_TO), None)
+        begin = 0.0 if before is None else items[before].done_s
+        end = math.inf if target is None else items[target].done_s
+        first, last = np.searchsorted(self._times, [begin - DOUBT_S, end + DOUBT_S])
+        taken = slice(min(int(first), len(self._times) - 1), int(last) + 1)
+        limits = self._tube[taken] + np.maximum(MARGIN * self._tube[taken], LEAST_MARGIN)
+        if commands[visit] in TAKEOFFS:
+            limits = TAKE_OFF * limits
+        goal = None if target is None else self._goal(target)
+        excursion = comes_back = 0.0
+        if goal is not None and target is not None:
+            first, last = np.searchsorted(self._times, [begin, end])
+            away = np.linalg.norm(self._points[first : max(last, first + 1)] - goal, axis=1)
+            excursion = float((away - np.minimum.accumulate(away)).max(initial=0.0))
+            mission, speed = self._forecast.mission, np.array([items[target].peak_speed])
+            comes_back = COMES_BACK + float(
+                mission.autopilot.braking_distance(mission.parameters, speed, 0.0 * speed)[0]
+            )
+        longest = items[visit].high_s - begin + items[visit].missed.cost_s
+        near = range(visit if before is None else before, visit + 1 if target is None else target + 1)
+        is_compared = not any(commands[n] in NOT_COMPARED for n in near)
+        is_landing = target is None
+        longest = max(longest, LEAST_LEG_S)
+        return _Leg(self._points[taken], limits, goal, excursion, comes_back, longest, is_landing, is_compared)
+
+    def _direct(self, place: Vector) -> Points | None:
+        """The way straight to the goal from a place where the flight goes on, or begins: by a climb."""
+        if (goal := self._leg(self._visit).goal) is None:
+            return place[None, :]
+        over = np.array([place[0], place[1], max(place[2], goal[2])])
+        corners = [place, over, goal] if self._visits[self._visit].item.command in TAKEOFFS else [place, goal]
+        flown = arc_lengths(np.array(corners))
+        places = np.arange(0.0, flown[-1] + SPACING, SPACING)
+        return np.column_stack([np.interp(places, flown, axis) for axis in np.array(corners).T])
