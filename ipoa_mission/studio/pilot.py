@@ -146,7 +146,7 @@ def _flown(
 
     vehicle.conformance.ends_held = False  # the page orders what is next
     record = begin_mission(vehicle, forecast, stages=stages, remark=remark)
-    return record, watching[0].ordered
+    return record, watching[0].obeyed
 
 
 if __name__ == "__main__":

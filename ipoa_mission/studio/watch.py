@@ -30,6 +30,7 @@ THEN_EVERY_S = 1.0  # what an order would do, no more often than this
 AWAY = 10.0  # so far from where it was to be nobody has looked at what an order would do [m]
 SAID = 6  # words of the vehicle that are kept
 ORDERED: dict[InFlight, Ending] = {"hold": Ending.HOLD, "rtl": Ending.RTL, "land": Ending.LAND}
+OBEYED = {"rtl": "it returns, as ordered", "land": "it lands, as ordered"}
 NO_WORLD = "no scenario says what stands here"
 ELSEWHERE = "it is not on its way: nobody has looked from here"
 NO_MODEL = "nothing is known of how it flies"
@@ -65,8 +66,9 @@ class Watch:
         self._satellites: int | None = None
         self._wind: tuple[float, float] | None = None
         self._begun: tuple[float, float] | None = None
-        self.ordered: Literal["rtl", "land"] | None = None
-        """The order of the page that ends the flight, if there is one."""
+        self._ordered: Literal["rtl", "land"] | None = None
+        self.obeyed: Literal["rtl", "land"] | None = None
+        """The order of the page that the vehicle ends its flight by, if there is one."""
 
     @property
     def is_held(self) -> bool:
@@ -102,19 +104,19 @@ class Watch:
         words, lost_s = vehicle.changed or vehicle.order.words, None
         if absence.seconds is not None:
             words, lost_s = "; ".join(filter(None, (absence.words, words))), round(absence.seconds)
-        words = words or vehicle.conformance.why_not or self._order_obeyed
+        self.obeyed = self._obeyed(vehicle.state.custom_mode)
+        words = words or vehicle.conformance.why_not or (OBEYED[self.obeyed] if self.obeyed else "")
         words = words or ("it holds its place" if self.is_held else vehicle.interrupted)
         if (words, lost_s) != self._told:
             self._told = words, lost_s
             self._answer(State(phase="flying", words=words or Stage.START, lost_s=lost_s))
 
-    @property
-    def _order_obeyed(self) -> str:
-        """The order of the page that the vehicle carries out, in words; nothing where it does not."""
-        mode, modes = self._vehicle.state.custom_mode, self._vehicle.autopilot.modes
-        if self.ordered == "rtl" and mode in modes.returns:
-            return "it returns, as ordered"
-        return "it lands, as ordered" if self.ordered == "land" and mode in modes.lands else ""
+    def _obeyed(self, mode: int | None) -> Literal["rtl", "land"] | None:
+        """The order of the page that ends the flight, once the vehicle was in its mode."""
+        modes = self._vehicle.autopilot.modes
+        by = {"rtl": modes.returns, "land": modes.lands}
+        is_obeyed = self._ordered is not None and (mode in by[self._ordered] or self.obeyed == self._ordered)
+        return self._ordered if is_obeyed else None
 
     def _seen(self, at: Position, record: FlightRecord) -> Seen:
         reached = record.item_reached_s
@@ -209,7 +211,7 @@ class Watch:
     def _order(self, what: InFlight) -> None:
         """Order it; what becomes of that is told as the vehicle's state."""
         order, modes = self._vehicle.order, self._vehicle.autopilot.modes
-        self.ordered = what if what == "rtl" or what == "land" else None
+        self._ordered = what if what == "rtl" or what == "land" else None
         match what:
             case "hold":
                 order.hold()

@@ -1,0 +1,164 @@
+"""A vehicle that flies otherwise than it was forecast is ordered once what was chosen, and never to disarm."""
+
+import logging
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ipoa_mission.forecast.conformance import ConformanceMonitor, Deviation, DeviationKind
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.link.codec import Codec, Target
+from ipoa_mission.link.connect import meet
+from ipoa_mission.link.dialogue import TimeUp
+from ipoa_mission.link.line import Line
+from ipoa_mission.link.loopback import Loopback
+from ipoa_mission.link.messages import CommandLong, Message
+from ipoa_mission.link.on_deviation import OnDeviation
+from ipoa_mission.link.telemetry import Position
+from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.commands import Command
+from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
+from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
+from ipoa_mission.simulator.station import Station
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+from tests.link_pair import far_end, line_of
+
+HOME = Geodetic(47.4, 8.5, 400.0)
+
+
+def place(east: float, north: float) -> Geodetic:
+    return LocalFrame(HOME).geodetic(np.array([east, north, 0.0]))
+
+
+def mission(family: Autopilot, *places: Geodetic) -> Mission:
+    return Mission(HOME, (takeoff(HOME, 20.0), *(waypoint(at, 20.0) for at in places), land(places[-1])), family)
+
+
+def begun(family: Autopilot, forecast: Mission | None = None) -> tuple[Vehicle, list[CommandLong]]:
+    """A built-in autopilot that flies 150 m east, and 60 m north; it is compared with another forecast."""
+    vehicle = meet(Line(Loopback(Station(Mock(family, HOME))), Codec(245, 190)))
+    flown = mission(family, place(150.0, 0.0), place(150.0, 60.0))
+    vehicle.upload(flown)
+    vehicle.conformance.compare(ConformanceMonitor(Forecast(forecast or flown)))
+    vehicle.prepare()
+    vehicle.start()
+    mock, said = far_end(line_of(vehicle)).autopilot, list[CommandLong]()
+    heard = mock.receive
+
+    def receive(message: Message, source: Target, now: float) -> None:
+        if isinstance(message, CommandLong):
+            said.append(message)
+        heard(message, source, now)
+
+    mock.receive = receive
+    return vehicle, said
+
+
+def elsewhere(family: Autopilot) -> Mission:
+    return mission(family, place(60.0, 0.0), place(60.0, 60.0))
+
+
+@pytest.mark.parametrize("family", registered())
+def test_a_flight_as_forecast_is_not_disturbed(family: Autopilot) -> None:
+    vehicle, _ = begun(family)
+    record = vehicle.watch()
+    assert record.completed, record.why_not
+    assert record.deviations == ()
+    assert record.failure == ""
+
+
+@pytest.mark.parametrize("family", registered())
+def test_one_that_deviates_holds_and_the_watching_ends(family: Autopilot, caplog: pytest.LogCaptureFixture) -> None:
+    vehicle, said = begun(family, elsewhere(family))
+    told = list[Deviation]()
+    vehicle.conformance.tell = told.append
+    record = vehicle.watch()
+    assert [one.kind for one in record.deviations] in ([DeviationKind.OUTSIDE], [DeviationKind.PASSED])
+    assert tuple(told) == record.deviations
+    assert (record.completed, record.armed, record.in_air) == (False, True, True)
+    assert record.failure == f"it holds, because {record.deviations[0]}"
+    assert record.deviations[0].time_s == pytest.approx(record.path[-1].time_s, abs=3.0)
+    assert vehicle.conformance.is_held
+    warned = [one.getMessage() for one in caplog.records if one.levelno == logging.WARNING]
+    assert warned[0] == f"{record.deviations[0]}; hold is ordered"
+    orders = [one for one in said if one.command in (Command.DO_PAUSE_CONTINUE, 176)]
+    assert len(orders) == 1
+    assert Command.COMPONENT_ARM_DISARM not in {one.command for one in said}
+    aside = LocalFrame(HOME).local(Geodetic(record.path[-1].latitude_deg, record.path[-1].longitude_deg, 400.0))
+    assert 60.0 < aside[0] < 60.0 + 65.0
+
+
+@pytest.mark.parametrize("family", registered())
+def test_one_that_deviates_returns_if_that_was_chosen(family: Autopilot) -> None:
+    vehicle, said = begun(family, elsewhere(family))
+    vehicle.conformance.on_deviation = OnDeviation.RTL
+    record = vehicle.watch()
+    assert (record.completed, record.armed, record.in_air) == (False, False, False)
+    assert record.failure == f"rtl was ordered, because {record.deviations[0]}"
+    assert Command.COMPONENT_ARM_DISARM not in {one.command for one in said}
+
+
+@pytest.mark.parametrize("family", registered())
+def test_one_that_deviates_flies_on_if_only_a_report_was_chosen(family: Autopilot) -> None:
+    vehicle, said = begun(family, elsewhere(family))
+    vehicle.conformance.on_deviation = OnDeviation.REPORT
+    record = vehicle.watch()
+    assert record.completed, record.why_not
+    assert {one.kind for one in record.deviations} == {DeviationKind.OUTSIDE, DeviationKind.PASSED}
+    assert record.failure.startswith("item 2: ")
+    assert not {one.command for one in said} & {Command.DO_PAUSE_CONTINUE, 176, Command.COMPONENT_ARM_DISARM}
+
+
+@pytest.mark.parametrize("family", registered())
+def test_who_watches_on_may_order_it_to_go_on(family: Autopilot) -> None:
+    vehicle, _ = begun(family, elsewhere(family))
+    vehicle.conformance.ends_held = False
+    held = list[float]()
+
+    def overhear(message: Message) -> None:
+        if isinstance(message, Position) and vehicle.conformance.is_held:
+            held.append(message.time_s)
+            if held[-1] - held[0] > 10.0:
+                vehicle.conformance.compare(None)
+                vehicle.order.go_on()
+
+    vehicle.overhearing = overhear
+    record = vehicle.watch()
+    assert held
+    assert record.completed, record.why_not
+
+
+@pytest.mark.parametrize("family", registered())
+def test_when_the_users_time_is_up_the_watching_ends_in_the_air(family: Autopilot) -> None:
+    vehicle, said = begun(family)
+    vehicle.give_up_after(25.0)
+    with pytest.raises(TimeUp, match="nobody watches the vehicle any more, and it flies on") as ended:
+        vehicle.watch()
+    assert "armed and in the air" in (ended.value.hint or "")
+    assert not {one.command for one in said} & {Command.DO_PAUSE_CONTINUE, 176, Command.COMPONENT_ARM_DISARM}
+
+
+@pytest.mark.parametrize("family", registered())
+def test_a_pilot_who_takes_over_is_not_compared(family: Autopilot) -> None:
+    vehicle, said = begun(family)
+    compared = vehicle.conformance
+    monitor = ConformanceMonitor(Forecast(elsewhere(family)))
+    compared.compare(monitor)
+    vehicle.state.custom_mode = family.modes.hold
+    vehicle.state.armed, vehicle.state.landed_state = True, 2
+    far = place(900.0, 900.0)
+    for time in range(5):
+        assert list(compared.look(Position(float(time), far.latitude_deg, far.longitude_deg, 420.0, 20.0), 0.0)) == []
+    assert compared.deviations == []
+    assert said == []
+
+
+@pytest.mark.parametrize("family", registered())
+def test_a_height_is_above_the_vehicles_home_unless_an_item_counts_from_the_sea(family: Autopilot) -> None:
+    flown = mission(family, place(150.0, 0.0), place(150.0, 60.0))
+    amsl = replace(flown, items=(flown.items[0], replace(flown.items[1], frame=0, altitude=420.0), *flown.items[2:]))
+    at = Geodetic(HOME.latitude_deg, HOME.longitude_deg, 431.0)
+    assert ConformanceMonitor(Forecast(flown)).local(at, 20.0)[2] == pytest.approx(20.0)
+    assert ConformanceMonitor(Forecast(amsl)).local(at, 20.0)[2] == pytest.approx(31.0)
