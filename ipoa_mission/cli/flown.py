@@ -40,7 +40,9 @@ def next_steps(link: str) -> str:
     return f"{', '.join(orders)}; a pilot can take it over"
 
 
-def tell_flown_as_json(job: Job, record: FlightRecord, remarks: tuple[str, ...], written: Sequence[Path]) -> None:
+def tell_flown_as_json(
+    job: Job, record: FlightRecord, remarks: tuple[str, ...], written: Sequence[Path], hint: str = ""
+) -> None:
     """Print all that is known of the flight, for machines; `remarks` are those that came with the flight."""
     all_remarks = list(dict.fromkeys((*job.remarks, *remarks)))
     outcome: dict[str, Any] = {"remarks": all_remarks, "written": [str(path) for path in written]}
@@ -48,7 +50,7 @@ def tell_flown_as_json(job: Job, record: FlightRecord, remarks: tuple[str, ...],
         outcome["passed_over"] = passed_over_as_json(job.flight.scenario)
         outcome["unread"] = unread_as_json(job.flight.scenario.unread)
     told = flight_as_json(job.estimate, record, job.reserves)
-    failure = {"error": record.failure} if record.failure else {}
+    failure = {"error": record.failure} | ({"hint": hint} if hint else {}) if record.failure else {}
     tell_json(told | outcome | failure, indent=None if record.deviations else 2)  # events are lines before it
 
 

@@ -111,14 +111,15 @@ def fly(
     if report and job.flight is not None:
         job.flight.report(page := out / f"{job.name}.html", record)
         written.insert(0, page)
+    hint = next_steps(link) if record.deviations and record.in_air and link is not None else ""
     if as_json:
-        tell_flown_as_json(job, record, remarks, [*planned_files, *written])
+        tell_flown_as_json(job, record, remarks, [*planned_files, *written], hint)
         if record.failure:
             print(f"error: {shown(record.failure)}", file=sys.stderr)
     else:
         tell_flown(job, record, remarks, written)
-    if record.deviations and record.in_air and link is not None:
-        print(f"hint: {next_steps(link)}", file=sys.stderr)
+    if hint:
+        print(f"hint: {hint}", file=sys.stderr)
     if record.failure:
         raise typer.Exit(1)
 
