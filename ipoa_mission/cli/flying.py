@@ -111,7 +111,8 @@ def fly(
     if report and job.flight is not None:
         job.flight.report(page := out / f"{job.name}.html", record)
         written.insert(0, page)
-    hint = next_steps(link) if record.deviations and record.in_air and link is not None else ""
+    is_left = bool(record.deviations) and record.in_air
+    hint = next_steps(link, on_link.system) if is_left and link is not None else ""
     if as_json:
         tell_flown_as_json(job, record, remarks, [*planned_files, *written], hint)
         if record.failure:

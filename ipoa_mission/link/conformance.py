@@ -83,7 +83,9 @@ class Conformance:
         if not self._flies_mission:
             self._monitor.interrupt()
             return
-        if not self._order.is_under_way and self._state.custom_mode == self._state.autopilot.modes.mission:
+        if self._is_ordered and self._order.is_under_way:
+            return  # what it does until it obeys is no news
+        if self._state.custom_mode == self._state.autopilot.modes.mission:
             self._is_ordered = False  # it refused the order, or went on with its mission
         place = self._monitor.local(Geodetic(heard.latitude_deg, heard.longitude_deg, heard.altitude), heard.height)
         if (deviation := self._monitor.see(heard.time_s, place, self._item)) is not None:

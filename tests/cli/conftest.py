@@ -105,12 +105,15 @@ def autopilot() -> Serve:
 
     @contextmanager
     def serve(
-        home: Geodetic = ZURICH, family: Autopilot = Autopilot.PX4, passphrase: str | None = None
+        home: Geodetic = ZURICH,
+        family: Autopilot = Autopilot.PX4,
+        passphrase: str | None = None,
+        speedup: float = 60.0,
     ) -> Iterator[str]:
         channel = open_channel("udpin:127.0.0.1:0")
         assert isinstance(channel, UdpChannel)
         signer = Signer(key_of(passphrase)) if passphrase else None
-        server = Server(channel, Station(BuiltInAutopilot(family, home), 1, signer, channel.datagrams), speedup=60.0)
+        server = Server(channel, Station(BuiltInAutopilot(family, home), 1, signer, channel.datagrams), speedup)
         enough = threading.Event()
         thread = threading.Thread(target=server.run, args=(enough.is_set,))
         thread.start()

@@ -1,0 +1,67 @@
+"""`fly` on a vehicle that flies otherwise than it was forecast: what is printed, and how it ends."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from ipoa_mission import Forecast, read_mission
+from ipoa_mission.flight import procedure
+from ipoa_mission.forecast.conformance import ConformanceMonitor
+from tests.cli.conftest import Run, Serve
+
+SITL = Path(__file__).parents[2] / "missions" / "sitl.plan"
+MISSION = read_mission(SITL)
+
+
+@pytest.fixture
+def lower(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The flight is compared with the forecast of one that is half as high."""
+    half = replace(MISSION, items=tuple(replace(item, altitude=item.altitude / 2) for item in MISSION.items))
+    monkeypatch.setattr(procedure, "_monitor", lambda *_: ConformanceMonitor(Forecast(half)))
+
+
+@pytest.mark.usefixtures("lower")
+def test_a_deviation_is_a_line_of_json_the_vehicle_holds_and_the_next_steps_are_named(
+    run: Run, autopilot: Serve
+) -> None:
+    with autopilot(MISSION.home, speedup=8.0) as link:
+        ended = run(f"fly {SITL} --link {link} --json")
+    assert ended.code == 1
+    event, result = map(json.loads, ended.out.splitlines())
+    assert event.pop("event") == "deviation"
+    assert (event["kind"], event["unit"], event["found"] > event["allowed"]) == ("left-corridor", "m", True)
+    assert result["deviations"] == [event]
+    assert (result["completed"], result["armed"], result["in_air"]) == (False, True, True)
+    assert result["error"] == f"it holds, because {event['words']}"
+    assert result["hint"].startswith(f"`ipoa-mission resume --link {link}` goes on with its mission")
+    assert f"warning: {event['words']}; hold is ordered" in ended.err
+    assert f"error: {result['error']}" in ended.err
+    assert f"hint: {result['hint']}" in ended.err
+
+
+@pytest.mark.usefixtures("lower")
+def test_a_deviation_that_is_only_reported_still_ends_with_1(run: Run, autopilot: Serve) -> None:
+    with autopilot(MISSION.home) as link:
+        ended = run(f"fly {SITL} --link {link} --on-deviation report")
+    assert ended.code == 1
+    assert "not as forecast: item " in ended.out
+    assert "is ordered" not in ended.err
+
+
+def test_a_flight_that_outlasts_the_users_time_is_left_in_the_air(run: Run, autopilot: Serve) -> None:
+    with autopilot(MISSION.home, speedup=4.0) as link:
+        ended = run(f"fly {SITL} --link {link} --timeout 12 --json")
+    assert ended.code == 1
+    told = json.loads(ended.out)
+    assert told["error"] == "the time is up: nobody watches the vehicle any more, and it flies on"
+    assert (told["completed"], told["in_air"]) == (False, True)
+
+
+def test_what_is_for_a_vehicle_is_refused_without_one(run: Run) -> None:
+    ended = run(f"fly {SITL} --on-deviation rtl")
+    assert (ended.code, "--on-deviation: expected with --link" in ended.err) == (2, True)
+    ended = run(f"fly {SITL} --link udpin:127.0.0.1:0 --loss 0.1")
+    assert ended.code == 2
+    assert "hint: they are for the built-in autopilot, which flies without --link" in ended.err
