@@ -7,14 +7,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.itinerary.itinerary import UNTIMED
 from ipoa_mission.forecast.timing.estimate import ItemTime
 from ipoa_mission.forecast.tube.law import DeviationLaw
 from ipoa_mission.forecast.tube.limits import rim_of
 from ipoa_mission.forecast.tube.measured import law_of
 from ipoa_mission.forecast.tube.pieces import pieces_of
 from ipoa_mission.geometry import Points, Vector, arc_lengths
-from ipoa_mission.mission.commands import ENDINGS, FLOWN_TO, TAKEOFFS, WAYPOINTS, Command, Frame, plain_frame
+from ipoa_mission.mission.commands import ENDINGS, FLOWN_TO, LAST_NAV, TAKEOFFS, WAYPOINTS, Command, Frame, plain_frame
+from ipoa_mission.mission.items import Item
 from ipoa_mission.world.frame import Geodetic
 
 #: The margin beyond the tube: twice its width, and at least this [m]; a take-off drifts twice as far.
@@ -27,8 +30,10 @@ SETTLED_S = 1.0  # a deviation must last for so long [s]
 DOUBT_S = 3.0  # by which the vehicle's word on its item may be early or late [s]
 SPACING = 0.5  # of the places that a sample is compared with [m]
 CHANCE = 0.01  # of the tube, where no scenario states a confidence
-#: While these are flown only the time is compared: the time models have no circle, and no descent to a payload.
-NOT_COMPARED = FLOWN_TO - WAYPOINTS - TAKEOFFS - ENDINGS - {Command.NAV_LOITER_TIME, Command.NAV_LOITER_UNLIM}
+#: Of what moves the vehicle the time models have these whole; while anything else is flown, nothing is compared.
+MODELED = WAYPOINTS | {
+    Command.NAV_TAKEOFF, Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH, Command.NAV_LOITER_TIME, Command.NAV_DELAY,
+}  # fmt: skip
 
 
 class DeviationKind(StrEnum):
@@ -81,6 +86,12 @@ class _Leg(NamedTuple):
     is_compared: bool
 
 
+def _is_modeled(item: Item) -> bool:
+    if item.command == Command.NAV_DELAY:
+        return item.params[0] > 0.0  # else it waits for a time of day
+    return item.command in MODELED or (item.command > LAST_NAV and item.command not in UNTIMED)
+
+
 class ConformanceMonitor:
     """Compares samples of one flight, in the order of their times, with its forecast.
 
@@ -99,6 +110,8 @@ class ConformanceMonitor:
     def __init__(self, forecast: Forecast) -> None:
         self._forecast, self._estimate = forecast, forecast.estimate
         self._visits, self._program = forecast.itinerary.visits, forecast.itinerary.program
+        if not self._visits:
+            raise MissionError("the mission has no items")
         safety = None if forecast.scenario is None else forecast.scenario.safety.chance
         self._chance = CHANCE if safety is None else safety
         wind = forecast.wind.speed if forecast.scenario is None else forecast.scenario.wind.strongest
@@ -136,11 +149,15 @@ class ConformanceMonitor:
         """
         self._turn_to(item, time, place)
         leg = self._leg(self._visit)
-        found = [self._late(leg, time, place)]
-        if leg.is_compared:
-            distance = math.inf if leg.goal is None else float(np.linalg.norm(place - leg.goal))
-            self._nearest = min(self._nearest, distance)
-            found += [self._beyond(leg, distance, time), self._outside(leg, place, distance, time)]
+        if not leg.is_compared:
+            return None
+        distance = math.inf if leg.goal is None else float(np.linalg.norm(place - leg.goal))
+        self._nearest = min(self._nearest, distance)
+        found = (
+            self._late(leg, time, place),
+            self._beyond(leg, distance, time),
+            self._outside(leg, place, distance, time),
+        )
         seen = {one.kind: one for one in found if one is not None}
         self._since = {kind: self._since.get(kind, time) for kind in seen}
         for kind, deviation in seen.items():
@@ -266,7 +283,7 @@ class ConformanceMonitor:
             )
         longest = items[visit].high_s - begin + items[visit].missed.cost_s
         near = range(visit if before is None else before, visit + 1 if target is None else target + 1)
-        is_compared = not any(commands[n] in NOT_COMPARED for n in near)
+        is_compared = all(_is_modeled(self._visits[n].item) for n in near)
         is_landing = target is None
         longest = max(longest, LEAST_LEG_S)
         return _Leg(self._points[taken], limits, goal, excursion, comes_back, longest, is_landing, is_compared)

@@ -224,7 +224,13 @@ def test_a_circle_that_the_forecast_does_not_have_is_not_compared() -> None:
         18, 3, (1.0, 0.0, 60.0, 0.0), *(place(200.0, 0.0).latitude_deg, place(200.0, 0.0).longitude_deg), 20.0
     )
     monitor = ConformanceMonitor(Forecast(mission(circle, waypoint(place(0.0, 100.0), 20.0), land(place(0.0, 100.0)))))
-    assert flown(monitor, *((20.0 + t, 200.0, 60.0, 20.0, 1) for t in range(3))) == []
+    assert flown(monitor, *((20.0 + t, 200.0, 60.0, 20.0, 1) for t in range(100))) == []
+
+
+def test_a_wait_until_a_time_of_day_is_not_late() -> None:
+    waits = Item(93, 2, (-1.0, 14.0, 30.0, 0.0), 0.0, 0.0, 0.0)
+    monitor = ConformanceMonitor(Forecast(mission(waits, waypoint(place(100.0, 0.0), 20.0), land(place(100.0, 0.0)))))
+    assert flown(monitor, *((20.0 + t, 0.0, 0.0, 20.0, 1) for t in range(300))) == []
 
 
 def test_where_nobody_knows_the_flight_there_is_no_monitor() -> None:
