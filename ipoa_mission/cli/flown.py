@@ -35,7 +35,7 @@ def flight_as_json(estimate: Estimate, record: FlightRecord, reserves: Sequence[
 
 
 def next_steps(link: str, system: int | None) -> str:
-    """What can be done about a vehicle that was left in the air."""
+    """Say what can be ordered to a vehicle that was left in the air."""
     to = f"--link {link}" + (f" --system {system}" if system else "")
     orders = (f"`ipoa-mission {verb} {to}` {does}" for verb, does in NEXT_STEPS.items())
     return f"{', '.join(orders)}; a pilot can take it over"

@@ -150,7 +150,7 @@ class LinkOptions:
 
 @dataclass
 class FlightOptions:
-    """How a real vehicle is flown."""
+    """Choose how a real vehicle is flown."""
 
     link: Annotated[
         str | None,

@@ -242,7 +242,7 @@ def begin_mission(
 
 
 def _monitor(vehicle: Vehicle, forecast: Forecast, first: int, remark: Remark) -> "ConformanceMonitor | None":
-    """What a flight that begins with item `first` is compared with; None, and a remark, where nothing is known."""
+    """Return what a flight that begins with item `first` is compared with; None, and a remark, where nobody knows."""
     from ipoa_mission.forecast.conformance import ConformanceMonitor
 
     mission = forecast.given

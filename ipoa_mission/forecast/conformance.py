@@ -1,4 +1,4 @@
-"""Whether a flight conforms to its forecast: position and progress, compared sample by sample, without I/O."""
+"""Compare a flight with its forecast while it is flown: position and progress, sample by sample, without I/O."""
 
 import math
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ MODELED = WAYPOINTS | {
 
 
 class DeviationKind(StrEnum):
-    """How a flight deviates from its forecast."""
+    """Name how a flight deviates from its forecast."""
 
     AWAY = "moves-away"
     PASSED = "passed-item"
@@ -47,7 +47,7 @@ class DeviationKind(StrEnum):
 
 @dataclass(frozen=True)
 class Deviation:
-    """A deviation from the forecast, on the way to item number `item` of the mission file (home is 0).
+    """Describe a deviation from the forecast on the way to item number `item` of the mission file (home is 0).
 
     `time_s` is on the clock of the samples; `found` is greater than `allowed`, both in metres, or for LATE in seconds.
     """
@@ -63,14 +63,14 @@ class Deviation:
         return f"item {self.item}: {self.words}"
 
     def as_json(self) -> dict[str, Any]:
-        """The same for machines; `unit` is that of `found` and `allowed`."""
+        """Return the same for machines; `unit` is that of `found` and `allowed`."""
         unit = "s" if self.kind is DeviationKind.LATE else "m"
         rounded = {"time_s": round(self.time_s, 2), "found": round(self.found, 2), "allowed": round(self.allowed, 2)}
         return {"kind": str(self.kind), "item": self.item, **rounded, "unit": unit, "words": str(self)}
 
 
 class _Leg(NamedTuple):
-    """What the flight to one visit is compared with; `goal`: None where the mission ends, or nothing is compared.
+    """Keep what the flight to one visit is compared with; `goal`: None where the mission ends, or nothing is compared.
 
     `excursion`: how far the predicted flight itself moves away from the goal [m]; `comes_back`: how far beyond it the
     vehicle may turn back [m]; `longest_s`: the most time that nine flights of ten take for it.
@@ -93,7 +93,7 @@ def _is_modeled(item: Item) -> bool:
 
 
 class ConformanceMonitor:
-    """Compares samples of one flight, in the order of their times, with its forecast.
+    """Compare samples of one flight, in the order of their times, with its forecast.
 
     Raises:
         MissionError: nobody can say how it will be flown.
@@ -129,13 +129,13 @@ class ConformanceMonitor:
         self._detour: Points | None = None
 
     def local(self, at: Geodetic, height: float) -> Vector:
-        """East, north and up of home of a vehicle `at` a place that is so high above the vehicle's home [m]."""
+        """Return east, north and up of home [m] of a vehicle `at` a place, `height` above its own home."""
         home = self._forecast.mission.home
         up = home.altitude + height if self._counts_from_home else at.altitude
         return self._forecast.frame.local(Geodetic(at.latitude_deg, at.longitude_deg, up))
 
     def interrupt(self) -> None:
-        """The vehicle does not fly its mission now; when it does again, it may go on from another place."""
+        """Note that the vehicle does not fly its mission now; it may go on with it from another place."""
         self._begun_s = None
         self._since.clear()
 
@@ -167,7 +167,7 @@ class ConformanceMonitor:
         return None
 
     def _turn_to(self, item: int | None, time: float, place: Vector) -> None:
-        """The vehicle is on its way to this item: in a loop, to its next visit."""
+        """Note to which item the vehicle flies: in a loop, to its next visit."""
         last = self._visit
         if item is not None and self._visits[last].seq != item + 1:
             seqs = [visit.seq for visit in self._visits]
@@ -229,12 +229,12 @@ class ConformanceMonitor:
         return Deviation(kind, self._visits[self._visit].seq, time, found, allowed, words)
 
     def _width(self, law: DeviationLaw) -> Vector:
-        """How far the tube reaches to the side, down and up, in a straight flight (3,) [m]."""
+        """Return how far the tube reaches to the side, down and up in a straight flight (3,) [m]."""
         rim = rim_of(law, self._chance)
         return np.array([law.beside(self._chance), rim.down, rim.up])
 
     def _corridor(self) -> tuple[Vector, Points, Points]:
-        """Times (n,), places (n, 3) of the predicted flight, and its tube there to the side, down and up (n, 3)."""
+        """Return times (n,), places (n, 3) of the predicted flight, and its tube to the side, down and up (n, 3)."""
         track, law = self._estimate.track, self._law
         flown = arc_lengths(track.points)
         evenly = np.interp(np.arange(0.0, flown[-1], SPACING), flown, track.times)
@@ -248,7 +248,7 @@ class ConformanceMonitor:
         return times, track.at(times), tube
 
     def _goal(self, visit: int) -> Vector | None:
-        """The place of a visit to a waypoint."""
+        """Return the place of a visit to a waypoint."""
         command = self._visits[visit].item.command
         if command not in FLOWN_TO - TAKEOFFS - ENDINGS or self._program.leaves_open(visit):
             return None
@@ -289,7 +289,7 @@ class ConformanceMonitor:
         return _Leg(self._points[taken], limits, goal, excursion, comes_back, longest, is_landing, is_compared)
 
     def _direct(self, place: Vector) -> Points | None:
-        """The way straight to the goal from a place where the flight goes on, or begins: by a climb."""
+        """Return the way straight to the goal from where the flight goes on, or begins: by a climb."""
         if (goal := self._leg(self._visit).goal) is None:
             return place[None, :]
         over = np.array([place[0], place[1], max(place[2], goal[2])])

@@ -1,4 +1,4 @@
-"""Compares a vehicle that is watched with the forecast of its flight, and orders what was chosen for a deviation."""
+"""Compare a vehicle that is watched with the forecast of its flight, and order what was chosen for a deviation."""
 
 import logging
 import math
@@ -23,7 +23,7 @@ EVERY_S = 0.2  # between two comparisons, by the vehicle's clock [s]
 
 
 class Conformance:
-    """What is done about deviations of one vehicle's flight, and which there were.
+    """Act on deviations of one vehicle's flight, and remember them.
 
     Attributes:
         on_deviation: what is ordered at the first deviation; again only after the vehicle went on with its mission.
@@ -49,24 +49,24 @@ class Conformance:
         self.deviations.clear()
 
     def of(self, logbook: Logbook) -> "Conformance":
-        """The same for the flight of this logbook."""
+        """Take the flight of this logbook."""
         self._logbook = logbook
         return self
 
     @property
     def is_held(self) -> bool:
-        """Whether the vehicle holds because of a deviation."""
+        """Tell whether the vehicle holds because of a deviation."""
         holds = self._order.is_paused or self._state.custom_mode == self._state.autopilot.modes.hold
         return self._is_ordered and self.on_deviation is OnDeviation.HOLD and holds
 
     @property
     def is_over(self) -> bool:
-        """Whether the watching ends here."""
+        """Tell whether the watching ends here."""
         return self.ends_held and self.is_held
 
     @property
     def why_not(self) -> str:
-        """Why a flight that a deviation has ended is not complete; nothing where none has."""
+        """Say why a flight that a deviation has ended is not complete; nothing where none has."""
         if not self._is_ordered:
             return ""
         what = "it holds" if self.is_held else f"{self.on_deviation} was ordered"

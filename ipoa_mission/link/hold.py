@@ -111,7 +111,7 @@ class FlightOrder:
 
     @property
     def is_under_way(self) -> bool:
-        """Whether something was ordered that the vehicle has neither shown nor refused."""
+        """Tell whether something was ordered that the vehicle has neither shown nor refused."""
         return bool(self._steps)
 
     def cut(self, is_cut: bool) -> None:

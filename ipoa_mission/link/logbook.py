@@ -69,7 +69,7 @@ class FlightRecord:
 
     @property
     def failure(self) -> str:
-        """Why it was not flown to its end, else how it deviated from its forecast; nothing if neither."""
+        """Say why it was not flown to its end, else how it deviated from its forecast; nothing if neither."""
         return self.why_not or "; ".join(map(str, self.deviations))
 
 
@@ -136,7 +136,7 @@ class Logbook:
 
     @property
     def armed_s(self) -> float:
-        """When the vehicle was armed, on its clock [s]."""
+        """Return when the vehicle was armed, on its clock [s]."""
         return self._flight.zero if self._flight else 0.0
 
     @property

@@ -1,10 +1,10 @@
-"""What a vehicle is ordered when its flight deviates from its forecast."""
+"""Name what a vehicle is ordered when its flight deviates from its forecast."""
 
 from enum import StrEnum
 
 
 class OnDeviation(StrEnum):
-    """What a vehicle is ordered when its flight deviates from the forecast; `report`: nothing."""
+    """Name what is ordered; `report`: nothing."""
 
     HOLD = "hold"
     RTL = "rtl"

@@ -283,7 +283,7 @@ class Vehicle(Partner):
 
     @contextmanager
     def _in_flight_time(self) -> Iterator[None]:
-        """What is watched in here is left to itself when the user's time is up."""
+        """Leave the vehicle to itself when the user's time is up."""
         try:
             yield
         except TimeUp:
