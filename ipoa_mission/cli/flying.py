@@ -159,7 +159,9 @@ def _fly_there(
         on_link.system = there.system  # whoever else is heard by then, a survey's next flight is this vehicle's
         job = begun_with(replace(job, forecast=job.forecast.on(there.firmware_version())), begin)
         remarks, record = fly_there(job, there, begin - 1, on_link.anyway, on_vehicle.set_params)
-    return job, (*remarks, *_where_it_landed(job, record)), record
+    left = ("nobody watches the vehicle any more", there.absence.meanwhile)
+    unwatched = ["; ".join(filter(None, left))] if record.armed else []
+    return job, (*remarks, *unwatched, *_where_it_landed(job, record)), record
 
 
 def _where_it_landed(job: "Job", record: "FlightRecord") -> tuple[str, ...]:

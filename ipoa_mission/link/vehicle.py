@@ -287,7 +287,8 @@ class Vehicle(Partner):
         try:
             yield
         except TimeUp:
-            raise TimeUp("the time is up: nobody watches the vehicle any more, and it flies on") from None
+            words = ("the time is up: nobody watches the vehicle any more, and it flies on", self.absence.meanwhile)
+            raise TimeUp("; ".join(filter(None, words))) from None
 
     def _meet_again(self, lost: MissionError, progress: Progress) -> None:
         """Go on where the vehicle is, once it is known again."""
