@@ -1,6 +1,7 @@
 """`new`: a first scenario from a few answers, or from a map."""
 
 import shlex
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -19,6 +20,7 @@ GivenOption = Annotated[
 if TYPE_CHECKING:
     from ipoa_mission.scenario.new import Question
 
+BACK = "back"
 UNKNOWN_ALTITUDE = "home's altitude is taken as 0 m: --answer altitude=METRES, or --elevation FILE"
 
 
@@ -42,31 +44,31 @@ def new(
 
     Example: `ipoa-mission new town.toml --buildings town.geojson --yes`
     """
-    from ipoa_mission.scenario.new import QUESTIONS, new_scenario, questions_about, suggest_answers, taken_heights
+    from ipoa_mission.scenario.new import QUESTIONS, new_scenario, suggest_altitude, suggest_answers, taken_heights
 
     if target.suffix.lower() != ".toml":
         raise BadInput(f'{target}: expected a name that ends in .toml, not in "{target.suffix}"')
     if not target.parent.is_dir():
         raise BadInput(f"{target}: expected a folder to write it to, but there is no {target.parent}")
     expect_free([target], force, ask=not (as_json or yes))
-    answers = suggest_answers(buildings, elevation)
+    given = {}
     for text in answer or ():
         key, equals, value = text.partition("=")
         if not equals:
             raise BadInput(f"--answer {text}: expected KEY=VALUE")
-        answers[key] = value
+        given[key] = value
+    answers = suggest_answers(buildings) | given
     if not yes:
-        given = {key for key, _, _ in (text.partition("=") for text in answer or ())}
-        for question in (*QUESTIONS, *questions_about(buildings)):
-            if question.key not in given:
-                answers[question.key] = _ask(question, answers)
+        answers = _ask_all(given, answers, buildings, elevation)
     needed = [question.key for question in QUESTIONS if question.default is None and question.key not in answers]
     if needed:
         raise BadInput(
             f"{needed[0]}: expected, but not there",
             hint=f"--answer {needed[0]}=..., or --buildings FILE, or leave out --yes and be asked",
         )
-    remarks = [] if "altitude" in answers or elevation is not None else [UNKNOWN_ALTITUDE]
+    if elevation is not None and "altitude" not in answers:
+        answers["altitude"] = suggest_altitude(elevation, answers["home"])
+    remarks = [] if "altitude" in answers else [UNKNOWN_ALTITUDE]
     remarks += taken_heights(answers, buildings)
     write_atomically(target, new_scenario(answers, target, buildings, elevation))
     if as_json:
@@ -75,17 +77,40 @@ def new(
         tell(f"written: {target}", *notes(remarks), f"plan it: ipoa-mission plan {shlex.quote(str(target))}")
 
 
-def _ask(question: "Question", answers: dict[str, str]) -> str:
-    """An answer that will do, after as many tries as it takes; what a map suggests is taken by Enter."""
+def _ask_all(
+    given: Mapping[str, str], suggested: Mapping[str, str], buildings: Path | None, elevation: Path | None
+) -> dict[str, str]:
+    """Ask what is not given, from question to question; the answer `back` asks the one before again."""
+    from ipoa_mission.scenario.new import QUESTIONS, questions_about, suggest_altitude
+
+    answers = dict(given)
+    asked = [question for question in (*QUESTIONS, *questions_about(buildings)) if question.key not in given]
+    typer.echo(f"Enter takes the answer in brackets; {BACK} asks the question before again.", err=True)
+    number = 0
+    while number < len(asked):
+        question = asked[number]
+        default = answers.get(question.key, suggested.get(question.key, question.default))
+        if question.key == "altitude" and elevation is not None:
+            default = suggest_altitude(elevation, answers["home"])
+        answer = _ask(question, answers if question.key == "goal" else given, default)
+        if answer != BACK:
+            answers[question.key] = answer
+        number = max(number - 1, 0) if answer == BACK else number + 1
+    return answers
+
+
+def _ask(question: "Question", others: Mapping[str, str], suggested: str | None) -> str:
+    """Ask until an answer will do, or is `back`; Enter takes what is suggested."""
     from ipoa_mission.scenario.new import check_goal
 
+    words, shown = f"{question.words} ({question.form})", suggested is not None
     while True:
-        suggested = answers.get(question.key, question.default)
-        given = str(typer.prompt(f"{question.words} ({question.form})", default=suggested, err=True))
+        given = str(typer.prompt(words, default=suggested or "", show_default=shown, err=True)).strip()
         try:
-            question.check(question.key, given)
-            check_goal({**answers, question.key: given})
+            if given != BACK:
+                question.check(question.key, given)
+                check_goal({**others, question.key: given})
         except BadInput as error:
-            typer.echo(error, err=True)
+            typer.echo(f"{error} ({BACK}: the question before)", err=True)
         else:
             return given

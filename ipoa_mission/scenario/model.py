@@ -33,7 +33,7 @@ from ipoa_mission.survey.area import Area
 from ipoa_mission.unread import Unread
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace
-from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, apart
+from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, apart, why_so_far
 from ipoa_mission.world.ground import EARTH_RADIUS, LEVEL, Ground
 
 EARTH = 40_000_000.0  # its circumference [m]
@@ -141,7 +141,10 @@ class Scenario(Section):
             away = float(np.hypot(*place.east_north(self.frame)))
             if not away < REACH:
                 far = f"{away / 1000:.0f}" if away < 100 * EARTH else f"{away / 1000:.0e}"
-                raise ValueError(f"{name}: expected a place within {REACH / 1000:g} km of home, not {far} km")
+                there = Geodetic(place.latitude_deg or 0.0, place.longitude_deg or 0.0)
+                why = "" if place.latitude_deg is None else why_so_far(self.frame.home, there, name)
+                words = f"{name}: expected a place within {REACH / 1000:g} km of home, not {far} km{why}"
+                raise ValueError(words)
         return self
 
     @classmethod

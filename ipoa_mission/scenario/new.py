@@ -24,7 +24,7 @@ from ipoa_mission.maps.read import hand_on_features
 from ipoa_mission.scenario.profiles import PROFILES
 from ipoa_mission.scenario.read import parse_scenario
 from ipoa_mission.vehicles.autopilot import registered
-from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame
+from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, why_so_far
 
 CLEAR = 12.0  # a suggested take-off or goal has so much room around it [m]
 APART = 200.0  # and lies no farther than this from the middle of the map, along either axis [m]
@@ -197,7 +197,7 @@ def new_scenario(
             PROFILES.get(texts["profile"], {}).get("safety_distance", texts["safety_distance"])
         )
     if elevation is not None and "altitude" not in answers:
-        texts["altitude"] = _altitude(elevation, home)
+        texts["altitude"] = suggest_altitude(elevation, texts["home"])
     parts = _parts()
     text = (
         parts["template"]
@@ -245,31 +245,33 @@ def check_goal(answers: Mapping[str, str]) -> None:
         home, goal = _place("home", answers["home"]), _place("goal", answers["goal"])
         east, north, _ = LocalFrame(Geodetic(*home)).local(Geodetic(*goal))
         if not math.hypot(east, north) <= REACH:
-            raise BadInput(
-                f"goal: expected a place within {REACH / 1000:g} km of home, {answers['home']}: "
-                "is it latitude first, then longitude?"
-            )
+            why = why_so_far(Geodetic(*home), Geodetic(*goal), "goal")
+            raise BadInput(f"goal: expected a place within {REACH / 1000:g} km of home, {answers['home']}{why}")
 
 
-def suggest_answers(buildings: Path | None = None, elevation: Path | None = None) -> dict[str, str]:
-    """Answers that a map gives: home and goal in free places among the buildings, the altitude of the ground there.
+def suggest_answers(buildings: Path | None = None) -> dict[str, str]:
+    """Suggest home and goal in free places among the buildings of a map; nothing without a map.
 
     Raises:
         BadInput: the map has no buildings, or no free place among them.
     """
-    answers: dict[str, str] = {}
-    if buildings is not None:
-        home, goal = _free_places(buildings)
-        answers = {key: f"{place[0]:.7f}, {place[1]:.7f}" for key, place in (("home", home), ("goal", goal))}
-        if elevation is not None:
-            answers["altitude"] = _altitude(elevation, home)
-    return answers
+    if buildings is None:
+        return {}
+    return {
+        key: f"{place[0]:.7f}, {place[1]:.7f}"
+        for key, place in zip(("home", "goal"), _free_places(buildings), strict=True)
+    }
 
 
-def _altitude(elevation: Path, home: tuple[float, float]) -> str:
+def suggest_altitude(elevation: Path, home: str) -> str:
+    """Read the altitude of the ground at home, as `home` was answered, out of an elevation model.
+
+    Raises:
+        BadInput: home is no place, or the model has no ground there.
+    """
     from ipoa_mission.maps.elevation import ground_altitude  # SciPy's splines are slow to import
 
-    return f"{ground_altitude(elevation, *home):.1f}"
+    return f"{ground_altitude(elevation, *_place('home', home)):.1f}"
 
 
 def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:

@@ -42,6 +42,13 @@ def apart(one: Geodetic, other: Geodetic) -> float:
     return float(_ELLIPSOID.inv(*ends)[2])
 
 
+def why_so_far(home: Geodetic, there: Geodetic, name: str) -> str:
+    """Explain why a place of this name is out of reach: exchanged coordinates, if they bring it back; else nothing."""
+    turned = Geodetic(there.longitude_deg, there.latitude_deg)
+    fits = abs(turned.latitude_deg) <= 90 and apart(home, turned) <= REACH
+    return f": are latitude and longitude swapped, in home or in {name}?" if fits else ""
+
+
 def radii_of_curvature(latitude_deg: float) -> tuple[float, float]:
     """The ellipsoid's radii along the meridian and across it [m]."""
     squared = 1 - _ELLIPSOID.es * np.sin(np.radians(latitude_deg)) ** 2

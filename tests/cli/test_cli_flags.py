@@ -302,8 +302,38 @@ def test_new_asks_again(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     assert json.loads(ended.out)["answers"]["cruise_speed"] == "5"
     assert "home: expected latitude, longitude in degrees" in ended.err
     assert "altitude: expected a number" in ended.err
-    assert "goal: expected a place within 100 km of home, 47.3977, 8.5456: is it latitude first" in ended.err
+    assert "goal: expected a place within 100 km of home, 47.3977, 8.5456: are latitude and longitude" in ended.err
     assert next(answers, None) is None
+
+
+def _answer(monkeypatch: pytest.MonkeyPatch, given: list[str]) -> None:
+    answers = iter(given)
+    for place in ("typer._click.termui.visible_prompt_func", "click.termui.visible_prompt_func"):
+        monkeypatch.setattr(place, lambda _: next(answers), raising=False)
+
+
+def test_new_goes_back_to_a_home_that_was_swapped(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    given = ["8.5456, 47.3977", "488", "47.3987, 8.5470", "back", "back", "47.3977, 8.5456", "", "47.3987, 8.5470"]
+    _answer(monkeypatch, [*given, *[""] * 6])
+    ended = run("new first.toml --json")
+    answers = json.loads(ended.out)["answers"]
+    assert (answers["home"], answers["altitude"]) == ("47.3977, 8.5456", "488")
+    assert "are latitude and longitude swapped, in home or in goal?" in ended.err
+
+
+@pytest.mark.parametrize(("home", "altitude"), [("46.4400, 9.8400", "1719.6"), ("46.4415, 9.8420", "1728.4")])
+def test_new_reads_the_altitude_where_home_is(
+    run: Run, monkeypatch: pytest.MonkeyPatch, home: str, altitude: str
+) -> None:
+    """Whoever answers home has the ground there, not that of the home that the map would suggest."""
+    pytest.importorskip("rasterio")
+    maps = f"--buildings {MISSIONS / 'oldtown.geojson'} --elevation {MISSIONS / 'oldtown.tif'}"
+    said = json.loads(run(f"new a.toml {maps} --yes --json --answer 'home={home}'").out)
+    assert said["answers"]["altitude"] == altitude
+    _answer(monkeypatch, [home, *[""] * 14])
+    assert json.loads(run(f"new b.toml {maps} --json").out)["answers"]["altitude"] == altitude
+    for name in ("a.toml", "b.toml"):
+        assert f"altitude_amsl = {altitude}" in Path(name).read_text()
 
 
 def test_new_asks_for_what_a_map_suggests(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -112,7 +112,7 @@ def test_a_question_without_default_must_be_answered() -> None:
 def test_maps_answer_for_themselves(missions: Path, tmp_path: Path) -> None:
     pytest.importorskip("rasterio")
     buildings, elevation = missions / "oldtown.geojson", missions / "oldtown.tif"
-    answers = suggest_answers(buildings, elevation)
+    answers = suggest_answers(buildings)
     target = tmp_path / "town.toml"
     text = new_scenario(answers, target, buildings, elevation)
     scenario = parse_scenario(text, target)
