@@ -108,7 +108,11 @@ RULES: Mapping[str, Rule] = {
     ),
     "hold": Rule("A hold is negative, too long, or without end.", "Give seconds, as the message says.", False),
     "hold-rounded": Rule("The firmware holds for whole seconds.", "Give whole seconds.", False),
-    "speed": Rule("DO_CHANGE_SPEED names no speed.", "Give one above 0, in m/s.", False),
+    "speed": Rule(
+        "DO_CHANGE_SPEED names no speed, or a greater one than the vehicle's limit.",
+        "Give one above 0, in m/s, or the parameter that the message names.",
+        False,
+    ),
     "jump-target": Rule("A DO_JUMP leads to no other item.", "Give the number of an item.", False),
     "jump-without-end": Rule(
         "A DO_JUMP repeats for ever.", "Give a number of repeats, if someone is not to end it.", False

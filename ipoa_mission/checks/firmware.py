@@ -38,7 +38,7 @@ def check_firmware(mission: Mission) -> Iterator[Finding]:
     yield from _limits(mission, firmware, len(wire))
     for at in numbered(mission):
         yield from _command_and_frame(at, mission.autopilot, firmware, is_development)
-        yield from _params(at, firmware)
+        yield from _params(at, firmware, mission)
         if at.item.command == Command.DO_JUMP:
             yield from _jump(at, len(mission.items))
     yield from _refused(mission, firmware, wire)
@@ -131,7 +131,7 @@ def _is_fence(item: Item, firmware: Firmware) -> bool:
     return item.command in firmware.fence or item.command in firmware.rally
 
 
-def _params(at: Numbered, firmware: Firmware) -> Iterator[Finding]:
+def _params(at: Numbered, firmware: Firmware, mission: Mission) -> Iterator[Finding]:
     item = at.item
     for n, value in enumerate(item.params, start=1):
         if abs(value) > SINGLE_MAX:
@@ -148,8 +148,12 @@ def _params(at: Numbered, firmware: Firmware) -> Iterator[Finding]:
             yield at.warning("hold-rounded", words)
     if item.command in HOLDING and math.isnan(hold) and firmware.nan_holds:
         yield at.error("hold", f"param1: expected a hold in seconds, not NaN, at which {firmware.name} stays for ever")
-    if item.command == Command.DO_CHANGE_SPEED and not (item.params[1] > 0 or item.params[1] in (-1.0, -2.0)):
-        yield at.error("speed", f"param2: expected a speed above zero, not {item.params[1]:g}")
+    if item.command == Command.DO_CHANGE_SPEED:
+        too_fast = None if mission.other_vehicle else mission.autopilot.book.why_too_fast
+        if not (item.params[1] > 0 or item.params[1] in (-1.0, -2.0)):
+            yield at.error("speed", f"param2: expected a speed above zero, not {item.params[1]:g}")
+        elif too_fast is not None and (why := too_fast(item.params[1], mission.parameters)):
+            yield at.error("speed", f"param2: {why}")
 
 
 def _jump(at: Numbered, count: int) -> Iterator[Finding]:

@@ -138,11 +138,11 @@ class Scenario(Section):
     def _near_home(self) -> "Scenario":
         places = {"start": self.start, "goal": self.goal, **{f"via[{i}]": place for i, place in enumerate(self.via)}}
         for name, place in (places | {f"rally[{i}]": place for i, place in enumerate(self.rally)}).items():
-            away = float(np.hypot(*place.east_north(self.frame)))
+            there = place.there()
+            away = float(np.hypot(*place.east_north(self.frame))) if there is None else apart(self.frame.home, there)
             if not away < REACH:
                 far = f"{away / 1000:.0f}" if away < 100 * EARTH else f"{away / 1000:.0e}"
-                there = Geodetic(place.latitude_deg or 0.0, place.longitude_deg or 0.0)
-                why = "" if place.latitude_deg is None else why_so_far(self.frame.home, there, name)
+                why = "" if there is None else why_so_far(self.frame.home, there, name)
                 words = f"{name}: expected a place within {REACH / 1000:g} km of home, not {far} km{why}"
                 raise ValueError(words)
         return self

@@ -67,6 +67,13 @@ def _positive(key: str, answer: str) -> float:
     return float(answer)
 
 
+def _speed(key: str, answer: str) -> float:
+    speed = _positive(key, answer)
+    if why := max((one.book for one in registered()), key=lambda book: book.fastest).why_too_fast(speed, {}):
+        raise BadInput(f"{key}: {why}")
+    return speed
+
+
 def _height(key: str, answer: str) -> float | None:
     if key == "line_height" and answer.strip() == "voltage":
         return None
@@ -92,7 +99,7 @@ QUESTIONS = (
     Question("goal", "Where is it to fly?", "latitude, longitude", None, _place),
     Question("height", "How high above the ground do start and goal lie?", "metres", "20", _positive),
     Question("autopilot", "Which autopilot flies it?", " or ".join(AUTOPILOTS), AUTOPILOTS[0], _one_of(*AUTOPILOTS)),
-    Question("cruise_speed", "How fast?", "metres per second", "8", _positive),
+    Question("cruise_speed", "How fast?", "metres per second", "8", _speed),
     Question("safety_distance", "How near may its hull come to anything?", "metres", "2", _positive),
     Question("ending", "How does it end?", "rtl (fly home) or land (at the goal)", "rtl", _one_of("rtl", "land")),
     Question(

@@ -4,6 +4,7 @@ Positions are local (`east`, `north`, `up`: metres from home) or geodetic (`lati
 `altitude_amsl`). What stands on the ground leaves its height out (`up`, `altitude_amsl`, `base`).
 """
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal, Self, TypeAlias
 
@@ -57,13 +58,19 @@ class Horizontal(Section):
             raise ValueError("expected either east and north, or latitude_deg and longitude_deg")
         return self
 
+    def there(self) -> Geodetic | None:
+        """The position on the Earth, where it is given so."""
+        if self.latitude_deg is None or self.longitude_deg is None:
+            return None
+        return Geodetic(self.latitude_deg, self.longitude_deg)
+
     def east_north(self, frame: LocalFrame) -> tuple[float, float]:
         """The position in the local frame [m]."""
         if self.east is not None and self.north is not None:
             return self.east, self.north
-        assert self.latitude_deg is not None
-        assert self.longitude_deg is not None
-        east, north, _ = frame.local(Geodetic(self.latitude_deg, self.longitude_deg, frame.home.altitude))
+        there = self.there()
+        assert there is not None
+        east, north, _ = frame.local(replace(there, altitude=frame.home.altitude))
         return float(east), float(north)
 
 

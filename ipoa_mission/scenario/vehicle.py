@@ -160,6 +160,13 @@ class VehicleSection(Section):
             raise ValueError("expected an airframe with the battery")
         return self
 
+    @model_validator(mode="after")
+    def _not_too_fast(self) -> "VehicleSection":
+        for key in ("cruise_speed", "climb_speed", "descent_speed"):
+            if why := self.autopilot.book.why_too_fast(getattr(self, key) or 0.0, self.parameters):
+                raise ValueError(f"{key}: {why}")
+        return self
+
     @property
     def version(self) -> Version | None:
         """The firmware's version, where the scenario names one."""

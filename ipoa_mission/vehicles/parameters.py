@@ -51,6 +51,8 @@ class ParameterBook:
     surely_there: tuple[tuple[str, ...], ...]  # what every vehicle has: each by any of its names
     renamed: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     packs_integers: bool = False
+    speed: Quantity | None = None  # that limits or sets the speed of a mission
+    fastest: float = 40.0  # twice what both firmwares document for it: some vehicles are set up beyond [m/s]
 
     @property
     def names(self) -> frozenset[str]:
@@ -72,6 +74,20 @@ class ParameterBook:
         given = self.by_old_names(dict.fromkeys(by, 0.0)).keys()
         kept = {name: value for name, value in parameters.items() if not self.by_old_names({name: 0.0}).keys() & given}
         return kept | dict(by)
+
+    def speed_limit(self, parameters: Parameters) -> float:
+        """Limit the speeds of a mission [m/s]: by `fastest`, or a faster vehicle's own parameter."""
+        own = 0.0 if self.speed is None else self.by_old_names(parameters).get(self.speed.name, 0.0) * self.speed.unit
+        return max(self.fastest, own)
+
+    def why_too_fast(self, speed: float, parameters: Parameters) -> str | None:
+        """Explain that a mission's speed [m/s] is beyond the limit; None where it is not."""
+        limit = self.speed_limit(parameters)
+        if not speed > limit:
+            return None
+        unless = "" if self.speed is None else f", unless {self.speed.name} allows more"
+        cm = f": is it in cm/s? {speed / 100:g} m/s" if speed / 100 <= limit and speed >= 100 else ""
+        return f"expected at most {limit:g} m/s{unless}, not {speed:g}{cm}"
 
     def spellings(self, name: str) -> list[tuple[str, float]]:
         """What a vehicle may call this parameter, and how many of its unit make one of the given name's."""

@@ -257,3 +257,14 @@ def test_both_autopilots_take_the_missions_that_the_package_makes() -> None:
                 == ()
             )
     assert check_mission(flight(UP, spline_waypoint(NORTH, 20.0), DOWN, autopilot=ARDUPILOT)) == ()
+
+
+@pytest.mark.parametrize("autopilot", [PX4, ARDUPILOT])
+def test_a_speed_in_centimetres_is_found_unless_the_vehicle_is_that_fast(autopilot: Autopilot) -> None:
+    fast = flight(UP, change_speed(800.0), AWAY, DOWN, autopilot=autopilot)
+    assert found(check_mission(fast)) == ["error speed 2"]
+    assert "8 m/s" in check_mission(fast)[0].message
+    brisk = flight(UP, change_speed(44.0), AWAY, DOWN, autopilot=autopilot)
+    own = {"MPC_XY_VEL_MAX": 45.0} if autopilot is PX4 else {"WPNAV_SPEED": 4500.0}
+    assert found(check_mission(brisk)) == ["error speed 2"]
+    assert found(check_mission(brisk.with_parameters(own))) == []

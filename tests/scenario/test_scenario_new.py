@@ -79,6 +79,10 @@ def test_what_is_commented_out_can_be_read_too() -> None:
         ({"goal": "47"}, "goal: expected latitude, longitude in degrees, such as 47.3977, 8.5456, not '47'"),
         ({"height": "0"}, "height: expected a number greater than 0, not 0"),
         ({"altitude": "1e3"}, "altitude: expected a number, not '1e3'"),
+        (
+            {"cruise_speed": "800"},
+            "cruise_speed: expected at most 40 m/s, unless MPC_XY_VEL_MAX allows more, not 800: is it in cm/s? 8 m/s",
+        ),
         ({"autopilot": "inav"}, "autopilot: expected px4, ardupilot, not 'inav'"),
         ({"speed": "3"}, "speed: expected one of " + ", ".join(question.key for question in QUESTIONS)),
     ],

@@ -25,6 +25,17 @@ BROKEN = {
     "start = { east = 0, up = 3 }": "start: expected either east and north, or latitude_deg and longitude_deg",
     "start = { east = 0, north = 0 }": "start: expected exactly one of up, altitude_amsl or height_above_ground",
     "goal = {latitude_deg = 46, longitude_deg = 8, up = 9}": "goal: expected a place within 100 km of home, not 111 km",
+    "goal = {latitude_deg = 8, longitude_deg = 47, up = 9}": (
+        "goal: expected a place within 100 km of home, not 5687 km: are latitude and longitude swapped, "
+        "in home or in goal?"
+    ),
+    "vehicle = { cruise_speed = 800 }": (
+        "vehicle: cruise_speed: expected at most 40 m/s, unless MPC_XY_VEL_MAX allows more, not 800: "
+        "is it in cm/s? 8 m/s"
+    ),
+    "vehicle = { autopilot = 'ardupilot', climb_speed = 250 }": (
+        "vehicle: climb_speed: expected at most 40 m/s, unless WPNAV_SPEED allows more, not 250: is it in cm/s? 2.5 m/s"
+    ),
     "goal = { east = 0, nort = 0, up = 1 }": "goal.nort: unknown key; did you mean north?",
     "ignore = ['battery-reserve']": "ignore: unknown key; ignore stands in [safety]",
     "survey = { line_spacin = 3 }": "survey.line_spacin: unknown key; did you mean line_spacing?",
@@ -63,6 +74,12 @@ def test_what_is_wrong_is_named_with_its_place(line: str, words: str) -> None:
     with pytest.raises(BadInput) as told:
         parse_scenario(text, HERE)
     assert str(told.value) == f"here.toml: {words}"
+
+
+@pytest.mark.parametrize("parameter", ["WPNAV_SPEED = 4500", "WP_SPD = 45"])
+def test_a_faster_vehicle_says_so_by_its_own_parameter(parameter: str) -> None:
+    own = f"vehicle = {{ autopilot = 'ardupilot', cruise_speed = 44, parameters = {{ {parameter} }} }}"
+    assert parse_scenario(f"{SMALLEST}\n{own}", HERE).vehicle.cruise_speed == 44
 
 
 def test_all_mistakes_are_told_at_once() -> None:

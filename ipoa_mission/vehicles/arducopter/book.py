@@ -168,4 +168,5 @@ BOOK = ParameterBook(
     meanings=MEANINGS,
     surely_there=(("MAV_SYSID", "SYSID_THISMAV"), ("FRAME_CLASS",)),
     renamed=RENAMED,
+    speed=Quantity("WPNAV_SPEED", 0.01),
 )

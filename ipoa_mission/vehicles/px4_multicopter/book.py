@@ -155,4 +155,5 @@ BOOK = ParameterBook(
     meanings=MEANINGS,
     surely_there=(("MAV_SYS_ID",), ("SYS_AUTOSTART",)),
     packs_integers=True,
+    speed=Quantity("MPC_XY_VEL_MAX"),
 )
