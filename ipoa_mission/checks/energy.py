@@ -6,6 +6,8 @@ from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.energy import NEARER, budget_of
 from ipoa_mission.forecast.forecast import Forecast
 
+SURER = "the airframe's figures alone make this interval wide: `learn` narrows it by logs of the vehicle (--vehicle)"
+
 
 def check_energy(forecast: Forecast) -> Iterator[Finding]:
     """What the scenario's battery does not give; nothing where it has none."""
@@ -21,9 +23,12 @@ def check_energy(forecast: Forecast) -> Iterator[Finding]:
         yield Finding("battery-short", Severity.ERROR, seq, _of_item(seq, str(short)), short.hint)
         return
     if budget.eats_reserve:
-        taken = budget.used.between
-        words = f"the flight takes {taken.low:.1f} to {taken.high:.1f} Wh, {budget.battery.usable_wh:.1f} Wh are there"
-        yield Finding("battery-unsure", Severity.WARNING, None, f"{words} without the reserve")
+        taken, usable = budget.used.between, budget.battery.usable_wh
+        needs = f"the flight needs {taken.low:.0f} to {taken.high:.0f} Wh (nine flights in ten)"
+        words = f"{needs}; the battery has {usable:.0f} Wh above its reserve"
+        learned = forecast.mission.vehicle or forecast.world.vehicle.learned
+        hint = None if learned is not None and learned.energy_ratio is not None else SURER
+        yield Finding("battery-unsure", Severity.WARNING, None, words, hint)
     if (late := budget.no_return) is not None:
         severity = Severity.ERROR if budget.plans_returns else Severity.WARNING
         yield Finding("battery-no-return", severity, late.seq, str(late), NEARER if budget.plans_returns else None)

@@ -45,7 +45,7 @@ def tell_parts(whole: Flight, parts: Sequence[Forecast], written: Iterable[Path]
         share, takes = "" if left is None else f"{left.likely:.0%}", str(budget.used.between)
         rows.append((str(number), str(len(part.mission.items)), f"{part.estimate.total_s:.1f}", takes, share))
     tell_table(f"{len(parts)} flights, a battery each", ["flight", "items", "takes\ns", "takes\nWh", "left"], rows)
-    tell("", f"written: {', '.join(map(str, written))}")
+    tell(f"written: {', '.join(map(str, written))}")
 
 
 def promised(promise: Promise | None) -> list[str]:

@@ -131,7 +131,7 @@ def tell_survey(survey: "Survey", written: list[Path]) -> None:
         rows = [(*row, begins_at(survey, n)) for n, row in enumerate(rows)]
     tell(*lines)
     tell_table("flights, in this order", columns, rows)
-    tell("", f"written: {', '.join(map(str, written))}")
+    tell(f"written: {', '.join(map(str, written))}")
 
 
 def describe(survey: "Survey") -> list[str]:
@@ -144,7 +144,8 @@ def describe(survey: "Survey") -> list[str]:
     heights = f"{sight.least:.1f}" + (f" to {sight.least + sight.band:.1f}" if sight.band else "")
     photos = "" if sight.trigger is None else f", {plan.photos} photos, one each {sight.trigger:.1f} m or less"
     inside = "nothing outside" if seen.outside_m < 0.005 else f"up to {seen.outside_m:.1f} m outside"
-    told = [f"{down(100 * seen.share):.2f} % of what can be seen of {plan.area.shape.area / 1e4:.2f} ha is; {inside}"]
+    hectares = f"{plan.area.shape.area / 1e4:.2f} ha"
+    told = [f"covers {down(100 * seen.share):.2f} % of what can be seen of {hectares}; {inside}"]
     if flown := plan.flown:
         told.append(
             f"as flown, with corners cut and passed: {down(100 * flown.share):.2f} %, {flown.outside_m:.1f} m outside"
@@ -156,7 +157,8 @@ def describe(survey: "Survey") -> list[str]:
         *told,
         *overlaps,
         f"estimated {survey.total_s:.1f} s in {len(survey.flights)} flight{'s' if len(survey.flights) > 1 else ''}",
-        *notes(survey.remarks),
+        *survey.warnings,
+        *notes(survey.notes),
     ]
 
 

@@ -33,6 +33,7 @@ from ipoa_mission.unread import unread_as_json
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.frame import Geodetic
 
+UNSURE = "battery-unsure"  # the code of a finding
 log = logging.getLogger(__name__)
 
 
@@ -72,8 +73,20 @@ class Survey:
     @property
     def notes(self) -> tuple[str, ...]:
         """Those of the remarks that are no findings of a check of one of its flights."""
-        warned = {*_told_of_flights(self.plan, _warned)}
+        warned = {*_told_of_flights(self.plan, _warned), *_more_flights(self.plan)}
         return tuple(words for words in self.remarks if words not in warned)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the checks of its flights found: the warnings, then their hints, each as a line."""
+        messages = _told_of_flights(self.plan, lambda flight: (finding.message for finding in flight.findings))
+        hints = (*_told_of_flights(self.plan, _hints), *_more_flights(self.plan))
+        return (*(f"warning: {words}" for words in messages), *(f"hint: {words}" for words in hints))
+
+    def _notes_of(self, flight: SurveyFlight) -> tuple[str, ...]:
+        """The notes without those that are of other flights only."""
+        of_flights, own = {*_told_of_flights(self.plan, _repairs)}, tuple(_repairs(flight))
+        return (*own, *(words for words in self.notes if words not in of_flights))
 
     @property
     def total_s(self) -> float:
@@ -130,7 +143,7 @@ class Survey:
             pages.append(Path(folder) / f"{self.name}.html")
             write_atomically(pages[-1], survey_html(self.plan, self.names, self.remarks))
         for name, flight in zip(self.names, self.plan.flights, strict=True):
-            page = report_html(flight.forecast, None, None, self.notes, flight.findings, panel)
+            page = report_html(flight.forecast, None, None, self._notes_of(flight), flight.findings, panel)
             pages.append(Path(folder) / f"{name}.html")
             write_atomically(pages[-1], page)
         return tuple(pages)
@@ -334,6 +347,18 @@ def _warned(flight: SurveyFlight) -> Iterator[str]:
     return (words for finding in flight.findings for words in (finding.message, finding.hint) if words)
 
 
+def _hints(flight: SurveyFlight) -> Iterator[str]:
+    return (finding.hint for finding in flight.findings if finding.hint)
+
+
+def _more_flights(plan: SurveyPlan) -> tuple[str, ...]:
+    """Offer one flight more where one of them may land on its reserve."""
+    unsure = any(finding.code == UNSURE for flight in plan.flights for finding in flight.findings)
+    if not unsure or plan.section.starts is not None:
+        return ()
+    return (f"flights = {len(plan.flights) + 1} under [survey] leaves more in each battery",)
+
+
 def _repairs(flight: SurveyFlight) -> Iterator[str]:
     forecast = flight.forecast
     yield from climb_for_way_home(forecast.mission)
@@ -345,6 +370,7 @@ def _repairs(flight: SurveyFlight) -> Iterator[str]:
 def _remarks(plan: SurveyPlan, asked: Scenario) -> Iterator[str]:
     """What a user should know, in words."""
     yield from _told_of_flights(plan, _warned)
+    yield from _more_flights(plan)
     if (speed := plan.scenario.vehicle.cruise_speed) != asked.vehicle.cruise_speed:
         yield f"flown at {speed:g} m/s: at {asked.vehicle.cruise_speed:g} m/s flights would come too near"
     if plan.overlaps is not None:

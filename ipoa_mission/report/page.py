@@ -107,7 +107,7 @@ def report_html(
             comparison,
             budget_of(forecast),
         ),
-        "warnings": warnings(danger, findings, [*remarks, *estimate.remarks]),
+        "warnings": warnings(danger, findings, [*remarks, *estimate.remarks], scenario.remarks),
         "survey": survey,
         "map": ground_plan(scenario, extent, stop_list, course, flown, tube),
         "legend": legend(scenario, extent, flown is not None, bool(home)),

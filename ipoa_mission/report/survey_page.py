@@ -19,7 +19,7 @@ def survey_html(plan: SurveyPlan, names: Sequence[str], remarks: Sequence[str]) 
     parts = {
         "title": escape(plan.scenario.name),
         "subtitle": f"Survey in {len(names)} flights, {seconds(whole)} together",
-        "warnings": warnings([], [], remarks),
+        "warnings": warnings([], [], remarks, plan.scenario.remarks),
         "survey": survey_panel(plan, names),
         "flights": flights,
     }

@@ -19,7 +19,7 @@ from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import return_to_launch
 from ipoa_mission.report.chart import GraphAxis, axis_over
 from ipoa_mission.report.page import report_html, write_report
-from ipoa_mission.report.panels.headline import verdict
+from ipoa_mission.report.panels.headline import verdict, warnings
 from ipoa_mission.report.panels.profile import near_course
 from ipoa_mission.report.seen import dangers, follow
 from ipoa_mission.report.stops import stops
@@ -323,3 +323,16 @@ def test_a_zone_is_no_building(missions: Path) -> None:
     assert len(data["zones"]) == 2
     assert data["highest"] < 80.0  # the mast on its hill; zones have no top
     assert page.count('<path class="zone"') == 2
+
+
+def test_remarks_on_the_map_are_folded_and_none_is_lost() -> None:
+    page = warnings(
+        [],
+        [],
+        ["a note", "walls raised by 0.01 m", "ground at home -0.05 m"],
+        ("walls raised by 0.01 m", "ground at home -0.05 m"),
+    )
+    assert "<summary>2 remarks on the map</summary>" in page
+    assert page.index("a note") > page.index("</details>") or page.index("a note") < page.index("<details>")
+    assert all(words in page for words in ("walls raised by 0.01 m", "ground at home -0.05 m"))
+    assert "<details>" not in warnings([], [], ["a note", "one of the map"], ("one of the map",))

@@ -1,5 +1,6 @@
 """Surveys from their scenario to their flights, judged by dense samples and not by what planned them."""
 
+import html
 import json
 import re
 from itertools import pairwise
@@ -397,3 +398,34 @@ def test_a_remark_says_of_which_flights_it_is() -> None:
         (finding,) = flight.findings
         assert f"flight {n}: {finding.message}" in survey.remarks
     assert survey.notes == ()
+
+
+def test_a_survey_that_may_land_on_its_reserve_is_warned_of_and_offered_another_flight() -> None:
+    def planned(battery: dict[str, Any], **asked: Any) -> Survey:
+        vehicle = {"airframe": AIRFRAME, **battery}
+        return plan_survey(scenario=scenario(LINES | {"line_spacing": 40.0} | asked, vehicle=vehicle))
+
+    energy = planned({}).flights[0].energy
+    assert energy is not None
+    tight = {"battery": {"capacity_wh": (energy.between.likely + energy.between.high) / 2 / 0.8}}
+    one, two = planned(tight), planned(tight, flights=2)
+    needed, hint, more = one.warnings
+    assert needed.startswith(f"warning: the flight needs {energy.between.low:.0f} to {energy.between.high:.0f} Wh")
+    assert "learn" in hint
+    assert more == "hint: flights = 2 under [survey] leaves more in each battery"
+    assert one.notes == two.notes
+    assert two.warnings == ()
+
+
+def test_the_page_of_a_flight_has_no_remark_on_another(tmp_path: Path) -> None:
+    sheds = [SHED | {"east": 150.0, "north": north} for north in (60.0, 100.0)]
+    asked = LINES | {"flights": 2, "line_spacing": 40.0, "direction_deg": 0.0}
+    survey = plan_survey(scenario=scenario(asked, obstacles=sheds, safety={"returns": "planned"}))
+    assert any(note.startswith(("flight 1: ", "flight 2: ")) for note in survey.notes)
+    whole, *pages = (page.read_text() for page in survey.report(tmp_path))
+    for n, page in enumerate(pages, 1):
+        of_it = [note.removeprefix(f"flight {n}: ") for note in survey.notes]
+        before = page.partition("Before you fly")[2].partition("</section>")[0]
+        assert f"flight {3 - n}: " not in before
+        assert all(html.escape(note) in before for note in of_it if not note.startswith(f"flight {3 - n}: "))
+    assert '"MZ"' not in whole

@@ -1,7 +1,7 @@
 """What an engineer wants to know first: is it clear, how long will it fly, and what must be known before it does."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from html import escape
 
 from ipoa_mission.centimeters import down, up
@@ -74,8 +74,10 @@ def figures(
     return f'<dl class="figures">{"".join(cards)}</dl>'
 
 
-def warnings(dangers: Sequence[Danger], findings: Sequence[Finding], remarks: Sequence[str]) -> str:
-    """What must be known before flying, by weight: dangers, errors, warnings, and then what is merely told."""
+def warnings(
+    dangers: Sequence[Danger], findings: Sequence[Finding], remarks: Sequence[str], of_map: Collection[str] = ()
+) -> str:
+    """List what must be known before flying: dangers, errors, warnings, remarks; those `of_map` are folded."""
     if not dangers and not findings and not remarks:
         return ""
     rows = [f'<li class="bad">{escape(danger.words)}</li>' for danger in dangers]
@@ -84,7 +86,13 @@ def warnings(dangers: Sequence[Danger], findings: Sequence[Finding], remarks: Se
         look = "bad" if finding.severity is Severity.ERROR else "amber"
         rows.append(f'<li class="{look}">{escape(f"{finding.message}{hint}")}</li>')
     told = {words for finding in findings for words in (finding.message, finding.hint)}
-    rows += [f"<li>{escape(remark)}</li>" for remark in dict.fromkeys(remarks) if remark not in told]
+    plain = [remark for remark in dict.fromkeys(remarks) if remark not in told]
+    folded = [f"<li>{escape(remark)}</li>" for remark in plain if remark in of_map]
+    if len(folded) > 1:
+        plain = [remark for remark in plain if remark not in of_map]
+        summary = f"{len(folded)} remarks on the map"
+        rows.append(f"<li><details><summary>{summary}</summary><ul>{''.join(folded)}</ul></details></li>")
+    rows += [f"<li>{escape(remark)}</li>" for remark in plain]
     look = "warnings bad" if dangers else "warnings"
     return f'<section class="{look}"><h2>Before you fly</h2><ul>{"".join(rows)}</ul></section>'
 

@@ -11,7 +11,7 @@ from ipoa_mission.report.words import meters, number, seconds
 from ipoa_mission.survey.plan import SurveyPlan
 
 MARGIN = 0.03  # of the map's width round the area
-HUES = 47  # degrees between the colors of one flight and the next
+HUES = (210, 35, 285, 150, 325, 75)  # of the flights, far from each other and from the red of gaps [deg]
 HEAD = ("flight", "lines", "photos", "takes", "energy, Wh", "least clearance")
 
 
@@ -22,7 +22,8 @@ def survey_panel(plan: SurveyPlan, names: Sequence[str]) -> str:
     flown = f" As flown it is {number(down(100 * plan.flown.share), 2)} %." if plan.flown else ""
     note = (
         f"{number(down(100 * seen.share), 2)} % of what can be seen of {number(area.area / 1e4, 2)} ha is seen, by "
-        f"lines {meters(plan.sight.spacing, 1)} apart; shaded is what is seen; a color for each flight, gaps in red."
+        f"lines {meters(plan.sight.spacing, 1)} apart; shaded is what is seen; a color for each flight, by the table "
+        f"below; gaps in red."
         f"{flown}{overlap}"
     )
     return f'<section><h2>Survey</h2><p class="note">{note}</p>{_map(plan)}{_table(plan, names)}</section>'
@@ -60,13 +61,15 @@ def _map(plan: SurveyPlan) -> str:
 
 
 def _hue(flight: int) -> str:
-    return f"hsl({(210 + flight * HUES) % 360} 65% 48%)"
+    return f"hsl({HUES[flight % len(HUES)]} 65% {48 if flight // len(HUES) % 2 == 0 else 30}%)"
 
 
 def _rings(shape: Any) -> str:
     polygons = [part for part in shapely.get_parts(shape) if part.geom_type == "Polygon"]
     rings = (shapely.get_coordinates(ring) for part in polygons for ring in (part.exterior, *part.interiors))
-    return "".join("M" + "L".join(f"{east:.1f} {north:.1f}" for east, north in ring) + "Z" for ring in rings)
+    return "".join(
+        "M" + "L".join(f"{east:.1f} {north:.1f}" for east, north in ring) + "Z" for ring in rings if len(ring)
+    )
 
 
 def _table(plan: SurveyPlan, names: Sequence[str]) -> str:
