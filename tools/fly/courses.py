@@ -28,7 +28,7 @@ def slalom(rng: random.Random, count: int) -> Course:
     masts, via = [], []
     for n in range(count):
         east, north = spacing * (n + 1), rng.uniform(-8, 8)
-        masts.append(_mast(n, east, north, radius, 60.0))
+        masts.append(mast(n, east, north, radius, 60.0))
         via.append((east, north + (radius + beside) * (1 if n % 2 else -1), 15.0 + rng.uniform(-3, 3)))
     return _course(via, masts, rng.uniform(6, 9))
 
@@ -42,7 +42,7 @@ def lawn(rng: random.Random, count: int) -> Course:
         via += [(*end, 9.0) for end in (ends if n % 2 == 0 else ends[::-1])]
         if n < count - 1:
             places = [25.0 + k * 22.0 for k in range(int(long // 22.0))]
-            trees += [_mast(100 * n + k, x, row * (n + 0.5), 1.5, tall) for k, x in enumerate(places)]
+            trees += [mast(100 * n + k, x, row * (n + 0.5), 1.5, tall) for k, x in enumerate(places)]
     return _course(via, trees, rng.uniform(5, 7))
 
 
@@ -52,7 +52,7 @@ def perimeters(rng: random.Random, count: int) -> Course:
     for n in range(count):
         wide, deep, beside, up = rng.uniform(30, 55), rng.uniform(25, 45), rng.uniform(4.5, 6.5), rng.uniform(10, 18)
         east += wide / 2
-        blocks.append(_block(n, east, 0.0, wide, deep, up + 15.0))
+        blocks.append(box(n, east, 0.0, wide, deep, up + 15.0))
         w, d = wide / 2 + beside, deep / 2 + beside
         via += [(east + x, y, up) for x, y in ((-w, -d), (-w, d), (w, d), (w, -d))]
         east += wide / 2 + 30.0
@@ -65,7 +65,7 @@ def hurdles(rng: random.Random, count: int) -> Course:
     for n in range(count):
         tall = rng.uniform(8, 20)
         east += rng.uniform(35, 60)
-        walls.append(_block(n, east, 0.0, 6.0, 60.0, tall))
+        walls.append(box(n, east, 0.0, 6.0, 60.0, tall))
         via.append((east, rng.uniform(-5, 5), tall + rng.uniform(5.0, 6.5)))
         east += rng.uniform(35, 60)
         via.append((east, rng.uniform(-10, 10), max(tall - 4.0, 8.0)))
@@ -79,7 +79,7 @@ def gates(rng: random.Random, count: int) -> Course:
         gap, north = rng.uniform(11, 14), rng.uniform(-18, 18)
         east += rng.uniform(55, 85)
         for k, side in enumerate((-1, 1)):
-            walls.append(_block(10 * n + k, east, north + side * (gap / 2 + 15.0), 5.0, 30.0, 40.0))
+            walls.append(box(10 * n + k, east, north + side * (gap / 2 + 15.0), 5.0, 30.0, 40.0))
         via += [(east - 14.0, north, 14.0), (east + 14.0, north, 14.0)]
     return _course(via, walls, rng.uniform(5, 8))
 
@@ -100,7 +100,7 @@ def free(rng: random.Random, kind: int) -> Course:
     for n in range(rng.randint(1, 3)):
         share = (n + 1) / 4
         place = (goal[0] * share + rng.uniform(-8, 8), goal[1] * share + rng.uniform(-8, 8))
-        course["obstacles"].append(_mast(n, *place, rng.uniform(3, 9), 60.0))
+        course["obstacles"].append(mast(n, *place, rng.uniform(3, 9), 60.0))
     course["route"]["ending"] = "rtl" if kind % 4 in (1, 3) else "land"
     if kind % 4 == 3:  # a return to a rally point beside the goal
         course["rally"] = [{"east": goal[0] + 25.0, "north": goal[1] - 20.0, "up": rng.choice((10.0, 25.0))}]
@@ -122,7 +122,7 @@ def town(rng: random.Random, count: int) -> Course:
     block, street = rng.uniform(28, 36), rng.uniform(18, 22)
     pitch, up = block + street, rng.uniform(14, 20)
     blocks = [
-        _block(10 * i + j, (i + 0.5) * pitch, (j + 0.5) * pitch, block, block, rng.choice((8, 12, 18, 26, 38, 55, 70)))
+        box(10 * i + j, (i + 0.5) * pitch, (j + 0.5) * pitch, block, block, rng.choice((8, 12, 18, 26, 38, 55, 70)))
         for i in range(-1, count)
         for j in range(-1, count)
     ]
@@ -143,10 +143,10 @@ def yard(rng: random.Random, count: int) -> Course:
             continue
         kind, n = rng.random(), len(things)
         if kind < 0.4:
-            things.append(_mast(n, east, north, rng.uniform(1, 4), rng.uniform(15, 70)))
+            things.append(mast(n, east, north, rng.uniform(1, 4), rng.uniform(15, 70)))
         elif kind < 0.8:
             turned = {"heading_deg": rng.uniform(0, 90)}
-            things.append(_block(n, east, north, rng.uniform(6, 14), 6.0, rng.uniform(6, 30)) | turned)
+            things.append(box(n, east, north, rng.uniform(6, 14), 6.0, rng.uniform(6, 30)) | turned)
         else:
             ball = {"kind": "sphere", "name": f"balloon {n}", "radius": rng.uniform(2, 4)}
             things.append(ball | {"east": east, "north": north, "up": rng.uniform(20, 45)})
@@ -185,11 +185,11 @@ def broken_off(number: int) -> Course:
     return course
 
 
-def _mast(n: int, east: float, north: float, radius: float, height: float) -> Course:
+def mast(n: int, east: float, north: float, radius: float, height: float) -> Course:
     return {"kind": "cylinder", "name": f"mast {n}", "east": east, "north": north, "radius": radius, "height": height}
 
 
-def _block(n: int, east: float, north: float, width: float, depth: float, height: float) -> Course:
+def box(n: int, east: float, north: float, width: float, depth: float, height: float) -> Course:
     size = {"width": width, "depth": depth, "height": height}
     return {"kind": "box", "name": f"block {n}", "east": east, "north": north, **size}
 
@@ -252,7 +252,7 @@ def as_toml(course: Course) -> str:
 def _value(value: Any) -> str:
     if isinstance(value, str):
         return f'"{value}"'
-    if isinstance(value, list):
+    if isinstance(value, list | tuple):
         return f"[{', '.join(map(_value, value))}]"
     if isinstance(value, dict):
         return f"{{ {', '.join(f'{name} = {_value(one)}' for name, one in value.items())} }}"

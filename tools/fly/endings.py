@@ -12,28 +12,22 @@ from the seed alone. A simulator is started for every order, and stopped again. 
 import argparse
 import json
 import math
-import os
 import random
-import shlex
 import shutil
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ipoa_mission import connect
 from ipoa_mission.errors import MissionError
-from ipoa_mission.flight.procedure import load_mission
 from ipoa_mission.forecast.endings import Endings
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.codec import Target
-from ipoa_mission.link.conversations import MissionRefused
-from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, CommandAck, CommandLong, Heartbeat, Message, ParamSet
 from ipoa_mission.link.orders import spelled_parameter
 from ipoa_mission.link.vehicle import Vehicle
@@ -42,21 +36,18 @@ from ipoa_mission.mission.files import read_mission
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from ipoa_mission.vehicles.ending import Ending
-from ipoa_mission.wind import Wind
 from tools import command_line
 from tools.fly.causes import TRIGGERS, Trigger
 from tools.fly.ended_flight import flight_from
+from tools.fly.simulators import connected, load, newest_log, set_up, simulation
 
 WEIGHTS = {Ending.RTL: 5, Ending.LAND: 3, Ending.SMART_RTL: 2, Ending.HOLD: 2}
 HOLDS_S = 20.0  # a hold is watched for so long
 PATIENCE_S = 500.0  # after the order, by the vehicle's clock
 UNHEARD_S = 90.0  # a silence, or a failsafe that does nothing, is waited for so long
 INT32, REAL32 = 6, 9  # MAV_PARAM_TYPE
-BOOTS_S = 60.0
 INJECT_FAILURE = 420  # MAV_CMD_INJECT_FAILURE
 TRAFFIC_S = 20.0  # so long an aircraft is told of, by the vehicle's clock
-TRANSFERS = 5
-EVERYWHERE = 1.0  # SIM_WIND_T: as strong near the ground
 
 
 @dataclass(frozen=True)
@@ -189,53 +180,6 @@ class Breaker:
         self.vehicle.line.send(message, Target(self.vehicle.system, AUTOPILOT_COMPONENT))
 
 
-@contextmanager
-def simulation(words: str, folder: Path, silent: bool = False) -> Iterator[None]:
-    """A simulator while it is used, its own words beside its logs."""
-    folder.mkdir(parents=True, exist_ok=True)
-    with (folder.parent / f"{folder.name}.out").open("w") as out:
-        running = subprocess.Popen(shlex.split(words), start_new_session=True, stdout=out, stderr=out)
-        try:
-            yield
-        finally:
-            with suppress(ProcessLookupError):
-                os.killpg(running.pid, signal.SIGTERM)
-            try:
-                running.wait(timeout=10.0)
-            except subprocess.TimeoutExpired:
-                os.killpg(running.pid, signal.SIGKILL)
-                running.wait(timeout=10.0)
-
-
-def connected(link: str) -> Vehicle:
-    """A simulator that has just been started is waited for."""
-    until = time.monotonic() + BOOTS_S
-    while True:
-        try:
-            return connect(link)
-        except MissionError:
-            if time.monotonic() > until:
-                raise
-            time.sleep(0.3)
-
-
-def set_up(vehicle: Vehicle, wind: Wind) -> dict[str, float]:
-    """What the simulation is told before: its wind, and to have in its log when it was armed."""
-    if vehicle.autopilot is Autopilot.PX4:
-        return {}
-    air = {"SIM_WIND_SPD": wind.speed, "SIM_WIND_DIR": wind.from_deg % 360.0, "SIM_WIND_T": EVERYWHERE}
-    return {"LOG_DISARMED": 1.0, **(air if wind.speed > 0.0 else {})}
-
-
-def load(vehicle: Vehicle, forecast: Forecast) -> None:
-    """Upload it; a simulator many times as fast as real may give up a transfer in between."""
-    for _ in range(TRANSFERS - 1):
-        with suppress(MissionRefused, NoAnswer):
-            load_mission(vehicle, forecast, set_params=True, anyway=True)
-            return
-    load_mission(vehicle, forecast, set_params=True, anyway=True)
-
-
 def began_with(trigger: Trigger | None, path: Path) -> Path:
     """A file of what has to be set before the simulator starts, as a receiver that it is to have."""
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -269,12 +213,10 @@ def fly(order: Order, forecast: Forecast, given: argparse.Namespace) -> dict[str
     )
     with simulation(words, folder), connected(given.link) as vehicle:
         breaker = Breaker(vehicle, order, trigger)
-        while not ((at := vehicle.home()) and at.latitude_deg):
-            time.sleep(0.2)
-        own = forecast.world.vehicle.autopilot_parameters()
-        for name, value in {**set_up(vehicle, forecast.wind), **own}.items():
+        set_up(vehicle, forecast.wind)
+        for name, value in forecast.world.vehicle.autopilot_parameters().items():
             vehicle.set_parameter(name, value)
-        load(vehicle, over_terrain(forecast) if trigger and trigger.over_terrain else forecast)
+        load(vehicle, over_terrain(forecast) if trigger and trigger.over_terrain else forecast, anyway=True)
         for name, value in (trigger.before if trigger else {}).items():
             vehicle.set_parameter(name, value)
         vehicle.overhearing = breaker.hear
@@ -287,10 +229,9 @@ def fly(order: Order, forecast: Forecast, given: argparse.Namespace) -> dict[str
     if trigger:
         told |= {"cause": trigger.cause, "before": dict(trigger.before)}
     told["ordered_s"] = breaker.done_s - breaker.armed_s
-    logs = sorted((*folder.rglob("*.BIN"), *folder.rglob("*.ulg")), key=lambda log: log.stat().st_mtime)
     out = given.out / order.name
     out.mkdir(parents=True, exist_ok=True)
-    flight_from(logs[-1], forecast.mission.home).write(out)
+    flight_from(newest_log(folder), forecast.mission.home).write(out)
     (out / "order.json").write_text(json.dumps(told, indent=1), encoding="utf-8")
     return told
 

@@ -30,8 +30,8 @@ from ipoa_mission.vehicles.arducopter.dataflash import read_records
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from tools import command_line
 from tools.fly.ended_flight import flight_from
-from tools.fly.endings import connected, set_up, simulation
 from tools.fly.flown import ARMED_STATE
+from tools.fly.simulators import connected, newest_log, set_up, simulation
 
 COUNT = 20
 HOME = {"latitude_deg": 47.397742, "longitude_deg": 8.545594, "altitude_amsl": 488.0}
@@ -121,14 +121,10 @@ def flown(survey: Survey, given: argparse.Namespace) -> tuple[FlightRecord, Path
         latitude=home.latitude_deg, longitude=home.longitude_deg, altitude=home.altitude, folder=folder
     )
     with simulation(words, folder), connected(given.link) as vehicle:
-        while not ((at := vehicle.home()) and at.latitude_deg):
-            time.sleep(0.2)
-        for name, value in set_up(vehicle, forecast.wind).items():
-            vehicle.set_parameter(name, value)
+        set_up(vehicle, forecast.wind)
         record = fly_forecast(vehicle, forecast, set_params=True, anyway=False)
         time.sleep(1.0)  # the log's last lines are written
-    logs = sorted((*folder.rglob("*.BIN"), *folder.rglob("*.ulg")), key=lambda log: log.stat().st_mtime)
-    return record, logs[-1]
+    return record, newest_log(folder)
 
 
 def seen_by(survey: Survey, log: Path) -> tuple[AsFlown, AsFlown]:

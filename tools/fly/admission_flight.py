@@ -1,0 +1,289 @@
+"""One flight of an admission: planned, flown on a simulator, watched for a fly-away, and held against its forecast.
+
+The folder of a flight, SCENE-AUTOPILOT__N, has what `tools.fly.flown` reads of one that was completed (`mission.plan`,
+`track.csv`, `times.json`), and `outcome.json` of every one that was begun.
+"""
+
+import json
+import math
+import shutil
+import time
+from contextlib import nullcontext
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ipoa_mission import plan_flight
+from ipoa_mission.flight.procedure import begin_mission
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.geometry import Points
+from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.link.messages import Message
+from ipoa_mission.link.telemetry import Position
+from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.landing_ground import landing_on
+from ipoa_mission.mission.plan_file import write_plan
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.version import Version
+from ipoa_mission.wind import CALM
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+from tools.fly.admission_scenes import as_flown_by
+from tools.fly.ended_flight import flight_from
+from tools.fly.flown import Flown, read_flown
+from tools.fly.judge import plan_digits
+from tools.fly.simulators import connected, load, newest_log, set_up, simulation
+
+AWAY = 50.0  # who is farther from the whole predicted path than this flies away [m]
+LATE, LATE_S = 1.5, 60.0  # who flies longer than that many times the end of the interval and so many seconds is late
+LEVEL = 0.99
+COMPLETED, FLEW_AWAY, NOT_COMPLETED = "completed", "fly-away", "not completed"
+REFUSED, NOT_FLOWN = "refused", "not flown"
+
+
+@dataclass(frozen=True)
+class Simulator:
+    """How a simulator is started and reached; `start` and `logs` have {instance}, {folder} and the home's {latitude},
+    {longitude} and {altitude}. Without `start` one that runs is flown on.
+    """
+
+    link: str
+    instance: int
+    work: Path
+    start: str | None = None
+    logs: str | None = None
+
+    def words(self, command: str, home: Geodetic) -> str:
+        """A command, or a folder, with its fields filled in."""
+        return command.format(
+            instance=self.instance,
+            folder=self.folder,
+            latitude=home.latitude_deg,
+            longitude=home.longitude_deg,
+            altitude=home.altitude,
+        )
+
+    @property
+    def folder(self) -> Path:
+        """Where it may keep its files; empty before every flight."""
+        return self.work / f"instance{self.instance}"
+
+
+@dataclass(frozen=True)
+class Row:
+    """A flight: times from arming [s], distances on the way from take-off to the last waypoint [m].
+
+    `surplus` is what was truly kept more than required, `over_promise` more than 99 % of flights keep; `required`,
+    `kept_99`, `least` and `to` are of the limit with the least `over_promise`. `astray` is the farthest that it was
+    from its predicted path; `truth` is where the track is from: the simulator's log, or the vehicle's own position.
+    """
+
+    scene: str
+    autopilot: str
+    flight: int
+    version: str
+    outcome: str
+    why: str = ""
+    plan: str = ""
+    required: float = math.nan
+    kept_99: float = math.nan
+    least: float = math.nan
+    to: str = ""
+    surplus: float = math.nan
+    over_promise: float = math.nan
+    estimated_route_s: float = math.nan
+    flown_route_s: float = math.nan
+    estimated_s: float = math.nan
+    low_s: float = math.nan
+    high_s: float = math.nan
+    flown_s: float = math.nan
+    items: int = 0
+    inside: int = 0
+    astray: float = math.nan
+    truth: str = ""
+
+    @property
+    def route_off(self) -> float:
+        """By which share of the flown time the estimate to the last waypoint is too long."""
+        return self.estimated_route_s / self.flown_route_s - 1.0
+
+
+class Broken(Exception):
+    """A flight is not watched any longer: it flies away, or will not end."""
+
+    def __init__(self, outcome: str, why: str) -> None:
+        super().__init__(why)
+        self.outcome = outcome
+
+
+class Watch:
+    """Hears a vehicle in flight, and ends a flight that leaves its predicted path or does not end."""
+
+    def __init__(self, vehicle: Vehicle, forecast: Forecast) -> None:
+        estimate = forecast.estimate
+        self._vehicle, self._frame = vehicle, forecast.frame
+        points = estimate.track.points
+        self._way = np.vstack([points, points[-1] * (1.0, 1.0, 0.0)])  # its simulator's ground is level
+        self._ends_s = LATE * estimate.high_s + LATE_S
+        self._armed_s = math.nan
+        self.astray = 0.0
+
+    def hear(self, message: Message) -> None:
+        """A message of the vehicle."""
+        if not isinstance(message, Position) or not self._vehicle.state.armed:
+            return
+        if math.isnan(self._armed_s):
+            self._armed_s = message.time_s
+        place = self._frame.local(Geodetic(message.latitude_deg, message.longitude_deg, message.altitude))
+        away, since = beside(self._way, place), message.time_s - self._armed_s
+        self.astray = max(self.astray, away)
+        current = self._vehicle.state.current
+        item = "" if current is None else f" at item {current.seq + 1 - self._vehicle.autopilot.counts_home}"
+        if away > AWAY:
+            raise Broken(FLEW_AWAY, f"{away:.0f} m from its path after {since:.0f} s{item}, {place[2]:.0f} m up")
+        if since > self._ends_s:
+            raise Broken(NOT_COMPLETED, f"not down after {since:.0f} s{item}")
+
+
+def beside(way: Points, place: Points) -> float:
+    """How far a place (3,) is from a polyline (n, 3) [m]."""
+    start, along = way[:-1], np.diff(way, axis=0)
+    squared = np.maximum(np.sum(along**2, axis=1), 1e-9)
+    share = np.clip(np.sum((place - start) * along, axis=1) / squared, 0.0, 1.0)
+    return float(np.linalg.norm(place - start - share[:, None] * along, axis=1).min())
+
+
+def planned(path: Path, autopilot: Autopilot, version: Version | None) -> tuple[Scenario, Mission]:
+    """The scenario as it is flown, and the mission for it; PX4's own simulator has no wind.
+
+    Raises:
+        MissionError: it is refused.
+    """
+    scenario = as_flown_by(path, autopilot)
+    if autopilot is Autopilot.PX4:
+        scenario = scenario.in_wind(CALM)
+    if version is not None and version.series in autopilot.tables.series:
+        vehicle = scenario.vehicle.model_copy(update={"firmware_version": str(version)})
+        scenario = scenario.model_copy(update={"vehicle": vehicle})
+    return scenario, plan_flight(scenario).forecast.given
+
+
+def fly(scenario: Scenario, mission: Mission, simulator: Simulator, folder: Path) -> None:
+    """Fly a mission, and keep in the folder what became of it.
+
+    Raises:
+        MissionError, OSError: it did not come to a flight.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    write_plan(mission, folder / "mission.plan")
+    shutil.rmtree(simulator.folder, ignore_errors=True)
+    home, began = mission.home, time.time()
+    start = simulator.start and simulator.words(simulator.start, home)
+    with simulation(start, simulator.folder) if start else nullcontext(), connected(simulator.link) as vehicle:
+        forecast = Forecast(mission, scenario).on(vehicle.firmware_version())
+        watch = Watch(vehicle, forecast)
+        set_up(vehicle, forecast.wind)
+        load(vehicle, forecast)
+        vehicle.overhearing = watch.hear
+        outcome, why = COMPLETED, ""
+        try:
+            record = begin_mission(vehicle, forecast)
+            if not record.completed:
+                outcome, why = NOT_COMPLETED, record.why_not
+        except Broken as broken:
+            outcome, why = broken.outcome, str(broken)
+            record = vehicle.record()
+            if start is None:
+                vehicle.overhearing = lambda message: None
+                vehicle.return_to_launch()
+                vehicle.watch()
+        version = vehicle.firmware_version()
+        time.sleep(0.5)  # the log's last lines are written
+    logs = Path(simulator.words(simulator.logs or "{folder}", home))
+    track, truth = _track(logs, began, record, home)
+    _write(folder, record, track, outcome=outcome, why=why, version=str(version), truth=truth, astray=watch.astray)
+
+
+def _track(logs: Path, began: float, record: FlightRecord, home: Geodetic) -> tuple[Points, str]:
+    """Seconds from arming, latitude, longitude, height above the ground at home, (n, 4); and where they are from."""
+    try:
+        log = newest_log(logs)
+        if log.stat().st_mtime >= began:
+            flight = flight_from(log, home)
+            latitude, longitude, altitude = LocalFrame(home).to_geodetic(flight.track[:, 1:])
+            return np.column_stack([flight.track[:, 0], latitude, longitude, altitude - home.altitude]), "log"
+    except (ValueError, IndexError, KeyError, OSError):
+        pass
+    path = [(at.time_s, at.latitude_deg, at.longitude_deg, at.height) for at in record.path]
+    return np.array(path).reshape(-1, 4), "own position"
+
+
+def _write(folder: Path, record: FlightRecord, track: Points, **outcome: Any) -> None:
+    head = "s,latitude,longitude,height"
+    digits = ["%.2f", "%.8f", "%.8f", "%.3f"]
+    np.savetxt(folder / "track.csv", track, fmt=digits, delimiter=",", header=head, comments="")
+    items = [{"seq": index + 1, "done_s": round(at, 3)} for index, at in sorted(record.item_reached_s.items())]
+    times = {"flown_s": round(record.total_s, 3), "items": items}
+    if outcome["outcome"] == COMPLETED:
+        (folder / "times.json").write_text(json.dumps(times, indent=1), encoding="utf-8")
+    (folder / "outcome.json").write_text(json.dumps({**outcome, **times}, indent=1), encoding="utf-8")
+
+
+def judged(folder: Path, scenario: Scenario) -> Row:
+    """A flight that was begun, against the forecast of its version."""
+    stem, number = folder.name.split("__")
+    name, autopilot = stem.rsplit("-", 1)
+    told: dict[str, Any] = json.loads((folder / "outcome.json").read_text(encoding="utf-8"))
+    plan = plan_digits(folder / "mission.plan")
+    row = Row(name, autopilot, int(number), told["version"], told["outcome"], told["why"], plan, truth=told["truth"])
+    row = replace(row, astray=round(told["astray"], 2))
+    if told["outcome"] != COMPLETED:
+        return row
+    version = None if told["version"] == "None" else Version.parsed(told["version"])
+    flown = read_flown(folder, {})
+    mission = replace(flown.mission, firmware_version=version)
+    row = _with_distances(row, flown, Forecast(mission, _confident(scenario)))
+    expected = Forecast(landing_on(mission.assuming(scenario.vehicle.autopilot_parameters()), 0.0)).estimate
+    done = {item["seq"]: float(item["done_s"]) for item in told["items"]}
+    items = [item for item in expected.items if item.seq in done]
+    end = expected.items[-1]
+    last = [item for item in items if item.seq < end.seq][-1]
+    return replace(
+        row,
+        estimated_route_s=round(last.done_s, 2),
+        flown_route_s=round(done[last.seq], 2),
+        estimated_s=round(end.done_s, 2),
+        low_s=round(end.low_s, 2),
+        high_s=round(end.high_s, 2),
+        flown_s=round(told["flown_s"], 2),
+        items=len(items),
+        inside=sum(item.low_s <= done[item.seq] <= item.high_s for item in items),
+    )
+
+
+def _confident(scenario: Scenario) -> Scenario:
+    return scenario.model_copy(update={"safety": scenario.safety.model_copy(update={"confidence": LEVEL})})
+
+
+def _with_distances(row: Row, flown: Flown, forecast: Forecast) -> Row:
+    """What it truly kept of obstacles and ground, against what is required and promised on the way."""
+    air, way = forecast.world.airspace, flown.on_the_way
+    found = {"obstacles": air.obstacle_clearance(way), "ground": air.terrain_clearance(way)}
+    held = [kept for kept in forecast.promise.limits if kept.on_the_way and kept.limit in found]
+    if not held:
+        return row
+    surplus = min(found[kept.limit].distance - kept.required for kept in held)
+    least = min(held, key=lambda kept: found[kept.limit].distance - kept.kept)
+    nearest = found[least.limit]
+    return replace(
+        row,
+        required=round(least.required, 3),
+        kept_99=round(least.kept, 3),
+        least=round(float(nearest.distance), 3),
+        to=nearest.what,
+        surplus=round(float(surplus), 3),
+        over_promise=round(float(nearest.distance - least.kept), 3),
+    )

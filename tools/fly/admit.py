@@ -1,0 +1,300 @@
+"""Fly the admission set on a simulator of a real autopilot, and say whether its version counts as measured.
+
+    python -m tools.fly.admit --autopilot px4 --sitl udpin:127.0.0.1:14540 --out DIR \\
+        --start "COMMAND {instance} {latitude} {longitude} {altitude}" --logs "FOLDER/{instance}" --jobs 2
+
+The set: the shipped scenarios, those of `--scenarios`, and random ones of `--seed` until there are `--count`; one that
+is refused is left out, and counted. `--start` starts a simulator for each flight, and it is stopped afterwards; without
+it a simulator that runs is flown on, which must stand at each scenario's home. The link of instance N is that of
+`--sitl`, its port N (PX4) or 10 N (ArduPilot) higher. The true track comes from the newest log in `--logs` (default
+`{folder}`, a folder for each instance that `--start` may name too), else from the vehicle's own position.
+
+DIR/admission.csv has a line a flight, and a folder for each. What it has is not flown again; `--judge` holds the
+recorded flights against today's forecast, and flies nothing. Exit code 0: measured; 1: not.
+"""
+
+import argparse
+import csv
+import math
+import multiprocessing
+import re
+import signal
+import sys
+from collections.abc import Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from contextlib import nullcontext
+from dataclasses import asdict, dataclass, fields, replace
+from itertools import chain, count
+from pathlib import Path
+from typing import Any, get_type_hints
+
+import numpy as np
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.files import write_atomically
+from ipoa_mission.scenario import read_scenario
+from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
+from ipoa_mission.vehicles.version import Version
+from tools import command_line
+from tools.fly.admission_flight import (
+    COMPLETED,
+    FLEW_AWAY,
+    NOT_COMPLETED,
+    NOT_FLOWN,
+    REFUSED,
+    Row,
+    Simulator,
+    fly,
+    judged,
+    planned,
+)
+from tools.fly.admission_scenes import as_flown_by, scene_name, shipped, written
+from tools.fly.simulators import connected, simulation
+
+KEPT_BY = 0.98  # of the flights must keep what 99 % are to keep
+ROUTE_MEDIAN, ROUTE_WORST = 0.015, 0.06  # error of the time to the last waypoint
+ROUNDING = 0.005  # [m]
+PORT_STEP = {Autopilot.PX4: 1, Autopilot.ARDUPILOT: 10}
+PLANS_S = 300  # who plans longer is refused [s]
+
+
+@dataclass(frozen=True)
+class Task:
+    """One flight that is to be flown: of a scenario's file, or of the random scene of a number."""
+
+    name: str
+    flight: int
+    path: Path | None
+    number: int = -1
+
+
+@dataclass(frozen=True)
+class Work:
+    """What each flight is flown with."""
+
+    autopilot: Autopilot
+    out: Path
+    seed: int
+    version: Version | None
+    simulator: Simulator
+
+    def folder(self, task: Task) -> Path:
+        """Of one flight."""
+        return self.out / f"{task.name}-{self.autopilot}__{task.flight}"
+
+    def scenario_file(self, task: Task) -> Path:
+        """Of one flight; a random scene's is made."""
+        if task.path is not None:
+            return task.path
+        folder = self.folder(task)
+        folder.mkdir(parents=True, exist_ok=True)
+        return written(task.number, self.seed, self.autopilot, folder / f"{task.name}-{self.autopilot}.toml")
+
+
+_own: list[int] = []
+
+
+def _begin(instances: Any) -> None:
+    _own.append(instances.get())
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that its simulator ends with it
+
+
+def _too_long(*_: object) -> None:
+    raise MissionError(f"not planned within {PLANS_S} s")
+
+
+def one_flight(task: Task, work: Work) -> Row:
+    """Plan, fly and judge, on the simulator of this process."""
+    simulator = replace(work.simulator, instance=_own[0], link=link_of(work.simulator.link, work.autopilot, _own[0]))
+    row = Row(task.name, str(work.autopilot), task.flight, str(work.version), NOT_FLOWN)
+    folder = work.folder(task)
+    signal.signal(signal.SIGALRM, _too_long)
+    signal.alarm(PLANS_S)
+    try:
+        scenario, mission = planned(work.scenario_file(task), work.autopilot, work.version)
+    except MissionError as error:
+        return replace(row, outcome=REFUSED, why=str(error))
+    finally:
+        signal.alarm(0)
+    try:
+        fly(scenario, mission, simulator, folder)
+        return judged(folder, scenario)
+    except (MissionError, OSError) as error:
+        return replace(row, why=" ".join((type(error).__name__, str(error), getattr(error, "hint", "") or "")))
+
+
+def link_of(link: str, autopilot: Autopilot, instance: int) -> str:
+    """The link of an instance: its port is so much higher than the first one's."""
+    return re.sub(r"\d+$", lambda port: str(int(port[0]) + PORT_STEP[autopilot] * instance), link)
+
+
+def scenario_files(given: argparse.Namespace) -> dict[str, Path]:
+    """The scenarios that are no random scenes, by name."""
+    folders = ((sorted(one.glob("*.toml")) if one.is_dir() else [one]) for one in given.scenarios)
+    return {path.stem: path for path in chain(shipped(), *folders)}
+
+
+def tasks(given: argparse.Namespace, rows: list[Row]) -> Iterator[Task | None]:
+    """What is to be flown, in order; None where nothing more is, unless one under way is refused.
+
+    `rows` grows meanwhile.
+    """
+    done = {(row.scene, row.flight) for row in rows}
+    begun = sum(row.outcome != REFUSED for row in rows)
+    fixed = ((name, path, -1) for name, path in scenario_files(given).items())
+    random = ((scene_name(number, given.seed), None, number) for number in count())
+    refused = sum(row.outcome == REFUSED for row in rows)
+    for (name, path, number), flight in ((one, n) for one in chain(fixed, random) for n in range(given.times)):
+        if (name, flight) in done:
+            continue
+        while begun - (sum(row.outcome == REFUSED for row in rows) - refused) >= given.count:
+            yield None
+        begun += 1
+        yield Task(name, flight, path, number)
+
+
+def fly_all(given: argparse.Namespace, work: Work, rows: list[Row], path: Path) -> None:
+    """Fly what the file does not have yet, so many at a time."""
+    instances = multiprocessing.Manager().Queue()
+    for instance in range(given.jobs):
+        instances.put(given.instance + instance)
+    under_way: set[Future[Row]] = set()
+    to_fly = tasks(given, rows)
+    with ProcessPoolExecutor(given.jobs, initializer=_begin, initargs=(instances,)) as pool:
+        while True:
+            while len(under_way) < given.jobs and (task := next(to_fly)) is not None:
+                under_way.add(pool.submit(one_flight, task, work))
+            if not under_way:
+                return
+            ended, under_way = wait(under_way, return_when=FIRST_COMPLETED)
+            for one in ended:
+                rows.append(one.result())
+                write_rows(path, rows)
+                print(words(rows[-1]), flush=True)
+
+
+def words(row: Row) -> str:
+    """A flight in a line."""
+    if row.outcome != COMPLETED:
+        return f"{row.scene} {row.flight}: {row.outcome}: {row.why}"
+    return (
+        f"{row.scene} {row.flight}: {row.outcome}; to the last waypoint {100 * row.route_off:+.1f} % of "
+        f"{row.flown_route_s:.1f} s; {row.surplus:+.2f} m to what is required, {row.over_promise:+.2f} m to what 99 % "
+        f"keep of {row.to}; astray {row.astray:.1f} m; by {row.truth}"
+    )
+
+
+def verdict(rows: list[Row], asked: int) -> tuple[bool, list[str]]:
+    """Whether the version is measured, and what was found."""
+    flown = [row for row in rows if row.outcome in (COMPLETED, FLEW_AWAY, NOT_COMPLETED)]
+    completed = [row for row in flown if row.outcome == COMPLETED]
+    near = [row for row in completed if row.surplus < -ROUNDING]
+    short = [row for row in completed if row.over_promise < -ROUNDING]
+    off = np.array([abs(row.route_off) for row in completed])
+    median, worst = (float(np.median(off)), float(off.max())) if len(off) else (math.nan, math.nan)
+    slow = [row for row in completed if abs(row.route_off) > ROUTE_WORST]
+    away, broken_off = ([row for row in flown if row.outcome == one] for one in (FLEW_AWAY, NOT_COMPLETED))
+    total = sum(row.outcome == REFUSED for row in rows)
+    allowed = math.floor((1.0 - KEPT_BY) * len(flown) + 1e-9)
+    found = [
+        (len(flown) >= asked, f"{len(flown)} of {asked} flights flown, {total} scenes refused", []),
+        (not away, f"{len(away)} flew away", away),
+        (not broken_off, f"{len(broken_off)} were not completed", broken_off),
+        (not near, f"{len(near)} came nearer than required", near),
+        (len(short) <= allowed, f"{len(short)} kept less than 99 % keep; {allowed} may", short),
+        (median <= ROUTE_MEDIAN, f"to the last waypoint {100 * median:.2f} % off in the median", []),
+        (worst <= ROUTE_WORST, f"to the last waypoint {100 * worst:.1f} % off at worst", slow),
+    ]
+    told = [f"{'ok ' if holds else 'NO '} {said}" for holds, said, _ in found]
+    told += [f"    {words(row)}" for *_, some in found for row in some]
+    lost = [row for row in rows if row.outcome == NOT_FLOWN]
+    told += [f"    {words(row)}" for row in lost]
+    return all(holds for holds, *_ in found), told
+
+
+def read_rows(path: Path) -> list[Row]:
+    """Those of a run before, if there was one, without what did not come to a flight."""
+    if not path.exists():
+        return []
+    kinds = get_type_hints(Row)
+    with path.open(encoding="utf-8", newline="") as lines:
+        rows = [Row(**{name: kinds[name](value) for name, value in line.items()}) for line in csv.DictReader(lines)]
+    return [row for row in rows if row.outcome != NOT_FLOWN]
+
+
+def write_rows(path: Path, rows: list[Row]) -> None:
+    """All of them, in the order of their names."""
+    lines = [",".join(field.name for field in fields(Row))]
+    lines += [_line(row) for row in sorted(rows, key=lambda row: (row.scene, row.flight))]
+    write_atomically(path, "\n".join(lines) + "\n")
+
+
+def _line(row: Row) -> str:
+    cells = [str(value) for value in asdict(row).values()]
+    return ",".join(f'"{cell.replace(chr(34), chr(39))}"' if "," in cell else cell for cell in cells)
+
+
+def version_on(given: argparse.Namespace, autopilot: Autopilot, simulator: Simulator) -> Version | None:
+    """Which version a simulator says that it has."""
+    home = read_scenario(shipped()[0]).frame.home
+    start = given.start and simulator.words(given.start, home)
+    link = link_of(given.sitl, autopilot, given.instance)
+    with simulation(start, simulator.folder) if start else nullcontext(), connected(link) as vehicle:
+        if vehicle.autopilot is not autopilot:
+            raise MissionError(f"expected {autopilot} on {link}, not {vehicle.autopilot}")
+        return vehicle.firmware_version()
+
+
+def judge_again(given: argparse.Namespace, autopilot: Autopilot, rows: list[Row]) -> list[Row]:
+    """Recorded flights against today's forecast."""
+    named, new = scenario_files(given), list[Row]()
+    for row in rows:
+        folder = given.out / f"{row.scene}-{row.autopilot}__{row.flight}"
+        if row.outcome == COMPLETED:
+            path = named.get(row.scene, folder / f"{row.scene}-{row.autopilot}.toml")
+            row = judged(folder, as_flown_by(path, autopilot))
+            print(words(row), flush=True)
+        new.append(row)
+    return new
+
+
+def main(arguments: list[str]) -> int:
+    parser = command_line(__doc__)
+    parser.add_argument("--autopilot", required=True, choices=[str(one) for one in PORT_STEP])
+    parser.add_argument("--sitl", metavar="URL", help="the link of instance 0")
+    parser.add_argument("--out", required=True, type=Path)
+    parser.add_argument("--start", metavar="COMMAND", help="starts a simulator for one flight")
+    parser.add_argument("--logs", metavar="FOLDER", help="where the simulator keeps its logs")
+    parser.add_argument("--scenarios", type=Path, nargs="*", default=[], help="files or folders that are flown too")
+    parser.add_argument("--count", type=int, default=100)
+    parser.add_argument("--times", type=int, default=1, help="flights of each scene")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=1, help="simulators at once, each with its instance number")
+    parser.add_argument("--instance", type=int, default=0, help="the first instance number")
+    parser.add_argument("--judge", action="store_true", help="fly nothing")
+    given = parser.parse_args(arguments)
+    if not given.judge and given.sitl is None:
+        parser.error("--sitl: expected the link of a simulator, like udpin:127.0.0.1:14540")
+    if given.jobs > 1 and given.start is None:
+        parser.error("--jobs: expected with --start, which starts each simulator")
+    autopilot = autopilot_named(given.autopilot)
+    given.out.mkdir(parents=True, exist_ok=True)
+    rows = read_rows(path := given.out / "admission.csv")
+    if given.judge:
+        rows = judge_again(given, autopilot, rows)
+        write_rows(path, rows)
+    else:
+        simulator = Simulator(given.sitl, given.instance, given.out / "work", given.start, given.logs)
+        version = version_on(given, autopilot, simulator)
+        print(f"{autopilot.model} {version}", flush=True)
+        if other := {row.version for row in rows if row.outcome != REFUSED} - {str(version)}:
+            parser.error(f"{path} has flights of {', '.join(sorted(other))}, and {version} is on the link")
+        fly_all(given, Work(autopilot, given.out, given.seed, version, simulator), rows, path)
+    is_measured, told = verdict(rows, given.count)
+    versions = ", ".join(sorted({row.version for row in rows if row.outcome != REFUSED}))
+    print("\n".join([*told, f"{autopilot.model} {versions}: {'measured' if is_measured else 'not measured'}"]))
+    return 0 if is_measured else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,81 @@
+"""Simulators of real autopilots: started and stopped for a flight, waited for, set up, and where their logs are."""
+
+import os
+import shlex
+import signal
+import subprocess
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from ipoa_mission import connect
+from ipoa_mission.errors import MissionError
+from ipoa_mission.flight.procedure import load_mission
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.link.conversations import MissionRefused
+from ipoa_mission.link.dialogue import NoAnswer
+from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.wind import Wind
+
+BOOTS_S = 60.0
+TRANSFERS = 5
+EVERYWHERE = 1.0  # SIM_WIND_T: as strong near the ground
+LOGS = ("*.BIN", "*.bin", "*.ulg")
+
+
+@contextmanager
+def simulation(words: str, folder: Path) -> Iterator[None]:
+    """A simulator while it is used, its own words beside its logs."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with (folder.parent / f"{folder.name}.out").open("w") as out:
+        running = subprocess.Popen(shlex.split(words), start_new_session=True, stdout=out, stderr=out)
+        try:
+            yield
+        finally:
+            with suppress(ProcessLookupError):
+                os.killpg(running.pid, signal.SIGTERM)
+            try:
+                running.wait(timeout=10.0)
+            except subprocess.TimeoutExpired:
+                os.killpg(running.pid, signal.SIGKILL)
+                running.wait(timeout=10.0)
+
+
+def connected(link: str) -> Vehicle:
+    """A simulator that has just been started is waited for."""
+    until = time.monotonic() + BOOTS_S
+    while True:
+        try:
+            return connect(link)
+        except MissionError:
+            if time.monotonic() > until:
+                raise
+            time.sleep(0.3)
+
+
+def set_up(vehicle: Vehicle, wind: Wind) -> None:
+    """Wait until it knows where it is; give the simulation its wind, and have its log tell when it was armed."""
+    while not ((at := vehicle.home()) and at.latitude_deg):
+        time.sleep(0.2)
+    if vehicle.autopilot is Autopilot.PX4:
+        return
+    air = {"SIM_WIND_SPD": wind.speed, "SIM_WIND_DIR": wind.from_deg % 360.0, "SIM_WIND_T": EVERYWHERE}
+    for name, value in {"LOG_DISARMED": 1.0, **(air if wind.speed > 0.0 else {})}.items():
+        vehicle.set_parameter(name, value)
+
+
+def load(vehicle: Vehicle, forecast: Forecast, anyway: bool = False) -> None:
+    """Upload it; a simulator many times as fast as real may give up a transfer in between."""
+    for _ in range(TRANSFERS - 1):
+        with suppress(MissionRefused, NoAnswer):
+            load_mission(vehicle, forecast, set_params=True, anyway=anyway)
+            return
+    load_mission(vehicle, forecast, set_params=True, anyway=anyway)
+
+
+def newest_log(folder: Path) -> Path:
+    """The log of the last flight of a simulator that keeps its logs in a folder, or in folders within."""
+    logs = [log for kind in LOGS for log in folder.rglob(kind)]
+    return max(logs, key=lambda log: log.stat().st_mtime)
