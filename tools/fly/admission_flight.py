@@ -23,17 +23,18 @@ from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.messages import Message
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import landing_on
 from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from ipoa_mission.vehicles.version import Version
 from ipoa_mission.wind import CALM
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tools.fly.admission_scenes import as_flown_by
 from tools.fly.ended_flight import flight_from
-from tools.fly.flown import Flown, read_flown
+from tools.fly.flown import in_frame
 from tools.fly.judge import plan_digits
 from tools.fly.simulators import connected, load, newest_log, set_up, simulation
 
@@ -240,14 +241,15 @@ def judged(folder: Path, scenario: Scenario) -> Row:
     plan = plan_digits(folder / "mission.plan")
     row = Row(name, autopilot, int(number), told["version"], told["outcome"], told["why"], plan, truth=told["truth"])
     row = replace(row, astray=round(told["astray"], 2))
+    version = None if told["version"] == "None" else Version.parsed(told["version"])
+    mission = replace(read_mission(folder / "mission.plan", autopilot_named(autopilot)), firmware_version=version)
+    done = {item["seq"]: float(item["done_s"]) for item in told["items"]}
+    if done:
+        way = _on_the_way(folder, mission, sorted(done.values()), told["outcome"] == COMPLETED)
+        row = _with_distances(row, way, Forecast(mission, _confident(scenario)))
     if told["outcome"] != COMPLETED:
         return row
-    version = None if told["version"] == "None" else Version.parsed(told["version"])
-    flown = read_flown(folder, {})
-    mission = replace(flown.mission, firmware_version=version)
-    row = _with_distances(row, flown, Forecast(mission, _confident(scenario)))
     expected = Forecast(landing_on(mission.assuming(scenario.vehicle.autopilot_parameters()), 0.0)).estimate
-    done = {item["seq"]: float(item["done_s"]) for item in told["items"]}
     items = [item for item in expected.items if item.seq in done]
     end = expected.items[-1]
     last = [item for item in items if item.seq < end.seq][-1]
@@ -268,12 +270,20 @@ def _confident(scenario: Scenario) -> Scenario:
     return scenario.model_copy(update={"safety": scenario.safety.model_copy(update={"confidence": LEVEL})})
 
 
-def _with_distances(row: Row, flown: Flown, forecast: Forecast) -> Row:
+def _on_the_way(folder: Path, mission: Mission, done: list[float], is_completed: bool) -> Points:
+    """Places (n, 3) [m] from the end of the take-off to the last waypoint, or to where it was broken off."""
+    rows = np.loadtxt(folder / "track.csv", delimiter=",", skiprows=1, ndmin=2)
+    track = in_frame(rows + np.array([0.0, 0.0, 0.0, mission.home.altitude]), mission)
+    ends = done[-2] if is_completed else np.inf
+    return np.asarray(track[(track[:, 0] >= done[0]) & (track[:, 0] <= ends), 1:])
+
+
+def _with_distances(row: Row, way: Points, forecast: Forecast) -> Row:
     """What it truly kept of obstacles and ground, against what is required and promised on the way."""
-    air, way = forecast.world.airspace, flown.on_the_way
+    air = forecast.world.airspace
     found = {"obstacles": air.obstacle_clearance(way), "ground": air.terrain_clearance(way)}
     held = [kept for kept in forecast.promise.limits if kept.on_the_way and kept.limit in found]
-    if not held:
+    if not held or len(way) < 2:
         return row
     surplus = min(found[kept.limit].distance - kept.required for kept in held)
     least = min(held, key=lambda kept: found[kept.limit].distance - kept.kept)

@@ -55,6 +55,7 @@ KEPT_BY = 0.98  # of the flights must keep what 99 % are to keep
 ROUTE_MEDIAN, ROUTE_WORST = 0.015, 0.06  # error of the time to the last waypoint
 ROUNDING = 0.005  # [m]
 PORT_STEP = {Autopilot.PX4: 1, Autopilot.ARDUPILOT: 10}
+FLOWN = (COMPLETED, FLEW_AWAY, NOT_COMPLETED)
 PLANS_S = 300  # who plans longer is refused [s]
 
 
@@ -176,7 +177,8 @@ def fly_all(given: argparse.Namespace, work: Work, rows: list[Row], path: Path) 
 def words(row: Row) -> str:
     """A flight in a line."""
     if row.outcome != COMPLETED:
-        return f"{row.scene} {row.flight}: {row.outcome}: {row.why}"
+        kept = "" if math.isnan(row.surplus) else f"; {row.surplus:+.2f} m to what is required"
+        return f"{row.scene} {row.flight}: {row.outcome}: {row.why}{kept}"
     return (
         f"{row.scene} {row.flight}: {row.outcome}; to the last waypoint {100 * row.route_off:+.1f} % of "
         f"{row.flown_route_s:.1f} s; {row.surplus:+.2f} m to what is required, {row.over_promise:+.2f} m to what 99 % "
@@ -186,9 +188,9 @@ def words(row: Row) -> str:
 
 def verdict(rows: list[Row], asked: int) -> tuple[bool, list[str]]:
     """Whether the version is measured, and what was found."""
-    flown = [row for row in rows if row.outcome in (COMPLETED, FLEW_AWAY, NOT_COMPLETED)]
+    flown = [row for row in rows if row.outcome in FLOWN]
     completed = [row for row in flown if row.outcome == COMPLETED]
-    near = [row for row in completed if row.surplus < -ROUNDING]
+    near = [row for row in flown if row.surplus < -ROUNDING]
     short = [row for row in completed if row.over_promise < -ROUNDING]
     off = np.array([abs(row.route_off) for row in completed])
     median, worst = (float(np.median(off)), float(off.max())) if len(off) else (math.nan, math.nan)
@@ -206,10 +208,9 @@ def verdict(rows: list[Row], asked: int) -> tuple[bool, list[str]]:
         (worst <= ROUTE_WORST, f"to the last waypoint {100 * worst:.1f} % off at worst", slow),
     ]
     told = [f"{'ok ' if holds else 'NO '} {said}" for holds, said, _ in found]
-    told += [f"    {words(row)}" for *_, some in found for row in some]
     lost = [row for row in rows if row.outcome == NOT_FLOWN]
-    told += [f"    {words(row)}" for row in lost]
-    return all(holds for holds, *_ in found), told
+    named = dict.fromkeys(words(row) for some in (*(rows for *_, rows in found), lost) for row in some)
+    return all(holds for holds, *_ in found), [*told, *(f"    {one}" for one in named)]
 
 
 def read_rows(path: Path) -> list[Row]:
@@ -250,7 +251,7 @@ def judge_again(given: argparse.Namespace, autopilot: Autopilot, rows: list[Row]
     named, new = scenario_files(given), list[Row]()
     for row in rows:
         folder = given.out / f"{row.scene}-{row.autopilot}__{row.flight}"
-        if row.outcome == COMPLETED:
+        if row.outcome in FLOWN:
             path = named.get(row.scene, folder / f"{row.scene}-{row.autopilot}.toml")
             row = judged(folder, as_flown_by(path, autopilot))
             print(words(row), flush=True)

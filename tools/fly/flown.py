@@ -77,7 +77,7 @@ def read_flown(folder: Path, missions: dict[str, Path]) -> Flown:
         done = sorted(float(item["done_s"]) for item in told["items"])
         estimated, flown = np.nan, float(told["flown_s"])
         rows = np.loadtxt(folder / "track.csv", delimiter=",", skiprows=1)
-        track = _in_frame(rows + np.array([0.0, 0.0, 0.0, mission.home.altitude]), mission)
+        track = in_frame(rows + np.array([0.0, 0.0, 0.0, mission.home.altitude]), mission)
     else:
         told = json.loads((folder / "flight.json").read_text())
         done = sorted(float(at) for at in told["item_done_s"].values())
@@ -95,17 +95,18 @@ def _from_csv(folder: Path, mission: Mission) -> Points:
     true = (folder / "truth.csv").exists()
     rows = np.loadtxt(folder / ("truth.csv" if true else "trace.csv"), delimiter=",", skiprows=1)
     rows[:, 3] += 0.0 if true else mission.home.altitude
-    return _in_frame(rows[:, :4], mission)
+    return in_frame(rows[:, :4], mission)
 
 
 def _from_log(folder: Path, mission: Mission) -> Points:
     """The simulator's own position, its heights from where the vehicle stood when the log begins."""
     rows = _ulog(folder / "log.ulg") if (folder / "log.ulg").exists() else _dataflash(folder / "log.BIN")
     rows[:, 3] += mission.home.altitude - rows[0, 3]
-    return _in_frame(rows, mission)
+    return in_frame(rows, mission)
 
 
-def _in_frame(rows: Points, mission: Mission) -> Points:
+def in_frame(rows: Points, mission: Mission) -> Points:
+    """Seconds, and east, north, up of a mission's home, of rows of seconds, latitude, longitude, altitude AMSL."""
     places = LocalFrame(mission.home).to_local(rows[:, 1], rows[:, 2], rows[:, 3])
     return np.column_stack([rows[:, 0], places])
 
