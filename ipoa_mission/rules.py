@@ -214,8 +214,8 @@ RULES: Mapping[str, Rule] = {
         False,
     ),
     "version-not-measured": Rule(
-        "The version of the firmware is newer than that whose flights were measured.",
-        "Fly it in your own simulation first, or take the version that was measured.",
+        "Flights of this version of the firmware were not measured; with --unmeasured-version it is a warning.",
+        "Take a version that was measured, or measure it in simulation (docs/lab/flown.md).",
         True,
     ),
     "no-aircraft": Rule("The mission is for a vehicle that does not fly.", "Only flights are judged.", False),

@@ -1,5 +1,6 @@
 """The recorded missions flown by the built-in autopilot, for the tests and for the table in the documentation."""
 
+from ipoa_mission.simulator.conditions import Conditions
 from ipoa_mission.simulator.flight import SimulatedFlight
 from tests.recorded_flights import Recorded
 
@@ -10,7 +11,8 @@ def fly_here(flight: Recorded, seed: int) -> tuple[dict[int, float], float]:
     An item that is done several times counts as it is done first.
     """
     mission = flight.mission
-    here = SimulatedFlight(mission.autopilot, mission.home, flight.parameters, seed=seed)
+    conditions = Conditions(version=mission.firmware_version)
+    here = SimulatedFlight(mission.autopilot, mission.home, flight.parameters, seed=seed, conditions=conditions)
     here.load(mission.items)
     here.arm()
     here.start()

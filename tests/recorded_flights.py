@@ -9,7 +9,7 @@ standard deviation north and east is the turbulence.
 """
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -22,12 +22,14 @@ from ipoa_mission.mission.files import read_mission_file
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.version import Version
 from ipoa_mission.wind import CALM, Wind
 
 HERE = Path(__file__).resolve().parent
 FLIGHTS, LANDINGS, IN_WIND = HERE / "flights", HERE / "landings", HERE / "flights_wind"
 #: Of the wind in ArduPilot's simulator, as it was set: it grows with the square root of the height up to 5 m.
 SIMULATED_PROFILE = 0.5, 5.0
+FLOWN_ON = {Autopilot.ARDUPILOT: Version(4, 7, 0, "dev"), Autopilot.PX4: Version(1, 17)}
 
 
 @dataclass(frozen=True)
@@ -71,7 +73,9 @@ class Recorded:
 def read_flight(folder: Path) -> Recorded:
     """Read one folder of tests/flights or tests/landings."""
     flight = json.loads((folder / "flight.json").read_text())
-    mission = read_mission_file(folder / "mission.waypoints", autopilot_named(flight["autopilot"])).mission
+    autopilot = autopilot_named(flight["autopilot"])
+    mission = read_mission_file(folder / "mission.waypoints", autopilot).mission
+    mission = replace(mission, firmware_version=FLOWN_ON[autopilot])
     last = max(n for n, item in enumerate(mission.items, 1) if item.command in WAYPOINTS)
     runs = [_run(flight["item_done_s"], flight.get("complete_s"), mission, last)]
     for items, complete in zip(

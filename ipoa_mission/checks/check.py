@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from ipoa_mission.checks.firmware import check_firmware, is_too_long
 from ipoa_mission.checks.positions import check_positions, unsound
 from ipoa_mission.checks.sound import sound_part
+from ipoa_mission.checks.version import check_version
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.rules import expect_ignorable
@@ -58,7 +59,8 @@ def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Findi
     mission, scenario = forecast.given, forecast.scenario
     ignored = expect_ignorable(ignore) | (frozenset() if scenario is None else scenario.safety.ignored)
     positions = tuple(check_positions(mission))
-    findings = [*read, *check_firmware(mission), *positions]
+    version = check_version(mission.autopilot, mission.firmware_version, mission.unmeasured_version)
+    findings = [*read, *version, *check_firmware(mission), *positions]
     if mission.vehicle_type in NO_AIRCRAFT:
         message = f"the mission is for {mission.other_vehicle}, which does not fly: only flights are judged"
         findings.append(Finding("no-aircraft", Severity.ERROR, None, message))

@@ -20,8 +20,6 @@ def check_clearance(mission: Mission, promise: Promise) -> Iterator[Finding]:
     scenario = promise.flight.scenario
     if promise.confidence is not None and (why := not_measured(mission.autopilot, scenario.wind.strongest)):
         yield Finding("wind-not-measured", Severity.WARNING, None, why)
-    if promise.confidence is not None and (why := mission.autopilot.not_measured(mission.firmware_version)):
-        yield Finding("version-not-measured", Severity.WARNING, None, why)
     for kept in promise.broken:
         item = item_of(mission, kept.item)
         touches = kept.limit == "obstacles" and kept.kept < scenario.vehicle.radius

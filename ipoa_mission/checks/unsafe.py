@@ -18,6 +18,9 @@ def refuse_errors(findings: Sequence[Finding]) -> tuple[Finding, ...]:
     """
     errors = [finding for finding in findings if finding.severity is Severity.ERROR]
     if errors:
+        codes = list(dict.fromkeys(error.code for error in errors))
         hints = dict.fromkeys(error.hint for error in errors if error.hint)
-        raise Unsafe("\n".join(error.message for error in errors), hint="; ".join(hints) or None)
+        unsafe = Unsafe("\n".join(f"{error.message} [{error.code}]" for error in errors), hint="; ".join(hints) or None)
+        unsafe.known = {"codes": codes}
+        raise unsafe
     return tuple(findings)

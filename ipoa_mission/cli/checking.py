@@ -106,6 +106,8 @@ def estimate(
     """
     from ipoa_mission.checks.firmware import check_firmware
     from ipoa_mission.checks.positions import refusals
+    from ipoa_mission.checks.unsafe import refuse_errors
+    from ipoa_mission.checks.version import check_version
     from ipoa_mission.cli.reading import read_given, read_world
     from ipoa_mission.finding import Severity
     from ipoa_mission.flight.summary import energy_as_json
@@ -116,6 +118,9 @@ def estimate(
     forecast = Forecast(given.mission, read_world(scenario, flown_by.air), flown_by.air)
     if wrong := refusals(given.mission):
         raise BadInput("\n".join(f"{file}: {words}" for words in wrong))
+    asked = forecast.given
+    version = check_version(asked.autopilot, asked.firmware_version, asked.unmeasured_version)
+    unmeasured = tuple(finding.message for finding in refuse_errors(tuple(version)))
     refused = (f.message for f in check_firmware(given.mission) if f.severity is Severity.ERROR)
     mission, prediction, budget = forecast.mission, forecast.estimate, None
     if forecast.energy is not None:
@@ -124,7 +129,7 @@ def estimate(
         budget = budget_of(forecast)
     world = forecast.scenario
     unread = () if world is None else tuple(thing.words for thing in world.unread)
-    remarks = (*given.remarks, *refused, *unread, *prediction.remarks, *_planned_otherwise(given, prediction))
+    remarks = (*given.remarks, *unmeasured, *refused, *unread, *prediction.remarks, *_planned_otherwise(given, prediction))
     if as_json:
         energy: dict[str, Any] = {"energy_wh": None if budget is None else round(budget.used.energy_wh, 3)}
         energy |= {} if budget is None else {"energy": energy_as_json(budget)}

@@ -18,6 +18,7 @@ from ipoa_mission.cli.options import (
     ParameterOption,
     SeedOption,
     SystemOption,
+    UnmeasuredVersionOption,
     bad_link_option,
     link_option,
     optimizers_like,
@@ -77,6 +78,7 @@ class FlownByOptions:
 
     autopilot: AutopilotOption = None
     firmware_version: FirmwareVersionOption = None
+    unmeasured_version: UnmeasuredVersionOption = False
     param: ParameterOption = None
     param_file: ParameterFileOption = None
     wind: Annotated[

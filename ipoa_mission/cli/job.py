@@ -92,6 +92,8 @@ def adapt_scenario(scenario: Scenario, search: SearchOptions, flown_by: FlownByO
     if optimizer is not None and optimizer != scenario.optimizer.name:
         changes["optimizer"] = type(scenario.optimizer)(name=optimizer)
     changed: dict[str, Any] = {"autopilot": autopilot} if autopilot is not None else {}
+    if flown_by.unmeasured_version:
+        changed["unmeasured_version"] = True
     if flown_by.version is not None or autopilot not in (None, scenario.vehicle.autopilot):
         changed["firmware_version"] = flown_by.firmware_version
     if flown_by.version is not None:

@@ -8,7 +8,14 @@ import typer
 
 from ipoa_mission.cli.groups import FlownByOptions, LinkOptions
 from ipoa_mission.cli.interrupting import left_behind
-from ipoa_mission.cli.options import AutopilotOption, FileArgument, ForceOption, JsonOption, LinkOption
+from ipoa_mission.cli.options import (
+    AutopilotOption,
+    FileArgument,
+    ForceOption,
+    JsonOption,
+    LinkOption,
+    UnmeasuredVersionOption,
+)
 from ipoa_mission.cli.overwriting import expect_free
 from ipoa_mission.cli.telling import notes, progress_bar, tell, tell_json
 from ipoa_mission.cli.vehicles import connect_to, stages_shown, states_firmware
@@ -24,6 +31,7 @@ def upload(
     link: LinkOption,
     on_link: LinkOptions,
     autopilot: AutopilotOption = None,
+    unmeasured_version: UnmeasuredVersionOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Put a mission on a vehicle, read it back and compare every item; fence and rally points go with it.
@@ -37,7 +45,7 @@ def upload(
     from ipoa_mission.cli.reading import read_given
     from ipoa_mission.flight.procedure import upload_mission
 
-    flown_by = FlownByOptions(autopilot=autopilot)
+    flown_by = FlownByOptions(autopilot=autopilot, unmeasured_version=unmeasured_version)
     given = read_given(file, flown_by)
     usual = file.with_name(f"{file.stem}-upload.tlog")
     with connect_to(link, on_link, usual) as vehicle:

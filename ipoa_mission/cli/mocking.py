@@ -35,7 +35,8 @@ class StandsOptions:
         typer.Option("--home", metavar="LAT LON ALT", help="Where it stands: degrees, and metres AMSL."),
     ] = None
     firmware_version: Annotated[
-        str | None, typer.Option("--firmware-version", metavar="X.Y", help="Of which version; left out, the measured.")
+        str | None,
+        typer.Option("--firmware-version", metavar="X.Y", help="Of which version; left out, the newest measured one."),
     ] = None
     param: ParameterOption = None
     param_file: ParameterFileOption = None
@@ -82,7 +83,7 @@ def mock(
     given = read_parameter_options(one.param, one.param_file)
     there = stands(one.scenario, one.home, one.autopilot, given)
     expect_own(there.parameters, there.autopilot)
-    version = there.autopilot.measured
+    version = there.autopilot.newest
     if one.firmware_version is not None:
         version = there.autopilot.tables.expect(Version.parsed(one.firmware_version))
         there = replace(there, conditions=replace(there.conditions, version=version))

@@ -122,7 +122,13 @@ FirmwareVersionOption: TypeAlias = Annotated[
     typer.Option(
         "--firmware-version",
         metavar="X.Y",
-        help="Version of the firmware, like 1.18; left out, the newest that is known, and on a link the vehicle's own.",
+        help="Version of the firmware, like 1.17; left out, the newest that was measured, on a link the vehicle's own.",
+    ),
+]
+UnmeasuredVersionOption: TypeAlias = Annotated[
+    bool,
+    typer.Option(
+        "--unmeasured-version", metavar="", help="Go on although flights of the firmware's version were not measured."
     ),
 ]
 ParameterOption: TypeAlias = Annotated[

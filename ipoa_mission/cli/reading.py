@@ -43,6 +43,7 @@ def read_given(file: Path, flown_by: FlownByOptions, autopilot: Autopilot | None
     mission, remarks = read.mission, tuple(finding.message for finding in read.findings)
     if flown_by.version is not None:
         mission = replace(mission, firmware_version=mission.autopilot.tables.expect(flown_by.version))
+    mission = replace(mission, unmeasured_version=flown_by.unmeasured_version)
     if mission.parameters:
         some = ", ".join(f"{name} {value:g}" for name, value in [*mission.parameters.items()][:SHOWN])
         more = len(mission.parameters) - SHOWN

@@ -9,6 +9,7 @@ from ipoa_mission.checks.ground import landings, touches_down
 from ipoa_mission.checks.own_fence import breaches
 from ipoa_mission.checks.positions import refusals
 from ipoa_mission.checks.unsafe import Unsafe, refuse_errors
+from ipoa_mission.checks.version import NOT_MEASURED, check_aboard
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
@@ -159,7 +160,7 @@ def expect_fit(vehicle: Vehicle, mission: Mission, anyway: bool = False) -> tupl
     Args:
         vehicle: at the other end of a link, as `connect` finds it.
         mission: what it is to fly.
-        anyway: what fails a check is among the remarks.
+        anyway: what fails a check is among the remarks, but a version that was not measured.
 
     Returns:
         Remarks for the user.
@@ -180,16 +181,14 @@ def expect_fit(vehicle: Vehicle, mission: Mission, anyway: bool = False) -> tupl
             "its path and its time would be others",
             hint=f"make it for {vehicle.autopilot} (--autopilot {vehicle.autopilot}), or send it with --anyway",
         )
-    version = vehicle.firmware_version()
-    findings = check_mission(replace(mission, autopilot=vehicle.autopilot, firmware_version=version))
-    warnings = findings if anyway else refuse_errors(findings)
-    said = vehicle.autopilot.vehicle_says(version)
+    aboard, unsaid = check_aboard(mission, vehicle.autopilot, vehicle.firmware_version())
+    findings = (*unsaid, *check_mission(aboard))
+    refuse_errors([finding for finding in findings if not anyway or finding.code == NOT_MEASURED])
     there = _home_of(vehicle)
     return (
         *_compare_home(mission, there, anyway),
         *_compare_fence(mission, vehicle, there, anyway),
-        *([said] if said else []),
-        *(finding.message for finding in warnings),
+        *(finding.message for finding in findings),
     )
 
 

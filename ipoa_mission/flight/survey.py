@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import ValidationError
 from threadpoolctl import threadpool_limits
 
+from ipoa_mission.checks.version import expect_measured
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import make_folder, write_atomically
 from ipoa_mission.flight.summary import clearance_as_json, passed_over_as_json, rounded
@@ -203,7 +204,7 @@ def _overlap_as_json(plan: SurveyPlan) -> dict[str, Any] | None:
     }
 
 
-def _firmware(forecast: Forecast) -> dict[str, str]:
+def _firmware(forecast: Forecast) -> dict[str, object]:
     return forecast.mission.autopilot.facts(forecast.mission.firmware_version)
 
 
@@ -270,6 +271,7 @@ def plan_survey(
     """
     if area is not None or camera is not None or asked:
         scenario = _asking(scenario, area, camera, asked)
+    expect_measured(scenario)
     with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
         plan = plan_flights(scenario if wind is None else scenario.in_wind(wind), seed, progress)
         if flown:

@@ -68,8 +68,10 @@ class Forecast:
             self.scenario = self.scenario.in_wind(wind)
         self.wind = wind or (CALM if scenario is None else scenario.wind.air())
         is_same = scenario is not None and mission.autopilot is scenario.vehicle.autopilot
-        if scenario is not None and is_same and mission.firmware_version is None:
-            mission = replace(mission, firmware_version=scenario.vehicle.version)
+        if scenario is not None and is_same:
+            version = mission.firmware_version or scenario.vehicle.version
+            unmeasured = mission.unmeasured_version or scenario.vehicle.unmeasured_version
+            mission = replace(mission, firmware_version=version, unmeasured_version=unmeasured)
         self.given = mission
 
     @cached_property
@@ -89,8 +91,8 @@ class Forecast:
         return landing_over(replace(flown, vehicle=flown.vehicle or vehicle.learned), self.scenario.ground)
 
     def on(self, version: Version | None) -> "Forecast":
-        """The flight by a vehicle of this version, where the mission names none."""
-        if version is None or self.given.firmware_version is not None:
+        """The flight by a vehicle that says this version; the one that the mission names where it says none."""
+        if version is None or version == self.given.firmware_version:
             return self
         return Forecast(replace(self.given, firmware_version=version), self.scenario, self.wind, self.left_out)
 

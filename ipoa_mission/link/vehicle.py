@@ -14,6 +14,7 @@ from functools import partial
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.start import begun_at, check_start
 from ipoa_mission.checks.unsafe import refuse_errors
+from ipoa_mission.checks.version import check_aboard
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link import conversations, orders, unbroken
@@ -110,7 +111,8 @@ class Vehicle(Partner):
             raise BadInput(f"the mission is for {mission.other_vehicle or mission.autopilot}, and the vehicle is {own}")
         with noted_interrupts() as interrupt, self._in_time():
             if checked:
-                refuse_errors(check_mission(replace(mission, firmware_version=self.firmware_version())))
+                aboard, unsaid = check_aboard(mission, self.autopilot, self.firmware_version())
+                refuse_errors((*unsaid, *check_mission(aboard)))
             try:
                 self.upload_items(to_wire(mission), MissionType.MISSION, progress)
             except Unflyable as unflyable:

@@ -5,6 +5,7 @@ from. What an autopilot writes down more finely than it sends is told at its own
 """
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from ipoa_mission.logs.telemetry_log import read_telemetry_log
 from ipoa_mission.mission.firmware import from_wire, home_item
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic
 
 #: Who rises by so much was in the air [m].
@@ -42,6 +44,13 @@ class LoggedFlight:
     in_mission: bool
     messages: tuple[Message, ...] = field(repr=False)
     measured: Measured = field(default_factory=Measured, repr=False)
+
+    @property
+    def firmware_version(self) -> Version | None:
+        """The version of the firmware that flew it; None where the log says none that can be read."""
+        with suppress(BadInput):
+            return Version.parsed(self.version)
+        return None
 
     def record(self, mission: Mission | None = None) -> FlightRecord:
         """This flight as one of `mission`: when its items were done, and where it was; without one, only that."""

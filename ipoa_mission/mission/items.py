@@ -140,7 +140,8 @@ class Mission:
         vehicle: what was learned of the one that flies it.
         landing_ground: the place where it lands and how high above home the ground is there, where that is known; it
             says nothing of a mission that lands elsewhere.
-        firmware_version: whose tables hold; left out, the newest.
+        firmware_version: by whose tables and model it is judged; left out, the newest that was measured.
+        unmeasured_version: it may be flown by a version that was not measured, which is a warning then.
         scanned: for each structure scan the index of its first item and the height scanned [m], which QGroundControl
             counts as way.
         complex_items: what of it QGroundControl edits as a survey or scan; that says nothing once the items are others.
@@ -166,6 +167,7 @@ class Mission:
     vehicle: LearnedVehicle | None = field(default=None, compare=False, repr=False)
     landing_ground: Geodetic | None = field(default=None, compare=False, repr=False)
     firmware_version: Version | None = field(default=None, compare=False, repr=False)
+    unmeasured_version: bool = field(default=False, compare=False, repr=False)
     scanned: tuple[tuple[int, float], ...] = field(default=(), compare=False, repr=False)
     complex_items: tuple[ComplexItem, ...] = field(default=(), compare=False, repr=False)
 

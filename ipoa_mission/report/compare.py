@@ -5,12 +5,10 @@ lies between two items that both the estimate and the flight know.
 """
 
 import math
-from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.track import Track
@@ -22,7 +20,6 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.learned import LearnedVehicle
 from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import LocalFrame
 
@@ -146,18 +143,12 @@ def compare_logged(
     if flown is None:
         return None
     flown = flown.with_parameters(flight.parameters).with_parameters(parameters)
-    forecast = Forecast(replace(flown, vehicle=vehicle), wind=wind).on(_version(flight))
+    forecast = Forecast(replace(flown, vehicle=vehicle), wind=wind).on(flight.firmware_version)
     record = flight.record(flown)
     comparison = compare_flight(forecast.estimate, record)
     remarks = (*_other_mission(flown, flight), *_other_place(flown, record), *_begun_later(record))
     changed = _changed(flown.parameters, flight.autopilot)
     return ComparedFlight(forecast, record, comparison, changed, remarks)
-
-
-def _version(flight: LoggedFlight) -> Version | None:
-    with suppress(BadInput):
-        return Version.parsed(flight.version)
-    return None
 
 
 def _other_mission(mission: Mission, flight: LoggedFlight) -> tuple[str, ...]:

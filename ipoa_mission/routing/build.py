@@ -83,6 +83,7 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
         parameters=scenario.vehicle.autopilot_parameters(),
         vehicle=scenario.vehicle.learned,
         firmware_version=scenario.vehicle.version,
+        unmeasured_version=scenario.vehicle.unmeasured_version,
     )
 
 

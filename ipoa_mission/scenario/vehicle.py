@@ -117,7 +117,9 @@ class VehicleSection(Section):
     autopilot: AutopilotName = Field(default_factory=default_autopilot)
     """The firmware that the mission is written and its time predicted for."""
     firmware_version: str | None = None
-    """Its version, like "1.18": by its tables a plan is checked; left out, the newest that is known."""
+    """Its version, like "1.17"; left out, the newest whose flights were measured."""
+    unmeasured_version: bool = False
+    """Plan, check and fly although flights of the firmware's version were not measured."""
     radius: NotNegative = 0.5
     """Radius of a ball that holds the whole vehicle [m]."""
     cruise_speed: Positive = 5.0

@@ -53,7 +53,7 @@ class BuiltInAutopilot(Commander):
         """`cold`: it is powered up now, and has no position for a while; else it has stood there for long.
 
         `seed` picks the errors of the sensors it flies by. The item of number `nak_at` is refused; such a vehicle takes
-        no mission as a file, in which no item can be refused. `version` of the firmware: left out, the one measured.
+        no mission as a file, in which no item can be refused. `version` of the firmware: left out, the newest measured.
         """
         habits = personality(family, version)
         self.table = ParameterTable(family, parameters or {})

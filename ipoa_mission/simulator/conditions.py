@@ -13,7 +13,7 @@ from ipoa_mission.world.ground import LEVEL, Ground
 class Conditions:
     """The wind, the ground's height above home, and the vehicle.
 
-    What was learned of it, None: the simulators' own; and of which version it is, None: the one measured.
+    What was learned of it, None: the simulators' own; and of which version it is, None: the newest measured.
     """
 
     wind: Wind = CALM

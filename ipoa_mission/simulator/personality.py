@@ -135,5 +135,5 @@ def asks_every(seconds: float, give_up_s: float) -> Patience:
 
 
 def personality(autopilot: Autopilot, version: Version | None = None) -> Personality:
-    """The habits of a version: what it takes by its own tables, all else as measured; None: the version measured."""
-    return replace(autopilot.part(Personality), version=version or autopilot.measured)
+    """The habits of a version: what it takes by its own tables, all else as measured; None: the newest measured."""
+    return replace(autopilot.part(Personality), version=version or autopilot.newest)

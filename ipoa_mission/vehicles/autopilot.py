@@ -53,12 +53,8 @@ class Autopilot(ABC):
     """HEARTBEAT.autopilot (MAV_AUTOPILOT) of its firmware."""
     mav_types: ClassVar[frozenset[int]]
     """HEARTBEAT.type (MAV_TYPE) of the vehicles that it flies."""
-    measured: ClassVar[Version]
-    """What its times, its tube and its stand-in were measured on."""
-    oldest: ClassVar[tuple[int, int]]
-    """The oldest series whose habits they have."""
-    newest: ClassVar[tuple[int, int]] = (0, 0)
-    """The newest series on which flights kept what was promised, where that is newer than the one measured."""
+    measured: ClassVar[tuple[Version, ...]]
+    """The versions on which flights kept what is promised, oldest first; where none is named, the last is meant."""
     modes: ClassVar[Modes]
     book: ClassVar[ParameterBook]
     tables: ClassVar[FirmwareTables]
@@ -105,8 +101,8 @@ class Autopilot(ABC):
         return asked.__name__ in self.parts
 
     def firmware(self, version: Version | None = None) -> Firmware:
-        """What this version takes in a mission, and what it keeps of it; None: the newest that is known."""
-        return self.tables.of(version)
+        """What this version takes in a mission, and what it keeps of it; None: the newest that was measured."""
+        return self.tables.of(version or self.newest)
 
     @property
     def parameter_names(self) -> frozenset[str]:
@@ -188,7 +184,7 @@ class Autopilot(ABC):
         return None
 
     def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
-        """What follows all that can fail, and what a pilot can order; version None: the measured one.
+        """What follows all that can fail, and what a pilot can order; version None: the newest measured.
 
         What is not given has the firmware's default. None at all: nothing is known of it.
         """
@@ -196,70 +192,66 @@ class Autopilot(ABC):
 
     # --- its version in words ---------------------------------------------------------------------------------------
 
+    @property
+    def newest(self) -> Version:
+        """The newest version that was measured."""
+        return self.measured[-1]
+
     def checked_for(self, version: Version | None) -> str:
-        """The firmware whose tables hold, in a few words.
+        """The firmware that is meant, in a few words; None: the newest that was measured.
 
         >>> Autopilot.PX4.checked_for(Version(1, 16))
-        'px4 1.16 (measured on 1.17.0)'
+        'px4 1.16 (not measured)'
         """
-        major, minor = self.firmware(version).version.series
-        return f"{self.name} {major}.{minor} (measured on {self.measured})"
+        major, minor = (version or self.newest).series
+        return f"{self.name} {major}.{minor}" + ("" if self.is_measured(version) else " (not measured)")
 
-    def facts(self, version: Version | None) -> dict[str, str]:
+    def facts(self, version: Version | None) -> dict[str, object]:
         """The same for machines, with the source that the table was read in."""
         own = self.firmware(version)
         return {
             "autopilot": self.name,
+            "version": str(version or self.newest),
             "table": f"{own.version.major}.{own.version.minor}",
             "source": own.commit,
             "date": own.date,
-            "measured": str(self.measured),
+            "measured": self.is_measured(version),
         }
 
-    def vehicle_says(self, version: Version | None) -> str | None:
-        """What the user of a vehicle should know of its version; None where it is the one measured.
-
-        >>> Autopilot.ARDUPILOT.vehicle_says(Version(4, 6, 2))
-        'measured on 4.7.0-dev; the vehicle says 4.6.2'
-        """
-        own = self.firmware(version)
-        if version is None:
-            return f"measured on {self.measured}; the vehicle does not say its version: it is taken for {own}"
-        if version == self.measured:
-            return None
-        words = f"measured on {self.measured}; the vehicle says {version}"
-        if (doubt := self.not_measured(version)) is not None:
-            words += f"; {doubt}"
-        if version.series in self.tables.series:
-            return words
-        return f"{words}, of which there are no tables: what it takes is judged as {own} does"
+    def is_measured(self, version: Version | None) -> bool:
+        """Whether flights of its series were measured; None: the newest that was."""
+        return version is None or version.series in {one.series for one in self.measured}
 
     def not_measured(self, version: Version | None) -> str | None:
-        """Why nothing stands behind what flights keep on this version; None where something does, or nobody says it.
+        """Why nothing stands behind a flight of this version, in words; None where something does.
 
-        >>> Autopilot.PX4.not_measured(Version(1, 18))
-        'what flights keep was measured on PX4 1.17.0: on 1.18.0 it is not shown to hold'
-        >>> Autopilot.ARDUPILOT.not_measured(Version(3, 6))
-        'what flights keep was measured on ArduCopter 4.7.0-dev: on 3.6.0 it is not shown to hold'
+        >>> Autopilot.PX4.not_measured(Version(1, 13))
+        'how PX4 1.13.0 flies was not measured: PX4 1.17 was; what it takes is judged as PX4 1.15 does'
         """
-        if version is None or self.oldest <= version.series <= max(self.measured.series, self.newest):
+        if version is None or self.is_measured(version):
             return None
-        return f"what flights keep was measured on {self.model} {self.measured}: on {version} it is not shown to hold"
+        words = f"how {self.model} {version} flies was not measured: {self._measured_words()}"
+        if version.series in self.tables.series:
+            return words
+        return f"{words}; what it takes is judged as {self.firmware(version)} does"
 
     def beyond_the_model(self, version: str) -> str | None:
-        """What to say of times that are estimated for a version; None where the model is of it.
+        """What to say of times that are estimated for a version in a log; None where it was measured.
 
-        >>> Autopilot.PX4.beyond_the_model("1.15.0-dev")
         >>> Autopilot.ARDUPILOT.beyond_the_model("3.5.7")
-        'flown by ArduCopter 3.5.7; the model is of 4.0 and later, and its times may be off'
+        'flown by ArduCopter 3.5.7, which was not measured: its times may be off; ArduCopter 4.7 and 4.8 were'
         """
-        least = ".".join(map(str, self.oldest))
-        numbers = re.match(r"(\d+)\.(\d+)", version)
+        numbers = re.match(r"\d+\.\d+", version)
         if numbers is None:
-            return f"the log does not say which {self.model} flew it; the model is of {least} and later"
-        if tuple(map(int, numbers.groups())) >= self.oldest:
+            return f"the log does not say which {self.model} flew it; {self._measured_words()} measured"
+        if self.is_measured(Version.parsed(numbers[0])):
             return None
-        return f"flown by {self.model} {version}; the model is of {least} and later, and its times may be off"
+        words = f"flown by {self.model} {version}, which was not measured: its times may be off"
+        return f"{words}; {self._measured_words()}"
+
+    def _measured_words(self) -> str:
+        series = [f"{one.major}.{one.minor}" for one in self.measured]
+        return f"{self.model} {' and '.join(series)} {'were' if len(series) > 1 else 'was'}"
 
 
 _REGISTERED: dict[str, Autopilot] = {}

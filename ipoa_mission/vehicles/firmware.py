@@ -114,8 +114,8 @@ class FirmwareTables:
         """The series that have a table, oldest first; where there is no file, that of the habits alone."""
         return tuple(self._tables) or (self._habits.version.series,)
 
-    def of(self, version: Version | None = None) -> Firmware:
-        """The tables of a version: those of its series, or of the nearest one that has some; None: the newest.
+    def of(self, version: Version) -> Firmware:
+        """The tables of a version: those of its series, or of the nearest one that has some.
 
         >>> from ipoa_mission.vehicles.autopilot import Autopilot
         >>> str(Autopilot.PX4.tables.of(Version(1, 16, 2)))
@@ -124,7 +124,7 @@ class FirmwareTables:
         known = self.series
         if not self._tables:
             return self._habits
-        older = [series for series in known if version is None or series <= version.series]
+        older = [series for series in known if series <= version.series]
         series = older[-1] if older else known[0]
         if series not in self._made:
             self._made[series] = self._read(series)

@@ -2,7 +2,6 @@
 
 import ast
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,13 +10,10 @@ import ipoa_mission
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.sarif import sarif
 from ipoa_mission.errors import BadInput
-from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Mission, takeoff, waypoint
 from ipoa_mission.rules import RULES
-from ipoa_mission.scenario import Scenario, read_scenario
-from ipoa_mission.vehicles.version import Version
+from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.frame import Geodetic
-from tools import REPOSITORY
 from tools.generate import findings
 
 PACKAGE = Path(ipoa_mission.__file__).parent
@@ -79,12 +75,3 @@ def test_sarif_has_each_finding_with_its_rule() -> None:
     rules = [rule["id"] for rule in run["tool"]["driver"]["rules"]]
     assert [(one["ruleId"], one["level"]) for one in run["results"]] == [(f.code, str(f.severity)) for f in found]
     assert all(rules[one["ruleIndex"]] == one["ruleId"] for one in run["results"])
-
-
-@pytest.mark.parametrize(("version", "is_told"), [(None, False), (Version(1, 16), False), (Version(1, 18), True)])
-def test_a_version_newer_than_the_measured_one_is_warned_of(version: Version | None, is_told: bool) -> None:
-    scenario = read_scenario(REPOSITORY / "missions" / "sitl.toml")
-    mission = replace(read_mission(REPOSITORY / "missions" / "sitl.plan"), firmware_version=version)
-    found = [finding for finding in check_mission(mission, scenario) if finding.code == "version-not-measured"]
-    assert len(found) == is_told
-    assert all("on 1.18.0 it is not shown to hold" in finding.message for finding in found)

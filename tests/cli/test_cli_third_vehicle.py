@@ -202,7 +202,7 @@ class Toy(Autopilot):
 
     name, model = "toy", "Toycopter"
     mav_autopilot, mav_types = 9, frozenset({QUADROTOR})
-    measured, oldest = Version(1, 0), (1, 0)
+    measured = (Version(1, 0),)
     modes = MODES
     book = ParameterBook(
         moving={"TOY_SPEED": SPEED, "TOY_UP": SPEED, "TOY_DOWN": SPEED, "TOY_RTL": 10.0, "TOY_WAIT": 0.0},

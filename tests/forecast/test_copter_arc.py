@@ -95,6 +95,6 @@ def test_the_stand_in_flies_it() -> None:
 def test_older_firmware_takes_none() -> None:
     later, earlier = mission(90), Version(4, 6)
     assert not [f for f in check_mission(later) if f.severity == "error"]
-    refused = check_mission(replace(later, firmware_version=earlier))
+    refused = check_mission(replace(later, firmware_version=earlier, unmeasured_version=True))
     assert (refused[0].code, refused[0].seq) == ("command-not-taken", 3)
     assert refused[0].hint == "ArduPilot 4.7 takes it"

@@ -191,10 +191,10 @@ def test_a_scan_asks_for_versions_and_does_not_wait_for_the_silent() -> None:
     begun = line.now()
     told = versions_of(line, found)
     assert found == [1, 2, 3]
-    assert told == {1: Autopilot.PX4.measured, 2: Autopilot.ARDUPILOT.measured}
+    assert told == {1: Autopilot.PX4.newest, 2: Autopilot.ARDUPILOT.newest}
     assert line.now() - begun == pytest.approx(VERSIONS_S, abs=0.01)
     one._asked_for = lambda number: AutopilotVersion(0)  # a build without a version
-    assert versions_of(line, [1, 2]) == {2: Autopilot.ARDUPILOT.measured}
+    assert versions_of(line, [1, 2]) == {2: Autopilot.ARDUPILOT.newest}
     assert line.now() - begun < VERSIONS_S + 1.0
 
 

@@ -26,6 +26,7 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import vehicles
+from tests.recorded_flights import FLOWN_ON
 
 HERE = Path(__file__).parent
 HOME = Geodetic(47.397742, 8.545594, 488.0)
@@ -44,7 +45,8 @@ def _four(params: list[float | None]) -> tuple[float, float, float, float]:
 
 def _flight(name: str, row: dict[str, Any], autopilot: Autopilot) -> Evidence:
     items = tuple(Item(command, frame, _four(params), *place) for command, frame, params, *place in row["items"])
-    mission = Mission(Geodetic(*row["home"]), items, autopilot, parameters=row["parameters"])
+    flown_on = FLOWN_ON[autopilot]
+    mission = Mission(Geodetic(*row["home"]), items, autopilot, parameters=row["parameters"], firmware_version=flown_on)
     return evidence_between(name, mission, {int(index): at for index, at in row["done_s"].items()})
 
 

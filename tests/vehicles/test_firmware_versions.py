@@ -5,7 +5,9 @@ import math
 import pytest
 
 from ipoa_mission.checks.check import check_mission
+from ipoa_mission.checks.version import NOT_MEASURED
 from ipoa_mission.errors import BadInput
+from ipoa_mission.finding import Finding
 from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.firmware import compare
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
@@ -26,11 +28,16 @@ def mission(*items: Item, autopilot: Autopilot = PX4, version: str | None = None
     return Mission(HOME, (takeoff(HOME, 20.0), *items), autopilot, firmware_version=known)
 
 
+def others(mission: Mission) -> tuple[Finding, ...]:
+    """What is found besides that a version was not measured."""
+    return tuple(one for one in check_mission(mission) if one.code != NOT_MEASURED)
+
+
 def test_tables_reach_from_the_oldest_to_the_newest() -> None:
     assert PX4.tables.series == ((1, 15), (1, 16), (1, 17), (1, 18))
     assert ARDUPILOT.tables.series == ((4, 5), (4, 6), (4, 7), (4, 8))
     assert all(len(a.firmware(Version(*s)).commit) == 40 for a in registered() for s in a.tables.series)
-    assert all(a.measured.series in a.tables.series for a in registered())
+    assert all(one.series in a.tables.series for a in registered() for one in a.measured)
 
 
 @pytest.mark.parametrize(
@@ -50,30 +57,30 @@ def test_a_version_has_the_table_of_its_series_or_the_nearest(
 
 
 def test_1_18_refuses_params_that_it_does_not_use() -> None:
-    findings = check_mission(mission(THIRD, BACK))
+    findings = others(mission(THIRD, BACK, version="1.18"))
     assert found(findings) == ["error param-refused 2", "error param-refused 3"]
     assert ["param3" in one.message and "not 5" in one.message for one in findings] == [True, False]
-    assert check_mission(mission(THIRD, BACK, version="1.17")) == ()
+    assert others(mission(THIRD, BACK, version="1.17")) == ()
 
 
 def test_1_18_takes_a_gate_no_more() -> None:
     gate = Item(Command.CONDITION_GATE, 3, (0.0,) * 4, THERE.latitude_deg, THERE.longitude_deg, 20.0)
-    assert [f.seq for f in check_mission(mission(gate, HELD, return_to_launch()))] == [2]
-    assert check_mission(mission(gate, HELD, return_to_launch(), version="1.17")) == ()
+    assert [f.seq for f in others(mission(gate, HELD, return_to_launch(), version="1.18"))] == [2]
+    assert others(mission(gate, HELD, return_to_launch(), version="1.17")) == ()
 
 
 def test_what_is_kept_and_never_flown_is_an_error() -> None:
     wait = Item(Command.CONDITION_DELAY, Frame.MISSION, (3.0, 0.0, 0.0, 0.0))
-    kept = check_mission(mission(wait, HELD, return_to_launch(), version="1.16"))
+    kept = others(mission(wait, HELD, return_to_launch(), version="1.16"))
     assert [finding.code for finding in kept] == ["command-never-flown"]
-    assert check_mission(mission(wait, HELD, return_to_launch(), version="1.18")) == ()
+    assert others(mission(wait, HELD, return_to_launch(), version="1.18")) == ()
 
 
 def test_a_development_version_may_not_take_yet_what_its_series_does() -> None:
     arc = Item(Command.NAV_ARC_WAYPOINT, 3, (90.0, 0.0, 0.0, 0.0), THERE.latitude_deg, THERE.longitude_deg, 20.0)
     items = (HELD, arc, return_to_launch())
-    assert check_mission(mission(*items, autopilot=ARDUPILOT, version="4.7.1")) == ()
-    findings = check_mission(mission(*items, autopilot=ARDUPILOT, version="4.7.0-dev"))
+    assert others(mission(*items, autopilot=ARDUPILOT, version="4.7.1")) == ()
+    findings = others(mission(*items, autopilot=ARDUPILOT, version="4.7.0-dev"))
     assert found(findings) == ["warning command-of-development 3"]
 
 
@@ -97,12 +104,33 @@ def test_versions_are_read_as_they_are_written_and_as_vehicles_say_them() -> Non
         PX4.tables.expect(Version(4, 6))
 
 
-def test_it_is_said_what_was_measured_and_what_the_vehicle_is() -> None:
-    assert ARDUPILOT.vehicle_says(Version(4, 6, 2)) == "measured on 4.7.0-dev; the vehicle says 4.6.2"
-    assert ARDUPILOT.vehicle_says(Version(4, 8, 0, "dev")) == "measured on 4.7.0-dev; the vehicle says 4.8.0-dev"
-    assert "not shown to hold" in str(ARDUPILOT.vehicle_says(Version(4, 9)))
-    assert PX4.vehicle_says(Version(1, 17)) is None
-    assert str(PX4.vehicle_says(Version(1, 19))).endswith("judged as PX4 1.18 does")
-    assert "does not say its version: it is taken for ArduPilot 4.8" in str(ARDUPILOT.vehicle_says(None))
-    assert PX4.checked_for(None) == f"px4 1.18 (measured on {PX4.measured})"
-    assert PX4.firmware() is PX4.firmware(Version(1, 18))
+def test_the_newest_version_that_was_measured_is_meant_where_none_is_named() -> None:
+    assert PX4.checked_for(None) == "px4 1.17"
+    assert ARDUPILOT.checked_for(None) == "ardupilot 4.8"
+    assert PX4.firmware() is PX4.firmware(Version(1, 17))
+    assert PX4.facts(None)["version"] == "1.17.0"
+
+
+@pytest.mark.parametrize(
+    ("autopilot", "version", "measured"),
+    [
+        (PX4, "1.16.2", False),
+        (PX4, "1.17.0-dev", True),
+        (PX4, "1.17.3", True),
+        (PX4, "1.18.0-beta1", False),
+        (ARDUPILOT, "4.6.2", False),
+        (ARDUPILOT, "4.7.0-dev", True),
+        (ARDUPILOT, "4.8.0-dev", True),
+        (ARDUPILOT, "4.9", False),
+    ],
+)
+def test_a_version_is_measured_whose_flights_are_in_the_lab_book(
+    autopilot: Autopilot, version: str, measured: bool
+) -> None:
+    assert autopilot.is_measured(Version.parsed(version)) is measured
+    assert (autopilot.not_measured(Version.parsed(version)) is None) is measured
+
+
+def test_a_version_without_a_table_is_judged_by_the_nearest_and_that_is_said() -> None:
+    assert str(PX4.not_measured(Version(1, 19))).endswith("what it takes is judged as PX4 1.18 does")
+    assert PX4.checked_for(Version(1, 19)) == "px4 1.19 (not measured)"

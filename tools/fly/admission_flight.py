@@ -166,9 +166,9 @@ def planned(path: Path, autopilot: Autopilot, version: Version | None) -> tuple[
     scenario = as_flown_by(path, autopilot)
     if autopilot is Autopilot.PX4:
         scenario = scenario.in_wind(CALM)
-    if version is not None and version.series in autopilot.tables.series:
-        vehicle = scenario.vehicle.model_copy(update={"firmware_version": str(version)})
-        scenario = scenario.model_copy(update={"vehicle": vehicle})
+    named = str(version) if version is not None and version.series in autopilot.tables.series else None
+    vehicle = scenario.vehicle.model_copy(update={"firmware_version": named, "unmeasured_version": True})
+    scenario = scenario.model_copy(update={"vehicle": vehicle})
     return scenario, plan_flight(scenario).forecast.given
 
 

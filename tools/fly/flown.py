@@ -10,7 +10,7 @@ has the fields of a `Wind`.
 
 import json
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -22,6 +22,7 @@ from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.arducopter.dataflash import read_records
 from ipoa_mission.vehicles.autopilot import autopilot_named
+from ipoa_mission.vehicles.version import Version
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import LocalFrame
 
@@ -67,6 +68,9 @@ def read_flown(folder: Path, missions: dict[str, Path]) -> Flown:
     own = [folder / file for file in (*MISSIONS, f"{stem}.plan") if (folder / file).exists()]
     missions.setdefault(stem, own[0] if own else folder.parent / stem / MISSIONS[-1])
     mission = read_mission(missions[stem], autopilot_named(autopilot))
+    if (folder / "outcome.json").exists():
+        said = json.loads((folder / "outcome.json").read_text())["version"]
+        mission = replace(mission, firmware_version=Version.parsed(said))
     if (folder / "fly.json").exists():
         told: dict[str, Any] = json.loads((folder / "fly.json").read_text())
         done = sorted(float(item["done_s"]) for item in told["items"])

@@ -51,7 +51,7 @@ def page() -> str:
 def _of(autopilot: Autopilot) -> str:
     rows = "\n".join(_row(rule) for rule in autopilot.failsafe_rules)
     table = f"| cause | parameter | its default | what follows | any other value |\n|---|---|---|---|---|\n{rows}\n"
-    return f"## {autopilot.model} {autopilot.measured}\n\n{NOTES[autopilot.name]}\n{table}"
+    return f"## {autopilot.model} {autopilot.newest}\n\n{NOTES[autopilot.name]}\n{table}"
 
 
 def _row(rule: FailsafeRule) -> str:

@@ -71,7 +71,8 @@ def evidence_of(name: str, flight: LoggedFlight, mission: Mission | None = None)
     flown = mission or flight.mission
     if flown is None:
         raise MissionError(f"{name}: it does not say which mission was flown")
-    flown = flown.with_parameters(flight.parameters)
+    version = flight.firmware_version or flown.firmware_version
+    flown = replace(flown.with_parameters(flight.parameters), firmware_version=version)
     return evidence_between(name, flown, flight.record(flown).item_reached_s)
 
 

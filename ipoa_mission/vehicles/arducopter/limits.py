@@ -75,8 +75,8 @@ class CopterLimits:
 def copter_limits(parameters: Parameters, version: Version | None = None) -> CopterLimits:
     """The limits that these parameters set; what is not given has ArduCopter 4.7's default.
 
-    `version`: left out, the one measured. Since 4.8 a climb is braked with all of the acceleration, where before it was
-    with half of it (`shape_pos_vel_accel`).
+    `version`: left out, the newest measured. Since 4.8 a climb is braked with all of the acceleration, where before it
+    was with half of it (`shape_pos_vel_accel`).
 
     Jerk and snap are what the S-curves use: WPNAV_JERK and the attitude controller's rates limit the first, the lean's
     time constant (as leaning is what accelerates a multirotor) and its angular acceleration, halved, the second.
@@ -127,6 +127,6 @@ def copter_limits(parameters: Parameters, version: Version | None = None) -> Cop
         p_height=p["PSC_POSZ_P"],
         rtl_turns=p["WP_YAW_BEHAVIOR"] != EXCEPT_RTL,
         sees_ground=p["RNGFND1_TYPE"] > 0,
-        brakes_climb=version is not None and version.series >= BRAKES_CLIMB,
+        brakes_climb=version is None or version.series >= BRAKES_CLIMB,
         yaw_rate=math.radians(p["ATC_SLEW_YAW"] / 100) if p["WP_YAW_BEHAVIOR"] > 0 else 0.0,
     )

@@ -98,9 +98,7 @@ class ArduCopter(Autopilot):
     model = "ArduCopter"
     mav_autopilot = 3
     mav_types = MULTICOPTERS
-    measured = Version(4, 7, 0, "dev")
-    oldest = (4, 0)
-    newest = (4, 8)  # 25 flights on 4.8.0-dev of March 2026, docs/lab/flown.md
+    measured = (Version(4, 7, 0, "dev"), Version(4, 8, 0, "dev"))  # docs/lab/flown.md
     modes = MODES
     book = BOOK
     tables = FirmwareTables(HABITS, Path(__file__).with_name("firmware_tables.json"))
@@ -231,7 +229,7 @@ class ArduCopter(Autopilot):
         >>> str(lost.route), str(ArduCopter().failsafes({"BATT_FS_LOW_ACT": 3.0})[0].route)
         ('continue (by FS_OPTIONS)', 'smart_rtl or rtl or land')
         """
-        return failsafes.failsafes(self.book.by_old_names(parameters), (version or self.measured).series)
+        return failsafes.failsafes(self.book.by_old_names(parameters), (version or self.newest).series)
 
 
 ARDUCOPTER = ArduCopter()

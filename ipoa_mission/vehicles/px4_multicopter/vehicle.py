@@ -92,8 +92,7 @@ class Px4Multicopter(Autopilot):
     model = "PX4"
     mav_autopilot = 12
     mav_types = MULTICOPTERS
-    measured = Version(1, 17)
-    oldest = (1, 13)
+    measured = (Version(1, 17),)  # docs/lab/flown.md
     modes = MODES
     book = BOOK
     tables = FirmwareTables(HABITS, Path(__file__).with_name("firmware_tables.json"))
@@ -203,7 +202,7 @@ class Px4Multicopter(Autopilot):
         >>> str(Px4Multicopter().return_route({"RTL_TYPE": 2.0}, (100.0, 0.0, 20.0), ()).by)
         'back along the mission'
         """
-        return returning.return_route(parameters, here, rally, landing, (version or self.measured).series)
+        return returning.return_route(parameters, here, rally, landing, (version or self.newest).series)
 
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
         """As its source has it."""
@@ -215,7 +214,7 @@ class Px4Multicopter(Autopilot):
         >>> Px4Multicopter().room_to_fences({}), Px4Multicopter().room_to_fences({"NAV_ACC_RAD": 2.0}, Version(1, 18))
         (None, 4.0)
         """
-        return returning.room_to_fences(parameters, (version or self.measured).series)
+        return returning.room_to_fences(parameters, (version or self.newest).series)
 
     def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
         """As its source has it.
@@ -224,7 +223,7 @@ class Px4Multicopter(Autopilot):
         >>> found["critical battery"].route.ending, found["critical battery"].route.after_s
         (<Ending.RTL: 'rtl'>, 5.0)
         """
-        return failsafes.failsafes(parameters, (version or self.measured).series)
+        return failsafes.failsafes(parameters, (version or self.newest).series)
 
 
 PX4_MULTICOPTER = Px4Multicopter()
