@@ -129,7 +129,14 @@ def estimate(
         budget = budget_of(forecast)
     world = forecast.scenario
     unread = () if world is None else tuple(thing.words for thing in world.unread)
-    remarks = (*given.remarks, *unmeasured, *refused, *unread, *prediction.remarks, *_planned_otherwise(given, prediction))
+    remarks = (
+        *given.remarks,
+        *unmeasured,
+        *refused,
+        *unread,
+        *prediction.remarks,
+        *_planned_otherwise(given, prediction),
+    )
     if as_json:
         energy: dict[str, Any] = {"energy_wh": None if budget is None else round(budget.used.energy_wh, 3)}
         energy |= {} if budget is None else {"energy": energy_as_json(budget)}
