@@ -59,15 +59,16 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
             f"start: expected {LEAST_TAKEOFF_HEIGHT} m above home or more, for the take-off, not {first[1]:.1f} m"
         )
     over_home = starts_over_home(route)
+    hold = scenario.vehicle.autopilot.least_hold(scenario.vehicle.version)
     flown_to = [
-        *(_pass(route, n, *place, scenario) for n, place in enumerate(others[:-1], 1)),
-        (spline_waypoint if route.spline and route.brakes_on_curve else waypoint)(*others[-1]),
+        *(_pass(route, n, *place, hold, scenario) for n, place in enumerate(others[:-1], 1)),
+        (spline_waypoint if route.spline and route.brakes_on_curve else waypoint)(*others[-1], hold),
     ]
     cruise, changes = scenario.vehicle.cruise_speed, route.speed_changes
     items: list[Item] = [
         takeoff(first[0] if over_home else home, first[1]),
         change_speed(cruise),
-        *([] if over_home else [waypoint(*first)]),
+        *([] if over_home else [waypoint(*first, hold)]),
     ]
     for leg, item in enumerate(flown_to):
         items += [change_speed(route.slow_speed if leg in route.slow else cruise)] if leg in changes else []
@@ -99,12 +100,12 @@ def starts_over_home(route: Route) -> bool:
     return bool(np.hypot(*route.points[0, :2]) < OVER_HOME)
 
 
-def _pass(route: Route, n: int, place: Geodetic, height: float, scenario: Scenario) -> Item:
+def _pass(route: Route, n: int, place: Geodetic, height: float, hold: float, scenario: Scenario) -> Item:
     """The item that passes waypoint n of the route; those at via points are flown to as near as others are."""
     if route.spline:
         return spline_waypoint(place, height)
     via = np.linalg.norm(scenario.via_points - route.points[n], axis=1) <= VISITED
-    return waypoint(place, height, radius=0.0 if via.any() else route.radius)
+    return waypoint(place, height, hold, radius=0.0 if via.any() else route.radius)
 
 
 def _prove_departure(start: Vector, scenario: Scenario) -> None:

@@ -172,6 +172,10 @@ class Autopilot(ABC):
         """
         return ReturnRoute(ReturnBy.DIRECT, self.goal_of_return(parameters, here, rally))
 
+    def least_hold(self, version: Version | None = None) -> float:
+        """How long a waypoint must hold the vehicle, or else it may be passed and not be come back to [s]; 0: not."""
+        return 0.0
+
     def over_terrain(self, parameters: Parameters) -> OverTerrain | None:
         """How it keeps its height over the ground on its way home; None: it does not.
 

@@ -16,6 +16,11 @@ from ipoa_mission.vehicles.parameters import (
     declared,
 )
 
+#: From this version on the vertical setpoint has a speed of its own (1ae8f2383f), and a vehicle that passes its waypoint
+#: without reaching it is not led back (d0004403a3).
+SPLITS_AXES = (1, 18)
+LEAST_HOLD = 0.1  # of a waypoint at which PX4 is to stop [s]
+
 #: PX4 1.17's own defaults for a multicopter in AUTO.MISSION (SI units and degrees, as it has them). What PX4 sets for
 #: every multicopter as it starts (`rc.mc_defaults`) goes before the defaults in its parameter reference.
 DEFAULTS: Parameters = {
@@ -23,6 +28,7 @@ DEFAULTS: Parameters = {
     "MPC_XY_VEL_MAX": 12.0,
     "MPC_XY_TRAJ_P": 0.5,
     "MPC_XY_ERR_MAX": 2.0,
+    "MPC_Z_ERR_MAX": 1.0,
     "MPC_XY_P": 0.95,
     "MPC_ACC_HOR": 3.0,
     "MPC_ACC_HOR_MAX": 5.0,

@@ -10,7 +10,8 @@ from typing import NamedTuple
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.px4_multicopter.book import DEFAULTS
+from ipoa_mission.vehicles.px4_multicopter.book import DEFAULTS, SPLITS_AXES
+from ipoa_mission.vehicles.version import Version
 
 BRAKES_LATE = 0.6  # where it lands or holds it reckons so long with the speed that it has [s]
 
@@ -84,7 +85,9 @@ class Px4Touchdown(NamedTuple):
 class Px4Limits(NamedTuple):
     """What moves a PX4 multicopter along a mission: m, s, m/s, m/s^2, m/s^3, rad.
 
-    LAND slows down from `sinks_from` [m/s], which may be more than it ever sinks with.
+    LAND slows down from `sinks_from` [m/s], which may be more than it ever sinks with. `splits_axes`: the vertical
+    setpoint has a speed of its own and waits by itself, up to `most_height_error` ahead of the vehicle; a vehicle that
+    has passed its item is not led back.
     """
 
     cruise: float
@@ -130,10 +133,14 @@ class Px4Limits(NamedTuple):
     disarm_delay: float
     touchdown: Px4Touchdown
     has_range_finder: bool
+    splits_axes: bool
+    most_height_error: float
 
 
-def px4_limits(parameters: Parameters) -> Px4Limits:
+def px4_limits(parameters: Parameters, version: Version | None = None) -> Px4Limits:
     """The limits that these parameters set; what is not given has PX4 1.17's default.
+
+    `version`: left out, one before `SPLITS_AXES`.
 
     Downwards the vertical controller may use a little more than the trajectory does (FlightTaskAuto: 1.2 times). What
     hovering takes is learned by a Kalman filter with a process noise of HTE_HT_NOISE a second and, as the flights are
@@ -193,4 +200,6 @@ def px4_limits(parameters: Parameters) -> Px4Limits:
         disarm_delay=max(p["COM_DISARM_LAND"], 0.0),
         touchdown=Px4Touchdown.of(p),
         has_range_finder=abs(p["SIH_DISTSNSR_OVR"]) < NO_RANGE_FINDER,
+        splits_axes=version is not None and version.series >= SPLITS_AXES,
+        most_height_error=p["MPC_Z_ERR_MAX"],
     )

@@ -25,6 +25,7 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.px4_multicopter.book import LEAST_HOLD
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import KNOWS, SIH, SIH_SENSES, Airframe, Senses
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import fly
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
@@ -39,6 +40,7 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
 from ipoa_mission.vehicles.px4_multicopter.dynamics.speeds import speed_to
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Law, Level, Order
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
+from ipoa_mission.vehicles.version import Version
 from ipoa_mission.wind import CALM, Wind
 
 ALONG_MISSION = frozenset({1.0, 2.0, 3.0, 4.0})  # RTL_TYPE
@@ -75,6 +77,7 @@ def fly_px4(
     fast: bool | None = None,
     airframe: Airframe = SIH,
     senses: Senses = SIH_SENSES,
+    version: Version | None = None,
 ) -> Prediction:
     """Fly the itinerary as PX4 does; `fast` is as in `estimate`. One that `KNOWS` where it is is flown only once.
 
@@ -82,7 +85,7 @@ def fly_px4(
         BadInput: an item never ends, or a parameter has no sense.
         MissionError: the vehicle does not get on, as against a wind stronger than it can fly.
     """
-    flights = Flights(route, parameters, wind, airframe, senses)
+    flights = Flights(route, parameters, wind, airframe, senses, version)
     smooth, samples = flights.prepared(False, fast)(0)
     once = flights.prepared(True, fast, RUNS.most * samples[-1, 0] / STEP)
     remarks = list(flights.plan.remarks)
@@ -110,14 +113,15 @@ def fly_px4(
 
 
 def break_off(
-    route: Itinerary, parameters: Parameters, wind: Wind, fast: bool | None, airframe: Airframe, order: BrokenOff
+    route: Itinerary, parameters: Parameters, wind: Wind, fast: bool | None, airframe: Airframe, order: BrokenOff,
+    version: Version | None = None,
 ) -> Prediction:
     """Fly the itinerary up to a moment, and then what is ordered, in the mean of its noise: each from where it is then.
 
     Raises:
         BadInput, MissionError: as `fly_px4` does; or what is ordered has no end.
     """
-    flights = Flights(route, parameters, wind, airframe)
+    flights = Flights(route, parameters, wind, airframe, version=version)
     if order.ending is Ending.RTL:
         if flights.limits.land_delay < 0.0:
             raise MissionError("with an RTL_LAND_DELAY below 0 it waits over its goal for ever")
@@ -181,9 +185,9 @@ class Flights:
 
     def __init__(
         self, route: Itinerary, parameters: Parameters, wind: Wind = CALM, airframe: Airframe = SIH,
-        senses: Senses = SIH_SENSES,
+        senses: Senses = SIH_SENSES, version: Version | None = None,
     ) -> None:  # fmt: skip
-        limits = px4_limits(parameters)
+        limits = px4_limits(parameters, version)
         self.limits = limits._replace(spool_up=max(limits.spool_up + airframe.lift_delay, 0.0))
         self.route, self.airframe, self.wind = route, airframe, wind
         self.plan = plan(route, self.limits, airframe.landing_delay)
@@ -264,7 +268,7 @@ class Flights:
         if command not in FLOWN_TO:
             return ""
         order = self.plan.orders[self.plan.done[n] - 1]
-        if order.holds > 0:
+        if order.holds > LEAST_HOLD:
             return "hold"
         rows = slice(*np.searchsorted(clock, [done[n - 1] if n else 0.0, done[n]], side="right"))
         length, limits = math.dist(order.start[:2], order.goal[:2]), self.limits

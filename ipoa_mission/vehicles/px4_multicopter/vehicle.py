@@ -19,7 +19,7 @@ from ipoa_mission.vehicles.modes import Modes, mode_number
 from ipoa_mission.vehicles.own_fence import FenceLimit, OwnFence
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.px4_multicopter import failsafes, returning
-from ipoa_mission.vehicles.px4_multicopter.book import BOOK
+from ipoa_mission.vehicles.px4_multicopter.book import BOOK, LEAST_HOLD, SPLITS_AXES
 from ipoa_mission.vehicles.px4_multicopter.refusal import REFUSALS
 from ipoa_mission.vehicles.returning import MissionLanding, Place, ReturnRoute
 from ipoa_mission.vehicles.slow_landing import SLOWEST, SlowedBy, SlowStretch
@@ -203,6 +203,14 @@ class Px4Multicopter(Autopilot):
         'back along the mission'
         """
         return returning.return_route(parameters, here, rally, landing, (version or self.newest).series)
+
+    def least_hold(self, version: Version | None = None) -> float:
+        """From 1.18 on: a hold makes it stop at its waypoint, and wait there for its height.
+
+        >>> Px4Multicopter().least_hold(Version(1, 17)), Px4Multicopter().least_hold(Version(1, 18))
+        (0.0, 0.1)
+        """
+        return LEAST_HOLD if (version or self.measured).series >= SPLITS_AXES else 0.0
 
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
         """As its source has it."""

@@ -45,8 +45,10 @@ class Climb(NamedTuple):
     accel: float
 
 
-def guided(state: State, order: Order) -> Guidance:
+def guided(state: State, order: Order, limits: Px4Limits) -> Guidance:
     """On which side of its leg the vehicle is; where that has changed, it is led back from here."""
+    if limits.splits_axes:
+        return state.guidance
     place, was, home = state.body.place, state.guidance, home_told(state, order)
     leg_east, leg_north = order.goal.east - order.start.east, order.goal.north - order.start.north
     square, near = leg_east * leg_east + leg_north * leg_north, order.radius * order.radius
@@ -121,7 +123,8 @@ def wanted_velocity(state: State, order: Order, law: Law, guidance: Guidance) ->
         velocity = Enu(aim.east * share, aim.north * share, -sink_rate(state, order, law))
     else:
         climb = climb_limits(guidance.rising, is_low_take_off(state, order, limits), limits)
-        velocity = within(aim, fast, vertical_speed(at, to.goal, to.beyond, climb.rate, climb.accel, limits))
+        rise = vertical_speed(at, to.goal, to.beyond, climb.rate, climb.accel, limits)
+        velocity = apart(aim, fast, rise) if limits.splits_axes else within(aim, fast, rise)
     if limits.turns_first and order.may_turn_first and abs(heading_error(state, order)) > limits.yaw_error:
         velocity = ZERO
     return velocity, Guidance(guidance.side, guidance.anchor, held, velocity.up > 0.0)
@@ -140,6 +143,14 @@ def ahead_on_leg(at: Enu, to: Way, aim: Enu, radius: float) -> Enu:
     reach = max(radius, LEAST_AHEAD)
     ahead = math.sqrt(max(reach * reach - off_east * off_east - off_north * off_north - off_up * off_up, 0.0))
     return Enu(off_east + ahead * east, off_north + ahead * north, off_up + ahead * up)
+
+
+def apart(aim: Enu, fast: float, rise: float) -> Enu:
+    """A velocity whose level part leads to the aim, and whose vertical part is the full speed towards its height."""
+    far = level(aim)
+    share = fast / far if far > 0.0 else 0.0
+    up = 0.0 if aim.up == 0.0 else math.copysign(rise, aim.up)
+    return Enu(aim.east * share, aim.north * share, up)
 
 
 def within(aim: Enu, fast: float, rise: float) -> Enu:

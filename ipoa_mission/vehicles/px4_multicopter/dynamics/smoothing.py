@@ -73,8 +73,10 @@ def moved(axis: Axis, profile: Profile, t: float) -> Axis:
     return Axis(x, v, a)
 
 
-def smoothed(trajectory: Trajectory, velocity: Enu, limits: Px4Limits, accel_up: float, t: float) -> Trajectory:
-    """The trajectory t seconds later, on its way to a velocity; the quicker axes stretched to the slowest."""
+def smoothed(
+    trajectory: Trajectory, velocity: Enu, limits: Px4Limits, accel_up: float, t: float, t_up: float
+) -> Trajectory:
+    """The trajectory t seconds later, upwards `t_up`, on its way to a velocity; quicker axes last as the slowest."""
     x, y, z = trajectory
     accel, jerk = limits.accel, limits.jerk
     east, north = quickest(x, velocity.east, accel, jerk), quickest(y, velocity.north, accel, jerk)
@@ -84,5 +86,5 @@ def smoothed(trajectory: Trajectory, velocity: Enu, limits: Px4Limits, accel_up:
     return Trajectory(
         moved(x, stretched(x, velocity.east, accel, east, longest), t),
         moved(y, stretched(y, velocity.north, accel, north, longest), t),
-        moved(z, stretched(z, velocity.up, accel_up, up, longest), t),
+        moved(z, stretched(z, velocity.up, accel_up, up, longest), t_up),
     )

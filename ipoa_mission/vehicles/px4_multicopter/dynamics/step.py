@@ -46,7 +46,7 @@ GROUND_SINK = 0.7  # the trajectory's speed downwards until a take-off begins [m
 def step(state: State, order: Order, law: Law) -> State:
     """The state `law.dt` later; `reached` and `been_there` say how far the order is."""
     limits, standing = law.limits, stands(state, order)
-    velocity, guidance = wanted_velocity(state, order, law, guided(state, order))
+    velocity, guidance = wanted_velocity(state, order, law, guided(state, order, limits))
     trajectory = led(state, order, law, velocity)
     asked, control = controlled(state, trajectory, order, law)
     if not (standing or state.body.on_ground):
@@ -82,8 +82,12 @@ def led(state: State, order: Order, law: Law, velocity: Enu) -> Trajectory:
     standing = math.sqrt(was.east.speed * was.east.speed + was.north.speed * was.north.speed) < STANDING
     if standing or east * was.east.speed + north * was.north.speed >= 0.0:
         behind = math.sqrt(east * east + north * north)
-    pace = 1.0 - min(behind / limits.most_error, 1.0)
-    now = smoothed(was, within, limits, climb.accel, law.dt * pace)
+    pace = pace_up = 1.0 - min(behind / limits.most_error, 1.0)
+    if limits.splits_axes:
+        pace_up, lead = 1.0, was.up.place - at.up
+        if limits.most_height_error > 0.0 and lead * was.up.speed >= 0.0:
+            pace_up = 1.0 - min(abs(lead) / limits.most_height_error, 1.0)
+    now = smoothed(was, within, limits, climb.accel, law.dt * pace, law.dt * pace_up)
     if order.kind != LAND:
         return now
     return Trajectory(in_single(now.east), in_single(now.north), now.up)
