@@ -33,7 +33,9 @@ class ReturnRoutes:
 
     def __init__(self, forecast: Forecast, rally: tuple[Place, ...]) -> None:
         self.forecast, self.rally, self.mission = forecast, rally, forecast.mission
-        self.parameters = self.mission.autopilot.book.by_old_names(self.mission.parameters)
+        self.parameters = self.mission.autopilot.known_parameters(
+            self.mission.parameters, self.mission.firmware_version
+        )
 
     def route(self, here: Place, seq: int) -> ReturnRoute:
         """Which way a return from here takes on the way to an item."""

@@ -22,6 +22,7 @@ from ipoa_mission.routing.repairs import raise_way_home, slow_landings
 from ipoa_mission.routing.route import NoRoute, Route
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.places import FenceSection
+from ipoa_mission.vehicles.guidance import WaypointDefaults
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 #: A take-off below this height above home is refused: PX4's own least take-off altitude (MIS_TAKEOFF_ALT).
@@ -59,16 +60,16 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
             f"start: expected {LEAST_TAKEOFF_HEIGHT} m above home or more, for the take-off, not {first[1]:.1f} m"
         )
     over_home = starts_over_home(route)
-    hold = scenario.vehicle.autopilot.least_hold(scenario.vehicle.version)
+    usual = scenario.vehicle.autopilot.waypoint_defaults(scenario.vehicle.version)
     flown_to = [
-        *(_pass(route, n, *place, hold, scenario) for n, place in enumerate(others[:-1], 1)),
-        (spline_waypoint if route.spline and route.brakes_on_curve else waypoint)(*others[-1], hold),
+        *(_pass(route, n, *place, usual, scenario) for n, place in enumerate(others[:-1], 1)),
+        spline_waypoint(*others[-1]) if route.spline and route.brakes_on_curve else waypoint(*others[-1], *usual),
     ]
     cruise, changes = scenario.vehicle.cruise_speed, route.speed_changes
     items: list[Item] = [
         takeoff(first[0] if over_home else home, first[1]),
         change_speed(cruise),
-        *([] if over_home else [waypoint(*first, hold)]),
+        *([] if over_home else [waypoint(*first, *usual)]),
     ]
     for leg, item in enumerate(flown_to):
         items += [change_speed(route.slow_speed if leg in route.slow else cruise)] if leg in changes else []
@@ -100,12 +101,12 @@ def starts_over_home(route: Route) -> bool:
     return bool(np.hypot(*route.points[0, :2]) < OVER_HOME)
 
 
-def _pass(route: Route, n: int, place: Geodetic, height: float, hold: float, scenario: Scenario) -> Item:
+def _pass(route: Route, n: int, place: Geodetic, height: float, usual: WaypointDefaults, scenario: Scenario) -> Item:
     """The item that passes waypoint n of the route; those at via points are flown to as near as others are."""
     if route.spline:
         return spline_waypoint(place, height)
     via = np.linalg.norm(scenario.via_points - route.points[n], axis=1) <= VISITED
-    return waypoint(place, height, hold, radius=0.0 if via.any() else route.radius)
+    return waypoint(place, height, usual.hold, usual.radius if via.any() or route.radius == 0.0 else route.radius)
 
 
 def _prove_departure(start: Vector, scenario: Scenario) -> None:

@@ -74,7 +74,7 @@ def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
     stopped = replace(last, params=(1.0, *last.params[1:])) if last.command == Command.NAV_SPLINE_WAYPOINT else last
     above = Geodetic(last.latitude_deg, last.longitude_deg, mission.home.altitude)
     for height in heights_above(mission.altitude_above_home(last)):
-        climb = waypoint(above, height, mission.autopilot.least_hold(mission.firmware_version))
+        climb = waypoint(above, height, *mission.autopilot.waypoint_defaults(mission.firmware_version))
         raised = replace(mission, items=(*mission.items[:-2], stopped, climb, mission.items[-1]))
         legs = Forecast(raised, scenario).legs
         way_up, *ways = (leg for leg in legs if leg.seq == len(mission.items) or leg.phase is Phase.RETURN)

@@ -15,7 +15,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.failsafe import Failsafe, FailsafeRule, StationLoss
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables
-from ipoa_mission.vehicles.guidance import GuidanceHabits
+from ipoa_mission.vehicles.guidance import GuidanceHabits, WaypointDefaults
 from ipoa_mission.vehicles.manners import Manners
 from ipoa_mission.vehicles.modes import Modes
 from ipoa_mission.vehicles.own_fence import OwnFence
@@ -172,9 +172,17 @@ class Autopilot(ABC):
         """
         return ReturnRoute(ReturnBy.DIRECT, self.goal_of_return(parameters, here, rally))
 
-    def least_hold(self, version: Version | None = None) -> float:
-        """How long a waypoint must hold the vehicle, or else it may be passed and not be come back to [s]; 0: not."""
-        return 0.0
+    def defaults_of(self, version: Version | None = None) -> Parameters:
+        """Defaults of a version that differ from those of its parameter book."""
+        return {}
+
+    def known_parameters(self, parameters: Parameters, version: Version | None = None) -> Parameters:
+        """Parameters by their older names, and the version's own defaults of those that are not given."""
+        return {**self.defaults_of(version), **self.book.by_old_names(parameters)}
+
+    def waypoint_defaults(self, version: Version | None = None) -> WaypointDefaults:
+        """The hold and the acceptance radius that each waypoint is given."""
+        return WaypointDefaults()
 
     def over_terrain(self, parameters: Parameters) -> OverTerrain | None:
         """How it keeps its height over the ground on its way home; None: it does not.

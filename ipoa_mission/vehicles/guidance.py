@@ -2,6 +2,14 @@
 
 from collections.abc import Set
 from dataclasses import dataclass
+from typing import NamedTuple
+
+
+class WaypointDefaults(NamedTuple):
+    """A hold [s], without which the autopilot may pass a waypoint and not return; a radius [m], 0: its parameter."""
+
+    hold: float = 0.0
+    radius: float = 0.0
 
 
 @dataclass(frozen=True)

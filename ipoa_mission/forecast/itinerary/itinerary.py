@@ -82,7 +82,7 @@ def itinerary(mission: Mission, ground: Ground = LEVEL) -> Itinerary:
     )
     visits = tuple(Visit(n + 1, item) for n, item in zip(order, items, strict=True))
     program = Program(items, LocalFrame(mission.home), mission.autopilot)
-    by_names = mission.autopilot.book.by_old_names(mission.parameters)
+    by_names = mission.autopilot.known_parameters(mission.parameters, mission.firmware_version)
     return Itinerary(visits, program, tuple(over_terrain), ground, rally_places(mission), by_names)
 
 

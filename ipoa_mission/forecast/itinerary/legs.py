@@ -104,7 +104,8 @@ class _LegBuilder:
         self.home = frame.local(mission.home)
         self.ground = ground or Ground(Flat(float(self.home[2])))
         self.places = item_places(mission, frame, self.ground)
-        self.parameters = mission.autopilot.book.complete(mission.parameters)
+        known = mission.autopilot.known_parameters(mission.parameters, mission.firmware_version)
+        self.parameters = mission.autopilot.book.complete(known)
         self.at = self.home
         self.flown_in: Vector | None = None
         """Along what the vehicle arrived where it is, if it flies on without a stop, (3,) [m]."""

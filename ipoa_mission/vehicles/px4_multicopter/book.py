@@ -16,10 +16,11 @@ from ipoa_mission.vehicles.parameters import (
     declared,
 )
 
-#: From this version on the vertical setpoint has a speed of its own (1ae8f2383f), and a vehicle that passes its waypoint
-#: without reaching it is not led back (d0004403a3).
+#: From this version on the vertical setpoint has a speed of its own (1ae8f2383f), and a vehicle that passes its
+#: waypoint without reaching it is not led back (d0004403a3).
 SPLITS_AXES = (1, 18)
 LEAST_HOLD = 0.1  # of a waypoint at which PX4 is to stop [s]
+SINCE_SPLIT: Parameters = {"NAV_ACC_RAD": 10.0}  # its defaults from then on, where they are others (c05cc47b75)
 
 #: PX4 1.17's own defaults for a multicopter in AUTO.MISSION (SI units and degrees, as it has them). What PX4 sets for
 #: every multicopter as it starts (`rc.mc_defaults`) goes before the defaults in its parameter reference.

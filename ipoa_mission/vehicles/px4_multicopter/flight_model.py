@@ -29,13 +29,17 @@ class Px4Model(FlightModel):
     def predicted(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, sure: bool) -> Prediction:
         """As `FlightModel.predicted`."""
         senses = KNOWS if sure else SIH_SENSES
-        return fly_px4(route, mission.parameters, wind, fast, airframe_of(mission.vehicle), senses, mission.firmware_version)
+        return fly_px4(
+            route, mission.parameters, wind, fast, airframe_of(mission.vehicle), senses, mission.firmware_version
+        )
 
     def broken_off(
         self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, order: BrokenOff
     ) -> Prediction:
         """As `FlightModel.broken_off`."""
-        return break_off(route, mission.parameters, wind, fast, airframe_of(mission.vehicle), order, mission.firmware_version)
+        return break_off(
+            route, mission.parameters, wind, fast, airframe_of(mission.vehicle), order, mission.firmware_version
+        )
 
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         """As `FlightModel.kinematics`."""
@@ -49,7 +53,9 @@ class Px4Model(FlightModel):
 
     def usual(self, route: Itinerary, mission: Mission) -> Vector:
         """The medians over its noise."""
-        flights = Flights(route, mission.parameters, airframe=airframe_of(mission.vehicle), version=mission.firmware_version)
+        flights = Flights(
+            route, mission.parameters, airframe=airframe_of(mission.vehicle), version=mission.firmware_version
+        )
         steps = RUNS * sum(order.patience for order in flights.plan.orders) / STEP
         once = flights.prepared(True, True, steps)
         return np.asarray(np.median([once(seed)[0] for seed in range(1, RUNS + 1)], axis=0))

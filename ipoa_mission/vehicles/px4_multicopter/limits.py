@@ -10,7 +10,7 @@ from typing import NamedTuple
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.px4_multicopter.book import DEFAULTS, SPLITS_AXES
+from ipoa_mission.vehicles.px4_multicopter.book import DEFAULTS, SINCE_SPLIT, SPLITS_AXES
 from ipoa_mission.vehicles.version import Version
 
 BRAKES_LATE = 0.6  # where it lands or holds it reckons so long with the speed that it has [s]
@@ -149,7 +149,8 @@ def px4_limits(parameters: Parameters, version: Version | None = None) -> Px4Lim
     Raises:
         BadInput: a parameter that must be positive is not.
     """
-    p = {**DEFAULTS, **parameters}
+    splits = version is not None and version.series >= SPLITS_AXES
+    p = {**DEFAULTS, **(SINCE_SPLIT if splits else {}), **parameters}
     for name in POSITIVE:
         if not p[name] > 0:
             raise BadInput(f"{name}: expected more than 0, not {p[name]:g}")
@@ -200,6 +201,6 @@ def px4_limits(parameters: Parameters, version: Version | None = None) -> Px4Lim
         disarm_delay=max(p["COM_DISARM_LAND"], 0.0),
         touchdown=Px4Touchdown.of(p),
         has_range_finder=abs(p["SIH_DISTSNSR_OVR"]) < NO_RANGE_FINDER,
-        splits_axes=version is not None and version.series >= SPLITS_AXES,
+        splits_axes=splits,
         most_height_error=p["MPC_Z_ERR_MAX"],
     )

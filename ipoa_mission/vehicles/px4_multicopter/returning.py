@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 from ipoa_mission.vehicles.failsafe import Series
 from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.px4_multicopter.book import SINCE_SPLIT
 from ipoa_mission.vehicles.returning import (
     HOME,
     MissionLanding,
@@ -23,7 +24,6 @@ NEARER = 2.0  # by so much a rally point or a landing must be nearer [m]
 OF_ITS_OWN = 10.0  # rally points that are no farther from home are none [m]
 NOT_HOME, ON, NEAREST, SHORTER, RALLY_ONLY = 1.0, 2.0, 3.0, 4.0, 5.0  # RTL_TYPE; 0: home or a rally point
 ROUNDS_FENCES = (1, 18)  # since this series (pull request 27145)
-RADIUS_SINCE = 10.0  # NAV_ACC_RAD of a 1.18 that does not say it [m]; before that PX4 set 2 for multicopters
 
 
 def return_height(parameters: Parameters, height: float, distance: float, goal_up: float) -> float:
@@ -55,4 +55,4 @@ def return_route(
 
 def room_to_fences(parameters: Parameters, series: Series) -> float | None:
     """How far it keeps from the fences that it flies around [m]; None: it flies straight, whatever is fenced."""
-    return 2.0 * parameters.get("NAV_ACC_RAD", RADIUS_SINCE) if series >= ROUNDS_FENCES else None
+    return 2.0 * parameters.get("NAV_ACC_RAD", SINCE_SPLIT["NAV_ACC_RAD"]) if series >= ROUNDS_FENCES else None

@@ -113,7 +113,12 @@ def fly_px4(
 
 
 def break_off(
-    route: Itinerary, parameters: Parameters, wind: Wind, fast: bool | None, airframe: Airframe, order: BrokenOff,
+    route: Itinerary,
+    parameters: Parameters,
+    wind: Wind,
+    fast: bool | None,
+    airframe: Airframe,
+    order: BrokenOff,
     version: Version | None = None,
 ) -> Prediction:
     """Fly the itinerary up to a moment, and then what is ordered, in the mean of its noise: each from where it is then.

@@ -12,14 +12,14 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.failsafe import Failsafe
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables, rows
-from ipoa_mission.vehicles.guidance import GuidanceHabits
+from ipoa_mission.vehicles.guidance import GuidanceHabits, WaypointDefaults
 from ipoa_mission.vehicles.kinds import MULTICOPTERS
 from ipoa_mission.vehicles.manners import Manners
 from ipoa_mission.vehicles.modes import Modes, mode_number
 from ipoa_mission.vehicles.own_fence import FenceLimit, OwnFence
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.px4_multicopter import failsafes, returning
-from ipoa_mission.vehicles.px4_multicopter.book import BOOK, LEAST_HOLD, SPLITS_AXES
+from ipoa_mission.vehicles.px4_multicopter.book import BOOK, DEFAULTS, LEAST_HOLD, SINCE_SPLIT, SPLITS_AXES
 from ipoa_mission.vehicles.px4_multicopter.refusal import REFUSALS
 from ipoa_mission.vehicles.returning import MissionLanding, Place, ReturnRoute
 from ipoa_mission.vehicles.slow_landing import SLOWEST, SlowedBy, SlowStretch
@@ -28,6 +28,7 @@ from ipoa_mission.vehicles.version import Version
 if TYPE_CHECKING:
     from ipoa_mission.geometry import Points, Vector
 
+STOPS = WaypointDefaults(LEAST_HOLD, DEFAULTS["NAV_ACC_RAD"])
 ONLY_WARNS = 1.0  # GF_ACTION; 0 does nothing at all
 
 HABITS = Firmware(
@@ -204,13 +205,17 @@ class Px4Multicopter(Autopilot):
         """
         return returning.return_route(parameters, here, rally, landing, (version or self.newest).series)
 
-    def least_hold(self, version: Version | None = None) -> float:
-        """From 1.18 on: a hold makes it stop at its waypoint, and wait there for its height.
+    def defaults_of(self, version: Version | None = None) -> Parameters:
+        """NAV_ACC_RAD of multicopters is 10 m from 1.18 on."""
+        return SINCE_SPLIT if (version or self.measured).series >= SPLITS_AXES else {}
 
-        >>> Px4Multicopter().least_hold(Version(1, 17)), Px4Multicopter().least_hold(Version(1, 18))
-        (0.0, 0.1)
+    def waypoint_defaults(self, version: Version | None = None) -> WaypointDefaults:
+        """From 1.18 on it must stop at each waypoint, and the radius is named as the default has grown to 10 m.
+
+        >>> Px4Multicopter().waypoint_defaults(Version(1, 18))
+        WaypointDefaults(hold=0.1, radius=2.0)
         """
-        return LEAST_HOLD if (version or self.measured).series >= SPLITS_AXES else 0.0
+        return STOPS if (version or self.measured).series >= SPLITS_AXES else WaypointDefaults()
 
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
         """As its source has it."""
