@@ -50,36 +50,46 @@ def guided(state: State, order: Order, limits: Px4Limits) -> Guidance:
     if limits.splits_axes:
         return state.guidance
     place, was, home = state.body.place, state.guidance, home_told(state, order)
-    leg_east, leg_north = order.goal.east - order.start.east, order.goal.north - order.start.north
-    square, near = leg_east * leg_east + leg_north * leg_north, order.radius * order.radius
-    if square <= 1e-12:
+    at = Enu(place.east, place.north, place.up - home)
+    ahead, along, across = beside_leg(at, of(order.start), of(order.goal))
+    if ahead <= 1e-6:
         return Guidance(ON_LINE, of(order.start), was.held, was.rising)
-    off_east, off_north = place.east - order.start.east, place.north - order.start.north
-    along, across = off_east * leg_east + off_north * leg_north, off_east * leg_north - off_north * leg_east
     side = ON_LINE
-    if along > square:
+    if along > ahead:
         side = BEYOND
-    elif along < 0.0 and off_east * off_east + off_north * off_north > near:
+    elif along < 0.0 and along * along + across * across > order.radius * order.radius:
         side = BEFORE
-    elif across * across > near * square:
+    elif order.kind != LAND and across > order.radius:
         side = BESIDE
     if side == was.side and side != BESIDE:
         return was
-    return Guidance(side, Enu(place.east, place.north, place.up - home), was.held, was.rising)
+    return Guidance(side, at, was.held, was.rising)
+
+
+def beside_leg(at: Enu, start: Enu, goal: Enu) -> tuple[float, float, float]:
+    """The length of a leg, how far along it a place is and how far beside it [m]."""
+    leg_east, leg_north, leg_up = goal.east - start.east, goal.north - start.north, goal.up - start.up
+    length = math.sqrt(leg_east * leg_east + leg_north * leg_north + leg_up * leg_up)
+    if length <= 1e-6:
+        return 0.0, 0.0, 0.0
+    off_east, off_north, off_up = at.east - start.east, at.north - start.north, at.up - start.up
+    along = (off_east * leg_east + off_north * leg_north + off_up * leg_up) / length
+    square = off_east * off_east + off_north * off_north + off_up * off_up - along * along
+    return length, along, math.sqrt(max(square, 0.0))
 
 
 def way(guidance: Guidance, order: Order) -> Way:
-    """What is steered for from that side: the end of the leg, its start, or its nearest point."""
-    start, goal, beyond = of(order.start), of(order.goal), of(order.beyond)
+    """The waypoints in use: of the leg; or from the vehicle to the end of the leg, its start or its nearest point."""
+    start, goal, beyond, at = of(order.start), of(order.goal), of(order.beyond), guidance.anchor
     if guidance.side == BEYOND:
-        return Way(guidance.anchor, goal, beyond)
+        return Way(at, goal, beyond)
     if guidance.side == BEFORE:
-        return Way(guidance.anchor, start, goal)
+        return Way(at, start, goal)
     if guidance.side == BESIDE:
-        at, leg_east, leg_north = guidance.anchor, goal.east - start.east, goal.north - start.north
-        along = (at.east - start.east) * leg_east + (at.north - start.north) * leg_north
-        along /= leg_east * leg_east + leg_north * leg_north
-        return Way(at, Enu(start.east + along * leg_east, start.north + along * leg_north, goal.up), goal)
+        length, along, _ = beside_leg(at, start, goal)
+        share = along / length
+        east, north = start.east + share * (goal.east - start.east), start.north + share * (goal.north - start.north)
+        return Way(at, Enu(east, north, start.up + share * (goal.up - start.up)), goal)
     return Way(start, goal, beyond)
 
 
