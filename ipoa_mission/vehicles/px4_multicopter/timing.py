@@ -63,6 +63,7 @@ class NoisyRuns:
     doubt_share: float = 0.0125  # and this share of the time
     landing_s: float = 1.6  # what landings differ by beyond that, in recorded flights
     interval_deviations: float = 1.645  # nine in ten are so many standard deviations on either side of the mean
+    late_quantile: float = 0.95  # of the runs, where misses make it later than those deviations
     broken_off_deviations: float = 2.3  # the same of endings that are ordered, as flown
     missed_s: float = 3.0  # a waypoint that takes so much longer than in most runs has been missed
 
@@ -103,13 +104,16 @@ def fly_px4(
     done = runs.mean(axis=0)
     lands = np.array([visit.item.command in LANDINGS for visit in route.visits], dtype=bool)
     doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * done) ** 2 + RUNS.landing_s**2 * np.maximum.accumulate(lands)
-    half = RUNS.interval_deviations * np.sqrt(runs.var(axis=0) + doubt)
+    below = RUNS.interval_deviations * runs.std(axis=0)
+    above = np.maximum(below, np.quantile(runs, RUNS.late_quantile, axis=0) - done)  # who misses a waypoint is late
+    unsure = RUNS.interval_deviations**2 * doubt
     warped = np.interp(samples[:, 0], [0.0, *smooth], [0.0, *done])
     warped += np.maximum(samples[:, 0] - (smooth[-1] if len(smooth) else 0.0), 0.0)
     track = Track.of(samples, warped)
     clock = np.ascontiguousarray(samples[:, 0])
     reasons = tuple(flights.why_slow(n, smooth, clock, samples) for n in range(len(route.visits)))
-    return Prediction(done, done - half, done + half, reasons, track, tuple(remarks), _missed(route, runs))
+    low, high = done - np.sqrt(below**2 + unsure), done + np.sqrt(above**2 + unsure)
+    return Prediction(done, low, high, reasons, track, tuple(remarks), _missed(route, runs))
 
 
 def break_off(
