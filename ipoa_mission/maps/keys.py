@@ -10,6 +10,7 @@ from enum import StrEnum
 from functools import lru_cache
 
 CUT = 10  # letters of a name in a Shapefile
+CUT_BY_SHP_WRITE = 8  # in those of shp-write before 0.4.2
 PERHAPS = "perhaps"  # a word in the names of keys that may be another's
 
 
@@ -157,17 +158,24 @@ class Names:
 
     def starting_as(self, key: str) -> tuple[str, ...]:
         """The known keys of which a Shapefile keeps these ten letters, the last of them a number it may be."""
-        text = key.lower()
-        begins = (text, re.sub(r"_\d{1,2}$", "_" if text[CUT - 3] == "_" else "", text))  # a second one ends in _1
-        written = ((known, known.lower().replace(":", "_")) for known in self._known.values())
-        return tuple(known for known, name in written if len(name) > CUT and name.startswith(begins))
+        text = _squeezed(key)
+        begins = (text, re.sub(r"\d{1,2}$", "", text))  # a second one ends in _1
+        return tuple(
+            known for known in self._known.values() if len(known) > CUT and _squeezed(known).startswith(begins)
+        )
 
 
 def completed(key: str) -> str:
     """A key whose last word measures something and was cut, with all of that word."""
-    before, mark, last = key.rpartition("_")
-    whole = next((word for word in _MEASURED if len(last) > 2 and word.startswith(last.lower())), last)
-    return f"{before}{mark}{whole}"
+    for word in _MEASURED:
+        for length in range(len(word) - 1, 2, -1):
+            if key.lower().endswith(word[:length]):
+                return key + word[length:]
+    return key
+
+
+def _squeezed(key: str) -> str:
+    return re.sub(r"[\W_]+", "", key).lower()
 
 
 def those(tags: Mapping[str, str], *means: Means) -> list[str]:

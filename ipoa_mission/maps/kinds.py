@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.maps.feature import Feature
-from ipoa_mission.maps.keys import CUT, PERHAPS, Means, Names, completed, meaning, those
+from ipoa_mission.maps.keys import CUT, CUT_BY_SHP_WRITE, PERHAPS, Means, Names, completed, meaning, those
 from ipoa_mission.maps.wires import OVERGROUND, WIRES
 
 #: What a shape covers.
@@ -113,6 +113,7 @@ _LONG_KEYS = (
 )  # fmt: skip
 _NAMES = Names((*TALL, *WIRES, *WOODS, *OVERTURE, *_OTHER_KEYS, *_LONG_KEYS, TOP_AMSL))
 _KNOWN = frozenset(_OTHER_KEYS) | TALL.keys() | WIRES.keys() | WOODS.keys()
+UNSURE = (Means.NOTHING, Means.PERHAPS)
 #: What a thing measures only if it stands.
 _MEASURES = (Means.TOP, Means.LEVELS, Means.MAX_LEVEL, Means.HUB, Means.ROTOR, Means.BLADE)
 _OF_BUILDINGS = (*_MEASURES, Means.FOOT, Means.MIN_LEVEL, Means.ROOF, Means.ROOF_LEVELS)
@@ -139,8 +140,10 @@ def _named(key: str) -> str:
 
 def uncut(key: str, value: str) -> str:
     """The key of which a Shapefile's field is the beginning; what may be one of several has `perhaps` in its name."""
-    if len(key) != CUT or _named(key) in _KNOWN:
+    if len(key) not in (CUT, CUT_BY_SHP_WRITE) or _named(key) in _KNOWN or meaning(key) not in UNSURE:
         return key
+    if len(key) != CUT:
+        return completed(key)
     begun = _NAMES.starting_as(key)
     of_kind = [known for known in begun if value in TALL.get(known, ())]
     if of_kind or (len(begun) == 1 and not key[-1].isdigit()):

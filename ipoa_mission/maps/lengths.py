@@ -47,6 +47,10 @@ _TERM = r"(?:\d+(?:[.,]5)?[a-zäöü]{0,3}|[a-zäöü]{1,8}|(?:b|ub|ug|sb|ss)\d+
 _SUM = re.compile(rf"{_TERM}(?:\+{_TERM})+")
 
 
+#: Full-width letters, digits and marks as those of ASCII.
+_WIDE = {code: code - 0xFEE0 for code in range(0xFF01, 0xFF5F)} | {0x3000: 0x20}
+
+
 def meters(text: str, place: str) -> float:
     """A length in metres.
 
@@ -65,7 +69,7 @@ def length_of(text: str) -> tuple[float | None, bool]:
 
     None where there is no number. A number whose unit is unknown counts as metres, and is not understood.
     """
-    text = text.strip().lower()
+    text = text.translate(_WIDE).strip().lower()
     if len(text) > LONGEST or text.startswith(("-", "−")):
         return None, False
     text = re.sub(r"\.{2,}|…", "-", text)
@@ -98,7 +102,7 @@ def storeys_of(text: str) -> tuple[float | None, bool]:
 
     In `G+4` and `2+1` each part counts, a letter as one storey, those of basements as none.
     """
-    text = text.strip().lower()
+    text = text.translate(_WIDE).strip().lower()
     if len(text) > LONGEST or text.startswith(("-", "−")):
         return None, False
     numbers, sure = list[float](), True
@@ -116,7 +120,7 @@ def storeys_of(text: str) -> tuple[float | None, bool]:
 
 def counted_storeys(text: str) -> float | None:
     """The storeys of a height that is told by them (`6 floors`, `G+4`); None where it is not."""
-    text = re.sub(r"\s*\+\s*", "+", text.strip().lower())
+    text = re.sub(r"\s*\+\s*", "+", text.translate(_WIDE).strip().lower())
     if len(text) > LONGEST:
         return None
     if _STOREYS.search(text) or (_SUM.fullmatch(text) and re.match("[a-z]", text)):
