@@ -1,7 +1,7 @@
 """Polygons of a map as zones to keep out of, or as the one area to stay in."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
@@ -11,21 +11,23 @@ import shapely
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.activity import may_be_active, periods_of
 from ipoa_mission.maps.feature import Feature, Mistakes
-from ipoa_mission.maps.geozones import VerticalLimit, limits_of
+from ipoa_mission.maps.geozones import RADIUS
 from ipoa_mission.maps.heights import radius_of
 from ipoa_mission.maps.kinds import Reason
 from ipoa_mission.maps.passed import FAR, PassedOver, not_read, passed_over
 from ipoa_mission.maps.planar import Whereabouts, polygons_of, to_plane
-from ipoa_mission.unread import Unread
+from ipoa_mission.maps.zone_limits import VerticalLimit, ZoneLimits, limits_of
+from ipoa_mission.unread import Unread, gathered
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.union import union_of
 
-#: Of the words of ED-269 and ED-318, those that keep a flight out unless it is allowed, and all.
-Restriction: TypeAlias = Literal["PROHIBITED", "REQ_AUTHORISATION", "CONDITIONAL"]
-RESTRICTIONS: tuple[Restriction, ...] = ("PROHIBITED", "REQ_AUTHORISATION", "CONDITIONAL")
+#: Of the words of ED-269 and ED-318, which spells one of them with a Z, those that keep a flight out unless allowed.
+Restriction: TypeAlias = Literal["PROHIBITED", "REQ_AUTHORISATION", "REQ_AUTHORIZATION", "CONDITIONAL", "USPACE"]
+RESTRICTIONS: tuple[Restriction, ...] = ("PROHIBITED", "REQ_AUTHORISATION", "CONDITIONAL", "USPACE")
+SPELLINGS = {"REQ_AUTHORIZATION": "REQ_AUTHORISATION"}
 QUARTER = 16  # sides of a quarter of a circle
 OPEN = "close the line in the map, so that it is the edge of a zone, or take it out"
-NAMED_RESTRICTIONS = (*RESTRICTIONS, "NO_RESTRICTION")
+NAMED_RESTRICTIONS = {*RESTRICTIONS, "NO_RESTRICTION"}
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,7 @@ def find_zones(
 ) -> Zones:
     """Every polygon among the features, the outline that a closed line draws among them.
 
-    Of zones that name their restriction (ED-269, ED-318) only those with one of `restrictions` are taken, and where
+    Of zones that name their restriction (ED-269, ED-318) those with one of `restrictions` are taken, and where
     the flight's `time` [s since 1970] is known those that may be active in the hour from then on.
 
     Raises:
@@ -68,10 +70,12 @@ def find_zones(
     about.expect_near()
     mistakes, zones, remarks = Mistakes(), list[MapArea](), list[str]()
     passed, unread = list[PassedOver](), list[Unread]()
+    wanted = {SPELLINGS.get(each, each) for each in restrictions}
     for feature, shape, counted in zip(features, shapes, near, strict=True):
-        restriction = feature.tags.get("restriction")
-        if counted and restriction in NAMED_RESTRICTIONS and restriction not in restrictions:
-            passed.append(passed_over(feature, shape, Reason(f"its restriction is {restriction}", False), path))
+        named = _restrictions(feature.tags)
+        if counted and named and not named & wanted:
+            words = f"its restriction is {' and '.join(sorted(named))}"
+            passed.append(passed_over(feature, shape, Reason(words, False), path))
             continue
         missed = not_read(feature, frame, path)
         if isinstance(missed, Unread):
@@ -82,7 +86,9 @@ def find_zones(
         if counted and at_times and time is not None and not may_be_active(feature.tags, time):
             passed.append(passed_over(feature, shape, Reason("not active in the hour of the flight", False), path))
             continue
-        limits = mistakes.attempt(limits_of, feature.tags, feature.place) or (None, None)
+        limits = limits_of(feature.tags)
+        if counted:
+            unread += _not_understood(feature, limits, bool(named), path)
         parts = [_outline(part, feature.tags) for part in flat(shape)]
         rest = [part for part in parts if part.geom_type != "Polygon"]
         if rest or not (parts or missed):
@@ -93,14 +99,31 @@ def find_zones(
                 continue
             mended = mistakes.attempt(polygons_of, part, feature.place)
             if mended is not None:
-                zones += [MapArea(feature.name, polygon, *limits) for polygon in mended[0]]
+                zones += [MapArea(feature.name, polygon, limits.lower, limits.upper) for polygon in mended[0]]
                 if at_times and (time is None or periods_of(feature.tags) is None):
                     remarks.append(f"{feature.name}: active at times only, kept at all times")
                 remarks += [f"{feature.name}: mended ({mended[1]})"] if mended[1] else []
     mistakes.tell()
     if not zones and not any("restriction" in thing.reason or "active" in thing.reason for thing in passed):
         raise BadInput(f"{path}: expected a polygon, but there is none among {len(features)} features")
-    return Zones(tuple(zones), tuple(passed), tuple(remarks), tuple(unread))
+    return Zones(tuple(zones), tuple(passed), tuple(remarks), gathered(unread))
+
+
+def _restrictions(tags: Mapping[str, str]) -> set[str]:
+    """The restriction of a zone: ED-269 and its shapefiles call the key `restriction`, ED-318 `type`."""
+    said = {tags[key].strip().upper() for key in ("restriction", "restrictio", "type") if key in tags}
+    return {SPELLINGS.get(each, each) for each in said} & NAMED_RESTRICTIONS
+
+
+def _not_understood(feature: Feature, limits: ZoneLimits, is_named: bool, path: Path) -> Iterator[Unread]:
+    """What of a zone was not understood; it then keeps a flight away from more than it may."""
+    place = feature.name.removeprefix(f"{path}: ")
+    for what, value in limits.odd:
+        yield Unread(path.name, what, place, value)
+    if "restriction" in feature.tags and not is_named:
+        yield Unread(path.name, "restriction, taken as one that keeps a flight out", place, feature.tags["restriction"])
+    if RADIUS in feature.tags:
+        yield Unread(path.name, "unit of a radius, taken as m", place, feature.tags[RADIUS])
 
 
 def join_zones(zones: Sequence[MapArea]) -> tuple[Any, tuple[Any, ...]]:

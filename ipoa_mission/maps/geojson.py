@@ -28,7 +28,7 @@ from ipoa_mission.maps.feature import (
     positions_of,
     read_all,
 )
-from ipoa_mission.maps.geozones import circle, ed269_features, is_ed269, layer_tags
+from ipoa_mission.maps.geozones import circle, ed269_features, is_ed269, layer_tags, layers_apart, zone_tags
 from ipoa_mission.maps.outlines import sound_polygons
 from ipoa_mission.maps.overpass import is_overpass, overpass_features
 from ipoa_mission.maps.properties import blank_keys, cut_off, tags_of
@@ -152,7 +152,9 @@ class _Collection:
             self._document = dict(before) if self._document is None else self._document
             self._to_degrees = _coordinate_system(self._document, self._path)
         self._waiting += [
-            (f"{self._path}: features[{i}]{_number(feature)}", feature) for i, feature in enumerate(features, number)
+            (f"{self._path}: features[{i}]{_number(feature)}", part)
+            for i, feature in enumerate(features, number)
+            for part in layers_apart(feature)
         ]
         if len(self._waiting) >= AT_ONCE:
             self._make(self._to_degrees)
@@ -200,7 +202,8 @@ def _whole(document: Any, path: Path, place: str = "") -> tuple[Feature, ...]:
             hint="a map is GeoJSON (one value, or one a line), CityJSON or Overpass's JSON",
         )
     to_degrees = _coordinate_system(document, path)
-    return read_all(_feature, ((place, feature, to_degrees) for place, feature in placed))
+    apart = ((place, part) for place, feature in placed for part in layers_apart(feature))
+    return read_all(_feature, ((place, feature, to_degrees) for place, feature in apart))
 
 
 def _number(feature: Any) -> str:
@@ -216,7 +219,7 @@ def _feature(place: str, feature: Any, to_degrees: "_Degrees", drawn: Any = None
     geometry, properties = feature.get("geometry"), feature.get("properties")
     properties = properties if isinstance(properties, dict) else {}
     missing = cut_off(properties)
-    tags = dict(tags_of(properties))
+    tags = dict(tags_of(properties)) | dict(zone_tags(properties))
     if isinstance(feature.get("id"), str | int):
         tags.setdefault("@id", str(feature["id"]))
     if drawn is not None:

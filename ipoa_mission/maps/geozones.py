@@ -7,7 +7,6 @@ round it.
 import json
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,19 +17,10 @@ from pyproj import Geod
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.feature import Corners, Feature, on_earth, positions_of, read_all
 
-UNITS = {"M": 1.0, "FT": 0.3048}
-REFERENCES = ("AGL", "AMSL")
 CORNERS = 72  # of the polygon round a circle, which is 0.1 % wider
+RADIUS = "radius in other units than M"  # a tag of ours
 WIDEST = 1_000_000.0  # radius of a circle [m]
 _EARTH = Geod(ellps="WGS84")
-
-
-@dataclass(frozen=True)
-class VerticalLimit:
-    """A lower or upper limit [m], above ground (`AGL`) or above mean sea level (`AMSL`)."""
-
-    height: float
-    reference: str
 
 
 def is_ed269(document: Any) -> bool:
@@ -84,31 +74,30 @@ def layer_tags(layer: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             yield key, str(layer[key])
 
 
-def limits_of(tags: Mapping[str, str], place: str) -> tuple[VerticalLimit | None, VerticalLimit | None]:
-    """Lower and upper limit; None where there is none, or where it is the ground itself.
+def layers_apart(feature: Any) -> list[Any]:
+    """A feature of ED-318 whose collection holds members with layers of their own, as one feature for each member."""
+    geometry = feature.get("geometry") if isinstance(feature, dict) else None
+    members = geometry.get("geometries") if isinstance(geometry, dict) else None
+    if not isinstance(geometry, dict) or not isinstance(members, list):
+        return [feature]
+    if not any(isinstance(member, dict) and "layer" in member for member in members):
+        return [feature]
+    shared = {"layer": geometry["layer"]} if "layer" in geometry else {}
+    apart = [feature | {"geometry": shared | member if isinstance(member, dict) else member} for member in members]
+    return [one for each in apart for one in layers_apart(each)]
 
-    Raises:
-        BadInput: they are none.
-    """
-    if not {"lowerReference", "upperReference"} & tags.keys():
-        return None, None
-    lower, upper = (_limit(tags, side, place) for side in ("lower", "upper"))
-    return (None if lower is not None and lower.reference == "AGL" and lower.height <= 0 else lower), upper
 
-
-def _limit(tags: Mapping[str, str], side: str, place: str) -> VerticalLimit | None:
-    if side not in tags:
-        return None
-    unit, reference = tags.get("uom", "M").upper(), tags.get(f"{side}Reference", "AGL").upper()
-    try:
-        height = float(tags[side])
-    except ValueError:
-        height = math.nan
-    if unit not in UNITS or not math.isfinite(height):
-        raise BadInput(f"{place}.{side}: expected a number in M or FT, not {tags[side]!r} in {unit!r}")
-    if reference not in REFERENCES:
-        raise BadInput(f"{place}.{side}Reference: expected AGL or AMSL, not {reference!r}")
-    return VerticalLimit(height * UNITS[unit], reference)
+def zone_tags(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """What the properties of a zone hold in lists and tables, as tags: name, times, limits."""
+    if isinstance(names := properties.get("name"), list):  # ED-318: by language
+        texts = [name for name in names if isinstance(name, dict) and isinstance(name.get("text"), str)]
+        english = [name for name in texts if str(name.get("lang", "")).startswith("en")]
+        if chosen := english or texts:
+            yield "name", chosen[0]["text"]
+    if isinstance(properties.get("applicability"), list):
+        yield from _times(properties["applicability"])
+    if isinstance(volume := properties.get("geometry"), dict):  # Estonia: a volume of ED-269 in the properties
+        yield from _limit_tags(volume)
 
 
 def _volume(zone: Mapping[str, Any], volume: Any, place: str) -> Feature:
@@ -117,12 +106,23 @@ def _volume(zone: Mapping[str, Any], volume: Any, place: str) -> Feature:
         raise BadInput(f"{place}.horizontalProjection: expected a Polygon or a Circle")
     shape = _projection(projection, f"{place}.horizontalProjection")
     tags = {key: zone[key] for key in ("identifier", "name", "type", "restriction") if isinstance(zone.get(key), str)}
+    tags |= dict(_limit_tags(volume)) | dict(_times(zone.get("applicability")))
+    if projection.get("type") == "Circle" and tags.get("uom", "M").upper() != "M":
+        tags[RADIUS] = f"{projection['radius']} {tags['uom']}"
+    return Feature(place, shape, tags)
+
+
+def _limit_tags(volume: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """The limits of a volume of ED-269 as tags."""
     given = {"uom": "uomDimensions", "lower": "lowerLimit", "upper": "upperLimit"}
     given |= {"lowerReference": "lowerVerticalReference", "upperReference": "upperVerticalReference"}
-    tags |= {key: str(volume[name]) for key, name in given.items() if volume.get(name) is not None}
-    times = zone.get("applicability")
-    always = not isinstance(times, list) or any(isinstance(t, dict) and t.get("permanent") == "YES" for t in times)
-    return Feature(place, shape, tags | ({} if always else {"limitedApplicability": json.dumps(times)}))
+    yield from ((key, str(volume[name])) for key, name in given.items() if volume.get(name) is not None)
+
+
+def _times(times: Any) -> Iterator[tuple[str, str]]:
+    """The times of ED-269 as the tag of ED-318; none where the zone is permanent."""
+    if isinstance(times, list) and not any(isinstance(each, dict) and each.get("permanent") == "YES" for each in times):
+        yield "limitedApplicability", json.dumps(times)
 
 
 def _projection(projection: Mapping[str, Any], place: str) -> Any:

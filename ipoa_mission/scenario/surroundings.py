@@ -24,20 +24,18 @@ from ipoa_mission.maps.standing import Standing, raise_buildings
 from ipoa_mission.scenario.fencing import allowed_area, forbidden
 from ipoa_mission.scenario.layout import Layout
 from ipoa_mission.scenario.maps import BuildingsMap, ElevationTerrain, FlightAreaMap, NoFlyMap
+from ipoa_mission.scenario.no_fly import MARGIN, meets, no_fly_prisms, on_lines, zone_near
 from ipoa_mission.scenario.places import FenceSection, FlatTerrain
 from ipoa_mission.unread import Unread, gathered
 from ipoa_mission.world.airspace import Airspace, Bounds
-from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import LEVEL, Ground
-from ipoa_mission.world.obstacles import Obstacle, Zone
+from ipoa_mission.world.obstacles import Obstacle
 from ipoa_mission.world.polygon import Polygon, rings_of
-from ipoa_mission.world.terrain import Grid, SeaLevel, Terrain
+from ipoa_mission.world.terrain import Grid, Terrain
 
-MARGIN = 100.0  # what lies farther outside the bounds is left out [m]
 SPARE = 500.0  # what is so long may draw the bounds towards it without the maps being read again [m]
 BEYOND = f"more than {MARGIN:g} m outside the bounds"
 SAME = 1e-6  # [m]
-GROUND_LINES = 33  # the ground is looked at on so many lines each way to see how high the bounds must be
 
 
 @dataclass(frozen=True)
@@ -91,7 +89,7 @@ def _surroundings_of(scenario: Layout) -> Surroundings:
     raised = raise_buildings(near, Ground(terrain))
     up = scenario.bounds.up or _up(scenario, terrain, (lower, upper), (*drawn, *raised))
     below, above = min(up[0], 0.0) - MARGIN, up[1] + MARGIN
-    prisms = _no_fly_prisms(maps, (lower, upper), up, terrain, scenario.frame)
+    prisms, contrary = no_fly_prisms(maps.no_fly, (lower, upper), up, terrain, scenario.frame)
     zones = (*prisms, *forbidden(scenario.fence, scenario.frame, below, above))
     areas = [area for area in (maps.area, allowed) if area is not None and not area.covers(shapely.box(*lower, *upper))]
     footprint = Polygon(*rings_of(_one(areas))) if areas else None
@@ -99,7 +97,7 @@ def _surroundings_of(scenario: Layout) -> Surroundings:
     airspace = Airspace(bounds, terrain, (*drawn, *raised, *zones))
     passed = (*maps.passed_over, *(thing for found in buildings.values() for thing in found.passed_over), *beyond)
     counts = tuple(count_passed_over(passed, _left_out(scenario, buildings)))
-    unread = gathered((*maps.unread, *(thing for found in buildings.values() for thing in found.unread)))
+    unread = gathered((*maps.unread, *contrary, *(thing for found in buildings.values() for thing in found.unread)))
     of_maps = {**maps.remarks} | {number: found.remarks for number, found in buildings.items()}
     remarks = (
         *(f"{scenario.maps[number].file.name}: {remark}" for number in sorted(of_maps) for remark in of_maps[number]),
@@ -223,7 +221,7 @@ def _horizontal_bounds(
         west, south, east, north = shapely.bounds(area)
         least, most = np.array([west, south]), np.array([east, north])
     else:
-        around = boxes[_meets(boxes, things, _reach(scenario))].reshape(-1, 2)
+        around = boxes[meets(boxes, things, _reach(scenario))].reshape(-1, 2)
         margin = scenario.bounds.margin
         least = np.minimum(things[0], around.min(axis=0, initial=np.inf)) - margin
         most = np.maximum(things[1], around.max(axis=0, initial=-np.inf)) + margin
@@ -250,22 +248,16 @@ def _near(
 ) -> tuple[tuple[Standing, ...], tuple[PassedOver, ...]]:
     """What stands near enough to the bounds to matter; the rest, zones among it, as passed over."""
     near, beyond = list[Standing](), list[PassedOver]()
-    for (file, thing), counts in zip(standing, _meets(_boxes(standing), corners, MARGIN).tolist(), strict=True):
+    for (file, thing), counts in zip(standing, meets(_boxes(standing), corners, MARGIN).tolist(), strict=True):
         if counts:
             near.append(thing)
         else:
             beyond.append(PassedOver(file.name, thing.name.removeprefix(f"{file}: "), BEYOND, thing.shape, False))
     for of, zone in no_fly:
-        if not _zone_near(zone, corners):
+        if not zone_near(zone, corners):
             name = zone.name.removeprefix(f"{of.file}: ")
             beyond.append(PassedOver(of.file.name, name, BEYOND, zone.shape, False))
     return tuple(near), tuple(beyond)
-
-
-def _meets(boxes: NDArray[np.float64], box: Box, reach: float) -> NDArray[np.bool_]:
-    """Which of the boxes (n, 4) west, south, east, north come within `reach` of a box, (n,)."""
-    boxes = boxes.reshape(-1, 4)
-    return np.asarray((boxes[:, :2] <= box[1] + reach).all(axis=1) & (boxes[:, 2:] >= box[0] - reach).all(axis=1))
 
 
 def _terrain(
@@ -309,66 +301,12 @@ def _up(scenario: Layout, terrain: Terrain, corners: Box, obstacles: tuple[Obsta
     """From below all ground, ends and obstacles inside the bounds to above them."""
     places = (scenario.start, scenario.goal, *scenario.via)
     ends = [0.0, *(place.point(scenario.frame, Ground(terrain))[2] for place in places)]
-    ground = _on_lines(terrain, corners)
+    ground = on_lines(terrain, corners)
     boxes = np.array([obstacle.bounds for obstacle in obstacles], float).reshape(-1, 2, 3)
-    inside = boxes[_meets(boxes[:, :, :2], corners, 0.0)]
+    inside = boxes[meets(boxes[:, :, :2], corners, 0.0)]
     ends += [float(ground.max()) + scenario.survey_reach[1]]
     everything = np.concatenate([ends, [ground.min(), ground.max()], inside[:, :, 2].ravel()])
     return float(everything.min()) - scenario.bounds.margin, float(everything.max()) + scenario.bounds.margin
-
-
-def _no_fly_prisms(
-    maps: _Zones, corners: Box, up: tuple[float, float], terrain: Terrain, frame: LocalFrame
-) -> tuple[Obstacle, ...]:
-    """The zones as obstacles; an end that is left out lies well outside the bounds."""
-    prisms = []
-    for section, zone in maps.no_fly:
-        if _zone_near(zone, corners):
-            base, top = _ends(section, zone, corners, terrain, frame)
-            low = base if base is not None else min(up[0], top or 0.0) - MARGIN
-            high = top if top is not None else max(up[1], base or 0.0) + MARGIN
-            if low < high:
-                prisms.append(Zone(zone.name, *rings_of(zone.shape), low, high))
-    return tuple(prisms)
-
-
-def _ends(
-    section: NoFlyMap, zone: MapArea, corners: Box, terrain: Terrain, frame: LocalFrame
-) -> tuple[float | None, float | None]:
-    """Lower and upper end of a zone above home's plane [m], no narrower than its limits anywhere within the bounds."""
-    base, top = section.base, section.top
-    if zone.lower is None and zone.upper is None:
-        return base, top
-    west, south, east, north = shapely.bounds(zone.shape)
-    box = np.maximum(corners[0] - MARGIN, (west, south)), np.minimum(corners[1] + MARGIN, (east, north))
-    ground = _ground_under(terrain, box)
-    reach = float(np.hypot(*np.maximum(np.abs(box[0]), np.abs(box[1]))))
-    if base is None and zone.lower is not None:
-        level = zone.lower.height - frame.home.altitude
-        at_sea = level - SeaLevel.around(frame.home, level, reach).drop
-        base = at_sea if zone.lower.reference == "AMSL" else ground[0] + zone.lower.height
-    if top is None and zone.upper is not None:
-        at_sea = zone.upper.height - frame.home.altitude
-        top = at_sea if zone.upper.reference == "AMSL" else ground[1] + zone.upper.height
-    return base, top
-
-
-def _ground_under(terrain: Terrain, box: Box) -> tuple[float, float]:
-    """Least and greatest height of the ground in a box; of a grid, that of all its nodes there and round it."""
-    if isinstance(terrain, Grid):
-        rows, columns = terrain.heights.shape
-        origin = np.array([terrain.east, terrain.north])
-        first = np.clip(np.floor((box[0] - origin) / terrain.spacing).astype(int), 0, (columns - 1, rows - 1))
-        last = np.clip(np.ceil((box[1] - origin) / terrain.spacing).astype(int), 0, (columns - 1, rows - 1))
-        heights = terrain.heights[first[1] : last[1] + 1, first[0] : last[0] + 1]
-    else:
-        heights = _on_lines(terrain, box)
-    return float(heights.min()), float(heights.max())
-
-
-def _on_lines(terrain: Terrain, box: Box) -> NDArray[np.float64]:
-    east, north = (np.linspace(box[0][axis], box[1][axis], GROUND_LINES) for axis in (0, 1))
-    return terrain.height(np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2))
 
 
 def _geofence(maps: _Zones, corners: Box) -> tuple[FenceSection, ...]:
@@ -379,10 +317,6 @@ def _geofence(maps: _Zones, corners: Box) -> tuple[FenceSection, ...]:
         fences += [FenceSection(polygon=outer), *(FenceSection(polygon=hole, inclusion=False) for hole in holes)]
     for section, zone in maps.no_fly:
         endless = all(end is None for end in (section.base, section.top, zone.lower, zone.upper))
-        if section.geofence and endless and _zone_near(zone, corners):
+        if section.geofence and endless and zone_near(zone, corners):
             fences.append(FenceSection(polygon=rings_of(zone.shape)[0], inclusion=False))
     return tuple(fences)
-
-
-def _zone_near(zone: MapArea, corners: Box) -> bool:
-    return bool(_meets(np.array([shapely.bounds(zone.shape)]), corners, MARGIN)[0])

@@ -110,8 +110,6 @@ def test_the_scenario_says_which_restrictions_count(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"uomDimensions": "LY"}, "expected a number in M or FT, not '0' in 'LY'"),
-        ({"lowerVerticalReference": "FL"}, "lowerReference: expected AGL or AMSL, not 'FL'"),
         ({"horizontalProjection": 3}, "horizontalProjection: expected a Polygon or a Circle"),
         ({"horizontalProjection": {"type": "Circle", "center": [8, 47], "radius": -1}}, "expected a circle"),
         (
@@ -129,6 +127,127 @@ def test_a_zone_that_makes_no_sense_is_refused_with_its_place(
         read(tmp_path, document)
     assert "zones.json: features[0].geometry[0]" in str(told.value)
     assert words in str(told.value)
+
+
+def drawn(scenario: Scenario) -> list[tuple[str, float, float]]:
+    """Name, lower and upper end of every zone above home [m], which are infinite where they lie outside the bounds."""
+    least, most = scenario.airspace.bounds.lower[2], scenario.airspace.bounds.upper[2]
+    ends = [(zone.name, *zone.bounds[:, 2].tolist()) for zone in scenario.airspace.obstacles]
+    return [(name, -np.inf if low < least else low, np.inf if high > most else high) for name, low, high in ends]
+
+
+@pytest.mark.parametrize("make", [ed269, ed318])
+@pytest.mark.parametrize(
+    ("lower", "upper", "unit", "ends", "what"),
+    [
+        ((0, "AGL"), (40, "WGS84"), "M", (-np.inf, np.inf), 'upper limit, so that the zone has none'),
+        ((0, "AGL"), (65, "STD"), "FL", (-np.inf, np.inf), 'upper limit, so that the zone has none'),
+        ((20, "WGS84"), (40, "AGL"), "M", (-np.inf, 43.0), 'lower limit, so that the zone has none'),
+        ((20, "AGL"), (40, "AGL"), "LY", (-np.inf, np.inf), 'lower limit, so that the zone has none'),
+        ((40, "AGL"), (20, "AGL"), "M", (-np.inf, np.inf), 'limits, of which the upper is not above the lower'),
+        ((0, "AGL"), (50, "AMSL"), "M", (-np.inf, np.inf),
+         'limits that leave nothing above the ground, so that the zone has none'),
+    ],
+)  # fmt: skip
+def test_a_limit_that_is_not_understood_opens_no_hole_and_is_named(
+    tmp_path: Path, make: Any, lower: Any, upper: Any, unit: str, ends: tuple[float, float], what: str
+) -> None:
+    scenario = read(tmp_path, make(lower, upper, unit, "PROHIBITED"))
+    assert [zone[1:] for zone in drawn(scenario)] == [pytest.approx(ends, abs=0.02)]
+    assert (what, "LS1") in [(thing.what, thing.place) for thing in scenario.unread]
+    assert all(thing.words in scenario.remarks for thing in scenario.unread)
+
+
+def test_a_zone_far_away_with_such_a_limit_refuses_no_file(tmp_path: Path) -> None:
+    document = ed318((0, "AGL"), (40, "AGL"), "m", "PROHIBITED")
+    far = ed318((0, "AGL"), (1200, "WGS84"), "m", "PROHIBITED")["features"][0]
+    far["geometry"]["coordinates"] = [9.2, 47.0]  # 91 km
+    document["features"].append(far)
+    assert drawn(read(tmp_path, document)) == [("LS1", -np.inf, pytest.approx(43.0, abs=0.02))]
+
+
+@pytest.mark.parametrize("word", ["NO_RESTRICTION", "PROHIBITED", "REQ_AUTHORIZATION", "CONDITIONAL", "USPACE"])
+def test_ed318_calls_the_restriction_type(tmp_path: Path, word: str) -> None:
+    document = ed318((0, "AGL"), (40, "AGL"), "m", "?")
+    del document["features"][0]["properties"]["restriction"]
+    document["features"][0]["properties"]["type"] = word
+    assert len(drawn(read(tmp_path, document))) == (word != "NO_RESTRICTION")
+    assert len(drawn(read(tmp_path, document, ", restrictions = ['PROHIBITED']"))) == (word == "PROHIBITED")
+    assert len(drawn(read(tmp_path, document, ", restrictions = ['REQ_AUTHORISATION']"))) == ("AUTH" in word)
+    assert len(drawn(read(tmp_path, document, ", restrictions = ['REQ_AUTHORIZATION']"))) == ("AUTH" in word)
+
+
+def test_a_restriction_that_nobody_knows_keeps_a_flight_out_and_is_named(tmp_path: Path) -> None:
+    scenario = read(tmp_path, ed269((0, "AGL"), (40, "AGL"), "M", "FORBIDDEN"))
+    assert len(drawn(scenario)) == 1
+    assert [thing.words for thing in scenario.unread] == [
+        'zones.json: not read: restriction, taken as one that keeps a flight out: LS1 ("FORBIDDEN")'
+    ]
+
+
+def test_the_layers_of_a_collection_are_those_of_its_members(tmp_path: Path) -> None:
+    low, high = (
+        ed318((lower, "AGL"), (upper, "AGL"), "m", "PROHIBITED")["features"][0]["geometry"]
+        for lower, upper in ((0, 20), (200, 300))
+    )
+    document = ed318((0, "AGL"), (1, "AGL"), "m", "PROHIBITED")
+    document["features"][0]["geometry"] = {"type": "GeometryCollection", "geometries": [low, high]}
+    document["features"][0]["properties"]["name"] = [
+        {"lang": "sv-SE", "text": "Norra"},
+        {"lang": "en", "text": "North"},
+    ]
+    zones = drawn(read(tmp_path, document))
+    assert zones[0] == ("North", -np.inf, pytest.approx(23.0, abs=0.02))
+    assert zones[1][1] == pytest.approx(203.0, abs=0.02)
+    shared = high.pop("layer")
+    document["features"][0]["geometry"] |= {"layer": shared}
+    assert drawn(read(tmp_path, document))[1][1] == pytest.approx(203.0, abs=0.02)
+
+
+def estonian(properties: dict[str, Any]) -> dict[str, Any]:
+    square = [[8.002, 47.0], [8.003, 47.0], [8.003, 47.001], [8.002, 47.001], [8.002, 47.0]]
+    about = {"identifier": "EEGZ1", "type": "COMMON", "restriction": "REQ_AUTHORISATION"}
+    feature = {"type": "Feature", "geometry": {"type": "Polygon", "coordinates": [square]}}
+    return {"type": "FeatureCollection", "features": [feature | {"properties": about | properties}]}
+
+
+@pytest.mark.parametrize(
+    ("properties", "ends"),
+    [
+        ({"lower": "SFC", "upper": "120m AGL", "lowerMeters": 0, "upperMeters": 120}, (-np.inf, 123.0)),
+        ({"lower": "400 FT AGL", "upper": "6000 FT AMSL", "upperMeters": 1800}, (124.92, 1328.8)),
+        ({"lowerMeters": 120, "upperMeters": 9999, "hidden": True}, (123.0, 10002.0)),
+        ({"lower": "SFC", "upper": "FL 65"}, (-np.inf, np.inf)),
+        ({"lower": "GND", "upper": "UNL"}, (-np.inf, np.inf)),
+        ({"upper": "6000 FT AGL", "upperMeters": 1800, "geometry": {"uomDimensions": "FT", "lowerLimit": 100,
+          "lowerVerticalReference": "AGL", "upperLimit": 400, "upperVerticalReference": "AGL"}}, (33.48, 124.92)),
+        ({"lowerLimit": 20, "lowerVerti": "AGL", "upperLimit": 40, "upperVerti": "AGL"}, (23.0, 43.0)),
+    ],
+)  # fmt: skip
+def test_limits_in_the_properties_are_read(tmp_path: Path, properties: dict[str, Any], ends: Any) -> None:
+    scenario = read(tmp_path, estonian(properties), "")
+    ((_, low, high),) = drawn(scenario)
+    top = scenario.airspace.obstacles[0].bounds[1, 2]
+    assert low == pytest.approx(ends[0], abs=0.05)
+    assert (np.inf if ends[1] == np.inf and high == np.inf else top) == pytest.approx(ends[1], abs=0.2)
+
+
+def test_times_and_radii_of_ed269_are_understood_or_named(tmp_path: Path) -> None:
+    summer = {"applicability": [{"permanent": "NO", "startDateTime": "2026-06-01T00:00:00.000Z", "schedule": [],
+                                 "endDateTime": "2026-08-31T00:00:00.000Z"}]}  # fmt: skip
+    (tmp_path / "zones.json").write_text(json.dumps(estonian(summer)))
+    maps = "\nmaps = [{ kind = 'no_fly', file = 'zones.json' }]"
+    for time, count in (("2026-07-01T10:00:00Z", 1), ("2026-11-01T10:00:00Z", 0)):
+        (tmp_path / "t.toml").write_text(f"time = {time}\n{WORLD}{maps}")
+        assert len(drawn(read_scenario(tmp_path / "t.toml"))) == count
+    scenario = read(tmp_path, ed269((0, "AGL"), (40, "AGL"), "FT", "PROHIBITED"))
+    assert [thing.words for thing in scenario.unread] == [
+        'zones.json: not read: unit of a radius, taken as m: LS1 ("50 FT")'
+    ]
+    named = read(tmp_path, estonian({"ceiling_ft": 400, "Lower_Limit": "x"}))
+    assert {thing.what for thing in named.unread} == {
+        'tag "ceiling_ft", which may be a limit', 'tag "Lower_Limit", which may be a limit'
+    }  # fmt: skip
 
 
 def test_interuss_zones_are_read(samples: Path) -> None:

@@ -1,0 +1,113 @@
+"""Read the vertical limits of a zone: number, unit and reference, as ED-269, ED-318 and national files spell them.
+
+A limit that is not understood is none: the zone then reaches on to that side, and the limit is named.
+"""
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+FOOT = 0.3048
+UNITS = {"M": 1.0, "METRE": 1.0, "METRES": 1.0, "METER": 1.0, "METERS": 1.0}
+UNITS |= {"FT": FOOT, "F": FOOT, "FEET": FOOT, "FOOT": FOOT}
+REFERENCES = {"AGL": "AGL", "GND": "AGL", "SFC": "AGL", "AMSL": "AMSL", "MSL": "AMSL"}
+GROUND = {"SFC", "GND", "SURFACE", "GROUND"}
+NO_LIMIT = {"UNL", "UNLTD", "UNLIMITED"}
+#: In words, as EANS and AIP texts have it: "120m AGL", "6000 FT AMSL".
+IN_WORDS = re.compile(r"(?P<height>[-+]?\d+(?:\.\d+)?) ?(?P<unit>[A-Z]+)[ ,]*(?P<reference>[A-Z]+)")
+#: Keys of the parts of a limit: those of ED-318, of ED-269, and of its shapefiles, which cut names to ten letters.
+KEYS = {
+    "uom": ("uom", "uomDimensions", "uomDimensi"),
+    **{side: (side, f"{side}Limit") for side in ("lower", "upper")},
+    **{
+        f"{side}Reference": (f"{side}Reference", f"{side}VerticalReference", f"{side}Verti", f"{side}Refer")
+        for side in ("lower", "upper")
+    },
+    **{f"{side}Meters": (f"{side}Meters",) for side in ("lower", "upper")},
+}
+READ = {key.lower() for keys in KEYS.values() for key in keys}
+#: Other keys that may hold a limit.
+MAY_LIMIT = re.compile(
+    r"(lower|upper|floor|ceiling|bottom|base|top|min|max)([-_: ]?(limit|alt|hei|lev|agl|a?msl|ft|m)\w*)?"
+)
+SIDES: tuple[Literal["lower", "upper"], ...] = ("lower", "upper")
+
+
+@dataclass(frozen=True)
+class VerticalLimit:
+    """A lower or upper limit [m], above ground (`AGL`) or above mean sea level (`AMSL`)."""
+
+    height: float
+    reference: str
+
+
+class Odd(NamedTuple):
+    """Something of a zone that was not understood: what it is, and its value."""
+
+    what: str
+    value: str
+
+
+@dataclass(frozen=True)
+class ZoneLimits:
+    """Both limits, None where there is none, or where it is the ground itself; `odd` are those not understood."""
+
+    lower: VerticalLimit | None = None
+    upper: VerticalLimit | None = None
+    odd: tuple[Odd, ...] = ()
+
+
+def limits_of(tags: Mapping[str, str]) -> ZoneLimits:
+    """The limits that the tags of a zone give it."""
+    given = {name: next((tags[key].strip() for key in keys if key in tags), "") for name, keys in KEYS.items()}
+    odd = [Odd(f'tag "{key}", which may be a limit', value) for key, value in tags.items() if _may_limit(key)]
+    lower, upper = (_limit(given, side, odd) for side in SIDES)
+    if lower is not None and lower.reference == "AGL" and lower.height <= 0:
+        lower = None
+    if lower is not None and upper is not None and lower.reference == upper.reference and upper.height <= lower.height:
+        odd.append(Odd("limits, of which the upper is not above the lower", f"{lower.height:g} m, {upper.height:g} m"))
+        lower = upper = None
+    return ZoneLimits(lower, upper, tuple(odd))
+
+
+def _may_limit(key: str) -> bool:
+    return MAY_LIMIT.fullmatch(key.lower()) is not None and key.lower() not in READ
+
+
+def _limit(given: Mapping[str, str], side: str, odd: list[Odd]) -> VerticalLimit | None:
+    text, reference = given[side].upper(), given[f"{side}Reference"].upper()
+    if text in NO_LIMIT:
+        return None
+    if text in GROUND:
+        return VerticalLimit(0.0, "AGL")
+    if (found := _in_words(text) or _by_keys(text, given["uom"].upper(), reference)) is not None:
+        return found
+    if _is_number(meters := given[f"{side}Meters"]) and not reference:  # Estonia's, which are rounded
+        odd.append(Odd(f"reference of {side}Meters, taken as AGL", meters))
+        return VerticalLimit(float(meters), "AGL")
+    if text or meters:
+        said = " ".join(filter(None, (text or meters, given["uom"], reference)))
+        odd.append(Odd(f"{side} limit, so that the zone has none", said))
+    return None
+
+
+def _in_words(text: str) -> VerticalLimit | None:
+    match = IN_WORDS.fullmatch(text)
+    if match is None or match["unit"] not in UNITS or match["reference"] not in REFERENCES:
+        return None
+    return VerticalLimit(float(match["height"]) * UNITS[match["unit"]], REFERENCES[match["reference"]])
+
+
+def _by_keys(text: str, unit: str, reference: str) -> VerticalLimit | None:
+    """By a number with a unit and a reference of their own; M where no unit stands, as the schemas say."""
+    factor, counted = UNITS.get(unit or "M"), REFERENCES.get(reference)
+    return VerticalLimit(float(text) * factor, counted) if factor and counted and _is_number(text) else None
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False

@@ -1,0 +1,104 @@
+"""No-fly zones of maps as obstacles: how high they reach over the ground and the sea within the bounds."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from ipoa_mission.maps.areas import MapArea
+from ipoa_mission.maps.around import Box
+from ipoa_mission.scenario.maps import NoFlyMap
+from ipoa_mission.unread import Unread
+from ipoa_mission.world.frame import LocalFrame
+from ipoa_mission.world.obstacles import Obstacle, Zone
+from ipoa_mission.world.polygon import rings_of
+from ipoa_mission.world.terrain import Grid, SeaLevel, Terrain
+
+MARGIN = 100.0  # what lies farther outside the bounds is left out [m]
+GROUND_LINES = 33  # the ground is looked at on so many lines each way to see how high the bounds must be
+
+
+def no_fly_prisms(
+    no_fly: Sequence[tuple[NoFlyMap, MapArea]],
+    corners: Box,
+    up: tuple[float, float],
+    terrain: Terrain,
+    frame: LocalFrame,
+) -> tuple[tuple[Obstacle, ...], tuple[Unread, ...]]:
+    """The zones as obstacles; an end that is left out lies well outside the bounds.
+
+    A zone whose own limits leave nothing above the ground has none, and is named.
+    """
+    prisms, unread = list[Obstacle](), list[Unread]()
+    for section, zone in no_fly:
+        if not zone_near(zone, corners):
+            continue
+        base, top = _ends(section, zone, corners, terrain, frame)
+        if section.base is None and section.top is None and top is not None:
+            least = _ground_under(terrain, _box_of(zone, corners))[0]
+            if top <= max(least, least if base is None else base):
+                what = "limits that leave nothing above the ground, so that the zone has none"
+                unread.append(Unread(section.file.name, what, zone.name.removeprefix(f"{section.file}: ")))
+                base = top = None
+        low = base if base is not None else min(up[0], top or 0.0) - MARGIN
+        high = top if top is not None else max(up[1], base or 0.0) + MARGIN
+        if low < high:
+            prisms.append(Zone(zone.name, *rings_of(zone.shape), low, high))
+    return tuple(prisms), tuple(unread)
+
+
+def _box_of(zone: MapArea, corners: Box) -> Box:
+    """What of the box round a zone lies within the bounds, or just outside."""
+    west, south, east, north = shapely.bounds(zone.shape)
+    return np.maximum(corners[0] - MARGIN, (west, south)), np.minimum(corners[1] + MARGIN, (east, north))
+
+
+def _ends(
+    section: NoFlyMap, zone: MapArea, corners: Box, terrain: Terrain, frame: LocalFrame
+) -> tuple[float | None, float | None]:
+    """Lower and upper end of a zone above home's plane [m], no narrower than its limits anywhere within the bounds."""
+    base, top = section.base, section.top
+    if zone.lower is None and zone.upper is None:
+        return base, top
+    box = _box_of(zone, corners)
+    ground = _ground_under(terrain, box)
+    reach = float(np.hypot(*np.maximum(np.abs(box[0]), np.abs(box[1]))))
+    if base is None and zone.lower is not None:
+        level = zone.lower.height - frame.home.altitude
+        at_sea = level - SeaLevel.around(frame.home, level, reach).drop
+        base = at_sea if zone.lower.reference == "AMSL" else ground[0] + zone.lower.height
+    if top is None and zone.upper is not None:
+        at_sea = zone.upper.height - frame.home.altitude
+        top = at_sea if zone.upper.reference == "AMSL" else ground[1] + zone.upper.height
+    return base, top
+
+
+def _ground_under(terrain: Terrain, box: Box) -> tuple[float, float]:
+    """Least and greatest height of the ground in a box; of a grid, that of all its nodes there and round it."""
+    if isinstance(terrain, Grid):
+        rows, columns = terrain.heights.shape
+        origin = np.array([terrain.east, terrain.north])
+        first = np.clip(np.floor((box[0] - origin) / terrain.spacing).astype(int), 0, (columns - 1, rows - 1))
+        last = np.clip(np.ceil((box[1] - origin) / terrain.spacing).astype(int), 0, (columns - 1, rows - 1))
+        heights = terrain.heights[first[1] : last[1] + 1, first[0] : last[0] + 1]
+    else:
+        heights = on_lines(terrain, box)
+    return float(heights.min()), float(heights.max())
+
+
+def on_lines(terrain: Terrain, box: Box) -> NDArray[np.float64]:
+    """Heights of the ground on a grid of places in a box, (n,) [m]."""
+    east, north = (np.linspace(box[0][axis], box[1][axis], GROUND_LINES) for axis in (0, 1))
+    return terrain.height(np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2))
+
+
+def meets(boxes: NDArray[np.float64], box: Box, reach: float) -> NDArray[np.bool_]:
+    """Which of the boxes (n, 4) west, south, east, north come within `reach` of a box, (n,)."""
+    boxes = boxes.reshape(-1, 4)
+    return np.asarray((boxes[:, :2] <= box[1] + reach).all(axis=1) & (boxes[:, 2:] >= box[0] - reach).all(axis=1))
+
+
+def zone_near(zone: MapArea, corners: Box) -> bool:
+    """Whether a zone comes within `MARGIN` of the bounds."""
+    return bool(meets(np.array([shapely.bounds(zone.shape)]), corners, MARGIN)[0])
