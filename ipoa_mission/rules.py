@@ -138,7 +138,7 @@ RULES: Mapping[str, Rule] = {
     ),
     "ends-in-the-air": Rule("The last item leaves the vehicle in the air.", "End with a landing or a return.", True),
     "rally-place": Rule("A rally point is no position, or far from home.", "Correct it.", True),
-    "rally-height": Rule("A rally point has no height above home.", "Give one from 0, in meters.", True),
+    "rally-height": Rule("A rally point has no height, or an absurd one.", "Give it above home, in meters.", True),
     "fence-place": Rule(
         "A corner of the fence is no position, or far from home, or a radius is none.", "Correct it.", True
     ),

@@ -34,8 +34,8 @@ def check_positions(mission: Mission) -> Iterator[Finding]:
     for n, place in enumerate(mission.rally):
         if wrong := _wrong_corner(mission.home, place.latitude_deg, place.longitude_deg):
             yield Finding("rally-place", Severity.ERROR, None, f"rally[{n}]: {wrong}")
-        elif not math.isfinite(place.altitude) or not 0 <= place.altitude <= HIGHEST:
-            message = f"rally[{n}]: expected a height above home in metres, not {place.altitude:g}"
+        elif not LOWEST <= place.altitude <= HIGHEST:
+            message = f"rally[{n}]: expected {LOWEST:g} to {HIGHEST:g} m above home, not {place.altitude:g} m"
             yield Finding("rally-height", Severity.ERROR, None, message)
 
 

@@ -14,7 +14,7 @@ from typing import Any
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Severity
-from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame, command_name
+from ipoa_mission.mission.commands import FLOWN_TO, SAME_FRAME, Command, Frame, command_name
 from ipoa_mission.mission.complex_items import as_document, complex_items_in, entries
 from ipoa_mission.mission.document import Node, parse_document
 from ipoa_mission.mission.firmware import settle_frames
@@ -30,7 +30,8 @@ from ipoa_mission.world.frame import Geodetic
 MIXED, RELATIVE, AMSL, TERRAIN = 0, 1, 2, 4  # QGroundControl's altitude modes
 ALTITUDE_MODE = {Frame.GLOBAL_RELATIVE_ALT: RELATIVE, Frame.GLOBAL: AMSL, Frame.GLOBAL_TERRAIN_ALT: TERRAIN}
 LANDING_GROUND = "landingGround"  # a key of ours
-CALCULATED_ABOVE_TERRAIN = 3  # `Altitude` is then over the ground, and params[6] AMSL
+CALCULATED_ABOVE_TERRAIN = 3  # `Altitude` is then over the ground, and `AMSLAltAboveTerrain` what is flown
+FRAME_OF_MODE = {mode: frame for frame, mode in ALTITUDE_MODE.items()} | {CALCULATED_ABOVE_TERRAIN: Frame.GLOBAL}
 
 
 def write_plan(mission: Mission, path: str | Path) -> None:
@@ -290,7 +291,7 @@ def read_item(node: Node) -> ListedItem:
         for child in nodes[4:6]:
             if not (child.value is None and (command in MAY_BE_HERE or command not in FLOWN_TO)):
                 child.degrees()
-    _check_altitude(node, place[2])
+    _check_altitude(node, frame, place[2])
     latitude, longitude = (0.0 if math.isnan(value) else value for value in place[:2])
     altitude = 0.0 if math.isnan(place[2]) and (frame == Frame.MISSION or command not in FLOWN_TO) else place[2]
     jump_id = node.get("doJumpId")
@@ -315,10 +316,22 @@ def _seven(node: Node) -> list[Node]:
 MAY_BE_HERE = {Command.NAV_TAKEOFF, Command.NAV_LAND}
 
 
-def _check_altitude(node: Node, param7: float) -> None:
-    """QGroundControl flies `Altitude`, everyone else params[6]: they must not differ."""
+def _check_altitude(node: Node, frame: int, param7: float) -> None:
+    """QGroundControl flies by `AltitudeMode`, everyone else by `frame` and params[6]: they must not differ."""
     mode, altitude = node.get("AltitudeMode"), node.get("Altitude")
-    if altitude is None or altitude.value is None or (mode and mode.value == CALCULATED_ABOVE_TERRAIN):
+    if mode is not None and mode.value is not None and frame != Frame.MISSION:
+        of_mode = FRAME_OF_MODE.get(mode.whole("a number from 0 to 5", 0, 5))
+        if of_mode is not None and SAME_FRAME.get(frame, frame) != of_mode:
+            means = (
+                f"QGroundControl flies by it in frame {of_mode:d}, everyone else by the item's own, which is {frame}"
+            )
+            mode.note(means, Severity.ERROR)
+        if mode.value == CALCULATED_ABOVE_TERRAIN:
+            altitude = node.get("AMSLAltAboveTerrain")
+            if altitude is None or altitude.value is None:
+                words = "QGroundControl flies above its own terrain, everyone else at params[6] AMSL"
+                mode.note(f"without an AMSLAltAboveTerrain, {words}")
+    if altitude is None or altitude.value is None:
         return
     if not abs(altitude.number("an altitude in metres") - param7) <= 0.01:
         sent = json.dumps(_tidy(param7))

@@ -126,8 +126,17 @@ FOUND: dict[str, tuple[Mission, list[str]]] = {
     "home in the sky": (flight(UP, AWAY, DOWN, home=replace(HOME, altitude=20000.0)), ["error home-altitude 0"]),
     "rally point off the map": (replace(flight(UP, DOWN), rally=(Geodetic(39.1, 221.8, 30.0),)), ["error rally-place"]),
     "rally point underground": (
-        replace(flight(UP, DOWN), rally=(replace(NORTH, altitude=-30.0),)),
+        replace(flight(UP, DOWN), rally=(replace(NORTH, altitude=-600.0),)),
         ["error rally-height"],
+    ),
+    "rally point without a height": (
+        replace(flight(UP, DOWN), rally=(replace(NORTH, altitude=math.nan),)),
+        ["error rally-height"],
+    ),
+    "rally point down the valley": (replace(flight(UP, DOWN), rally=(replace(NORTH, altitude=-20.0),)), []),
+    "rally point down the valley, for ArduPilot": (
+        replace(flight(UP, DOWN, autopilot=ARDUPILOT), rally=(replace(NORTH, altitude=-20.0),)),
+        [],
     ),
     "fence around everything": (replace(flight(UP, AWAY, DOWN), fence=(AREA,)), []),
     "fence without home": (

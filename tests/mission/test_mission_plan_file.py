@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.finding import Severity
 from ipoa_mission.mission.files import read_mission_file
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission, takeoff, waypoint
 from ipoa_mission.mission.parameter_file import read_parameters
@@ -22,6 +23,7 @@ from tests.mission_strategies import missions, same
 
 FILES = Path(__file__).parent / "files"
 HOME = Geodetic(39.101, 121.82, 20.0)
+ERROR, WARNING = Severity.ERROR, Severity.WARNING
 MISSION = Mission(HOME, (takeoff(HOME, 10.0), waypoint(HOME, 12.0)))
 
 
@@ -226,3 +228,49 @@ def test_each_format_is_read_by_a_path_or_its_name(tmp_path: Path) -> None:
     assert same(read_mission_file(str(waypoints)).mission, read_mission_file(waypoints).mission)
     parameters = path.with_suffix(".params")
     assert read_parameters(str(parameters)) == read_parameters(parameters) == {"MPC_XY_CRUISE": 8.0}
+
+
+ALTITUDE = "Altitude: QGroundControl flies 30 m, everyone else params[6], which is 40"
+BY_TERRAIN = "AMSLAltAboveTerrain: QGroundControl flies 95 m, everyone else params[6], which is 30"
+BY_FRAME = "AltitudeMode: QGroundControl flies by it in frame {}, everyone else by the item's own, which is {}"
+WITHOUT = (
+    "AltitudeMode: without an AMSLAltAboveTerrain, QGroundControl flies above its own terrain, "
+    "everyone else at params[6] AMSL"
+)
+
+
+@pytest.mark.parametrize(
+    ("mode", "frame", "heights", "said"),
+    [  # Altitude, AMSLAltAboveTerrain, params[6]
+        (1, 3, (30, None, 30), []),
+        (1, 6, (30, None, 30), []),
+        (2, 0, (518, None, 518), []),
+        (3, 0, (30, 518, 518), []),
+        (4, 10, (30, None, 30), []),
+        (0, 3, (30, None, 30), []),
+        (1, 3, (30, None, 40), [ALTITUDE]),
+        (2, 0, (30, None, 40), [ALTITUDE]),
+        (3, 0, (30, 95, 30), [BY_TERRAIN]),
+        (4, 10, (30, None, 40), [ALTITUDE]),
+        (1, 0, (30, None, 30), [BY_FRAME.format(3, 0)]),
+        (2, 3, (30, None, 30), [BY_FRAME.format(0, 3)]),
+        (3, 3, (30, 30, 30), [BY_FRAME.format(0, 3)]),
+        (4, 3, (30, None, 30), [BY_FRAME.format(10, 3)]),
+        (3, 0, (30, None, 518), [WITHOUT]),
+    ],
+)
+def test_each_altitude_mode_is_held_against_frame_and_params(
+    tmp_path: Path, mode: int, frame: int, heights: tuple[float | None, ...], said: list[str]
+) -> None:
+    plan = written(MISSION, tmp_path)
+    item = plan["mission"]["items"][1]
+    item |= {"AltitudeMode": mode, "frame": frame, "Altitude": heights[0], "AMSLAltAboveTerrain": heights[1]}
+    item["params"][6] = heights[2]
+    (tmp_path / "changed.plan").write_text(json.dumps(plan))
+    found = read_mission_file(tmp_path / "changed.plan").findings
+    assert [finding.message for finding in found] == [f"mission.items[1].{words}" for words in said]
+    assert [finding.severity for finding in found] == [WARNING if words == WITHOUT else ERROR for words in said]
+    item["AltitudeMode"] = 9
+    (tmp_path / "changed.plan").write_text(json.dumps(plan))
+    with pytest.raises(BadInput, match=r"items\[1\].AltitudeMode: expected a number from 0 to 5, not 9"):
+        read_mission_file(tmp_path / "changed.plan")
