@@ -19,7 +19,7 @@ from ipoa_mission.geometry import Vector
 
 UNITS = {"": 1.0, "m": 1.0, "metre": 1.0, "meter": 1.0, "metres": 1.0, "meters": 1.0}
 UNITS |= {"ft": 0.3048, "foot": 0.3048, "feet": 0.3048, "us survey foot": 1200 / 3937, "ftus": 1200 / 3937}
-LOWEST, HIGHEST = -12_000.0, 10_000.0  # no ground on Earth is lower or higher [m]
+LOWEST, HIGHEST = -500.0, 9_000.0  # no ground on Earth is lower or higher [m]
 EXTRA_POSTS = 2  # posts read beyond the area, so that its edge lies between posts
 FILL_REACH = 100  # pixels over which a missing height is filled from its neighbors
 
@@ -103,12 +103,15 @@ class RasterFile:
             missing |= band.data == self.nodata
         heights = (band.data * self.dataset.scales[0] + self.dataset.offsets[0]) * self._unit
         heights = np.where(missing, np.nan, heights.astype(float))
-        return (rows[0], columns[0]), *self._complete(heights, (rows[0], columns[0]), fill)
+        undeclared = heights[heights < LOWEST]
+        heights[heights < LOWEST] = np.nan
+        why = f", for no ground is at {undeclared[0]:g} m" if undeclared.size else ""
+        return (rows[0], columns[0]), *self._complete(heights, (rows[0], columns[0]), fill, why)
 
     def _complete(
-        self, heights: NDArray[np.float64], first: tuple[int, int], fill: bool
+        self, heights: NDArray[np.float64], first: tuple[int, int], fill: bool, why: str
     ) -> tuple[NDArray[np.float64], tuple[str, ...]]:
-        wild = (heights < LOWEST) | (heights > HIGHEST)
+        wild = heights > HIGHEST
         if wild.any():
             raise BadInput(
                 f"{self.path}: expected heights of ground, not {heights[wild][0]:g} m {self._where(wild, first)}",
@@ -117,7 +120,7 @@ class RasterFile:
         missing = np.isnan(heights)
         if not missing.any():
             return heights, ()
-        gaps = f"{missing.sum()} of {missing.size} heights are missing, the first {self._where(missing, first)}"
+        gaps = f"{missing.sum()} of {missing.size} heights are missing, the first {self._where(missing, first)}{why}"
         if not fill:
             raise BadInput(f"{self.path}: {gaps}", hint='terrain.voids = "fill" fills them from their neighbors')
         from rasterio.fill import fillnodata

@@ -86,8 +86,8 @@ class NoFlyMap(ZoneMap):
     top: float | None = None
     """Upper end [m above home]; left out, they have none. Zones with an end are no geofence: fences have no height."""
     restrictions: tuple[Restriction, ...] = RESTRICTIONS
-    """Which zones of an ED-269 or ED-318 file to keep out of; `REQ_AUTHORIZATION` is the same as `REQ_AUTHORISATION`.
-    Zones have their own limits unless `base` or `top` is given; a limit that is not understood is none."""
+    """Which zones of an ED-269 or ED-318 file to keep out of; they have their own limits unless `base` or `top` is
+    given."""
 
     def read(self, frame: LocalFrame, time: float | None) -> Zones:
         """The polygons at a time [s since 1970], what is passed over, and remarks on what was mended."""

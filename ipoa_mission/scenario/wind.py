@@ -31,9 +31,8 @@ class WindSection(Section):
     directions: tuple[Annotated[float, Field(ge=-360, le=360)], ...] = ()
     """Where it blows from at each of `heights`, clockwise from north."""
     file: Annotated[Path | None, beside("a forecast of winds")] = None
-    """A weather forecast (NetCDF or GRIB, extra `wind`) in place of all numbers: the wind at home from `time` on, with
-    what its members and hours differ by as the spread. Its units are converted. Heights count as their CF standard name
-    says: `height` above the ground, `altitude` above the geoid. If the file says neither, the stronger wind counts."""
+    """A weather forecast (NetCDF or GRIB, extra `wind`) in place of all numbers: the wind at home from `time` on; what
+    members and hours differ by is the spread. Heights without a CF standard name get the stronger wind."""
     spread: NotNegative = 0.0
     """By so much it may be stronger or weaker, gusts and all [m/s]: it counts for the tube, for the most energy, and a
     flight that it would push off its path is refused."""

@@ -1,5 +1,6 @@
 """Elevation models become local ground: held against rasterio's pixels, pymap3d's frame and pyproj's projections."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -181,9 +182,25 @@ def test_a_number_that_stands_for_a_missing_height_must_be_said(write_model: Wri
     path = write_model(with_a_hole)
     with pytest.raises(BadInput, match=r"4 of .* heights are missing"):
         read(path, nodata=-9999)
-    path = write_model(lambda lat, lon: np.where(lat < 46.999, -32767, hills(lat, lon)))
-    with pytest.raises(BadInput, match="expected heights of ground, not -32767 m at row "):
+    path = write_model(lambda lat, lon: np.where(lat < 46.999, 9999, hills(lat, lon)))
+    with pytest.raises(BadInput, match="expected heights of ground, not 9999 m at row "):
         read(path)
+
+
+@pytest.mark.parametrize("void", [-9999, -32767, -32768, -999, -501, -3.4e38])
+def test_a_height_below_all_ground_is_missing(write_model: Write, void: float) -> None:
+    def with_void(latitude: Any, longitude: Any) -> Any:
+        heights = with_a_hole(latitude, longitude)
+        return np.where(heights == -9999, void, heights)
+
+    path = write_model(with_void)
+    words = f"4 of .* heights are missing, the first at row 41, column 41 .*, for no ground is at {void:g} m"
+    with pytest.raises(BadInput, match=re.escape(words).replace(r"\.\*", ".*")):
+        read(path)
+    grid, said = read(path, voids="fill")
+    assert "filled from their neighbors" in said[0]
+    whole, _ = read(write_model(hills, name="whole.tif"))
+    assert np.abs(grid.heights - whole.heights).max() < 5.0
 
 
 def test_ellipsoidal_heights_lose_the_geoid(write_model: Write, tmp_path: Path) -> None:
