@@ -38,6 +38,7 @@ from ipoa_mission.maps.kinds import (
     why_passed_over,
 )
 from ipoa_mission.maps.lengths import meters
+from ipoa_mission.maps.naming import called
 from ipoa_mission.maps.passed import FAR, MOST_NAMED, NOT_READ, NOT_UNDERSTOOD, Key, PassedOver, not_read, passed_over
 from ipoa_mission.maps.planar import Whereabouts, clean_polygons, polygons_of, to_plane
 from ipoa_mission.maps.read import hand_on_features
@@ -170,7 +171,8 @@ class _Finder:
             if self._misses(feature, extent, self._all_buildings) and extent == "none":
                 continue
             if why is None:
-                standing += self._mistakes.attempt(self._stand, feature, shape, sound) or ()
+                made = self._mistakes.attempt(self._stand, feature, shape, sound) or ()
+                standing += [thing._replace(name=called(feature)) for thing in made]
             else:
                 self._pass(feature, shape, why, outside)
         self._keep(standing)

@@ -1,0 +1,51 @@
+"""Name a thing on a map as a pilot would: by its own name, else by what it is and its number in the map."""
+
+from collections.abc import Mapping
+
+from ipoa_mission.maps.feature import Feature
+
+KINDS = ("man_made", "aerialway", "barrier", "power")  # keys whose value is a word for the thing
+WORDS = {"tree": "tree", "tree_row": "row of trees", "tower": "power tower", "pole": "power pole"}
+
+
+def called(feature: Feature) -> str:
+    """Name a thing on a map.
+
+    >>> called(Feature("town.geojson: features[3]", None, {"natural": "tree"}))
+    'tree (features[3])'
+    >>> called(Feature("", None, {"power": "minor_line", "voltage": "20000", "@id": "way/7000"}))
+    '20 kV line (way/7000)'
+    >>> called(Feature("", None, {"building": "house", "addr:street": "Dorfstrasse", "addr:housenumber": "8"}))
+    'house, Dorfstrasse 8'
+    """
+    tags, kind = feature.tags, _kind(feature.tags)
+    if kind is None or tags.get("name") or tags.get("addr:housename"):
+        return feature.name
+    street, number = tags.get("addr:street"), tags.get("addr:housenumber")
+    if street and number:
+        return _printed(f"{kind}, {street} {number}")
+    return _printed(f"{kind} ({feature.name.rpartition(': ')[2]})")
+
+
+def _kind(tags: Mapping[str, str]) -> str | None:
+    """What the thing is; None where its tags say nothing that helps a pilot."""
+    if tags.get("power", "").endswith("line") or tags.get("power") == "cable":
+        volts = [int(each) for each in tags.get("voltage", "").split(";") if each.isdecimal()]
+        return f"{max(volts) / 1000:g} kV line" if volts else "power line"
+    if tags.get("generator:source") == "wind":
+        return "wind turbine"
+    if tags.get("natural") in WORDS:
+        return WORDS[tags["natural"]]
+    if tags.get("power") in WORDS:
+        return WORDS[tags["power"]]
+    if "building" in tags and tags.get("addr:street") and tags.get("addr:housenumber"):
+        return _word(tags["building"]) or "building"
+    return next((word for key in KINDS if (word := _word(tags.get(key, "")))), None)
+
+
+def _word(value: str) -> str | None:
+    return None if value in ("", "yes", "no") else value.replace("_", " ")
+
+
+def _printed(name: str) -> str:
+    return "".join(letter if letter.isprintable() else " " for letter in name)
