@@ -171,6 +171,11 @@ def is_old(frame: bytes) -> bool:
     return frame[0] == MAGIC_1
 
 
+def sender_of(frame: bytes) -> int:
+    """The system id of who sent a frame."""
+    return frame[3 if is_old(frame) else 5]
+
+
 def is_signed(frame: bytes) -> bool:
     """Whether a whole frame has a signature."""
     return frame[0] == MAGIC_2 and bool(frame[2] & SIGNED)

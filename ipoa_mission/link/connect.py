@@ -7,7 +7,7 @@ from typing import Any
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.borrowed import MavutilChannel
 from ipoa_mission.link.channel import open_channel
-from ipoa_mission.link.codec import Codec
+from ipoa_mission.link.codec import Codec, sender_of
 from ipoa_mission.link.deafness import DOUBTED_S, SignsOtherwise
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, Patience
 from ipoa_mission.link.line import Line
@@ -15,6 +15,7 @@ from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM, Ping
 from ipoa_mission.link.presence import Found, autopilots_in, round_trips_in
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.state import NotFlown
+from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.vehicle import Vehicle
 
 #: How long to wait for the first heartbeat, and for those of other vehicles after it [s].
@@ -71,6 +72,8 @@ def connect(
         return meet(line, system, patience, fast, anyway, reading)
     except NoAnswer as silence:
         line.close()
+        if log is not None:
+            _drop_unanswered(Path(log))
         raise NoAnswer(
             f"{link if isinstance(link, str) else 'connect'}: {silence}",
             hint="is the autopilot running, and does it send to this address?",
@@ -78,6 +81,12 @@ def connect(
     except BaseException:
         line.close()
         raise
+
+
+def _drop_unanswered(log: Path) -> None:
+    """Remove a log that holds nothing but our own frames."""
+    if log.is_file() and all(sender_of(record.frame) == STATION_SYSTEM for record in read_tlog(log)):
+        log.unlink()
 
 
 def open_line(link: Any, log: str | Path | None = None, signer: Signer | None = None) -> Line:

@@ -112,6 +112,13 @@ def test_where_nobody_is_reached_no_folder_and_no_log_is_left(run: Run, mission:
     assert log.read_bytes() == b"yesterday"
 
 
+def test_silence_leaves_no_log_behind(run: Run, mission: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("ipoa_mission.link.connect.PRESENCE_S", 1.5)
+    ended = run(f"upload {mission} --link udpin:127.0.0.1:0 --json")
+    assert (ended.code, "written" in json.loads(ended.out)) == (1, False)
+    assert not mission.with_name("sitl-upload.tlog").exists()
+
+
 @pytest.mark.parametrize("verb", ["fly {m}", "upload {m} --link udpout:127.0.0.1:9", "clear --link udpout:127.0.0.1:9"])
 def test_a_log_is_not_written_over_what_is_no_log(run: Run, mission: Path, verb: str) -> None:
     Path("notes.txt").write_text("mine")
