@@ -158,7 +158,7 @@ def _improve(trails: list[Trail], searcher: Searcher, progress: Progress) -> lis
     inner = max(len(trail.curve.control) for _, trail in improved) - 2
     rounds = int(np.clip((inner - strategy.piece) // 4, 4, strategy.max_rounds))
     for i in range(rounds):
-        progress(0.5 + 0.4 * i / rounds, f"piece {i + 1} of {rounds}")
+        progress(0.5 + 0.4 * i / rounds, f"refining part {i + 1} of {rounds} of the path")
         base = improved[int(rng.integers(min(2, len(improved))))][1]
         first = int(rng.integers(max(len(base.curve.control) - 2 - strategy.piece, 0) + 1))
         piece = slice(first, first + strategy.piece)

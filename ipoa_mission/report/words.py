@@ -4,10 +4,10 @@ import math
 
 
 def seconds(value: float) -> str:
-    """A time for reading: `43.1 s`, `103 s`, `12 min 05 s`."""
+    """A time for reading: `43.1 s`, `103 s`, `3 min 13 s`."""
     if value < 99.95:
         return f"{value:.1f}\N{NO-BREAK SPACE}s"
-    if value < 599.5:
+    if value < 119.5:
         return f"{value:.0f}\N{NO-BREAK SPACE}s"
     minutes, rest = divmod(round(value), 60)
     return f"{minutes}\N{NO-BREAK SPACE}min {rest:02d}\N{NO-BREAK SPACE}s"

@@ -195,15 +195,15 @@ def _near_things(promise: Promise | None, course: seen.Seen, scenario: Scenario)
     for check in sorted(limits, key=lambda kept: kept.slack)[:NEAR]:
         if promise is not None and math.isfinite(check.kept) and check.slack < CLOSE * check.required + 1.0:
             at = int(np.argmin(np.linalg.norm(course.points - np.array(check.place), axis=1)))
-            part = f" ({check.part}, of which no promise is)" if check.part else ""
+            part = f", {check.part}, predicted only" if check.part else ""
             words = f"{check.limit}, to {check.to}{part}: {check.words(promise.confidence)}"
             yield answers.Binding(what="near", words=without_folders(words, scenario), at=at)
 
 
 def _slow_items(estimate: Estimate, course: seen.Seen) -> Iterator[answers.Binding]:
-    """Which items something keeps slow, the worst first."""
+    """Which items something keeps slow: the worst ones, in their order."""
     slow = sorted((item for item in estimate.items if item.reason), key=lambda item: -item.duration_s)
-    for item in slow[:SLOW]:
+    for item in sorted(slow[:SLOW], key=lambda item: item.done_s):
         words = f"item {item.seq}: {item.reason}, {item.mean_speed:.1f} m/s on average"
         yield answers.Binding(what="slow", words=words, at=course.nearest(item.done_s))
 

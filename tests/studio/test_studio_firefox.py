@@ -56,8 +56,8 @@ def address(tmp_path: Path) -> Iterator[tuple[str, Path]]:
 def fly(page: Firefox) -> None:
     page.click("[...document.querySelectorAll('summary')].find(one => one.textContent === 'Fly it')")
     page.until(f"{button('Upload')} !== undefined")
-    page.click(field("So many times as fast"))
-    page.value(f"{field('So many times as fast')}.select()")
+    page.click(field("Speed-up"))
+    page.value(f"{field('Speed-up')}.select()")
     page.type("20\ue004")  # and Tab
     page.click(button("Upload"))
     page.until(f"{button('Arm and start …')} !== undefined")

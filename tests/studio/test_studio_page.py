@@ -211,7 +211,7 @@ SEEN_FLYING = """() => new MutationObserver(() => {
 def test_a_flight_is_started_by_name_and_watched(own_page: Any) -> None:
     proved(own_page)
     own_page.locator("summary", has_text="Fly it").click()
-    own_page.get_by_label("So many times as fast").fill("8")
+    own_page.get_by_label("Speed-up").fill("8")
     own_page.get_by_role("button", name="Upload").click()
     own_page.get_by_role("button", name="Arm and start …").click()
     dialog = own_page.get_by_role("dialog")
@@ -300,7 +300,7 @@ def test_a_mission_is_dropped_opened_and_changed_item_by_item(own_page: Any, add
     assert own_page.evaluate("document.documentElement.scrollWidth") <= 390
     own_page.set_viewport_size(USUAL)
     own_page.locator("summary", has_text="Fly it").click()
-    own_page.get_by_label("So many times as fast").fill("8")
+    own_page.get_by_label("Speed-up").fill("8")
     own_page.get_by_role("button", name="Upload").click()
     own_page.get_by_text("no clearance was looked at").wait_for()
     own_page.get_by_role("button", name="Arm and start …").click()

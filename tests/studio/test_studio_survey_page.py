@@ -65,7 +65,7 @@ def test_an_area_is_drawn_bent_turned_split_and_flown(own_page: Any, address: tu
     assert survey is not None
     assert survey.flights == 2
     page.locator("summary", has_text="Fly it").click()
-    page.get_by_label("So many times as fast").fill("200")
+    page.get_by_label("Speed-up").fill("200")
     page.get_by_role("button", name="Take meadow-1").click()
     page.get_by_role("button", name="Upload").click()
     page.get_by_role("button", name="Arm and start …").click()

@@ -100,10 +100,10 @@ def warnings(
 def _kept(kept: Kept, confidence: float | None) -> str:
     """The one clearance of a page: what flights keep, and beside it what is predicted."""
     look = "bad" if kept.falls_short else ""
+    value = f"{abs(down(kept.kept)):.2f}\N{NO-BREAK SPACE}m{' inside' if kept.kept < 0 else ''}"
     if confidence is None:
-        return _card("predicted clearance", f"{down(kept.kept):.2f}\N{NO-BREAK SPACE}m", f"to {kept.to}", look)
+        return _card("predicted clearance", value, f"to {kept.to}", look)
     note = f"to {kept.to}; predicted {down(kept.nominal):.2f} m"
-    value = f"{down(kept.kept):.2f}\N{NO-BREAK SPACE}m"
     return _card(f"{100 * confidence:g}\N{NO-BREAK SPACE}% of flights keep", value, note, look)
 
 

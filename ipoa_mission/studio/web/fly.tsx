@@ -41,7 +41,7 @@ export function Fly({ now }: { now: Studio }) {
                 <li key={row.link + row.system}>{row.system === null ? <>{row.link}: {row.words}</>
                   : <button type="button" onClick={() => { setLink(row.link); setSystem(row.system); }}>{row.link}: <b>{row.words}</b></button>}</li>))}</ul>}
               <label class="check"><input type="checkbox" checked={sets} onChange={event => setSets(event.currentTarget.checked)} /> give it the parameters that this was made for, where it has others</label></>
-            : <label class="field"><span>So many times as fast</span><input type="number" min="0.5" max="1000" value={speedup} onChange={event => setSpeedup(Number(event.currentTarget.value) || 1)} /><em>×</em></label>}
+            : <label class="field"><span>Speed-up</span><input type="number" min="0.5" max="1000" value={speedup} onChange={event => setSpeedup(Number(event.currentTarget.value) || 1)} /><em>×</em></label>}
           <NextFlight now={now} onLink={real} charged={charged} say={setCharged} />
           <button type="button" class="strong" disabled={!ready || (real && !charged && asksBattery(now))}
             onClick={() => { send({ kind: "upload", link: real ? link : null, system: real ? system : null, speedup, set_params: real && sets, flight: now.part, charged }); setCharged(false); }}>Upload</button>
@@ -92,10 +92,12 @@ function Confirm({ now }: { now: Studio }) {
             <dt>{isMission(now) ? "check" : "proof"}</dt><dd><code>{loaded.proof}</code></dd>
           </dl>
           {!loaded.built_in && <p class="bad">Its motors will turn. Nobody may stand near it.</p>}
-          <label class="field wide"><span>To start it, write <b>{loaded.mission}</b></span>
-            <input type="text" value={typed} autocomplete="off" spellcheck={false} onInput={event => setTyped(event.currentTarget.value)} /></label>
-          <p class="buttons"><button type="button" onClick={close}>Do not start</button>
-            <button type="button" class="danger" disabled={typed !== loaded.mission} onClick={start}>Arm and start</button></p>
+          <form onSubmit={event => { event.preventDefault(); if (typed === loaded.mission) start(); }}>
+            <label class="field wide"><span>To start it, write <b>{loaded.mission}</b></span>
+              <input type="text" value={typed} autocomplete="off" spellcheck={false} onInput={event => setTyped(event.currentTarget.value)} /></label>
+            <p class="buttons"><button type="button" onClick={close}>Do not start</button>
+              <button type="submit" class="danger" disabled={typed !== loaded.mission}>Arm and start</button></p>
+          </form>
         </dialog>
       )}
     </>
@@ -111,7 +113,7 @@ function Watched({ now }: { now: Studio }) {
   return (
     <>
     <dl class="figures">
-      <div><dt>flying for</dt><dd>{seconds(seen.time_s)}<small>{late === null ? "" : `${Math.abs(late).toFixed(1)} s ${late < 0 ? "ahead of" : "behind"} the estimate`}</small></dd></div>
+      <div><dt>flying for</dt><dd>{seconds(seen.time_s)}<small>{seen.held ? "it holds its place" : late === null ? "" : `${Math.abs(late).toFixed(1)} s ${late < 0 ? "ahead of" : "behind"} the estimate`}</small></dd></div>
       <div><dt>items done</dt><dd>{seen.done}<small>of {now.loaded?.items ?? "?"}</small></dd></div>
       <div><dt>height</dt><dd>{seen.up.toFixed(1)} m<small>{seen.speed.toFixed(1)} m/s</small></dd></div>
       {seen.reserve && <div class={isShort(seen.reserve) ? "bad" : ""}><dt>battery</dt><dd>{share(seen.reserve.left)}{seen.reserve.planned != null && <small>{share(seen.reserve.planned)} planned</small>}</dd></div>}

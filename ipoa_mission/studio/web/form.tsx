@@ -58,6 +58,7 @@ export function Chosen({ now }: { now: Studio }) {
       ))}
       {kind === "obstacles" && isFlownOver(now, nameOf(path)) && <p class="note">The flight passes over it. If it is higher, say so: then it is flown round.</p>}
       {["via", "start", "goal", "rally"].includes(kind) && <Datum path={path} table={table} />}
+      {PLACES.includes(kind) && <Coordinates path={path} table={table} />}
       {kind === "fence" && <p class="note">{table.inclusion === false ? "The vehicle keeps out of it." : "The vehicle stays inside of it."} It goes into the mission.</p>}
       {typeof path.at(-1) === "number" && <button type="button" onClick={() => remove(path)}>Remove</button>}
     </section>
@@ -68,6 +69,22 @@ export function Chosen({ now }: { now: Studio }) {
 function isFlownOver(now: Studio, name: string): boolean {
   const plan = proved(now), turns = plan?.course.returns_at ?? null;
   return plan?.beside.some(body => body.look === "below" && body.name === name && (turns === null || body.begins < plan.course.along[turns]!)) ?? false;
+}
+
+const PLACES = ["home", "start", "goal", "via", "rally"];
+
+/** Where a place is, as its file has it: latitude and longitude in one line, or metres from home. */
+function Coordinates({ path, table }: { path: Path; table: Record<string, unknown> }) {
+  const keys = "latitude_deg" in table ? ["latitude_deg", "longitude_deg"] : ["east", "north"];
+  const change = (text: string) => {
+    const numbers = text.split(/[,;\s]+/).filter(Boolean).map(Number);
+    if (numbers.length !== 2 || !numbers.every(Number.isFinite)) return;
+    edit(`${nameOf(path)} moved`, ...keys.map((key, n) => ({ op: "put" as const, path: [...path, key], value: numbers[n]! })));
+  };
+  return (
+    <label class="field"><span>{keys[0] === "east" ? "East, north of home [m]" : "Latitude, longitude [°]"}</span>
+      <Typed type="text" value={keys.map(key => String(table[key] ?? 0)).join(", ")} change={change} /></label>
+  );
 }
 
 const DATA: [string, string][] = [["up", "home"], ["height_above_ground", "the ground"], ["altitude_amsl", "the sea (AMSL)"]];

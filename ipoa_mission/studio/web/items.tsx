@@ -5,7 +5,7 @@ import type { ItemField, MissionItem } from "./messages";
 import { chooseItem, edit, isMission, proved, set, studio, type Change, type Studio } from "./store";
 import { seconds } from "./words";
 
-const MISSION_FRAME = 2, LAST_NAV = 95, ENDINGS = [20, 21, 85];
+const MISSION_FRAME = 2, ENDINGS = [20, 21, 85];
 const FRAMES: [number, string][] = [[3, "m above home"], [0, "m AMSL"], [10, "m above ground"]];
 const plain = (frame: number) => ({ 5: 0, 6: 3, 11: 10 } as Record<number, number>)[frame] ?? frame;
 
@@ -66,8 +66,8 @@ export function ChosenItem({ now }: { now: Studio }) {
         <>
           <label class="field"><span>Command</span>
             <select value={item.command} onChange={event => put("command", Number(event.currentTarget.value), "command")}>
-              {commands(now).map(one => <option key={one.command} value={one.command}>{one.name}</option>)}
-              {!commands(now).some(one => one.command === item.command) && <option value={item.command}>{kind?.name ?? `command ${item.command}`}</option>}
+              <Commands now={now} />
+              {!kind && <option value={item.command}>{`command ${item.command}`}</option>}
             </select></label>
           {item.frame !== MISSION_FRAME && <Height item={item} put={put} />}
           {shown(item, kind?.fields ?? []).map(field => (
@@ -112,10 +112,20 @@ function shown(item: MissionItem, fields: ItemField[]): ItemField[] {
 
 const valueOf = (item: MissionItem, what: string): number | null => item.values[Number(what.slice(5)) - 1] ?? null;
 
-/** The commands to choose from, those that move the vehicle first. */
-function commands(now: Studio) {
-  const kinds = now.mission?.kinds ?? [];
-  return [...kinds.filter(kind => kind.command <= LAST_NAV), ...kinds.filter(kind => kind.command > LAST_NAV)];
+/** Groups of commands by their MAV_CMD numbers; what is in none is for other vehicles, or rare. */
+const GROUPS: [string, (command: number) => boolean][] = [
+  ["Flight", command => [16, 17, 18, 19, 20, 21, 22, 31, 36, 82, 93, 178].includes(command)],
+  ["Conditions and jumps", command => (command >= 112 && command <= 115) || [177, 600, 601].includes(command)],
+  ["Camera and gimbal", command => (command >= 195 && command <= 206) || (command >= 530 && command <= 534) || (command >= 1000 && command <= 1001) || (command >= 2000 && command <= 2505)],
+];
+const OTHERS = "Rare, or of other vehicles";
+
+/** The commands to choose from, by group; one that is shown stays among them. */
+function Commands({ now }: { now: Studio }) {
+  const kinds = now.mission?.kinds ?? [], groupOf = (command: number) => GROUPS.find(([, has]) => has(command))?.[0] ?? OTHERS;
+  return <>{[...GROUPS.map(([name]) => name), OTHERS].map(group => (
+    <optgroup key={group} label={group}>{kinds.filter(kind => groupOf(kind.command) === group).map(one => <option key={one.command} value={one.command}>{one.name}</option>)}</optgroup>
+  ))}</>;
 }
 
 function Add({ seq, words, now }: { seq: number; words: string; now: Studio }) {
@@ -123,7 +133,7 @@ function Add({ seq, words, now }: { seq: number; words: string; now: Studio }) {
     <label class="field"><span>{words}</span>
       <select value="" onChange={event => { addItem(seq, Number(event.currentTarget.value), null); event.currentTarget.value = ""; }}>
         <option value="">choose …</option>
-        {commands(now).map(one => <option key={one.command} value={one.command}>{one.name}</option>)}
+        <Commands now={now} />
       </select></label>
   );
 }

@@ -6,6 +6,7 @@ import { Strip } from "./strip";
 import { seconds } from "./words";
 
 const WIDE = 1000, HIGH = 150;
+const AHEAD = 200; // so far on from where it was it is sought, not where the course passes again [m]
 const LAND = 21; // its MAV_CMD
 
 export function Profile({ now }: { now: Studio }) {
@@ -29,12 +30,12 @@ export function Profile({ now }: { now: Studio }) {
   const isTall = useRef(false);
   isTall.current ||= hasWorld(now); // a map that has been drawn stays as large as it is
   const ends = isTall.current ? " ends" : "";
-  if (!plan) return <footer class={`profile empty${ends}`}><p class="note">{isMission(now) ? "A mission that cannot be timed has no height profile." : "The height profile comes with the proved path."}</p></footer>;
+  if (!plan) return <footer class={`profile empty${ends}`}><p class="note">{noProfile(now)}</p></footer>;
   const course = plan.course, at = Math.min(now.at, course.times.length - 1);
   const apart = course.apart[at];
   return (
     <footer class={`profile${ends}${isDragged(now) ? " past" : ""}`}>
-      <Chart now={now} plan={plan} at={at} flown={now.replay ? now.replay.times.map((time, n) => [time, now.replay!.line.up[n]!]) : now.loaded?.mission === plan.name ? now.flown.map(seen => [seen.time_s, seen.up]) : []} />
+      <Chart now={now} plan={plan} at={at} flown={flownOver(now, plan)} />
       <div class="slider">
         <button type="button" aria-label={now.playing ? "Pause" : "Play"} onClick={() => set({ playing: !now.playing, at: at >= course.times.length - 1 ? 0 : at })}>{now.playing ? "❚❚" : "▶"}</button>
         <input type="range" min="0" max={course.times.length - 1} value={at} aria-label="Moment of the flight"
@@ -57,7 +58,7 @@ function Chart({ plan, at, flown, now }: { plan: Plan; at: number; flown: [numbe
   const band = `${path(line.up.map(up => up + plan.required))}L${[...line.up].map((up, n) => [up, n] as const).reverse().map(([up, n]) => `${x(along[n]!)} ${y(up - plan.required)}`).join("L")}Z`;
   const step = niceStep((high - low) / 3), ticks: number[] = [];
   for (let tick = Math.ceil(low / step) * step; tick < high; tick += step) ticks.push(tick);
-  const seen = flown.map(([time, up]) => `${x(along[sampleAt(plan.course, time)]!)} ${y(up)}`);
+  const seen = flown.map(([sample, up]) => `${x(along[sample]!)} ${y(up)}`);
   const grip = useRef<{ stop: Stop; up: number } | null>(null), [held, hold] = useState<{ stop: Stop; up: number } | null>(null);
   const heightAt = (event: PointerEvent & { currentTarget: SVGSVGElement }) => {
     const box = event.currentTarget.getBoundingClientRect();
@@ -127,4 +128,28 @@ function isDraggable(now: Studio, seq: number): boolean {
 function niceStep(value: number): number {
   const power = 10 ** Math.floor(Math.log10(value));
   return [1, 2, 5, 10].map(k => k * power).find(step => step >= value) ?? value;
+}
+
+/** Flown heights over the samples of the course that the places are nearest to: who holds or is late stays there. */
+function flownOver({ replay, loaded, flown }: Studio, plan: Plan): [number, number][] {
+  const live = loaded?.mission === plan.name ? flown : [];
+  const places = replay ? replay.line.points : live.map(seen => seen.place), heights = replay ? replay.line.up : live.map(seen => seen.up);
+  const { along, line: { points } } = plan.course;
+  let at = 0;
+  return places.map(([lng, lat], n) => {
+    const wide = Math.cos((lat! * Math.PI) / 180);
+    let least = Infinity;
+    for (let i = at, end = along[at]! + AHEAD; i < points.length && along[i]! <= end; i++) {
+      const away = Math.hypot((points[i]![0]! - lng!) * wide, points[i]![1]! - lat!);
+      if (away < least) [least, at] = [away, i];
+    }
+    return [at, heights[n]!];
+  });
+}
+
+/** Why there is no profile, or when it comes. */
+function noProfile({ checked, document, ...now }: Studio): string {
+  if (!isMission({ checked, document, ...now })) return "The height profile comes with the proved path.";
+  if (checked?.revision !== document?.revision || checked?.timeless == null) return "The height profile comes with the check.";
+  return `No height profile: ${checked.timeless}.`;
 }

@@ -58,7 +58,7 @@ function make(map: MapLibre, spot: Spot, self: () => Shown, hold: (key: string) 
   button.type = "button";
   button.className = `spot ${kind}`;
   button.dataset.spot = pathKey(spot.path);
-  button.textContent = SIGNS[kind] || String(Number(spot.path[1] ?? 0) + 1);
+  button.textContent = SIGNS[kind] || `V${Number(spot.path[1] ?? 0) + 1}`;
   const marker = new Marker({ element: button, draggable: true, offset: kind === "home" ? BESIDE : [0, 0] }).setLngLat(spot.place as LngLat).addTo(map);
   const shift = (put: LngLat): Change => ({ op: "shift", path: self().spot.path, taken: self().spot.place as LngLat, put_down: put });
   marker.on("dragstart", () => hold(pathKey(self().spot.path)));

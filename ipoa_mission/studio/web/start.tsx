@@ -1,4 +1,4 @@
-// The page before a file is open: what was open lately, what lies in the folder, a new scenario from a place.
+// The page before a file is open: recent files, what lies in the folder, a new scenario from a place.
 import { useEffect, useState } from "preact/hooks";
 import type { StartFile } from "./messages";
 import { send, set, type Studio } from "./store";
@@ -27,15 +27,16 @@ export function StartPage({ now }: { now: Studio }) {
       <section><h2>Open a file</h2>
         <label class="field wide"><span>A scenario (.toml), a mission (.plan, .waypoints) or a log (.tlog, .bin, .ulg); or drop it anywhere</span>
           <input type="file" accept=".toml,.plan,.waypoints,.tlog,.bin,.ulg" onChange={event => void take(event.currentTarget.files?.[0])} /></label>
-        <p class="note">It is kept in {start.folder}; nothing there is written over.</p></section>
+        <p class="note">It is kept in {start.folder}; nothing there is written over.</p>
+        <p class="note">For a picture of the ground start with --tiles, such as https://tile.openstreetmap.org/{"{z}/{x}/{y}"}.png.</p></section>
       <section><h2>A new scenario</h2>
         <form onSubmit={begin}>
           <label class="field wide"><span>Home: degrees, MGRS or a plus code</span><input type="text" value={place} required placeholder="47.397742, 8.545594" onInput={event => setPlace(event.currentTarget.value)} /></label>
           <label class="field"><span>Its height</span><input type="number" value={altitude} required min="-450" max="9000" step="any" onInput={event => setAltitude(event.currentTarget.value)} /><em>m AMSL</em></label>
           <p class="buttons"><button type="submit" class="strong">Begin</button></p>
         </form></section>
-      <Files words="Open lately" files={start.recent} />
-      <Files words="Examples, of which a copy is opened" files={start.examples} />
+      <Files words="Recent" files={start.recent} />
+      <Files words="Examples (opened as a copy)" files={start.examples} />
       <Files words="In this folder" files={start.here} />
     </main>
   );

@@ -73,13 +73,14 @@ const percent = (value: number): string => `${Math.floor(100 * value + NOISE)} %
 const area = (square: number): string => (square < 10_000 ? `${square.toFixed(0)} m²` : `${(square / 10_000).toFixed(2)} ha`);
 
 const MOST_GAPS = 5;
+const SMALL = 0.01; // of a line's spacing: a narrower gap, as long as the spacing, is not worth a line
 
 /** Where a survey sees least: each line leads to its place. */
 export function SeesLeast({ now }: { now: Studio }) {
   const layout = layoutOf(now);
   if (!layout) return null;
   const look = (place: LngLat) => { bringInSight(place); set({ lookedAt: place }); };
-  const gaps = layout.gaps.map(rings => ({ place: rings[0]![0] as LngLat, size: rings.reduce((rest, ring, n) => rest + (n ? -1 : 1) * sizeOf(ring as LngLat[], now), 0) })).sort((one, other) => other.size - one.size);
+  const gaps = layout.gaps.map(rings => ({ place: rings[0]![0] as LngLat, size: rings.reduce((rest, ring, n) => rest + (n ? -1 : 1) * sizeOf(ring as LngLat[], now), 0) })).filter(gap => gap.size > (layout.spacing * SMALL) * layout.spacing).sort((one, other) => other.size - one.size);
   const rows: [string, LngLat][] = [
     ...gaps.slice(0, MOST_GAPS).map(({ place, size }): [string, LngLat] => [`a gap of ${size.toFixed(1)} m²`, place]),
     ...(layout.front ? [[`overlap ahead ${percentOf(layout.front.share)}, the smallest`, layout.front.place as LngLat] as [string, LngLat]] : []),

@@ -59,13 +59,16 @@ function Troubles({ of }: { of: Trouble[] }) {
   ))}</>;
 }
 
+/** What flights keep, or how far inside of something they come. */
+const keeps = (kept: number): string => (kept < 0 ? `${meters(-kept, 2)} inside` : meters(kept, 2));
+
 function Figures({ now }: { now: Studio }) {
   const plan = proved(now), coarse = coarseOf(now);
   if (plan && !now.drag) {
     return (
       <dl class="figures">
         <div><dt>flight</dt><dd>{seconds(plan.total_s)}<small>{seconds(plan.low_s)} to {seconds(plan.high_s)}</small></dd></div>
-        {plan.required > 0 && <div><dt>{plan.confidence === null ? "predicted clearance" : "flights keep"}</dt><dd>{plan.kept === null ? "–" : meters(plan.kept, 2)}<small>{meters(plan.required, 2)} required</small></dd></div>}
+        {plan.required > 0 && <div><dt>{plan.confidence === null ? "predicted clearance" : "flights keep"}</dt><dd>{plan.kept === null ? "–" : keeps(plan.kept)}<small>{meters(plan.required, 2)} required</small></dd></div>}
         <div><dt>path</dt><dd>{meters(plan.length, 0)}</dd></div>
         {plan.energy_wh !== null && <div><dt>energy</dt><dd>{plan.energy_wh.toFixed(1)} Wh<small>{plan.battery_left === null ? "" : `${share(plan.battery_left)} left`}</small></dd></div>}
       </dl>
@@ -76,7 +79,7 @@ function Figures({ now }: { now: Studio }) {
     <dl class="figures rough">
       <div><dt>route, at least</dt><dd>{seconds(coarse.seconds)}<small>a lower bound</small></dd></div>
       <div><dt>coarse path's clearance</dt><dd>{meters(coarse.clearance, 2)}<small>to {coarse.nearest}</small></dd></div>
-      <div><dt>path</dt><dd>{meters(coarse.length, 0)}<small>answered in {Math.round(coarse.took_s * 1000)} ms</small></dd></div>
+      <div><dt>path</dt><dd>{meters(coarse.length, 0)}</dd></div>
     </dl>
   );
 }

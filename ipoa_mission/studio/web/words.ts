@@ -1,9 +1,12 @@
 // Numbers as one says them.
 export const meters = (value: number, digits = 1): string => `${value.toFixed(digits)} m`;
 
+/** A time as the report writes it: `43.1 s`, `103 s`, `3 min 13 s`. */
 export function seconds(value: number): string {
-  if (value < 100) return `${value.toFixed(1)} s`;
-  return `${Math.floor(value / 60)}:${String(Math.round(value % 60)).padStart(2, "0")} min`;
+  const whole = Math.round(value);
+  if (value < 99.95) return `${value.toFixed(1)} s`;
+  if (value < 119.5) return `${whole} s`;
+  return `${Math.floor(whole / 60)} min ${String(whole % 60).padStart(2, "0")} s`;
 }
 
 export const share = (value: number): string => `${+(100 * value).toFixed(1)} %`;
