@@ -218,6 +218,16 @@ RULES: Mapping[str, Rule] = {
         "Take a version that was measured, or measure it in simulation (docs/lab/flown.md).",
         True,
     ),
+    "waypoint-passed": Rule(
+        "PX4 from 1.18 on may pass a waypoint at which the height changes, and fly on without end.",
+        "Give the waypoint a hold of 0.1 s: the vehicle stops there and waits for its height.",
+        True,
+    ),
+    "waypoint-may-be-passed": Rule(
+        "PX4 from 1.18 on does not return to a waypoint that it passed without reaching it.",
+        "Give each waypoint a hold of 0.1 s.",
+        False,
+    ),
     "no-aircraft": Rule("The mission is for a vehicle that does not fly.", "Only flights are judged.", False),
     "other-vehicle": Rule(
         "The mission is for another class of vehicle: its legs are judged as a multicopter flies them.",

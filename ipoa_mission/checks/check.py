@@ -72,6 +72,9 @@ def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Findi
         findings.append(Finding("another-place", Severity.ERROR, 0, str(elsewhere), elsewhere.hint))
     flown = None if elsewhere else sound_part(forecast, positions)
     if flown is not None:
+        from ipoa_mission.checks.passing import check_passing
+
+        findings += check_passing(flown)
         if flown.mission.fence:
             from ipoa_mission.checks.fence import check_fence
 

@@ -1,0 +1,40 @@
+"""Waypoints that PX4 1.18 may pass for good: h6_rally flew away so in simulation, three times of three."""
+
+from dataclasses import replace
+
+from ipoa_mission.checks.check import check_mission
+from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.version import Version
+from ipoa_mission.world.frame import Geodetic
+
+HOME = Geodetic(47.397742, 8.545594, 488.0)
+
+
+def mission(heights: list[float], hold: float, version: Version) -> Mission:
+    places = [Geodetic(47.398 + 0.0005 * n, 8.5456, 488.0) for n in range(len(heights))]
+    ways = [waypoint(place, height, hold) for place, height in zip(places, heights, strict=True)]
+    items = (takeoff(HOME, heights[0]), *ways, land(places[-1]))
+    return Mission(HOME, items, Autopilot.PX4, firmware_version=version)
+
+
+def codes(given: Mission) -> dict[str, int | None]:
+    found = {finding.code: finding.seq for finding in check_mission(given)}
+    return {code: found[code] for code in ("waypoint-passed", "waypoint-may-be-passed") if code in found}
+
+
+def test_a_waypoint_before_another_height_without_a_hold_is_an_error_from_1_18_on() -> None:
+    slope = mission([20.0, 20.0, 25.0, 25.0], 0.0, Version(1, 18))
+    assert codes(slope) == {"waypoint-passed": 3, "waypoint-may-be-passed": 2}
+    assert codes(replace(slope, firmware_version=Version(1, 17))) == {}
+
+
+def test_level_waypoints_without_a_hold_are_a_warning_but_the_one_before_landing() -> None:
+    assert codes(mission([20.0, 20.0, 20.0], 0.0, Version(1, 18))) == {
+        "waypoint-passed": 4,
+        "waypoint-may-be-passed": 2,
+    }
+
+
+def test_waypoints_with_a_hold_are_neither() -> None:
+    assert codes(mission([20.0, 25.0, 30.0], 0.1, Version(1, 18))) == {}
