@@ -207,7 +207,7 @@ class Px4Multicopter(Autopilot):
 
     def defaults_of(self, version: Version | None = None) -> Parameters:
         """NAV_ACC_RAD of multicopters is 10 m from 1.18 on."""
-        return SINCE_SPLIT if (version or self.measured).series >= SPLITS_AXES else {}
+        return SINCE_SPLIT if (version or self.newest).series >= SPLITS_AXES else {}
 
     def waypoint_defaults(self, version: Version | None = None) -> WaypointDefaults:
         """From 1.18 on it must stop at each waypoint, and the radius is named as the default has grown to 10 m.
@@ -215,7 +215,7 @@ class Px4Multicopter(Autopilot):
         >>> Px4Multicopter().waypoint_defaults(Version(1, 18))
         WaypointDefaults(hold=0.1, radius=2.0)
         """
-        return STOPS if (version or self.measured).series >= SPLITS_AXES else WaypointDefaults()
+        return STOPS if (version or self.newest).series >= SPLITS_AXES else WaypointDefaults()
 
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
         """As its source has it."""
