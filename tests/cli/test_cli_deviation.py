@@ -19,7 +19,8 @@ MISSION = read_mission(SITL)
 def lower(monkeypatch: pytest.MonkeyPatch) -> None:
     """The flight is compared with the forecast of one that is half as high."""
     half = replace(MISSION, items=tuple(replace(item, altitude=item.altitude / 2) for item in MISSION.items))
-    monkeypatch.setattr(procedure, "_monitor", lambda *_: ConformanceMonitor(Forecast(half)))
+    monitor = ConformanceMonitor(Forecast(half))
+    monkeypatch.setattr(procedure, "_monitor", lambda *_: monitor)
 
 
 @pytest.mark.usefixtures("lower")

@@ -63,7 +63,8 @@ def test_a_deviation_is_shown_the_vehicle_holds_and_the_page_orders_what_is_next
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     lower = replace(MISSION, items=tuple(replace(item, altitude=item.altitude / 2) for item in MISSION.items))
-    monkeypatch.setattr(procedure, "_monitor", lambda *_: ConformanceMonitor(Forecast(lower)))
+    monitor = ConformanceMonitor(Forecast(lower))
+    monkeypatch.setattr(procedure, "_monitor", lambda *_: monitor)
     told = flown(tmp_path, Forecast(MISSION), lambda said: isinstance(said, Seen) and said.held and "land")
     seen = [said for said in told if isinstance(said, Seen)]
     (deviation,) = {words for said in seen for words in said.deviations}
