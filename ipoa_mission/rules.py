@@ -113,9 +113,44 @@ RULES: Mapping[str, Rule] = {
         "Give one above 0, in m/s, or the parameter that the message names.",
         False,
     ),
-    "jump-target": Rule("A DO_JUMP leads to no other item.", "Give the number of an item.", False),
+    "jump-target": Rule(
+        "A DO_JUMP leads to no other item, or a DO_JUMP_TAG to a tag that no JUMP_TAG has.",
+        "Give the number of an item, or the tag of a JUMP_TAG.",
+        False,
+    ),
     "jump-without-end": Rule(
-        "A DO_JUMP repeats for ever.", "Give a number of repeats, if someone is not to end it.", False
+        "A jump repeats for ever.", "Give a number of repeats, if someone is not to end it.", False
+    ),
+    "jump-repeats": Rule(
+        "The firmware keeps no such number of repeats of a jump.",
+        "Give a whole number, as the message says.",
+        False,
+    ),
+    "jump-no-way-on": Rule(
+        "Jumps lead to jumps until the firmware gives up.", "Put a waypoint into the loop, or remove a jump.", False
+    ),
+    "jump-tag-twice": Rule(
+        "Two JUMP_TAG items have the same tag; jumps lead to the first.", "Give each a tag of its own.", False
+    ),
+    "too-many-jumps": Rule(
+        "The mission has more jumps than the firmware counts, or a board with little memory.",
+        "Write the passes out, or split the mission.",
+        False,
+    ),
+    "waits-for-someone": Rule(
+        "NAV_LOITER_UNLIM stands before other items, which are flown only once somebody ends it.",
+        "Give a NAV_LOITER_TIME, or end the mission with it.",
+        False,
+    ),
+    "waits-until-clock": Rule(
+        "NAV_DELAY waits until a time of day, which no estimate knows.",
+        "Give the delay in seconds, if no time of day is meant.",
+        False,
+    ),
+    "action-at-other-time": Rule(
+        "ArduPilot looks up what does not move the vehicle by the jumps' counters of that moment.",
+        "Put a waypoint between the jump and the item.",
+        False,
     ),
     "takeoff-not-first": Rule(
         "Something that moves the vehicle comes before the take-off, or there is none.", "Begin with a take-off.", True

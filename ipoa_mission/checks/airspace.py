@@ -46,12 +46,20 @@ def check_airspace(forecast: Forecast) -> Iterator[Finding]:
         yield Finding("home-differs", Severity.WARNING, 0, message)
     for leg in forecast.legs:
         for broken in _broken(leg, scenario):
-            item, message = item_of(mission, leg.seq), f"{NAMES[leg.phase]}: {broken.words()}"
+            item, message = item_of(mission, leg.seq), f"{leg_name(leg)}: {broken.words()}"
             if leg.phase is not Phase.CRUISE and not _touches(broken, scenario):
                 yield item.warning("leg-too-near", message)
             else:
                 hint = remedy(forecast) if leg.phase is Phase.RETURN else None
                 yield item.error("leg-too-near", message, hint)
+
+
+def leg_name(leg: Leg) -> str:
+    """The leg in a message about its item; after a jump it names where it begins."""
+    if leg.jumped_from < 0:
+        return NAMES[leg.phase]
+    begin = f"item {leg.jumped_from}" if leg.jumped_from else "home"
+    return f"{NAMES[leg.phase]} from {begin}, after a jump"
 
 
 def _broken(leg: Leg, scenario: Scenario) -> list[Check]:

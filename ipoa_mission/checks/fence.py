@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import shapely
 
+from ipoa_mission.checks.airspace import leg_name
 from ipoa_mission.checks.finding import item_of
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
@@ -77,8 +78,7 @@ def _legs(forecast: Forecast, allowed: shapely.Geometry) -> Iterator[Finding]:
         if not end and leg.phase is not Phase.RETURN:
             message = "expected inside the fence, but it lies outside"
         elif start:
-            what = "the way home" if leg.phase is Phase.RETURN else "the leg to it"
-            message = f"expected legs inside the fence, but {what} crosses it"
+            message = f"expected legs inside the fence, but {leg_name(leg)} crosses it"
         else:
             continue
         reported.add(leg.seq)

@@ -4,7 +4,9 @@ import math
 from collections.abc import Iterator, Sequence
 
 from ipoa_mission.checks.finding import Numbered, numbered
+from ipoa_mission.checks.jumps import check_jumps
 from ipoa_mission.checks.positions import out_of_range
+from ipoa_mission.checks.waiting import check_waiting
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.commands import (
     ENDINGS,
@@ -39,8 +41,8 @@ def check_firmware(mission: Mission) -> Iterator[Finding]:
     for at in numbered(mission):
         yield from _command_and_frame(at, mission.autopilot, firmware, is_development)
         yield from _params(at, firmware, mission)
-        if at.item.command == Command.DO_JUMP:
-            yield from _jump(at, len(mission.items))
+    yield from check_jumps(mission)
+    yield from check_waiting(mission)
     yield from _refused(mission, firmware, wire)
     if mission.vehicle_type not in NO_AIRCRAFT:
         yield from _takeoff(mission)
@@ -154,17 +156,6 @@ def _params(at: Numbered, firmware: Firmware, mission: Mission) -> Iterator[Find
             yield at.error("speed", f"param2: expected a speed above zero, not {item.params[1]:g}")
         elif too_fast is not None and (why := too_fast(item.params[1], mission.parameters)):
             yield at.error("speed", f"param2: {why}")
-
-
-def _jump(at: Numbered, count: int) -> Iterator[Finding]:
-    target, repeats = at.item.params[:2]
-    if not (math.isfinite(target) and target.is_integer() and 1 <= target <= count):
-        yield at.error("jump-target", f"param1: expected the number of an item, 1 to {count}, not {target:g}")
-    elif target == at.seq:
-        yield at.error("jump-target", "param1: expected another item, not the jump itself")
-    if not repeats >= 0:
-        words = f"param2: {repeats:g} repeats never end: the mission flies until someone ends it"
-        yield at.warning("jump-without-end", words)
 
 
 def _takeoff(mission: Mission) -> Iterator[Finding]:

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ipoa_mission.checks.airspace import leg_name
 from ipoa_mission.checks.finding import item_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.legs import Leg, Phase
@@ -55,4 +56,5 @@ def _beyond(
         return
     allowed = f"{limit.value:.1f} m at {'least' if sign < 0.0 else 'most'} ({limit.name})"
     flown = f"{value:.1f} m {where} ({value + stray:.1f} m as flights stray)"
-    yield f"{item_of(mission, leg.seq)}: {flown}, and the vehicle's own fence allows {allowed}"
+    after = f" on {leg_name(leg)}" if leg.jumped_from >= 0 else ""
+    yield f"{item_of(mission, leg.seq)}: {flown}{after}, and the vehicle's own fence allows {allowed}"

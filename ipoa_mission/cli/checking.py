@@ -167,7 +167,8 @@ def estimate(
     tell(*notes(remarks))
     tell(
         *route_in_words(prediction),
-        f"estimated {prediction.total_s:.1f} s (between {prediction.low_s:.0f} and {prediction.high_s:.0f}); "
+        f"estimated {prediction.total_s:.1f} s (between {prediction.low_s:.0f} and {prediction.high_s:.0f})"
+        f"{prediction.besides}; "
         f"QGroundControl would say {prediction.qgroundcontrol_s:.0f} s",
         *([] if budget is None else budget.words),
     )
@@ -202,8 +203,9 @@ def estimate_as_json(estimate: "Estimate") -> dict[str, Any]:
         picked(item, "seq", "done_s", "low_s", "high_s", "reason") | {"missed": picked(item.missed, "share", "cost_s")}
         for item in estimate.items
     ]
+    waits = {"waits": list(estimate.waits)} if estimate.waits else {}
     times = picked(estimate, "total_s", "low_s", "high_s", "qgroundcontrol_s") | {"qgroundcontrol_counts": COUNTS}
-    return times | {"route": route_summary(estimate), "items": items, "remarks": list(estimate.remarks)}
+    return times | {"route": route_summary(estimate), "items": items, "remarks": list(estimate.remarks)} | waits
 
 
 def _count(number: int, what: str) -> str:

@@ -74,7 +74,7 @@ def tell_flown(job: Job, record: FlightRecord, remarks: tuple[str, ...], written
     tell_table(f"{job.name} on {job.mission.autopilot}: when each item was done", columns, _legs(job.estimate, record))
     tell(
         *([] if job.flight else route_in_words(job.estimate)),
-        f"estimated {job.estimate.total_s:.1f} s, flown {record.total_s:.1f} s{_of_plan(job)}",
+        f"estimated {job.estimate.total_s:.1f} s{job.estimate.besides}, flown {record.total_s:.1f} s{_of_plan(job)}",
         f"written: {', '.join(map(str, written))}",
         *([f"{'not complete' if record.why_not else 'not as forecast'}: {record.failure}"] if record.failure else []),
     )

@@ -63,8 +63,9 @@ def read_job(source: Path, flown_by: FlownByOptions, autopilot: Autopilot | None
     forecast, mission = Forecast(given.mission, wind=flown_by.air), given.mission
     warnings = refuse_errors(check(forecast, read=given.findings))
     refuse_unsound(mission)
-    total_s = forecast.estimate.total_s
-    log.info("%s: %d items for %s, estimated %.1f s", source, len(mission.items), mission.autopilot, total_s)
+    timed = forecast.estimate
+    of = source, len(mission.items), mission.autopilot
+    log.info("%s: %d items for %s, estimated %.1f s%s", *of, timed.total_s, timed.besides)
     return Job(source.stem, forecast, (*given.remarks, *(finding.message for finding in warnings)))
 
 

@@ -3,7 +3,7 @@
 import sys
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -20,6 +20,9 @@ from ipoa_mission.cli.options import (
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import MISSIONS, write_atomically
+
+if TYPE_CHECKING:
+    from ipoa_mission.report.exports.table import Row
 
 
 class Form(StrEnum):
@@ -60,20 +63,25 @@ def show(
     mission = forecast.mission
     rows, errors = rows_of(forecast), refusals(mission)
     done: dict[int, float] = {}
+    flown = 0.0
     energy: list[str] = []
+    remarks = (*given.remarks, *errors)
+    total = "no time: a position or height makes no sense"
     try:
         if not errors:
             timed = forecast.estimate
+            total = f"estimated {timed.total_s:.0f} s{timed.besides}"
+            remarks = (*remarks, *timed.remarks)
+            flown = sum(item.length for item in timed.items)
             done = {item.seq: item.done_s for item in timed.items}
             if forecast.energy is not None:
                 from ipoa_mission.forecast.energy import budget_of
 
                 energy = budget.words if (budget := budget_of(forecast)) else []
-        total = f"estimated {timed.total_s:.0f} s" if not errors else "no time: a position or height makes no sense"
     except MissionError as error:
         total = f"no time: {error}"
     world = forecast.scenario
-    remarks = (*given.remarks, *errors, *(() if world is None else (thing.words for thing in world.unread)))
+    remarks = (*remarks, *(() if world is None else (thing.words for thing in world.unread)))
     if as_json:
         tell_json([asdict(row) | {"done_s": done.get(row.seq)} for row in rows])
         return
@@ -87,7 +95,7 @@ def show(
             shown(row.height),
             shown(row.height_above_ground),
             shown(done.get(row.seq)),
-            row.detail or (f"hold {row.hold_s:g} s" if row.hold_s else f"{row.speed:g} m/s" if row.speed else ""),
+            _detail(row),
         )
         for row in rows
     ]
@@ -99,7 +107,11 @@ def show(
     climbs = [row.climb for row in rows if row.climb is not None]
     up, down = sum(c for c in climbs if c > 0), -sum(c for c in climbs if c < 0)
     length = sum(row.length for row in rows if row.length is not None)
-    tell(f"{length:.0f} m, {up:.0f} m up and {down:.0f} m down; {total}", *energy, *notes(remarks))
+    once = f"{length:.0f} m, {up:.0f} m up and {down:.0f} m down"
+    if any(row.passes > 1 for row in rows):
+        tell("passes: the leg is that of the first, the time that of the last")
+        once += " once through" + (f", {flown:.0f} m flown in all passes" if flown else "")
+    tell(f"{once}; {total}", *energy, *notes(remarks))
     if endings:
         from ipoa_mission.checks.sound import promise_if_flown
         from ipoa_mission.cli.ending import tell_strip
@@ -107,6 +119,12 @@ def show(
 
         is_flown = promise_if_flown(forecast) is not None
         tell_strip(forecast.once(Endings).all_rows(timed=False) if is_flown else ())
+
+
+def _detail(row: "Row") -> str:
+    does = row.detail or (f"hold {row.hold_s:g} s" if row.hold_s else f"{row.speed:g} m/s" if row.speed else "")
+    passes = f"{row.passes} passes" if row.passes > 1 and row.length is not None else ""
+    return ", ".join(filter(None, (does, passes)))
 
 
 def export(

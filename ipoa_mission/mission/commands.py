@@ -161,3 +161,6 @@ WAYPOINTS = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Comman
 #: Commands whose param1 is a time to stay at their place [s].
 HOLDING = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME})
 LAST_NAV = 95  # MAV_CMD_NAV_LAST: higher numbers do not move the vehicle
+#: They move it all the same.
+ALSO_MOVE = frozenset({Command.NAV_SET_YAW_SPEED, Command.NAV_SCRIPT_TIME, Command.NAV_ATTITUDE_TIME})
+JUMPS = frozenset({Command.DO_JUMP, Command.DO_JUMP_TAG})

@@ -42,7 +42,9 @@ def without_item(mission: Mission, seq: int) -> Mission:
     """
     _expect_alone(mission, seq)
     for number, item in enumerate(mission.items, start=1):
-        if item.command == Command.DO_JUMP and item.params[0] == seq and number != seq:
+        leads_here = item.command == Command.DO_JUMP and item.params[0] == seq
+        of_tag = item.command == Command.DO_JUMP_TAG and mission.items[seq - 1].command == Command.JUMP_TAG
+        if number != seq and (leads_here or (of_tag and item.params[0] == mission.items[seq - 1].params[0])):
             raise BadInput(f"item {seq}: item {number} jumps to it", hint=f"change item {number} first")
     items = [_jumping(one, lambda target: target - (target > seq)) for one in mission.items]
     scanned = tuple((first - (first >= seq), height) for first, height in mission.scanned)

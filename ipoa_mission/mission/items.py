@@ -64,6 +64,23 @@ class Item:
         is_flown_to = self.command in FLOWN_TO - TO_THE_GROUND and self.frame != Frame.MISSION
         return autopilot.guidance.zero_is_here and is_flown_to and self.altitude == 0.0
 
+    @property
+    def clock(self) -> str:
+        """The time of day until which NAV_DELAY waits; empty: it waits for seconds, or not at all.
+
+        >>> Item(Command.NAV_DELAY, Frame.MISSION, (0.0, 18.0, 30.0, 0.0)).clock
+        '18:30:00 UTC'
+        """
+        seconds, *fields = self.params
+        if self.command != Command.NAV_DELAY or seconds > 0 or not all(map(math.isfinite, fields)):
+            return ""
+        hour, minute, second = map(int, fields)
+        if hour != -1:
+            return f"{hour:02}:{max(minute, 0):02}:{max(second, 0):02} UTC"
+        if minute != -1:
+            return f"{minute:02}:{max(second, 0):02} past the hour"
+        return "" if second == -1 else f"second {second} of the minute"
+
     def height(self, home: Geodetic) -> float:
         """Its altitude over home [m]; one over terrain is taken as one over home."""
         return self.altitude - home.altitude if plain_frame(self.frame) == Frame.GLOBAL else self.altitude

@@ -24,8 +24,13 @@ def details_of(item: Item) -> str:
     """
     first, second = item.params[:2]
     match item.command:
-        case Command.DO_JUMP:
-            return f"to item {first:g}, {second:g} times"
+        case Command.DO_JUMP | Command.DO_JUMP_TAG:
+            to = "tag" if item.command == Command.DO_JUMP_TAG else "item"
+            return f"to {to} {first:g}, " + ("without end" if second == -1 else f"{second:g} times")
+        case Command.JUMP_TAG:
+            return f"tag {first:g}"
+        case Command.NAV_DELAY if item.clock:
+            return f"until {item.clock}"
         case Command.NAV_LOITER_TURNS:
             return f"{first:g} turns"
         case Command.NAV_ARC_WAYPOINT:

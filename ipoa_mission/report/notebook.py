@@ -48,7 +48,7 @@ def estimate_html(estimate: Estimate) -> str:
         (item.seq, command_name(item.command), f"{item.duration_s:.1f}", f"{item.done_s:.1f}", item.reason)
         for item in estimate.items
     ]
-    caption = f"Estimated {estimate.total_s:.1f} s ({estimate.low_s:.0f} to {estimate.high_s:.0f})"
+    caption = f"Estimated {estimate.total_s:.1f} s ({estimate.low_s:.0f} to {estimate.high_s:.0f}){estimate.besides}"
     return _table(caption, ("item", "command", "takes [s]", "done at [s]", "what keeps it slow"), rows)
 
 

@@ -37,6 +37,7 @@ _NAMES: Mapping[int, str] = {
     Command.DO_CHANGE_SPEED: "ChangeSpeed",
     Command.DO_SET_HOME: "SetHome",
     Command.DO_JUMP: "Jump",
+    Command.JUMP_TAG: "Tag",
 }
 #: Items whose end is told in words: places that are flown to.
 SAID_WHEN_REACHED = WAYPOINTS | {Command.NAV_LOITER_TIME, Command.NAV_LOITER_TURNS, Command.NAV_LOITER_TO_ALT}

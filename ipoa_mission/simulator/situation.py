@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import IntEnum
 
-from ipoa_mission.forecast.itinerary.program import JUMPS_WITHOUT_END, Place, Program
+from ipoa_mission.forecast.itinerary.program import MOST_ACTIONS, Place, Program
 from ipoa_mission.mission.commands import FLOWN_TO, Command
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.parameters import Parameters
@@ -68,21 +68,26 @@ class Situation:
         """Note that an item is done."""
         self.reached.append(ItemDone(index, self.time_s, announced))
 
-    def come_to(self, index: int | None, change_speed: Callable[[Item], None]) -> Item | None:
-        """The item that is flown from `index` on, now the current one, those before it done in passing; None: none."""
-        for _ in range(JUMPS_WITHOUT_END):
-            if index is None or index >= len(self.program):
+    def come_to(self, behind: int, change_speed: Callable[[Item], None]) -> Item | None:
+        """The item that is flown after item `behind`, now the current one, those before it done in passing.
+
+        None: there is none.
+        """
+        at: int | None = behind
+        for _ in range(MOST_ACTIONS):
+            if at is None:
                 break
-            self.current, item = index, self.program.items[index]
-            if item.command in NAVIGATED:
-                return item
-            if item.command == Command.DO_JUMP:
-                index = self.program.after(index - 1)
-                continue
-            if item.command == Command.DO_CHANGE_SPEED:
-                change_speed(item)
-            self.done(index)
-            index = self.program.after(index)
+            passed, at = self.program.advance(at)
+            for index in passed:
+                self.current = index
+                if self.program.items[index].command == Command.DO_CHANGE_SPEED:
+                    change_speed(self.program.items[index])
+                self.done(index)
+            if at is not None:
+                self.current, item = at, self.program.items[at]
+                if item.command in NAVIGATED:
+                    return item
+                self.done(at)
         self.mission = MissionState.COMPLETE
         return None
 

@@ -28,6 +28,8 @@ OURS: Mapping[int, Mapping[int, tuple[str, str]]] = {
         1: ("Heading", "°"), 2: ("Turn at", "°/s"), 3: ("Way round, 1 or -1", ""), 4: ("Relative", "0 or 1")
     },
     Command.DO_JUMP: {1: ("To item", ""), 2: ("Repeats", "-1: for ever")},
+    Command.JUMP_TAG: {1: ("Tag", "")},
+    Command.DO_JUMP_TAG: {1: ("To tag", ""), 2: ("Repeats", "-1: for ever")},
     Command.DO_CHANGE_SPEED: {1: ("Kind, 1: over ground", ""), 2: ("Speed", "m/s"), 3: ("Throttle", "%, -1: as it is")},
     Command.DO_SET_SERVO: {1: ("Servo", ""), 2: ("Pulse", "µs")},
     Command.DO_SET_RELAY: {1: ("Relay", ""), 2: ("On", "0 or 1")},

@@ -114,7 +114,7 @@ def _first_values(item: Item, mission: Mission) -> Item:
     match item.command:
         case Command.DO_CHANGE_SPEED:
             return replace(item, params=(1.0, mission.cruise_speed or 5.0, -1.0, 0.0))
-        case Command.DO_JUMP:
+        case Command.DO_JUMP | Command.DO_JUMP_TAG:
             return replace(item, params=(1.0, 1.0, 0.0, 0.0))
         case Command.NAV_LOITER_TIME | Command.NAV_DELAY | Command.CONDITION_DELAY:
             return replace(item, params=(5.0, *item.params[1:]))

@@ -20,6 +20,7 @@ from typing import Any
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.mission.commands import Command, Frame
+from ipoa_mission.vehicles.jump_habits import JumpHabits
 from ipoa_mission.vehicles.version import Version
 
 NO_VERSION = Version(0, 0)
@@ -45,6 +46,7 @@ class Firmware:
     nan_holds: bool = False  # a hold of NaN is one for ever
     photo_looks_s: float = 0.02  # so often it is looked whether the vehicle is far enough on for the next photo [s]
     frame_2_is_amsl: bool = False  # of an item that needs a place
+    jumps: JumpHabits = field(default_factory=JumpHabits)
     version: Version = NO_VERSION  # of the table: major and minor
     commit: str = ""  # of the source that was read, and its day
     date: str = ""
@@ -137,6 +139,7 @@ class FirmwareTables:
             version=Version(*series),
             commit=table["commit"],
             date=table["date"],
+            jumps=replace(self._habits.jumps, resets=table.get("resets_jumps", False)),
             frames=_numbers(table["frames"]),
             placed=rows(table["placed"]),
             plain=rows(table["plain"]),

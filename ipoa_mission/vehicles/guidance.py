@@ -34,6 +34,8 @@ class GuidanceHabits:
     """To so high it climbs in any case [m]."""
     waits_armed: str = ""
     """The parameter that says how long it stands armed before it disarms by itself [s]; none: for ever."""
+    waits_until_clock: bool = False
+    """NAV_DELAY without seconds waits until a time of day."""
     terrain_by: str = ""
     """It is armed for items over terrain only with terrain data, or with the range finder of this parameter."""
     takes_radius: bool = False

@@ -123,10 +123,10 @@ class StraightPilot:
     def enter(self) -> None:
         self.goes = self.now.mode is not FlightMode.HOLD
         if self.now.mode is FlightMode.MISSION:
-            self._begin(self.now.current)
+            self._begin(self.now.current - 1)
 
     def replaced(self, before: tuple[Item, ...]) -> None:
-        self._begin(self.now.current)
+        self._begin(self.now.current - 1)
 
     def climb(self, height: float) -> None:
         self.ahead = [(self.body.x, self.body.y, height)]
@@ -156,11 +156,11 @@ class StraightPilot:
         if not self.ahead:
             self._arrived()
 
-    def _begin(self, index: int | None) -> None:
+    def _begin(self, behind: int) -> None:
         def quicker(item: Item) -> None:
             self.speed = item.params[1]
 
-        item = self.now.come_to(index, quicker)
+        item = self.now.come_to(behind, quicker)
         if item is not None:
             self.ahead = way(self.now.program, self.now.current, self.body.place, 0.0)
 
@@ -173,7 +173,7 @@ class StraightPilot:
             self.now.disarm()
             self.now.mode, self.goes = FlightMode.HOLD, False
             return
-        self._begin(self.now.program.after(self.now.current))
+        self._begin(self.now.current)
 
 
 def _spread(most: float) -> Quantiles:

@@ -51,7 +51,7 @@ def test_a_loop_without_a_place_ends() -> None:
     items = (change_speed(5.0), jump(1, -1))
     program = Program(items, LocalFrame(HOME), Autopilot.ARDUPILOT)
     situation = Situation(program)
-    assert situation.come_to(0, lambda item: None) is None
+    assert situation.come_to(-1, lambda item: None) is None
     assert situation.mission is MissionState.COMPLETE
     assert program.onward(0) is None
 

@@ -4,8 +4,9 @@ import math
 from dataclasses import dataclass, field, replace
 
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.forecast.itinerary.program import Place, Program, as_flown
-from ipoa_mission.mission.commands import FLOWN_TO, LAST_NAV, TAKEOFFS, Command, Frame, plain_frame
+from ipoa_mission.forecast.itinerary.jumps import jump_target, repeats
+from ipoa_mission.forecast.itinerary.program import Place, Program, as_flown, program_of
+from ipoa_mission.mission.commands import FLOWN_TO, JUMPS, LAST_NAV, TAKEOFFS, Command, Frame, plain_frame
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.returning import HOME, MissionLanding, ReturnBy
@@ -66,7 +67,7 @@ class Itinerary:
 
 
 def itinerary(mission: Mission, ground: Ground = LEVEL) -> Itinerary:
-    """Unroll the mission's DO_JUMP loops and put its items into metres around home; it lands on the `ground`.
+    """Unroll the mission's jumps and put its items into metres around home; it lands on the `ground`.
 
     Heights over terrain are taken as heights over home (the time model knows no terrain); `over_terrain` names them.
 
@@ -105,19 +106,23 @@ def flying_already(route: Itinerary) -> float | None:
 
 
 def _unrolled(mission: Mission) -> list[int]:
-    """Indices of the items in the order in which they come up, every DO_JUMP followed as often as it asks."""
+    """Indices of the items in the order in which they are done, every jump followed as its firmware does."""
     count = len(mission.items)
     for n, item in enumerate(mission.items):
-        if item.command == Command.DO_JUMP and not 1 <= item.params[0] < count + 1:
-            raise BadInput(f"items[{n}].param1: expected an item from 1 to {count} to jump to, not {item.params[0]:g}")
-        if item.command == Command.DO_JUMP and not item.params[1] >= 0:
+        if item.command in JUMPS and jump_target(mission.items, n) is None:
+            asked = item.params[0]
+            expected = "the tag of a JUMP_TAG" if item.command == Command.DO_JUMP_TAG else f"an item from 1 to {count}"
+            raise BadInput(f"items[{n}].param1: expected {expected} to jump to, not {asked:g}")
+        if item.command in JUMPS and repeats(item) == math.inf:
             raise BadInput(f"items[{n}].param2: the jump never ends, so the flight has no time")
-    program = Program(mission.items, LocalFrame(mission.home), mission.autopilot)
+    program = program_of(mission, mission.items)
     order: list[int] = []
-    at = program.after(-1)
+    at: int | None = -1
     while at is not None:
         if len(order) > MOST_VISITS:
             raise BadInput(f"items[{at}]: the mission's jumps make more than {MOST_VISITS} visits")
-        order.append(at)
-        at = program.after(at)
+        passed, at = program.advance(at)
+        order += passed if at is None else [*passed, at]
+    if program.stuck_at is not None:
+        raise BadInput(f"items[{program.stuck_at}]: {mission.autopilot.model} finds no way on from here")
     return order

@@ -7,7 +7,7 @@ terrain by the ground that is handed in. Loops are not unrolled: each jump adds 
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from ipoa_mission.forecast.itinerary.copter_arc import arc_chords, is_arc, turn_of
 from ipoa_mission.forecast.itinerary.copter_spline import spline_chords, spline_tangents
+from ipoa_mission.forecast.itinerary.jumps import led_to
 from ipoa_mission.forecast.itinerary.program import Place, as_flown, onward
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame, plain_frame
+from ipoa_mission.mission.commands import FLOWN_TO, JUMPS, Command, Frame, plain_frame
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.vehicles.returning import ReturnBy
 from ipoa_mission.world.frame import Geodetic, LocalFrame
@@ -28,6 +29,7 @@ from ipoa_mission.world.terrain import Flat
 CHORD = 0.005  # [m] by which a curve may leave its chords
 FOLLOWING_STEP = 5.0  # [m] between the points of a leg that follows the terrain
 SHORTEST_CURVE = 1e-3  # [m] below which the way to a spline waypoint is no curve
+MOVING = FLOWN_TO | {Command.NAV_RETURN_TO_LAUNCH}
 NEARBY = 0.5  # [m] a take-off this near to home is one from home
 
 
@@ -45,7 +47,7 @@ class Leg:
     """The way to item `seq` (numbered as in mission files): points (k, 3) with straight lines between them [m].
 
     `alternative`: flown at times only: after a jump, or to a rally point. `over_terrain`: it keeps its height over the
-    ground. `stray`: how far the way may be from the lines [m].
+    ground. `stray`: how far the way may be from the lines [m]. `jumped_from`: the item before a jump; -1: no jump.
     """
 
     seq: int
@@ -54,6 +56,7 @@ class Leg:
     alternative: bool = False
     over_terrain: bool = False
     stray: float = 0.0
+    jumped_from: int = -1
 
 
 def flown_legs(mission: Mission, frame: LocalFrame, ground: Ground | None = None) -> tuple[Leg, ...]:
@@ -107,6 +110,8 @@ class _LegBuilder:
         known = mission.autopilot.known_parameters(mission.parameters, mission.firmware_version)
         self.parameters = mission.autopilot.book.complete(known)
         self.at = self.home
+        self.last = 0
+        """The last item that moved it."""
         self.flown_in: Vector | None = None
         """Along what the vehicle arrived where it is, if it flies on without a stop, (3,) [m]."""
 
@@ -123,10 +128,12 @@ class _LegBuilder:
                     yield self._vertical(seq, Phase.LANDING, height)
                 case Command.NAV_RETURN_TO_LAUNCH:
                     yield from self.returns(seq)
-                case Command.DO_JUMP:
-                    yield from self._jump(item)
+                case command if command in JUMPS:
+                    yield from self._jump(seq)
                 case command if command in FLOWN_TO and (target := self.places[seq - 1]) is not None:
                     yield self._onward(seq, item, target)
+            if item.command in MOVING:
+                self.last = seq
 
     def _onward(self, seq: int, item: Item, target: Vector) -> Leg:
         """The leg to an item, straight or curved; the next one may begin with its direction."""
@@ -237,16 +244,20 @@ class _LegBuilder:
         amsl, local = self.mission.home.altitude, self.frame.local
         return [local(Geodetic(p.latitude_deg, p.longitude_deg, amsl + p.altitude)) for p in self.mission.rally]
 
-    def _jump(self, item: Item) -> Iterator[Leg]:
-        if not 1 <= item.params[0] <= len(self.mission.items):
-            return
+    def _jump(self, seq: int) -> Iterator[Leg]:
+        """The ways on to where a jump may lead."""
         here, flown_in = self.at, self.flown_in
-        for seq, other in enumerate(self.mission.items, start=1):
-            target = self.places[seq - 1]
-            if seq >= item.params[0] and other.command in FLOWN_TO and target is not None:
-                yield replace(self._onward(seq, other, target), alternative=True)
-                break
-        self.at, self.flown_in = here, flown_in
+        for index in led_to(self.mission.items, seq - 1, MOVING):
+            item, target = self.mission.items[index], self.places[index]
+            legs: Iterable[Leg] = ()
+            if item.command == Command.NAV_RETURN_TO_LAUNCH:
+                legs = self.returns(index + 1)
+            elif item.command == Command.NAV_LAND:
+                legs = self._landing(index + 1, item)
+            elif target is not None:
+                legs = [self._onward(index + 1, item, target)]
+            yield from (replace(leg, alternative=True, jumped_from=self.last) for leg in legs)
+            self.at, self.flown_in = here, flown_in
 
     def _vertical(self, seq: int, phase: Phase, up: float) -> Leg:
         points = np.array([self.at, [self.at[0], self.at[1], up]])

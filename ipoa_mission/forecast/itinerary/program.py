@@ -14,15 +14,27 @@ from typing import TypeAlias
 
 import numpy as np
 
+from ipoa_mission.forecast.itinerary.jumps import jump_target, repeats
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.commands import FLOWN_TO, LAST_NAV, TO_THE_GROUND, WAYPOINTS, Command, Frame, plain_frame
+from ipoa_mission.mission.commands import (
+    ALSO_MOVE,
+    FLOWN_TO,
+    JUMPS,
+    LAST_NAV,
+    TO_THE_GROUND,
+    WAYPOINTS,
+    Command,
+    Frame,
+    plain_frame,
+)
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.jump_habits import JumpHabits
 from ipoa_mission.world.frame import LocalFrame
 
 Place: TypeAlias = tuple[float, float, float]  # east, north, up [m]
 
-JUMPS_WITHOUT_END = 10_000  # a loop of nothing but jumps must not hang
+MOST_ACTIONS = 255  # between two items that move it; a loop without such an item must not hang
 
 
 def as_flown(mission: Mission) -> Mission:
@@ -83,7 +95,11 @@ class Program:
     frame: LocalFrame
     autopilot: Autopilot
     first: int = 1
+    jumping: JumpHabits | None = None
+    """How jumps are followed; None: as by the newest version of the firmware."""
     jumped: dict[int, int] = field(default_factory=dict)
+    stuck_at: int | None = None
+    """The item at which the firmware found no way on."""
 
     def __len__(self) -> int:
         return len(self.items)
@@ -120,21 +136,64 @@ class Program:
 
     def after(self, index: int, taking: bool = True) -> int | None:
         """The item that follows `index` once jumps are followed; `taking` a jump counts it, looking ahead does not."""
-        counts = self.jumped if taking else dict(self.jumped)
         index += 1
-        for _ in range(JUMPS_WITHOUT_END):
+        for jumps in range(self.habits.at_once + 1):
             if index >= len(self.items):
                 return None
-            item = self.items[index]
-            if item.command != Command.DO_JUMP:
+            if self.items[index].command not in JUMPS:
                 return index
-            times, target = item.params[1], int(item.params[0]) - self.first
-            if (times < 0 or counts.get(index, 0) < times) and 0 <= target < len(self.items):
-                counts[index] = counts.get(index, 0) + 1
-                index = target
-            else:
-                index += 1
+            target = self._targets[index]
+            if target is None or jumps == self.habits.at_once:
+                break
+            index = target if self._jumps(index, taking) else index + 1
+        if taking:
+            self.stuck_at = index
         return None
+
+    @cached_property
+    def habits(self) -> JumpHabits:
+        """How jumps are followed."""
+        return self.jumping or self.autopilot.firmware().jumps
+
+    @cached_property
+    def _targets(self) -> dict[int, int | None]:
+        jumps = (n for n, item in enumerate(self.items) if item.command in JUMPS)
+        return {n: jump_target(self.items, n, self.first) for n in jumps}
+
+    def _jumps(self, index: int, taking: bool) -> bool:
+        """Whether the jump at `index` is taken now."""
+        times, has_counter = repeats(self.items[index]), index in self.jumped or len(self.jumped) < self.habits.most
+        done = self.jumped.get(index, 0) if has_counter else math.inf
+        jumps = times == math.inf or done < times
+        if has_counter:
+            over = 0 if self.habits.resets else done
+            self.jumped[index] = int((done + 1 if jumps else over) if taking else done)
+        return jumps
+
+    def advance(self, index: int) -> tuple[list[int], int | None]:
+        """What is done in passing after item `index`, in its order, and the item that moves the vehicle then.
+
+        Counts the jumps that are taken.
+        """
+        passed: list[int] = []
+        at = self.after(index)
+        while at is not None and not self._moves(at):
+            if len(passed) == MOST_ACTIONS:
+                self.stuck_at, at = at, None
+                break
+            passed.append(at)
+            at = self.after(at)
+        if not passed or not self.habits.queues_actions:
+            return passed, at
+        done = passed[:1]
+        action = self.after(done[0], taking=False) if at is not None else None
+        while action is not None and action not in done and not self._moves(action):
+            done.append(action)
+            action = self.after(action, taking=False)
+        return done, at
+
+    def _moves(self, index: int) -> bool:
+        return self.items[index].command <= LAST_NAV or self.items[index].command in ALSO_MOVE
 
     def ahead(self, index: int) -> Iterator[int]:
         """The items that will come up after `index`, as many as there are items."""
@@ -147,3 +206,12 @@ class Program:
     def onward(self, index: int) -> int | None:
         """The item that is flown on to without stopping at item `index`, jumps followed."""
         return onward(self.items, index, self.autopilot, self.ahead(index))
+
+
+def program_of(mission: Mission, items: tuple[Item, ...]) -> Program:
+    """Items of the mission, in the way in which its firmware and parameters follow jumps."""
+    habits = mission.autopilot.firmware(mission.firmware_version).jumps
+    name, bit = habits.kept_by
+    options = mission.autopilot.book.by_old_names(mission.parameters).get(name, 0.0)
+    habits = replace(habits, resets=habits.resets and not int(options) >> bit & 1)
+    return Program(items, LocalFrame(mission.home), mission.autopilot, jumping=habits)

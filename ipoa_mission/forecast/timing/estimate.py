@@ -69,6 +69,7 @@ class Estimate:
         track: the path as it will be flown, corners cut, in home's local frame; its speeds are over the ground, in
             three dimensions.
         remarks: what of the mission the model does not know.
+        waits: until when it waits at its items, of which the times know nothing.
     """
 
     total_s: float
@@ -79,6 +80,12 @@ class Estimate:
     items: tuple[ItemTime, ...]
     track: Track
     remarks: tuple[str, ...]
+    waits: tuple[str, ...] = ()
+
+    @property
+    def besides(self) -> str:
+        """What the whole time leaves out, to go behind it; else empty."""
+        return f" and the wait{'s' if len(self.waits) > 1 else ''} {', '.join(self.waits)}" if self.waits else ""
 
     def __repr__(self) -> str:
         between = f"between {self.low_s:.0f} and {self.high_s:.0f}"
@@ -94,6 +101,9 @@ def times_of(mission: Mission, route: Itinerary, prediction: Prediction) -> Esti
     conditions = [visit.seq for visit in route.visits if visit.item.command in CONDITIONS]
     if conditions:
         remarks = (*remarks, f"{_items(conditions)}: what they put off is taken as done at once")
+    knows_clock = mission.autopilot.guidance.waits_until_clock
+    waits = [(visit.seq, visit.item.clock) for visit in route.visits if knows_clock and visit.item.clock]
+    remarks += tuple(f"item {seq}: the wait until {until} is not in the times" for seq, until in waits)
     if flying_already(route) is not None:
         remarks = (*remarks, "the mission has no take-off: counted from over home, as high as its first place")
     return Estimate(
@@ -105,6 +115,7 @@ def times_of(mission: Mission, route: Itinerary, prediction: Prediction) -> Esti
         items=items,
         track=prediction.track.local(),
         remarks=tuple(dict.fromkeys(remarks)),
+        waits=tuple(dict.fromkeys(f"of item {seq} until {until}" for seq, until in waits)),
     )
 
 

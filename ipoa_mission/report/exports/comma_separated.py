@@ -21,6 +21,7 @@ COLUMNS = {
     "hold_s": ("hold_s", 1),
     "speed_m_s": ("speed", 2),
     "detail": ("detail", None),
+    "passes": ("passes", None),
 }
 
 

@@ -33,7 +33,7 @@ def lines_of(forecast: Forecast) -> tuple[Stretch, ...]:
             joins = before and before.over_terrain == stretch.over_terrain and before.points[-1] == stretch.points[0]
             if before and joins and not leg.alternative:
                 lines[-1] = Stretch(before.points + stretch.points[1:], stretch.over_terrain)
-            elif not leg.alternative:
+            elif not leg.alternative or leg.jumped_from >= 0:
                 lines.append(stretch)
     return tuple(lines)
 

@@ -14,7 +14,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.legs import Leg
 from ipoa_mission.geometry import leg_lengths
-from ipoa_mission.mission.commands import Command, Frame, command_name, plain_frame
+from ipoa_mission.mission.commands import JUMPS, Command, Frame, command_name, plain_frame
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.words import details_of, hold_of
 from ipoa_mission.world.frame import Geodetic
@@ -47,6 +47,7 @@ class Row:
     hold_s: float | None = None
     speed: float | None = None  # [m/s] that it changes to
     detail: str = ""
+    passes: int = 1  # of which its leg is of the first, where jumps lead to it again
 
 
 def shown(value: float | None, form: str = "z.1f") -> str:
@@ -86,19 +87,14 @@ def rows_of(forecast: Forecast) -> tuple[Row, ...]:
 
 
 def _repeated(rows: Iterable[Row], forecast: Forecast) -> Iterator[Row]:
-    """The rows; of an item to which a jump leads again it is said which of its passes stands there."""
+    """The rows, with their passes."""
     mission = forecast.mission
-    jumps = any(item.command == Command.DO_JUMP for item in mission.items)
     passes = Counter[int]()
-    if jumps and not refusals(mission):
+    if any(item.command in JUMPS for item in mission.items) and not refusals(mission):
         with suppress(BadInput):  # a jump without end
             passes.update(visit.seq for visit in forecast.itinerary.visits)
     for row in rows:
-        if passes[row.seq] > 1 and row.length is not None:
-            words = f"leg of the first of {passes[row.seq]} passes, done with the last"
-            yield replace(row, detail=", ".join(filter(None, (row.detail, words))))
-        else:
-            yield row
+        yield replace(row, passes=max(passes[row.seq], 1))
 
 
 def _row(seq: int, item: Item, mission: Mission, legs: list[Leg], scenario: "Scenario | None") -> Row:

@@ -58,7 +58,7 @@ def figures(
     budget: Budget | None,
 ) -> str:
     """The headline numbers."""
-    interval = f"{seconds(estimate.low_s)} to {seconds(estimate.high_s)}"
+    interval = f"{seconds(estimate.low_s)} to {seconds(estimate.high_s)}{estimate.besides}"
     cards = [_card("estimated flight", seconds(estimate.total_s), interval, "lead")]
     if comparison is not None:
         cards.append(_flown(comparison))

@@ -51,7 +51,7 @@ class ArduPilotPilot:
         """The mode has changed."""
         match self._now.mode:
             case FlightMode.MISSION:
-                self._begin(self._now.current)
+                self._begin_behind(self._now.current - 1)
             case FlightMode.RETURN:
                 self._come_down(self._copter.return_home(self._return_goal()))
             case FlightMode.LAND:
@@ -64,7 +64,7 @@ class ArduPilotPilot:
         now, after = self._now.current, self._now.program.items
         ahead = slice(now, now + 3)
         if self._then == self._arrived and before[ahead] != after[ahead] and now < len(after):
-            self._begin(now)
+            self._begin_behind(now - 1)
 
     def _return_goal(self) -> Place:
         return self._now.goal_of_return(self._copter.place, self._parameters)
@@ -92,8 +92,8 @@ class ArduPilotPilot:
 
     # --- the mission ------------------------------------------------------------------------------------------------
 
-    def _begin(self, index: int | None) -> None:
-        """Start item `index`, doing at once those at which no time is spent."""
+    def _begin_behind(self, index: int) -> None:
+        """Start what follows item `index`, doing at once those at which no time is spent."""
         item = self._now.come_to(index, lambda item: self._copter.change_speed(int(item.params[0]), item.params[1]))
         if item is None:
             self._stay()
@@ -102,7 +102,7 @@ class ArduPilotPilot:
 
     def _done(self) -> None:
         self._now.done(self._now.current)
-        self._begin(self._now.program.after(self._now.current))
+        self._begin_behind(self._now.current)
 
     def _start(self, index: int, item: Item) -> None:
         match item.command:

@@ -16,6 +16,7 @@ from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.failsafe import Failsafe
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables, rows
 from ipoa_mission.vehicles.guidance import GuidanceHabits
+from ipoa_mission.vehicles.jump_habits import JumpHabits
 from ipoa_mission.vehicles.kinds import MULTICOPTERS
 from ipoa_mission.vehicles.manners import Manners
 from ipoa_mission.vehicles.modes import Modes
@@ -51,6 +52,15 @@ HABITS = Firmware(
     longest_hold=65_535.0,
     holds_whole_seconds=True,
     frame_2_is_amsl=True,
+    jumps=JumpHabits(
+        most=100,
+        most_small=15,  # below 500 kB of memory
+        at_once=64,
+        most_repeats=32_767,
+        repeats_without_end=True,
+        kept_by=("MIS_OPTIONS", 3),
+        queues_actions=True,
+    ),
 )
 
 MODES = Modes(
@@ -111,6 +121,7 @@ class ArduCopter(Autopilot):
         needs_takeoff=True,
         own_takeoff=1.0,
         waits_armed="DISARM_DELAY",
+        waits_until_clock=True,
         terrain_by="RNGFND1_TYPE",
         lands_below_item=True,
         climb_ends_at_once=True,

@@ -56,7 +56,7 @@ class PX4Pilot:
         """The mode has changed."""
         match self._now.mode:
             case FlightMode.MISSION:
-                self._begin(self._now.current)
+                self._begin_behind(self._now.current - 1)
             case FlightMode.RETURN:
                 self._return()
             case FlightMode.LAND:
@@ -67,7 +67,7 @@ class PX4Pilot:
 
     def replaced(self, before: tuple[Item, ...]) -> None:
         """Another mission lies in the store while one is flown: it goes on at the present index."""
-        self._begin(self._now.current)
+        self._begin_behind(self._now.current - 1)
 
     def climb(self, height: float) -> None:
         """Take off, or climb, straight up to a height above home [m], and stay there."""
@@ -124,7 +124,7 @@ class PX4Pilot:
         if self._orders:
             self._state = begun(self._state, self._orders[0])
         elif self._now.mode is FlightMode.MISSION:
-            self._begin(self._now.program.after(self._now.current))
+            self._begin_behind(self._now.current)
         else:
             self._here = ended.goal
 
@@ -161,8 +161,8 @@ class PX4Pilot:
 
     # --- the mission ------------------------------------------------------------------------------------------------
 
-    def _begin(self, index: int | None) -> None:
-        """Start item `index`, doing at once those at which no time is spent."""
+    def _begin_behind(self, index: int) -> None:
+        """Start what follows item `index`, doing at once those at which no time is spent."""
         now = self._now
         item = now.come_to(index, self._change_speed)
         if item is None:

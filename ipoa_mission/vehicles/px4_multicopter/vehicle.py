@@ -13,6 +13,7 @@ from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.failsafe import Failsafe
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables, rows
 from ipoa_mission.vehicles.guidance import GuidanceHabits, WaypointDefaults
+from ipoa_mission.vehicles.jump_habits import JumpHabits
 from ipoa_mission.vehicles.kinds import MULTICOPTERS
 from ipoa_mission.vehicles.manners import Manners
 from ipoa_mission.vehicles.modes import Modes, mode_number
@@ -51,6 +52,7 @@ HABITS = Firmware(
     highest_altitude=math.inf,
     nan_holds=True,
     photo_looks_s=0.05,  # camera_trigger's poll
+    jumps=JumpHabits(at_once=9),
 )
 
 MODES = Modes(
