@@ -8,6 +8,8 @@ import numpy as np
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.itinerary.jumps import jump_target
+from ipoa_mission.mission.commands import JUMPS
 from ipoa_mission.mission.items import LEFT_OUT, Mission, takeoff
 from ipoa_mission.world.frame import Geodetic, apart
 
@@ -30,7 +32,7 @@ def begun_at(mission: Mission, first: int, there: Geodetic | None = None) -> Mis
     first item all the same, and then flies straight to it.
 
     Raises:
-        BadInput: there is no such item, or it has no place to fly to.
+        BadInput: there is no such item, it has no place to fly to, or a jump leads back to before it.
     """
     home = mission.home if there is None else there
     if first == 0:
@@ -40,6 +42,9 @@ def begun_at(mission: Mission, first: int, there: Geodetic | None = None) -> Mis
     height = mission.altitude_above_home(mission.items[first])
     if not (mission.items[first].has_position and np.isfinite(height)):
         raise BadInput(f"--from: expected an item with a place and a height, and item {first + 1} has none")
+    for n, item in enumerate(mission.items[first:], first):
+        if item.command in JUMPS and (target := jump_target(mission.items, n)) is not None and target < first:
+            raise BadInput(f"--from: item {n + 1} jumps back to item {target + 1}, before item {first + 1}")
     begins = (LEFT_OUT,) * (first - 1) + (takeoff(home, max(height, LEAST_CLIMB)),)
     return replace(mission, home=home, items=begins + mission.items[first:])
 

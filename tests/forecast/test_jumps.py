@@ -6,10 +6,12 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.checks.check import check, check_mission
+from ipoa_mission.checks.start import begun_at
 from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import itinerary
 from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame
+from ipoa_mission.mission.item_edits import without_item
 from ipoa_mission.mission.items import Item, Mission, change_speed, return_to_launch, takeoff, waypoint
 from ipoa_mission.report.exports.lines import lines_of
 from ipoa_mission.report.exports.table import mission_table
@@ -190,3 +192,15 @@ def test_an_endless_loiter_before_other_items_is_found(autopilot: Autopilot) -> 
     stays = replace(A, command=Command.NAV_LOITER_UNLIM)
     assert found(check_mission(mission(UP, A, stays, B, BACK, autopilot=autopilot))) == ["warning waits-for-someone 3"]
     assert not check_mission(mission(UP, A, stays, autopilot=autopilot))
+
+
+def test_a_flight_does_not_begin_behind_the_place_that_a_jump_leads_back_to() -> None:
+    with pytest.raises(BadInput, match="item 6 jumps back to item 2, before item 4"):
+        begun_at(mission(*LOOP), 3)
+    assert begun_at(mission(*LOOP), 6).items[6:] == LOOP[6:]
+
+
+def test_the_tag_of_a_jump_is_not_taken_out() -> None:
+    with pytest.raises(BadInput, match="item 6 jumps to it"):
+        without_item(mission(*LOOP), 2)
+    assert len(without_item(mission(UP, tag(2), *LOOP[1:]), 2).items) == len(LOOP)

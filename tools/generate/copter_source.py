@@ -34,12 +34,15 @@ def facts(source: Source) -> dict[str, Any]:
     placed = set(re.findall(r"case MAV_CMD_(\w+):", body(text, "AP_Mission::stored_in_location(")))
     rows = {name: _row(name, code, encode.get(name, ""), types) for name, code in decode.items()}
     refused = [name for name, code in decode.items() if re.search(r"param1 < 0 \|\| packet\.param1 > UINT16_MAX", code)]
+    resets = "num_times_run = 0" in body(text, "AP_Mission::get_next_cmd(")
     return {
         "frames": listed(_FRAMES),
         "placed": {name: row[:4] + "ddc" for name, row in rows.items() if name in placed},
         "plain": {name: row for name, row in rows.items() if name not in placed},
         "nan": _nan(body(text, "AP_Mission::sanity_check_params(")),
-    } | ({"sixteen_bits": " ".join(refused)} if refused else {})
+        **({"sixteen_bits": " ".join(refused)} if refused else {}),
+        **({"resets_jumps": True} if resets else {}),
+    }
 
 
 def _by_command(function: str) -> dict[str, str]:
