@@ -34,7 +34,7 @@ def facts(source: Source) -> dict[str, Any]:
     placed = set(re.findall(r"case MAV_CMD_(\w+):", body(text, "AP_Mission::stored_in_location(")))
     rows = {name: _row(name, code, encode.get(name, ""), types) for name, code in decode.items()}
     refused = [name for name, code in decode.items() if re.search(r"param1 < 0 \|\| packet\.param1 > UINT16_MAX", code)]
-    resets = "num_times_run = 0" in body(text, "AP_Mission::get_next_cmd(")
+    resets = "Option::DONT_ZERO_COUNTER" in text  # of a finished jump
     return {
         "frames": listed(_FRAMES),
         "placed": {name: row[:4] + "ddc" for name, row in rows.items() if name in placed},
