@@ -129,6 +129,11 @@ RULES: Mapping[str, Rule] = {
     "jump-no-way-on": Rule(
         "Jumps lead to jumps until the firmware gives up.", "Put a waypoint into the loop, or remove a jump.", False
     ),
+    "jump-flown-elsewhere": Rule(
+        "ArduCopter flies on past a jump to a JUMP_TAG, or to another item that does not move it.",
+        "Let DO_JUMP name the waypoint itself, or hold for a second before the jump.",
+        False,
+    ),
     "jump-tag-twice": Rule(
         "Two JUMP_TAG items have the same tag; jumps lead to the first.", "Give each a tag of its own.", False
     ),

@@ -29,7 +29,10 @@ def check_jumps(mission: Mission) -> Iterator[Finding]:
     if jumps and not any(finding.code == "jump-target" for finding in found):
         program = program_of(mission, mission.items)
         in_turn = replace(program, jumping=replace(program.habits, queues_actions=False), jumped={})
-        flown = _followed(program)
+        mistaken: dict[int, int] = {}
+        flown = _followed(program, mistaken)
+        for index, instead in sorted(mistaken.items()):
+            yield _flown_elsewhere(mission, index, instead)
         if program.stuck_at is not None:
             words = (
                 f"from here jumps lead to jumps, or to items that do not move the vehicle: {mission.autopilot.model} "
@@ -37,7 +40,7 @@ def check_jumps(mission: Mission) -> Iterator[Finding]:
             )
             yield item_of(mission, program.stuck_at + 1).error("jump-no-way-on", words)
         else:
-            yield from _at_other_times(mission, flown, _followed(in_turn))
+            yield from _at_other_times(mission, flown, _followed(in_turn, {}))
 
 
 def _target(mission: Mission, at: Numbered) -> Iterator[Finding]:
@@ -81,11 +84,23 @@ def _too_many(mission: Mission, count: int, habits: JumpHabits) -> Iterator[Find
         yield Finding("too-many-jumps", Severity.WARNING, None, words)
 
 
-def _followed(program: Program) -> Steps:
-    """What is done in passing, and then flown to, step by step."""
+def _flown_elsewhere(mission: Mission, index: int, instead: int) -> Finding:
+    jump = next((n + 1 for n in range(index, len(mission.items)) if mission.items[n].command in JUMPS), 0)
+    words = (
+        f"{mission.autopilot.model} flies on from here to item {instead + 1}, not to where the jump of item {jump} "
+        "leads, as it jumps to what is no place"
+    )
+    hint = "let DO_JUMP name the waypoint itself, or hold here for a second"
+    return item_of(mission, index + 1).error("jump-flown-elsewhere", words, hint)
+
+
+def _followed(program: Program, mistaken: dict[int, int]) -> Steps:
+    """What is done in passing, and then flown to, step by step; `mistaken` gets what is flown on to instead."""
     steps: Steps = []
     at: int | None = -1
     while at is not None and len(steps) < MOST_STEPS:
+        if at >= 0 and (instead := program.mistaken(at)) is not None:
+            mistaken.setdefault(at, instead)
         steps.append(program.advance(at))
         at = steps[-1][1]
     return steps

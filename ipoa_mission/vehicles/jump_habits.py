@@ -20,6 +20,8 @@ class JumpHabits:
     """The counter of a finished jump starts anew, so a second visit jumps again."""
     kept_by: tuple[str, int] = ("", 0)
     """The parameter, and its bit, with which a finished jump's counter stays."""
+    looks_past_jumps: bool = False
+    """Looking ahead for where to fly on to, it goes on behind a jump that leads to an item that does not move it."""
     queues_actions: bool = False
     """Before the next item that moves it, it does the first item that does not; the others are looked up after it.
 

@@ -84,16 +84,32 @@ def test_the_leg_back_is_held_against_the_world_and_named_by_both_ends(items: tu
     assert any(f"the leg to it from item {begins}, after a jump: " in one.message for one in findings)
 
 
+def test_arducopter_flies_on_past_a_jump_to_what_is_no_place() -> None:
+    """ArduPilot #31021: 4.8.0-dev (531699d652) flew from C to D, called it A, and went on from there."""
+    assert found(check_mission(mission(*LOOP))) == ["error jump-flown-elsewhere 5"]
+    to_an_action = mission(UP, change_speed(5.0), A, B, jump(2, 1), D, BACK)
+    assert found(check_mission(to_an_action)) == ["error jump-flown-elsewhere 4"]
+    holds = replace(C, params=(1.0, 0.0, 0.0, 0.0))
+    for clear in (
+        mission(UP, tag(1), A, B, holds, to_tag(1, 2), D, BACK),
+        mission(UP, tag(1), A, B, C, to_tag(1, 2), BACK),
+        mission(UP, A, B, C, jump(2, 2), D, BACK),
+        replace(to_an_action, autopilot=PX4),
+    ):
+        assert not check_mission(clear)
+
+
 def test_the_leg_back_is_a_line_of_the_exports() -> None:
     line = lines_of(Forecast(mission(*LOOP)))[1].points
     assert line[0][:2] == pytest.approx((C.longitude_deg, C.latitude_deg))
     assert line[-1][:2] == pytest.approx((A.longitude_deg, A.latitude_deg))
 
 
-@pytest.mark.parametrize("again", [jump(3, -1), to_tag(1, -1)], ids=["number", "tag"])
+@pytest.mark.parametrize("again", [jump(4, -1), to_tag(1, -1)], ids=["number", "tag"])
 def test_a_loop_without_end_is_found_and_has_no_time(again: Item) -> None:
     items = mission(UP, A, tag(1), B, C, again, at(-1, 2), at(-1, 0), BACK)
-    assert found(check_mission(items)) == ["warning jump-without-end 6"]
+    elsewhere = ["error jump-flown-elsewhere 5"] if again.command == Command.DO_JUMP_TAG else []
+    assert found(check_mission(items)) == [*elsewhere, "warning jump-without-end 6"]
     with pytest.raises(BadInput, match="never ends"):
         itinerary(items)
 

@@ -192,6 +192,20 @@ class Program:
             action = self.after(action, taking=False)
         return done, at
 
+    def mistaken(self, index: int) -> int | None:
+        """The item to which it flies on from item `index` by mistake, instead of the one that follows; else None.
+
+        ArduCopter keeps the leg that it laid while it looked ahead, wherever the next item lies.
+        """
+        if not self.habits.looks_past_jumps or not is_passed(self.items[index]):
+            return None
+        tried = (self.after(n, taking=False) for n in range(index, len(self.items) - 1))
+        ahead = next((n for n in tried if n is None or self._moves(n)), None)
+        follows = next((n for n in self.ahead(index) if self._moves(n)), None)
+        flies_on = self.autopilot.guidance.flown_on_into
+        wrong = ahead is not None and ahead != follows and self.items[ahead].command in flies_on
+        return ahead if wrong else None
+
     def _moves(self, index: int) -> bool:
         return self.items[index].command <= LAST_NAV or self.items[index].command in ALSO_MOVE
 

@@ -59,6 +59,7 @@ HABITS = Firmware(
         most_repeats=32_767,
         repeats_without_end=True,
         kept_by=("MIS_OPTIONS", 3),
+        looks_past_jumps=True,
         queues_actions=True,
     ),
 )
