@@ -277,6 +277,11 @@ RULES: Mapping[str, Rule] = {
     "file": Rule(
         "Something in the file is odd, and was read all the same.", "See the place that the message names.", False
     ),
+    "file-parameters": Rule(
+        "The parameters beside the file are of another autopilot than the one named: none of them is used.",
+        "Name those of the vehicle by --param-file.",
+        True,
+    ),
     "file-home": Rule(
         "The file has home at 0, 0: the first place of the mission is taken for it.", "Give it a home.", False
     ),

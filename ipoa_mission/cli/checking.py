@@ -66,6 +66,7 @@ def check(
             ways = forecast.once(Endings).all_rows(), failsafes_of(forecast)
     messages = {finding.message for finding in findings}
     remarks = tuple(remark for remark in given.remarks if remark not in messages)
+    world = forecast.scenario
     remarks += () if world is None else tuple(remark for remark in world.remarks if remark not in messages)
     errors = sum(finding.severity is Severity.ERROR for finding in findings)
     if as_json:
@@ -128,7 +129,7 @@ def estimate(
 
         budget = budget_of(forecast)
     world = forecast.scenario
-    unread = () if world is None else tuple(thing.words for thing in world.unread)
+    unread = () if world is None else (*world.vehicle.remarks, *(thing.words for thing in world.unread))
     remarks = (
         *given.remarks,
         *unmeasured,

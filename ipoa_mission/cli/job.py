@@ -92,19 +92,18 @@ def adapt_scenario(scenario: Scenario, search: SearchOptions, flown_by: FlownByO
     changes: dict[str, Any] = {}
     if optimizer is not None and optimizer != scenario.optimizer.name:
         changes["optimizer"] = type(scenario.optimizer)(name=optimizer)
-    changed: dict[str, Any] = {"autopilot": autopilot} if autopilot is not None else {}
+    scenario, changed = scenario.flown_by(autopilot or scenario.vehicle.autopilot), dict[str, Any]()
+    flies = scenario.vehicle.autopilot
     if flown_by.unmeasured_version:
         changed["unmeasured_version"] = True
-    if flown_by.version is not None or autopilot not in (None, scenario.vehicle.autopilot):
-        changed["firmware_version"] = flown_by.firmware_version
     if flown_by.version is not None:
-        (autopilot or scenario.vehicle.autopilot).tables.expect(flown_by.version)
+        flies.tables.expect(flown_by.version)
+        changed["firmware_version"] = flown_by.firmware_version
     if flown_by.parameters:
-        flies = autopilot or scenario.vehicle.autopilot
+        expect_own(flown_by.parameters, flies)
         changed["parameters"] = flies.book.overridden(scenario.vehicle.parameters, flown_by.parameters)
-    if changed or vehicle:
-        expect_own(changed.get("parameters", scenario.vehicle.parameters), autopilot or scenario.vehicle.autopilot)
+    if changed:
         changes["vehicle"] = scenario.vehicle.model_copy(update=changed)
     if vehicle is not None:
-        changes["vehicle"] = changes["vehicle"].learned_as(read_vehicle(vehicle, changes["vehicle"].autopilot))
+        changes["vehicle"] = changes.get("vehicle", scenario.vehicle).learned_as(read_vehicle(vehicle, flies))
     return scenario.model_copy(update=changes)

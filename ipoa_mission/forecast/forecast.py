@@ -37,7 +37,8 @@ class Forecast:
 
     Args:
         mission: what is flown.
-        scenario: the world that it is flown in; of a survey with start places, as seen from the one it begins at.
+        scenario: the world that it is flown in, with the mission's autopilot; of a survey with start places, as seen
+            from the one it begins at.
         wind: goes before the scenario's own.
         left_out: items to which no leg leads, and none away from them.
 
@@ -67,10 +68,11 @@ class Forecast:
         if self.scenario is not None and wind is not None:
             self.scenario = self.scenario.in_wind(wind)
         self.wind = wind or (CALM if scenario is None else scenario.wind.air())
-        is_same = scenario is not None and mission.autopilot is scenario.vehicle.autopilot
-        if scenario is not None and is_same:
-            version = mission.firmware_version or scenario.vehicle.version
-            unmeasured = mission.unmeasured_version or scenario.vehicle.unmeasured_version
+        if self.scenario is not None:
+            self.scenario = self.scenario.flown_by(mission.autopilot)
+            vehicle = self.scenario.vehicle
+            version = mission.firmware_version or vehicle.version
+            unmeasured = mission.unmeasured_version or vehicle.unmeasured_version
             mission = replace(mission, firmware_version=version, unmeasured_version=unmeasured)
         self.given = mission
 

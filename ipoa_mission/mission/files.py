@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import MISSIONS, read_text
-from ipoa_mission.finding import Severity
+from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.about_file import told_beside
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import landing_height, landing_on
@@ -73,7 +73,12 @@ def parse_mission(path: Path, text: str, autopilot: Autopilot | None = None) -> 
     """
     lying = beside(path)
     parameters = read_parameters(lying) if lying.is_file() else {}
-    file = _parsed(path, text, autopilot, firmware_of(parameters) or default_autopilot())
+    theirs = firmware_of(parameters)
+    file = _parsed(path, text, autopilot, theirs or default_autopilot())
+    if theirs not in (None, autopilot) and autopilot is not None:
+        foreign = f"{lying}: parameters of {theirs}, not of {autopilot}: none of them is used"
+        warned = Finding("file-parameters", Severity.WARNING, None, foreign, f"name {autopilot}'s by --param-file")
+        file, parameters = replace(file, findings=(*file.findings, warned)), {}
     mission, told = file.mission, told_beside(path, text)
     if told.landing_height is not None and landing_height(mission) is None:
         mission = landing_on(mission, told.landing_height)

@@ -31,6 +31,7 @@ from ipoa_mission.scenario.vehicle import VehicleSection
 from ipoa_mission.scenario.wind import WindSection
 from ipoa_mission.survey.area import Area
 from ipoa_mission.unread import Unread
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, apart, why_so_far
@@ -208,6 +209,12 @@ class Scenario(Section):
         """The same in this wind."""
         return self.model_copy(update={"wind": WindSection.of(wind)})
 
+    def flown_by(self, autopilot: Autopilot) -> "Scenario":
+        """The same with this autopilot in its vehicle."""
+        if autopilot is self.vehicle.autopilot:
+            return self
+        return self.model_copy(update={"vehicle": self.vehicle.flown_by(autopilot)})
+
     def why_elsewhere(self, home: Geodetic) -> BadInput | None:
         """That a mission from `home` is of another place than this scenario; None where it is not.
 
@@ -306,10 +313,10 @@ class Scenario(Section):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What was assumed, mended or left out when maps and wind were read, for the user to know."""
+        """What was assumed, mended or left out: parameters of another autopilot, things on the maps, of the wind."""
         wind = self.wind.forecast
         more = () if wind is None else (*wind.remarks, *(thing.words for thing in wind.unread))
-        return (*self._surroundings.remarks, *more)
+        return (*self.vehicle.remarks, *self._surroundings.remarks, *more)
 
     @property
     def passed_over(self) -> tuple[PassedOver, ...]:

@@ -21,7 +21,7 @@ from ipoa_mission.scenario.section import NotNegative, Positive, Section
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, default_autopilot, registered
 from ipoa_mission.vehicles.energy.flight import Battery
 from ipoa_mission.vehicles.energy.power import KAPPA, PowerModel
-from ipoa_mission.vehicles.known_parameters import expect_own
+from ipoa_mission.vehicles.known_parameters import expect_own, translated
 from ipoa_mission.vehicles.learned import LearnedVehicle
 from ipoa_mission.vehicles.parameters import SINGLE_MAX, Parameters
 from ipoa_mission.vehicles.version import Version
@@ -136,6 +136,7 @@ class VehicleSection(Section):
     battery: BatterySection | None = None
     """Left out, no plan is refused for its energy."""
     _learned: LearnedVehicle | None = PrivateAttr(None)
+    _remarks: tuple[str, ...] = PrivateAttr(())
 
     @field_validator("parameters")
     @classmethod
@@ -183,6 +184,22 @@ class VehicleSection(Section):
         """The same with what was learned of it."""
         copied = self.model_copy()
         copied._learned = vehicle
+        return copied
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What became of its parameters where another autopilot than the scenario's flies it."""
+        return self._remarks
+
+    def flown_by(self, autopilot: Autopilot) -> "VehicleSection":
+        """The same vehicle with this autopilot: parameters are translated, or left out."""
+        if autopilot is self.autopilot:
+            return self
+        parameters, words = translated(self.parameters, self.autopilot, autopilot)
+        versions = {"firmware_version": None, "unmeasured_version": False}
+        changed = {"autopilot": autopilot, **versions, "parameters": parameters}
+        copied = self.model_copy(update=changed)
+        copied._learned, copied._remarks = None, tuple(f"vehicle.parameters: {said}" for said in words)
         return copied
 
     def autopilot_parameters(self) -> Parameters:

@@ -5,6 +5,7 @@ from difflib import get_close_matches
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.parameters import Parameters
 
 
 def known_parameters() -> frozenset[str]:
@@ -49,6 +50,31 @@ def expect_known(names: Iterable[str], autopilot: Autopilot | None = None) -> No
             )
 
 
+def translated(
+    parameters: Parameters, other: Autopilot, autopilot: Autopilot
+) -> tuple[dict[str, float], tuple[str, ...]]:
+    """Translate the parameters of another autopilot; also say what became of each.
+
+    A parameter has a counterpart where it is the same quantity on both, and its value is above 0: others switch.
+
+    >>> translated({"RTL_ALT_M": 65.0, "WP_JERK": 2.0}, Autopilot.ARDUPILOT, Autopilot.PX4)[0]
+    {'RTL_RETURN_ALT': 65.0}
+    """
+    given, left_out, words = dict[str, float](), list[str](), list[str]()
+    for name, value in parameters.items():
+        ((old, there),) = other.book.by_old_names({name: value}).items()
+        counterpart = _counterpart(name, other, autopilot)
+        if name in autopilot.parameter_names:
+            given[name] = value
+        elif counterpart in autopilot.book.units and old in other.book.units and value > 0.0:
+            given[counterpart] = round(there * other.book.units[old] / autopilot.book.units[counterpart], 6)
+            words.append(f"{counterpart} = {given[counterpart]:g} for {name} = {value:g}")
+        else:
+            left_out.append(name)
+    said = (f"{autopilot} has {', '.join(words)} of {other}",) if words else ()
+    return given, (*said, *((f"left out, of {other} only: {', '.join(left_out)}",) if left_out else ()))
+
+
 def firmware_of(names: Iterable[str]) -> Autopilot | None:
     """Whose parameters these are; None where none of them is known.
 
@@ -58,8 +84,8 @@ def firmware_of(names: Iterable[str]) -> Autopilot | None:
     return next((one for name in names for one in registered() if name in one.parameter_names), None)
 
 
-def _counterpart(name: str, other: Autopilot, autopilot: Autopilot) -> str | None:
-    """What `autopilot` calls what the other one calls `name`."""
+def _counterpart(name: str, other: Autopilot, autopilot: Autopilot) -> str:
+    """What `autopilot` calls what the other one calls `name`; "" where it has none."""
     old = next(iter(other.book.by_old_names({name: 0.0})))
     meaning = next((words for words, theirs in other.book.meanings.items() if theirs == old), "")
-    return autopilot.book.meanings.get(meaning)
+    return autopilot.book.meanings.get(meaning, "")

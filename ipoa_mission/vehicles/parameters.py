@@ -35,7 +35,8 @@ class ParameterBook:
     `moving` are the defaults of what moves a mission, `others` of what ground stations look for besides, `set_up` of
     how a vehicle was set up (value and type). `types` has what is no float. `renamed` has the older name of each newer
     one, and how many of the old unit make one of the new. `meanings` has this autopilot's name for what has another
-    name elsewhere. `packs_integers`: the bits of a whole number are sent in the place of a float's.
+    name elsewhere; `units` has those that are the same quantity there, and how many m, s or degrees one unit is.
+    `packs_integers`: the bits of a whole number are sent in the place of a float's.
     """
 
     moving: Parameters
@@ -48,6 +49,7 @@ class ParameterBook:
     fence_switch: str  # which puts a fence into force; at 0 it has no effect
     system_id: str
     meanings: Mapping[str, str]
+    units: Parameters
     surely_there: tuple[tuple[str, ...], ...]  # what every vehicle has: each by any of its names
     renamed: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     packs_integers: bool = False

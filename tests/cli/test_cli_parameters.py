@@ -8,7 +8,7 @@ import pytest
 from ipoa_mission import Autopilot, BadInput, estimate, fly, read_mission, write_mission
 from ipoa_mission.logs.flight_log import read_flights
 from ipoa_mission.vehicles.autopilot import registered
-from ipoa_mission.vehicles.known_parameters import expect_known, expect_own, firmware_of
+from ipoa_mission.vehicles.known_parameters import expect_known, expect_own, firmware_of, translated
 from tests.cli.conftest import Run
 
 LOGS = Path(__file__).parents[1] / "logs"
@@ -72,6 +72,36 @@ def test_a_scenario_names_the_place(run: Run, missions: Path) -> None:
         "error: other.toml: vehicle.parameters: RTL_ALT: expected a parameter of px4, not of ardupilot; "
         "px4 has RTL_RETURN_ALT for that\n"
     )
+
+
+def test_parameters_are_translated_for_another_autopilot_or_left_out(run: Run, missions: Path) -> None:
+    """Values by both firmwares' parameter references: ArduCopter counts centimetres and milliseconds, PX4 SI units."""
+    text = (missions / "sitl.toml").read_text().replace('"px4"', '"ardupilot"')
+    own = "parameters = { RTL_ALT_M = 65.0, RTL_LOIT_TIME = 3000.0, WPNAV_JERK = 2.0 }"
+    Path("x.toml").write_text(text.replace('"ardupilot"', f'"ardupilot"\n{own}'))
+    planned = run("plan x.toml --autopilot px4 --seed 7")
+    assert planned.code == 0
+    assert "px4 has RTL_RETURN_ALT = 65 for RTL_ALT_M = 65, RTL_LAND_DELAY = 3 for RTL_LOIT_TIME = 3000" in planned.out
+    assert "left out, of ardupilot only: WPNAV_JERK" in planned.out
+    values = dict(line.split()[2:4] for line in Path("x.params").read_text().splitlines()[2:])
+    assert (float(values["RTL_RETURN_ALT"]), float(values["RTL_LAND_DELAY"])) == (65.0, 3.0)
+    assert "WPNAV_JERK" not in values
+    for words in ("check", "estimate"):
+        told = run(f"{words} x.plan --scenario x.toml")
+        assert told.code == 0
+        assert "left out, of ardupilot only: WPNAV_JERK" in told.out
+
+
+def test_a_switch_is_no_quantity_to_translate() -> None:
+    given = translated({"RTL_LAND_DELAY": -1.0, "RTL_RETURN_ALT": 40.0}, Autopilot.PX4, Autopilot.ARDUPILOT)[0]
+    assert given == {"RTL_ALT": 4000.0}  # -1: PX4 never lands
+
+
+def test_parameters_of_the_other_firmware_do_not_keep_a_mission_from_being_checked(run: Run, mission: Path) -> None:
+    write_mission(read_mission(mission).with_parameters({"RTL_RETURN_ALT": 40.0}), "x.plan")
+    checked = run("check x.plan --autopilot ardupilot")
+    assert checked.code == 0
+    assert "x.params: parameters of px4, not of ardupilot: none of them is used [file-parameters]" in checked.out
 
 
 def test_the_api_refuses_what_no_model_knows(mission: Path) -> None:

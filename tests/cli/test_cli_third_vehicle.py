@@ -215,6 +215,7 @@ class Toy(Autopilot):
         fence_switch="TOY_FENCE",
         system_id="TOY_ID",
         meanings={"cruise speed": "TOY_SPEED"},
+        units={"TOY_SPEED": 1.0},
         surely_there=(("TOY_ID",),),
     )
     tables = FirmwareTables(HABITS, Path(__file__).with_name("no_tables.json"))

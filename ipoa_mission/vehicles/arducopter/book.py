@@ -155,6 +155,12 @@ MEANINGS = {
     "system id": "MAV_SYSID",
 }
 
+UNITS = {
+    **dict.fromkeys(("WPNAV_SPEED", "WPNAV_SPEED_UP", "WPNAV_SPEED_DN", "WPNAV_ACCEL", "WPNAV_ACCEL_Z"), 0.01),
+    **dict.fromkeys(("WPNAV_RADIUS", "ANGLE_MAX", "LAND_SPEED", "RTL_ALT"), 0.01),
+    "RTL_LOIT_TIME": 0.001,
+}
+
 BOOK = ParameterBook(
     moving=DEFAULTS,
     others=OTHERS,
@@ -166,6 +172,7 @@ BOOK = ParameterBook(
     fence_switch="FENCE_ENABLE",
     system_id="MAV_SYSID",
     meanings=MEANINGS,
+    units=UNITS,
     surely_there=(("MAV_SYSID", "SYSID_THISMAV"), ("FRAME_CLASS",)),
     renamed=RENAMED,
     speed=Quantity("WPNAV_SPEED", 0.01),

@@ -149,6 +149,14 @@ MEANINGS = {
     "system id": "MAV_SYS_ID",
 }
 
+UNITS = dict.fromkeys(
+    (
+        *("MPC_XY_CRUISE", "MPC_Z_V_AUTO_UP", "MPC_Z_V_AUTO_DN", "MPC_ACC_HOR", "MPC_ACC_UP_MAX"),
+        *("NAV_ACC_RAD", "MPC_TILTMAX_AIR", "MPC_LAND_SPEED", "RTL_RETURN_ALT", "RTL_LAND_DELAY"),
+    ),
+    1.0,
+)
+
 BOOK = ParameterBook(
     moving=DEFAULTS,
     others=OTHERS,
@@ -160,6 +168,7 @@ BOOK = ParameterBook(
     fence_switch="GF_ACTION",
     system_id="MAV_SYS_ID",
     meanings=MEANINGS,
+    units=UNITS,
     surely_there=(("MAV_SYS_ID",), ("SYS_AUTOSTART",)),
     packs_integers=True,
     speed=Quantity("MPC_XY_VEL_MAX"),

@@ -1,0 +1,27 @@
+"""A mission in the scenario of another autopilot: judged by what flies it."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ipoa_mission import read_mission, read_scenario
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.looks import EndingWays
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.ending import Ending
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+
+
+@pytest.mark.parametrize("flies", registered())
+def test_a_return_keeps_the_same_whichever_autopilot_the_scenario_names(flies: Autopilot) -> None:
+    mission = replace(read_mission(MISSIONS / "sitl.plan"), autopilot=flies, parameters={}, firmware_version=None)
+    scenario = read_scenario(MISSIONS / "sitl.toml")
+    worlds = [
+        scenario.model_copy(update={"vehicle": scenario.vehicle.model_copy(update={"autopilot": one})})
+        for one in (Autopilot.PX4, Autopilot.ARDUPILOT)
+    ]
+    one, other = (Forecast(mission, world).once(EndingWays).looks(Ending.RTL) for world in worlds)
+    assert np.array_equal(one.spare, other.spare)
