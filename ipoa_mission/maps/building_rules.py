@@ -5,11 +5,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from ipoa_mission.maps.defaults import TREES, building_height, is_turbine, size_of
+from ipoa_mission.maps.defaults import OTHER, TREES, building_height, is_turbine, size_of
 from ipoa_mission.maps.heights import Odd, width_of
 from ipoa_mission.maps.keys import Means, those
 from ipoa_mission.maps.kinds import TALL, WOODS, is_bridge, tagged
 from ipoa_mission.maps.lengths import length_of
+
+WIDE, WIDEST = 0.2, 10.0  # a point of unknown kind has a fifth of its height as radius, up to so much [m]
 
 
 @dataclass(frozen=True)
@@ -49,14 +51,25 @@ def thin_height(tags: Mapping[str, str], rules: BuildingRules) -> tuple[str, flo
     return size.kind, size.height if rules.point_height is None else rules.point_height
 
 
-def reach_of(tags: Mapping[str, str], rules: BuildingRules, part: Any, top: float, odd: Odd) -> float:
-    """Radius of a point, or half the width of a line [m]; the blades of a wind turbine end above the ground."""
-    usual = size_of(tags).radius if rules.point_radius is None else rules.point_radius
+def reach_of(
+    tags: Mapping[str, str], rules: BuildingRules, part: Any, top: float, odd: Odd
+) -> tuple[float, str | None]:
+    """Radius of a point, or half the width of a line [m], and words about it where no tag says it.
+
+    The blades of a wind turbine end above the ground; a high thing of unknown kind is wider than a low one.
+    """
+    size, is_point = size_of(tags), part.geom_type == "Point"
+    usual = size.radius if rules.point_radius is None else rules.point_radius
+    if size is OTHER and is_point and rules.point_radius is None and math.isfinite(top):
+        usual = min(max(usual, top * WIDE), WIDEST)
     if is_turbine(tags) and rules.point_radius is None:
         hubs = [hub for key in those(tags, Means.HUB) if (hub := length_of(tags[key])[0])]
         usual = min(usual, top / 2, *(max(top - hub, 0.0) or usual for hub in hubs))
     width = width_of(tags, odd, is_tree=tags.get("natural") in TREES)
     lengths = [length for key in those(tags, Means.LENGTH) if (length := length_of(tags[key])[0])]
-    if part.geom_type == "Point" and width is not None and lengths:
+    if is_point and width is not None and lengths:
         width = math.hypot(width, *lengths)
-    return usual if width is None else width / 2
+    if width is not None:
+        return width / 2, None
+    what = "a radius" if is_point else "half a width"
+    return usual, f"{size.kind}(s) without a width, given {what} of {usual:.2g} m"

@@ -291,7 +291,10 @@ class _Finder:
                         f"{feature.place}.geometry: expected the outline of a building, not a {part.geom_type}",
                         hint="export whole outlines (`out geom` in Overpass turbo), not centers",
                     )
-                made.append(Standing(feature.name, part, reach_of(feature.tags, rules, part, top, odd), foot, top))
+                reach, width_unknown = reach_of(feature.tags, rules, part, top, odd)
+                if width_unknown is not None:
+                    counts[width_unknown] += 1
+                made.append(Standing(feature.name, part, reach, foot, top))
                 continue
             polygons, wrong = ([part], None) if sound else polygons_of(part, feature.place)
             if wrong is not None:

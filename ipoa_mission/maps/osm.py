@@ -21,7 +21,7 @@ from ipoa_mission.world.union import union_of
 
 #: A closed way with one of these is a line all the same, unless it says that it is an area.
 LINES = {"highway", "barrier", "railway", "waterway", "aerialway", "route", "man_made=pipeline", "power=line"}
-AREAS = {"multipolygon", "building"}  # types of relations that are areas
+AREAS = {"multipolygon", "building", "boundary"}  # types of relations that are areas
 UNTOLD = {"created_by", "source"}  # what says nothing of a thing
 LEAST_RING = 4
 MOST_SHOWN = 80  # characters of a remark
@@ -132,7 +132,7 @@ def _take(element: ElementTree.Element, extract: Extract, path: Path) -> None:
             extract.boxes[f"{element.tag} {number}"] = shapely.box(*(float(bounds.get(side, "")) for side in BOUNDS))
     if element.tag == "way":
         extract.ways[number] = Way(_nodes(element, extract, path), tags)
-    elif tags.get("type") in AREAS:
+    elif is_area(tags):
         members = list(element.iterfind("member"))
         for member in members:
             if member.get("type") == "way" and member.find("nd") is not None:
@@ -148,6 +148,12 @@ def _nodes(element: ElementTree.Element, extract: Extract, path: Path) -> tuple[
         (one.get("ref", ""), *((_degrees(one, "lon", path), _degrees(one, "lat", path)) if known else (None, None)))
         for one, known in here
     )
+
+
+def is_area(tags: Mapping[str, str]) -> bool:
+    """Whether a relation of these tags goes round an area."""
+    kind = tags.get("type")
+    return kind in AREAS or (kind != "route" and not tags.keys().isdisjoint(("building", "building:part")))
 
 
 def plain_tags(told: Iterable[tuple[str, str]]) -> dict[str, str]:

@@ -8,7 +8,7 @@ import shapely
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.feature import Feature
-from ipoa_mission.maps.osm import AREAS, BOUNDS, UNTOLD, Extract, Relation, Way, features_of, plain_tags
+from ipoa_mission.maps.osm import BOUNDS, UNTOLD, Extract, Relation, Way, features_of, is_area, plain_tags
 
 SORTS = ("node", "way", "relation")
 
@@ -50,7 +50,7 @@ def _take(element: Mapping[str, Any], extract: Extract) -> None:
         extract.boxes[f"{sort} {number}"] = shapely.box(*(float(bounds[side]) for side in BOUNDS))
     if sort == "way":
         extract.ways[number] = Way(extract.corners(_nodes(element)), tags)
-    elif tags.get("type") in AREAS:
+    elif is_area(tags):
         members = element.get("members") or []
         for member in members:
             if member["type"] == "way" and member.get("geometry"):

@@ -17,7 +17,7 @@ from ipoa_mission.errors import BadInput, imported
 from ipoa_mission.files import read_bytes
 from ipoa_mission.maps.around import Around, cut_out
 from ipoa_mission.maps.feature import Feature
-from ipoa_mission.maps.osm import AREAS, NOWHERE, UNTOLD, Relation, area_of, plain_tags, shape_of, thing, ways_of
+from ipoa_mission.maps.osm import NOWHERE, UNTOLD, Relation, area_of, is_area, plain_tags, shape_of, thing, ways_of
 
 LARGEST_PBF = 200_000_000  # a file of so much is read in about a minute [bytes]
 AT_ONCE = 4096  # things are looked at together
@@ -107,7 +107,7 @@ class _Extract:
         found = {}
         for relation in self._osmium.FileProcessor(self._file, self._osmium.osm.RELATION):
             tags = _tags(relation)
-            if tags.get("type") in AREAS and tags.keys() - UNTOLD - {"type"}:
+            if is_area(tags) and tags.keys() - UNTOLD - {"type"}:
                 members = tuple((SORTS.get(one.type, ""), str(one.ref), one.role) for one in relation.members)
                 found[str(relation.id)] = Relation(members, tags)
         return found

@@ -76,7 +76,10 @@ def test_overtures_buildings_are_read_by_their_own_tags(write_map: WriteMap, fra
     found = find(write_map(*((square(50 * n, 0), row) for n, row in enumerate(rows))), frame)
     assert [(s.foot, s.height) for s in found.standing] == [(0, 21.5), (0, 14.5), (6, 9), (3, 9), (0, 20), (0, 20)]
     assert found.standing[0].name == "Hall"
-    assert found.remarks == ("2 buildings without a height, given 20 m",)
+    assert found.remarks == (
+        "1 building of known storeys and unknown roof, 3 m a storey",
+        "2 buildings without a height, given 20 m",
+    )
     assert [thing.reason for thing in found.passed_over] == ["underground"]
 
 

@@ -10,6 +10,7 @@ import pytest
 import shapely
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.maps.areas import find_zones
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import Buildings, find_buildings, search_buildings
 from ipoa_mission.maps.read import read_features
@@ -219,3 +220,13 @@ def field4() -> Path:
     if not folder.is_dir():
         pytest.skip("the inputs are not here")
     return folder
+
+
+@pytest.mark.parametrize("kind", ["multipolygon", "boundary", "building", "site"])
+def test_a_relation_that_goes_round_an_area_is_one(tmp_path: Path, frame: LocalFrame, kind: str) -> None:
+    """`boundary` is how reserves and military areas are mapped."""
+    path = tmp_path / "town.json"
+    tags = HOUSE | {"type": kind} | ({"boundary": "protected_area"} if kind == "boundary" else {})
+    path.write_text(json.dumps({"elements": [{"type": "relation", "id": 2, "tags": tags, "members": [MEMBER]}]}))
+    (area,) = find_zones(read_features(path), frame, path).zones
+    assert area.shape.area == pytest.approx(76.05 * 111.18, rel=2e-3)

@@ -1,7 +1,7 @@
 """What each reader of maps takes of a file: geometries, their areas and lengths, keys.
 
 `python -m tools.fuzz.map_readers FILE...` prints a row a file and a reader: ours, pyogrio (GDAL), fastkml, osmium. Each
-runs in a process of its own.
+reader runs in a process of its own.
 """
 
 import json
@@ -14,7 +14,7 @@ from typing import Any
 
 import shapely
 
-LONGEST_S = 120.0
+LONGEST_S = 1200.0
 Thing = tuple[Any, Iterable[str]]  # a shape and the keys of its properties
 
 
@@ -105,21 +105,33 @@ def _flat(shape: Any) -> Iterator[Any]:
         yield shape
 
 
+def each(reader: str, names: list[str]) -> None:
+    """Print what one reader finds in each file, as JSON, one a line."""
+    warnings.simplefilter("ignore")
+    for name in names:
+        try:
+            found = summary(READERS[reader][0](Path(name)))
+        except Exception as error:  # whatever the library raises
+            found = {"refused": f"{type(error).__name__}: {error}".replace(name, "").strip()[:100]}
+        print(json.dumps(found), flush=True)
+
+
 def main() -> None:
-    """A row for each file and reader; with --one READER FILE what one of them finds, as JSON."""
-    if sys.argv[1] == "--one":
-        warnings.simplefilter("ignore")
-        print(json.dumps(summary(READERS[sys.argv[2]][0](Path(sys.argv[3])))))
+    """A row for each file and reader; with --each READER FILE... what one of them finds."""
+    if sys.argv[1] == "--each":
+        each(sys.argv[2], sys.argv[3:])
         return
-    for name in sys.argv[1:]:
-        for reader, (_, suffixes) in READERS.items():
-            if suffixes and Path(name).suffix.lower() not in suffixes:
-                continue
-            command = [sys.executable, "-m", "tools.fuzz.map_readers", "--one", reader, name]
+    for reader, (_, suffixes) in READERS.items():
+        names = [name for name in sys.argv[1:] if not suffixes or Path(name).suffix.lower() in suffixes]
+        while names:
+            command = [sys.executable, "-m", "tools.fuzz.map_readers", "--each", reader, *names]
             ended = subprocess.run(command, capture_output=True, text=True, timeout=LONGEST_S, check=False)
-            last = (ended.stderr.strip().splitlines() or [f"ended by {ended.returncode}"])[-1]
-            found = ended.stdout.strip() if ended.returncode == 0 else json.dumps({"refused": last[:120]})
-            print(f"{Path(name).name}\t{reader}\t{found}", flush=True)
+            lines = ended.stdout.splitlines()
+            for name, line in zip(names, lines, strict=False):
+                print(f"{Path(name).name}\t{reader}\t{line}", flush=True)
+            names = names[len(lines) :]
+            if names:  # it ended in the next one
+                print(f"{Path(names.pop(0)).name}\t{reader}\t{json.dumps({'ended': ended.returncode})}", flush=True)
 
 
 if __name__ == "__main__":

@@ -134,7 +134,9 @@ def tries(count: int, seed: int) -> Iterator[tuple[str, str | None]]:
             keys = [key.lower() for key in {key for _, tags in changed for key in tags}]
             if suffix in DRIVERS and len(set(keys)) < len(keys):
                 continue  # a table has one field of a name
-            if suffix in (".json", ".osm", ".kml") and not all(shape and tags for shape, tags in changed):
+            if suffix in (".json", ".osm", ".kml") and not all(
+                shape and any(map(bool, tags.values())) for shape, tags in changed
+            ):
                 continue  # which is nothing there
             if suffix in DRIVERS and any("Polygon" not in shape.get("type", "") for shape, _ in changed):
                 continue
