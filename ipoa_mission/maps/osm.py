@@ -30,7 +30,7 @@ WHOLE = "export a larger part of the map, with all of what crosses its edge"
 NOWHERE = shapely.GeometryCollection()
 
 
-class Way(NamedTuple):
+class OsmWay(NamedTuple):
     """The numbers of its nodes, and its tags."""
 
     nodes: tuple[str, ...]
@@ -50,7 +50,7 @@ class Extract:
 
     places: dict[str, tuple[float, float]] = field(default_factory=dict)
     tagged: dict[str, dict[str, str]] = field(default_factory=dict)
-    ways: dict[str, Way] = field(default_factory=dict)
+    ways: dict[str, OsmWay] = field(default_factory=dict)
     relations: dict[str, Relation] = field(default_factory=dict)
     boxes: dict[str, Any] = field(default_factory=dict)
     remarks: list[str] = field(default_factory=list)
@@ -131,12 +131,12 @@ def _take(element: ElementTree.Element, extract: Extract, path: Path) -> None:
         with suppress(ValueError):
             extract.boxes[f"{element.tag} {number}"] = shapely.box(*(float(bounds.get(side, "")) for side in BOUNDS))
     if element.tag == "way":
-        extract.ways[number] = Way(_nodes(element, extract, path), tags)
+        extract.ways[number] = OsmWay(_nodes(element, extract, path), tags)
     elif is_area(tags):
         members = list(element.iterfind("member"))
         for member in members:
             if member.get("type") == "way" and member.find("nd") is not None:
-                extract.ways.setdefault(member.get("ref", ""), Way(_nodes(member, extract, path), {}))
+                extract.ways.setdefault(member.get("ref", ""), OsmWay(_nodes(member, extract, path), {}))
         told = tuple((one.get("type", ""), one.get("ref", ""), one.get("role", "")) for one in members)
         extract.relations[number] = Relation(told, tags)
 
@@ -194,7 +194,7 @@ def _features(extract: Extract, path: Path) -> Iterator[Feature]:
             yield thing("relation", number, relation.tags, area_of(relation, corners_of), path, known)
 
 
-def _known(ways: Iterable[Way], extract: Extract, name: str) -> list[Any]:
+def _known(ways: Iterable[OsmWay], extract: Extract, name: str) -> list[Any]:
     """Those corners of some ways that the file has, or else those of the box that it says that they are in."""
     corners: list[Any] = [extract.places[node] for way in ways for node in way.nodes if node in extract.places]
     return corners or (shapely.get_coordinates(extract.boxes[name]).tolist() if name in extract.boxes else [])
@@ -217,7 +217,7 @@ def thing(
     return Feature(place, shape, {**tags, "@id": f"{sort}/{number}"}, missing=missing)
 
 
-def _corners(way: Way, extract: Extract) -> Sequence[tuple[float, float]] | None:
+def _corners(way: OsmWay, extract: Extract) -> Sequence[tuple[float, float]] | None:
     """Where a way leads; None where a part of it is not in the extract."""
     corners = [extract.places[node] for node in way.nodes if node in extract.places]
     return corners if len(corners) == len(way.nodes) > 1 else None

@@ -8,7 +8,7 @@ import shapely
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.feature import Feature
-from ipoa_mission.maps.osm import BOUNDS, UNTOLD, Extract, Relation, Way, features_of, is_area, plain_tags
+from ipoa_mission.maps.osm import BOUNDS, UNTOLD, Extract, OsmWay, Relation, features_of, is_area, plain_tags
 
 SORTS = ("node", "way", "relation")
 
@@ -49,12 +49,12 @@ def _take(element: Mapping[str, Any], extract: Extract) -> None:
     if bounds := element.get("bounds"):
         extract.boxes[f"{sort} {number}"] = shapely.box(*(float(bounds[side]) for side in BOUNDS))
     if sort == "way":
-        extract.ways[number] = Way(extract.corners(_nodes(element)), tags)
+        extract.ways[number] = OsmWay(extract.corners(_nodes(element)), tags)
     elif is_area(tags):
         members = element.get("members") or []
         for member in members:
             if member["type"] == "way" and member.get("geometry"):
-                extract.ways.setdefault(str(member["ref"]), Way(extract.corners(_nodes(member)), {}))
+                extract.ways.setdefault(str(member["ref"]), OsmWay(extract.corners(_nodes(member)), {}))
         told = tuple((member["type"], str(member["ref"]), member.get("role") or "") for member in members)
         extract.relations[number] = Relation(told, tags)
 

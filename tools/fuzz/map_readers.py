@@ -4,6 +4,7 @@
 reader runs in a process of its own.
 """
 
+import argparse
 import json
 import subprocess
 import sys
@@ -117,12 +118,16 @@ def each(reader: str, names: list[str]) -> None:
 
 
 def main() -> None:
-    """A row for each file and reader; with --each READER FILE... what one of them finds."""
-    if sys.argv[1] == "--each":
-        each(sys.argv[2], sys.argv[3:])
+    """A row for each file and reader; with --each what one of them finds."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("files", nargs="+")
+    parser.add_argument("--each", metavar="READER", choices=READERS, help="what this one finds, a line of JSON a file")
+    options = parser.parse_args()
+    if options.each:
+        each(options.each, options.files)
         return
     for reader, (_, suffixes) in READERS.items():
-        names = [name for name in sys.argv[1:] if not suffixes or Path(name).suffix.lower() in suffixes]
+        names = [name for name in options.files if not suffixes or Path(name).suffix.lower() in suffixes]
         while names:
             command = [sys.executable, "-m", "tools.fuzz.map_readers", "--each", reader, *names]
             ended = subprocess.run(command, capture_output=True, text=True, timeout=LONGEST_S, check=False)
