@@ -122,7 +122,7 @@ def meaning(key: str) -> Means:
         return Means.NOTHING if words & _BELOW or "min" in words else Means.LEVELS
     if _WIDTH.search(text) or "radius" in words:
         return _width(words)
-    return Means.PERHAPS if words & _PERHAPS else Means.NOTHING
+    return Means.PERHAPS if words & _PERHAPS and not words & _LOWER else Means.NOTHING
 
 
 def _height(text: str, words: frozenset[str]) -> Means:

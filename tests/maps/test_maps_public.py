@@ -53,7 +53,9 @@ def test_a_building_of_a_report_is_as_high_as_it_is(
     foot: float,
     height: float,
 ) -> None:
-    (thing,) = search(write_map((square(0, 0), tags)), frame).standing
+    found = search(write_map((square(0, 0), tags)), frame)
+    (thing,) = found.standing
+    assert found.passed_over == found.unread == ()
     assert (thing.foot, thing.height) == pytest.approx((foot, height)), source
 
 

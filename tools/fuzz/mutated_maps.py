@@ -4,6 +4,7 @@
 """
 
 import argparse
+import itertools
 import random
 import tempfile
 import warnings
@@ -115,7 +116,10 @@ def tries(count: int, seed: int) -> Iterator[tuple[str, str | None]]:
     chance = random.Random(seed)
     suffixes = [*TEXTS] * 30 + [*DRIVERS]  # GDAL takes most of a second for a table
     with tempfile.TemporaryDirectory() as folder:
-        for n in range(count):
+        tried = 0
+        for n in itertools.count():
+            if tried >= count:
+                return
             suffix = chance.choice(suffixes)
             rows = scene(chance)
             if suffix in (".kml", *DRIVERS):
@@ -143,6 +147,7 @@ def tries(count: int, seed: int) -> Iterator[tuple[str, str | None]]:
             name = change.__name__
             if chance.random() < 0.15:
                 changed, cut, name = rows, chance.random(), "cut"
+            tried += 1
             path = Path(folder) / f"map{n}{suffix}"
             yield f"{name} {suffix}", lost(rows, changed, path, cut, chance)
             for one in Path(folder).glob(f"map{n}.*"):
