@@ -9,7 +9,7 @@ import typer
 
 from ipoa_mission.centimeters import down
 from ipoa_mission.cli.groups import FlownByOptions
-from ipoa_mission.cli.options import ForceOption, JsonOption, ScenarioOption, expect_mission
+from ipoa_mission.cli.options import ForceOption, JsonOption, LogSystemOption, ScenarioOption, expect_mission
 from ipoa_mission.cli.telling import notes, picked, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.vehicles.autopilot import Autopilot
@@ -46,6 +46,7 @@ def compare(
     number: Annotated[
         int | None, typer.Option("--flight", metavar="N", min=1, help="Only the N-th flight in the log.")
     ] = None,
+    system: LogSystemOption = None,
     scenario: ScenarioOption = None,
     picture: Annotated[
         Path | None, typer.Option("--picture", metavar="FILE", help="Also draw it: .png or .svg.")
@@ -74,7 +75,7 @@ def compare(
         raise BadInput(f"{files[2]}: expected a mission and a log at most")
     *missions, log = files
     file = expect_mission(missions[0]) if missions else None
-    flown = read_flights(log)
+    flown = read_flights(log, system)
     if flown_by.autopilot not in (None, flown.autopilot):
         raise BadInput(f"{log}: expected a log of {flown_by.autopilot}, not of {flown.autopilot}")
     own = () if file is None else _read_mission(file, log, flown.autopilot, flown_by.autopilot is None)

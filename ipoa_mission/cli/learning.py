@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ipoa_mission.cli.options import ForceOption, JsonOption
+from ipoa_mission.cli.options import ForceOption, JsonOption, LogSystemOption
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.files import MISSIONS
@@ -26,6 +26,7 @@ def learn(
     out: Annotated[Path, typer.Option("--out", metavar="FILE", help="The vehicle that is written.")] = Path(
         "vehicle.toml"
     ),
+    system: LogSystemOption = None,
     force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -46,9 +47,12 @@ def learn(
     from ipoa_mission.logs.learn.vehicle_file import write_vehicle
 
     expect_free([out], force, ask=not as_json)
-    flights, remarks, version = _gathered(files)
+    flights, remarks, version = _gathered(files, system)
     judged = left_out(flights) if len(flights) > 1 else ()
-    vehicle = replace(fit(flights), version=version)
+    try:
+        vehicle = replace(fit(flights), version=version)
+    except MissionError as error:
+        raise MissionError("\n".join([str(error), *remarks]), hint=error.hint) from error
     before, after = median_errors(judged)
     if len(flights) == 1:
         if vehicle.hover_power is None:
@@ -80,7 +84,7 @@ def learn(
     tell(f"written: {out}")
 
 
-def _gathered(files: list[Path]) -> tuple[list["Evidence"], list[str], str]:
+def _gathered(files: list[Path], system: int | None) -> tuple[list["Evidence"], list[str], str]:
     """All flights that can be learned from, remarks, and the firmware's version."""
     from ipoa_mission.logs.learn.evidence import flights_in
     from ipoa_mission.mission.files import read_mission
@@ -96,7 +100,7 @@ def _gathered(files: list[Path]) -> tuple[list["Evidence"], list[str], str]:
             mission = file
             continue
         reader = None if mission is None else partial(read_mission, mission)
-        usable, left, version, autopilot = flights_in(file, reader)
+        usable, left, version, autopilot = flights_in(file, reader, system)
         flights, remarks, mission = flights + usable, remarks + left, None
         if usable:
             kinds.add((autopilot.name, version))

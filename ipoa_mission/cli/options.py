@@ -148,6 +148,10 @@ SystemOption: TypeAlias = Annotated[
     int | None,
     link_option("--system", metavar="N", min=1, max=255, help="The vehicle's system id, if there are several."),
 ]
+LogSystemOption: TypeAlias = Annotated[
+    int | None,
+    typer.Option("--system", metavar="N", min=1, max=255, help="The vehicle's system id, in a .tlog of several."),
+]
 KeyOption: TypeAlias = Annotated[
     Path | None,
     link_option(

@@ -48,7 +48,7 @@ def plan(
     air = flown_by.air
     adapted = adapt_scenario(surveyed.scenario(scenario), search, flown_by)
     if adapted.survey is not None:
-        survey = plan_here(adapted, search, flown_by, surveyed.flown or ())
+        survey = plan_here(adapted, search, flown_by, surveyed.flown_logs)
         written = write_survey(survey, out, report, force, as_json)
         if as_json:
             tell_json(survey.summary() | {"written": [str(file) for file in written]})

@@ -9,6 +9,7 @@ import typer
 
 from ipoa_mission.cli.groups import FlownByOptions, LinkOptions, SearchOptions
 from ipoa_mission.cli.interrupting import left_behind
+from ipoa_mission.cli.options import LogSystemOption
 from ipoa_mission.cli.telling import notes, progress_bar, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput
 
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from ipoa_mission.cli.job import Job
-    from ipoa_mission.flight.survey import Survey
+    from ipoa_mission.flight.survey import Flown, Survey
     from ipoa_mission.link.logbook import FlightRecord
     from ipoa_mission.scenario import Scenario
 
@@ -57,6 +58,14 @@ class SurveyOptions:
             help="What is in this log (.tlog, .bin, .ulg) of the survey was flown; plan the rest.",
         ),
     ] = None
+    system: LogSystemOption = None
+
+    @property
+    def flown_logs(self) -> "list[Flown]":
+        """The logs of what was flown, of the vehicle that was asked for."""
+        if self.system is not None and not self.flown:
+            raise BadInput("--system: expected with --flown")
+        return [log if self.system is None else (log, self.system) for log in self.flown or ()]
 
     def scenario(self, path: Path | None) -> "Scenario":
         """The scenario in a file, with this survey in place of start, goal and via if one is asked for.
@@ -113,7 +122,7 @@ def _home_beside(area: Path) -> dict[str, float]:
 
 
 def plan_here(
-    scenario: "Scenario", search: SearchOptions, flown_by: FlownByOptions, flown: "Sequence[Path]" = ()
+    scenario: "Scenario", search: SearchOptions, flown_by: FlownByOptions, flown: "Sequence[Flown]" = ()
 ) -> "Survey":
     """`plan_survey` with a bar that shows how far it is; of what is `flown` by these logs, the rest."""
     from ipoa_mission.flight.survey import plan_survey

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from pydantic import ValidationError
@@ -34,6 +34,11 @@ from ipoa_mission.unread import unread_as_json
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.frame import Geodetic
 
+if TYPE_CHECKING:
+    from ipoa_mission.logs.flight_log import FlightLog
+
+#: A log of what was flown, or such a log of several vehicles with the system id of one.
+Flown: TypeAlias = str | Path | tuple[str | Path, int]
 UNSURE = "battery-unsure"  # the code of a finding
 log = logging.getLogger(__name__)
 
@@ -233,7 +238,7 @@ def plan_survey(
     scenario: Scenario,
     wind: Wind | None = None,
     seed: int = 0,
-    flown: Sequence[str | Path] = (),
+    flown: Sequence[Flown] = (),
     progress: Progress = silent,
     **asked: Any,
 ) -> Survey:
@@ -247,7 +252,8 @@ def plan_survey(
         wind: goes before the scenario's own.
         seed: what the random numbers begin with; the same scenario, seed and wind give the same survey.
         flown: logs (`.tlog`, `.bin`, `.ulg`) of what was flown of the same survey before: what is left of it is
-            planned, from a little before where it was left, and is called NAME-rest.
+            planned, from a little before where it was left, and is called NAME-rest. Of several vehicles in a
+            `.tlog` the first multicopter counts, or that of a pair (log, system id).
         progress: told the share done and some words.
         asked: any other key of [survey], such as `line_spacing`, `height_above_ground`, `gsd_cm`, `direction_deg`.
 
@@ -276,19 +282,31 @@ def plan_survey(
         plan = plan_flights(scenario if wind is None else scenario.in_wind(wind), seed, progress)
         if flown:
             whole = plan
-            paths = {str(log): [*_paths(log, scenario)] for log in flown}
+            logs = [_flown_log(log) for log in flown]
+            paths = {name: [*_paths(log, scenario)] for name, log in logs}
             plan = rest_of(whole, [path for log in paths.values() for path in log], seed)
             plan = replace(plan, scenario=plan.scenario.model_copy(update={"name": f"{scenario.name}-rest"}))
     log.info("%s: %d lines in %d flights", scenario.name, len(plan.tour.swaths), len(plan.flights))
-    before = () if not flown else (_flown_words(whole, plan, flown), *_elsewhere(whole, paths))
+    before = () if not flown else (_flown_words(whole, plan, [*paths]), *_elsewhere(whole, paths), *_of_logs(logs))
     return Survey(plan, seed, tuple(dict.fromkeys((*before, *_remarks(plan, scenario)))))
 
 
-def _paths(log: str | Path, scenario: Scenario) -> Iterator[Points]:
-    """Where the flights in a log went in the mission mode, (n, 3) each, heights over home."""
+def _flown_log(given: Flown) -> tuple[str, "FlightLog"]:
+    """A log's name, and its flights."""
     from ipoa_mission.logs.flight_log import read_flights  # and with it all that a link speaks
 
-    for flight in read_flights(log).flights:
+    log, system = given if isinstance(given, tuple) else (given, None)
+    return str(log), read_flights(log, system)
+
+
+def _of_logs(logs: Sequence[tuple[str, "FlightLog"]]) -> Iterator[str]:
+    """What their readers say of logs."""
+    yield from (f"{name}: {remark}" for name, log in logs for remark in log.remarks)
+
+
+def _paths(log: "FlightLog", scenario: Scenario) -> Iterator[Points]:
+    """Where the flights in a log went in the mission mode, (n, 3) each, heights over home."""
+    for flight in log.flights:
         places = [(one.latitude_deg, one.longitude_deg, one.height) for one in flight.flown_in_mission()]
         if places:
             latitude, longitude, height = np.array(places).T
@@ -296,11 +314,11 @@ def _paths(log: str | Path, scenario: Scenario) -> Iterator[Points]:
             yield scenario.frame.to_local(latitude, longitude, home.altitude + height)
 
 
-def _flown_words(whole: SurveyPlan, rest: SurveyPlan, logs: Sequence[str | Path]) -> str:
+def _flown_words(whole: SurveyPlan, rest: SurveyPlan, logs: Sequence[str]) -> str:
     """How much of it was flown; raises BadInput where nothing was."""
     every, left = (sum(swath.length for swath in plan.tour.swaths) for plan in (whole, rest))
     if left >= every:
-        raise BadInput(f"{', '.join(map(str, logs))}: nothing in it was flown along the lines of this survey")
+        raise BadInput(f"{', '.join(logs)}: nothing in it was flown along the lines of this survey")
     source = "the log" if len(logs) == 1 else "the logs"
     return f"by {source}, {every - left:.0f} m of {every:.0f} m of lines were flown before"
 

@@ -80,12 +80,13 @@ class FlightLog:
     remarks: tuple[str, ...]
 
 
-def read_flight(path: str | Path, mission: Mission) -> FlightRecord:
+def read_flight(path: str | Path, mission: Mission, system: int | None = None) -> FlightRecord:
     """Read the first flight in a log as one of a mission; time zero is the arming.
 
     Args:
         path: of a `.tlog`, a `.bin` or a `.ulg`.
         mission: what was flown.
+        system: the vehicle's system id, where a `.tlog` holds several; left out, the first multicopter.
 
     Returns:
         What happened.
@@ -101,7 +102,7 @@ def read_flight(path: str | Path, mission: Mission) -> FlightRecord:
         >>> abs(read_flight("sitl.tlog", mission).total_s - flown.total_s) < 1.0
         True
     """
-    log = read_flights(path)
+    log = read_flights(path, system)
     if log.autopilot is not mission.autopilot:
         raise MissionError(f"{path}: expected a log of {mission.autopilot.firmware_name}, as the mission is for")
     flown = [flight for flight in log.flights if flight.in_mission]
@@ -110,8 +111,8 @@ def read_flight(path: str | Path, mission: Mission) -> FlightRecord:
     return flown[0].record(mission)
 
 
-def read_flights(path: str | Path) -> FlightLog:
-    """The flights in a `.tlog`, `.bin` or `.ulg`, one at least.
+def read_flights(path: str | Path, system: int | None = None) -> FlightLog:
+    """The flights in a `.tlog`, `.bin` or `.ulg`, one at least, of the vehicle with this system id.
 
     A flight is armed in the mission mode, or rises.
 
@@ -121,10 +122,12 @@ def read_flights(path: str | Path) -> FlightLog:
     """
     path = Path(path)
     written = log_format(path.suffix)
+    if written is not None and system is not None:
+        raise BadInput(f"{path}: expected a .tlog with --system {system}: a log from on board holds one vehicle")
     if written is not None:
         log = written.read(path)
     elif path.suffix.lower() == ".tlog":
-        log = read_telemetry_log(path)
+        log = read_telemetry_log(path, system)
     else:
         raise BadInput(f"{path}: expected a log whose name ends in .tlog, .bin or .ulg")
     mode = log.autopilot.modes.mission

@@ -4,6 +4,7 @@ A heartbeat comes once a second. So the motors were armed, or disarmed, where so
 heartbeat that knew nothing of it: the answer to the order, the autopilot's words, PX4's event.
 """
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -44,7 +45,7 @@ from ipoa_mission.logs.logged import Fixes, Held, Log, item_begun, presence, ver
 from ipoa_mission.logs.measured import Battery, Measured
 from ipoa_mission.logs.vehicle_clock import growing, unwrapped, vehicle_time, vehicle_times
 from ipoa_mission.mission.commands import Command
-from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.kind import Kind
 from ipoa_mission.vehicles.kinds import with_article
 
@@ -71,41 +72,68 @@ class _Gathered:
     measured: list[tuple[int, Attitude | BatteryStatus | SystemStatus]] = field(default_factory=list)
 
 
-def read_telemetry_log(path: Path) -> Log:
-    """Positions and events of the first autopilot in a log.
+def read_telemetry_log(path: Path, system: int | None = None) -> Log:
+    """Positions and events of one autopilot in a log: of this system id, or the first multicopter.
 
     Raises:
-        BadInput: the file cannot be read, holds no autopilot, or is not of a multicopter.
+        BadInput: the file cannot be read, holds no such autopilot, or is not of a multicopter.
     """
     codec = Codec(STATION_SYSTEM, STATION_COMPONENT)
     gathered = _Gathered()
     stamps: list[float] = []
-    system, autopilot = None, default_autopilot()
+    kinds = dict[int, Kind]()
+    chosen = None
     for record in read_tlog(path):
         heard = codec.decode(record.frame)
         if heard is None or heard.message is None:
             continue
-        if system is None and _is_autopilot(heard):
-            beat = heard.message
-            assert isinstance(beat, Heartbeat)
-            system = heard.system
-            kind = Kind(beat.autopilot, beat.type)
-            autopilot = kind.autopilot
-            if not kind.is_flown and beat.type not in autopilot.mav_types:
-                raise BadInput(f"{path}: expected the log of a multicopter, not of {with_article(str(kind))}")
-        if system is None:
+        if heard.system not in kinds and _is_autopilot(heard):
+            assert isinstance(heard.message, Heartbeat)
+            kind = kinds[heard.system] = Kind(heard.message.autopilot, heard.message.type)
+            if chosen is None and _is_flown(kind) and system in (None, heard.system):
+                chosen = heard.system
+        if chosen is None:
             continue
         number = len(stamps)
         stamps.append(record.unix_s)
-        if (heard.system, heard.component) == (system, AUTOPILOT_COMPONENT):
-            _note_vehicle(gathered, number, heard.message, autopilot)
-        elif heard.target.system in (0, system):
+        if (heard.system, heard.component) == (chosen, AUTOPILOT_COMPONENT):
+            _note_vehicle(gathered, number, heard.message, kinds[chosen].autopilot)
+        elif heard.target.system in (0, chosen):
             _note_station(gathered, number, heard.message)
-    if system is None:
-        raise BadInput(f"{path}: expected a .tlog with an autopilot's heartbeat, but there is none")
+    if chosen is None:
+        raise _not_in(path, kinds, system)
+    autopilot = kinds[chosen].autopilot
     if gathered.state and gathered.changes and not gathered.changes[-1][1]:  # the log ends before the next heartbeat
         _change(gathered, gathered.state.custom_mode, autopilot)
-    return _dated(gathered, growing(stamps), autopilot)
+    log = _dated(gathered, growing(stamps), autopilot)
+    return replace(log, remarks=(*_others(kinds, chosen), *log.remarks))
+
+
+def _is_flown(kind: Kind) -> bool:
+    return kind.is_flown or kind.mav_type in kind.autopilot.mav_types
+
+
+def _listed(kinds: Mapping[int, Kind]) -> str:
+    return ", ".join(f"{system} ({kind})" for system, kind in sorted(kinds.items()))
+
+
+def _others(kinds: Mapping[int, Kind], chosen: int) -> Iterator[str]:
+    """That the log holds other vehicles, too, and how they are read."""
+    if len(kinds) > 1:
+        others = {system: kind for system, kind in kinds.items() if system != chosen}
+        flown = [system for system, kind in others.items() if _is_flown(kind)]
+        read = f"; --system {min(flown)} reads another" if flown else ""
+        yield f"the log holds {len(kinds)} vehicles: read is system {chosen}, not read {_listed(others)}{read}"
+
+
+def _not_in(path: Path, kinds: Mapping[int, Kind], system: int | None) -> BadInput:
+    if not kinds:
+        return BadInput(f"{path}: expected a .tlog with an autopilot's heartbeat, but there is none")
+    if system is not None and system not in kinds:
+        return BadInput(f"{path}: expected system {system}, but it holds {_listed(kinds)}")
+    kind = str(kinds[system] if system is not None else next(iter(kinds.values())))
+    held = f": it holds {_listed(kinds)}" if len(kinds) > 1 else ""
+    return BadInput(f"{path}: expected the log of a multicopter, not of {with_article(kind)}{held}")
 
 
 def _is_autopilot(heard: Heard) -> bool:

@@ -10,6 +10,7 @@ from ipoa_mission.logs.flight_log import read_flights
 from ipoa_mission.mission.files import write_mission
 from ipoa_mission.world.frame import LocalFrame
 from tests.cli.conftest import Run
+from tests.logs.several import write_several
 
 LOGS = Path(__file__).parents[1] / "logs"
 
@@ -152,3 +153,16 @@ def test_what_does_not_go_together_is_bad_input(
     assert ended.code == 2
     assert told in " ".join(ended.err.split())
     assert "Traceback" not in ended.err
+
+
+def test_a_log_of_several_vehicles_lists_them_and_compares_one(run: Run, tmp_path: Path) -> None:
+    path = write_several(tmp_path / "two.tlog", LOGS / "sitl-ardupilot.tlog", {7: LOGS / "twice-ardupilot.tlog"})
+    told = json.loads(run(f"compare {path} --json").out)
+    assert told["flown_s"] == pytest.approx(68.08, abs=0.3)
+    assert sum("not read 7 (ArduPilot multicopter)" in remark for remark in told["remarks"]) == 1
+    other = json.loads(run(f"compare {path} --system 7 --json").out)
+    assert [round(flight["flown_s"]) for flight in other["flights"]] == [54, 55]
+    learned = run(f"learn {path} --system 7 --out {tmp_path}/v.toml")
+    assert "not read 1 (ArduPilot multicopter)" in learned.out + learned.err
+    wrong = run(f"compare {path} --system 9")
+    assert (wrong.code, "expected system 9, but it holds 1 (ArduPilot multicopter), 7" in wrong.err) == (2, True)

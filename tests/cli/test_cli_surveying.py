@@ -14,6 +14,7 @@ from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.cli.conftest import Run, Serve
+from tests.logs.several import write_several
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 SCENARIO = """
@@ -103,6 +104,13 @@ def test_its_flights_are_flown_one_after_the_other(run: Run, tmp_path: Path) -> 
     beside = json.loads(run(f"plan {tmp_path}/field.toml --out {tmp_path}/beside {both} --json").out)
     assert beside["survey"]["lines"] == left["lines"]
     assert sum("arducopter.tlog: nothing in it was flown along" in words for words in beside["remarks"]) == 1
+    field, campus = tmp_path / "out" / "field-1.tlog", MISSIONS / "logs" / "campus-arducopter.tlog"
+    several = write_several(tmp_path / "several.tlog", campus, {7: field})
+    chosen = run(f"plan {tmp_path}/field.toml --out {tmp_path}/chosen --flown {several} --system 7 --json")
+    assert json.loads(chosen.out)["survey"]["lines"] == left["lines"]
+    assert sum("not read 1 (ArduPilot multicopter)" in words for words in json.loads(chosen.out)["remarks"]) == 1
+    assert run(f"plan {tmp_path}/field.toml --flown {several}").code == 2
+    assert "--system: expected with --flown" in run(f"plan {tmp_path}/field.toml --system 7").err
     done = run(f"plan {tmp_path}/field.toml --flown {tmp_path}/out/field-1.tlog --flown {tmp_path}/out/field-2.tlog")
     assert (done.code, "nothing of it is left" in done.err) == (2, True)
 

@@ -113,17 +113,17 @@ def _joined(parts: Iterable[Vector]) -> Vector:
 
 
 def flights_in(
-    path: Path, read: Callable[[Autopilot], Mission] | None = None
+    path: Path, read: Callable[[Autopilot], Mission] | None = None, system: int | None = None
 ) -> tuple[list[Evidence], list[str], str, Autopilot]:
     """All flights of a log that tell something, remarks, the firmware's version, and which it is.
 
-    `read` gives the mission for that firmware where the log does not have it.
+    `read` gives the mission for that firmware where the log does not have it; `system` is the vehicle's system id.
 
     Raises:
         BadInput: not a log.
         MissionError: nothing in it was flown.
     """
-    log = read_flights(path)
+    log = read_flights(path, system)
     mission = None if read is None else read(log.autopilot)
     usable, left_out = [], [*log.remarks, *filter(None, [log.autopilot.beyond_the_model(log.version)])]
     for number, flight in enumerate(log.flights, 1):

@@ -1,0 +1,47 @@
+"""Logs of several vehicles, made of logs of one each: their frames by time, under other system ids."""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from pymavlink.dialects.v20 import ardupilotmega
+
+from ipoa_mission.link.tlog import Record, TlogWriter, read_tlog
+
+PLANE = 1  # MAV_TYPE
+
+
+def as_system(log: Path, system: int, of: int = 1) -> Iterator[Record]:
+    """The frames of a log from and to the vehicle `of`, as from and to another system id."""
+    reader, writer = ardupilotmega.MAVLink(None), ardupilotmega.MAVLink(None)
+    reader.robust_parsing = True
+    for record in read_tlog(log):
+        for message in reader.parse_buffer(record.frame) or []:
+            source = message.get_srcSystem()
+            if message.get_type() == "BAD_DATA" or of not in (source, getattr(message, "target_system", None)):
+                continue
+            if source != of:
+                message.target_system = system
+            writer.srcSystem, writer.srcComponent = system if source == of else source, message.get_srcComponent()
+            yield Record(record.unix_s, message.pack(writer))
+
+
+def plane(system: int, unix_s: float) -> Record:
+    """The heartbeat of an ArduPilot plane."""
+    writer = ardupilotmega.MAVLink(None, srcSystem=system, srcComponent=1)
+    return Record(unix_s, writer.heartbeat_encode(PLANE, 3, 81, 0, 3).pack(writer))
+
+
+def write_several(path: Path, first: Path, others: Mapping[int, Path], plane_first: int | None = None) -> Path:
+    """One log of the first log's frames and those of the others, begun just after it."""
+    records = list(read_tlog(first))
+    begins = records[0].unix_s
+    for system, log in others.items():
+        theirs = list(as_system(log, system))
+        shift = begins - theirs[0].unix_s + 3.0  # heard after the first
+        records += [Record(record.unix_s + shift, record.frame) for record in theirs]
+    if plane_first is not None:
+        records.append(plane(plane_first, begins - 1.0))
+    with TlogWriter(path) as log_file:
+        for record in sorted(records, key=lambda each: each.unix_s):
+            log_file.write(record.frame, record.unix_s)
+    return path
