@@ -15,6 +15,7 @@ from ipoa_mission.unread import unread_as_json
 
 if TYPE_CHECKING:
     from ipoa_mission.cli.reading import Given
+    from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.forecast.timing.estimate import Estimate
 
 SAME_S = 0.05  # times that differ by less are told as one, or nearly so [s]
@@ -105,12 +106,10 @@ def estimate(
 
     Example: `ipoa-mission estimate campus.plan --param WPNAV_ACCEL=500`
     """
-    from ipoa_mission.checks.firmware import check_firmware
     from ipoa_mission.checks.positions import refusals
     from ipoa_mission.checks.unsafe import refuse_errors
     from ipoa_mission.checks.version import check_version
     from ipoa_mission.cli.reading import read_given, read_world
-    from ipoa_mission.finding import Severity
     from ipoa_mission.flight.summary import energy_as_json
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.mission.commands import short_name
@@ -120,24 +119,13 @@ def estimate(
     if wrong := refusals(given.mission):
         raise BadInput("\n".join(f"{file}: {words}" for words in wrong))
     asked = forecast.given
-    version = check_version(asked.autopilot, asked.firmware_version, asked.unmeasured_version)
-    unmeasured = tuple(finding.message for finding in refuse_errors(tuple(version)))
-    refused = (f.message for f in check_firmware(given.mission) if f.severity is Severity.ERROR)
+    refuse_errors(tuple(check_version(asked.autopilot, asked.firmware_version, asked.unmeasured_version)))
     mission, prediction, budget = forecast.mission, forecast.estimate, None
     if forecast.energy is not None:
         from ipoa_mission.forecast.energy import budget_of
 
         budget = budget_of(forecast)
-    world = forecast.scenario
-    unread = () if world is None else (*world.vehicle.remarks, *(thing.words for thing in world.unread))
-    remarks = (
-        *given.remarks,
-        *unmeasured,
-        *refused,
-        *unread,
-        *prediction.remarks,
-        *_planned_otherwise(given, prediction),
-    )
+    remarks = remarks_on(given, forecast)
     if as_json:
         energy: dict[str, Any] = {"energy_wh": None if budget is None else round(budget.used.energy_wh, 3)}
         energy |= {} if budget is None else {"energy": energy_as_json(budget)}
@@ -173,6 +161,25 @@ def estimate(
         f"QGroundControl would say {prediction.qgroundcontrol_s:.0f} s",
         *([] if budget is None else budget.words),
     )
+
+
+def remarks_on(given: "Given", forecast: "Forecast") -> tuple[str, ...]:
+    """What the user should know beside the times of a mission: `estimate` and `show` print the same.
+
+    Raises:
+        MissionError: the mission has no time.
+    """
+    from ipoa_mission.checks.firmware import check_firmware
+    from ipoa_mission.checks.version import check_version
+    from ipoa_mission.finding import Severity
+
+    prediction, world, asked = forecast.estimate, forecast.scenario, forecast.given
+    version = check_version(asked.autopilot, asked.firmware_version, asked.unmeasured_version)
+    unmeasured = (finding.message for finding in version)
+    refused = (finding.message for finding in check_firmware(given.mission) if finding.severity is Severity.ERROR)
+    of_world = () if world is None else world.remarks
+    planned = _planned_otherwise(given, prediction)
+    return tuple(dict.fromkeys((*given.remarks, *unmeasured, *refused, *of_world, *prediction.remarks, *planned)))
 
 
 def _planned_otherwise(given: "Given", estimate: "Estimate") -> Iterator[str]:

@@ -18,6 +18,7 @@ from ipoa_mission.cli.options import (
     expect_world_of,
 )
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
+from ipoa_mission.cli.telling import shown as printable
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import MISSIONS, write_atomically
 
@@ -50,6 +51,7 @@ def show(
     from dataclasses import asdict
 
     from ipoa_mission.checks.positions import refusals
+    from ipoa_mission.cli.checking import remarks_on
     from ipoa_mission.cli.reading import read_given, read_world
     from ipoa_mission.errors import MissionError
     from ipoa_mission.forecast.forecast import Forecast
@@ -65,13 +67,11 @@ def show(
     done: dict[int, float] = {}
     flown = 0.0
     energy: list[str] = []
-    remarks = (*given.remarks, *errors)
     total = "no time: a position or height makes no sense"
     try:
         if not errors:
             timed = forecast.estimate
             total = f"estimated {timed.total_s:.0f} s{timed.besides}"
-            remarks = (*remarks, *timed.remarks)
             flown = sum(item.length for item in timed.items)
             done = {item.seq: item.done_s for item in timed.items}
             if forecast.energy is not None:
@@ -80,10 +80,12 @@ def show(
                 energy = budget.words if (budget := budget_of(forecast)) else []
     except MissionError as error:
         total = f"no time: {error}"
-    world = forecast.scenario
-    remarks = (*remarks, *(() if world is None else (thing.words for thing in world.unread)))
+    of_world = () if forecast.scenario is None else forecast.scenario.remarks
+    remarks = remarks_on(given, forecast) if done else (*given.remarks, *errors, *of_world)
     if as_json:
         tell_json([asdict(row) | {"done_s": done.get(row.seq)} for row in rows])
+        for note in notes(remarks):
+            typer.echo(printable(note), err=True)
         return
     cells = [
         (

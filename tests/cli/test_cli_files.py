@@ -12,6 +12,16 @@ from tests.cli.conftest import Run, verbs
 
 RECORDED = Path(__file__).parent.parent / "mission" / "files" / "hold-px4.waypoints"
 
+ZONE = {
+    "type": "Feature",
+    "properties": {"identifier": "Z1", "type": "PROHIBITED"},
+    "geometry": {
+        "type": "Polygon",
+        "coordinates": [[[121.9, 39.2], [121.91, 39.2], [121.91, 39.21], [121.9, 39.2]]],
+        "layer": {"upper": 9, "upperReference": "WGS84", "uom": "m"},
+    },
+}
+
 
 @pytest.fixture
 def mission(tmp_path: Path) -> str:
@@ -119,6 +129,21 @@ def test_show_prints_each_item_with_its_leg(run: Run, mission: str) -> None:
     assert rows[3]["seq"] == 3
     assert rows[5]["length"] == pytest.approx(19.7, abs=0.1)
     assert "NAV_TAKEOFF" in run(f"show {mission}").out
+
+
+def test_show_prints_the_notes_that_estimate_prints(run: Run, mission: str, tmp_path: Path) -> None:
+    (tmp_path / "zones.json").write_text(json.dumps({"type": "FeatureCollection", "features": [ZONE]}))
+    home = "home = { latitude_deg = 39.103, longitude_deg = 121.821, altitude_amsl = 20.0 }\n"
+    ends = "start = { east = 0, north = 0, up = 10 }\ngoal = { east = 9, north = 0, up = 10 }\n"
+    maps = "maps = [{ kind = 'no_fly', file = 'zones.json' }]"
+    (tmp_path / "w.toml").write_text(home + ends + maps)
+    for words in (f"{mission}", f"{mission} --scenario {tmp_path}/w.toml"):
+        shown, estimated = (run(f"{verb} {words}").out.splitlines() for verb in ("show", "estimate"))
+        notes = [line for line in shown if line.startswith("note: ")]
+        assert notes == [line for line in estimated if line.startswith("note: ")]
+    assert any('not read: upper limit, so that the zone has none: Z1 ("9 m WGS84")' in note for note in notes)
+    assert run(f"show {words} --json").err.splitlines() == notes
+    assert json.loads(run(f"estimate {words} --json").out)["remarks"] == [note.removeprefix("note: ") for note in notes]
 
 
 @pytest.mark.parametrize("suffix", ["kml", "geojson", "csv", "gpx", "plan"])

@@ -27,16 +27,16 @@ from tools.generate import verbs
 MISSIONS = Path(__file__).parents[2] / "missions"
 SITL, CAMPUS = MISSIONS / "sitl.plan", MISSIONS / "campus.plan"
 #: Flags that say something else in `mock`, which is an autopilot, in `reproduce` and `demo` by what `--out` is without,
-#: in `learn`, which writes one file, and where a link may be left out.
-SEVERAL = {"--autopilot": 2, "--firmware-version": 2, "--link": 3, "--out": 4, "--seed": 2}
+#: in `learn`, which writes one file, and where a link may be left out; a vehicle is chosen on a link or in a log.
+SEVERAL = {"--autopilot": 2, "--firmware-version": 2, "--link": 3, "--out": 4, "--seed": 2, "--system": 2}
 #: What goes together: who takes one of these takes all.
 TOGETHER = (
     {"--param", "--param-file"},
-    {"--system", "--key"},
     {"--log", "--timeout", "--backend", "--anyway"},
     {"--optimizer", "--report"},
     {"--loss", "--duplicate", "--delay", "--reorder"},
 )
+LINKED = "fly mock upload download set-current clear pause resume rtl"
 #: Flag -> the verbs that must take it.
 TAKEN = {
     "--json": "demo new plan studio check estimate show export fly mock compare learn "
@@ -45,6 +45,8 @@ TAKEN = {
     "--scenario": "check estimate show export mock compare studio",
     "--param": "plan check estimate show fly mock compare",
     "--wind": "plan check estimate show fly compare",
+    "--system": f"plan compare learn {LINKED}",
+    "--key": LINKED,
     "--timeout": "fly upload download set-current clear pause resume rtl",
 }
 
