@@ -64,6 +64,9 @@ def limits_of(tags: Mapping[str, str]) -> ZoneLimits:
     given = {name: next((tags[key].strip() for key in keys if key in tags), "") for name, keys in KEYS.items()}
     odd = [Odd(f'tag "{key}", which may be a limit', value) for key, value in tags.items() if _may_limit(key)]
     lower, upper = (_limit(given, side, odd) for side in SIDES)
+    numbers = [given[side] for side in SIDES if _is_number(given[side]) and given[f"{side}Reference"]]
+    if numbers and not given["uom"]:
+        odd.append(Odd("unit of the limits, taken as M", numbers[-1]))
     if lower is not None and lower.reference == "AGL" and lower.height <= 0:
         lower = None
     if lower is not None and upper is not None and lower.reference == upper.reference and upper.height <= lower.height:

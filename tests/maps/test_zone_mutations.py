@@ -16,7 +16,7 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 FRAME = LocalFrame(Geodetic(47.0, 8.0, 500.0))
 RING = [[8.002, 47.0], [8.004, 47.0], [8.004, 47.001], [8.002, 47.001], [8.002, 47.0]]
-UNITS = {"M": 1.0, "m": 1.0, "FT": 0.3048, "ft": 0.3048, "feet": 0.3048, "FL": None, "LY": None, "": None}
+UNITS = {"M": 1.0, "m": 1.0, "FT": 0.3048, "ft": 0.3048, "feet": 0.3048, "FL": None, "LY": None, "": 1.0}
 REFERENCES = ["AGL", "AMSL", "agl", "WGS84", "STD", "", "QFE"]
 NEAR_KEYS = ["lower", "upper", "lowerLimit", "upperLimit", "lower_limit", "upper_limit", "floor", "ceiling", "uom",
              "lowerReference", "upperReference", "restriction", "type", "zoneType", "note"]  # fmt: skip
