@@ -49,6 +49,8 @@ def netcdf_winds(path: Path, place: Geodetic) -> ForecastWinds:
             winds[1].remove(north)
             for height, datum, parts in _levels(path, east, north, found):
                 found.samples.append(_samples(path, height, datum, parts, place, found))
+        for group in _groups(path):
+            found.leave("group of variables", group)
         for north in winds[1]:
             found.leave("northward wind without an eastward one", str(north.name), _said(north), True)
     return found
@@ -66,6 +68,16 @@ def _opened(path: Path) -> Iterator[Any]:
         raise
     except Exception as error:  # each library has its own
         raise BadInput(f"{path}: expected a forecast of winds in NetCDF or GRIB: {error}") from error
+
+
+def _groups(path: Path) -> list[str]:
+    """The groups of a NetCDF-4 file, of which xarray reads none."""
+    import h5py
+
+    if not h5py.is_hdf5(path):
+        return []
+    with h5py.File(path) as data:
+        return [name for name, value in data.items() if isinstance(value, h5py.Group)]
 
 
 def _component(name: str, variable: Any) -> int | None:

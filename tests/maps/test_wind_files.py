@@ -160,6 +160,16 @@ def test_a_component_without_its_partner_is_an_error(tmp_path: Path) -> None:
     assert (odd.what, odd.place) == ("eastward wind without a northward one", "u80")
 
 
+def test_groups_of_a_file_are_named(tmp_path: Path) -> None:
+    h5py = pytest.importorskip("h5py")
+    path = netcdf(tmp_path / "wind.nc", {"name": "height", "values": [10.0], "attributes": {"units": "m"}})
+    with h5py.File(path, "a") as data:
+        data.create_group("upper_air")
+    assert [thing.words for thing in read_wind(path, HOME, TEN).unread] == [
+        "wind.nc: not read: group of variables: upper_air"
+    ]
+
+
 def test_values_that_are_no_wind_are_refused(tmp_path: Path) -> None:
     path = netcdf(tmp_path / "wind.nc", {"name": "height", "values": [10.0]}, speeds=(9999.0,))
     with pytest.raises(BadInput, match="expected winds, not 9999 m/s, 10 m up"):
