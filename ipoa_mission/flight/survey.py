@@ -127,7 +127,11 @@ class Survey:
             "name": self.name,
             "version": version("ipoa-mission"),
             "seed": self.seed,
-            **(_about(first) if len(self.flights) == 1 else {"firmware": _firmware(first)}),
+            **(
+                _about(first)
+                if len(self.flights) == 1
+                else {"firmware": first.mission.autopilot.facts(first.mission.firmware_version)}
+            ),
             "survey": survey_as_json(plan, self.names),
             "remarks": list(self.remarks),
             "passed_over": passed_over_as_json(plan.scenario),
@@ -209,16 +213,12 @@ def _overlap_as_json(plan: SurveyPlan) -> dict[str, Any] | None:
     }
 
 
-def _firmware(forecast: Forecast) -> dict[str, object]:
-    return forecast.mission.autopilot.facts(forecast.mission.firmware_version)
-
-
 def _about(forecast: Forecast) -> dict[str, Any]:
     """One mission: what it keeps, how long it takes, and what reading it again needs."""
     mission, energy, ground = forecast.mission, forecast.energy, landing_height(forecast.mission)
     parameters = dict(mission.parameters)
     return {
-        "firmware": _firmware(forecast),
+        "firmware": forecast.mission.autopilot.facts(forecast.mission.firmware_version),
         "clearance": clearance_as_json(forecast.promise),
         "items": len(mission.items),
         **({} if ground is None else {KEY: ground}),
