@@ -123,15 +123,12 @@ class Survey:
     def summary(self) -> dict[str, object]:
         """What NAME.json holds: metres, seconds, watt hours."""
         plan, first = self.plan, self.flights[0]
+        firmware = first.mission.autopilot.facts(first.mission.firmware_version)
         return {
             "name": self.name,
             "version": version("ipoa-mission"),
             "seed": self.seed,
-            **(
-                _about(first)
-                if len(self.flights) == 1
-                else {"firmware": first.mission.autopilot.facts(first.mission.firmware_version)}
-            ),
+            **(_about(first) if len(self.flights) == 1 else {"firmware": firmware}),
             "survey": survey_as_json(plan, self.names),
             "remarks": list(self.remarks),
             "passed_over": passed_over_as_json(plan.scenario),
@@ -218,7 +215,7 @@ def _about(forecast: Forecast) -> dict[str, Any]:
     mission, energy, ground = forecast.mission, forecast.energy, landing_height(forecast.mission)
     parameters = dict(mission.parameters)
     return {
-        "firmware": forecast.mission.autopilot.facts(forecast.mission.firmware_version),
+        "firmware": mission.autopilot.facts(mission.firmware_version),
         "clearance": clearance_as_json(forecast.promise),
         "items": len(mission.items),
         **({} if ground is None else {KEY: ground}),

@@ -5,6 +5,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from difflib import SequenceMatcher
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -72,8 +73,7 @@ def _opened(path: Path) -> Iterator[Any]:
 
 def _groups(path: Path) -> list[str]:
     """The groups of a NetCDF-4 file, of which xarray reads none."""
-    import h5py
-
+    h5py: Any = import_module("h5py")
     if not h5py.is_hdf5(path):
         return []
     with h5py.File(path) as data:
