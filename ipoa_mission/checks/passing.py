@@ -2,8 +2,10 @@
 
 from collections.abc import Iterator
 
+from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.itinerary.program import as_flown, program_of
 from ipoa_mission.mission.commands import WAYPOINTS
 
 SAME_HEIGHT = 0.001  # PX4 takes two heights for the same up to this difference [m]
@@ -16,15 +18,13 @@ def check_passing(forecast: Forecast) -> Iterator[Finding]:
     PX4 from 1.18 on moves its vertical setpoint by itself: it oscillates where the next item has another height. A
     waypoint that is passed too high or too low is not reached, and nothing leads the vehicle back.
     """
-    mission, program = forecast.mission, forecast.itinerary.program
+    mission = forecast.mission
     hold = mission.autopilot.waypoint_defaults(mission.firmware_version).hold
     if hold == 0.0:
         return
-    climbing, level = list[int](), list[int]()
-    for n, item in enumerate(mission.items):
-        if item.command in WAYPOINTS and not item.params[0] > 0.0 and (onward := program.onward(n)) is not None:
-            rise = abs(program.places[onward, 2] - program.places[n, 2])
-            (level if rise <= SAME_HEIGHT else climbing).append(n + 1)
+    rises = _rises(forecast)
+    climbing = [seq for seq, rise in rises.items() if not rise <= SAME_HEIGHT]
+    level = [seq for seq in rises if seq not in climbing]
     hint = f"give each a hold of {hold:g} s (param1): there it stops and waits for its height"
     if climbing:
         words = f"{_named(climbing)}: {mission.autopilot.model} may pass at another height, and fly on without end"
@@ -32,6 +32,22 @@ def check_passing(forecast: Forecast) -> Iterator[Finding]:
     if level:
         words = f"{_named(level)}: {mission.autopilot.model} does not return to a waypoint that it passed"
         yield Finding("waypoint-may-be-passed", Severity.WARNING, level[0], words, hint)
+
+
+def _rises(forecast: Forecast) -> dict[int, float]:
+    """The greatest change of height behind each waypoint without a hold that is flown on from [m], in each pass."""
+    mission = forecast.mission
+    try:
+        program, seqs = forecast.itinerary.program, [visit.seq for visit in forecast.itinerary.visits]
+    except BadInput:  # a jump without end
+        program = program_of(mission, as_flown(mission).items)
+        seqs = list(range(1, len(mission.items) + 1))
+    rises: dict[int, float] = {}
+    for n, (seq, item) in enumerate(zip(seqs, program.items, strict=True)):
+        if item.command in WAYPOINTS and not item.params[0] > 0.0 and (onward := program.onward(n)) is not None:
+            rise = abs(float(program.places[onward, 2] - program.places[n, 2]))
+            rises[seq] = max(rise, rises.get(seq, 0.0))
+    return dict(sorted(rises.items()))
 
 
 def _named(items: list[int]) -> str:

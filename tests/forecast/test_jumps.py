@@ -220,3 +220,12 @@ def test_the_tag_of_a_jump_is_not_taken_out() -> None:
     with pytest.raises(BadInput, match="item 6 jumps to it"):
         without_item(mission(*LOOP), 2)
     assert len(without_item(mission(UP, tag(2), *LOOP[1:]), 2).items) == len(LOOP)
+
+
+def test_a_waypoint_that_may_be_passed_is_named_by_its_item_whatever_jumps_lead_there() -> None:
+    higher = replace(B, altitude=30.0)
+    flown = replace(mission(UP, A, higher, C, jump(2, 2), D, BACK, autopilot=PX4), firmware_version=Version(1, 18))
+    errors = [finding for finding in check_mission(flown) if finding.code == "waypoint-passed"]
+    assert [finding.message.partition(":")[0] for finding in errors] == ["items 2, 3"]
+    endless = replace(flown, items=(*flown.items[:4], jump(2, -1), *flown.items[5:]))
+    assert "error waypoint-passed 2" in found(check_mission(endless))
