@@ -7,9 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from ipoa_mission.checks.unread import check_unread
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.winds import read_wind
 from ipoa_mission.scenario import Scenario, parse_scenario
+from ipoa_mission.wind import Wind
 from ipoa_mission.world.frame import Geodetic
 
 pytestmark = pytest.mark.skipif(find_spec("xarray") is None, reason="needs xarray")
@@ -108,3 +110,26 @@ def test_a_scenario_flies_in_the_wind_of_its_forecast_and_what_is_wrong_is_named
         read("time = 2026-06-01T12:10:00Z\n", tmp_path)
     with pytest.raises(BadInput, match="expected either a file, or numbers"):
         parse_scenario(PLACES.replace('"ensemble.nc"', '"ensemble.nc", speed = 3.0'), tmp_path / "here.toml")
+
+
+def test_what_a_forecast_holds_and_is_not_read_is_named_by_its_scenario(tmp_path: Path) -> None:
+    data = forecast([10.0, 100.0]).rename(height="z")
+    alone = data.ua.isel(z=0, drop=True) * 5.0
+    units = {name: {**data[name].attrs, "units": "m s-1"} for name in ("ua", "va")}
+    data = data.assign({name: data[name].assign_attrs(units[name]) for name in units})
+    data = data.assign_coords(z=("z", [410.0, 500.0], {"units": "m"}), u80=alone.assign_attrs(units["ua"]))
+    data.reset_coords("u80").to_netcdf(tmp_path / "ensemble.nc", engine="h5netcdf")
+    scenario = read("time = 2026-06-01T12:10:00Z\n", tmp_path)
+    assert [(level.height, round(level.east, 6)) for level in scenario.wind.air().levels] == [
+        (10.0, 3.0),
+        (100.0, 12.0),
+    ]
+    odd, datum = scenario.unread
+    assert (odd.words, odd.may_limit) == (
+        'ensemble.nc: not read: eastward wind without a northward one: u80 ("eastward_wind")',
+        True,
+    )
+    assert datum.what.startswith("datum of its heights, taken as the geoid")
+    assert [str(finding.code) for finding in check_unread(scenario.unread)] == ["not-read"]
+    assert {odd.words, datum.words} <= set(scenario.remarks)
+    assert scenario.in_wind(Wind(3.0)).unread == ()
