@@ -13,6 +13,7 @@ from ipoa_mission.vehicles.returning import HOME
 STEP_S = 0.02  # in which a flight is integrated
 #: Commands at which a vehicle spends time; all others are done in passing.
 NAVIGATED = FLOWN_TO | {Command.NAV_RETURN_TO_LAUNCH, Command.NAV_DELAY}
+VTOL = frozenset({Command.NAV_VTOL_TAKEOFF, Command.NAV_VTOL_LAND})
 
 
 class MissionState(IntEnum):
@@ -74,6 +75,7 @@ class Situation:
         None: there is none.
         """
         at: int | None = behind
+        moved = NAVIGATED | (VTOL if self.program.autopilot.guidance.flies_vtol_items else frozenset())
         for _ in range(MOST_ACTIONS):
             if at is None:
                 break
@@ -85,7 +87,7 @@ class Situation:
                 self.done(index)
             if at is not None:
                 self.current, item = at, self.program.items[at]
-                if item.command in NAVIGATED:
+                if item.command in moved:
                     return item
                 self.done(at)
         self.mission = MissionState.COMPLETE

@@ -12,6 +12,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.vehicles.circle import FlownCircle
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.failsafe import Failsafe, FailsafeRule, StationLoss
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables
@@ -24,6 +25,7 @@ from ipoa_mission.vehicles.refusal import Refusals
 from ipoa_mission.vehicles.returning import MissionLanding, OverTerrain, Place, ReturnBy, ReturnRoute
 from ipoa_mission.vehicles.slow_landing import SlowedBy, SlowStretch
 from ipoa_mission.vehicles.version import Version
+from ipoa_mission.vehicles.way_known import WayKnown
 
 if TYPE_CHECKING:
     from ipoa_mission.geometry import Points, Vector
@@ -59,6 +61,8 @@ class Autopilot(ABC):
     book: ClassVar[ParameterBook]
     tables: ClassVar[FirmwareTables]
     guidance: ClassVar[GuidanceHabits]
+    way_known: ClassVar[WayKnown] = WayKnown()
+    """Which commands of a mission its model knows the way of."""
     manners: ClassVar[Manners]
     refusals: ClassVar[Refusals]
     """What it says to each item of a list that is uploaded to it."""
@@ -137,6 +141,12 @@ class Autopilot(ABC):
         along = (velocity * accel).sum(axis=1) / np.maximum(speed, STANDS)
         way = self.braking_distance(parameters, speed, along)
         return np.asarray(velocity * (way / np.maximum(speed, STANDS))[:, None])
+
+    def circle(
+        self, parameters: Parameters, radius: float, speed: float | None = None, version: Version | None = None
+    ) -> FlownCircle | None:
+        """How it flies NAV_LOITER_TURNS at a `radius` > 0 m, at up to a level speed [m/s]; None: it does not."""
+        return None
 
     @abstractmethod
     def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:

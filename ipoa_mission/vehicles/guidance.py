@@ -18,10 +18,14 @@ class GuidanceHabits:
 
     flown_on_into: Set[int]
     """Commands into which it flies on after a waypoint; before everything else that moves it, it comes to a stop."""
+    flies_vtol_items: bool = False
+    """NAV_VTOL_TAKEOFF and NAV_VTOL_LAND are take-off and landing of a multicopter, too."""
     zero_is_here: bool = False
     """Latitude and longitude 0 stand for the place, and altitude 0 for the height, of the item before."""
     stops_to_hold: bool = False
     """It comes to a stop where an item holds it for a second or more; a shorter hold is none."""
+    stops_at_terrain: bool = False
+    """It comes to a stop between an altitude over terrain and one that is not."""
     flies_splines: bool = False
     """NAV_SPLINE_WAYPOINT is a curve, and no waypoint."""
     climbs_where_it_stands: bool = False

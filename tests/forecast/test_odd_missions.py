@@ -126,7 +126,7 @@ def test_what_asks_for_nothing_costs_nothing(
         ((to(0, 0, 130),), {"ardupilot": 100 / 2.5, "px4": 100 / 3.0}),
         ((to(0, 0, 130), to(0, 0, 30)), {"ardupilot": 100 / 1.5, "px4": 100 / 1.5}),
         ((at(Command.NAV_LOITER_TIME, 0, 0, 30, 60),), {"ardupilot": 60.0, "px4": 60.0}),
-        ((at(Command.NAV_LOITER_TURNS, 0, 0, 30, 4, 0, 20),), {"ardupilot": 4 * 18.0}),
+        ((at(Command.NAV_LOITER_TURNS, 0, 0, 30, 9, 0, 20),), {"ardupilot": 9 * 25.1}),  # at 5 m/s
     ],
     ids=["up", "down", "loiter", "turns"],
 )

@@ -15,11 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.forecast.itinerary.copter_arc import arc_chords, is_arc, turn_of
-from ipoa_mission.forecast.itinerary.copter_spline import spline_chords, spline_tangents
+from ipoa_mission.forecast.itinerary.copter_circle import (
+    NEAR_CIRCLE,
+    circle_chords,
+    circle_entry,
+    circle_turn,
+    radius_of,
+)
+from ipoa_mission.forecast.itinerary.copter_spline import place_after, spline_chords, spline_tangents
 from ipoa_mission.forecast.itinerary.jumps import led_to
-from ipoa_mission.forecast.itinerary.program import Place, as_flown, onward
-from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.mission.commands import FLOWN_TO, JUMPS, Command, Frame, plain_frame
+from ipoa_mission.forecast.itinerary.program import Place, as_flown, next_navigated, onward, over_terrain
+from ipoa_mission.geometry import Points, Vector, arc_lengths
+from ipoa_mission.mission.commands import FLOWN_TO, JUMPS, Command
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.vehicles.returning import ReturnBy
 from ipoa_mission.world.frame import Geodetic, LocalFrame
@@ -30,6 +37,7 @@ CHORD = 0.005  # [m] by which a curve may leave its chords
 FOLLOWING_STEP = 5.0  # [m] between the points of a leg that follows the terrain
 SHORTEST_CURVE = 1e-3  # [m] below which the way to a spline waypoint is no curve
 MOVING = FLOWN_TO | {Command.NAV_RETURN_TO_LAUNCH}
+LEVEL_SPEEDS = (0.0, 1.0)  # param1 of DO_CHANGE_SPEED
 NEARBY = 0.5  # [m] a take-off this near to home is one from home
 
 
@@ -82,7 +90,7 @@ def join(legs: Sequence[Leg]) -> tuple[Points, float]:
 def item_places(mission: Mission, frame: LocalFrame, ground: Ground) -> list[Vector | None]:
     """Where each item lies, (3,) [m]; None if it names no place or no height."""
     rows = [
-        (item.latitude_deg, item.longitude_deg, 0.0 if _follows(item) else mission.altitude_above_home(item))
+        (item.latitude_deg, item.longitude_deg, 0.0 if over_terrain(item) else mission.altitude_above_home(item))
         if item.has_position and math.isfinite(item.altitude)
         else (math.nan,) * 3
         for item in mission.items
@@ -93,7 +101,7 @@ def item_places(mission: Mission, frame: LocalFrame, ground: Ground) -> list[Vec
     if len(named):
         local = frame.to_local(latitude[named], longitude[named], mission.home.altitude + height[named])
         for n, place in zip(named.tolist(), local, strict=True):
-            if _follows(item := mission.items[n]):
+            if over_terrain(item := mission.items[n]):
                 place[2] = ground(place[None, :])[0] + item.altitude
             places[n] = place
     return places
@@ -114,6 +122,13 @@ class _LegBuilder:
         """The last item that moved it."""
         self.flown_in: Vector | None = None
         """Along what the vehicle arrived where it is, if it flies on without a stop, (3,) [m]."""
+        self.curve: tuple[int, Vector, Vector | None] | None = None
+        """The spline that led there: its item, where it began, and along what the vehicle arrived there."""
+        self.circles = Command.NAV_LOITER_TURNS in mission.autopilot.way_known.flown
+        self.speed: float | None = None
+        """What a DO_CHANGE_SPEED asks for [m/s]."""
+        self.heading = 0.0
+        """Of the nose, clockwise from north [rad]."""
 
     def legs(self) -> Iterator[Leg]:
         for seq, item in enumerate(self.mission.items, start=1):
@@ -123,9 +138,11 @@ class _LegBuilder:
                 case Command.NAV_LAND | Command.NAV_VTOL_LAND:
                     yield from self._landing(seq, item)
                 case Command.NAV_PAYLOAD_PLACE:
-                    height = float(self.at[2])
-                    yield from self._landing(seq, item)
-                    yield self._vertical(seq, Phase.LANDING, height)
+                    yield from self._payload(seq, item)
+                case Command.NAV_LOITER_TURNS if self.circles:
+                    yield from self._circle(seq, item)
+                case Command.DO_CHANGE_SPEED if item.params[0] in LEVEL_SPEEDS and item.params[1] > 0:
+                    self.speed = item.params[1]
                 case Command.NAV_RETURN_TO_LAUNCH:
                     yield from self.returns(seq)
                 case command if command in JUMPS:
@@ -137,31 +154,76 @@ class _LegBuilder:
 
     def _onward(self, seq: int, item: Item, target: Vector) -> Leg:
         """The leg to an item, straight or curved; the next one may begin with its direction."""
-        origin, following = self.at, onward(self.mission.items, seq - 1, self.mission.autopilot)
-        is_curve = item.command == Command.NAV_SPLINE_WAYPOINT and self.mission.autopilot.guidance.flies_splines
-        if is_curve and not _follows(item) and np.linalg.norm(target - origin) > SHORTEST_CURVE:
-            leg, arriving = self._curve(seq, target, following)
-        elif is_arc(triple(origin), triple(target), turn := turn_of(item)) and not _follows(item):
-            points = arc_chords(triple(origin), triple(target), turn, CHORD)
-            self.at = target
-            leg, arriving = Leg(seq, Phase.CRUISE, points, stray=CHORD), target - origin
+        origin, guidance = self.at, self.mission.autopilot.guidance
+        following = onward(self.mission.items, seq - 1, self.mission.autopilot)
+        is_curve = item.command == Command.NAV_SPLINE_WAYPOINT and guidance.flies_splines
+        if is_curve and np.linalg.norm(target - origin) > SHORTEST_CURVE:
+            self.curve = seq, origin, self.flown_in
+            return self._curve(seq, item, target, next_navigated(self.mission.items, seq - 1, self.mission.autopilot))
+        turn = 0.0 if self.flown_in is None or self.curve else turn_of(item)  # else it is flown straight
+        if is_arc(triple(origin), triple(target), turn):
+            ends = self._over(item, origin), self._over(item, target)
+            leg = self._bent(seq, item, arc_chords(*ends, turn, CHORD))
         else:
-            leg, arriving = self._to(seq, target, _follows(item)), target - origin
-        self.flown_in = None if following is None else arriving
+            leg = self._to(seq, target, over_terrain(item))
+        self.flown_in, self.curve = None if following is None else target - origin, None
         return leg
 
-    def _curve(self, seq: int, target: Vector, following: int | None) -> tuple[Leg, Vector]:
-        after = None
-        if following is not None and (place := self.places[following]) is not None:
-            after = (triple(place), self.mission.items[following].command == Command.NAV_SPLINE_WAYPOINT)
+    def _curve(self, seq: int, item: Item, target: Vector, following: int | None) -> Leg:
+        """The curve to a spline waypoint, which the item after it shapes."""
+        items, after = self.mission.items, None
+        if following is not None:
+            after = place_after(item, items[following], self._over(item, target), self._named(items[following]))
         begin = None if self.flown_in is None else triple(self.flown_in)
-        tangents = spline_tangents(triple(self.at), triple(target), begin, after)
-        points = spline_chords(triple(self.at), triple(target), tangents, CHORD)
-        self.at = target
-        return Leg(seq, Phase.CRUISE, points, stray=CHORD), np.array(tangents[1])
+        ends = self._over(item, self.at), self._over(item, target)
+        tangents = spline_tangents(*ends, begin, after)
+        self.flown_in = np.array(tangents[1]) if any(tangents[1]) else None
+        return self._bent(seq, item, spline_chords(*ends, tangents, CHORD))
+
+    def _named(self, item: Item) -> Place:
+        """Where an item is; `up` is over the ground where that is what its altitude is."""
+        height = item.altitude if over_terrain(item) else self.mission.altitude_above_home(item)
+        place = Geodetic(item.latitude_deg, item.longitude_deg, self.mission.home.altitude + height)
+        east, north, up = triple(self.frame.local(place))
+        return east, north, item.altitude if over_terrain(item) else up
+
+    def _over(self, item: Item, place: Vector) -> Place:
+        """A place with `up` over the ground where that is what the altitude of an item is."""
+        east, north, up = triple(place)
+        return east, north, up - float(self.ground(place[None, :])[0]) if over_terrain(item) else up
+
+    def _bent(self, seq: int, item: Item, points: Points) -> Leg:
+        """A curved leg to an item; where `up` is over the ground, the leg follows that."""
+        follows = over_terrain(item)
+        if follows:
+            traveled = arc_lengths(points)
+            steps = np.union1d(traveled, np.arange(0.0, traveled[-1], FOLLOWING_STEP))
+            points = np.column_stack([np.interp(steps, traveled, axis) for axis in points.T])
+            points[:, 2] += self.ground(points)
+        self.at = points[-1]
+        return Leg(seq, Phase.CRUISE, points, over_terrain=follows, stray=CHORD)
+
+    def _circle(self, seq: int, item: Item) -> Iterator[Leg]:
+        """To the circle, unless the vehicle is near it, around it, and on along it until it can stop."""
+        if (center := self.places[seq - 1]) is None:
+            return
+        radius = radius_of(item)
+        edge, apart = circle_entry(triple(self.at), triple(center), radius, self.heading)
+        if radius <= 0.0:
+            yield self._to(seq, np.array([center[0], center[1], self.at[2]]), follow_terrain=False)
+        elif apart > NEAR_CIRCLE:
+            yield self._to(seq, np.array(edge), over_terrain(item))
+        self.flown_in = self.curve = None
+        if radius > 0.0 and circle_turn(item) != 0.0:
+            flown = self.mission.autopilot.circle(self.parameters, radius, self.speed, self.mission.firmware_version)
+            assert flown is not None, "it flies circles"
+            turn, begin = circle_turn(item, flown.sense), self._over(item, self.at)
+            yield self._bent(seq, item, circle_chords(begin, triple(center), flown, turn, CHORD))
 
     def _to(self, seq: int, target: Vector, follow_terrain: bool) -> Leg:
         points = np.array([self.at, target])
+        if np.hypot(*(target - self.at)[:2]) > NEARBY:
+            self.heading = math.atan2(*(target - self.at)[:2])
         self.at = target
         if follow_terrain:
             return Leg(seq, Phase.CRUISE, self._following(points), over_terrain=True)
@@ -184,13 +246,24 @@ class _LegBuilder:
         if self.mission.autopilot.guidance.climbs_where_it_stands or target is None:
             return  # ArduCopter climbs where it stands, whatever position the take-off names
         if np.hypot(*(target - self.at)[:2]) > NEARBY:
-            yield self._to(seq, target, _follows(item))
+            yield self._to(seq, target, over_terrain(item))
 
     def _landing(self, seq: int, item: Item) -> Iterator[Leg]:
         if item.has_position:
             place = self.frame.local(Geodetic(item.latitude_deg, item.longitude_deg, self.mission.home.altitude))
             yield self._to(seq, np.array([*place[:2], self.at[2]]), follow_terrain=False)
         yield self._vertical(seq, Phase.LANDING, float(self.ground(self.at[None, :])[0]))
+
+    def _payload(self, seq: int, item: Item) -> Iterator[Leg]:
+        """To its place, down to the ground or as deep as it may, and up again."""
+        target = self.places[seq - 1]
+        if target is not None:
+            up = target[2] if self.flown_in is not None else self.at[2]
+            yield self._to(seq, np.array([target[0], target[1], up]), follow_terrain=False)
+        top, ground = float(self.at[2]), float(self.ground(self.at[None, :])[0])
+        deepest = item.params[0] if item.params[0] > 0.0 else math.inf
+        yield self._vertical(seq, Phase.LANDING, max(top - deepest, ground))
+        yield self._vertical(seq, Phase.LANDING, top)
 
     def returns(self, seq: int) -> Iterator[Leg]:
         """Home, or to the rally point that the autopilot chooses; and to all others, to which it may turn as well.
@@ -245,23 +318,28 @@ class _LegBuilder:
         return [local(Geodetic(p.latitude_deg, p.longitude_deg, amsl + p.altitude)) for p in self.mission.rally]
 
     def _jump(self, seq: int) -> Iterator[Leg]:
-        """The ways on to where a jump may lead."""
-        here, flown_in = self.at, self.flown_in
+        """The ways on to where a jump may lead; a spline before it bends towards that."""
+        here, flown_in, curve = self.at, self.flown_in, self.curve
         for index in led_to(self.mission.items, seq - 1, MOVING):
             item, target = self.mission.items[index], self.places[index]
+            if curve is not None and (goal := self.places[curve[0] - 1]) is not None:
+                self.at, self.flown_in = curve[1:]
+                yield replace(self._curve(curve[0], self.mission.items[curve[0] - 1], goal, index), alternative=True)
             legs: Iterable[Leg] = ()
             if item.command == Command.NAV_RETURN_TO_LAUNCH:
                 legs = self.returns(index + 1)
             elif item.command == Command.NAV_LAND:
                 legs = self._landing(index + 1, item)
+            elif item.command == Command.NAV_LOITER_TURNS and self.circles:
+                legs = self._circle(index + 1, item)
             elif target is not None:
                 legs = [self._onward(index + 1, item, target)]
             yield from (replace(leg, alternative=True, jumped_from=self.last) for leg in legs)
-            self.at, self.flown_in = here, flown_in
+            self.at, self.flown_in, self.curve = here, flown_in, curve
 
     def _vertical(self, seq: int, phase: Phase, up: float) -> Leg:
         points = np.array([self.at, [self.at[0], self.at[1], up]])
-        self.flown_in = None
+        self.flown_in = self.curve = None
         self.at = points[-1]
         return Leg(seq, phase, points)
 
@@ -269,7 +347,3 @@ class _LegBuilder:
 def triple(point: Vector) -> Place:
     """A place (3,) as plain numbers."""
     return float(point[0]), float(point[1]), float(point[2])
-
-
-def _follows(item: Item) -> bool:
-    return plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT

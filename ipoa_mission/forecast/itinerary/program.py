@@ -30,7 +30,7 @@ from ipoa_mission.mission.commands import (
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.jump_habits import JumpHabits
-from ipoa_mission.world.frame import LocalFrame
+from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 Place: TypeAlias = tuple[float, float, float]  # east, north, up [m]
 
@@ -53,7 +53,7 @@ def as_flown(mission: Mission) -> Mission:
     for item in mission.items:
         if item.is_as_high_as_now(mission.autopilot):
             item = replace(item, altitude=altitude, frame=frame)
-        if item.is_here(mission.autopilot) and item.command not in TO_THE_GROUND:
+        if item.is_here(mission.autopilot) and item.command not in TO_THE_GROUND | {Command.NAV_PAYLOAD_PLACE}:
             item = replace(item, latitude_deg=latitude, longitude_deg=longitude)
         items.append(item)
         if item.has_position and item.command != Command.NAV_TAKEOFF:  # that climbs where the vehicle stands
@@ -64,6 +64,11 @@ def as_flown(mission: Mission) -> Mission:
     return replace(mission, items=tuple(items))
 
 
+def over_terrain(item: Item) -> bool:
+    """Whether its altitude is one over terrain."""
+    return plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT
+
+
 def is_passed(item: Item) -> bool:
     """Whether it is to have been at this waypoint, and not to stay there, as ArduCopter holds for whole seconds."""
     if item.command == Command.NAV_ARC_WAYPOINT:  # whose param1 is an angle
@@ -72,15 +77,27 @@ def is_passed(item: Item) -> bool:
 
 
 def onward(items: Sequence[Item], n: int, autopilot: Autopilot, later: Iterable[int] | None = None) -> int | None:
-    """The item that is flown on to without stopping at item n; those that do not move the vehicle are no hindrance.
+    """The item that is flown on to without stopping at item n; those that do not move the vehicle are no hindrance."""
+    following, guidance = next_navigated(items, n, autopilot, later), autopilot.guidance
+    if following is None or items[following].command not in guidance.flown_on_into:
+        return None
+    if guidance.stops_at_terrain and over_terrain(items[following]) != over_terrain(items[n]):
+        return None
+    return following
+
+
+def next_navigated(
+    items: Sequence[Item], n: int, autopilot: Autopilot, later: Iterable[int] | None = None
+) -> int | None:
+    """The item that the autopilot looks ahead to as it flies to item n; None where it holds there, or there is none.
 
     `later` are the items that follow in the order in which they come up; without it, in the order of their numbers.
     """
     if autopilot.guidance.stops_to_hold and not is_passed(items[n]):
         return None
     for index in range(n + 1, len(items)) if later is None else later:
-        if items[index].command <= LAST_NAV:
-            return index if items[index].command in autopilot.guidance.flown_on_into else None
+        if items[index].command <= LAST_NAV or items[index].command in ALSO_MOVE:
+            return index
     return None
 
 
@@ -112,7 +129,7 @@ class Program:
         latitude, longitude, up = np.array(rows).reshape(-1, 3).T
         flat = self.frame.to_local(latitude, longitude, np.full(len(items), home.altitude)).reshape(-1, 3)
         placed = np.array([item.has_position for item in items], dtype=bool) & np.isfinite(flat).all(axis=1)
-        kept = [i.is_as_high_as_now(self.autopilot) or i.command == Command.NAV_PAYLOAD_PLACE for i in items]
+        kept = [i.is_as_high_as_now(self.autopilot) for i in items]
         up = np.where(np.array(kept, dtype=bool) | ~np.isfinite(up), math.nan, up)
         return np.column_stack([np.where(placed[:, None], flat[:, :2], math.nan), up])
 
@@ -133,6 +150,12 @@ class Program:
             here[1] if math.isnan(north) else north,
             here[2] if math.isnan(up) else up,
         )
+
+    def place_of(self, item: Item) -> Place:
+        """Where the latitude, longitude and altitude of an item are."""
+        home = self.frame.home
+        flat = self.frame.local(Geodetic(item.latitude_deg, item.longitude_deg, home.altitude))
+        return float(flat[0]), float(flat[1]), item.height(home)
 
     def after(self, index: int, taking: bool = True) -> int | None:
         """The item that follows `index` once jumps are followed; `taking` a jump counts it, looking ahead does not."""
@@ -220,6 +243,10 @@ class Program:
     def onward(self, index: int) -> int | None:
         """The item that is flown on to without stopping at item `index`, jumps followed."""
         return onward(self.items, index, self.autopilot, self.ahead(index))
+
+    def shaped_by(self, index: int) -> int | None:
+        """The item that gives a spline to item `index` its end, jumps followed."""
+        return next_navigated(self.items, index, self.autopilot, self.ahead(index))
 
 
 def program_of(mission: Mission, items: tuple[Item, ...]) -> Program:

@@ -17,12 +17,13 @@ from ipoa_mission.forecast.tube.limits import NO_TUBE, Rim, limits_kept, rim_of
 from ipoa_mission.forecast.tube.measured import law_of
 from ipoa_mission.forecast.tube.pieces import Pieces, pieces_of
 from ipoa_mission.forecast.tube.places import TightPlace, round_places, runs, tight_places
-from ipoa_mission.mission.commands import ENDINGS, FLOWN_TO, TAKEOFFS
+from ipoa_mission.mission.commands import ENDINGS, FLOWN_TO, TAKEOFFS, Command
 from ipoa_mission.planning.proof import Check
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.autopilot import Autopilot
 
 TAKE_OFF, ENDING = "the take-off", "the ending"
+OVER_PLACE = 0.5  # nearer to its place in plan it sinks with a payload [m]
 
 
 @dataclass(frozen=True)
@@ -204,7 +205,20 @@ class PredictedFlight:
                 at = round_places(part.points, tight)
                 for n in np.unique(at).tolist():
                     yield self._obstacles(part, law, chance, at == n, "" if n < 0 else tight[n].name)
-        yield from self._others(self.pieces.part(begin, end), _rim(law, chance))
+        for first, then in self._above_ground(begin, end):
+            yield from self._others(self.pieces.part(first, then), _rim(law, chance))
+
+    def _above_ground(self, begin: float, end: float) -> list[tuple[float, float]]:
+        """The parts of a time [s] in which it does not sink to place a payload, nor climb from there; one at least."""
+        track, parts = self.prediction.track, list[tuple[float, float]]()
+        for done, visit in zip(self.prediction.done, self.route.visits, strict=True):
+            if visit.item.command == Command.NAV_PAYLOAD_PLACE and begin < done <= end:
+                over = track.at(np.array([done]))[0, :2]
+                aside = np.hypot(*(track.points[:, :2] - over).T) > OVER_PLACE
+                sinks = max(track.times[aside & (track.times < done)].max(initial=begin), begin)
+                parts += [(begin, float(sinks))] if sinks > begin else []
+                begin = float(done)
+        return [*parts, (begin, end)] if end > begin or not parts else parts
 
     def _obstacles(
         self, part: Pieces, law: DeviationLaw, chance: float | None, taken: NDArray[np.bool_], name: str

@@ -62,6 +62,7 @@ DEFAULTS: Parameters = {
     "ATC_RATE_P_MAX": 0.0,
     "PSC_ANGLE_MAX": 0.0,
     "RNGFND1_TYPE": 0.0,
+    "PLDP_SPEED_DN": 0.0,
 }
 
 

@@ -21,11 +21,12 @@ LAND_DETECTOR_S = 1.0  # for so long it must stay there, before the motors spool
 CENTIMETRE = 0.01  # in which ArduCopter keeps the height of a place [m]
 
 BRAKES_CLIMB = (4, 8)
+SENSE_OF_RATE = (4, 7)  # from here on the sign of CIRCLE_RATE is the sense of every circle, whatever its item says
 EXCEPT_RTL = 2.0  # WP_YAW_BEHAVIOR: the nose follows the way, but for RTL, where it keeps its heading
 
 POSITIVE = (
     "WPNAV_SPEED", "WPNAV_SPEED_UP", "WPNAV_SPEED_DN", "WPNAV_ACCEL", "WPNAV_ACCEL_Z", "WPNAV_JERK", "WPNAV_RADIUS",
-    "PSC_JERK_Z", "PSC_POSXY_P", "PSC_VELXY_FLTE", "PSC_POSZ_P", "ANGLE_MAX", "LAND_SPEED",
+    "PSC_JERK_XY", "PSC_JERK_Z", "PSC_POSXY_P", "PSC_VELXY_FLTE", "PSC_POSZ_P", "ANGLE_MAX", "LAND_SPEED",
 )  # fmt: skip
 
 
@@ -46,6 +47,7 @@ class CopterLimits:
     corner_accel: float
     jerk: float
     snap: float
+    shaping_jerk: float
     jerk_z: float
     radius: float
     lean: float
@@ -54,12 +56,14 @@ class CopterLimits:
     land_speed: float
     land_speed_high: float
     land_low: float
+    payload_speed: float
     returning: CopterReturn
     rtl_speed: float
     rtl_loiter: float
     rtl_final: float
     circle_radius: float
     circle_rate: float
+    circle_sense: float
     p_position: float
     p_velocity: float
     i_velocity: float
@@ -94,8 +98,12 @@ def copter_limits(parameters: Parameters, version: Version | None = None) -> Cop
     spinning = math.radians(min(p["ATC_ACCEL_R_MAX"], p["ATC_ACCEL_P_MAX"]) / 100)
     if spinning > 0:
         snap = min(snap, spinning * GRAVITY)
+    shaping_jerk = min(p["PSC_JERK_XY"], turning * GRAVITY) if turning > 0 else p["PSC_JERK_XY"]
+    accel = p["WPNAV_ACCEL"] / 100
+    if spinning > 0:
+        shaping_jerk = min(shaping_jerk, math.sqrt(accel * spinning * GRAVITY) / 2)
     lean_deg = p["PSC_ANGLE_MAX"] if p["PSC_ANGLE_MAX"] > 0 else p["ANGLE_MAX"] / 100
-    accel, descent = p["WPNAV_ACCEL"] / 100, p["WPNAV_SPEED_DN"] / 100
+    descent, rate = p["WPNAV_SPEED_DN"] / 100, p["CIRCLE_RATE"]
     return CopterLimits(
         speed=p["WPNAV_SPEED"] / 100,
         climb=p["WPNAV_SPEED_UP"] / 100,
@@ -105,6 +113,7 @@ def copter_limits(parameters: Parameters, version: Version | None = None) -> Cop
         corner_accel=p["WPNAV_ACCEL_C"] / 100 if p["WPNAV_ACCEL_C"] > 0 else 2 * accel,
         jerk=jerk,
         snap=snap / 2,
+        shaping_jerk=shaping_jerk,
         jerk_z=p["PSC_JERK_Z"],
         radius=p["WPNAV_RADIUS"] / 100,
         lean=math.radians(min(lean_deg, 80.0)),
@@ -113,12 +122,14 @@ def copter_limits(parameters: Parameters, version: Version | None = None) -> Cop
         land_speed=p["LAND_SPEED"] / 100,
         land_speed_high=p["LAND_SPEED_HIGH"] / 100 if p["LAND_SPEED_HIGH"] > 0 else descent,
         land_low=max(p["LAND_ALT_LOW"] / 100, 1.0),
+        payload_speed=p["PLDP_SPEED_DN"] if p["PLDP_SPEED_DN"] > 0 else p["LAND_SPEED"] / 100,
         returning=CopterReturn.of(p),
         rtl_speed=p["RTL_SPEED"] / 100 if p["RTL_SPEED"] > 0 else p["WPNAV_SPEED"] / 100,
         rtl_loiter=p["RTL_LOIT_TIME"] / 1000,
         rtl_final=p["RTL_ALT_FINAL"] / 100,
         circle_radius=p["CIRCLE_RADIUS"] / 100,
         circle_rate=math.radians(abs(p["CIRCLE_RATE"])),
+        circle_sense=0.0 if version is not None and version.series < SENSE_OF_RATE else math.copysign(1.0, rate),
         p_position=p["PSC_POSXY_P"],
         p_velocity=p["PSC_VELXY_P"],
         i_velocity=p["PSC_VELXY_I"],

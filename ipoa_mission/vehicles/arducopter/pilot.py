@@ -13,6 +13,14 @@ from ipoa_mission.simulator.situation import FlightMode, MissionState, Situation
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import airframe_of
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, stop_at
 from ipoa_mission.vehicles.arducopter.dynamics.motion import DESCENT
+from ipoa_mission.vehicles.arducopter.dynamics.procedures import (
+    circle,
+    land,
+    landing_place,
+    loiter_to_alt,
+    payload_place,
+    return_home,
+)
 from ipoa_mission.vehicles.arducopter.limits import (
     ARMING_DELAY_S,
     LAND_DETECTOR_S,
@@ -53,9 +61,9 @@ class ArduPilotPilot:
             case FlightMode.MISSION:
                 self._begin_behind(self._now.current - 1)
             case FlightMode.RETURN:
-                self._come_down(self._copter.return_home(self._return_goal()))
+                self._come_down(return_home(self._copter, self._return_goal()))
             case FlightMode.LAND:
-                self._come_down(self._copter.land(None))
+                self._come_down(land(self._copter, None))
             case FlightMode.HOLD:
                 self._stay()
 
@@ -106,7 +114,7 @@ class ArduPilotPilot:
 
     def _start(self, index: int, item: Item) -> None:
         match item.command:
-            case Command.NAV_TAKEOFF:
+            case Command.NAV_TAKEOFF | Command.NAV_VTOL_TAKEOFF:
                 self._take_off(self._place(index)[2], self._done)
             case Command.NAV_DELAY:
                 self._copter.hold(self._copter.wait_at(item))
@@ -114,9 +122,15 @@ class ArduPilotPilot:
             case _ if self._now.landed:  # it stays on the ground
                 self._flying = False
             case Command.NAV_RETURN_TO_LAUNCH:
-                self._come_down(self._copter.return_home(self._return_goal()))
-            case Command.NAV_LAND:
-                self._come_down(self._copter.land(self._place(index) if item.has_position else None))
+                self._come_down(return_home(self._copter, self._return_goal()))
+            case Command.NAV_LOITER_TURNS:
+                self._go(circle(self._copter, self._place(index), item))
+            case Command.NAV_LOITER_TO_ALT:
+                self._go(loiter_to_alt(self._copter, self._place(index)))
+            case Command.NAV_PAYLOAD_PLACE:
+                self._go(payload_place(self._copter, self._place(index) if item.has_position else None, item))
+            case Command.NAV_LAND | Command.NAV_VTOL_LAND:
+                self._come_down(land(self._copter, landing_place(self._now.program, item)))
             case _:
                 program = self._now.program
                 onward, stop = program.onward(index), stop_at(program, index, self._copter.place)
@@ -146,6 +160,11 @@ class ArduPilotPilot:
         self._copter.take_off(height)
         self._legs, self._then = iter(()), then
         self._now.landed, self._flying = False, True
+
+    def _go(self, legs: Iterator[None]) -> None:
+        """Fly the legs of an item."""
+        self._legs, self._then = legs, self._done
+        next(legs)
 
     def _come_down(self, legs: Iterator[None]) -> None:
         """Fly the legs of an ending; the last is a descent, unless RTL stays in the air."""

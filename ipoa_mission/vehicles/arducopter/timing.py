@@ -15,11 +15,20 @@ from ipoa_mission.forecast.timing.flight_model import BrokenOff
 from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.forecast.timing.reasons import corner_deg, slow_because
 from ipoa_mission.forecast.timing.track import Track
-from ipoa_mission.mission.commands import LAST_NAV, Command
+from ipoa_mission.mission.commands import LAST_NAV, TAKEOFFS, Command
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, Airframe
-from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, Stop, stop_at
+from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, stop_at
 from ipoa_mission.vehicles.arducopter.dynamics.legs import limits_along
 from ipoa_mission.vehicles.arducopter.dynamics.motion import DESCENT, STRAIGHT
+from ipoa_mission.vehicles.arducopter.dynamics.procedures import (
+    LANDINGS,
+    circle,
+    land,
+    landing_place,
+    loiter_to_alt,
+    payload_place,
+    return_home,
+)
 from ipoa_mission.vehicles.arducopter.limits import (
     ARMING_DELAY_S,
     LAND_DETECTOR_S,
@@ -38,9 +47,7 @@ BROKEN_OFF_DOUBT, BROKEN_OFF_SHARE = 0.4, 0.018  # the same of an ending that is
 
 LANDING_DOUBT = 0.6  # the centimetre before LAND takes so much more or less (`copter.LAND_BELOW`) [s]
 
-#: Of these only the flight to their place is modeled.
-ONLY_THE_WAY = frozenset({Command.NAV_LOITER_TO_ALT})
-TO_A_PLACE = ARDUCOPTER.guidance.flown_on_into | ONLY_THE_WAY | {Command.NAV_LOITER_TURNS}
+TO_A_PLACE = ARDUCOPTER.guidance.flown_on_into - {Command.NAV_PAYLOAD_PLACE}
 
 
 def fly_arducopter(
@@ -67,7 +74,7 @@ def fly_arducopter(
         flight.done.append(flight.copter.state.time)
     track = Track.joined(flight.tracks)
     done = np.array(flight.done, dtype=np.float64)
-    lands = np.array([visit.item.command == Command.NAV_LAND and visit.item.has_position for visit in route.visits])
+    lands = np.array([visit.item.command in LANDINGS and visit.item.latitude_deg != 0.0 for visit in route.visits])
     doubt = np.hypot(DOUBT + DOUBT_SHARE * done, LANDING_DOUBT * np.maximum.accumulate(lands.astype(float)))
     return Prediction(done, done - doubt, done + doubt, tuple(flight.reasons), track, tuple(flight.remarks))
 
@@ -94,7 +101,7 @@ def break_off(
     returns = order.ending is Ending.RTL
     if returns and copter.limits.rtl_final > 0.0:
         raise MissionError("with an RTL_ALT_FINAL above 0 it waits over its goal, and does not land")
-    flight.come_down(copter.return_home(route.goal_of_return(copter.place)) if returns else copter.land(None))
+    flight.come_down(return_home(copter, route.goal_of_return(copter.place)) if returns else land(copter, None))
     done = np.array([copter.state.time])
     doubt = BROKEN_OFF_DOUBT + BROKEN_OFF_SHARE * (done - order.time)
     touched, off = flight.touched, BROKEN_OFF_DOUBT + BROKEN_OFF_SHARE * (flight.touched - order.time)
@@ -131,25 +138,30 @@ class _Flight:
         """Do visit n; why it was slow."""
         visit = self.route.visits[n]
         command, params = visit.item.command, visit.item.params
-        if command == Command.NAV_TAKEOFF:
+        if command in TAKEOFFS:
             self.take_off(self.target(n)[2])
         elif command == Command.NAV_LOITER_UNLIM:
             raise BadInput(f"items[{visit.seq - 1}]: loiters without end, so the flight has no time")
         elif command in TO_A_PLACE:
             return self.fly_to(n)
+        elif command == Command.NAV_LOITER_TURNS:
+            self.go(circle(self.copter, self.target(n), visit.item))
+            return "circle"
+        elif command == Command.NAV_LOITER_TO_ALT:
+            if visit.seq in self.route.over_terrain:
+                self.remarks.append(f"item {visit.seq}: ArduCopter passes over it where it has no terrain data")
+            self.go(loiter_to_alt(self.copter, self.target(n)))
         elif command == Command.NAV_DELAY:
             self.hold(self.copter.wait_at(visit.item))
             return "hold"
         elif command == Command.DO_CHANGE_SPEED:
             self.copter.change_speed(int(params[0]), params[1])
         elif command == Command.NAV_RETURN_TO_LAUNCH:
-            self.come_down(self.copter.return_home(self.route.goal_of_return(self.copter.here)))
-        elif command == Command.NAV_LAND:
-            self.come_down(self.copter.land(self.target(n) if visit.item.has_position else None))
+            self.come_down(return_home(self.copter, self.route.goal_of_return(self.copter.here)))
+        elif command in LANDINGS:
+            self.come_down(land(self.copter, landing_place(self.route.program, visit.item)))
         elif command == Command.NAV_PAYLOAD_PLACE:
-            self.copter.fly_to(Stop(self.target(n)))
-            self.run()
-            self.remarks.append(f"item {visit.seq}: only the flight to its place is counted")
+            self.go(payload_place(self.copter, self.target(n) if visit.item.has_position else None, visit.item))
         elif command <= LAST_NAV or command in UNTIMED:
             self.remarks.append(f"item {visit.seq}: command {command} is not modeled and counts as no time")
         return ""
@@ -187,10 +199,6 @@ class _Flight:
         )
         if onward is not None:
             return why
-        if visit.item.command in ONLY_THE_WAY:
-            over = visit.seq in self.route.over_terrain
-            skipped = "; ArduCopter passes over it where it has no terrain data" if over else ""
-            self.remarks.append(f"item {visit.seq}: only the flight to its place is counted{skipped}")
         seconds = copter.wait_at(visit.item)
         if seconds > 0:
             self.hold(seconds)
@@ -219,13 +227,17 @@ class _Flight:
             self.copter.take_off(height)
             self.run()
 
-    def come_down(self, legs: Iterator[None]) -> None:
-        """Fly the legs of an ending; on the ground, until the landing is noticed."""
+    def go(self, legs: Iterator[None]) -> None:
+        """Fly the legs of an item."""
         for _ in legs:
             self.run()
             if self.is_broken_off:
                 return
-        if self.copter.this.kind == DESCENT:
+
+    def come_down(self, legs: Iterator[None]) -> None:
+        """Fly the legs of an ending; on the ground, until the landing is noticed."""
+        self.go(legs)
+        if self.copter.this.kind == DESCENT and not self.is_broken_off:
             self.touched, delay = self.copter.state.time, self.airframe.landing_delay
             self.stand(max(THROTTLE_DOWN_S + LAND_DETECTOR_S + self.copter.spool_down + delay, 0.0))
             self.airborne = False

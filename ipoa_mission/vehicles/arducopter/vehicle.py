@@ -10,8 +10,10 @@ from ipoa_mission.vehicles.arducopter import failsafes, returning
 from ipoa_mission.vehicles.arducopter.book import BOOK
 from ipoa_mission.vehicles.arducopter.own_fence import MAY_BE_ON, limits_on
 from ipoa_mission.vehicles.arducopter.refusal import REFUSALS
+from ipoa_mission.vehicles.arducopter.way_known import WAY_KNOWN
 from ipoa_mission.vehicles.arming import ArmingWords
 from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.circle import FlownCircle
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.failsafe import Failsafe
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables, rows
@@ -114,9 +116,13 @@ class ArduCopter(Autopilot):
     book = BOOK
     tables = FirmwareTables(HABITS, Path(__file__).with_name("firmware_tables.json"))
     guidance = GuidanceHabits(
-        flown_on_into=frozenset({*WAYPOINTS, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TIME}),
+        flown_on_into=frozenset(
+            {*WAYPOINTS, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TIME, Command.NAV_PAYLOAD_PLACE}
+        ),
+        flies_vtol_items=True,
         zero_is_here=True,
         stops_to_hold=True,
+        stops_at_terrain=True,
         flies_splines=True,
         climbs_where_it_stands=True,
         needs_takeoff=True,
@@ -129,6 +135,7 @@ class ArduCopter(Autopilot):
         home_is_where_armed=True,
         brakes_after=0.1,
     )
+    way_known = WAY_KNOWN
     manners = Manners(
         forgets_at_count=True,
         starts_by_command=True,
@@ -193,6 +200,21 @@ class ArduCopter(Autopilot):
             return braking.Shaping(braking.BRAKES_WITH, p["PSC_JERK_XY"]).way(velocity, 0.0 * accel)
         asked = velocity + braking.LAND_LEADS * accel
         return braking.Shaping(p["WPNAV_ACCEL"] / 100, p["PSC_JERK_XY"]).way(asked, accel)
+
+    def circle(
+        self, parameters: Parameters, radius: float, speed: float | None = None, version: Version | None = None
+    ) -> FlownCircle | None:
+        """It pursues a point on the circle.
+
+        >>> flown = ArduCopter().circle({}, 60.0)
+        >>> round(flown.radius, 1), round(flown.runs_on, 1)
+        (58.4, 15.5)
+        """
+        from ipoa_mission.vehicles.arducopter.circling import flown_circle
+        from ipoa_mission.vehicles.arducopter.limits import copter_limits
+
+        limits = copter_limits(parameters, version)
+        return flown_circle(limits, radius, speed or limits.speed)
 
     def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
         """LAND_SPEED below LAND_ALT_LOW, as fast as it else sinks above.

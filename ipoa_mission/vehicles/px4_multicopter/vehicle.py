@@ -22,6 +22,7 @@ from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.px4_multicopter import failsafes, returning
 from ipoa_mission.vehicles.px4_multicopter.book import BOOK, DEFAULTS, LEAST_HOLD, SINCE_SPLIT, SPLITS_AXES
 from ipoa_mission.vehicles.px4_multicopter.refusal import REFUSALS
+from ipoa_mission.vehicles.px4_multicopter.way_known import WAY_KNOWN
 from ipoa_mission.vehicles.returning import MissionLanding, Place, ReturnRoute
 from ipoa_mission.vehicles.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.vehicles.version import Version
@@ -108,6 +109,7 @@ class Px4Multicopter(Autopilot):
         climbs_coming_back=True,
         brakes_after=0.6,
     )
+    way_known = WAY_KNOWN
     manners = Manners(
         judges_later=True,
         arming_words=ARMING_WORDS,

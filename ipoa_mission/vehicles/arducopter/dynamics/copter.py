@@ -1,11 +1,9 @@
 """An ArduCopter in flight: what it is told to fly, leg by leg, and its state as time passes.
 
-The estimate lets it `run` to the end of each leg; the built-in autopilot lets it `step`. RTL and LAND are a few legs
-one after the other: their methods yield whenever one more is to be flown.
+The estimate lets it `run` to the end of each leg; the built-in autopilot lets it `step`.
 """
 
 import math
-from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,6 +12,8 @@ from ipoa_mission.compiled import sooner
 from ipoa_mission.compiled.records import records
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.itinerary.copter_arc import turn_of
+from ipoa_mission.forecast.itinerary.copter_circle import bearing_from
+from ipoa_mission.forecast.itinerary.copter_spline import place_after
 from ipoa_mission.forecast.itinerary.program import Place, Program
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.commands import Command
@@ -23,6 +23,8 @@ from ipoa_mission.vehicles.arducopter.dynamics.legs import (
     at_speeds,
     hold_leg,
     joined,
+    level_off_leg,
+    orbit_leg,
     speed_left,
     spline_leg,
     straight_leg,
@@ -32,7 +34,9 @@ from ipoa_mission.vehicles.arducopter.dynamics.motion import (
     CLIMB,
     DESCENT,
     HOLD,
+    LEVEL_OFF,
     NO_LEG,
+    ORBIT,
     SPLINE,
     STEP,
     STRAIGHT,
@@ -42,22 +46,17 @@ from ipoa_mission.vehicles.arducopter.dynamics.motion import (
     tuning,
 )
 from ipoa_mission.vehicles.arducopter.dynamics.steps import SAMPLE_STEPS, fly_leg, step
-from ipoa_mission.vehicles.arducopter.limits import CENTIMETRE, CopterLimits
-from ipoa_mission.vehicles.returning import HOME
+from ipoa_mission.vehicles.arducopter.limits import CopterLimits
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.ground import LEVEL, Ground
 
 JUST_BEGUN = 0.3  # so far into a leg a change of speed still plans it anew, as `straight` was flown [s]
 SAME_PLACE = 1e-3  # [m]
-#: LAND flies to its place at the height where the vehicle is, cut to whole centimetres: that is the waypoint's, or one
-#: centimetre below, and a leg of one takes a second. Before a flight nothing tells which: half of it is counted.
-LAND_BELOW = 0.5
-#: RTL begins with a leg to where the vehicle would stop, its height and place cut likewise: by so much on average [m].
-RETURN_ROUNDING = 0.7 * CENTIMETRE
 #: What rounding leaves to climb when a take-off counts as done: up to half a millimetre, for which the leg over the
 #: take-off takes 0.4 s, or nothing, for which it takes no time. This much takes 0.2 s [m].
 TAKEOFF_REST = 0.00003
 STANDING = 0.1  # [m/s]
+SHAPED = frozenset({ORBIT, LEVEL_OFF})  # kinds of legs that end in motion
 SLOWEST = 0.5  # a copter that the wind leaves less headway does not get on [m/s]
 NO_ROOM = -1  # what the stepping code says where there is no room for more samples
 BLOWN_OFF = -2  # what the stepping code says of a copter that it has lost
@@ -79,12 +78,15 @@ class Stop(NamedTuple):
 
 def stop_at(program: Program, n: int, here: Place) -> Stop:
     """Item n of a program as a stop; what it leaves open is that of `here`."""
-    place, spline = program.place(n, here), program.items[n].command == Command.NAV_SPLINE_WAYPOINT
-    onward = program.onward(n) if spline else None
-    if onward is None:
-        return Stop(place, spline, turn=turn_of(program.items[n]))
-    after = program.place(onward, place), program.items[onward].command == Command.NAV_SPLINE_WAYPOINT
-    return Stop(place, spline, after)
+    item, place = program.items[n], program.place(n, here)
+    if item.command != Command.NAV_SPLINE_WAYPOINT:
+        return Stop(place, turn=turn_of(item))
+    following = program.shaped_by(n)
+    if following is None:
+        return Stop(place, True)
+    shapes = program.items[following]
+    named = program.place(following, place) if shapes.has_position else program.place_of(shapes)
+    return Stop(place, True, place_after(item, shapes, place, named))
 
 
 class Copter:
@@ -118,7 +120,9 @@ class Copter:
     @property
     def here(self) -> Place:
         """Where the next leg begins: the end of the one that is over, or where the copter can come to a stop."""
-        return self.this.target if self.passed and self.following is NO_LEG else self.stopping_place()
+        this = self.this
+        moves = this.kind in SHAPED or (this.kind > SPLINE and this.leave > 0.0)
+        return this.target if self.passed and self.following is NO_LEG and not moves else self.stopping_place()
 
     def stopping_place(self) -> Place:
         """Where the copter can come to a stop."""
@@ -201,18 +205,13 @@ class Copter:
 
     # --- what to fly ------------------------------------------------------------------------------------------------
 
-    def fly_to(self, stop: Stop, following: Stop | None = None) -> None:
+    def fly_to(self, stop: Stop, following: Stop | None = None, turns: bool = True, ends_near: bool = False) -> None:
         """Begin a leg to `stop`: the one planned when that was the last one's `following`; else from `here`.
 
-        With a stop `following` the copter does not come to rest at this one.
+        With a stop `following` the copter does not come to rest at this one. Its nose `turns` along the way, or keeps
+        its heading. A leg that `ends_near` is over within the acceptance radius.
         """
-        self._follow_with_nose(True)
-        self._fly_to(stop, following)
-
-    def _follow_with_nose(self, follows: bool) -> None:
-        self._tuning = self._tuning._replace(slew=self.limits.yaw_rate * STEP if follows else 0.0)
-
-    def _fly_to(self, stop: Stop, following: Stop | None = None) -> None:
+        self._tuning = self._tuning._replace(slew=self.limits.yaw_rate * STEP if turns else 0.0)
         planned, state = self.following, self.state
         if self.passed and planned is not NO_LEG and planned.target == stop.place:
             straight = self.this.kind == STRAIGHT
@@ -220,16 +219,32 @@ class Copter:
             self._before = self.this if straight else NO_LEG
             this = self._as_begun(planned)
         else:
-            this = self._leg(stop, self.here, NO_LEG)
-            state.clock = state.speed = 0.0
-            self._before = NO_LEG
+            this = self._unplanned(stop)
+            state.clock, self._before = 0.0, NO_LEG
         onward = NO_LEG
         if following is not None:
             onward = self._leg(following, stop.place, this)
             this = joined(this, onward, self.limits, self._left)
             if onward.kind == SPLINE:
                 self._left = speed_left(onward)
-        self._begin(this, onward)
+        elif this.kind == SPLINE:
+            this = this._replace(leave=speed_left(this))
+        self._begin(this._replace(ends_near=float(ends_near)), onward)
+
+    def _unplanned(self, stop: Stop) -> CopterLeg:
+        """A leg that begins from `here`: out of a spline that was not to end at rest with its speed, else at rest.
+
+        It is never an arc: those are flown only where they were planned as the leg before began.
+        """
+        before, here = self.this, self.here
+        if self.passed and before.kind == SPLINE and before.leave > 0.0:
+            if stop.spline:
+                return self._leg(stop, here, before)
+            return straight_leg(here, stop.place, self.speeds, self.limits, enter=self.state.speed)
+        if before.kind in SHAPED:
+            self._restart()
+        self.state.speed = 0.0
+        return self._leg(stop._replace(turn=0.0), here, NO_LEG)
 
     def _leg(self, stop: Stop, origin: Place, previous: CopterLeg) -> CopterLeg:
         """The leg to `stop` from `origin`, flown into from `previous` unless that is nothing."""
@@ -244,7 +259,8 @@ class Copter:
         if planned.kind == SPLINE or elapsed > JUST_BEGUN or (enter == 0.0 and planned.speeds == self.speeds):
             return at_speeds(planned, self.speeds, elapsed, self.limits)
         way, is_changed = (planned.origin, planned.target, self.speeds, self.limits), planned.speeds != self.speeds
-        return straight_leg(*way, enter=enter, turn=planned.turn, is_changed=is_changed)
+        turn = 0.0 if self._before is NO_LEG else planned.turn  # out of a spline no arc is flown
+        return straight_leg(*way, enter=enter, turn=turn, is_changed=is_changed)
 
     def _begin(self, this: CopterLeg, following: CopterLeg = NO_LEG) -> None:
         self.this, self.following, self.passed = this, following, False
@@ -257,20 +273,13 @@ class Copter:
             self.speeds = self.speeds._replace(**{name: speed})
 
     def wait_at(self, item: Item) -> float:
-        """How long the copter stays at an item's place [s]; turns take what the rate of turning allows.
-
-        Speed and acceleration limit that rate on a wide circle.
-        """
+        """How long the copter stays at an item's place [s]."""
         first = item.params[0] if math.isfinite(item.params[0]) else 0.0
         match item.command:
             case Command.NAV_LOITER_UNLIM:
                 return math.inf
-            case Command.NAV_LOITER_TO_ALT | Command.NAV_ARC_WAYPOINT:  # of the one only the way there is modeled
+            case Command.NAV_ARC_WAYPOINT:
                 return 0.0
-            case Command.NAV_LOITER_TURNS:
-                radius = abs(item.params[2]) or self.limits.circle_radius
-                fastest = min(self.speeds.level / radius, math.sqrt(self.limits.accel / radius))
-                return 2 * math.pi * abs(first) / min(self.limits.circle_rate, fastest)
             case Command.NAV_DELAY:
                 return max(first, 0.0)
         return float(int(first))
@@ -281,15 +290,55 @@ class Copter:
 
     def brake(self) -> Place:
         """Begin guidance and control anew, the lean as it is: stay where the copter can come to a stop."""
+        self._restart()
+        self._begin_over(hold_leg(self.stopping_place(), math.inf))
+        self.passed = True
+        return self.this.target
+
+    def _restart(self) -> None:
+        """Begin guidance and control anew, the lean as it is."""
         state = self.state
         state.integral_x, state.integral_y, state.error_x, state.error_y = state.asked_x, state.asked_y, 0.0, 0.0
-        self._begin_over(hold_leg(self.stopping_place(), math.inf))
-        self.passed, state.rate = True, 1.0
-        return self.this.target
+        state.rate = 1.0
+
+    def orbit(self, center: Place, radius: float, turn: float) -> None:
+        """Circle around a center by a turn [rad], from where the copter can come to a stop."""
+        self._restart()
+        state, here = self.state, self.stopping_place()
+        state.target_x, state.target_y, state.target_z = here
+        state.aim_x = state.aim_y = state.aim_z = state.push_x = state.push_y = 0.0
+        state.bearing, state.spin, state.turned = bearing_from(center, here), 0.0, 0.0
+        self._begin_over(orbit_leg(here, center, radius, turn, self.speeds, self.limits))
+
+    def level_off(self, up: float) -> None:
+        """Brake, and climb or sink to a height."""
+        self.state.above = 0.0
+        speeds = MotionLimits(self.speeds.level, self.limits.climb, self.limits.descent)
+        self._begin_over(level_off_leg(self.place, up, speeds))
 
     def take_off(self, height: float) -> None:
         """Climb straight up, but for a rest that is left to the next leg."""
-        self._begin_over(upright_leg(CLIMB, self.place, max(height - TAKEOFF_REST, self.state.z), self.speeds))
+        leg = upright_leg(CLIMB, self.place, max(height - TAKEOFF_REST, self.state.z), self.speeds)
+        self._begin_over(leg._replace(leave=self._still_moving))
+
+    def sink(self, most: float) -> bool:
+        """Come down at the speed of a payload, to the ground or by so much at most [m]; whether to the ground."""
+        x, y, z = self.here
+        ground, speed = self._ground.at(x, y), min(self.limits.payload_speed, self.limits.descent)
+        end = max(ground, z - most) if most > 0.0 else ground
+        self._tuning = self._tuning._replace(land_speed=speed, land_speed_high=speed)
+        self._begin_over(upright_leg(DESCENT, (x, y, z), end, self.speeds))
+        return end == ground
+
+    def rise(self, height: float) -> None:
+        """Climb to a height, from the ground or in motion."""
+        speeds = MotionLimits(self.speeds.level, self.limits.climb, self.limits.descent)
+        self._begin_over(upright_leg(CLIMB, self.place, height, speeds))
+
+    @property
+    def _still_moving(self) -> float:
+        """More than nothing where the leg before ended in motion, which is then braked."""
+        return 1.0 if self.this.kind in SHAPED else self.this.leave
 
     def descend(self, counted_from: float = 0.0) -> None:
         """Come down to the ground: fast down to LAND_ALT_LOW, then at LAND_SPEED.
@@ -299,8 +348,10 @@ class Copter:
         """
         ground = self._ground.at(*self.here[:2])
         low = self.limits.land_low + (ground if self.limits.sees_ground else counted_from)
-        self._tuning = self._tuning._replace(land_low=low)
-        self._begin_over(upright_leg(DESCENT, self.here, ground, self.speeds))
+        speed, high = self.limits.land_speed, self.limits.land_speed_high
+        self._tuning = self._tuning._replace(land_low=low, land_speed=speed, land_speed_high=high)
+        leg = upright_leg(DESCENT, self.here, ground, self.speeds)
+        self._begin_over(leg._replace(leave=self._still_moving))
 
     def _begin_over(self, leg: CopterLeg) -> None:
         self._before, self.state.clock = NO_LEG, 0.0
@@ -310,48 +361,6 @@ class Copter:
     def spool_down(self) -> float:
         """For so long the motors run down once it has landed, before it disarms [s]."""
         return self.limits.spool_up
-
-    def land(self, place: Place | None) -> Iterator[None]:
-        """LAND: fly over its place, or the centimetre that rounding leaves to it, and come down; None: come down.
-
-        Since 4.7 the altitude of the place is where LAND_ALT_LOW counts from.
-        """
-        x, y, z = here = self.here
-        if place is not None and math.hypot(place[0] - x, place[1] - y) > SAME_PLACE:
-            self.fly_to(Stop((*place[:2], z)))
-            yield
-        elif place is not None:
-            leg = straight_leg(here, (x, y, z - CENTIMETRE), self.speeds, self.limits)
-            self.hold(LAND_BELOW * leg.profile.lasts)
-            yield
-        self.descend(0.0 if place is None else place[2])
-        yield
-
-    def return_home(self, goal: Place = HOME) -> Iterator[None]:
-        """RTL: climb if below its height (no higher than a cone over home asks for), fly home, loiter, come down.
-
-        `goal`: home, or the rally point that it returns to instead, with that one's height.
-        """
-        limits, (x, y, z), (east, north, _) = self.limits, self.brake(), goal
-        far = math.hypot(x - east, y - north)
-        height = limits.returning.height(z, far, goal[2])
-        self.speeds = MotionLimits(limits.rtl_speed, limits.climb, limits.descent)
-        self._follow_with_nose(limits.rtl_turns)
-        height = max(z + RETURN_ROUNDING, height)
-        top, home = Stop((x, y, height)), Stop((east, north, height))
-        away = far > SAME_PLACE
-        self._fly_to(top, home if away else None)
-        yield
-        if away:
-            self._fly_to(home)
-            yield
-        self.hold(limits.rtl_loiter)
-        yield
-        if limits.rtl_final > 0:
-            self._fly_to(Stop((east, north, limits.rtl_final)))
-        else:
-            self.descend()
-        yield
 
 
 def _at_rest(place: Place, time: float) -> State:

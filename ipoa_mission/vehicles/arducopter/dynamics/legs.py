@@ -7,13 +7,17 @@ from functools import lru_cache
 from ipoa_mission.forecast.itinerary.copter_arc import arc_center, arc_length, arc_radius, is_arc
 from ipoa_mission.forecast.itinerary.copter_spline import cubic, minus, spline_tangents
 from ipoa_mission.forecast.itinerary.program import Place
+from ipoa_mission.vehicles.arducopter.circling import circle_spin
 from ipoa_mission.vehicles.arducopter.dynamics.motion import (
     HOLD,
+    LEVEL_OFF,
+    ORBIT,
     SPLINE,
     STRAIGHT,
     ZERO,
     CopterLeg,
     MotionLimits,
+    Orbit,
     Vector,
 )
 from ipoa_mission.vehicles.arducopter.dynamics.scurve import AT_REST, SCurveLimits, change, profile
@@ -21,6 +25,7 @@ from ipoa_mission.vehicles.arducopter.dynamics.steps import along_limit, bend
 from ipoa_mission.vehicles.arducopter.limits import CopterLimits
 
 SPLINE_SHARE = 0.5  # of the acceleration limits that a spline leg uses, along the curve and across it
+SLOWEST_SPIN_UP = math.radians(2.0)  # [rad/s^2]
 ZERO_LENGTH = 1e-6  # [m]
 
 
@@ -109,6 +114,23 @@ def upright_leg(kind: float, place: Place, height: float, speeds: MotionLimits, 
 def hold_leg(place: Place, lasts: float) -> CopterLeg:
     """To stay at a place [s]."""
     return upright_leg(HOLD, place, place[2], MotionLimits(0.0, 0.0, 0.0), lasts)
+
+
+def orbit_leg(
+    here: Place, center: Place, radius: float, turn: float, speeds: MotionLimits, copter: CopterLimits
+) -> CopterLeg:
+    """Around a center, as high as `here`, by a `turn` [rad], clockwise positive."""
+    spin, spin_up = copter.circle_rate, max(copter.circle_rate, SLOWEST_SPIN_UP)
+    if radius > 0.0:
+        spin = circle_spin(copter, radius, speeds.level)
+        spin_up = max(copter.accel / radius, SLOWEST_SPIN_UP)
+    leg = _leg(ORBIT, here, here, speeds)._replace(length=radius * abs(turn), turn=turn)
+    return leg._replace(center=Vector(*center), orbit=Orbit(radius, spin, spin_up))
+
+
+def level_off_leg(here: Place, up: float, speeds: MotionLimits) -> CopterLeg:
+    """Brake from where it is, and climb or sink to a height."""
+    return upright_leg(LEVEL_OFF, here, up, speeds)
 
 
 def joined(this: CopterLeg, following: CopterLeg, copter: CopterLimits, left: float = math.inf) -> CopterLeg:

@@ -18,8 +18,9 @@ STEP = 0.02  # [s]
 ASTRAY, ASTRAY_S = 30.0, 3.0  # so far from its target, and so many seconds of flight, no copter falls behind in calm
 STANDING_SHARE = 0.05  # of the speed: a target that is slower does not turn the nose
 
-#: Kinds of legs; CLIMB and DESCENT are those of take-off and landing, which no S-curve shapes.
-NOTHING, STRAIGHT, SPLINE, CLIMB, DESCENT, HOLD = -1.0, 0.0, 1.0, 2.0, 3.0, 4.0
+#: Kinds of legs; CLIMB and DESCENT are those of take-off and landing, which no S-curve shapes. An ORBIT is a circle,
+#: LEVEL_OFF the end of LOITER_TO_ALT.
+NOTHING, STRAIGHT, SPLINE, CLIMB, DESCENT, HOLD, ORBIT, LEVEL_OFF = -1.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0
 
 
 class Vector(NamedTuple):
@@ -41,11 +42,24 @@ class MotionLimits(NamedTuple):
     down: float
 
 
+class Orbit(NamedTuple):
+    """A circle of a `radius` [m]; the rate of turn is up to `spin` [rad/s], and grows by `spin_up` [rad/s^2]."""
+
+    radius: float
+    spin: float
+    spin_up: float
+
+
+NO_ORBIT = Orbit(0.0, 0.0, 0.0)
+
+
 class CopterLeg(NamedTuple):
     """From `origin` to `target` at up to `speeds`: straight with a `profile`, along a `cubic`, or straight up or down.
 
     A spline keeps `accel` and leaves at up to `leave` [m/s]; its tangent there is `end`. A HOLD `lasts` [s].
-    A straight leg with a `turn` [rad] is an arc: by so much it turns around its `center`, clockwise positive.
+    A straight leg with a `turn` [rad] is an arc: by so much it turns around its `center`, clockwise positive, and so
+    does an `orbit`. One that `ends_near` (1) is over within the acceptance radius of its target, under way or not. A
+    DESCENT with a speed to `leave` begins in motion.
     """
 
     kind: float
@@ -62,6 +76,8 @@ class CopterLeg(NamedTuple):
     lasts: float = 0.0
     turn: float = 0.0
     center: Vector = ZERO
+    orbit: Orbit = NO_ORBIT
+    ends_near: float = 0.0
 
 
 NO_LEG = CopterLeg(NOTHING, ZERO, ZERO, ZERO, 0.0, MotionLimits(0.0, 0.0, 0.0))
@@ -76,6 +92,8 @@ class Tuning(NamedTuple):
 
     radius: float
     corner_accel: float
+    accel: float
+    shaping_jerk: float
     accel_z: float
     jerk_z: float
     land_low: float
@@ -119,6 +137,8 @@ def tuning(limits: CopterLimits, airframe: Airframe, wind: Wind) -> Tuning:
     return Tuning(
         limits.radius,
         limits.corner_accel,
+        limits.accel,
+        limits.shaping_jerk,
         limits.accel_z,
         limits.jerk_z,
         limits.land_low,
@@ -181,6 +201,10 @@ class State:
     clock: float = 0.0
     clock_next: float = 0.0
     share: float = 0.0  # of a spline
+    bearing: float = 0.0  # from the center of an orbit to where it began
+    spin: float = 0.0  # the rate of turn on it, and how far it has turned [rad]
+    turned: float = 0.0
+    above: float = 0.0  # how much higher it was than it has to be [m]
     speed: float = 0.0  # of the target
     target_x: float = 0.0
     target_y: float = 0.0

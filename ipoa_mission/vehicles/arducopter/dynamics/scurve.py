@@ -37,6 +37,8 @@ class Segment(NamedTuple):
 class Profile(NamedTuple):
     """A leg's segments; it `lasts` [s], accelerates until `risen`, brakes from `falls`, peaks at `peak` [m/s].
 
+    It ends at the speed `leave`.
+
     After the last segment come those that never begin, so that there are `MOST_SEGMENTS`.
     """
 
@@ -45,6 +47,7 @@ class Profile(NamedTuple):
     risen: float
     falls: float
     peak: float
+    leave: float = 0.0
 
 
 def _filled(segments: list[Segment]) -> list[Segment]:
@@ -109,7 +112,7 @@ def profile(length: float, limits: SCurveLimits, enter: float = 0.0, leave: floa
     segments.append(Segment(state[0], cruise, CONSTANT, 0.0, 0.0, peak, state[3]))
     falls = risen + cruise
     state = _append(segments, down, -1.0, (falls, 0.0, peak, state[3] + peak * cruise))
-    return Profile(_filled(segments), state[0], risen, falls, peak)
+    return Profile(_filled(segments), state[0], risen, falls, peak, leave)
 
 
 def _covers(peak: float, enter: float, leave: float, limits: SCurveLimits) -> float:

@@ -13,7 +13,9 @@ from ipoa_mission.vehicles.arducopter.dynamics.motion import (
     CLIMB,
     DESCENT,
     HOLD,
+    LEVEL_OFF,
     NOTHING,
+    ORBIT,
     SPLINE,
     STEP,
     STRAIGHT,
@@ -21,6 +23,13 @@ from ipoa_mission.vehicles.arducopter.dynamics.motion import (
     MotionLimits,
     State,
     Tuning,
+)
+from ipoa_mission.vehicles.arducopter.dynamics.shaping import (
+    climb_at,
+    level_off,
+    orbit,
+    shape_to_rest,
+    square_root_law,
 )
 from ipoa_mission.vehicles.arducopter.dynamics.ways import along, on_way
 
@@ -157,17 +166,9 @@ def along_spline(state: State, this: CopterLeg, h: float) -> bool:
     return state.share >= 1.0
 
 
-def towards(error: float, accel: float, gain: float) -> float:
-    """The square-root law: linear near the goal, then the speed from which `accel` can still stop in time."""
-    linear = accel / (gain * gain)
-    if abs(error) <= linear:
-        return gain * error
-    return math.copysign(math.sqrt(2 * accel * (abs(error) - linear / 2)), error)
-
-
 def braked(error: float, speed: float, accel: float, gain: float) -> float:
     """The square-root law and, as one comes nearer, what it will be less by the time that is followed."""
-    wanted = towards(error, accel, gain)
+    wanted = square_root_law(error, accel, gain)
     if wanted * speed <= 0.0:
         return wanted
     if abs(error) <= accel / (gain * gain):
@@ -177,8 +178,12 @@ def braked(error: float, speed: float, accel: float, gain: float) -> float:
 
 def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     """Over one place: stay, or climb or come down by velocity shaping; whether that is over."""
-    state.target_x, state.target_y, top = this.target.x, this.target.y, this.target.z
-    state.aim_x = state.aim_y = state.push_x = state.push_y = 0.0
+    top = this.target.z
+    if this.leave > 0.0:
+        shape_to_rest(state, tuning)
+    else:
+        state.target_x, state.target_y = this.target.x, this.target.y
+        state.aim_x = state.aim_y = state.push_x = state.push_y = 0.0
     state.rate = 1.0
     if this.kind == HOLD:
         state.clock += STEP
@@ -188,15 +193,11 @@ def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
     if this.kind == CLIMB and tuning.brakes_climb > 0.0:
         wanted = min(braked(top - state.z, state.vz, tuning.accel_z, gain), this.speeds.up)
     elif this.kind == CLIMB:
-        wanted = min(towards(top - state.z, tuning.accel_z / 2, gain / 2), this.speeds.up)
+        wanted = min(square_root_law(top - state.z, tuning.accel_z / 2, gain / 2), this.speeds.up)
     else:
-        fall = towards(tuning.land_low - state.z, tuning.accel_z, tuning.p_height)
+        fall = square_root_law(tuning.land_low - state.z, tuning.accel_z, tuning.p_height)
         wanted = min(max(fall, -max(tuning.land_speed_high, tuning.land_speed)), -tuning.land_speed)
-    jerk = tuning.jerk_z * STEP
-    accel = min(max(gain * (wanted - state.vz), -tuning.accel_z), tuning.accel_z)
-    state.az += min(max(accel - state.az, -jerk), jerk)
-    state.aim_z = state.vz + state.az * STEP
-    state.target_z = state.z + state.aim_z * STEP
+    climb_at(state, wanted, tuning)
     if this.kind == DESCENT:
         return state.target_z <= top
     slow = 0.1 * this.speeds.up
@@ -211,6 +212,10 @@ def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
 def control(state: State, tuning: Tuning) -> None:
     """Position to velocity to lean, on the vehicle as it will be at the end of the step."""
     x, y = state.target_x - state.x - state.vx * STEP, state.target_y - state.y - state.vy * STEP
+    far = math.sqrt(x * x + y * y)
+    if far > tuning.accel / tuning.p_position**2:
+        nearer = square_root_law(far, tuning.accel, tuning.p_position) / (tuning.p_position * far)
+        x, y = x * nearer, y * nearer
     x = state.aim_x + tuning.p_position * x - state.vx - state.ax * STEP
     y = state.aim_y + tuning.p_position * y - state.vy - state.ay * STEP
     gain_x, gain_y = tuning.smoothing * (x - state.error_x), tuning.smoothing * (y - state.error_y)
@@ -317,14 +322,18 @@ def step(state: State, before: CopterLeg, this: CopterLeg, following: CopterLeg,
         finished = along_legs(state, before, this, following, tuning, clock_step(state, tuning))
     elif this.kind == SPLINE:
         finished = along_spline(state, this, clock_step(state, tuning))
+    elif this.kind == ORBIT:
+        finished = orbit(state, this, tuning)
+    elif this.kind == LEVEL_OFF:
+        finished = level_off(state, this, tuning)
     else:
         finished = upright(state, this, tuning)
     control(state, tuning)
     move(state, tuning)
-    if this.kind > SPLINE or following.kind > NOTHING:
+    if this.kind > SPLINE or following.kind > NOTHING or this.leave > 0.0:
         return finished
     ex, ey = this.target.x - state.x, this.target.y - state.y
-    return finished and ex * ex + ey * ey <= tuning.radius**2
+    return (finished or this.ends_near > 0.0) and ex * ex + ey * ey <= tuning.radius**2
 
 
 def pass_over_cruise(state: State, this: CopterLeg) -> None:

@@ -17,7 +17,7 @@ def along(leg: CopterLeg, t: float) -> Triple:
     if t <= 0.0:
         return 0.0, segments[0].speed, 0.0
     if t >= leg.profile.lasts:
-        return 0.0, 0.0, leg.length
+        return 0.0, leg.profile.leave, leg.length
     while at > 0 and segments[at].begin > t:
         at -= 1
     one = segments[at]

@@ -1,0 +1,116 @@
+"""How ArduCopter's position controller moves its target by itself: to a place that moves, to rest, to a height.
+
+Read in 4.8.0-dev (AC_PosControl, control.cpp: shape_pos_vel_accel_xy, shape_vel_accel_xy). The same lines run as Python
+and compiled, by `steps`.
+"""
+
+import math
+
+from ipoa_mission.vehicles.arducopter.dynamics.motion import STEP, CopterLeg, State, Tuning
+
+LEVEL = 0.03  # LOITER_TO_ALT ends within 5 cm of its height; as flown it takes half a second longer, as if by this [m]
+
+
+def orbit(state: State, this: CopterLeg, tuning: Tuning) -> bool:
+    """The target follows a point that moves along a circle, level; whether that has turned by all it has to.
+
+    With a radius of 0 it goes to the center while time passes.
+    """
+    way = this.orbit
+    state.spin = min(state.spin + way.spin_up * STEP, way.spin)
+    state.turned += state.spin * STEP
+    angle = state.bearing + math.copysign(state.turned, this.turn)
+    x, y = this.center.x + way.radius * math.sin(angle), this.center.y + way.radius * math.cos(angle)
+    shape_to_place(state, x, y, this.speeds.level, tuning)
+    state.target_z, state.aim_z, state.rate = this.target.z, 0.0, 1.0
+    return state.turned >= abs(this.turn)
+
+
+def level_off(state: State, this: CopterLeg, tuning: Tuning) -> bool:
+    """Brake wherever that leads, and climb or sink to a height; whether it is as high, or has passed it."""
+    before = state.z - this.target.z
+    shape_to_rest(state, tuning)
+    wanted = square_root_law(-before, tuning.accel_z, tuning.p_height)
+    climb_at(state, min(max(wanted, -this.speeds.down), this.speeds.up), tuning)
+    state.rate = 1.0
+    passed, state.above = before * state.above < 0.0, before
+    return passed or abs(before) < LEVEL
+
+
+def climb_at(state: State, wanted: float, tuning: Tuning) -> None:
+    """Shape the rate of climb towards the one that is wanted."""
+    jerk, gain = tuning.jerk_z * STEP, tuning.jerk_z / tuning.accel_z
+    accel = min(max(gain * (wanted - state.vz), -tuning.accel_z), tuning.accel_z)
+    state.az += min(max(accel - state.az, -jerk), jerk)
+    state.aim_z = state.vz + state.az * STEP
+    state.target_z = state.z + state.aim_z * STEP
+
+
+def square_root_law(error: float, accel: float, gain: float) -> float:
+    """Linear near the goal, then the speed from which `accel` can still stop in time."""
+    linear = accel / (gain * gain)
+    if abs(error) <= linear:
+        return gain * error
+    return math.copysign(math.sqrt(2 * accel * (abs(error) - linear / 2)), error)
+
+
+def shape_to_place(state: State, x: float, y: float, fastest: float, tuning: Tuning) -> None:
+    """Move the target towards a place, as fast as acceleration and jerk allow; the place is taken as at rest."""
+    advance(state)
+    gain, accel = tuning.shaping_jerk / tuning.accel, tuning.accel
+    ex, ey = x - state.target_x, y - state.target_y
+    far = math.sqrt(ex * ex + ey * ey)
+    wanted_x = wanted_y = 0.0
+    if far > 0.0:
+        closing = (state.aim_x * ex + state.aim_y * ey) / far
+        speed = min(square_root_law(far, accel, gain), far / STEP)
+        if closing > 0.0:
+            speed -= closing * (1.0 if far <= accel / (gain * gain) else accel / (speed * gain))
+        speed = min(max(speed, -fastest), fastest)
+        wanted_x, wanted_y = ex * speed / far, ey * speed / far
+    shape(state, gain * (wanted_x - state.aim_x), gain * (wanted_y - state.aim_y), tuning)
+
+
+def shape_to_rest(state: State, tuning: Tuning) -> None:
+    """Slow the target down to a stop wherever that is."""
+    advance(state)
+    speed = math.sqrt(state.aim_x**2 + state.aim_y**2)
+    slowed = 0.0
+    if speed > 0.0:
+        slowed = square_root_law(speed, tuning.shaping_jerk, tuning.shaping_jerk / tuning.accel) / speed
+    shape(state, -slowed * state.aim_x, -slowed * state.aim_y, tuning)
+
+
+def advance(state: State) -> None:
+    """Move the target by its velocity and acceleration."""
+    state.target_x += STEP * (state.aim_x + state.push_x * STEP / 2)
+    state.target_y += STEP * (state.aim_y + state.push_y * STEP / 2)
+    state.aim_x, state.aim_y = state.aim_x + state.push_x * STEP, state.aim_y + state.push_y * STEP
+
+
+def shape(state: State, x: float, y: float, tuning: Tuning) -> None:
+    """Change the target's acceleration towards this one, which braking and then turning may use up."""
+    x, y = within(x, y, 2.0 * tuning.accel)
+    speed = math.sqrt(state.aim_x**2 + state.aim_y**2)
+    if speed > 0.0:
+        dx, dy = state.aim_x / speed, state.aim_y / speed
+        along, across = x * dx + y * dy, dx * y - dy * x
+        if along > 0.0:
+            across = min(max(across, -tuning.accel), tuning.accel)
+            along = min(along, math.sqrt(tuning.accel**2 - across * across))
+        else:
+            along = max(along, -tuning.accel)
+            room = math.sqrt(tuning.accel**2 - along * along)
+            across = min(max(across, -room), room)
+        x, y = along * dx - across * dy, along * dy + across * dx
+    x, y = within(x, y, tuning.accel)
+    x, y = within(x - state.push_x, y - state.push_y, tuning.shaping_jerk * STEP)
+    state.push_x, state.push_y = state.push_x + x, state.push_y + y
+
+
+def within(x: float, y: float, most: float) -> tuple[float, float]:
+    """A vector, cut to a length."""
+    size = math.sqrt(x * x + y * y)
+    if size <= most:
+        return x, y
+    return x * most / size, y * most / size

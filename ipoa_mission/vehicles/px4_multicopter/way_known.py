@@ -1,0 +1,19 @@
+"""What PX4 makes of each command of a mission on a multicopter, read in 1.17.0 (MissionBlock, Mission, Commander).
+
+LOITER_UNLIM and LOITER_TIME hold at their place; LOITER_TURNS and DO_ORBIT are refused in a mission.
+"""
+
+from ipoa_mission.mission.commands import Command
+from ipoa_mission.vehicles.way_known import WayKnown
+
+WAY_KNOWN = WayKnown(
+    why={
+        Command.NAV_LOITER_TO_ALT: "it goes on from within NAV_LOITER_RAD of the place, and changes its height there",
+        Command.NAV_VTOL_TAKEOFF: "of a vehicle with wings",
+        Command.NAV_VTOL_LAND: "of a vehicle with wings",
+        Command.DO_VTOL_TRANSITION: "a multicopter waits for ever where it asks for wings",
+        Command.DO_SET_HOME: "heights count from another home from here on, and it returns to that",
+        Command.COMPONENT_ARM_DISARM: "it may stop the motors",
+        Command.CONDITION_GATE: "it goes on as the vehicle passes the gate, which is not modeled",
+    },
+)

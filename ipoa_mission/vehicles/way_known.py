@@ -1,0 +1,50 @@
+"""Which commands of a firmware move the vehicle as a model here knows, which leave it on its way, and which neither."""
+
+from collections.abc import Callable, Mapping, Sequence, Set
+from dataclasses import dataclass, field
+
+from ipoa_mission.mission.commands import Command
+
+#: Cameras, mounts, servos, messages: nothing of the way depends on them.
+EQUIPMENT = frozenset({
+    Command.NAV_ROI, Command.DO_SET_RELAY, Command.DO_REPEAT_RELAY, Command.DO_SET_SERVO, Command.DO_REPEAT_SERVO,
+    Command.DO_SET_ACTUATOR, Command.DO_SET_ROI_LOCATION, Command.DO_SET_ROI_WPNEXT_OFFSET, Command.DO_SET_ROI_NONE,
+    Command.DO_CONTROL_VIDEO, Command.DO_SET_ROI, Command.DO_DIGICAM_CONFIGURE, Command.DO_DIGICAM_CONTROL,
+    Command.DO_MOUNT_CONFIGURE, Command.DO_MOUNT_CONTROL, Command.DO_SET_CAM_TRIGG_DIST, Command.DO_GRIPPER,
+    Command.DO_SET_CAM_TRIGG_INTERVAL, Command.DO_SPRAYER, Command.DO_SEND_SCRIPT_MESSAGE, Command.OBLIQUE_SURVEY,
+    Command.SET_CAMERA_MODE, Command.SET_CAMERA_ZOOM, Command.SET_CAMERA_FOCUS, Command.SET_CAMERA_SOURCE,
+    Command.DO_GIMBAL_MANAGER_PITCHYAW, Command.DO_GIMBAL_MANAGER_CONFIGURE, Command.IMAGE_START_CAPTURE,
+    Command.IMAGE_STOP_CAPTURE, Command.DO_TRIGGER_CONTROL, Command.VIDEO_START_CAPTURE, Command.VIDEO_STOP_CAPTURE,
+    Command.DO_WINCH,
+})  # fmt: skip
+#: They stand for a place in the list, or lead to one.
+MARKS = frozenset({
+    Command.DO_JUMP, Command.JUMP_TAG, Command.DO_JUMP_TAG, Command.DO_LAND_START, Command.DO_RETURN_PATH_START,
+})  # fmt: skip
+#: What every model flies.
+SIMPLE = frozenset({
+    Command.NAV_WAYPOINT, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TIME, Command.NAV_RETURN_TO_LAUNCH,
+    Command.NAV_LAND, Command.NAV_TAKEOFF, Command.NAV_DELAY, Command.DO_CHANGE_SPEED,
+})  # fmt: skip
+
+
+@dataclass(frozen=True)
+class WayKnown:
+    """Commands by what they do to the way of one vehicle; every other one leaves it unknown."""
+
+    flown: Set[int] = SIMPLE
+    """They move the vehicle, as its model flies them."""
+    still: Set[int] = EQUIPMENT
+    """They do not move it."""
+    why: Mapping[int, str] = field(default_factory=dict)
+    """What others do, in words."""
+    unless: Mapping[int, Callable[[Sequence[float]], bool]] = field(default_factory=dict)
+    """By which params others do not move it."""
+
+    def why_unknown(self, command: int, params: Sequence[float]) -> str | None:
+        """Why nobody here knows where the vehicle flies from this item on; None where that is known."""
+        if command in self.flown or command in self.still or command in MARKS:
+            return None
+        if command in self.unless and self.unless[command](params):
+            return None
+        return self.why.get(command, "where it leads is not modeled")
