@@ -223,6 +223,17 @@ RULES: Mapping[str, Rule] = {
         "Turn back before it, or have a rally point nearer; from there on it lands where it is.",
         True,
     ),
+    "way-unknown": Rule(
+        "An item moves the vehicle in a way that is not modeled: what it keeps of anything is not known.",
+        "Leave the item out, or do what the hint says.",
+        True,
+    ),
+    "never-reached": Rule("This firmware never gets to an item, and stays in the air.", "Do what the hint says.", True),
+    "circle-sense": Rule(
+        "The firmware circles the other way round than the item asks for.",
+        "Turn the sign of the parameter that is named, or take the other sense.",
+        False,
+    ),
     "map-not-understood": Rule(
         "A leg leads over a thing of a map whose height nobody knows.",
         "Give its height, as the hint says, or fly round it.",

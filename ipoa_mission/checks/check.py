@@ -11,6 +11,7 @@ from ipoa_mission.checks.firmware import check_firmware, is_too_long
 from ipoa_mission.checks.positions import check_positions, unsound
 from ipoa_mission.checks.sound import sound_part
 from ipoa_mission.checks.version import check_version
+from ipoa_mission.checks.way import check_way
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.rules import expect_ignorable
@@ -70,6 +71,8 @@ def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Findi
     elsewhere = None if scenario is None else scenario.why_elsewhere(mission.home)
     if elsewhere is not None:
         findings.append(Finding("another-place", Severity.ERROR, 0, str(elsewhere), elsewhere.hint))
+    if not unsound(positions) and mission.vehicle_type not in NO_AIRCRAFT:
+        findings += check_way(forecast)
     flown = None if elsewhere else sound_part(forecast, positions)
     if flown is not None:
         from ipoa_mission.checks.passing import check_passing

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, itinerary
 from ipoa_mission.forecast.itinerary.legs import Leg, Phase, flown_legs, join, return_ways
+from ipoa_mission.forecast.itinerary.unknown import Unknown, unknown_ways
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import known_ground, landing_over
@@ -158,6 +159,11 @@ class Forecast:
         """
         return itinerary(self.mission, self.ground)
 
+    @cached_property
+    def unknown(self) -> tuple[Unknown, ...]:
+        """The items from which on nobody knows where it flies; what is kept of anything is then unknown, too."""
+        return tuple(unknown_ways(self.given))
+
     def predicted(self, sure: bool, fast: bool | None = None) -> "Prediction":
         """When and where it meets all that; not `sure` where it is, as PX4 is not: in the mean of its flights.
 
@@ -182,7 +188,9 @@ class Forecast:
         from ipoa_mission.forecast.timing.estimate import times_of
 
         expected = self.expected if fast is None else self.predicted(sure=False, fast=fast)
-        return times_of(self.mission, self.itinerary, expected)
+        times = times_of(self.mission, self.itinerary, expected)
+        unknown = (f"item {one.seq}: {one.why}: how long it takes from there on is not known" for one in self.unknown)
+        return replace(times, remarks=(*times.remarks, *unknown))
 
     @cached_property
     def expected(self) -> "Prediction":
@@ -207,9 +215,11 @@ class Forecast:
 
     @cached_property
     def promise(self) -> "Promise":
-        """What its flights keep of the scenario's limits; raises as `predicted` does."""
+        """What its flights keep of the scenario's limits; raises as `predicted` does, and where its way is unknown."""
         from ipoa_mission.forecast.tube.promise import PredictedFlight, promise_of
 
+        for unknown in self.unknown:
+            raise MissionError(f"items[{unknown.seq - 1}]: {unknown.why}; the clearance is not known", unknown.hint)
         prediction = self.predicted(sure=True)
         return promise_of(PredictedFlight(self.itinerary, prediction, self.mission.autopilot, self.world))
 
@@ -220,6 +230,11 @@ class Forecast:
             return self.promise if self.itinerary.visits else None
         except MissionError:
             return None
+
+    @property
+    def proof_if_known(self) -> "Proof | None":
+        """The proof; None where it has no legs, or its way is unknown."""
+        return None if self.unknown or not self.cruise else self.proof
 
     @cached_property
     def proof(self) -> "Proof":

@@ -83,7 +83,7 @@ def report_html(
         forecast.estimate,
         forecast.promise_if_known,
     )
-    proof = forecast.proof if forecast.cruise else None
+    proof = forecast.proof_if_known
     airspace, required = scenario.airspace, scenario.limits.obstacle_distance
     stop_list = stops(forecast)
     course = follow(estimate.track, airspace)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.legs import item_places
+from ipoa_mission.forecast.itinerary.legs import item_places, join
 from ipoa_mission.forecast.itinerary.program import as_flown
 from ipoa_mission.forecast.timing.estimate import ItemTime
 from ipoa_mission.geometry import Points, Vector, polyline_length
@@ -45,7 +45,8 @@ def stops(forecast: Forecast) -> tuple[FlownItem, ...]:
     scenario = forecast.world
     rows, airspace, flown = [], scenario.airspace, as_flown(forecast.mission)
     places = item_places(flown, scenario.frame, airspace.ground)
-    curves = {leg.seq: leg for leg in forecast.cruise if leg.stray > 0}
+    bent = {leg.seq for leg in forecast.cruise if leg.stray > 0}
+    curves = {seq: join([leg for leg in forecast.cruise if leg.seq == seq]) for seq in bent}
     before, flying = np.zeros(3), False
     for time in forecast.estimate.items:
         item, place = flown.items[time.seq - 1], places[time.seq - 1]
@@ -53,9 +54,9 @@ def stops(forecast: Forecast) -> tuple[FlownItem, ...]:
             place[2] = airspace.ground(place[None, :])[0]
         leg = (place if place is not None else before) - before
         run = float(np.hypot(*leg[:2]))
-        curve = curves.get(time.seq)
-        way = curve.points if curve is not None else before + np.array([[0.0], [1.0]]) * leg
-        between = place is not None and flying and item.command in MOVING and np.linalg.norm(leg) > 0
+        way, stray = curves.get(time.seq, (before + np.array([[0.0], [1.0]]) * leg, 0.0))
+        moves = item.command in MOVING and np.linalg.norm(leg) > 0
+        between = place is not None and flying and moves and not forecast.unknown
         rows.append(
             FlownItem(
                 item=item,
@@ -67,7 +68,7 @@ def stops(forecast: Forecast) -> tuple[FlownItem, ...]:
                 length=polyline_length(way),
                 heading=math.atan2(leg[0], leg[1]) % (2 * math.pi) if run > HERE else math.nan,
                 climb=float(leg[2]),
-                proof=prove(way, scenario, 0.0 if curve is None else curve.stray) if between else None,
+                proof=prove(way, scenario, stray) if between else None,
             )
         )
         if place is not None:

@@ -29,7 +29,7 @@ def survey_html(plan: SurveyPlan, names: Sequence[str], remarks: Sequence[str]) 
 def _flight(flight: SurveyFlight, name: str) -> str:
     forecast = flight.forecast
     course = follow(forecast.estimate.track, forecast.world.airspace)
-    proof = forecast.proof if forecast.cruise else None
+    proof = forecast.proof_if_known
     judged = verdict(proof, forecast.promise_if_known, dangers(course, forecast.world), flight.findings)
     link = f'<a href="{quote(name)}.html">{escape(name)}</a>'
     return f"<h3>{link}: {seconds(forecast.estimate.total_s)}</h3>{judged}"

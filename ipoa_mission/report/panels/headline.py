@@ -20,10 +20,12 @@ def verdict(
     proof: Proof | None, promise: Promise | None, dangers: Sequence[Danger], findings: Sequence[Finding] = ()
 ) -> str:
     """One line in words and with a sign: clear of everything, or not; or clear, and with warnings to be read first."""
+    errors = [finding.message for finding in findings if finding.severity is Severity.ERROR]
     if proof is None:
+        if errors:
+            return _line("bad", "✕", f"Not to be flown: {errors[0]}.")
         return '<p class="verdict">No leg between waypoints to judge.</p>'
     against = [proof.words()] if not proof.holds else [danger.words for danger in dangers if danger.touching]
-    errors = [finding.message for finding in findings if finding.severity is Severity.ERROR]
     kept = None if promise is None else promise.clearance
     if promise is not None and (broken := [kept for kept in promise.limits if kept.forbids]):
         worst = min(broken, key=lambda kept: kept.slack)

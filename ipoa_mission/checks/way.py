@@ -1,0 +1,36 @@
+"""Items that the vehicle never gets to, and those after which nobody knows where it flies."""
+
+import math
+from collections.abc import Iterator
+
+from ipoa_mission.checks.finding import item_of, numbered
+from ipoa_mission.finding import Finding
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.mission.commands import Command
+
+
+def check_way(forecast: Forecast) -> Iterator[Finding]:
+    """An error for each; what a firmware does not take, or never flies, has a finding of its own.
+
+    And a warning of a circle that is flown the other way round.
+    """
+    mission = forecast.given
+    firmware = mission.autopilot.firmware(mission.firmware_version)
+    for unknown in forecast.unknown:
+        at, words = item_of(mission, unknown.seq), f"{unknown.why}; the clearance is not known"
+        if not firmware.takes(at.item.command) or at.item.command in firmware.never_flown:
+            continue
+        if unknown.never_reached:
+            yield at.error("never-reached", words, unknown.hint)
+        else:
+            yield at.error("way-unknown", words, unknown.hint)
+    parameters = mission.autopilot.book.complete(mission.parameters)
+    for at in numbered(mission):
+        radius = at.item.params[2]
+        if at.item.command != Command.NAV_LOITER_TURNS or radius == 0.0 or not math.isfinite(radius):
+            continue
+        flown = mission.autopilot.circle(parameters, abs(radius), version=mission.firmware_version)
+        if flown is not None and flown.sense * radius < 0.0:
+            sense = "clockwise" if flown.sense > 0.0 else "counterclockwise"
+            words = f"{firmware} flies it {sense}: the sign of CIRCLE_RATE counts, and that of the radius does not"
+            yield at.warning("circle-sense", words)

@@ -1,0 +1,71 @@
+"""From which items on nobody here knows where the vehicle flies, and which items it never gets to."""
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from ipoa_mission.forecast.itinerary.copter_circle import entry_is_unsure, radius_of
+from ipoa_mission.forecast.itinerary.copter_spline import WITH_PLACE, reads_as_here
+from ipoa_mission.forecast.itinerary.program import Place, Program, as_flown, next_navigated
+from ipoa_mission.mission.commands import FLOWN_TO, TAKEOFFS, WAYPOINTS, Command, command_name
+from ipoa_mission.mission.items import Mission
+from ipoa_mission.vehicles.returning import HOME
+from ipoa_mission.world.frame import LocalFrame
+
+NOWHERE = (math.nan, math.nan, math.nan)
+
+
+class Unknown(NamedTuple):
+    """Why the way is unknown from item `seq` on; `never_reached`: the vehicle does not get to its end."""
+
+    seq: int
+    why: str
+    hint: str
+    never_reached: bool = False
+
+
+def unknown_ways(mission: Mission) -> Iterator[Unknown]:
+    """Every such item, in their order."""
+    autopilot, items = mission.autopilot, as_flown(mission).items
+    program = Program(items, LocalFrame(mission.home), autopilot)
+    circles, splines = Command.NAV_LOITER_TURNS in autopilot.way_known.flown, autopilot.guidance.flies_splines
+    here: Place | None = None
+    for n, item in enumerate(items):
+        if (why := autopilot.way_known.why_unknown(item.command, item.params)) is not None:
+            yield Unknown(n + 1, why, "leave it out, or fly it without a forecast (--anyway)")
+        place = program.place(n, here or NOWHERE)
+        if circles and item.command == Command.NAV_LOITER_TURNS:
+            if here is not None and entry_is_unsure(here, place, radius_of(item)):
+                why = "it begins near the circle's center: on which side it goes to the circle is chance"
+                yield Unknown(n + 1, why, "begin it farther from the center")
+            here = None
+        elif item.command in TAKEOFFS:  # straight up
+            here = (*(here or HOME)[:2], place[2])
+        elif item.command in FLOWN_TO:
+            here = place
+        if splines and item.command == Command.NAV_SPLINE_WAYPOINT:
+            yield from _after_a_spline(program, n)
+        elif item.command in WAYPOINTS and (following := program.onward(n)) is not None:
+            yield from _payload_elsewhere(mission, program, n, following)
+
+
+def _after_a_spline(program: Program, n: int) -> Iterator[Unknown]:
+    """Where what follows a spline stores no place, and is read as one."""
+    items = program.items
+    for after in {next_navigated(items, n, program.autopilot), program.shaped_by(n)} - {None}:
+        assert after is not None
+        if items[after].command not in WITH_PLACE and not reads_as_here(items[after]):
+            name = command_name(items[after].command)
+            why = f"{name} after a spline is read as a place far away or up: the vehicle may dive into the ground"
+            yield Unknown(n + 1, why, "put a waypoint between them", True)
+
+
+def _payload_elsewhere(mission: Mission, program: Program, n: int, following: int) -> Iterator[Unknown]:
+    """Where a payload is placed at another height than the waypoint before it: the vehicle waits there for ever."""
+    autopilot, item = mission.autopilot, program.items[following]
+    if item.command != Command.NAV_PAYLOAD_PLACE or not item.has_position:
+        return
+    radius = autopilot.book.complete(mission.parameters)[autopilot.book.meanings["acceptance radius"]] / 100
+    if abs(program.place(following, NOWHERE)[2] - program.place(n, NOWHERE)[2]) > radius:
+        why = "it waits at this height to come to that of the waypoint before, and never places the payload"
+        yield Unknown(following + 1, why, "give it the height of the waypoint before, or 0", True)

@@ -1,0 +1,108 @@
+"""The law of every command that a firmware takes: its way is modeled, it has none, or nothing is promised."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from ipoa_mission.checks.check import check, check_mission
+from ipoa_mission.finding import Severity
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.mission.commands import JUMPS, Command, Frame
+from ipoa_mission.mission.items import Item, Mission, return_to_launch, spline_waypoint, takeoff, waypoint
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.firmware import Firmware
+from ipoa_mission.vehicles.version import Version
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+HOME = Geodetic(47.397742, 8.545594, 488.0)
+FRAME = LocalFrame(HOME)
+
+
+def at(east: float, north: float) -> Geodetic:
+    return FRAME.geodetic(np.array([east, north, 0.0]))
+
+
+FIRST, SECOND, LAST = (waypoint(at(*place), 20.0) for place in ((0, 30), (0, 90), (-40, 60)))
+TABLES = [
+    pytest.param(autopilot, autopilot.firmware(Version(*series)), id=f"{autopilot}-{series[0]}.{series[1]}")
+    for autopilot in registered()
+    for series in autopilot.tables.series
+]
+STOPS_FOR_IT = 2.5  # a corner that is not cut where a command is passed over [m]
+
+
+@cache
+def world_of(autopilot: Autopilot) -> Scenario:
+    home = {"latitude_deg": HOME.latitude_deg, "longitude_deg": HOME.longitude_deg, "altitude_amsl": HOME.altitude}
+    mast = {"kind": "cylinder", "name": "mast", "east": 60.0, "north": 60.0, "radius": 5.0, "height": 50.0}
+    start, goal = ({"east": east, "north": north, "up": 20.0} for east, north in ((0.0, 0.0), (-40.0, 60.0)))
+    vehicle = {"autopilot": str(autopilot)}
+    return Scenario.from_dict({"home": home, "start": start, "goal": goal, "vehicle": vehicle, "obstacles": [mast]})
+
+
+def clearance_is_known(mission: Mission) -> bool:
+    forecast = Forecast(mission, world_of(mission.autopilot))
+    errors = {one.code for one in check(forecast) if one.severity is Severity.ERROR}
+    unknown = bool(errors & {"way-unknown", "never-reached", "command-never-flown"})
+    if unknown:
+        assert forecast.promise_if_known is None
+        assert forecast.proof_if_known is None
+    return not unknown
+
+
+@pytest.mark.parametrize(("autopilot", "firmware"), TABLES)
+def test_a_command_is_flown_by_the_model_or_moves_nothing_or_leaves_the_clearance_unknown(
+    autopilot: Autopilot, firmware: Firmware
+) -> None:
+    known, plain = autopilot.way_known, Mission(HOME, (takeoff(HOME, 20.0), FIRST, LAST), autopilot)
+    newest = autopilot.firmware().version
+    straight = Forecast(plain).predicted(sure=True, fast=False).track.points
+    for command in sorted({*firmware.placed, *firmware.plain} - JUMPS):
+        placed = command in firmware.placed
+        item = Item(command, Frame.GLOBAL_RELATIVE_ALT if placed else Frame.MISSION, (3.0, 3.0, 3.0, 0.0))
+        if placed:
+            item = replace(
+                item, latitude_deg=at(60, 60).latitude_deg, longitude_deg=at(60, 60).longitude_deg, altitude=20.0
+            )
+        mission = replace(plain, items=(plain.items[0], FIRST, item, LAST), firmware_version=firmware.version)
+        assert clearance_is_known(mission) == (known.why_unknown(command, item.params) is None), command
+        if command in known.still and firmware.version == newest:
+            flown = Forecast(mission).predicted(sure=True, fast=False).track.points
+            nearest = np.linalg.norm(flown[:, None] - straight, axis=2).min(axis=1)
+            assert nearest.max() < STOPS_FOR_IT, command
+
+
+def after_a_spline(item: Item) -> Mission:
+    spline = spline_waypoint(at(0, 90), 20.0)
+    return Mission(HOME, (takeoff(HOME, 20.0), FIRST, spline, item, LAST, return_to_launch()), Autopilot.ARDUPILOT)
+
+
+@pytest.mark.parametrize(
+    ("command", "params", "dives"),
+    [
+        (Command.NAV_DELAY, (5.0, -1.0, -1.0, -1.0), True),  # as ArduCopter 4.8.0-dev flew it
+        (Command.NAV_DELAY, (5.0, 0.0, 0.0, 0.0), False),
+        (Command.NAV_SET_YAW_SPEED, (90.0, 5.0, 0.0, 0.0), True),
+        (Command.NAV_ALTITUDE_WAIT, (50.0, 2.0, 0.0, 0.0), True),
+        (Command.NAV_RETURN_TO_LAUNCH, (0.0, 0.0, 0.0, 0.0), False),
+        (Command.NAV_GUIDED_ENABLE, (0.0, 0.0, 0.0, 0.0), False),
+    ],
+)
+def test_a_spline_before_a_command_without_a_place_is_flown_or_an_error(
+    command: Command, params: tuple[float, float, float, float], dives: bool
+) -> None:
+    mission = after_a_spline(Item(command, Frame.MISSION, params))
+    assert ("never-reached" in {one.code for one in check_mission(mission)}) == dives
+    assert clearance_is_known(mission) != dives
+
+
+def test_a_payload_at_another_height_than_the_waypoint_before_is_never_placed() -> None:
+    beside = at(40, 60)
+    where = beside.latitude_deg, beside.longitude_deg
+    for height, placed in ((30.0, False), (20.0, True), (0.0, True)):
+        item = Item(Command.NAV_PAYLOAD_PLACE, Frame.GLOBAL_RELATIVE_ALT, (0.0,) * 4, *where, height)
+        mission = Mission(HOME, (takeoff(HOME, 20.0), FIRST, item, LAST, return_to_launch()), Autopilot.ARDUPILOT)
+        assert clearance_is_known(mission) == placed
