@@ -32,7 +32,8 @@ def details_of(item: Item) -> str:
         case Command.NAV_DELAY if item.clock:
             return f"until {item.clock}"
         case Command.NAV_LOITER_TURNS:
-            return f"{first:g} turns"
+            asked = ", counterclockwise" if item.params[2] < 0 else ""
+            return f"{first:g} turns, radius {abs(item.params[2]):g} m{asked}"
         case Command.NAV_ARC_WAYPOINT:
             return f"{first:g} degrees"
         case Command.NAV_WAYPOINT if second > 0:

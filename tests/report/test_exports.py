@@ -211,7 +211,7 @@ def test_what_the_columns_do_not_show_is_said_in_words() -> None:
     )
     assert [row.detail for row in mission_table(Mission(HOME, items, Autopilot.ARDUPILOT))[1:]] == [
         "to item 3, 2 times",
-        "4 turns",
+        "4 turns, radius 20 m",
         "param1 25, param3 1",
         "within 7.5 m",
     ]

@@ -1,4 +1,4 @@
-"""GPX 1.1: the items as a route, home and rally points as waypoints; `ele` is above mean sea level.
+"""GPX 1.1: the items as a route, the way as a track, home and rally points as waypoints; `ele` is above sea level.
 
 A height above terrain has no `ele`: GPX knows no other altitude.
 """
@@ -8,6 +8,7 @@ from xml.etree import ElementTree as Tree
 
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.commands import command_name
+from ipoa_mission.report.exports.lines import lines_of
 
 NAMESPACE = "http://www.topografix.com/GPX/1/1"
 
@@ -27,12 +28,19 @@ def to_gpx(forecast: Forecast, name: str) -> str:
         if item.has_position:
             amsl = home.altitude + mission.altitude_above_home(item)
             _place(route, "rtept", item.latitude_deg, item.longitude_deg, amsl, f"{seq} {command_name(item.command)}")
+    track = Tree.SubElement(root, "trk")
+    Tree.SubElement(track, "name").text = f"{name}: way"
+    for stretch in lines_of(forecast):
+        segment = Tree.SubElement(track, "trkseg")
+        for longitude_deg, latitude_deg, amsl in stretch.points:
+            _place(segment, "trkpt", latitude_deg, longitude_deg, math.nan if stretch.over_terrain else amsl)
     Tree.indent(root)
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + Tree.tostring(root, encoding="unicode") + "\n"
 
 
-def _place(parent: Tree.Element, tag: str, latitude_deg: float, longitude_deg: float, amsl: float, name: str) -> None:
-    place = Tree.SubElement(parent, tag, lat=f"{latitude_deg:.9f}", lon=f"{longitude_deg:.9f}")
+def _place(parent: Tree.Element, tag: str, latitude: float, longitude: float, amsl: float, name: str = "") -> None:
+    place = Tree.SubElement(parent, tag, lat=f"{latitude:.9f}", lon=f"{longitude:.9f}")
     if math.isfinite(amsl):
         Tree.SubElement(place, "ele").text = f"{amsl:.3f}"
-    Tree.SubElement(place, "name").text = name
+    if name:
+        Tree.SubElement(place, "name").text = name
