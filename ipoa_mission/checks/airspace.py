@@ -45,9 +45,9 @@ def check_airspace(forecast: Forecast) -> Iterator[Finding]:
         message = f"home: lies {np.linalg.norm(offset):.1f} m from the scenario's home: heights above home differ"
         yield Finding("home-differs", Severity.WARNING, 0, message)
     for leg in forecast.legs:
-        for broken in _broken(leg, scenario):
-            item, message = item_of(mission, leg.seq), f"{leg_name(leg)}: {broken.words()}"
-            if leg.phase is not Phase.CRUISE and not _touches(broken, scenario):
+        for check in broken(leg, scenario):
+            item, message = item_of(mission, leg.seq), f"{leg_name(leg)}: {check.words()}"
+            if leg.phase is not Phase.CRUISE and not _touches(check, scenario):
                 yield item.warning("leg-too-near", message)
             else:
                 hint = remedy(forecast) if leg.phase is Phase.RETURN else None
@@ -62,13 +62,13 @@ def leg_name(leg: Leg) -> str:
     return f"{NAMES[leg.phase]} from {begin}, after a jump"
 
 
-def _broken(leg: Leg, scenario: Scenario) -> list[Check]:
+def broken(leg: Leg, scenario: Scenario) -> list[Check]:
     """The limits that a leg breaks by more than rounding; straight up or down no angle is too steep."""
     limits = LIMITS[leg.phase] - (ANGLES if np.ptp(leg.points[:, :2], axis=0).max() < ROUNDING["m"] else set())
     checks = prove(leg.points, scenario, leg.stray).checks
     return [c for c in checks if c.limit in limits and c.slack < -ROUNDING[c.unit]]
 
 
-def _touches(broken: Check, scenario: Scenario) -> bool:
-    solid = broken.limit in ("obstacles", "ground")
-    return solid and broken.nearest.distance < scenario.vehicle.radius - ROUNDING["m"]
+def _touches(check: Check, scenario: Scenario) -> bool:
+    solid = check.limit in ("obstacles", "ground")
+    return solid and check.nearest.distance < scenario.vehicle.radius - ROUNDING["m"]

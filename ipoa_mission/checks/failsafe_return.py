@@ -11,7 +11,7 @@ import numpy as np
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.looks import GROUND, RETURNS, EndingLooks, EndingWays
-from ipoa_mission.forecast.shortfalls import HIGHEST, at_another_height, shortfalls
+from ipoa_mission.forecast.shortfalls import at_another_height, shortfalls
 from ipoa_mission.planning.proof import Check, prove_ground
 from ipoa_mission.vehicles.ending import Ending
 
@@ -57,15 +57,13 @@ def _check(ways: EndingWays, looks: EndingLooks, n: int, legs: range) -> Check:
 
 
 def _remedy(ways: EndingWays) -> str | None:
-    """A return altitude, a multiple of five meters, at which the way home is clear from everywhere."""
+    """A return altitude that is allowed, a multiple of five meters, at which the way home is clear from everywhere."""
     by, short = ways.mission.autopilot.book.return_height, list(shortfalls(ways, Ending.RTL, ways.looks(Ending.RTL)))
-    higher, left = at_another_height(ways, ways.forecast, short, HIGHEST)
+    higher, left = at_another_height(ways, ways.forecast, short)
     if any(one.part >= RETURNS for one in left):
         return None
     value = higher.given.parameters[by.name]
-    highest = ways.forecast.world.airspace.bounds.upper[2]
-    beyond = f" (above the upper bound of {highest:g} m)" if value * by.unit > highest else ""
-    return f"{by.name} = {value:.0f}{beyond} makes it clear, in the vehicle and under [vehicle.parameters]"
+    return f"{by.name} = {value:.0f} makes it clear, in the vehicle and under [vehicle.parameters]"
 
 
 def in_words(seqs: Sequence[int]) -> str:

@@ -4,6 +4,8 @@ from collections.abc import Sequence
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.finding import Finding, Severity
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.mission.commands import Command
 
 
 class Unsafe(MissionError):
@@ -24,3 +26,19 @@ def refuse_errors(findings: Sequence[Finding]) -> tuple[Finding, ...]:
         unsafe.known = {"codes": codes}
         raise unsafe
     return tuple(findings)
+
+
+def refuse_unclear_returns(findings: Sequence[Finding], forecast: Forecast) -> None:
+    """Refuse a flight with a finding about a return where its scenario has returns planned.
+
+    Raises:
+        Unsafe: a return is not clear.
+    """
+    if forecast.world.safety.returns != "planned":
+        return
+    own = {seq for seq, item in enumerate(forecast.mission.items, 1) if item.command == Command.NAV_RETURN_TO_LAUNCH}
+    codes = {"return-too-near", "land-too-near"}
+    told = [one for one in findings if one.code in codes or (one.code == "leg-too-near" and one.seq in own)]
+    if told:
+        hints = dict.fromkeys([*(one.hint for one in told if one.hint), '[safety] returns = "warn", to be warned only'])
+        raise Unsafe("\n".join(one.message for one in told), hint="; or ".join(hints))

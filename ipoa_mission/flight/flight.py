@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from threadpoolctl import threadpool_limits
 
 from ipoa_mission.checks.check import check
-from ipoa_mission.checks.unsafe import refuse_errors
+from ipoa_mission.checks.unsafe import refuse_errors, refuse_unclear_returns
 from ipoa_mission.checks.version import expect_measured
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import make_folder, write_atomically
@@ -247,6 +247,7 @@ def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
     told = check(forecast)
     refuse_errors([finding for finding in told if finding.code not in OF_BATTERY])
+    refuse_unclear_returns(told, forecast)
     findings = tuple(finding for finding in told if finding.severity is Severity.WARNING)
     messages = (words for finding in findings for words in (finding.message, finding.hint) if words)
     planned = (

@@ -8,10 +8,12 @@ import numpy as np
 
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.looks import BRAKES, CLIMBS, EVERY_S, GROUND, RETURNS, EndingLooks, EndingWays
+from ipoa_mission.forecast.tube.measured import law_of
 from ipoa_mission.vehicles.ending import Ending
 
 HEIGHT_STEP, HIGHEST = 5, 500  # return altitudes are of every so many meters, up to [m] above home
 MOST_TRIES = 8  # return altitudes
+STRAYS = 0.01  # the share of flights that may stray higher than is allowed for below a fence's ceiling
 SAG = 0.3  # a return is up to so much lower than it is set [m]
 
 
@@ -42,13 +44,37 @@ def returning(ways: EndingWays) -> list[Shortfall]:
     return list(shortfalls(ways, Ending.RTL, few)) or list(shortfalls(ways, Ending.RTL, ways.looks(Ending.RTL)))
 
 
-def at_another_height(
-    ways: EndingWays, forecast: Forecast, short: list[Shortfall], highest: float
-) -> tuple[Forecast, list[Shortfall]]:
-    """The lowest return altitude of those tried at which RTL is clear, else that which leaves the least to the path."""
+def highest_return(forecast: Forecast) -> float:
+    """The greatest return altitude that bounds, ceiling and the vehicle's own fence allow [m above home].
+
+    A fence that comes with the mission holds only where the vehicle's own is switched on, and with it its ceiling.
+    """
+    mission, world = forecast.mission, forecast.world
+    book = mission.autopilot.book
+    values = {**book.others, **book.by_old_names(mission.parameters)}
+    if mission.fence:
+        values[book.fence_switch] = values[book.fence_switch] or 1.0
+    own, stray = mission.autopilot.own_fence(values), law_of(mission.autopilot).highest.distance(STRAYS)
+    allowed = [HIGHEST, world.airspace.bounds.upper[2], world.planning.max_height_above_ground or math.inf]
+    return min([*allowed, *([] if own is None else [own.ceiling.value - stray])])
+
+
+def return_altitude(forecast: Forecast) -> float:
+    """How high above home it returns, by its parameters [m]."""
+    book = forecast.mission.autopilot.book
+    return book.complete(forecast.mission.parameters)[book.return_height.name] * book.return_height.unit
+
+
+def at_another_height(ways: EndingWays, forecast: Forecast, short: list[Shortfall]) -> tuple[Forecast, list[Shortfall]]:
+    """The lowest return altitude of those tried at which RTL is clear, else that which leaves the least to the path.
+
+    None is higher than what is allowed; one that is, comes down.
+    """
     by = forecast.mission.autopilot.book.return_height
-    now = forecast.mission.autopilot.book.complete(forecast.mission.parameters)[by.name] * by.unit
+    highest, now = highest_return(forecast), return_altitude(forecast)
     best, tried, asked = (forecast, short), {now}, list(_heights(ways, short, now))
+    if now > highest:
+        asked.append(float(HEIGHT_STEP * math.floor(highest / HEIGHT_STEP)))
     for _ in range(MOST_TRIES):
         asked = sorted({height for height in asked if 0.0 < height <= highest} - tried)
         if not asked:
@@ -58,7 +84,8 @@ def at_another_height(
         other = Forecast(raised, forecast.scenario, forecast.wind)
         if not (left := returning(ways.returning(other))):
             return other, []
-        best = min(best, (other, left), key=_merit)
+        too_high = return_altitude(best[0]) > highest
+        best = (other, left) if too_high else min(best, (other, left), key=_merit)
         asked += _heights(ways, left, height)
     return best
 

@@ -128,9 +128,9 @@ def _draw_top(axes: Axes, airspace: Airspace, paths: Mapping[str, Points]) -> No
     if np.ptp(up) > 1.0:
         contours = axes.contour(east, north, up, levels=_levels(up), colors="#8C7F63", linewidths=0.4, alpha=0.7)
         axes.clabel(contours, fontsize=5, fmt="%g m")
-    tops = [obstacle.bounds[1, 2] for obstacle in airspace.obstacles]
+    tops = [obstacle.bounds[1, 2] for obstacle in airspace.obstacles if obstacle.solid]
     for obstacle in sorted(airspace.obstacles, key=lambda o: float(o.bounds[1, 2])):
-        shade = ROOFS(obstacle.bounds[1, 2] / max(*tops, 1.0))
+        shade = ROOFS(obstacle.bounds[1, 2] / max([1.0, *tops]))
         rings = [np.vstack([ring, ring[:1]]) for ring in obstacle.outline()]
         whole = Outline.make_compound_path(*(Outline(ring, closed=True) for ring in _alternating(rings)))
         axes.add_patch(PathPatch(whole, facecolor=shade, edgecolor=palette.OUTLINE, linewidth=0.4))
@@ -143,10 +143,10 @@ def _draw_top(axes: Axes, airspace: Airspace, paths: Mapping[str, Points]) -> No
 def _draw_front(axes: Axes, airspace: Airspace, paths: Mapping[str, Points]) -> None:
     east, _, up = ground_mesh(airspace, 240)
     far_first = sorted(airspace.obstacles, key=lambda o: -float(o.bounds[0, 1]))
-    tops = [float(obstacle.bounds[1, 2]) for obstacle in far_first]
+    tops = [float(obstacle.bounds[1, 2]) for obstacle in far_first if obstacle.solid]
     shapes = PolyCollection(
         [obstacle.silhouette(0) for obstacle in far_first],
-        facecolors=[ROOFS(top / max(*tops, 1.0), alpha=0.55) for top in tops],
+        facecolors=[ROOFS(obstacle.bounds[1, 2] / max([1.0, *tops]), alpha=0.55) for obstacle in far_first],
         edgecolors=palette.OUTLINE,
         linewidths=0.4,
     )

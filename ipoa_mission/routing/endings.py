@@ -13,8 +13,16 @@ import numpy as np
 from ipoa_mission.forecast.endings import Endings, endings_of, lands_by_choice, to_return_instead, who_lands
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.looks import RETURNS, EndingWays
-from ipoa_mission.forecast.shortfalls import HIGHEST, Shortfall, at_another_height, returning, shortfalls
+from ipoa_mission.forecast.shortfalls import (
+    Shortfall,
+    at_another_height,
+    highest_return,
+    return_altitude,
+    returning,
+    shortfalls,
+)
 from ipoa_mission.routing.rally import rally_sets
+from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.ending import Ending
 
 NAMED = 3  # things on which it may come down
@@ -35,22 +43,17 @@ def settled(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
     if braking:  # another path it must be, and that is to turn back and climb in the clear as well
         return forecast, (*braking, *(one for one in returning(ways) if one.part < RETURNS))
     best, short = forecast, returning(ways)
-    by = forecast.mission.autopilot.book.return_height
-    may_rise = by.name not in forecast.world.vehicle.autopilot_parameters()
-    bound, highest = forecast.world.airspace.bounds.upper[2], _highest(forecast)
-    if short and may_rise:
-        best, short = at_another_height(ways, best, short, min(bound, highest))
+    if not names_return_altitude(forecast.world) and (short or return_altitude(forecast) > highest_return(forecast)):
+        best, short = at_another_height(ways, best, short)
     if any(one.part >= RETURNS for one in short) and not forecast.mission.rally:
         best, short = _with_rally_points(ways, best, short)
-    if any(one.part >= RETURNS for one in short) and may_rise and highest > bound:
-        best, short = at_another_height(ways, best, short, highest)
     return best, tuple(short)
 
 
-def _highest(forecast: Forecast) -> float:
-    """How high above home a return may be: what the scenario allows above the ground, whatever its bounds are."""
-    ceiling = forecast.world.planning.max_height_above_ground
-    return HIGHEST if ceiling is None else min(HIGHEST, ceiling)
+def names_return_altitude(scenario: Scenario) -> bool:
+    """Whether the scenario names the return altitude, by its older or newer name: then it stays."""
+    book = scenario.vehicle.autopilot.book
+    return book.return_height.name in book.by_old_names(scenario.vehicle.autopilot_parameters())
 
 
 def _with_rally_points(
@@ -88,12 +91,10 @@ def or_else(forecast: Forecast) -> str:
 def planned_returns(forecast: Forecast) -> Iterator[str]:
     """That its vehicle needs another return altitude, and which rally points were planned, where it is so."""
     scenario, mission = forecast.world, forecast.mission
-    by, given = mission.autopilot.book.return_height, scenario.vehicle.autopilot_parameters()
-    if by.name in forecast.given.parameters and by.name not in given:
-        value, highest = forecast.given.parameters[by.name], scenario.airspace.bounds.upper[2]
-        beyond = f", above the upper bound of {highest:g} m" if value * by.unit > highest else ""
+    name = mission.autopilot.book.return_height.name
+    if name in forecast.given.parameters and not names_return_altitude(scenario):
         yield (
-            f"RTL is clear from every second with {by.name} = {value:g} in the vehicle{beyond} "
+            f"RTL is clear from every second with {name} = {forecast.given.parameters[name]:g} in the vehicle "
             f"({scenario.name}.params; `fly --set-params` writes it)"
         )
     if len(mission.rally) > len(scenario.rally_points):

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from ipoa_mission.checks.airspace import broken
 from ipoa_mission.checks.way_home import clear_in
 from ipoa_mission.errors import MissionError
 from ipoa_mission.scenario import Scenario
@@ -29,7 +30,8 @@ def expect_way_home(attempt: "Attempt") -> None:
         return
     after = attempt.promise.flight.way[1]
     lands = any(one.comes_down and one.time > after for one in attempt.short)
-    if lands or not clear_in(scenario)(attempt.forecast.ways_home):
+    ways = attempt.forecast.ways_home
+    if lands or not clear_in(scenario)(ways) or any(broken(way, scenario) for way in ways):
         raise WayHomeBlocked("the straight way home is not clear")
 
 

@@ -10,7 +10,7 @@ import shapely
 from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario.places import FenceSection
 from ipoa_mission.world.frame import LocalFrame
-from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
+from ipoa_mission.world.obstacles import Obstacle, RoundZone, Zone
 
 HOME = shapely.Point(0.0, 0.0)
 SEGMENTS = 16  # of a quarter of an inclusion circle, which the path sees from the inside
@@ -50,10 +50,10 @@ def forbidden(fences: Sequence[FenceSection], frame: LocalFrame, base: float, to
         if shape.contains(HOME):
             raise BadInput(f"{name}: expected home outside of an exclusion")
         if fence.center is not None and fence.radius is not None:
-            obstacles.append(Cylinder(name, *fence.center.east_north(frame), fence.radius, base, top))
+            obstacles.append(RoundZone(name, *fence.center.east_north(frame), fence.radius, base, top))
         else:
             corners = shapely.get_coordinates(shape.exterior)[:-1]
-            obstacles.append(Prism(name, tuple((float(x), float(y)) for x, y in corners), (), base, top))
+            obstacles.append(Zone(name, tuple((float(x), float(y)) for x, y in corners), (), base, top))
     return tuple(obstacles)
 
 

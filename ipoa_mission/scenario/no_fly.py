@@ -15,6 +15,7 @@ from ipoa_mission.world.obstacles import Obstacle, Zone
 from ipoa_mission.world.polygon import rings_of
 from ipoa_mission.world.terrain import Grid, SeaLevel, Terrain
 
+ENDLESS = 10_000.0  # the height of what has no top, above any return [m]
 MARGIN = 100.0  # what lies farther outside the bounds is left out [m]
 GROUND_LINES = 33  # the ground is looked at on so many lines each way to see how high the bounds must be
 
@@ -26,7 +27,7 @@ def no_fly_prisms(
     terrain: Terrain,
     frame: LocalFrame,
 ) -> tuple[tuple[Obstacle, ...], tuple[Unread, ...]]:
-    """The zones as obstacles; an end that is left out lies well outside the bounds.
+    """The zones as obstacles; without a lower end they begin well below the bounds, without an upper one they go on.
 
     A zone whose own limits leave nothing above the ground has none, and is named.
     """
@@ -42,7 +43,7 @@ def no_fly_prisms(
                 unread.append(Unread(section.file.name, what, zone.name.removeprefix(f"{section.file}: ")))
                 base = top = None
         low = base if base is not None else min(up[0], top or 0.0) - MARGIN
-        high = top if top is not None else max(up[1], base or 0.0) + MARGIN
+        high = top if top is not None else max(ENDLESS, (base or 0.0) + MARGIN)
         if low < high:
             prisms.append(Zone(zone.name, *rings_of(zone.shape), low, high))
     return tuple(prisms), tuple(unread)

@@ -24,7 +24,7 @@ from ipoa_mission.maps.standing import Standing, raise_buildings
 from ipoa_mission.scenario.fencing import allowed_area, forbidden
 from ipoa_mission.scenario.layout import Layout
 from ipoa_mission.scenario.maps import BuildingsMap, ElevationTerrain, FlightAreaMap, NoFlyMap
-from ipoa_mission.scenario.no_fly import MARGIN, meets, no_fly_prisms, on_lines, zone_near
+from ipoa_mission.scenario.no_fly import ENDLESS, MARGIN, meets, no_fly_prisms, on_lines, zone_near
 from ipoa_mission.scenario.places import FenceSection, FlatTerrain
 from ipoa_mission.unread import Unread, gathered
 from ipoa_mission.world.airspace import Airspace, Bounds
@@ -88,9 +88,8 @@ def _surroundings_of(scenario: Layout) -> Surroundings:
     drawn = _drawn(scenario, terrain)
     raised = raise_buildings(near, Ground(terrain))
     up = scenario.bounds.up or _up(scenario, terrain, (lower, upper), (*drawn, *raised))
-    below, above = min(up[0], 0.0) - MARGIN, up[1] + MARGIN
     prisms, contrary = no_fly_prisms(maps.no_fly, (lower, upper), up, terrain, scenario.frame)
-    zones = (*prisms, *forbidden(scenario.fence, scenario.frame, below, above))
+    zones = (*prisms, *forbidden(scenario.fence, scenario.frame, min(up[0], 0.0) - MARGIN, ENDLESS))
     areas = [area for area in (maps.area, allowed) if area is not None and not area.covers(shapely.box(*lower, *upper))]
     footprint = Polygon(*rings_of(_one(areas))) if areas else None
     bounds = Bounds((*map(float, lower), up[0]), (*map(float, upper), up[1]), footprint)  # type: ignore[arg-type]

@@ -80,13 +80,13 @@ def degree_of(frame: LocalFrame) -> tuple[float, float]:
 
 def _bodies(scenario: Scenario) -> Iterator[Body]:
     """Every obstacle; the scenario's own come first in its airspace."""
-    frame, fenced = scenario.frame, {f"fence[{n}]" for n in range(len(scenario.fence))}
+    frame = scenario.frame
     for n, body in enumerate(scenario.airspace.obstacles):
         base, top = body.bounds[:, 2].tolist()
         yield Body(
             name=without_folders(body.name, scenario),
             path=("obstacles", n) if n < len(scenario.obstacles) else None,
-            solid=body.solid and body.name not in fenced,
+            solid=body.solid,
             base=round(base, 2),
             top=round(top, 2),
             rings=tuple(_closed(on_map(frame, np.asarray(ring, float))) for ring in body.outline()),

@@ -5,8 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 
 from ipoa_mission import plan_flight
+from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.forecast.endings import Endings
 from ipoa_mission.forecast.looks import RETURNS, EndingWays
@@ -105,6 +107,42 @@ def test_a_way_home_that_no_altitude_clears_is_planned_as_the_way_out_is(autopil
     assert any("way home is planned" in remark for remark in flight.remarks)
     assert all(row.clear for row in Endings(flight.forecast).rows(Ending.RTL, timed=False))
     assert flight.proof.holds
+
+
+@pytest.mark.parametrize("autopilot", vehicles(Autopilot.PX4))
+def test_a_return_leads_round_a_fence_that_has_no_top(autopilot: Autopilot) -> None:
+    """ArduPilot: "fences have no top"; its own ceiling, FENCE_ALT_MAX, is 100 m. The bounds end at 70 m."""
+    text = scene(autopilot, top=70.0).model_dump(mode="json", exclude_unset=True)
+    fence = {"inclusion": False, "polygon": [[40, -30], [40, 8], [75, 8], [75, -30]]}
+    scenario = Scenario.from_dict(text | {"fence": [fence]})
+    flight = plan_flight(scenario, seed=0)
+    looks = EndingWays(flight.forecast).looks(Ending.RTL)
+    keep_out = shapely.Polygon(fence["polygon"])
+    for n, k in np.argwhere(looks.taken):
+        way = looks.ways[n, k]
+        assert not shapely.LineString(way[:, :2]).intersects(keep_out)
+        assert way[:, 2].max() <= 70.0
+    assert not [finding for finding in flight.findings if finding.code == "return-too-near"]
+
+
+def test_no_return_is_planned_above_the_vehicle_s_own_fence() -> None:
+    ceiling = "FENCE_ENABLE = 1, FENCE_ALT_MAX = 40"
+    body = WALL.replace("height = 90.0", "height = 36.0")
+    free, fenced = (
+        plan_flight(scene(Autopilot.ARDUPILOT, body, parameters=parameters), seed=0) for parameters in ("", ceiling)
+    )
+    assert free.mission.parameters["RTL_ALT"] == 4000.0
+    assert fenced.mission.parameters.get("RTL_ALT", 1500.0) < 3800.0  # FENCE_MARGIN is 2 m
+    assert fenced.mission.rally
+
+
+def test_a_return_that_nobody_looked_at_is_refused_where_returns_are_planned() -> None:
+    text = scene(Autopilot.PX4).model_dump(mode="json", exclude_unset=True)
+    text["fence"] = [{"inclusion": False, "polygon": [[40, -60], [40, -40], [75, -40], [75, -60]]}]
+    text["vehicle"]["firmware_version"] = "1.18"
+    with pytest.raises(Unsafe, match="round fences are not modeled") as refused:
+        plan_flight(Scenario.from_dict(text), seed=0)
+    assert 'returns = "warn"' in str(refused.value.hint)
 
 
 def test_a_return_altitude_of_the_scenario_s_own_stays() -> None:

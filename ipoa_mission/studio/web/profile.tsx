@@ -102,7 +102,7 @@ function Chart({ plan, at, flown, now }: { plan: Plan; at: number; flown: [numbe
         {plan.beside.map((body, n) => {
           const left = Math.max(0, body.begins - 0.002 * length), right = Math.min(length, body.ends + 0.002 * length);
           const top = Math.min(body.top, high), base = Math.max(body.base, low);
-          return <path key={n} class={body.look} d={`M${x(left)} ${y(base)}V${y(top)}H${x(right)}V${y(base)}Z`}><title>{body.name}: {body.base.toFixed(0)} to {body.top.toFixed(0)} m</title></path>;
+          return <path key={n} class={body.look} d={`M${x(left)} ${y(base)}V${y(top)}H${x(right)}V${y(base)}Z`}><title>{body.look === "zone" ? `${body.name}: no-fly zone` : `${body.name}: ${body.base.toFixed(0)} to ${body.top.toFixed(0)} m`}</title></path>;
         })}
         <path class="soil" d={soil} />
         <path class="band" d={band} />

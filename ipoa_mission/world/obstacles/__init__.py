@@ -1,9 +1,9 @@
 """What stands in the way, one kind a file; each knows its exact distance, its drawing, and what kernels take it for."""
 
-from ipoa_mission.world.obstacles.cylinder import Cylinder
+from ipoa_mission.world.obstacles.cylinder import Cylinder, RoundZone
 from ipoa_mission.world.obstacles.nearest import straightened
 from ipoa_mission.world.obstacles.obstacle import Obstacle
 from ipoa_mission.world.obstacles.prism import Prism, Zone, box
 from ipoa_mission.world.obstacles.sphere import Sphere
 
-__all__ = ["Cylinder", "Obstacle", "Prism", "Sphere", "Zone", "box", "straightened"]
+__all__ = ["Cylinder", "Obstacle", "Prism", "RoundZone", "Sphere", "Zone", "box", "straightened"]

@@ -121,3 +121,12 @@ class Cylinder(Part):
     def page_shape(self) -> dict[str, Any]:
         """A ring whose corners are not drawn as edges."""
         return {"rings": self.outline(), "base": self.base, "top": self.top, "round": True}
+
+
+class RoundZone(Cylinder):
+    """A cylinder of air that may not be entered, in which nothing stands."""
+
+    @property
+    def solid(self) -> bool:
+        """It is not."""
+        return False
