@@ -71,7 +71,8 @@ def check(
     remarks += () if world is None else tuple(remark for remark in world.remarks if remark not in messages)
     errors = sum(finding.severity is Severity.ERROR for finding in findings)
     if as_json:
-        rows = [picked(finding, "code", "severity", "seq", "message", "hint") for finding in findings]
+        from ipoa_mission.flight.summary import findings_as_json
+
         about: dict[str, Any] = {}
         if world is not None:
             from ipoa_mission.flight.summary import clearance_as_json, passed_over_as_json
@@ -81,7 +82,7 @@ def check(
         if endings:
             about |= endings_as_json(*ways)
         about["firmware"] = mission.autopilot.facts(mission.firmware_version)
-        tell_json({"ok": not errors, "findings": rows, "remarks": list(remarks)} | about)
+        tell_json({"ok": not errors, "findings": findings_as_json(findings), "remarks": list(remarks)} | about)
     else:
         tell(*notes(remarks))
         tell(*(line for f in findings for line in (f"{f} [{f.code}]", *([f"hint: {f.hint}"] if f.hint else []))))

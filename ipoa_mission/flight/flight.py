@@ -17,6 +17,7 @@ from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.flight.summary import (
     clearance_as_json,
     energy_as_json,
+    findings_as_json,
     limits_as_json,
     option_as_json,
     passed_over_as_json,
@@ -163,6 +164,7 @@ class Flight:
             "energy_wh": None if energy is None else rounded(energy.energy_wh),
             **({} if budget is None else {"energy": energy_as_json(budget)}),
             **({"parameters": parameters} if parameters else {}),
+            **({"findings": findings_as_json(self.findings)} if self.findings else {}),
             "remarks": list(self.remarks),
             "passed_over": passed_over_as_json(scenario),
             "unread": unread_as_json(scenario.unread),

@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING, Any
 from ipoa_mission.centimeters import down, up
 
 if TYPE_CHECKING:  # `check` and `estimate` tell some of it, and do without what plans
+    from collections.abc import Iterable
+
+    from ipoa_mission.finding import Finding
     from ipoa_mission.forecast.energy import Budget
     from ipoa_mission.forecast.timing.estimate import Estimate
     from ipoa_mission.forecast.tube.promise import Kept, Promise
@@ -104,6 +107,11 @@ def proof_as_json(proof: "Proof") -> dict[str, Any]:
     """The least clearance of a path, to what and where."""
     least = proof.clearance
     return {"least": rounded(least.distance), "to": least.what, "at": [rounded(value) for value in least.place]}
+
+
+def findings_as_json(findings: "Iterable[Finding]") -> list[dict[str, Any]]:
+    """What a check found, each with its severity."""
+    return [asdict(finding) for finding in findings]
 
 
 def rounded(value: float) -> float:

@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 from ipoa_mission.checks.version import expect_measured
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import make_folder, write_atomically
-from ipoa_mission.flight.summary import clearance_as_json, passed_over_as_json, rounded
+from ipoa_mission.flight.summary import clearance_as_json, findings_as_json, passed_over_as_json, rounded
 from ipoa_mission.flight.written import as_text, write_files
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
@@ -180,6 +180,7 @@ def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
                 "time_s": rounded(flight.forecast.estimate.total_s),
                 "energy_wh": None if flight.forecast.energy is None else rounded(flight.forecast.energy.energy_wh),
                 "clearance": clearance_as_json(flight.forecast.promise),
+                **({"findings": findings_as_json(flight.findings)} if flight.findings else {}),
             }
             for name, flight in zip(names, plan.flights, strict=True)
         ],
@@ -213,7 +214,6 @@ def _overlap_as_json(plan: SurveyPlan) -> dict[str, Any] | None:
 def _about(forecast: Forecast) -> dict[str, Any]:
     """One mission: what it keeps, how long it takes, and what reading it again needs."""
     mission, energy, ground = forecast.mission, forecast.energy, landing_height(forecast.mission)
-    parameters = dict(mission.parameters)
     return {
         "firmware": mission.autopilot.facts(mission.firmware_version),
         "clearance": clearance_as_json(forecast.promise),
@@ -224,7 +224,7 @@ def _about(forecast: Forecast) -> dict[str, Any]:
             "qgroundcontrol_s": rounded(forecast.estimate.qgroundcontrol_s),
         },
         "energy_wh": None if energy is None else rounded(energy.energy_wh),
-        **({"parameters": parameters} if parameters else {}),
+        **({"parameters": dict(mission.parameters)} if mission.parameters else {}),
     }
 
 

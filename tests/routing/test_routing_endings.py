@@ -167,6 +167,11 @@ def test_a_corner_from_which_it_would_brake_into_something_is_laid_farther_away(
     assert planned.estimate.total_s < 1.06 * warned.estimate.total_s
 
 
+def test_machines_read_the_severity_of_a_way_home_that_is_not_clear() -> None:
+    flight = plan_flight(scene(Autopilot.PX4, WALL, returns="warn"), seed=0)
+    assert ("return-too-near", "warning") in [(one["code"], one["severity"]) for one in flight.summary()["findings"]]  # type: ignore[attr-defined]
+
+
 def replaced(scenario: Scenario, returns: str) -> Scenario:
     return scenario.model_copy(update={"safety": scenario.safety.model_copy(update={"returns": returns})})
 

@@ -14,7 +14,7 @@ import shapely
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.flight.flight import plan_flight
-from ipoa_mission.flight.survey import Survey, plan_survey
+from ipoa_mission.flight.survey import Survey, plan_survey, survey_as_json
 from ipoa_mission.forecast.energy import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.commands import Command
@@ -397,6 +397,8 @@ def test_a_remark_says_of_which_flights_it_is() -> None:
     for n, flight in enumerate(survey.plan.flights, 1):
         (finding,) = flight.findings
         assert f"flight {n}: {finding.message}" in survey.remarks
+        (told,) = survey_as_json(survey.plan, survey.names)["flights"][n - 1]["findings"]
+        assert (told["code"], told["severity"], told["message"]) == ("return-too-near", "warning", finding.message)
     assert survey.notes == ()
 
 
