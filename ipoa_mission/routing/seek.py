@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import islice
 
+from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.tube.room import with_room
 from ipoa_mission.planning.obstruction import NotFound
 from ipoa_mission.planning.path_problem import PathTask
@@ -21,7 +22,6 @@ from ipoa_mission.routing.homeward import WayHomeBlocked, by_way_of_the_goal, ex
 from ipoa_mission.routing.more_room import Needs, a_little, nothing
 from ipoa_mission.routing.narrow import TooNarrow, expect_wide
 from ipoa_mission.routing.refusal import narrow_refusal, refusal
-from ipoa_mission.routing.route import NoRoute
 from ipoa_mission.routing.slower import slowed_where_needed
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.obstacles import Obstacle
@@ -80,7 +80,7 @@ def _planned(scenario: Scenario, seed: int) -> Attempt | None:
     """What a first look comes to; None where it finds nothing that holds."""
     try:
         return seek(scenario, seed, silent, plans=1)
-    except (NoPath, NoRoute, TooNarrow, WayHomeBlocked):
+    except MissionError:
         return None
 
 

@@ -130,7 +130,9 @@ class VehicleSection(Section):
     """Left out: what the autopilot's parameters say [m/s]."""
     parameters: dict[ParameterName, Single] = Field(default_factory=dict)
     """Parameters of the autopilot that differ from its defaults, by its own names and units. For a landing on high
-    ground a plan raises LAND_ALT_LOW, or MPC_LAND_ALT1 and MPC_LAND_ALT2, unless one of them is named here."""
+    ground a plan raises LAND_ALT_LOW, or MPC_LAND_ALT1 and MPC_LAND_ALT2, unless one of them is named here. Another
+    autopilot (`--autopilot`) has its counterparts of speeds, accelerations, lean, acceptance radius and return height;
+    the others are left out. Both is said."""
     airframe: AirframeSection | None = None
     """Left out, energy is estimated by a hover power that was learned, else not."""
     battery: BatterySection | None = None

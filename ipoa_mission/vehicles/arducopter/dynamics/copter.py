@@ -61,6 +61,7 @@ SLOWEST = 0.5  # a copter that the wind leaves less headway does not get on [m/s
 NO_ROOM = -1  # what the stepping code says where there is no room for more samples
 BLOWN_OFF = -2  # what the stepping code says of a copter that it has lost
 TOO_WINDY = "fly in less wind, another way, or with a greater lean (ANGLE_MAX, at its risk)"
+NO_END = "there is no wind: the model of the flight is wrong here; fly this leg at another speed, or report the mission"
 SETTLED = 10.0  # a hold that lasts longer changes nothing more [s]
 
 
@@ -171,7 +172,7 @@ class Copter:
         if used == NO_ROOM and breaks:
             return samples
         if used < 0:
-            raise MissionError(self._lost(used), hint=TOO_WINDY)
+            raise MissionError(self._lost(used), hint=TOO_WINDY if self._wind.speed > 0 else NO_END)
         self.state.time += skipped
         self.passed = True
         return samples[:used]
@@ -184,7 +185,8 @@ class Copter:
         wind = f"the wind of {self._wind.at(z):.3g} m/s from {self._wind.from_deg:g} deg"
         if why == BLOWN_OFF:
             return f"{wind} blows the copter off its path to {to}, at {at}"
-        return f"the copter does not get on to {to}: after {self.state.time:.0f} s it is at {at}, in {wind}"
+        windy = f", in {wind}" if self._wind.speed > 0 else ""
+        return f"the copter does not get on to {to}: after {self.state.time:.0f} s it is at {at}{windy}"
 
     def _least_time(self) -> float:
         """About as long as the leg lasts, or less [s]."""
