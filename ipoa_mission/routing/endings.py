@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.forecast.endings import Endings, endings_of, lands_by_choice, to_return_instead, who_lands
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.looks import RETURNS, EndingWays
@@ -22,6 +23,7 @@ from ipoa_mission.forecast.shortfalls import (
     shortfalls,
 )
 from ipoa_mission.routing.rally import rally_sets
+from ipoa_mission.routing.repairs import slow_landings
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.ending import Ending
 
@@ -59,9 +61,13 @@ def names_return_altitude(scenario: Scenario) -> bool:
 def _with_rally_points(
     ways: EndingWays, forecast: Forecast, short: list[Shortfall]
 ) -> tuple[Forecast, list[Shortfall]]:
-    """The fewest rally points that make RTL clear; none where they do not."""
+    """The fewest rally points that make RTL clear, and at which it slows down in time; none where they do not."""
     for rally in rally_sets(ways.returning(forecast)):
-        landing = Forecast(replace(forecast.given, rally=rally), forecast.scenario, forecast.wind)
+        try:
+            mission = slow_landings(replace(forecast.given, rally=rally), forecast.world)
+        except Unsafe:
+            continue
+        landing = Forecast(mission, forecast.scenario, forecast.wind)
         left = returning(ways.returning(landing))
         if not any(one.part >= RETURNS for one in left):
             return landing, left

@@ -101,6 +101,17 @@ def test_where_no_altitude_within_the_bounds_helps_rally_points_are_planned(auto
 
 
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
+def test_at_rally_points_on_high_ground_it_slows_down_in_time(autopilot: Autopilot) -> None:
+    table = scene(autopilot, top=90.0, ending="rtl").model_dump(mode="json", exclude_unset=True)
+    table["goal"]["up"], table["via"] = 45.0, [{"east": 45.0, "north": 58.0, "up": 35.0}]
+    table["fence"] = [{"inclusion": False, "polygon": [[20, 12], [20, 40], [55, 40], [55, 12]]}]
+    table["terrain"] = {"kind": "grid", "east": -50.0, "north": -80.0, "spacing": 200.0, "heights": [[-12.0, 36.0]] * 2}
+    flight = plan_flight(Scenario.from_dict(table), seed=0)
+    assert flight.mission.rally
+    assert not [finding for finding in flight.findings if finding.code == "fast-touchdown"]
+
+
+@pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
 def test_a_way_home_that_no_altitude_clears_is_planned_as_the_way_out_is(autopilot: Autopilot) -> None:
     highest = {"px4": "RTL_RETURN_ALT = 30", "ardupilot": "RTL_ALT = 3000"}[str(autopilot)]
     flight = plan_flight(scene(autopilot, WALL, parameters=highest, top=70.0, ending="rtl"), seed=0)
