@@ -38,6 +38,8 @@ def settled(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
     """
     ways = forecast.once(EndingWays)
     braking = list(shortfalls(ways, Ending.HOLD, ways.looks(Ending.HOLD)))
+    if Ending.SMART_RTL in endings_of(forecast):
+        braking += shortfalls(ways, Ending.SMART_RTL, ways.looks(Ending.SMART_RTL))
     if lands_by_choice(forecast):
         braking += shortfalls(ways, Ending.LAND, ways.looks(Ending.LAND))
     if ways.why_unknown() is not None:
@@ -77,7 +79,7 @@ def _with_rally_points(
 def why_not_planned(forecast: Forecast) -> str:
     """Which stretch of which ending is not clear, in words that go on."""
     endings = forecast.once(Endings)
-    asked = (Ending.HOLD, Ending.RTL, *((Ending.LAND,) if lands_by_choice(forecast) else ()))
+    asked = [ending for ending in endings_of(forecast) if ending is not Ending.LAND or lands_by_choice(forecast)]
     rows = [row for ending in asked for row in endings.rows(ending, timed=False) if not row.clear]
     worst = min(rows, key=lambda row: row.least_m - row.required_m)
     when = f"from {worst.from_s:.1f} to {worst.to_s:.1f} s after arming"
@@ -85,7 +87,8 @@ def why_not_planned(forecast: Forecast) -> str:
         return f"LAND {when}, by {who_lands(forecast)}, is {worst.keeps}"
     where = ", where it brakes" if worst.ending is Ending.HOLD else ""
     kept = f"keeps {worst.least_m:.2f} m of {worst.to}{where}, {worst.required_m:.2f} m required"
-    return f"RTL {when} {kept if math.isfinite(worst.least_m) else worst.to}"
+    order = "SmartRTL" if worst.ending is Ending.SMART_RTL else "RTL"
+    return f"{order} {when} {kept if math.isfinite(worst.least_m) else worst.to}"
 
 
 def or_else(forecast: Forecast) -> str:
