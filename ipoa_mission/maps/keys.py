@@ -64,7 +64,7 @@ _EXACT = {
 }
 #: Words of a key that tells of another one, not of the thing.
 _ABOUT = _set(
-    "source note notes date accuracy ref error type class code method check survey colo\u0075r color quality status "
+    "source note notes date accuracy ref error type class code method check survey color quality status "
     "confidence material shape direction angle description name id start end name_en comment fixme"
 )
 _HEIGHT = re.compile(r"height|hoehe|höhe|hauteur|altura|altezza|hoogte|hgt|výška|vyska|wysokosc|agl$|^agl")

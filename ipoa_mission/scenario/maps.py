@@ -21,9 +21,8 @@ class MapFile(Section):
     """A table that names a file of shapes."""
 
     file: Annotated[Path, beside("a map")]
-    """A GeoJSON, CityJSON or Overpass JSON (`.geojson`, `.json`; one value a line: `.geojsonl`, `.ndjson`, `.jsonl`),
-    KML (`.kml`, `.kmz`), OpenStreetMap (`.osm`, `.osm.pbf`), GeoParquet (`.parquet`, `.geoparquet`), Shapefile
-    (`.shp`), FlatGeobuf (`.fgb`) or GeoPackage (`.gpkg`) file, relative to the scenario file."""
+    """A `.geojson`, `.json`, `.geojsonl`, `.ndjson`, `.jsonl`, `.kml`, `.kmz`, `.osm`, `.osm.pbf`, `.parquet`,
+    `.geoparquet`, `.shp`, `.fgb` or `.gpkg` file, relative to the scenario file."""
 
 
 class BuildingsMap(MapFile):
@@ -37,16 +36,13 @@ class BuildingsMap(MapFile):
     height_key: str = "height"
     """The property that holds the height of the top above the ground [m, or feet if it says so]."""
     default_height: Positive | None = None
-    """Height of a building that has neither a height nor storeys [m]; left out, by its kind: 12 m of a house or garage,
-    20 m of one of unknown kind, more of what is higher as a rule."""
+    """Height of a building that has neither a height nor storeys [m]; left out, by its kind."""
     storey_height: Positive = 3.0
     """Height of a storey where only their number is known [m]."""
     point_height: Positive | None = None
-    """Height of a mast, tree or other point that has none [m]; left out, by its kind: 30 m of a tree, 120 m of a mast,
-    250 m of a wind turbine, 20 m of others."""
+    """Height of a mast, tree or other point that has none [m]; left out, by its kind."""
     point_radius: Positive | None = None
-    """Radius of a mast, tree or other point, and half the width of a wall, that has no width [m]; left out, by its
-    kind: 5 m of a tree, 10 m of a mast, 85 m of a wind turbine, 2 m of others."""
+    """Radius of a mast, tree or other point; also half the width of a wall [m]; left out, by its kind."""
     line_height: NotNegative | None = None
     """Height of a power or telephone line that has none [m]; left out, by its voltage; 0: there are none."""
     aerialway_height: NotNegative = 40.0

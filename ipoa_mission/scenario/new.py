@@ -74,6 +74,10 @@ def _speed(key: str, answer: str) -> float:
     return speed
 
 
+def _of_points(key: str, answer: str) -> float | None:
+    return None if answer.strip() == "kind" else _positive(key, answer)
+
+
 def _height(key: str, answer: str) -> float | None:
     if key == "line_height" and answer.strip() == "voltage":
         return None
@@ -116,13 +120,14 @@ HEIGHTS = (
     Question("line_height", "How high are power lines?", "metres, 0: there are none, or voltage", "voltage", _height),
     Question("aerialway_height", "How high are cable cars and lifts?", "metres, 0: there are none", "40", _height),
     Question("wood_height", "How high are woods?", "metres, 0: nothing stands there", "35", _height),
-    Question("point_height", "How high are masts, trees and rows of trees?", "metres", "20", _positive),
+    Question("point_height", "How high are masts, trees and rows of trees?", "metres, or kind", "kind", _of_points),
 )
+_BY = {"voltage": "by their voltage", "kind": "by their kind"}
 _OF = {
     "line_height": "of power lines; left out, by their voltage; 0: there are none [m]",
     "aerialway_height": "of cable cars and lifts; 0: there are none [m]",
     "wood_height": "of woods; left out, no flight may be near one; 0: nothing stands there [m]",
-    "point_height": "of masts, trees and rows of trees [m]",
+    "point_height": "of masts, trees and rows of trees; left out, by their kind [m]",
 }
 
 
@@ -142,7 +147,7 @@ def taken_heights(answers: Mapping[str, str], buildings: Path | None) -> tuple[s
     left = (question for question in questions_about(buildings) if question.key not in answers)
     return tuple(
         f"without a height on the map: {_OF[question.key].split(';')[0].removesuffix(' [m]').removeprefix('of ')}, "
-        f"taken {'by their voltage' if question.default == 'voltage' else f'as {question.default} m high'} "
+        f"taken {_BY.get(str(question.default), f'as {question.default} m high')} "
         f"({question.key})"
         for question in left
     )
@@ -233,7 +238,7 @@ def new_scenario(
 
 def _height_line(key: str, texts: Mapping[str, str]) -> str:
     """The line that says how high things are of which the map does not say it."""
-    return f"# {key} = 30.0  # {_OF[key]}" if texts[key] == "voltage" else f"{key} = {texts[key]}  # {_OF[key]}"
+    return f"# {key} = 30.0  # {_OF[key]}" if texts[key] in _BY else f"{key} = {texts[key]}  # {_OF[key]}"
 
 
 def _parts() -> dict[str, str]:
