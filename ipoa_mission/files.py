@@ -113,6 +113,18 @@ def read_text(path: Path) -> str:
         ) from error
 
 
+def why_no_json(text: str, at: int) -> str | None:
+    """Explain why a text is no JSON from a place on, where that can be seen; None where it cannot."""
+    if not text.strip():
+        return "the file is empty"
+    if at >= len(text.rstrip()):
+        return "the file is cut off"
+    is_comma = text[at] == "," or text[:at].rstrip().endswith(",")
+    return (
+        "there is a comma too many before it" if is_comma and text[at:].lstrip(", \t\r\n")[:1] in ("]", "}") else None
+    )
+
+
 def read_bytes(path: Path, most: int = -1) -> bytes:
     """The bytes of a file that a user named; so many at most, if that is not negative.
 

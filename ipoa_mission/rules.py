@@ -288,6 +288,11 @@ RULES: Mapping[str, Rule] = {
     "file": Rule(
         "Something in the file is odd, and was read all the same.", "See the place that the message names.", False
     ),
+    "file-unreadable": Rule(
+        "The file cannot be read as a mission: nothing in it was checked.",
+        "Mend the place that the message names.",
+        True,
+    ),
     "file-parameters": Rule(
         "The parameters beside the file are of another autopilot than the one named: none of them is used.",
         "Name those of the vehicle by --param-file.",

@@ -99,6 +99,29 @@ class Wind:
         """The most that is to be reckoned with at any height [m/s]."""
         return self.speed + self.spread
 
+    def __str__(self) -> str:
+        """The wind in words.
+
+        >>> print(Wind(8.0, 300.0, spread=2.0))
+        8 m/s from 300 deg, 2 m/s more or less
+        >>> print(Wind.of_profile([10.0, 110.0], [2.0, 8.0], [270.0, 280.0]))
+        2 m/s from 270 deg at 10 m to 8 m/s from 280 deg at 110 m above home
+        """
+        words = f"{self.speed:.3g} m/s from {self.from_deg % 360:.0f} deg"
+        if self.levels:
+            blowing = [(level.height, Wind.towards_north_east(level.north, level.east)) for level in self.levels]
+            each = [f"{one.speed:.3g} m/s from {one.from_deg:.0f} deg at {up:.0f} m" for up, one in blowing]
+            words = f"{each[0]} to {each[-1]} above home"
+        elif self.gradient_height > 0 and self.exponent > 0:
+            words += f" from {self.gradient_height:g} m above home up, less below"
+        return words + (f", {self.spread:.3g} m/s more or less" if self.spread else "")
+
+    def as_json(self) -> dict[str, object]:
+        """The same for machines."""
+        levels = [level._asdict() for level in self.levels]
+        about = {"speed_m_s": round(self.speed, 3), "from_deg": round(self.from_deg % 360, 3)}
+        return about | {"spread_m_s": round(self.spread, 3), **({"levels": levels} if levels else {})}
+
     def as_strong_as_may_be(self) -> "Wind":
         """The same at the upper end of its spread."""
         share = self.strongest / self.speed if self.speed else 1.0

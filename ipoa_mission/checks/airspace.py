@@ -44,9 +44,15 @@ def check_airspace(forecast: Forecast) -> Iterator[Finding]:
     if offset.max() > SAME_HOME:
         message = f"home: lies {np.linalg.norm(offset):.1f} m from the scenario's home: heights above home differ"
         yield Finding("home-differs", Severity.WARNING, 0, message)
+    told = set[str]()
     for leg in forecast.legs:
         for check in broken(leg, scenario):
-            item, message = item_of(mission, leg.seq), f"{leg_name(leg)}: {check.words()}"
+            words = check.words()
+            begins = np.linalg.norm(np.array(check.nearest.place) - leg.points[0]) < ROUNDING["m"]
+            if leg.phase is Phase.CRUISE and words in told and begins:
+                continue  # said of the leg before, where the two meet
+            told |= {words} if leg.phase is Phase.CRUISE else set()
+            item, message = item_of(mission, leg.seq), f"{leg_name(leg)}: {words}"
             if leg.phase is not Phase.CRUISE and not _touches(check, scenario):
                 yield item.warning("leg-too-near", message)
             else:

@@ -1,7 +1,7 @@
 """Findings as SARIF 2.1.0, which code hosts and editors show beside a file."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 
@@ -11,9 +11,9 @@ from ipoa_mission.rules import RULES
 SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 
 
-def sarif(file: Path, findings: Sequence[Finding]) -> str:
-    """The text of a SARIF log of what was found in one mission file; an item is the logical location `item N`."""
-    codes = sorted({finding.code for finding in findings})
+def sarif(found: Mapping[Path, Sequence[Finding]]) -> str:
+    """Write what was found in mission files as one SARIF log; an item is the logical location `item N`."""
+    codes = sorted({finding.code for findings in found.values() for finding in findings})
     rules = [
         {
             "id": code,
@@ -37,6 +37,7 @@ def sarif(file: Path, findings: Sequence[Finding]) -> str:
                 }
             ],
         }
+        for file, findings in found.items()
         for finding in findings
     ]
     driver = {"name": "ipoa-mission", "version": version("ipoa-mission"), "rules": rules}

@@ -1,8 +1,9 @@
 """A mission that would crash or be refused does not leave the house."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.commands import Command
@@ -12,13 +13,30 @@ class Unsafe(MissionError):
     """The checks found errors; the message has each of them on a line."""
 
 
+#: Warnings that are errors, unless `--anyway` lets them pass.
+STRICT = frozenset({"other-vehicle"})
+
+
+def strictly(findings: Sequence[Finding], anyway: bool = False) -> tuple[Finding, ...]:
+    """Make errors of what only `anyway` lets pass; errors stay before warnings."""
+    if anyway:
+        return tuple(findings)
+    harder = [replace(one, severity=Severity.ERROR) if one.code in STRICT else one for one in findings]
+    return tuple(sorted(harder, key=lambda finding: finding.severity is Severity.WARNING))
+
+
+def unreadable(error: BadInput) -> Finding:
+    """Make a finding of a mission file that cannot be read."""
+    return Finding("file-unreadable", Severity.ERROR, None, str(error), error.hint)
+
+
 def refuse_errors(findings: Sequence[Finding]) -> tuple[Finding, ...]:
     """The warnings among the findings of a check.
 
     Raises:
         Unsafe: there are errors.
     """
-    errors = [finding for finding in findings if finding.severity is Severity.ERROR]
+    errors = [finding for finding in strictly(findings) if finding.severity is Severity.ERROR]
     if errors:
         codes = list(dict.fromkeys(error.code for error in errors))
         hints = dict.fromkeys(error.hint for error in errors if error.hint)

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ipoa_mission.cli.groups import FlownByOptions
-from ipoa_mission.cli.options import EndingsOption, FileArgument, JsonOption, ScenarioOption, expect_world_of
+from ipoa_mission.cli.options import ANYWAY, EndingsOption, FileArgument, JsonOption, ScenarioOption, expect_world_of
 from ipoa_mission.cli.telling import notes, picked, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import write_atomically
-from ipoa_mission.unread import unread_as_json
 
 if TYPE_CHECKING:
     from ipoa_mission.cli.reading import Given
@@ -22,7 +21,9 @@ SAME_S = 0.05  # times that differ by less are told as one, or nearly so [s]
 
 
 def check(
-    file: FileArgument,
+    files: Annotated[
+        list[Path], typer.Argument(metavar="FILE...", help="Mission files (.plan, .waypoints), or folders of them.")
+    ],
     flown_by: FlownByOptions,
     scenario: ScenarioOption = None,
     ignore: Annotated[
@@ -30,72 +31,56 @@ def check(
         typer.Option("--ignore", metavar="CODE", help="Leave out the findings of a code; not those of a crash."),
     ] = None,
     sarif: Annotated[
-        Path | None, typer.Option("--sarif", metavar="FILE", help="Write the findings as SARIF, for CI.")
+        Path | None, typer.Option("--sarif", metavar="FILE", help="Write the findings in all files as SARIF, for CI.")
     ] = None,
     endings: EndingsOption = False,
+    anyway: Annotated[bool, typer.Option("--anyway", metavar="", help=ANYWAY)] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Check a mission file: its format, the firmware's rules, and with a scenario clearance, bounds and altitude.
+    """Check mission files: their format, the firmware's rules, and with a scenario clearance, bounds and altitude.
 
-    Exit code 1 when something would go wrong in flight.
+    Exit code 1 when something would go wrong in flight, 2 when a file cannot be read.
 
     Example: `ipoa-mission check campus.plan --scenario missions/campus.toml`
     """
-    from ipoa_mission.checks.check import check as check_forecast
     from ipoa_mission.checks.sarif import sarif as sarif_log
-    from ipoa_mission.checks.sound import promise_if_flown
-    from ipoa_mission.cli.reading import read_given, read_world
-    from ipoa_mission.finding import Severity
-    from ipoa_mission.forecast.forecast import Forecast
+    from ipoa_mission.checks.unsafe import unreadable
+    from ipoa_mission.cli.check_files import CheckedFile, How, check_file, counted, missions_in
+    from ipoa_mission.cli.reading import read_world
 
-    given, air = read_given(file, flown_by), flown_by.air
-    if air is not None and scenario is None:
+    if flown_by.air is not None and scenario is None:
         raise BadInput("--wind: expected with --scenario", hint="wind moves a flight nearer to what stands there")
     expect_world_of(endings, scenario)
-    world = read_world(scenario, air)
-    forecast = Forecast(given.mission, world)
-    findings = check_forecast(forecast, ignore or (), given.findings)
-    mission, promise = forecast.given, None if world is None else promise_if_flown(forecast)
+    paths, is_one = missions_in(files), len(files) == 1 and not files[0].is_dir()
+    how = How(flown_by, read_world(scenario, flown_by.air), ignore or (), endings, anyway)
+    found, wrong = [], None
+    for path in paths:
+        try:
+            found.append(check_file(path, how))
+        except BadInput as error:
+            wrong = error
+            found.append(CheckedFile(path, (unreadable(error),)))
+        if not as_json and not (is_one and wrong):
+            tell(*found[-1].lines())
+            if found[-1].endings is not None:
+                from ipoa_mission.cli.ending import tell_endings
+
+                tell_endings(*found[-1].endings)
+            tell(found[-1].counts())
     if sarif is not None:
-        write_atomically(sarif, sarif_log(file, findings))
-    ways: tuple[Any, ...] = ((), ())
-    if endings:
-        from ipoa_mission.cli.ending import endings_as_json, tell_endings
-        from ipoa_mission.forecast.endings import Endings, failsafes_of
-
-        if promise is not None:
-            ways = forecast.once(Endings).all_rows(), failsafes_of(forecast)
-    messages = {finding.message for finding in findings}
-    remarks = tuple(remark for remark in given.remarks if remark not in messages)
-    world = forecast.scenario
-    remarks += () if world is None else tuple(remark for remark in world.remarks if remark not in messages)
-    errors = sum(finding.severity is Severity.ERROR for finding in findings)
-    if as_json:
-        from ipoa_mission.flight.summary import findings_as_json
-
-        about: dict[str, Any] = {}
-        if world is not None:
-            from ipoa_mission.flight.summary import clearance_as_json, passed_over_as_json
-
-            about = {"clearance": clearance_as_json(promise) or None, "passed_over": passed_over_as_json(world)}
-            about["unread"] = unread_as_json(world.unread)
-        if endings:
-            about |= endings_as_json(*ways)
-        about["firmware"] = mission.autopilot.facts(mission.firmware_version)
-        tell_json({"ok": not errors, "findings": findings_as_json(findings), "remarks": list(remarks)} | about)
-    else:
-        tell(*notes(remarks))
-        tell(*(line for f in findings for line in (f"{f} [{f.code}]", *([f"hint: {f.hint}"] if f.hint else []))))
-        if promise is not None:
-            from ipoa_mission.cli.summary import promised
-
-            tell(*promised(promise))
-        if endings:
-            tell_endings(*ways)
-        counts = f"{_count(errors, 'error')}, {_count(len(findings) - errors, 'warning')}, {len(mission.items)} items"
-        tell(f"{file}: {counts} for {mission.autopilot.checked_for(mission.firmware_version)}")
+        write_atomically(sarif, sarif_log({one.file: one.findings for one in found}))
+    if is_one and wrong:
+        raise wrong
+    errors = sum(one.errors for one in found)
+    if as_json and is_one:
+        tell_json(found[0].as_json())
+    elif as_json:
+        tell_json({"ok": not errors, "files": [{"file": str(one.file)} | one.as_json() for one in found]})
+    elif not is_one:
+        warnings = sum(len(one.findings) for one in found) - errors
+        tell(f"{counted(len(found), 'file')}: {counted(errors, 'error')}, {counted(warnings, 'warning')}")
     if errors:
-        raise typer.Exit(1)
+        raise typer.Exit(BadInput.exit_code if wrong else 1)
 
 
 def estimate(
@@ -115,8 +100,9 @@ def estimate(
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.mission.commands import short_name
 
-    given = read_given(file, flown_by)
-    forecast = Forecast(given.mission, read_world(scenario, flown_by.air), flown_by.air)
+    world = read_world(scenario, flown_by.air)
+    given = read_given(file, flown_by, world=world)
+    forecast = Forecast(given.mission, world, flown_by.air)
     if wrong := refusals(given.mission):
         raise BadInput("\n".join(f"{file}: {words}" for words in wrong))
     asked = forecast.given
@@ -215,10 +201,6 @@ def estimate_as_json(estimate: "Estimate") -> dict[str, Any]:
     waits = {"waits": list(estimate.waits)} if estimate.waits else {}
     times = picked(estimate, "total_s", "low_s", "high_s", "qgroundcontrol_s") | {"qgroundcontrol_counts": COUNTS}
     return times | {"route": route_summary(estimate), "items": items, "remarks": list(estimate.remarks)} | waits
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}{'' if number == 1 else 's'}"
 
 
 def _risk(share: float, cost_s: float) -> str:

@@ -103,7 +103,7 @@ def fly(
     else:
         job = read_job(source, flown_by)
     with in_folder(out):
-        planned_files = [] if job.flight is None else _write(job.flight, out, as_json)
+        planned_files = [] if job.flight is None else _write(job.flight, out, as_json, search.routes)
         usual = out / f"{job.name}.tlog"
         log = on_link.log or (usual if link is None else unused(usual))
         job, remarks, record = pilot(job, log)
@@ -189,13 +189,13 @@ def _expect_together(on_vehicle: FlightOptions, faults: "Faults") -> None:
         )
 
 
-def _write(flight: "Flight", folder: Path, as_json: bool) -> list[Path]:
+def _write(flight: "Flight", folder: Path, as_json: bool, routes: bool) -> list[Path]:
     """Write the files of a flight that was planned here, and tell of it."""
     from ipoa_mission.cli.summary import tell_planned
 
     written = [*flight.write(folder)]
     if not as_json:
-        tell_planned(flight, written)
+        tell_planned(flight, written, routes)
     return written
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ipoa_mission.cli.options import (
+    ANYWAY,
     AutopilotOption,
     Backend,
     FirmwareVersionOption,
@@ -70,6 +71,9 @@ class SearchOptions:
             help="Search by this: ipoa, poa, adaptive-pelican, or one that is installed.",
         ),
     ] = None
+    routes: Annotated[
+        bool, typer.Option("--routes", metavar="", help="Show the other ways to choose waypoints, and their times.")
+    ] = False
 
 
 @dataclass
@@ -140,7 +144,7 @@ class LinkOptions:
         link_option(
             "--anyway",
             metavar="",
-            help="Do it although a check fails: mission, home, firmware, another vehicle with its id.",
+            help=ANYWAY,
         ),
     ] = False
 

@@ -44,13 +44,14 @@ def upload(
     from ipoa_mission.checks.unsafe import refuse_errors
     from ipoa_mission.cli.reading import read_given
     from ipoa_mission.flight.procedure import upload_mission
+    from ipoa_mission.mission.files import read_mission_file
 
     flown_by = FlownByOptions(autopilot=autopilot, unmeasured_version=unmeasured_version)
-    given = read_given(file, flown_by)
+    states = states_firmware(file, autopilot)
+    read_mission_file(file, autopilot)
     usual = file.with_name(f"{file.stem}-upload.tlog")
     with connect_to(link, on_link, usual) as vehicle:
-        if not states_firmware(file, autopilot):
-            given = read_given(file, flown_by, vehicle.autopilot)
+        given = read_given(file, flown_by, None if states else vehicle.autopilot)
         if not on_link.anyway:
             refuse_errors(given.findings)
         mission = given.mission

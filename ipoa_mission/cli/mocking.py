@@ -55,7 +55,7 @@ def mock(
         str, link_option("--link", metavar="URL", help="udpin or udpout, tcpin; loopback unless you name another host.")
     ] = "udpin:127.0.0.1:14540",
     speedup: Annotated[
-        float, typer.Option("--speedup", metavar="N", min=0.01, max=1000, help="So many times as fast as real.")
+        float, typer.Option("--speedup", metavar="N", min=0.01, max=1000, help="Speed-up: times real time.")
     ] = 1.0,
     system: SystemOption = None,
     key: KeyOption = None,

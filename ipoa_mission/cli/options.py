@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 #: Scenarios that are packed with the program, to be planned by their name.
 NAMES = ("campus",)
+ANYWAY = "Do it although a check fails: mission, home, firmware, class of vehicle, another vehicle with its id."
 #: Options that `--help` gathers under a heading.
 link_option = partial(typer.Option, rich_help_panel="The link")
 bad_link_option = partial(typer.Option, rich_help_panel="A worse link to the built-in autopilot, to see what happens")
@@ -115,7 +116,7 @@ autopilot_option = partial(
 )
 AutopilotOption: TypeAlias = Annotated[
     Autopilot | None,
-    autopilot_option(help="Firmware that flies it; left out, what the file says (.waypoints: px4)."),
+    autopilot_option(help="Firmware that flies it; left out, what the file says (.waypoints: by its items)."),
 ]
 FirmwareVersionOption: TypeAlias = Annotated[
     str | None,

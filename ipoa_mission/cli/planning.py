@@ -69,7 +69,7 @@ def plan(
     if as_json:
         tell_json(flight.summary() | {"written": [str(file) for file in files]})
     else:
-        tell_planned(flight, files)
+        tell_planned(flight, files, search.routes)
 
 
 def _write_parts(

@@ -5,15 +5,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ipoa_mission.cli.groups import FlownByOptions
+from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding
 from ipoa_mission.logs.learn.vehicle_file import read_vehicle
-from ipoa_mission.mission.files import read_mission_file
+from ipoa_mission.mission.files import read_by_items, read_mission_file
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.parameter_file import beside
-from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
+    from ipoa_mission.vehicles.version import Version
     from ipoa_mission.wind import Wind
 
 SHOWN = 6  # parameters in a note
@@ -33,16 +35,29 @@ class Given:
     planned: tuple[str, float] | None = None
 
 
-def read_given(file: Path, flown_by: FlownByOptions, autopilot: Autopilot | None = None) -> Given:
-    """Read a mission file; `autopilot` flies it where nobody says another.
+def read_given(
+    file: Path, flown_by: FlownByOptions, autopilot: Autopilot | None = None, world: "Scenario | None" = None
+) -> Given:
+    """Read a mission file; `autopilot` flies it where nobody says another, a `.waypoints` also that of the `world`.
 
     Raises:
         BadInput: the file, or the parameters beside it, cannot be read, or there is no such version.
     """
-    read = read_mission_file(file, flown_by.autopilot or autopilot)
+    has_version = _with_version(flown_by.version)
+    otherwise = None if world is None else world.vehicle.autopilot
+    if len(has_version) == 1:
+        (otherwise,) = has_version
+    read = read_by_items(file, read_mission_file(file, flown_by.autopilot or autopilot, otherwise))
     mission, remarks = read.mission, tuple(finding.message for finding in read.findings)
+    if read.taken_for is not None:
+        why = read.taken_for or "nothing says for which autopilot it is"
+        remarks += (f"read for {mission.autopilot}: {why}; --autopilot {'|'.join(map(str, registered()))} decides",)
     if flown_by.version is not None:
-        mission = replace(mission, firmware_version=mission.autopilot.tables.expect(flown_by.version))
+        others = [one for one in has_version if one is not mission.autopilot]
+        try:
+            mission = replace(mission, firmware_version=mission.autopilot.tables.expect(flown_by.version))
+        except BadInput as error:
+            raise BadInput(str(error), hint=f"--autopilot {others[0]}" if others else error.hint) from None
     mission = replace(mission, unmeasured_version=flown_by.unmeasured_version)
     if mission.parameters:
         some = ", ".join(f"{name} {value:g}" for name, value in [*mission.parameters.items()][:SHOWN])
@@ -51,6 +66,11 @@ def read_given(file: Path, flown_by: FlownByOptions, autopilot: Autopilot | None
     if flown_by.vehicle is not None:
         mission = replace(mission, vehicle=read_vehicle(flown_by.vehicle, mission.autopilot))
     return Given(mission.with_parameters(flown_by.parameters), read.findings, remarks, read.planned)
+
+
+def _with_version(version: "Version | None") -> list[Autopilot]:
+    """Find the autopilots of which this version has tables."""
+    return [one for one in registered() if version is not None and version.series in one.tables.series]
 
 
 def read_world(file: Path | None, wind: "Wind | None" = None) -> "Scenario | None":

@@ -60,8 +60,9 @@ def show(
     expect_world_of(endings, scenario)
     if endings and as_json:
         raise BadInput("--endings: expected without --json", hint="`check --endings --json` has them for machines")
-    given = read_given(file, flown_by)
-    forecast = Forecast(given.mission, read_world(scenario, flown_by.air), flown_by.air)
+    world = read_world(scenario, flown_by.air)
+    given = read_given(file, flown_by, world=world)
+    forecast = Forecast(given.mission, world, flown_by.air)
     mission = forecast.mission
     rows, errors = rows_of(forecast), refusals(mission)
     done: dict[int, float] = {}
@@ -153,7 +154,7 @@ def export(
     from ipoa_mission.cli.overwriting import expect_free
     from ipoa_mission.cli.reading import read_world
     from ipoa_mission.forecast.forecast import Forecast
-    from ipoa_mission.mission.files import mission_text, read_mission_file, write_mission
+    from ipoa_mission.mission.files import mission_text, read_by_items, read_mission_file, write_mission
     from ipoa_mission.report.exports import forecast_text
 
     if target == Path("-") and form is None:
@@ -162,7 +163,7 @@ def export(
     if suffix not in (suffixes := [f".{one}" for one in Form]):
         raise BadInput(f'{target}: expected a name that ends in {", ".join(suffixes)}, not in "{target.suffix}"')
     is_mission = suffix in MISSIONS
-    read = read_mission_file(file, autopilot)
+    read = read_by_items(file, read_mission_file(file, autopilot))
     forecast = Forecast(read.mission, read_world(scenario))
     if target == Path("-"):
         if as_json:

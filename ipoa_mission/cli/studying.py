@@ -35,7 +35,8 @@ def studio(
         typer.Option(
             "--tiles",
             metavar="URL|FILE",
-            help="A map under it: an address with {z}, {x}, {y}, or an MBTiles or PMTiles file; kept; none: no more.",
+            help="A map under it, remembered: an address with {z}, {x}, {y}, or an MBTiles or PMTiles file; `none` "
+            "forgets it.",
         ),
     ] = None,
     attribution: Annotated[

@@ -9,15 +9,16 @@ from ipoa_mission.forecast.energy import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.tube.promise import Promise
 from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST
+from ipoa_mission.wind import Wind
 
 
-def tell_planned(flight: Flight, written: Iterable[Path]) -> None:
-    """Print what was planned, how else it could be flown, and the files written."""
-    lines, rows = describe(flight), route_rows(flight)
-    tell(*lines)
-    tell_table("start to goal, by how the waypoints are chosen (* is written)", ROUTE_COLUMNS, rows)
-    tell(*ROUTE_WORDS, *([PASSED_OVER] if any(option.passed_over for option in flight.options) else []))
-    tell("", f"written: {', '.join(map(str, written))}", TAKEOFF_LOST)
+def tell_planned(flight: Flight, written: Iterable[Path], routes: bool = False) -> None:
+    """Print what was planned and the files written; with `routes`, the other ways to choose waypoints."""
+    tell(*describe(flight))
+    if routes:
+        tell_table("start to goal, by how the waypoints are chosen (* is written)", ROUTE_COLUMNS, route_rows(flight))
+        tell(*ROUTE_WORDS, *([PASSED_OVER] if any(option.passed_over for option in flight.options) else []), "")
+    tell(f"written: {', '.join(map(str, written))}", TAKEOFF_LOST)
 
 
 def describe(flight: Flight) -> list[str]:
@@ -28,10 +29,16 @@ def describe(flight: Flight) -> list[str]:
         f"{flight.name}: {flight.plan.cost.length:.1f} m, {len(mission.items)} items, for {firmware}",
         *promised(flight.promise),
         f"estimated {estimate.total_s:.1f} s",
+        *wind_words(flight.forecast.wind),
     ]
     lines += [] if flight.budget is None else flight.budget.words
     warnings = [words for f in flight.findings for words in (str(f), *([f"hint: {f.hint}"] if f.hint else []))]
     return [*lines, *warnings, *(f"note: {remark}" for remark in flight.notes)]
+
+
+def wind_words(wind: Wind) -> list[str]:
+    """The wind in a line; nothing in calm air."""
+    return [f"wind {wind}"] if wind.strongest > 0 else []
 
 
 def tell_parts(whole: Flight, parts: Sequence[Forecast], written: Iterable[Path]) -> None:

@@ -38,10 +38,14 @@ class SurveyOptions:
         typer.Option("--survey", metavar="AREA", help="See all of the area in this map (GeoJSON, KML) from above."),
     ] = None
     height: Annotated[
-        float | None, typer.Option("--height", metavar="M", help="Height of a survey above the ground; 40 without.")
+        float | None, typer.Option("--height", metavar="M", help="Height of a survey above the ground; default 40.")
     ] = None
     line_spacing: Annotated[
-        float | None, typer.Option("--line-spacing", metavar="M", help="Between its lines; 20 without a camera.")
+        float | None,
+        typer.Option("--line-spacing", metavar="M", help="Between its lines; default 20, or by the camera."),
+    ] = None
+    width: Annotated[
+        float | None, typer.Option("--width", metavar="M", help="Of a corridor along the lines in this map.")
     ] = None
     camera: Annotated[
         str | None, typer.Option("--camera", metavar="NAME", help="The camera that takes its photos.")
@@ -78,15 +82,12 @@ class SurveyOptions:
         from ipoa_mission.scenario.read import read_scenario, read_table, scenario_of
         from ipoa_mission.scenario.survey import USUAL_HEIGHT, USUAL_SPACING
 
-        given = {
-            "height_above_ground": self.height,
-            "line_spacing": self.line_spacing,
-            "camera": self.camera,
-            "gsd_cm": self.gsd,
-        }
+        keys = {"height": "height_above_ground", "gsd": "gsd_cm"}
+        options = ("height", "line_spacing", "width", "camera", "gsd")
+        asked_for = {name: value for name in options if (value := getattr(self, name)) is not None}
         if self.survey is None:
-            if strays := [name for name, value in given.items() if value is not None]:
-                raise BadInput(f"--{strays[0].split('_')[0]}: expected with --survey")
+            if asked_for:
+                raise BadInput(f"--{next(iter(asked_for)).replace('_', '-')}: expected with --survey")
             if path is None:
                 raise BadInput("expected a scenario, or an area: --survey AREA")
             return read_scenario(path)
@@ -96,7 +97,8 @@ class SurveyOptions:
             else read_table(path)
         )
         own = table.pop("survey", {})
-        asked = {**(own if isinstance(own, dict) else {}), **{k: v for k, v in given.items() if v is not None}}
+        asked = dict(own) if isinstance(own, dict) else {}
+        asked |= {keys.get(name, name): value for name, value in asked_for.items()}
         if asked.keys().isdisjoint({"height_above_ground", "gsd_cm"}):
             asked["height_above_ground"] = USUAL_HEIGHT
         if asked.keys().isdisjoint({"line_spacing", "camera"}):
@@ -104,7 +106,9 @@ class SurveyOptions:
         for other in ("polygon", "line"):
             asked.pop(other, None)
         rest = {key: value for key, value in table.items() if key not in ("start", "goal", "via")}
-        return scenario_of(rest | {"survey": asked | {"area": str(self.survey.absolute())}}, path or OPTION)
+        is_beside = path is None or path.parent == Path()
+        area = self.survey if is_beside else self.survey.absolute()
+        return scenario_of(rest | {"survey": asked | {"area": str(area)}}, path or OPTION)
 
 
 def _home_beside(area: Path) -> dict[str, float]:
@@ -146,6 +150,7 @@ def tell_survey(survey: "Survey", written: list[Path]) -> None:
 def describe(survey: "Survey") -> list[str]:
     """The survey in a few lines."""
     from ipoa_mission.centimeters import down
+    from ipoa_mission.cli.summary import wind_words
 
     plan, first = survey.plan, survey.flights[0].mission
     seen, sight = plan.coverage, plan.sight
@@ -166,6 +171,7 @@ def describe(survey: "Survey") -> list[str]:
         *told,
         *overlaps,
         f"estimated {survey.total_s:.1f} s in {len(survey.flights)} flight{'s' if len(survey.flights) > 1 else ''}",
+        *wind_words(survey.flights[0].wind),
         *survey.warnings,
         *notes(survey.notes),
     ]

@@ -27,7 +27,15 @@ def shown(text: str) -> str:
 def tell(*lines: str) -> None:
     """Print lines of a result."""
     for line in lines:
-        print(shown(line), flush=True)
+        _say(shown(line))
+
+
+def _say(text: str) -> None:
+    """Print to standard output; whoever reads it may have had enough (`| head`), and the job goes on without."""
+    try:
+        print(text, flush=True)
+    except BrokenPipeError:
+        fall_silent()
 
 
 def notes(remarks: Iterable[str]) -> list[str]:
@@ -39,7 +47,7 @@ def tell_json(result: Any, indent: int | None = 2) -> None:
     """Print a result for machines at once: JSON, without NaN; without an indent it is one line."""
     text = json.dumps(result, indent=indent, ensure_ascii=False, allow_nan=False)
     lines = (_OBEYED.sub(lambda match: json.dumps(match[0])[1:-1], line) for line in text.split("\n"))
-    print("\n".join(lines), flush=True)
+    _say("\n".join(lines))
 
 
 def picked(thing: object, *names: str, digits: int = 3) -> dict[str, Any]:
@@ -83,7 +91,7 @@ def tell_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...
     with console.capture() as drawn:
         console.print(table)
     tell(title, "")
-    print("\n".join(line.rstrip() for line in drawn.get().splitlines()) + "\n", flush=True)
+    _say("\n".join(line.rstrip() for line in drawn.get().splitlines()) + "\n")
 
 
 def _columns() -> int:

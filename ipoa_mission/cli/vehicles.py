@@ -42,7 +42,7 @@ def connect_to(link: str, options: LinkOptions, usual_log: Path | None, reading:
         with _vehicle_on(link, options, usual_log, reading) as vehicle:
             yield vehicle
     except MissionError as error:
-        if kept := [file for file, before in logs.items() if _written_ns(file) != before]:
+        if kept := [file for file, before in logs.items() if _written_ns(file) not in (None, before)]:
             error.known["written"] = kept
         raise
 

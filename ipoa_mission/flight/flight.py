@@ -161,6 +161,7 @@ class Flight:
                 "qgroundcontrol_counts": COUNTS,
                 "route": route_summary(estimate),
             },
+            **({"wind": self.forecast.wind.as_json()} if self.forecast.wind.strongest > 0 else {}),
             "energy_wh": None if energy is None else rounded(energy.energy_wh),
             **({} if budget is None else {"energy": energy_as_json(budget)}),
             **({"parameters": parameters} if parameters else {}),

@@ -128,6 +128,7 @@ class Survey:
             "name": self.name,
             "version": version("ipoa-mission"),
             "seed": self.seed,
+            **({"wind": first.wind.as_json()} if first.wind.strongest > 0 else {}),
             **(_about(first) if len(self.flights) == 1 else {"firmware": firmware}),
             "survey": survey_as_json(plan, self.names),
             "remarks": list(self.remarks),
@@ -371,9 +372,8 @@ def _hints(flight: SurveyFlight) -> Iterator[str]:
 def _more_flights(plan: SurveyPlan) -> tuple[str, ...]:
     """Offer one flight more where one of them may land on its reserve."""
     unsure = any(finding.code == UNSURE for flight in plan.flights for finding in flight.findings)
-    if not unsure or plan.section.starts is not None:
-        return ()
-    return (f"flights = {len(plan.flights) + 1} under [survey] leaves more in each battery",)
+    offer = unsure and plan.section.starts is None
+    return () if not offer else (f"flights = {len(plan.flights) + 1} under [survey] leaves more in each battery",)
 
 
 def _repairs(flight: SurveyFlight) -> Iterator[str]:

@@ -17,6 +17,7 @@ from pyproj import CRS, Transformer
 from pyproj.exceptions import CRSError
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.files import why_no_json
 from ipoa_mission.maps.cityjson import cityjson_features, is_cityjson
 from ipoa_mission.maps.feature import (
     DEEPEST,
@@ -105,7 +106,8 @@ def _told_of(path: Path) -> Iterator[None]:
     try:
         yield
     except json.JSONDecodeError as error:
-        raise BadInput(f"{path}: line {error.lineno}: {error.msg[:1].lower()}{error.msg[1:]}") from error
+        words = f"{path}: line {error.lineno}: {error.msg[:1].lower()}{error.msg[1:]}"
+        raise BadInput(words, hint=why_no_json(error.doc, error.pos)) from error
     except ValueError:
         raise BadInput(f"{path}: expected numbers that fit in 64 bits, not one of thousands of digits") from None
 

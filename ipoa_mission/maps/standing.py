@@ -1,6 +1,6 @@
 """What stands on a map, and the obstacles that it is where the ground is known."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,11 +29,12 @@ class Standing(NamedTuple):
     height: float
     over_home: bool = False
     hangs: bool = False  # `shape` is a span of a wire between two supports
+    called: str = ""  # its name in messages, where that says more than `name`
 
 
 def raise_buildings(standing: Sequence[Standing], ground: Ground) -> tuple[Obstacle, ...]:
     """The obstacles themselves, standing on the ground."""
-    hanging = [prism for s in standing if s.hangs for prism in raise_span(s.name, s.shape, s.reach, s.height, ground)]
+    hanging = [prism for s in standing if s.hangs for prism in _span(s, ground)]
     standing = [s for s in standing if not s.hangs]
     if not standing:
         return tuple(hanging)
@@ -50,6 +51,10 @@ def raise_buildings(standing: Sequence[Standing], ground: Ground) -> tuple[Obsta
     return (*raised, *hanging)
 
 
+def _span(s: Standing, ground: Ground) -> Iterator[Obstacle]:
+    return raise_span(s.called or s.name, s.shape, s.reach, s.height, ground)
+
+
 def _outline(s: Standing) -> NDArray[np.float64]:
     """Places under it at which the ground is asked, (n, 2)."""
     corners = shapely.get_coordinates(s.shape)
@@ -60,7 +65,8 @@ def _outline(s: Standing) -> NDArray[np.float64]:
 
 
 def _obstacle(s: Standing, base: float, top: float) -> Obstacle:
+    name = s.called or s.name
     if s.shape.geom_type == "Point":
-        return Cylinder(s.name, float(s.shape.x), float(s.shape.y), s.reach, base, top)
+        return Cylinder(name, float(s.shape.x), float(s.shape.y), s.reach, base, top)
     shape = s.shape.buffer(s.reach, cap_style="square", join_style="mitre") if s.reach > 0 else s.shape
-    return Prism(s.name, *rings_of(shape), base, top)
+    return Prism(name, *rings_of(shape), base, top)

@@ -27,11 +27,12 @@ class Told(NamedTuple):
     """What a NAME.json says of a mission file that was written with it.
 
     `landing_height`: how high above home [m] the ground is where it lands; `planned`: which NAME.json, and how long
-    that has the flight [s].
+    that has the flight [s]; `autopilot`: for which it was written.
     """
 
     landing_height: float | None = None
     planned: tuple[str, float] | None = None
+    autopilot: str | None = None
 
 
 def told_beside(path: Path, text: str) -> Told:
@@ -50,7 +51,10 @@ def told_beside(path: Path, text: str) -> Told:
         times += [whole.get("total_s")] if isinstance(whole, dict) and not parts else []
         time_s = next(map(_finite, times), None)
         planned = None if time_s is None else (about.name, time_s)
-        return Told(_finite(height) if about == own else None, planned)
+        firmware = told.get("firmware")
+        autopilot = firmware.get("autopilot") if isinstance(firmware, dict) else None
+        named = autopilot if isinstance(autopilot, str) else None
+        return Told(_finite(height) if about == own else None, planned, named)
     return Told()
 
 

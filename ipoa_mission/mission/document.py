@@ -10,6 +10,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.files import why_no_json
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.geometry import Points
 
@@ -132,7 +133,8 @@ def parse_document(path: Path, text: str) -> Node:
     try:
         return Node(str(path), "", json.loads(text, parse_constant=lambda name: _no_constant(path, text, name)))
     except json.JSONDecodeError as error:
-        raise BadInput(f"{path}: line {error.lineno}, column {error.colno}: expected JSON: {error.msg}") from error
+        words = f"{path}: line {error.lineno}, column {error.colno}: expected JSON: {error.msg}"
+        raise BadInput(words, hint=why_no_json(text, error.pos)) from error
     except RecursionError:
         raise BadInput(f"{path}: expected JSON, not brackets nested without end") from None
     except ValueError:

@@ -13,7 +13,8 @@ from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.parameter_file import beside, read_parameters, write_with_parameters
 from ipoa_mission.mission.plan_file import parse_plan, plan_text
 from ipoa_mission.mission.waypoints_file import FIRST_LINE, lost_in_waypoints, parse_waypoints, waypoints_text
-from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot
+from ipoa_mission.mission.whose_waypoints import only_taker
+from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot, registered
 from ipoa_mission.vehicles.known_parameters import firmware_of
 
 
@@ -24,8 +25,8 @@ def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Missio
 
     Args:
         path: of a `.plan` or a `.waypoints` file.
-        autopilot: goes before what a `.plan` says of itself; a `.waypoints` file says nothing: without it, it is for
-            whom its parameters are, else for PX4.
+        autopilot: goes before what a `.plan` says of itself. A `.waypoints` file does not say it: without this,
+            NAME.params or NAME.json beside it do; else it is read for PX4.
 
     Returns:
         The mission; what the reading had to say besides is told by `check`.
@@ -44,12 +45,15 @@ def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Missio
     return file.mission
 
 
-def read_mission_file(path: str | Path, autopilot: Autopilot | None = None) -> MissionFile:
+def read_mission_file(
+    path: str | Path, autopilot: Autopilot | None = None, otherwise: Autopilot | None = None
+) -> MissionFile:
     """Read a mission file as `read_mission` does, with what was odd in it.
 
     Args:
         path: of a `.plan` or a `.waypoints` file.
         autopilot: as for `read_mission`.
+        otherwise: for which a `.waypoints` file is read that nothing beside it is about.
 
     Returns:
         The mission, the findings of reading it, and the text.
@@ -62,10 +66,12 @@ def read_mission_file(path: str | Path, autopilot: Autopilot | None = None) -> M
         >>> read_mission_file("missions/sitl.plan").findings
         ()
     """
-    return parse_mission(Path(path), read_text(Path(path)), autopilot)
+    return parse_mission(Path(path), read_text(Path(path)), autopilot, otherwise)
 
 
-def parse_mission(path: Path, text: str, autopilot: Autopilot | None = None) -> MissionFile:
+def parse_mission(
+    path: Path, text: str, autopilot: Autopilot | None = None, otherwise: Autopilot | None = None
+) -> MissionFile:
     """The same where the file at `path` had this text.
 
     Raises:
@@ -74,12 +80,13 @@ def parse_mission(path: Path, text: str, autopilot: Autopilot | None = None) -> 
     lying = beside(path)
     parameters = read_parameters(lying) if lying.is_file() else {}
     theirs = firmware_of(parameters)
-    file = _parsed(path, text, autopilot, theirs or default_autopilot())
+    told = told_beside(path, text)
+    file = _parsed(path, text, autopilot, theirs or _named(told.autopilot) or otherwise)
     if theirs not in (None, autopilot) and autopilot is not None:
         foreign = f"{lying}: parameters of {theirs}, not of {autopilot}: none of them is used"
         warned = Finding("file-parameters", Severity.WARNING, None, foreign, f"name {autopilot}'s by --param-file")
         file, parameters = replace(file, findings=(*file.findings, warned)), {}
-    mission, told = file.mission, told_beside(path, text)
+    mission = file.mission
     if told.landing_height is not None and landing_height(mission) is None:
         mission = landing_on(mission, told.landing_height)
     try:
@@ -88,12 +95,25 @@ def parse_mission(path: Path, text: str, autopilot: Autopilot | None = None) -> 
         raise BadInput(f"{lying}: {error}", hint=error.hint) from error
 
 
-def _parsed(path: Path, text: str, autopilot: Autopilot | None, unsaid: Autopilot) -> MissionFile:
+def read_by_items(path: Path, file: MissionFile) -> MissionFile:
+    """Read a file of which nothing says for which autopilot it is for the one that alone takes its items."""
+    if file.taken_for is None or (taker := only_taker(file.mission.items)) is None:
+        return file
+    return replace(parse_mission(path, file.source, taker[0]), taken_for=taker[1])
+
+
+def _named(name: str | None) -> Autopilot | None:
+    return next((one for one in registered() if one.name == name), None)
+
+
+def _parsed(path: Path, text: str, autopilot: Autopilot | None, beside_it: Autopilot | None) -> MissionFile:
     beginning = text.lstrip()[: len(FIRST_LINE)]
     if beginning.startswith("{") or (path.suffix.lower() == ".plan" and not beginning.startswith("QGC WPL")):
         return parse_plan(path, text, autopilot)
     if beginning.startswith("QGC WPL") or path.suffix.lower() == ".waypoints":
-        return parse_waypoints(path, text, autopilot or unsaid)
+        if (said := autopilot or beside_it) is not None:
+            return parse_waypoints(path, text, said)
+        return replace(parse_waypoints(path, text, default_autopilot()), taken_for="")
     raise BadInput(f"{path}: expected a .plan file, or a .waypoints file that begins with {FIRST_LINE}")
 
 

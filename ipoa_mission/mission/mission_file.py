@@ -16,6 +16,7 @@ class MissionFile:
         source: its text.
         suffix: of its format, ".plan" or ".waypoints".
         planned: the NAME.json that was written with it, and the time that this has for it [s].
+        taken_for: why it is read for its autopilot, where nothing says for which it is; "": it is the default one.
     """
 
     mission: Mission
@@ -23,6 +24,7 @@ class MissionFile:
     source: str
     suffix: str
     planned: tuple[str, float] | None = None
+    taken_for: str | None = None
 
     def still_holds(self, mission: Mission) -> bool:
         """Whether it says all of this mission, but for the parameters, which lie beside it."""

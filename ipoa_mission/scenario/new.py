@@ -109,7 +109,7 @@ QUESTIONS = (
     Question(
         "profile",
         "For what task?",
-        f"{', '.join(PROFILES)}, or none (the paper's weights)",
+        f"{', '.join(PROFILES)}, or none (balanced)",
         "none",
         _one_of(*PROFILES, "none"),
     ),

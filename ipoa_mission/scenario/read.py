@@ -13,6 +13,7 @@ from ipoa_mission.scenario.explain import explained, lowered
 from ipoa_mission.scenario.model import Scenario
 
 LONGEST_KEY = 16  # parts; tomllib takes the square of their number in time
+_COMMA = re.compile(r"=\s*([-+]?\d+),(\d+)\s*(?:#.*)?$")  # a decimal comma
 _PART = r"""(?:[\w-]++|"(?:\\.|[^"\\\n])*+"|'[^'\n]*+')"""
 #: The words of a TOML text, each taken whole: strings of several lines, comments, keys of too many parts, the rest.
 _WORDS = re.compile(
@@ -93,6 +94,10 @@ def parse_toml(text: str, path: Path) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
+        at = re.search(r"at line (\d+)", str(error))
+        if at is not None and (comma := _COMMA.search(text.split("\n")[int(at[1]) - 1].rstrip())):
+            words = f"{path}: line {at[1]}: expected a number with a point, {comma[1]}.{comma[2]}"
+            raise BadInput(f"{words}, not {comma[1]},{comma[2]}") from error
         raise BadInput(f"{path}: {lowered(str(error))}", hint="a scenario is a TOML file") from error
     except RecursionError:
         raise BadInput(f"{path}: expected a scenario, not brackets nested without end") from None

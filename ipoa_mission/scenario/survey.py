@@ -236,7 +236,9 @@ def _mapped(path: Path, width: float | None, frame: LocalFrame) -> Area:
             polygons.append(_corridor(shapely.get_coordinates(shape), width, place))
             continue
         if shape.geom_type != "Polygon":
-            raise BadInput(f"{place}: expected a polygon, not an open line", hint="with `width` it is a corridor")
+            raise BadInput(
+                f"{place}: expected a polygon, not an open line", hint="with `width` (--width) it is a corridor"
+            )
         (clean,) = unrepeated(np.array([shape], object))
         rings = [shapely.get_coordinates(ring) for ring in (clean.exterior, *clean.interiors)]
         polygons += Area.of([rings], place).shape.geoms

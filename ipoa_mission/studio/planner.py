@@ -18,7 +18,7 @@ from ipoa_mission.finding import Finding
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.flight.survey import Survey, plan_survey
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.files import parse_mission, write_mission
+from ipoa_mission.mission.files import parse_mission, read_by_items, write_mission
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.planning.sketch import sketch_path
 from ipoa_mission.progress import Progress as ShowProgress
@@ -239,7 +239,7 @@ def _mission_in(
     flies = None if autopilot is None else autopilot_named(autopilot)
     if flies is None and world is not None and Path(path).suffix.lower() == ".waypoints":
         flies = world.vehicle.autopilot  # whom such a file does not say
-    file = parse_mission(Path(path), text, flies)
+    file = read_by_items(Path(path), parse_mission(Path(path), text, flies))
     return file, Forecast(file.mission, world)
 
 

@@ -303,3 +303,25 @@ def test_an_error_is_found_exactly_where_sampling_the_legs_finds_one(points: lis
         nearest = min(distance.min(), where[:, 2].min())
         if abs(nearest - 2.5) > 0.06:  # rounding of positions, and the sampling itself
             assert (seq in errors) == (nearest < 2.5)
+
+
+def test_a_collision_where_two_legs_meet_is_said_once() -> None:
+    scenario = world()
+    mission = flight(scenario, (0.0, 0.0, 20.0), (50.0, 20.0, 20.0), (100.0, 0.0, 20.0))
+    told = [finding for finding in check_mission(mission, scenario) if finding.code == "leg-too-near"]
+    assert [finding.seq for finding in told] == [3]
+    assert "inside hall" in told[0].message
+
+
+def test_a_leg_that_a_jump_flies_back_names_both_of_its_ends() -> None:
+    scenario = world()
+    south, north = (0.0, 0.0, 20.0), (100.0, 40.0, 20.0)
+    up, *ways, down = flight(scenario, south, (100.0, 0.0, 20.0), north).items
+    back = Item(Command.DO_JUMP, 2, (2.0, 1.0, 0.0, 0.0))
+    mission = Mission(scenario.frame.home, (up, *ways, back, down), PX4)
+    told = [
+        finding
+        for finding in check_mission(mission, scenario)
+        if "the leg to it from item 4, after a jump" in finding.message
+    ]
+    assert found(told) == ["error leg-too-near 2"]

@@ -71,7 +71,7 @@ def test_a_scenario_ignores_what_may_be_ignored(code: str) -> None:
 
 def test_sarif_has_each_finding_with_its_rule() -> None:
     found = check_mission(OPEN_END)
-    (run,) = json.loads(sarif(Path("open.plan"), found))["runs"]
+    (run,) = json.loads(sarif({Path("open.plan"): found}))["runs"]
     rules = [rule["id"] for rule in run["tool"]["driver"]["rules"]]
     assert [(one["ruleId"], one["level"]) for one in run["results"]] == [(f.code, str(f.severity)) for f in found]
     assert all(rules[one["ruleIndex"]] == one["ruleId"] for one in run["results"])

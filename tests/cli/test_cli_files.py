@@ -164,3 +164,55 @@ def test_new_writes_a_scenario_and_never_over_one(run: Run) -> None:
     ended = run(words)
     assert ended.code == 2
     assert "--force" in ended.err
+
+
+def test_a_waypoints_file_is_not_taken_for_an_autopilot_in_silence(run: Run, tmp_path: Path) -> None:
+    plain = tmp_path / "plain.waypoints"
+    rows = ["0\t1\t0\t16\t0\t0\t0\t0\t47.06\t9.71\t612\t1", "1\t0\t3\t22\t0\t0\t0\t0\t47.06\t9.71\t20\t1"]
+    rows += ["2\t0\t3\t16\t0\t0\t0\t0\t47.061\t9.71\t20\t1", "3\t0\t3\t20\t0\t0\t0\t0\t0\t0\t0\t1"]
+    plain.write_text("\n".join(["QGC WPL 110", *rows]) + "\n")
+    for verb in ("check", "estimate", "show"):
+        assert "nothing says for which autopilot it is; --autopilot px4|ardupilot decides" in run(f"{verb} {plain}").out
+    assert "nothing says for which" not in run(f"check {plain} --autopilot px4").out
+    assert "for ardupilot 4.6" in run(f"check {plain} --firmware-version 4.6").out
+    assert "for px4 1.16" in run(f"check {plain} --firmware-version 1.16").out
+    spline = tmp_path / "spline.waypoints"
+    spline.write_text(plain.read_text().replace("\t3\t16\t", "\t3\t82\t"))
+    said = run(f"check {spline}")
+    why = "read for ardupilot: item 2 (NAV_SPLINE_WAYPOINT): PX4 does not take it"
+    assert (said.code, why in said.out) == (0, True)
+    other = run(f"check {RECORDED.parents[3] / 'missions' / 'sitl.plan'} --firmware-version 4.6")
+    assert (other.code, "--autopilot ardupilot" in other.err) == (2, True)
+
+
+def test_check_takes_files_and_folders_with_one_sarif_and_one_exit_code(run: Run, tmp_path: Path) -> None:
+    folder = tmp_path / "ci"
+    (folder / "deep").mkdir(parents=True)
+    packed = RECORDED.parents[3] / "missions"
+    shutil.copy(packed / "sitl.plan", folder / "good.plan")
+    shutil.copy(packed / "campus.plan", folder / "deep" / "fine.plan")
+    good = run("check ci --sarif all.sarif")
+    assert (good.code, good.out.splitlines()[-1]) == (0, "2 files: 0 errors, 0 warnings")
+    shutil.copy(RECORDED.parents[2] / "odd" / "fixed_wing.plan", folder / "plane.plan")
+    wrong = run("check ci/good.plan ci --sarif all.sarif --json")
+    told = json.loads(wrong.out)
+    assert (wrong.code, told["ok"]) == (1, False)
+    assert [one["file"] for one in told["files"]] == ["ci/good.plan", "ci/deep/fine.plan", "ci/plane.plan"]
+    (folder / "broken.plan").write_text("")
+    unreadable = run("check ci --sarif all.sarif")
+    assert (unreadable.code, "ci/broken.plan: not checked" in unreadable.out) == (2, True)
+    (log,) = json.loads(Path("all.sarif").read_text())["runs"]
+    found = {
+        (one["ruleId"], one["locations"][0]["physicalLocation"]["artifactLocation"]["uri"]) for one in log["results"]
+    }
+    assert found == {("other-vehicle", "ci/plane.plan"), ("file-unreadable", "ci/broken.plan")}
+    (tmp_path / "none").mkdir()
+    assert (run("check none").code, run("check ci/broken.plan").code) == (2, 2)
+
+
+def test_a_planes_mission_fails_unless_it_is_to_be_judged_anyway(run: Run) -> None:
+    plane = RECORDED.parents[2] / "odd" / "fixed_wing.plan"
+    assert run(f"check {plane}").code == 1
+    assert run(f"check {plane} --anyway").code == 0
+    assert "1 error, 0 warnings" in run(f"check {plane}").out
+    assert run(f"fly {plane}").code != 0

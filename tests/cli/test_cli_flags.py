@@ -32,7 +32,7 @@ SEVERAL = {"--autopilot": 2, "--firmware-version": 2, "--link": 3, "--out": 4, "
 #: What goes together: who takes one of these takes all.
 TOGETHER = (
     {"--param", "--param-file"},
-    {"--log", "--timeout", "--backend", "--anyway"},
+    {"--log", "--timeout", "--backend"},
     {"--optimizer", "--report"},
     {"--loss", "--duplicate", "--delay", "--reorder"},
 )
@@ -66,7 +66,7 @@ def test_a_flag_means_the_same_everywhere() -> None:
 
 #: Files of parts are flown one by one, and a survey as its scenario has it, or what is left of one by its files.
 PLANNED_ONLY = {"SCENARIO", "[SCENARIO]", "--split"}
-PLANNED_ONLY |= {"--survey", "--height", "--line-spacing", "--camera", "--gsd", "--flown"}
+PLANNED_ONLY |= {"--survey", "--height", "--line-spacing", "--width", "--camera", "--gsd", "--flown"}
 
 
 def test_fly_takes_what_plan_takes() -> None:

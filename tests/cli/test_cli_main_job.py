@@ -121,3 +121,18 @@ def test_compare_holds_the_log_of_a_flight_against_the_estimate(run: Run, planne
     assert held["flown_s"] == pytest.approx(flown["flown_s"], abs=0.5)
     assert len(held["legs"]) >= 4
     assert Path("both.svg").stat().st_size > 2000
+
+
+def test_the_output_names_the_wind_and_the_other_routes_where_they_are_asked_for(run: Run) -> None:
+    sitl = Path(__file__).parents[2] / "missions" / "sitl.toml"
+    plain, windy = run(f"plan {sitl}").out, run(f"plan {sitl} --wind 6@270 --out windy --routes").out
+    assert "wind" not in plain
+    assert "start to goal, by how" not in plain
+    assert "wind 6 m/s from 270 deg" in windy
+    assert "start to goal, by how the waypoints are chosen" in windy
+    assert json.loads(Path("windy/sitl.json").read_text())["wind"] == {
+        "from_deg": 270.0,
+        "speed_m_s": 6.0,
+        "spread_m_s": 0.0,
+    }
+    assert "wind 6 m/s from 270 deg" in run(f"check windy/sitl.plan --scenario {sitl} --wind 6@270").out

@@ -1,6 +1,7 @@
 """`plan` of a survey, of an area without a scenario, and its flights flown on the built-in autopilot."""
 
 import json
+import subprocess
 import sys
 from contextlib import AbstractContextManager
 from io import StringIO
@@ -170,3 +171,22 @@ def test_a_flight_from_another_place_waits_until_the_vehicle_is_there(
     assert "the vehicle stands 82.5 m from the mission's home, and nearer to another of the survey's start" in words
     assert "bring it to 47.398420, 8.545865" in words
     assert "survey.starts[1]: no flight begins there" in " ".join(told.out.split())
+
+
+def test_an_area_is_named_as_it_was_typed_and_a_line_becomes_a_corridor_by_width(run: Run, tmp_path: Path) -> None:
+    line = {"type": "LineString", "coordinates": [[8.0, 47.0], [8.002, 47.0]]}
+    (tmp_path / "river.geojson").write_text(json.dumps({"type": "Feature", "properties": {}, "geometry": line}))
+    said = run("plan --survey river.geojson").err
+    assert said.startswith("error: --survey: river.geojson: ") or said.startswith("error: river.geojson: ")
+    assert "(--width)" in said
+    assert str(tmp_path) not in run("plan --survey nowhere.geojson").err
+    assert run("plan missions.toml --width 30").err.startswith("error: --width: expected with --survey")
+    ended = run("plan --survey river.geojson --width 30 --json")
+    assert (ended.code, json.loads(ended.out)["survey"]["lines"]) == (0, 2)
+
+
+def test_whoever_closes_the_pipe_ends_nothing(tmp_path: Path) -> None:
+    words = f"{sys.executable} -m ipoa_mission schema | head -n 1; echo ${{PIPESTATUS[0]}}"
+    said = subprocess.run(["bash", "-c", words], cwd=tmp_path, capture_output=True, text=True, check=True, timeout=300)
+    assert said.stdout.splitlines()[-1] == "0"
+    assert said.stderr == ""

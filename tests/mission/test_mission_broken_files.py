@@ -23,3 +23,21 @@ def test_a_broken_file_is_refused_with_its_message(name: str) -> None:
         read_mission(path)
     assert str(refusal.value) == f"{path}: {MESSAGES[name]}"
     assert refusal.value.exit_code == 2
+
+
+@pytest.mark.parametrize(
+    ("text", "hint"),
+    [
+        ("", "the file is empty"),
+        ("\n \n", "the file is empty"),
+        ('{"mission": {}, }', "there is a comma too many before it"),
+        ('{"items": [1, 2,\n]}', "there is a comma too many before it"),
+        ('{"mission": {"items": [', "the file is cut off"),
+        ('{"mission": {"items": [1 2]}}', None),
+    ],
+)
+def test_the_commonest_reasons_why_a_plan_is_no_json_are_named(tmp_path: Path, text: str, hint: str | None) -> None:
+    (tmp_path / "x.plan").write_text(text)
+    with pytest.raises(BadInput, match="expected JSON") as told:
+        read_mission(tmp_path / "x.plan")
+    assert told.value.hint == hint

@@ -247,3 +247,8 @@ def test_true_is_no_number_and_a_slip_is_told_with_what_it_may_have_been(tmp_pat
     with pytest.raises(BadInput, match=r"not 1e\+305 km") as far:
         read_scenario(path)
     assert far.value.hint is None
+
+
+def test_a_decimal_comma_is_named() -> None:
+    with pytest.raises(BadInput, match=r"here\.toml: line 2: expected a number with a point, 47\.06, not 47,06"):
+        parse_scenario("[home]\nlatitude_deg = 47,06  # as at home\n", HERE)

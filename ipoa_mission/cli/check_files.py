@@ -1,0 +1,142 @@
+"""Mission files checked one after the other: what was found in each, in words and for machines."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ipoa_mission.checks.check import check as check_forecast
+from ipoa_mission.checks.sound import promise_if_flown
+from ipoa_mission.checks.unsafe import strictly
+from ipoa_mission.cli.groups import FlownByOptions
+from ipoa_mission.cli.options import expect_mission
+from ipoa_mission.cli.reading import read_given
+from ipoa_mission.cli.summary import promised, wind_words
+from ipoa_mission.cli.telling import notes
+from ipoa_mission.errors import BadInput
+from ipoa_mission.files import MISSIONS
+from ipoa_mission.finding import Finding, Severity
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.unread import unread_as_json
+
+if TYPE_CHECKING:
+    from ipoa_mission.forecast.tube.promise import Promise
+    from ipoa_mission.scenario import Scenario
+
+
+def missions_in(paths: Iterable[Path]) -> list[Path]:
+    """List the mission files that are named, and those in folders that are, each once.
+
+    Raises:
+        BadInput: a folder holds none, or a scenario is named.
+    """
+    found: dict[Path, None] = {}
+    for path in paths:
+        inside = sorted(one for one in path.rglob("*") if one.suffix.lower() in MISSIONS) if path.is_dir() else [path]
+        if not inside:
+            raise BadInput(f"{path}: cannot be read: Is a directory without mission files (.plan, .waypoints)")
+        found |= dict.fromkeys(map(expect_mission, inside))
+    return list(found)
+
+
+@dataclass(frozen=True)
+class How:
+    """By what files are checked: vehicle, world, codes that are left out; `anyway`, any class of vehicle."""
+
+    flown_by: FlownByOptions
+    world: "Scenario | None"
+    ignore: Sequence[str]
+    endings: bool
+    anyway: bool
+
+
+@dataclass(frozen=True)
+class CheckedFile:
+    """What was found in a file; without a forecast it could not be read."""
+
+    file: Path
+    findings: tuple[Finding, ...]
+    remarks: tuple[str, ...] = ()
+    forecast: Forecast | None = None
+    promise: "Promise | None" = None
+    endings: tuple[Any, Any] | None = None
+
+    @property
+    def errors(self) -> int:
+        """How many of the findings are errors."""
+        return sum(finding.severity is Severity.ERROR for finding in self.findings)
+
+    @property
+    def is_read(self) -> bool:
+        """Whether there was a mission to check."""
+        return self.forecast is not None
+
+    def as_json(self) -> dict[str, Any]:
+        """The same for machines."""
+        from ipoa_mission.flight.summary import findings_as_json
+
+        rows, remarks = findings_as_json(self.findings), list(self.remarks)
+        about: dict[str, Any] = {"ok": not self.errors, "findings": rows, "remarks": remarks}
+        if self.forecast is None:
+            return about
+        if (world := self.forecast.scenario) is not None:
+            from ipoa_mission.flight.summary import clearance_as_json, passed_over_as_json
+
+            about |= {"clearance": clearance_as_json(self.promise) or None, "passed_over": passed_over_as_json(world)}
+            about["unread"] = unread_as_json(world.unread)
+        if self.endings is not None:
+            from ipoa_mission.cli.ending import endings_as_json
+
+            about |= endings_as_json(*self.endings)
+        if self.forecast.wind.strongest > 0:
+            about["wind"] = self.forecast.wind.as_json()
+        mission = self.forecast.given
+        return about | {"firmware": mission.autopilot.facts(mission.firmware_version)}
+
+    def lines(self) -> Iterator[str]:
+        """The same in words, without what endings come to."""
+        yield from notes(self.remarks)
+        if self.forecast is not None and self.forecast.scenario is not None:
+            yield from wind_words(self.forecast.wind)
+        for finding in self.findings:
+            yield f"{finding} [{finding.code}]"
+            if finding.hint:
+                yield f"hint: {finding.hint}"
+        if self.promise is not None:
+            yield from promised(self.promise)
+
+    def counts(self) -> str:
+        """How much was found in how many items, for which firmware."""
+        if self.forecast is None:
+            return f"{self.file}: not checked"
+        mission, errors = self.forecast.given, self.errors
+        what = f"{counted(errors, 'error')}, {counted(len(self.findings) - errors, 'warning')}"
+        items = f"{len(mission.items)} items for {mission.autopilot.checked_for(mission.firmware_version)}"
+        return f"{self.file}: {what}, {items}"
+
+
+def check_file(file: Path, how: How) -> CheckedFile:
+    """Check one mission file.
+
+    Raises:
+        BadInput: it cannot be read.
+    """
+    given = read_given(file, how.flown_by, world=how.world)
+    forecast = Forecast(given.mission, how.world)
+    world = forecast.scenario
+    findings = strictly(check_forecast(forecast, how.ignore, given.findings), how.anyway)
+    promise = None if world is None else promise_if_flown(forecast)
+    endings: tuple[Any, Any] | None = None
+    if how.endings:
+        from ipoa_mission.forecast.endings import Endings, failsafes_of
+
+        endings = ((), ()) if promise is None else (forecast.once(Endings).all_rows(), failsafes_of(forecast))
+    messages = {finding.message for finding in findings}
+    remarks = tuple(remark for remark in given.remarks if remark not in messages)
+    remarks += () if world is None else tuple(remark for remark in world.remarks if remark not in messages)
+    return CheckedFile(file, findings, remarks, forecast, promise, endings)
+
+
+def counted(number: int, what: str) -> str:
+    """A number of things: "1 error", "2 errors"."""
+    return f"{number} {what}{'' if number == 1 else 's'}"
