@@ -13,6 +13,7 @@ from ipoa_mission.vehicles.ending import Ending
 
 HEIGHT_STEP, HIGHEST = 5, 500  # return altitudes are of every so many meters, up to [m] above home
 MOST_TRIES = 8  # return altitudes
+FAR = 1e5  # from where a return climbs to its whole height [m]
 STRAYS = 0.01  # the share of flights that may stray higher than is allowed for below a fence's ceiling
 SAG = 0.3  # a return is up to so much lower than it is set [m]
 
@@ -60,9 +61,13 @@ def highest_return(forecast: Forecast) -> float:
 
 
 def return_altitude(forecast: Forecast) -> float:
-    """How high above home it returns, by its parameters [m]."""
-    book = forecast.mission.autopilot.book
-    return book.complete(forecast.mission.parameters)[book.return_height.name] * book.return_height.unit
+    """How high above home it returns from far away, to home or the highest rally point [m]."""
+    mission = forecast.mission
+    values, ups = (
+        mission.autopilot.book.complete(mission.parameters),
+        (0.0, *(place.altitude for place in mission.rally)),
+    )
+    return max(mission.autopilot.return_height(values, 0.0, FAR, up) for up in ups)
 
 
 def at_another_height(ways: EndingWays, forecast: Forecast, short: list[Shortfall]) -> tuple[Forecast, list[Shortfall]]:
@@ -71,7 +76,8 @@ def at_another_height(ways: EndingWays, forecast: Forecast, short: list[Shortfal
     None is higher than what is allowed; one that is, comes down.
     """
     by = forecast.mission.autopilot.book.return_height
-    highest, now = highest_return(forecast), return_altitude(forecast)
+    now = forecast.mission.autopilot.book.complete(forecast.mission.parameters)[by.name] * by.unit
+    highest = highest_return(forecast) - (return_altitude(forecast) - now)  # PX4 counts from the height of its goal
     best, tried, asked = (forecast, short), {now}, list(_heights(ways, short, now))
     if now > highest:
         asked.append(float(HEIGHT_STEP * math.floor(highest / HEIGHT_STEP)))
@@ -84,7 +90,7 @@ def at_another_height(ways: EndingWays, forecast: Forecast, short: list[Shortfal
         other = Forecast(raised, forecast.scenario, forecast.wind)
         if not (left := returning(ways.returning(other))):
             return other, []
-        too_high = return_altitude(best[0]) > highest
+        too_high = return_altitude(best[0]) > highest_return(forecast)
         best = (other, left) if too_high else min(best, (other, left), key=_merit)
         asked += _heights(ways, left, height)
     return best
