@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ipoa_mission.checks.finding import item_of
+from ipoa_mission.checks.finding import item_of, leg_name
 from ipoa_mission.checks.way_home import remedy
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
@@ -24,12 +24,6 @@ LIMITS = {
     Phase.RETURN: {"obstacles", "ground", "ceiling", "bounds"},
     Phase.TAKEOFF: {"obstacles"},
     Phase.LANDING: {"obstacles"},
-}
-NAMES = {
-    Phase.CRUISE: "the leg to it",
-    Phase.RETURN: "the way home",
-    Phase.TAKEOFF: "the climb",
-    Phase.LANDING: "the descent",
 }
 
 
@@ -58,14 +52,6 @@ def check_airspace(forecast: Forecast) -> Iterator[Finding]:
             else:
                 hint = remedy(forecast) if leg.phase is Phase.RETURN else None
                 yield item.error("leg-too-near", message, hint)
-
-
-def leg_name(leg: Leg) -> str:
-    """The leg in a message about its item; after a jump it names where it begins."""
-    if leg.jumped_from < 0:
-        return NAMES[leg.phase]
-    begin = f"item {leg.jumped_from}" if leg.jumped_from else "home"
-    return f"{NAMES[leg.phase]} from {begin}, after a jump"
 
 
 def broken(leg: Leg, scenario: Scenario) -> list[Check]:

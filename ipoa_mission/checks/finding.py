@@ -3,8 +3,16 @@
 from typing import NamedTuple
 
 from ipoa_mission.finding import Finding, Severity
+from ipoa_mission.forecast.itinerary.legs import Leg, Phase
 from ipoa_mission.mission.commands import command_name
 from ipoa_mission.mission.items import Item, Mission
+
+NAMES = {
+    Phase.CRUISE: "the leg to it",
+    Phase.RETURN: "the way home",
+    Phase.TAKEOFF: "the climb",
+    Phase.LANDING: "the descent",
+}
 
 
 class Numbered(NamedTuple):
@@ -33,3 +41,11 @@ def numbered(mission: Mission) -> list[Numbered]:
 def item_of(mission: Mission, seq: int) -> Numbered:
     """The item with this number."""
     return Numbered(seq, mission.items[seq - 1])
+
+
+def leg_name(leg: Leg) -> str:
+    """The leg in a message about its item; after a jump it names where it begins."""
+    if leg.jumped_from < 0:
+        return NAMES[leg.phase]
+    begin = f"item {leg.jumped_from}" if leg.jumped_from else "home"
+    return f"{NAMES[leg.phase]} from {begin}, after a jump"

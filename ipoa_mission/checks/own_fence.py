@@ -5,8 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ipoa_mission.checks.airspace import leg_name
-from ipoa_mission.checks.finding import item_of
+from ipoa_mission.checks.finding import item_of, leg_name
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.legs import Leg, Phase
 from ipoa_mission.forecast.tube.measured import law_of

@@ -11,7 +11,6 @@ from ipoa_mission.checks.unsafe import strictly
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.cli.options import expect_mission
 from ipoa_mission.cli.reading import read_given
-from ipoa_mission.cli.summary import promised, wind_words
 from ipoa_mission.cli.telling import notes
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import MISSIONS
@@ -97,12 +96,16 @@ class CheckedFile:
         """The same in words, without what endings come to."""
         yield from notes(self.remarks)
         if self.forecast is not None and self.forecast.scenario is not None:
+            from ipoa_mission.cli.summary import wind_words
+
             yield from wind_words(self.forecast.wind)
         for finding in self.findings:
             yield f"{finding} [{finding.code}]"
             if finding.hint:
                 yield f"hint: {finding.hint}"
         if self.promise is not None:
+            from ipoa_mission.cli.summary import promised
+
             yield from promised(self.promise)
 
     def counts(self) -> str:

@@ -26,6 +26,7 @@ def replayed(log: Path, forecast: Forecast, revision: int) -> Replay:
     flight = next((one for one in flown.flights if one.in_mission), None)
     if flight is None:
         raise MissionError(f"{log.name}: nothing in it was flown in the mission mode")
+    forecast = forecast.on(flight.firmware_version)
     record = flight.record(forecast.mission)
     track = flown_track(forecast.mission, record)
     if track is None:

@@ -15,11 +15,13 @@ from ipoa_mission import (
     read_mission,
     read_scenario,
     upload_mission,
+    write_mission,
 )
 from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.simulator.fly import board
@@ -46,6 +48,17 @@ def scenario(version: str, unmeasured: bool = False) -> Scenario:
     world = read_scenario(MISSIONS / "sitl.toml")
     vehicle = world.vehicle.model_copy(update={"firmware_version": version, "unmeasured_version": unmeasured})
     return world.model_copy(update={"vehicle": vehicle})
+
+
+def with_holds(folder: Path) -> Path:
+    """A mission whose waypoints PX4 1.18 does not pass for good."""
+    mission = read_mission(MISSIONS / "sitl.plan")
+    items = (
+        replace(one, params=(0.1, *one.params[1:])) if one.command == Command.NAV_WAYPOINT else one
+        for one in mission.items
+    )
+    write_mission(replace(mission, items=tuple(items)), folder / "held.plan")
+    return folder / "held.plan"
 
 
 @pytest.mark.parametrize("autopilot", registered())
@@ -122,8 +135,8 @@ def test_the_version_of_the_vehicle_goes_before_the_one_that_is_named() -> None:
 
 
 @pytest.mark.parametrize("verb", ["check", "estimate"])
-def test_the_command_line_refuses_it_by_name(run: Run, verb: str) -> None:
-    file = f"{MISSIONS / 'sitl.plan'} --firmware-version 1.18"
+def test_the_command_line_refuses_it_by_name(run: Run, verb: str, tmp_path: Path) -> None:
+    file = f"{with_holds(tmp_path)} --firmware-version 1.18"
     refused = run(f"{verb} {file}")
     assert refused.code == 1
     assert CODE in refused.out + refused.err
@@ -145,7 +158,7 @@ def test_a_scenario_asks_for_it_by_a_key(tmp_path: Path, run: Run) -> None:
     (world := tmp_path / "sitl.toml").write_text(
         text.replace("[vehicle]\n", '[vehicle]\nfirmware_version = "1.18"\n'), encoding="utf-8"
     )
-    check = f"check {MISSIONS / 'sitl.plan'} --scenario {world}"
+    check = f"check {with_holds(tmp_path)} --scenario {world}"
     assert run(check).code == 1
     world.write_text(world.read_text().replace('"1.18"\n', '"1.18"\nunmeasured_version = true\n'), encoding="utf-8")
     assert run(check).code == 0

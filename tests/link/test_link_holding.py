@@ -194,7 +194,7 @@ def test_a_mission_that_is_replaced_in_flight_is_told_of_and_the_flight_is_not_c
 
 def test_one_that_makes_no_checksum_is_read_after_the_flight() -> None:
     vehicle = vehicle_of(ARDUPILOT)
-    vehicle._about = AutopilotVersion(0)
+    vehicle._about = AutopilotVersion(0, vehicle.autopilot.newest.number)
     vehicle.upload(suited(vehicle, MISSION))
     vehicle.prepare()
     vehicle.start()

@@ -25,6 +25,7 @@ from ipoa_mission.vehicles.energy.curve import PowerCurve
 from ipoa_mission.vehicles.energy.flight import Interval
 from ipoa_mission.vehicles.learned import LearnedVehicle
 from ipoa_mission.wind import CALM, Wind
+from tests.recorded_flights import FLOWN_ON
 
 HERE = Path(__file__).parent
 REPOSITORY = HERE.parents[1]
@@ -54,7 +55,8 @@ def wind_of(row: dict[str, str]) -> Wind:
 def forecast(row: dict[str, str], wind: Wind | None = None) -> Interval:
     path = REPOSITORY / row["mission"]
     mission = read_mission(path if path.suffix else path / "mission.waypoints", Autopilot.ARDUPILOT)
-    flown = replace(mission, vehicle=learned(), landing_ground=None)  # the simulator's ground is level
+    version = FLOWN_ON[mission.autopilot]
+    flown = replace(mission, vehicle=learned(), landing_ground=None, firmware_version=version)  # level ground
     used = Forecast(flown, wind=wind or wind_of(row)).energy
     assert used is not None
     return used.between

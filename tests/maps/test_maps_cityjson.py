@@ -101,7 +101,7 @@ def test_what_is_ground_is_passed_over_and_the_rest_stands(write: Write) -> None
         corners(0, 0, 30, GROUND, GROUND + 4),
     )
     found = read(path)
-    assert {thing.name: thing.height for thing in found.standing} == {"wall": 4.0, "plan": 7.5, "tree (tree)": 30.0}
+    assert {thing.name: thing.height for thing in found.standing} == {"wall": 4.0, "plan": 7.5, "tree": 30.0}
     assert {thing.name: thing.may_stand for thing in found.passed_over} == {"road": False, "relief": False}
 
 

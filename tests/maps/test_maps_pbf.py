@@ -94,7 +94,10 @@ def test_obstacles_are_those_of_the_xml(make: Make) -> None:
     assert {one.name for one in near} == {"node/9", "Hall & more", "way/12", "way/120", "relation/30"}
     assert "3 things far from the flight, not looked at" in ours.remarks
     wood = [one for one in ours.passed_over if one.may_stand]
-    assert [(one.name, one.reason) for one in wood] == [("relation/150", "a wood of unknown height")]
+    assert [(one.name, one.reason) for one in wood] == [
+        ("way/13", "of which a part is not in the file"),
+        ("relation/150", "a wood of unknown height"),
+    ]
 
 
 def test_a_small_part_is_read_once_until_the_file_is_another(make: Make, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -165,13 +165,14 @@ def test_a_flight_is_ended_from_the_page_by_what_it_was_told(studio: Studio, end
         talk.say(kind="start", **{what: loaded[what] for what in ("vehicle", "mission", "proof")})
         seen = talk.wait("seen", lambda seen: seen["done"] > 0 and seen["orders"])
         talk.say(kind="order", what=ending)
-        left = talk.wait("state", lambda state: "left its mission" in state["words"])
+        left = talk.wait("state", lambda state: "as ordered" in state["words"])
         landed = talk.wait("landed")
     told = {one["what"]: one for one in seen["orders"]}
     assert set(told) == {"hold", "rtl", "land"}
     assert all(one["words"] and one["clear"] for one in told.values())
     assert all(told[one]["seconds"] > 5.0 for one in ("rtl", "land"))
-    assert ending in left["words"].lower()
+    assert left["words"] == {"rtl": "it returns, as ordered", "land": "it lands, as ordered"}[ending]
+    assert landed["ordered"] == ending
     assert not landed["completed"]
 
 

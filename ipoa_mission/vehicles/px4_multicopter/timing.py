@@ -63,7 +63,7 @@ class NoisyRuns:
     doubt_share: float = 0.0125  # and this share of the time
     landing_s: float = 1.6  # what landings differ by beyond that, in recorded flights
     interval_deviations: float = 1.645  # nine in ten are so many standard deviations on either side of the mean
-    late_quantile: float = 0.95  # of the runs, where misses make it later than those deviations
+    late_quantile: float = 0.93  # of the runs, where misses make it later than those deviations
     broken_off_deviations: float = 2.3  # the same of endings that are ordered, as flown
     missed_s: float = 3.0  # a waypoint that takes so much longer than in most runs has been missed
 
