@@ -128,7 +128,8 @@ class Watch:
         self._vehicle, self._frame = vehicle, forecast.frame
         points = estimate.track.points
         self._way = np.vstack([points, points[-1] * (1.0, 1.0, 0.0)])  # its simulator's ground is level
-        self._ends_s = LATE * estimate.high_s + LATE_S
+        level = Forecast(landing_on(forecast.given, 0.0)).estimate  # so is the ground that it lands on
+        self._ends_s = LATE * level.high_s + LATE_S
         self._armed_s = math.nan
         self.astray = 0.0
 
