@@ -80,8 +80,8 @@ def test_the_circle_of_the_law_is_the_one_that_the_target_settles_on(radius: flo
         pass
     state = copter.state
     behind = (state.turned - math.atan2(state.target_x, state.target_y)) % math.tau
-    assert math.hypot(state.target_x, state.target_y) == pytest.approx(flown.radius, abs=0.1)
-    assert behind == pytest.approx(flown.behind, abs=0.02)
+    assert math.hypot(state.target_x, state.target_y) == pytest.approx(flown.radius, abs=0.3)
+    assert behind == pytest.approx(flown.behind, abs=0.1)
 
 
 @pytest.mark.parametrize(("turns", "radius"), [(1.0, 60.0), (2.0, -20.0), (0.5, 15.0)])

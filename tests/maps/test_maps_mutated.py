@@ -18,7 +18,7 @@ def test_no_change_is_lost_without_a_word() -> None:
 
 @pytest.mark.long
 def test_no_change_of_many_is_lost_without_a_word() -> None:
-    assert [loss for _, loss in tries(10_000, seed=40) if loss is not None] == []
+    assert [loss for _, loss in tries(400, seed=40) if loss is not None] == []
 
 
 def test_a_quiet_loss_is_found(tmp_path: Path) -> None:

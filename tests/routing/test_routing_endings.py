@@ -167,9 +167,9 @@ def test_a_corner_from_which_it_would_brake_into_something_is_laid_farther_away(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.undo()  # such a corner is on the path of a whole search
-    warned, planned = (
-        plan_flight(replaced(read_scenario(MISSIONS / "sitl.toml"), returns), seed=7) for returns in ("warn", "planned")
-    )
+    scenario = read_scenario(MISSIONS / "sitl.toml")
+    fast = scenario.model_copy(update={"vehicle": scenario.vehicle.model_copy(update={"cruise_speed": 10.0})})
+    warned, planned = (plan_flight(replaced(fast, returns), seed=7) for returns in ("warn", "planned"))
     brakes, stays = (
         np.where(looks.taken[..., None], looks.near, np.inf)[:, :, :RETURNS].min()
         for looks in (EndingWays(flight.forecast).looks(Ending.RTL) for flight in (warned, planned))

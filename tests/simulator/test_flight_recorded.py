@@ -45,7 +45,7 @@ def test_arducopter_leaves_the_ground_and_comes_back_to_it_as_recorded(flight: R
 def test_px4_stands_on_the_ground_as_long_as_recorded() -> None:
     flights = [read_flight(LANDINGS / f"land{height}_fast-px4") for height in (8, 30)]
     land = len(flights[0].mission.items)
-    here = [fly_here(flight, seed)[0] for flight in flights for seed in range(12)]
+    here = [fly_here(flight, seed)[0] for flight in flights for seed in range(24)]
     there = [run for flight in flights for run in flight.runs]
     for first, last in ((0, flights[0].first), (flights[0].last, land)):
         ours, theirs = (np.mean([one[last] - one.get(first, 0.0) for one in flown]) for flown in (here, there))

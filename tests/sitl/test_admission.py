@@ -132,7 +132,7 @@ def test_a_whole_run_on_the_built_in_autopilot(tmp_path: Path, capsys: pytest.Ca
     start += " --speedup 30 --home {latitude} {longitude} {altitude}"
     told = ["--autopilot", "ardupilot", "--sitl", "tcp:127.0.0.1:19770", "--start", start, "--out", str(tmp_path)]
     admit.main([*told, "--count", "1"])
-    assert "ArduCopter 4.7.0-dev: measured" in capsys.readouterr().out
+    assert "ArduCopter 4.8.0-dev: measured" in capsys.readouterr().out
     assert (tmp_path / "campus-ardupilot__0" / "track.csv").exists()
     admit.main([*told, "--count", "1"])
     assert "campus 0: completed" not in capsys.readouterr().out

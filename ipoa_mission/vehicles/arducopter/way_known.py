@@ -1,5 +1,7 @@
 """What ArduCopter makes of each command of a mission, read in 4.8.0-dev (ModeAuto::start_command) and flown."""
 
+import math
+
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.vehicles.way_known import EQUIPMENT, SIMPLE, WayKnown
 
@@ -32,8 +34,8 @@ WAY_KNOWN = WayKnown(
         Command.DO_AUX_FUNCTION: "a switch may change the mode, or stop the motors",
     },
     unless={
-        Command.NAV_GUIDED_ENABLE: lambda params: int(params[0]) == 0,
-        Command.DO_PARACHUTE: lambda params: int(params[0]) != RELEASE,
-        Command.DO_AUX_FUNCTION: lambda params: int(params[0]) in QUIET_FUNCTIONS,
+        Command.NAV_GUIDED_ENABLE: lambda params: params[0] == 0.0,
+        Command.DO_PARACHUTE: lambda params: math.isfinite(params[0]) and int(params[0]) != RELEASE,
+        Command.DO_AUX_FUNCTION: lambda params: math.isfinite(params[0]) and int(params[0]) in QUIET_FUNCTIONS,
     },
 )  # fmt: skip
