@@ -1,0 +1,105 @@
+"""Corners of the link that a flight seldom comes to."""
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from ipoa_mission.link.codec import sender_of
+from ipoa_mission.link.connect import _drop_unanswered, connect
+from ipoa_mission.link.conformance import Conformance
+from ipoa_mission.link.dialogue import NoAnswer, TimeUp
+from ipoa_mission.link.hold import FlightOrder
+from ipoa_mission.link.reunion import Absence
+from ipoa_mission.link.telemetry import Position
+from ipoa_mission.logs.flight_log import LoggedFlight
+from ipoa_mission.simulator.personality import asks_every
+from ipoa_mission.world.frame import Geodetic, why_so_far
+from ipoa_mission.world.obstacles.cylinder import RoundZone
+
+
+def bare(kind: type[Any], **fields: Any) -> Any:
+    made = object.__new__(kind)
+    for name, value in fields.items():
+        object.__setattr__(made, name, value)
+    return made
+
+
+def test_the_sender_of_a_frame_is_read_in_both_versions() -> None:
+    assert sender_of(bytes((0xFE, 0, 0, 7, 1, 0))) == 7
+    assert sender_of(bytes((0xFD, 0, 0, 0, 0, 9, 1, 0, 0, 0))) == 9
+
+
+def test_a_log_of_our_own_frames_is_removed_where_nobody_answers(tmp_path: Path) -> None:
+    for log in (tmp_path / "silent.tlog", None):
+        with pytest.raises(NoAnswer):
+            connect("udpout:127.0.0.1:9", log=log, patience=asks_every(0.1, 0.3))
+    _drop_unanswered(tmp_path / "none.tlog")
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_order_is_under_way_while_it_has_steps() -> None:
+    assert not bare(FlightOrder, _steps=[]).is_under_way
+    assert bare(FlightOrder, _steps=[SimpleNamespace()]).is_under_way
+
+
+def test_a_log_without_a_version_has_none() -> None:
+    assert bare(LoggedFlight, version="unknown").firmware_version is None
+
+
+def test_exchanged_coordinates_are_named() -> None:
+    assert "swapped" in why_so_far(Geodetic(47.4, 8.5, 0.0), Geodetic(8.5, 47.4, 0.0), "goal")
+    assert why_so_far(Geodetic(47.4, 8.5, 0.0), Geodetic(-30.0, 100.0, 0.0), "goal") == ""
+
+
+def test_nothing_is_solid_in_a_zone() -> None:
+    assert not bare(RoundZone).solid
+
+
+def test_the_users_time_ends_the_waiting_for_a_lost_link(monkeypatch: pytest.MonkeyPatch) -> None:
+    absence: Any = Absence(SimpleNamespace(now=lambda: 10.0, reopens=True))  # type: ignore[arg-type]
+    monkeypatch.setattr(Absence, "_look", lambda self, tell: None)
+    monkeypatch.setattr(Absence, "_kept", lambda self, *known: None)
+    with pytest.raises(TimeUp):
+        absence.end(NoAnswer("silence"), None, None, print, until_s=5.0)
+
+
+def conformance(in_air: bool, mode: int, under_way: bool = False) -> Any:
+    modes = SimpleNamespace(mission=1, returns=frozenset({2}))
+    state = SimpleNamespace(
+        in_air=in_air, custom_mode=mode, current=None, autopilot=SimpleNamespace(modes=modes, counts_home=0)
+    )
+    made: Any = Conformance(state, SimpleNamespace(is_under_way=under_way, is_paused=False))  # type: ignore[arg-type]
+    seen: list[Any] = []
+    monitor = SimpleNamespace(
+        interrupt=lambda: seen.append("interrupted"),
+        local=lambda place, height: place,
+        see=lambda time, place, item: seen.append(item),
+    )
+    made.compare(monitor)
+    made.seen = seen
+    return made
+
+
+def looked(made: Any) -> list[Any]:
+    list(made.look(Position(10.0, 47.4, 8.5, 500.0, 12.0), 0.0))
+    return list(made.seen)
+
+
+def test_what_is_not_flown_in_the_mission_is_not_compared() -> None:
+    assert looked(conformance(in_air=False, mode=1)) == []
+    assert looked(conformance(in_air=True, mode=3)) == ["interrupted"]
+    ordered = conformance(in_air=True, mode=1, under_way=True)
+    ordered._is_ordered = True
+    assert looked(ordered) == []
+    assert looked(conformance(in_air=True, mode=1)) == [None]
+
+
+def test_a_return_at_the_end_of_a_mission_is_its_last_item() -> None:
+    returns = conformance(in_air=True, mode=2)
+    returns._logbook = SimpleNamespace(modes=frozenset({2}), is_flown=True, done=5, total=6)
+    assert looked(returns) == [5]
+    early = conformance(in_air=True, mode=2)
+    early._logbook = SimpleNamespace(modes=frozenset({2}), is_flown=False, done=1, total=6)
+    assert looked(early) == ["interrupted"]
