@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from ipoa_mission.link.codec import sender_of
-from ipoa_mission.link.connect import _drop_unanswered, connect
 from ipoa_mission.link.conformance import Conformance
+from ipoa_mission.link.connect import _drop_unanswered, connect
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
 from ipoa_mission.link.hold import FlightOrder
 from ipoa_mission.link.reunion import Absence
@@ -58,7 +58,7 @@ def test_nothing_is_solid_in_a_zone() -> None:
 
 
 def test_the_users_time_ends_the_waiting_for_a_lost_link(monkeypatch: pytest.MonkeyPatch) -> None:
-    absence: Any = Absence(SimpleNamespace(now=lambda: 10.0, reopens=True))  # type: ignore[arg-type]
+    absence: Any = Absence(SimpleNamespace(now=lambda: 10.0, reopens=True))
     monkeypatch.setattr(Absence, "_look", lambda self, tell: None)
     monkeypatch.setattr(Absence, "_kept", lambda self, *known: None)
     with pytest.raises(TimeUp):
