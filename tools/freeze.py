@@ -1,0 +1,149 @@
+"""Compare what the package computes with a manifest of digests, over shipped and random scenarios on each autopilot.
+
+    python -m tools.freeze --write FILE
+    python -m tools.freeze --against FILE
+
+Each scenario is planned, and its files are digested: `.plan`, `.waypoints`, `.params`, `.json`. So are the estimate and
+the checks of the mission, and the error of a refusal. Prose (any string with a blank, in JSON or an error) has a digest
+of its own, so that a rewording is listed as "words only". The exit code is 1 if an output differs.
+"""
+
+import hashlib
+import json
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import asdict
+from itertools import cycle, product
+from pathlib import Path
+from typing import Any
+
+from ipoa_mission.checks.check import check_mission
+from ipoa_mission.cli.checking import estimate_as_json
+from ipoa_mission.errors import MissionError
+from ipoa_mission.flight.flight import plan_flight
+from ipoa_mission.flight.survey import plan_survey
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.read import scenario_of
+from ipoa_mission.vehicles.autopilot import registered
+from tools import command_line
+from tools.fly.admission_scenes import KINDS, MISSIONS, as_flown_by, scene, scene_name, shipped
+from tools.fly.surveys import surveyed
+
+SEED, RANDOM, SURVEYS = 4, 40, 4
+Outputs = dict[str, tuple[str, str]]  # digests of data and of prose by name
+
+
+def cases() -> Iterator[tuple[str, Scenario]]:
+    """Scenarios by name: every shipped one on each autopilot, then random flights and surveys that take turns."""
+    one, other = registered()
+    for path, autopilot in product(shipped(), registered()):
+        yield f"{path.stem} on {autopilot}", as_flown_by(path, autopilot)
+    for number in range(RANDOM):
+        autopilot = (one, other)[(number + number // len(KINDS)) % 2]  # each kind meets both in turn
+        yield f"{scene_name(number, SEED)} on {autopilot}", scenario_of(scene(number, SEED, autopilot), MISSIONS)
+    for number, autopilot in zip(range(SURVEYS), cycle(registered()), strict=False):
+        yield f"survey {number} on {autopilot}", scenario_of(surveyed(number, autopilot), MISSIONS)
+
+
+def outputs(scenario: Scenario) -> Outputs:
+    """Plan a scenario, and digest every output; a refusal is one."""
+    found: Outputs = {}
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            if scenario.survey is None:
+                flight = plan_flight(scenario, seed=SEED)
+                files, forecasts = flight.write(folder), (flight.forecast,)
+            else:
+                survey = plan_survey(scenario=scenario, seed=SEED)
+                files, forecasts = survey.write(folder), survey.flights
+            for path in files:
+                text = path.read_bytes()
+                found[path.name] = _both(json.loads(text)) if path.suffix == ".json" else (_digest(text), "")
+    except MissionError as error:
+        return found | {"error": _refusal(error)}
+    for n, forecast in enumerate(forecasts):
+        found |= _of_mission(forecast, f"flight {n}")
+    return found
+
+
+def _of_mission(forecast: Forecast, name: str) -> Outputs:
+    found: Outputs = {}
+    try:
+        found[f"{name}: estimate"] = _both(estimate_as_json(forecast.estimate))
+        findings = check_mission(forecast.mission, forecast.scenario)
+        found[f"{name}: checks"] = _both([asdict(finding) for finding in findings])
+    except MissionError as error:
+        found[f"{name}: error"] = _refusal(error)
+    return found
+
+
+def _refusal(error: MissionError) -> tuple[str, str]:
+    return _digest(f"{type(error).__name__} {error.exit_code}".encode()), _digest(f"{error}\n{error.hint}".encode())
+
+
+def _both(tree: Any) -> tuple[str, str]:
+    """Digest the data and the prose of a JSON value."""
+    prose: list[str] = []
+
+    def data_of(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: data_of(one) for key, one in value.items() if key != "version"}
+        if isinstance(value, list | tuple):
+            return [data_of(one) for one in value]
+        if isinstance(value, str) and " " in value:
+            prose.append(value)
+            return ""
+        return value
+
+    return _digest(json.dumps(data_of(tree), sort_keys=True).encode()), _digest("\n".join(prose).encode())
+
+
+def _digest(text: bytes) -> str:
+    return hashlib.sha256(text).hexdigest()[:16]
+
+
+def differences(old: dict[str, Any], new: dict[str, Any]) -> list[str]:
+    """Name each output that differs, and how."""
+    told = []
+    for case, name in sorted({(one, name) for side in (old, new) for one in side for name in side[one]}):
+        before, after = (tuple(side.get(case, {}).get(name, ())) for side in (old, new))
+        if before != after:
+            how = (
+                "words only"
+                if before[:1] == after[:1]
+                else "data"
+                if before and after
+                else "is new"
+                if after
+                else "gone"
+            )
+            told.append(f"{case}: {name}: {how}")
+    return told
+
+
+def main() -> None:
+    parser = command_line(__doc__)
+    where = parser.add_mutually_exclusive_group(required=True)
+    where.add_argument("--write", type=Path, metavar="FILE", help="write the manifest")
+    where.add_argument("--against", type=Path, metavar="FILE", help="compare with a manifest")
+    given = parser.parse_args()
+    old = json.loads(given.against.read_text(encoding="utf-8")) if given.against else {}
+    begun, files = time.monotonic(), [*MISSIONS.glob("*.plan"), *MISSIONS.glob("*.waypoints")]
+    found: dict[str, Any] = {path.name: _of_mission(Forecast(read_mission(path)), "file") for path in files}
+    for n, (name, scenario) in enumerate(cases()):
+        found[name] = outputs(scenario)
+        print(f"\r{n + 1} scenarios, {time.monotonic() - begun:.0f} s, {name:40.40}", end="", file=sys.stderr)
+    print(file=sys.stderr)
+    if given.write:
+        sys.exit(given.write.write_text(json.dumps(found, indent=1, sort_keys=True), encoding="utf-8") and 0)
+    told = differences(old, json.loads(json.dumps(found)))
+    print(*told, f"{sum(map(len, found.values()))} outputs compared, {len(told)} differ", sep="\n")
+    sys.exit(any(not one.endswith("words only") for one in told))
+
+
+if __name__ == "__main__":
+    main()
