@@ -1,35 +1,171 @@
-"""What can go wrong in a way that a user can understand and mend.
+"""Errors that a user can understand and mend, and the register of their codes.
 
 Every error that the package raises on purpose is a `MissionError`; the command line prints its words and returns
 its `exit_code`. Rooms derive their own beside the code that raises them.
 """
 
+import re
+from copy import copy
+from dataclasses import dataclass
 from importlib import import_module
-from typing import Any
+from typing import Any, Self
+
+#: The codes of errors; those of findings, which some errors share, are in `RULES`.
+_CODES = """
+already-there another area-covered area-kept-out area-parted arming-refused backend-cannot bad-input battery-flown
+battery-missing cancelled cluster-lost command-not-ended command-refused complex-item contested damaged-file
+endless-flight far-from-home fast-landing fence-broken fence-empty file-refused flight-under-way frame-not-written
+gap-too-narrow goal-at-start heights-absurd heights-missing home-missing home-outside-fence in-use interrupted
+invalid-ring legs-too-near lines-too-far-apart lines-too-near link-down link-lost link-not-opened list-unproven
+log-incomplete log-useless low-battery missing mission-error mission-not-begun mission-refused mode-not-shown no-answer
+no-coordinate-system no-path no-route no-such-item no-time not-a-mission-item not-at-start not-checked not-covered
+not-degrees not-enough-battery not-flown not-found not-heard not-in-the-air not-modeled not-on-ground not-planned
+not-ready not-split not-started-up not-yet nothing-flown nothing-left nothing-there option-conflict other-autopilot
+other-item-current other-kind outside-own-fence package-missing page-not-built parameter-kept picture place-blocked
+read-back-differs replaced replaced-since ring-misplaced several-vehicles signs-otherwise silence speaks-mavlink1 stale
+start-not-reached streams-missing survey-too-long survey-too-low survey-too-near time-missing time-not-covered time-up
+too-large too-many-flights too-narrow too-near unfinished unflyable unknown-dialect unknown-name unknown-parameter
+unknown-version unlike unplaced unreachable unreadable unsafe unsettled unwritable upload-again walled-off
+way-home-blocked winds-absurd wrong-format wrong-suffix
+"""
+CODES = frozenset(_CODES.split())
+
+
+@dataclass(frozen=True)
+class Remedy:
+    """A change of the scenario that may mend an error: the `field` by its path, and its new value (None: taken out)."""
+
+    field: tuple[str | int, ...]
+    value: Any = None
 
 
 class MissionError(Exception):
-    """The job could not be done (exit code 1). `hint`, where there is one, says what to try.
+    """The job could not be done (exit code 1).
 
-    `known` is what is known all the same, for machines: it stands beside the error.
+    Attributes:
+        code: what is wrong, by the same word in every version: one of `CODES`, by default the name of its class.
+        place: where: a file and a place in it, a key of the scenario, an option; the message begins with it.
+        hint: what to try.
+        remedies: changes of the scenario that may mend it.
+        known: what else is known, for machines.
     """
 
     exit_code = 1
+    code = "mission-error"
 
-    def __init__(self, message: str, hint: str | None = None) -> None:
+    def __init_subclass__(cls) -> None:
+        cls.code = re.sub(r"\B(?=[A-Z])", "-", cls.__name__).lower()
+
+    def __init__(
+        self,
+        message: str,
+        hint: str | None = None,
+        *,
+        code: str | None = None,
+        place: object = None,
+        remedies: tuple[Remedy, ...] = (),
+    ) -> None:
         super().__init__(message)
-        self.hint = hint
+        self.code = code or self.code
+        self.place = None if place is None else str(place)
+        self.hint, self.remedies = hint, remedies
         self.known: dict[str, object] = {}
+
+    def __str__(self) -> str:
+        return super().__str__() if self.place is None else f"{self.place}: {self.args[0]}"
+
+    def at(self, place: object = None, hint: str | None = None) -> Self:
+        """Return the same error at a place that holds its own, with another hint if there is one."""
+        other = copy(self)
+        other.place = ": ".join(str(one) for one in (place, self.place) if one is not None) or None
+        other.hint = hint or self.hint
+        return other
+
+    def followed_by(self, *lines: str) -> Self:
+        """Return the same error with more lines in its message."""
+        other = copy(self)
+        other.args = ("\n".join([self.args[0], *lines]),)
+        return other
+
+    def as_json(self) -> dict[str, object]:
+        """Return it as data."""
+        changes = [{"field": list(remedy.field), "value": remedy.value} for remedy in self.remedies]
+        about = {"error": str(self), "code": self.code, "place": self.place, "hint": self.hint, "remedies": changes}
+        return about | {"exit_code": self.exit_code} | self.known
 
 
 class BadInput(MissionError):
-    """What the user gave is wrong (exit code 2); the message begins with the place and says what was expected."""
+    """What the user gave is wrong (exit code 2); the message says what was expected there."""
 
     exit_code = 2
 
 
+class DamagedFile(BadInput):
+    """A file is of its format, but not whole."""
+
+
+class EndlessFlight(BadInput):
+    """A mission has no end, and so no time."""
+
+
+class InvalidRing(BadInput):
+    """Corners do not make the ring, line or area that was expected."""
+
+
+class NoCoordinateSystem(BadInput):
+    """A map does not name its coordinate system."""
+
+
+class NotCovered(BadInput):
+    """A map, grid or forecast does not reach over the place."""
+
+
+class NothingThere(BadInput):
+    """A file holds nothing of what was expected."""
+
+
+class OptionConflict(BadInput):
+    """An option needs another one, or excludes it."""
+
+
+class TooFar(BadInput):
+    """A place is too far from home."""
+
+
+class TooLarge(BadInput):
+    """A file, or something in it, is larger than the package reads."""
+
+
+class UnknownName(BadInput):
+    """Nothing has this name."""
+
+
+class Unreadable(BadInput):
+    """The system cannot read a file."""
+
+
+class Unwritable(BadInput):
+    """The system cannot write a file."""
+
+
+class WrongFormat(BadInput):
+    """A file is not of the format that was expected."""
+
+
+class WrongSuffix(BadInput):
+    """A file's name does not end as was expected."""
+
+
+class LogUseless(MissionError):
+    """A log does not have what is to be learned or compared."""
+
+
+class NotModeled(MissionError):
+    """No model of the package computes this."""
+
+
 def imported(module: str, needed: str, extra: str, wrong: type[MissionError] = MissionError) -> Any:
-    """A library that only those have who installed the package with this extra.
+    """Import a library that only those have who installed the package with this extra.
 
     Raises:
         MissionError: it is not installed; `needed` says for what it is, `wrong` is the error's class.
@@ -37,4 +173,4 @@ def imported(module: str, needed: str, extra: str, wrong: type[MissionError] = M
     try:
         return import_module(module)
     except ImportError as error:
-        raise wrong(needed, hint=f"pip install 'ipoa-mission[{extra}]'") from error
+        raise wrong(needed, hint=f"pip install 'ipoa-mission[{extra}]'", code="package-missing") from error

@@ -106,7 +106,7 @@ def tell_error(error: MissionError, as_json: bool = False) -> None:
     from rich.markup import escape
 
     if as_json:
-        tell_json({"error": str(error), "hint": error.hint, "exit_code": error.exit_code} | error.known)
+        tell_json(error.as_json())
     console = Console(stderr=True, highlight=False, soft_wrap=True, emoji=False)
     for line in str(error).split("\n"):
         console.print(f"[bold red]error:[/] {escape(shown(line))}")
