@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, Unreadable, Unwritable, WrongFormat
 
 PIPE_S = 5.0  # for so long something must be written into a named pipe
 
@@ -45,12 +45,12 @@ def write_together(contents: Mapping[Path, str | bytes]) -> None:
                 staged[path].chmod(0o666 & ~_umask())
                 _expect_file(path)
             except OSError as error:
-                raise BadInput(f"{path}: cannot be written: {error.strerror}") from error
+                raise Unwritable(f"cannot be written: {error.strerror}", place=path) from error
         for path, target in targets.items():
             try:
                 staged[path].replace(target)
             except OSError as error:
-                raise BadInput(f"{path}: cannot be written: {error.strerror}") from error
+                raise Unwritable(f"cannot be written: {error.strerror}", place=path) from error
     finally:
         for left in staged.values():
             left.unlink(missing_ok=True)
@@ -65,7 +65,7 @@ def make_folder(path: Path) -> None:
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise BadInput(f"{path}: cannot be made a folder: {error.strerror}") from error
+        raise Unwritable(f"cannot be made a folder: {error.strerror}", place=path) from error
 
 
 @contextmanager
@@ -106,10 +106,10 @@ def read_text(path: Path) -> str:
         data = _read_pipe(path) if path.is_fifo() else path.read_bytes()
         return data.decode("utf-8-sig")
     except OSError as error:
-        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
+        raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
     except UnicodeDecodeError as error:
-        raise BadInput(
-            f"{path}: expected UTF-8 text, but byte {error.start} is {error.object[error.start]:#04x}"
+        raise WrongFormat(
+            f"expected UTF-8 text, but byte {error.start} is {error.object[error.start]:#04x}", place=path
         ) from error
 
 
@@ -135,7 +135,7 @@ def read_bytes(path: Path, most: int = -1) -> bytes:
         with path.open("rb") as file:
             return file.read(most)
     except OSError as error:
-        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
+        raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
 
 
 def packed(mission: str) -> Path:
@@ -162,7 +162,7 @@ def _read_pipe(path: Path) -> bytes:
     pipe = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
     with os.fdopen(pipe, "rb") as file:
         if not select.select([pipe], [], [], PIPE_S)[0]:
-            raise BadInput(f"{path}: expected something to be written into this pipe within {PIPE_S:g} s")
+            raise BadInput(f"expected something to be written into this pipe within {PIPE_S:g} s", place=path)
         os.set_blocking(pipe, True)
         return file.read()
 

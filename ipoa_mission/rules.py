@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, UnknownName
 
 
 @dataclass(frozen=True)
@@ -319,7 +319,11 @@ def expect_ignorable(codes: Iterable[str]) -> frozenset[str]:
     for code in (codes := tuple(codes)):
         if code not in RULES:
             near = get_close_matches(code, RULES, 1)
-            raise BadInput(f"{code}: expected the code of a finding", hint=f"did you mean {near[0]}?" if near else None)
+            raise UnknownName(
+                "expected the code of a finding", hint=f"did you mean {near[0]}?" if near else None, place=code
+            )
         if RULES[code].crash:
-            raise BadInput(f"{code}: expected a code that may be ignored: a crash may follow from what this one finds")
+            raise BadInput(
+                "expected a code that may be ignored: a crash may follow from what this one finds", place=code
+            )
     return frozenset(codes)

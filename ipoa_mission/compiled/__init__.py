@@ -35,8 +35,10 @@ def njit(**options: Any) -> Any:
             import numba
         except ImportError:
             raise MissionError(
-                f"{PACKAGE}: there is no machine code of these sources for this system, and numba is not installed",
+                "there is no machine code of these sources for this system, and numba is not installed",
                 hint="pip install numba; or, where sources were changed, pip install that folder again",
+                code="package-missing",
+                place=PACKAGE,
             ) from None
         try:
             kernel = numba.njit(**options)(function)

@@ -12,7 +12,7 @@ from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, get_type_hints
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, UnknownName
 from ipoa_mission.optimize.adaptive_pelican import AdaptivePelican
 from ipoa_mission.optimize.ipoa import IPOA
 from ipoa_mission.optimize.poa import POA
@@ -40,14 +40,18 @@ def optimizer_class(name: str) -> type[Optimizer]:
     registered = _registered().get(name)
     if registered is None:
         names = optimizer_names()
-        raise BadInput(f"optimizer.name: expected {_one_of(names)}, not {name!r}{_did_you_mean(name, names)}")
+        raise UnknownName(
+            f"expected {_one_of(names)}, not {name!r}{_did_you_mean(name, names)}", place="optimizer.name"
+        )
     try:
         found: Any = registered.load()
     except (ImportError, AttributeError) as error:
-        raise BadInput(f"optimizer.name: {name} is registered as {registered.value}, which fails: {error}") from error
+        raise BadInput(
+            f"{name} is registered as {registered.value}, which fails: {error}", place="optimizer.name"
+        ) from error
     if not (isinstance(found, type) and hasattr(found, "search") and hasattr(found, "__dataclass_fields__")):
         raise BadInput(
-            f"optimizer.name: {name} is registered as {registered.value}, which is no dataclass with a search"
+            f"{name} is registered as {registered.value}, which is no dataclass with a search", place="optimizer.name"
         )
     return found
 
@@ -63,8 +67,9 @@ def build_optimizer(name: str, settings: Mapping[str, object]) -> Optimizer:
     names = [field.name for field in fields(kind)]  # type: ignore[arg-type]
     for key in settings:
         if key not in names:
-            raise BadInput(
-                f"optimizer.{key}: {name} has no such setting; it has {', '.join(names)}{_did_you_mean(key, names)}"
+            raise UnknownName(
+                f"{name} has no such setting; it has {', '.join(names)}{_did_you_mean(key, names)}",
+                place=f"optimizer.{key}",
             )
     return kind(**{key: check_setting(f"optimizer.{key}", types[key], value) for key, value in settings.items()})
 

@@ -38,15 +38,15 @@ def check_setting(place: str, kind: Any, value: object) -> object:
     limits = next((r for r in rest if isinstance(r, Between)), Between(-math.inf))
     if get_origin(kind) is Literal:
         if value not in get_args(kind):
-            raise BadInput(f"{place}: expected {' or '.join(map(repr, get_args(kind)))}, not {value!r}")
+            raise BadInput(f"expected {' or '.join(map(repr, get_args(kind)))}, not {value!r}", place=place)
         return value
     if kind is bool:
         if not isinstance(value, bool):
-            raise BadInput(f"{place}: expected true or false, not {value!r}")
+            raise BadInput(f"expected true or false, not {value!r}", place=place)
         return value
     wanted = f"expected a {'whole ' if kind is int else ''}number {limits}"
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise BadInput(f"{place}: {wanted}, not {value!r}")
+        raise BadInput(f"{wanted}, not {value!r}", place=place)
     if not limits.least <= value <= limits.most or (kind is int and value != int(value)):
-        raise BadInput(f"{place}: {wanted}, not {value!r}")
+        raise BadInput(f"{wanted}, not {value!r}", place=place)
     return kind(value)

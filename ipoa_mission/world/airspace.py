@@ -67,7 +67,7 @@ class Bounds:
 
     def __post_init__(self) -> None:
         if not all(low < high for low, high in zip(self.lower, self.upper, strict=True)):
-            raise BadInput(f"bounds: expected lower below upper, not {self.lower} and {self.upper}")
+            raise BadInput(f"expected lower below upper, not {self.lower} and {self.upper}", place="bounds")
 
     def margin(self, points: Points) -> Vector:
         """Distance of points (n, 3) to the nearest limit, (n,) [m]: negative outside."""

@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import InvalidRing
 from ipoa_mission.geometry import Vector
 
 Ring: TypeAlias = tuple[tuple[float, float], ...]  # corners (east, north) [m], in either sense, not closed
@@ -49,10 +49,10 @@ class Polygon:
     def __post_init__(self) -> None:
         for ring in (self.outer, *self.holes):
             if len(ring) < 3:
-                raise BadInput(f"a polygon: expected at least 3 corners, not {len(ring)}")
+                raise InvalidRing(f"expected at least 3 corners, not {len(ring)}", place="a polygon")
         if not (shape := self.shape).is_valid:
-            raise BadInput(
-                f"a polygon: expected rings that do not cross, not one with {shapely.is_valid_reason(shape)}"
+            raise InvalidRing(
+                f"expected rings that do not cross, not one with {shapely.is_valid_reason(shape)}", place="a polygon"
             )
 
     @property

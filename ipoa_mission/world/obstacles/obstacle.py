@@ -167,4 +167,4 @@ def expect_positive(name: str, what: str, value: float) -> None:
         BadInput: naming the obstacle and what of it.
     """
     if not value > 0:
-        raise BadInput(f"{name}.{what}: expected a positive number of metres, not {value:g}")
+        raise BadInput(f"expected a positive number of metres, not {value:g}", place=f"{name}.{what}")

@@ -50,7 +50,7 @@ class Prism(Part):
         try:
             return Polygon(self.outer, self.holes)
         except BadInput as error:
-            raise BadInput(f"{self.name}: {error}") from None
+            raise error.at(self.name) from None
 
     @property
     def bounds(self) -> NDArray[np.float64]:
