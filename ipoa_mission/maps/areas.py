@@ -8,7 +8,7 @@ from typing import Any, Literal, TypeAlias
 
 import shapely
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import NothingThere
 from ipoa_mission.maps.activity import may_be_active, periods_of
 from ipoa_mission.maps.feature import Feature, Mistakes
 from ipoa_mission.maps.geozones import RADIUS
@@ -105,7 +105,7 @@ def find_zones(
                 remarks += [f"{feature.name}: mended ({mended[1]})"] if mended[1] else []
     mistakes.tell()
     if not zones and not any("restriction" in thing.reason or "active" in thing.reason for thing in passed):
-        raise BadInput(f"{path}: expected a polygon, but there is none among {len(features)} features")
+        raise NothingThere(f"expected a polygon, but there is none among {len(features)} features", place=path)
     return Zones(tuple(zones), tuple(passed), tuple(remarks), gathered(unread))
 
 

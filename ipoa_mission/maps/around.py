@@ -7,7 +7,7 @@ from typing import NamedTuple, Self, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import TooFar
 from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame
 
 EARTH = 6.36e6  # a least radius [m]
@@ -106,10 +106,11 @@ class Around:
             return
         west, south, east, north = self._box.tolist()
         home = [(self.near.south + self.near.north) / 2, (self.near.west + self.near.east) / 2]
-        raise BadInput(
-            f"{path}: expected places within {REACH / 1000:g} km of home ({home[0]:.4f}, {home[1]:.4f}), not only "
+        raise TooFar(
+            f"expected places within {REACH / 1000:g} km of home ({home[0]:.4f}, {home[1]:.4f}), not only "
             f"from {south:.4f}, {west:.4f} to {north:.4f}, {east:.4f}",
             hint="is it the map of another place?",
+            place=path,
         )
 
 

@@ -16,7 +16,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import InvalidRing
 from ipoa_mission.maps.around import Around, Box
 from ipoa_mission.maps.building_rules import BuildingRules, area_height, reach_of, thin_height
 from ipoa_mission.maps.feature import Feature, Mistakes
@@ -287,9 +287,10 @@ class _Finder:
             top = foot + default if height is None else max(height, default if doubts else 0.0)
             if thin:
                 if building and rules.take != "all":
-                    raise BadInput(
-                        f"{feature.place}.geometry: expected the outline of a building, not a {part.geom_type}",
+                    raise InvalidRing(
+                        f"expected the outline of a building, not a {part.geom_type}",
                         hint="export whole outlines (`out geom` in Overpass turbo), not centers",
+                        place=f"{feature.place}.geometry",
                     )
                 reach, width_unknown = reach_of(feature.tags, rules, part, top, odd)
                 if width_unknown is not None:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pyproj import CRS, Transformer
 from pyproj.exceptions import CRSError
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, NoCoordinateSystem
 from ipoa_mission.geometry import Points
 from ipoa_mission.maps.feature import DEEPEST, Feature, Mistakes, on_earth, read_all
 from ipoa_mission.world.union import union_of
@@ -69,10 +69,10 @@ def cityjson_features(document: Mapping[str, Any], path: Path) -> tuple[Feature,
     """
     version = document.get("version")
     if not isinstance(version, str) or not version.startswith(VERSIONS):
-        raise BadInput(f"{path}: version: expected {' or '.join(VERSIONS)}, not {str(version)[:20]!r}")
+        raise BadInput(f"expected {' or '.join(VERSIONS)}, not {str(version)[:20]!r}", place=f"{path}: version")
     objects = document.get("CityObjects")
     if not isinstance(objects, dict) or not all(isinstance(each, dict) for each in objects.values()):
-        raise BadInput(f"{path}: CityObjects: expected an object of objects")
+        raise BadInput("expected an object of objects", place=f"{path}: CityObjects")
     corners, system = _corners(document, path), _system(document, path)
     places = {name: f"{path}: CityObjects.{name[:MOST_SHOWN]}" for name in objects}
     mistakes = Mistakes()
@@ -101,7 +101,9 @@ def _corners(document: Mapping[str, Any], path: Path) -> Points:
     except (TypeError, ValueError, KeyError, OverflowError):
         corners = np.zeros((0, 0))
     if corners.ndim != 2 or corners.shape[1] != 3 or not np.isfinite(corners).all():
-        raise BadInput(f"{path}: vertices: expected corners as [x, y, z], and a transform of scale and translate")
+        raise BadInput(
+            "expected corners as [x, y, z], and a transform of scale and translate", place=f"{path}: vertices"
+        )
     return corners
 
 
@@ -112,9 +114,10 @@ def _system(document: Mapping[str, Any], path: Path) -> CRS:
     try:
         return CRS.from_epsg(int(code[:MOST_SHOWN]))
     except (ValueError, CRSError) as error:
-        raise BadInput(
-            f"{path}: metadata.referenceSystem: expected the name of a coordinate system with its EPSG code, such as "
-            f"https://www.opengis.net/def/crs/EPSG/0/7415, not {str(name)[:MOST_SHOWN]!r}"
+        raise NoCoordinateSystem(
+            f"expected the name of a coordinate system with its EPSG code, such as "
+            f"https://www.opengis.net/def/crs/EPSG/0/7415, not {str(name)[:MOST_SHOWN]!r}",
+            place=f"{path}: metadata.referenceSystem",
         ) from error
 
 
@@ -122,12 +125,12 @@ def _used(thing: Mapping[str, Any], count: int, place: str) -> list[NDArray[np.i
     """The outer rings of all surfaces of an object, or its lines and points, as numbers of corners."""
     given = thing.get("geometry") or []
     if not isinstance(given, list):
-        raise BadInput(f"{place}.geometry: expected a list")
+        raise BadInput("expected a list", place=f"{place}.geometry")
     rings = list[NDArray[np.intp]]()
     for i, geometry in enumerate(given):
         depth = DEPTHS.get(str(geometry.get("type"))) if isinstance(geometry, dict) else None
         if depth is None:
-            raise BadInput(f"{place}.geometry[{i}]: expected one of {', '.join(DEPTHS)}")
+            raise BadInput(f"expected one of {', '.join(DEPTHS)}", place=f"{place}.geometry[{i}]")
         rings += _rings(geometry.get("boundaries"), depth, count, f"{place}.geometry[{i}].boundaries")
     return rings
 
@@ -136,7 +139,7 @@ def _rings(boundaries: Any, depth: int, count: int, place: str) -> Iterator[NDAr
     lists = [boundaries]
     for level in range(depth):
         if not all(isinstance(each, list) for each in lists):
-            raise BadInput(f"{place}: expected lists in lists")
+            raise BadInput("expected lists in lists", place=place)
         outer_only = level == depth - 1 and depth > 1  # of a surface's rings the first is its edge
         lists = [inner for each in lists for inner in (each[:1] if outer_only else each)]
     for one in lists:
@@ -145,7 +148,7 @@ def _rings(boundaries: Any, depth: int, count: int, place: str) -> Iterator[NDAr
         except ValueError:
             ring = np.zeros((0, 0))
         if ring.ndim != 1 or not len(ring) or ring.dtype.kind not in "iu" or ring.min() < 0 or ring.max() >= count:
-            raise BadInput(f"{place}: expected lists of numbers below {count}, that of vertices")
+            raise BadInput(f"expected lists of numbers below {count}, that of vertices", place=place)
         yield ring
 
 
@@ -162,7 +165,9 @@ def _lowest(
             if not isinstance(above, str) or above not in objects or above in way[-1:]:
                 break
             if len(way) > DEEPEST:
-                raise BadInput(f"{path}: CityObjects.{name[:MOST_SHOWN]}: expected a building that its parts lead to")
+                raise BadInput(
+                    "expected a building that its parts lead to", place=f"{path}: CityObjects.{name[:MOST_SHOWN]}"
+                )
             way.append(above)
         root = roots.get(way[-1], way[-1])
         roots |= dict.fromkeys(way, root)

@@ -62,7 +62,9 @@ def on_earth(corners: Corners, place: str, hint: str = "export the file in WGS 8
     outside = ~(np.abs(corners) <= (360.0, 90.0)).all(axis=1)
     if outside.any():
         x, y = corners[outside][0]
-        raise BadInput(f"{place}: expected longitude and latitude in degrees, not {x:g}, {y:g}", hint=hint)
+        raise BadInput(
+            f"expected longitude and latitude in degrees, not {x:g}, {y:g}", hint=hint, code="not-degrees", place=place
+        )
     return corners
 
 
@@ -77,7 +79,7 @@ def positions_of(values: Any, place: str) -> Corners:
     except (TypeError, ValueError, KeyError, OverflowError):
         corners = np.zeros((0, 0))
     if corners.ndim != 2 or corners.shape[1] != 2 or not np.isfinite(corners).all():
-        raise BadInput(f"{place}: expected positions as [longitude, latitude]")
+        raise BadInput("expected positions as [longitude, latitude]", place=place)
     return corners
 
 
@@ -105,10 +107,8 @@ class Mistakes:
             BadInput: with a line for each mistake, but no more than ten.
         """
         if self._first:
-            lines = [str(mistake) for mistake in self._first]
-            if self._count > MANY:
-                lines.append(f"and {self._count - MANY} more of this kind")
-            raise BadInput("\n".join(lines), hint=self._first[0].hint)
+            more = (f"and {self._count - MANY} more of this kind",) if self._count > MANY else ()
+            raise self._first[0].followed_by(*map(str, self._first[1:]), *more)
 
 
 def read_all(read: Callable[..., Feature | None], each: Iterable[tuple[Any, ...]]) -> tuple[Feature, ...]:

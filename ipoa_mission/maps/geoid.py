@@ -8,7 +8,7 @@ from pathlib import Path
 from pyproj import Transformer
 from pyproj.exceptions import ProjError
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, NotCovered
 
 #: PROJ's own names of the grids, the best match to an autopilot's mean sea level first.
 GRIDS = ("us_nga_egm96_15.tif", "egm96_15.gtx", "us_nga_egm08_25.tif", "egm08_25.gtx")
@@ -33,11 +33,12 @@ def undulation(latitude_deg: float, longitude_deg: float, given: float | Path | 
             continue
         return float(height), f"by {Path(grid).name}"
     if given is not None:
-        raise BadInput(
-            f"terrain.geoid: expected a PROJ grid that covers {latitude_deg:.4f}, {longitude_deg:.4f}: {given}"
+        raise NotCovered(
+            f"expected a PROJ grid that covers {latitude_deg:.4f}, {longitude_deg:.4f}: {given}", place="terrain.geoid"
         )
     raise BadInput(
-        f"{place}: its heights are above the ellipsoid, and PROJ's grid of the geoid is not on this machine",
+        "its heights are above the ellipsoid, and PROJ's grid of the geoid is not on this machine",
         hint=f"set terrain.geoid to the geoid's height there in metres, or get it by `pyproj sync --file {GRIDS[0]}`; "
         "or set terrain.level_at_home = true",
+        place=place,
     )

@@ -16,7 +16,7 @@ import shapely
 from pyproj import CRS, Transformer
 from pyproj.exceptions import CRSError
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, InvalidRing, NoCoordinateSystem, TooLarge, WrongFormat
 from ipoa_mission.files import why_no_json
 from ipoa_mission.maps.cityjson import cityjson_features, is_cityjson
 from ipoa_mission.maps.feature import (
@@ -58,7 +58,7 @@ def read_geojson(path: Path, begin: Callable[[], Take]) -> None:
         with many_objects():
             _hand_on(path, begin)
     except RecursionError:
-        raise BadInput(f"{path}: expected a map, not brackets nested without end") from None
+        raise TooLarge("expected a map, not brackets nested without end", place=path) from None
 
 
 def _hand_on(path: Path, begin: Callable[[], Take]) -> None:
@@ -106,10 +106,10 @@ def _told_of(path: Path) -> Iterator[None]:
     try:
         yield
     except json.JSONDecodeError as error:
-        words = f"{path}: line {error.lineno}: {error.msg[:1].lower()}{error.msg[1:]}"
-        raise BadInput(words, hint=why_no_json(error.doc, error.pos)) from error
+        words, place = f"{error.msg[:1].lower()}{error.msg[1:]}", f"{path}: line {error.lineno}"
+        raise WrongFormat(words, hint=why_no_json(error.doc, error.pos), place=place) from error
     except ValueError:
-        raise BadInput(f"{path}: expected numbers that fit in 64 bits, not one of thousands of digits") from None
+        raise TooLarge("expected numbers that fit in 64 bits, not one of thousands of digits", place=path) from None
 
 
 class _Collection:
@@ -192,7 +192,7 @@ def _whole(document: Any, path: Path, place: str = "") -> tuple[Feature, ...]:
     if kind == "FeatureCollection":
         features = document.get("features")
         if not isinstance(features, list):
-            raise BadInput(f"{place}: features: expected a list")
+            raise BadInput("expected a list", place=f"{place}: features")
         placed = [(f"{place}: features[{i}]{_number(feature)}", feature) for i, feature in enumerate(features)]
     elif kind == "Feature":
         placed = [(f"{place}: feature", document)]
@@ -200,8 +200,9 @@ def _whole(document: Any, path: Path, place: str = "") -> tuple[Feature, ...]:
         placed = [(f"{place}: feature", {"type": "Feature", "geometry": document})]
     else:
         raise BadInput(
-            f"{place}: type: expected 'FeatureCollection', not {kind!r:.40}",
+            f"expected 'FeatureCollection', not {kind!r:.40}",
             hint="a map is GeoJSON (one value, or one a line), CityJSON or Overpass's JSON",
+            place=f"{place}: type",
         )
     to_degrees = _coordinate_system(document, path)
     apart = ((place, part) for place, feature in placed for part in layers_apart(feature))
@@ -217,7 +218,7 @@ def _number(feature: Any) -> str:
 def _feature(place: str, feature: Any, to_degrees: "_Degrees", drawn: Any = None) -> Feature:
     """A feature, whose shape may be `drawn` already."""
     if not isinstance(feature, dict) or feature.get("type") != "Feature":
-        raise BadInput(f"{place}: expected a Feature")
+        raise BadInput("expected a Feature", place=place)
     geometry, properties = feature.get("geometry"), feature.get("properties")
     properties = properties if isinstance(properties, dict) else {}
     missing = cut_off(properties)
@@ -238,13 +239,13 @@ def _shape(geometry: Any, place: str, to_degrees: "_Degrees", depth: int = 0) ->
     if isinstance(geometry, dict) and kind == "GeometryCollection":
         members = geometry.get("geometries")
         if not isinstance(members, list):
-            raise BadInput(f"{place}.geometries: expected a list")
+            raise BadInput("expected a list", place=f"{place}.geometries")
         if depth >= DEEPEST:
-            raise BadInput(f"{place[:MOST_SHOWN]}...: expected collections in no more than {DEEPEST} others")
+            raise TooLarge(f"expected collections in no more than {DEEPEST} others", place=f"{place[:MOST_SHOWN]}...")
         shapes = [_shape(member, f"{place}.geometries[{i}]", to_degrees, depth + 1) for i, member in enumerate(members)]
         return shapely.GeometryCollection(shapes)
     if not isinstance(geometry, dict) or not isinstance(kind, str) or kind not in SHAPES:
-        raise BadInput(f"{place}.type: expected a kind of geometry, such as 'Polygon', not {kind!r}")
+        raise BadInput(f"expected a kind of geometry, such as 'Polygon', not {kind!r}", place=f"{place}.type")
     extent = geometry.get("extent")
     if kind == "Point" and isinstance(extent, dict):  # ED-318
         return circle(geometry.get("coordinates"), extent.get("radius"), f"{place}.extent")
@@ -262,18 +263,18 @@ def _point(values: Any, place: str, to_degrees: "_Degrees") -> Any:
 def _line(values: Any, place: str, to_degrees: "_Degrees") -> Any:
     corners = _corners(values, place, to_degrees)
     if len(corners) < 2:
-        raise BadInput(f"{place}: expected 2 positions or more, not {len(corners)}")
+        raise InvalidRing(f"expected 2 positions or more, not {len(corners)}", place=place)
     return shapely.LineString(corners)
 
 
 def _polygon(values: Any, place: str, to_degrees: "_Degrees") -> Any:
     if not isinstance(values, list) or not values:
-        raise BadInput(f"{place}: expected a list of rings")
+        raise InvalidRing("expected a list of rings", place=place)
     rings = []
     for i, ring in enumerate(values):
         corners = _corners(ring, f"{place}[{i}]", to_degrees)
         if len({tuple(corner) for corner in corners.tolist()}) < 3:
-            raise BadInput(f"{place}[{i}]: expected a ring of 3 different corners or more")
+            raise InvalidRing("expected a ring of 3 different corners or more", place=f"{place}[{i}]")
         rings.append(corners)
     return shapely.Polygon(rings[0], rings[1:])
 
@@ -281,7 +282,7 @@ def _polygon(values: Any, place: str, to_degrees: "_Degrees") -> Any:
 def _several(one: "_Reader", whole: Any) -> "_Reader":
     def read(values: Any, place: str, to_degrees: "_Degrees") -> Any:
         if not isinstance(values, list):
-            raise BadInput(f"{place}: expected a list")
+            raise BadInput("expected a list", place=place)
         return whole([one(value, f"{place}[{i}]", to_degrees) for i, value in enumerate(values)])
 
     return read
@@ -308,7 +309,9 @@ def _coordinate_system(document: Mapping[str, Any], path: Path) -> _Degrees:
         name = document["crs"]["properties"]["name"]
         system = CRS.from_user_input(name)
     except (KeyError, TypeError, CRSError) as error:
-        raise BadInput(f"{path}: crs: expected the name of a coordinate system, such as 'EPSG:32633'") from error
+        raise NoCoordinateSystem(
+            "expected the name of a coordinate system, such as 'EPSG:32633'", place=f"{path}: crs"
+        ) from error
     return degrees_of(system)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 from pyproj import Geod
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, InvalidRing
 from ipoa_mission.maps.feature import Corners, Feature, on_earth, positions_of, read_all
 
 CORNERS = 72  # of the polygon round a circle, which is 0.1 % wider
@@ -59,7 +59,7 @@ def circle(center: Any, radius: Any, place: str) -> Any:
     except (TypeError, ValueError, OverflowError, KeyError):
         corner, size = np.zeros((0, 2)), math.nan
     if corner.shape != (1, 2) or not np.isfinite(corner).all() or not 0 < size < WIDEST:
-        raise BadInput(f"{place}: expected a circle: center [longitude, latitude] and a radius in metres")
+        raise BadInput("expected a circle: center [longitude, latitude] and a radius in metres", place=place)
     longitude, latitude = on_earth(corner, place)[0]
     around = np.linspace(0.0, 360.0, CORNERS, endpoint=False)
     wide = np.full(CORNERS, size / math.cos(math.pi / CORNERS))
@@ -103,7 +103,7 @@ def zone_tags(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 def _volume(zone: Mapping[str, Any], volume: Any, place: str) -> Feature:
     projection = volume.get("horizontalProjection") if isinstance(volume, dict) else None
     if not isinstance(projection, dict):
-        raise BadInput(f"{place}.horizontalProjection: expected a Polygon or a Circle")
+        raise BadInput("expected a Polygon or a Circle", place=f"{place}.horizontalProjection")
     shape = _projection(projection, f"{place}.horizontalProjection")
     tags = {key: zone[key] for key in ("identifier", "name", "type", "restriction") if isinstance(zone.get(key), str)}
     tags |= dict(_limit_tags(volume)) | dict(_times(zone.get("applicability")))
@@ -130,7 +130,7 @@ def _projection(projection: Mapping[str, Any], place: str) -> Any:
         return circle(projection.get("center"), projection.get("radius"), place)
     rings = projection.get("coordinates")
     if projection.get("type") != "Polygon" or not isinstance(rings, list) or not rings:
-        raise BadInput(f"{place}: expected a Polygon or a Circle, not {projection.get('type')!r}")
+        raise BadInput(f"expected a Polygon or a Circle, not {projection.get('type')!r}", place=place)
     corners = [_ring(ring, f"{place}.coordinates[{i}]") for i, ring in enumerate(rings)]
     return shapely.Polygon(corners[0], corners[1:])
 
@@ -138,5 +138,5 @@ def _projection(projection: Mapping[str, Any], place: str) -> Any:
 def _ring(values: Any, place: str) -> Corners:
     corners = positions_of(values, place)
     if len(np.unique(corners, axis=0)) < 3:
-        raise BadInput(f"{place}: expected a ring of 3 different corners or more")
+        raise InvalidRing("expected a ring of 3 different corners or more", place=place)
     return on_earth(corners, place)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ipoa_mission.errors import BadInput, imported
+from ipoa_mission.errors import BadInput, NotCovered, NothingThere, Unreadable, WrongFormat, imported
 from ipoa_mission.maps.units import unit_factor
 from ipoa_mission.maps.wind_levels import FARTHEST_DEG, Datum, ForecastWinds, WindSamples
 from ipoa_mission.world.frame import Geodetic
@@ -92,11 +92,13 @@ def _messages(eccodes: Any, path: Path) -> Iterator[Any]:
                 finally:
                     eccodes.codes_release(handle)
     except eccodes.CodesInternalError as error:
-        raise BadInput(f"{path}: message {count + 1}: expected a forecast of winds in GRIB: {error}") from error
+        raise WrongFormat(
+            f"expected a forecast of winds in GRIB: {error}", place=f"{path}: message {count + 1}"
+        ) from error
     except OSError as error:
-        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
+        raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
     if not count:
-        raise BadInput(f"{path}: expected a forecast of winds in GRIB, but there is no message in it")
+        raise NothingThere("expected a forecast of winds in GRIB, but there is no message in it", place=path)
 
 
 def _read(
@@ -131,8 +133,9 @@ def _read(
     index = _nearest(eccodes, handle, path, place, nearest)
     if get("uvRelativeToGrid", int) and get("gridType") not in NORTH_UP:
         raise BadInput(
-            f"{path}: expected winds towards the east and the north, not along the axes of a {get('gridType')} grid",
+            f"expected winds towards the east and the north, not along the axes of a {get('gridType')} grid",
             hint="turn them first, as `wgrib2 IN -new_grid_winds earth` does",
+            place=path,
         )
     unit = get("units")
     factor = 1.0 if unit in (None, "unknown") else unit_factor(unit, "m/s", f"{path}: {short}.units")
@@ -167,9 +170,10 @@ def _nearest(eccodes: Any, handle: Any, path: Path, place: Geodetic, known: dict
         east = np.abs((longitudes - place.longitude_deg + 180.0) % 360.0 - 180.0)
         index = int(np.hypot(north, east * np.cos(np.radians(place.latitude_deg))).argmin())
         if max(north[index], east[index]) > FARTHEST_DEG:
-            raise BadInput(
-                f"{path}: expected a forecast of home's place, {place.latitude_deg:g}, {place.longitude_deg:g}; "
-                f"the nearest point is {latitudes[index]:g}, {(longitudes[index] + 180.0) % 360.0 - 180.0:g}"
+            raise NotCovered(
+                f"expected a forecast of home's place, {place.latitude_deg:g}, {place.longitude_deg:g}; "
+                f"the nearest point is {latitudes[index]:g}, {(longitudes[index] + 180.0) % 360.0 - 180.0:g}",
+                place=path,
             )
         known[grid] = index
     return known[grid]

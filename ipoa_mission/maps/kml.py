@@ -19,7 +19,7 @@ from xml.etree import ElementTree
 import numpy as np
 import shapely
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, NothingThere, TooLarge, Unreadable, WrongFormat
 from ipoa_mission.files import read_text
 from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, Missing, on_earth, read_all
 
@@ -69,15 +69,15 @@ def read_kmz(path: Path) -> tuple[Feature, ...]:
         with zipfile.ZipFile(path) as archive:
             names = [each for each in archive.namelist() if each.lower().endswith(".kml")]
             if not names:
-                raise BadInput(f"{path}: expected a .kml in it, but there is none")
+                raise NothingThere("expected a .kml in it, but there is none", place=path)
             with archive.open(names[0]) as file:
                 text = file.read(LARGEST + 1)
     except OSError as error:
-        raise BadInput(f"{path}: cannot be read: {error.strerror or error}") from error
+        raise Unreadable(f"cannot be read: {error.strerror or error}", place=path) from error
     except BROKEN as error:
-        raise BadInput(f"{path}: expected a KMZ, a .kml in a zip archive: {error}") from error
+        raise WrongFormat(f"expected a KMZ, a .kml in a zip archive: {error}", place=path) from error
     if len(text) > LARGEST:
-        raise BadInput(f"{path}: expected a .kml of at most {LARGEST >> 20} MB in it")
+        raise TooLarge(f"expected a .kml of at most {LARGEST >> 20} MB in it", place=path)
     nowhere = shapely.GeometryCollection()
     others = (
         Feature(f"{path}: {name}", nowhere, {}, missing=Missing(f"{name}, a second KML", nowhere, REMEDY))
@@ -91,11 +91,11 @@ def _read(text: bytes, path: Path) -> tuple[Feature, ...]:
         root = _parse(text, path)
     except ElementTree.ParseError as error:
         line = getattr(error, "position", (1, 0))[0]
-        raise BadInput(f"{path}: line {line}: expected well-formed XML") from error
+        raise WrongFormat("expected well-formed XML", place=f"{path}: line {line}") from error
     except (LookupError, ValueError) as error:  # of an encoding that nobody knows, or of several bytes
-        raise BadInput(f"{path}: expected XML in an encoding such as UTF-8: {error}") from error
+        raise WrongFormat(f"expected XML in an encoding such as UTF-8: {error}", place=path) from error
     if _local(root) != "kml":
-        raise BadInput(f"{path}: expected a kml document, not {_local(root)}")
+        raise WrongFormat(f"expected a kml document, not {_local(root)}", place=path)
     placemarks = list(_placemarks(root, path))
     return read_all(_feature, ((element, f"{path}: Placemark[{i}]") for i, element in enumerate(placemarks)))
 
@@ -110,7 +110,7 @@ def _parse(text: bytes, path: Path) -> ElementTree.Element:
         for _, element in parser.read_events():
             root, count = element if root is None else root, count + 1
         if count > MOST_ELEMENTS:
-            raise BadInput(f"{path}: expected a document of at most {MOST_ELEMENTS} elements")
+            raise TooLarge(f"expected a document of at most {MOST_ELEMENTS} elements", place=path)
     parser.close()
     if root is None:
         raise ElementTree.ParseError("nothing")
@@ -126,11 +126,11 @@ def _placemarks(root: ElementTree.Element, path: Path) -> Iterator[ElementTree.E
             continue
         if _local(element) == "Placemark":
             if sum(_local(one) == "Placemark" for one in element.iter()) > 1:
-                raise BadInput(f"{path}: expected no Placemark in another")
+                raise BadInput("expected no Placemark in another", place=path)
             yield element
             continue
         if depth >= MOST_FOLDERS:
-            raise BadInput(f"{path}: expected folders in no more than {MOST_FOLDERS} others")
+            raise TooLarge(f"expected folders in no more than {MOST_FOLDERS} others", place=path)
         inside += [(child, depth + 1) for child in reversed(element)]
 
 
@@ -194,7 +194,7 @@ def _tags(placemark: ElementTree.Element) -> Iterator[tuple[str, str]]:
 
 def _shapes(parent: ElementTree.Element, place: str, depth: int = 0) -> Iterator[Any]:
     if depth > DEEPEST:
-        raise BadInput(f"{place}: expected collections in no more than {DEEPEST} others")
+        raise TooLarge(f"expected collections in no more than {DEEPEST} others", place=place)
     for element in parent:
         kind = _local(element)
         if kind in {"MultiGeometry", "Document", "Folder", "MultiTrack"}:
@@ -211,9 +211,9 @@ def _shapes(parent: ElementTree.Element, place: str, depth: int = 0) -> Iterator
             outer = [ring for side in element if _local(side) == "outerBoundaryIs" for ring in side]
             inner = [ring for side in element if _local(side) == "innerBoundaryIs" for ring in side]
             if len(outer) != 1:
-                raise BadInput(f"{place}.Polygon.outerBoundaryIs: expected one LinearRing, not {len(outer)}")
+                raise BadInput(f"expected one LinearRing, not {len(outer)}", place=f"{place}.Polygon.outerBoundaryIs")
             if wrong := next((each for each in (*outer, *inner) if _local(each) != "LinearRing"), None):
-                raise BadInput(f"{place}.Polygon: expected a LinearRing, not {_local(wrong):.40}")
+                raise BadInput(f"expected a LinearRing, not {_local(wrong):.40}", place=f"{place}.Polygon")
             rings = [_corners(ring, f"{place}.Polygon") for ring in (*outer, *inner)]
             yield shapely.Polygon(rings[0], rings[1:])
 
@@ -227,7 +227,7 @@ def _track(element: ElementTree.Element, place: str) -> Corners:
 def _corners(element: ElementTree.Element, place: str) -> Corners:
     texts = [child.text or "" for child in element if _local(child) == "coordinates"]
     if len(texts) > 1:
-        raise BadInput(f"{place}: expected one list of coordinates, not {len(texts)}")
+        raise BadInput(f"expected one list of coordinates, not {len(texts)}", place=place)
     return _positions("".join(texts), WORDS[_local(element)], f"{place}.coordinates")
 
 
@@ -238,9 +238,9 @@ def _positions(text: str, least: int, place: str) -> Corners:
     except ValueError:
         corners = np.zeros((0, 0))
     if any(word.count(",") > MOST_COMMAS for word in words):
-        raise BadInput(f"{place}: expected blanks between positions, as in 8.54,47.39,0 8.55,47.39,0")
+        raise BadInput("expected blanks between positions, as in 8.54,47.39,0 8.55,47.39,0", place=place)
     if corners.ndim != 2 or corners.shape[1] != 2 or len(np.unique(corners, axis=0)) < least:
-        raise BadInput(f"{place}: expected {least} or more different positions as longitude,latitude")
+        raise BadInput(f"expected {least} or more different positions as longitude,latitude", place=place)
     return on_earth(corners, place, "a KML has longitude,latitude in degrees, always on WGS 84")
 
 

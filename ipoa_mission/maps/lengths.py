@@ -59,7 +59,7 @@ def meters(text: str, place: str) -> float:
     """
     length, sure = length_of(text)
     if length is None or not sure:
-        raise BadInput(f'{place}: expected metres or feet ("23", "23 m", "75 ft"), not {text!r}')
+        raise BadInput(f'expected metres or feet ("23", "23 m", "75 ft"), not {text!r}', place=place)
     return length
 
 

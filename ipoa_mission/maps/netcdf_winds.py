@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ipoa_mission.errors import BadInput, MissionError, imported
+from ipoa_mission.errors import BadInput, MissionError, NotCovered, WrongFormat, imported
 from ipoa_mission.maps.units import unit_factor
 from ipoa_mission.maps.vertical import height_in_name, vertical_of
 from ipoa_mission.maps.wind_levels import FARTHEST_DEG, Datum, ForecastWinds, WindSamples
@@ -68,7 +68,7 @@ def _opened(path: Path) -> Iterator[Any]:
     except MissionError:
         raise
     except Exception as error:  # each library has its own
-        raise BadInput(f"{path}: expected a forecast of winds in NetCDF or GRIB: {error}") from error
+        raise WrongFormat(f"expected a forecast of winds in NetCDF or GRIB: {error}", place=path) from error
 
 
 def _groups(path: Path) -> list[str]:
@@ -154,12 +154,14 @@ def _there(path: Path, part: Any, place: Geodetic) -> Any:
     for kind, wanted in (("lat", place.latitude_deg), ("lon", place.longitude_deg)):
         name = next((key for key, each in part.coords.items() if _counts_degrees(str(key), each, kind)), None)
         if name is None or part[name].ndim > 1:
-            raise BadInput(f"{path}: {part.name}: expected latitudes and longitudes [degrees] as axes of the winds")
+            raise BadInput(
+                "expected latitudes and longitudes [degrees] as axes of the winds", place=f"{path}: {part.name}"
+            )
         degrees = np.atleast_1d(np.asarray(part[name], float))
         off = np.abs((degrees - wanted + 180.0) % 360.0 - 180.0)
         nearest = int(off.argmin())
         if not off[nearest] <= FARTHEST_DEG:
-            raise BadInput(f"{path}: expected a forecast of home's place, {wanted:g} degrees of {name}")
+            raise NotCovered(f"expected a forecast of home's place, {wanted:g} degrees of {name}", place=path)
         part = part.isel({part[name].dims[0]: nearest}) if part[name].ndim else part
     return part
 
@@ -178,11 +180,13 @@ def _valid_times(path: Path, part: Any) -> tuple[np.ndarray, Any]:
     known = {str(name) for name in (times.dims if times is not None else ())}
     strange = [str(name) for name in part.dims if str(name) not in known and not _is_member(part, str(name))]
     if strange:
-        raise BadInput(f"{path}: {part.name}: expected winds by height, member and time, not by {', '.join(strange)}")
+        raise BadInput(
+            f"expected winds by height, member and time, not by {', '.join(strange)}", place=f"{path}: {part.name}"
+        )
     if times is None:
         return np.full(part.size, np.datetime64("NaT", "s")), part
     if times.dtype.kind != "M":
-        raise BadInput(f"{path}: {times.name}: expected times of the usual calendar, with their unit")
+        raise BadInput("expected times of the usual calendar, with their unit", place=f"{path}: {times.name}")
     both, part = times.broadcast_like(part), part.broadcast_like(times)
     return np.asarray(both.transpose(*part.dims)).astype("datetime64[s]").ravel(), part
 

@@ -15,7 +15,7 @@ from xml.etree import ElementTree
 import numpy as np
 import shapely
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, NothingThere, Unreadable, WrongFormat
 from ipoa_mission.maps.feature import Feature, Missing, on_earth
 from ipoa_mission.world.union import union_of
 
@@ -75,11 +75,11 @@ def read_osm(path: Path) -> tuple[Feature, ...]:
     try:
         extract = _extract(path)
     except OSError as error:
-        raise BadInput(f"{path}: cannot be read: {error.strerror or error}") from error
+        raise Unreadable(f"cannot be read: {error.strerror or error}", place=path) from error
     except ElementTree.ParseError as error:
-        raise BadInput(f"{path}: expected OpenStreetMap's XML: {error}") from error
+        raise WrongFormat(f"expected OpenStreetMap's XML: {error}", place=path) from error
     except (LookupError, ValueError) as error:  # of an encoding that nobody knows, or of several bytes
-        raise BadInput(f"{path}: expected XML in an encoding such as UTF-8: {error}") from error
+        raise WrongFormat(f"expected XML in an encoding such as UTF-8: {error}", place=path) from error
     return features_of(extract, path)
 
 
@@ -92,12 +92,13 @@ def features_of(extract: Extract, path: Path) -> tuple[Feature, ...]:
     tagged = [number for number, way in extract.ways.items() if way.tags.keys() - UNTOLD]
     if tagged and not any(node in extract.places for number in tagged for node in extract.ways[number].nodes):
         raise BadInput(
-            f"{path}: way {tagged[0]}: expected the places of its nodes",
+            f"way {tagged[0]}: expected the places of its nodes",
             hint="end a query of Overpass with `out geom;`, or with `out body; >; out skel qt;`",
+            place=path,
         )
     features = tuple(_features(extract, path))
     if not features:
-        raise BadInput(f"{path}: expected things with tags, but there are none")
+        raise NothingThere("expected things with tags, but there are none", place=path)
     return features
 
 
@@ -107,7 +108,7 @@ def _extract(path: Path) -> Extract:
         if root is None:
             root = element
             if root.tag != "osm":
-                raise BadInput(f"{path}: expected OpenStreetMap's XML, <osm>, not <{root.tag[:40]}>")
+                raise WrongFormat(f"expected OpenStreetMap's XML, <osm>, not <{root.tag[:40]}>", place=path)
         if event == "end" and element.tag in ("node", "way", "relation", "remark"):
             _take(element, extract, path)
             root.clear()
@@ -168,7 +169,7 @@ def _degrees(element: ElementTree.Element, key: str, path: Path) -> float:
         value = math.nan
     if not math.isfinite(value):
         number = element.get("id", element.get("ref"))
-        raise BadInput(f"{path}: node {number}: expected its {key} in degrees")
+        raise BadInput(f"node {number}: expected its {key} in degrees", code="not-degrees", place=path)
     return value
 
 

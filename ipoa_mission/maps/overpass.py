@@ -28,12 +28,12 @@ def overpass_features(document: Mapping[str, Any], path: Path) -> tuple[Feature,
     for n, element in enumerate(document["elements"]):
         place = f"{path}: elements[{n}]"
         if not isinstance(element, dict) or not isinstance(element.get("type"), str) or "id" not in element:
-            raise BadInput(f"{place}: expected an element with a type and an id")
+            raise BadInput("expected an element with a type and an id", place=place)
         if element["type"] in SORTS:
             try:
                 _take(element, extract)
             except (TypeError, ValueError, KeyError, AttributeError) as error:
-                raise BadInput(f"{place}: expected a node, way or relation as Overpass writes it") from error
+                raise BadInput("expected a node, way or relation as Overpass writes it", place=place) from error
     return features_of(extract, path)
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pyproj import CRS
 from pyproj.exceptions import CRSError
 
-from ipoa_mission.errors import BadInput, imported
+from ipoa_mission.errors import BadInput, DamagedFile, NoCoordinateSystem, NothingThere, TooLarge, WrongFormat, imported
 from ipoa_mission.files import read_bytes
 from ipoa_mission.maps.around import Around
 from ipoa_mission.maps.feature import Corners, Feature, on_earth
@@ -51,7 +51,7 @@ def read_parquet(path: Path, around: Around) -> Iterator[list[Feature]]:
     parquet = imported("pyarrow.parquet", needed, "maps", BadInput)
     arrow = imported("pyarrow", needed, "maps", BadInput)
     if read_bytes(path, len(MAGIC)) != MAGIC:
-        raise BadInput(f"{path}: expected a Parquet file, but it does not begin like one")
+        raise WrongFormat("expected a Parquet file, but it does not begin like one", place=path)
     any_there = False
     try:
         with parquet.ParquetFile(path) as file:
@@ -59,9 +59,9 @@ def read_parquet(path: Path, around: Around) -> Iterator[list[Feature]]:
                 any_there = True
                 yield features
     except (arrow.ArrowException, OSError, ValueError) as error:
-        raise BadInput(f"{path}: expected a whole Parquet file: {str(error).partition(chr(10))[0]}") from error
+        raise DamagedFile(f"expected a whole Parquet file: {str(error).partition(chr(10))[0]}", place=path) from error
     if not any_there and not around.elsewhere:
-        raise BadInput(f"{path}: expected rows with shapes, but there are none")
+        raise NothingThere("expected rows with shapes, but there are none", place=path)
 
 
 def _rows(file: Any, arrow: Any, path: Path, around: Around) -> Iterator[list[Feature]]:
@@ -71,7 +71,7 @@ def _rows(file: Any, arrow: Any, path: Path, around: Around) -> Iterator[list[Fe
     for number in range(file.num_row_groups):
         group = file.metadata.row_group(number)
         if group.total_byte_size > LARGEST_GROUP:
-            raise BadInput(f"{path}: expected groups of rows of at most {LARGEST_GROUP / 1e9:g} GB")
+            raise TooLarge(f"expected groups of rows of at most {LARGEST_GROUP / 1e9:g} GB", place=path)
         if (box := _box_of(group, shapes.boxes)) is not None and not around.wants(box, group.num_rows).any():
             row += group.num_rows
             continue
@@ -85,9 +85,10 @@ def _shapes_of(file: Any, arrow: Any, path: Path) -> _Shapes:
     """Which column has the shapes, by what the file says of itself."""
     told = (file.schema_arrow.metadata or {}).get(b"geo")
     if told is None:
-        raise BadInput(
-            f"{path}: expected a GeoParquet file, but none of its columns is said to be a geometry",
+        raise NothingThere(
+            "expected a GeoParquet file, but none of its columns is said to be a geometry",
             hint="a table of places becomes one by GeoPandas: GeoDataFrame.to_parquet",
+            place=path,
         )
     try:
         geo = json.loads(told)
@@ -97,17 +98,17 @@ def _shapes_of(file: Any, arrow: Any, path: Path) -> _Shapes:
         covering = (about.get("covering") or {}).get("bbox") or {}
         boxes = tuple(".".join(covering[side]) for side in ("xmin", "ymin", "xmax", "ymax")) if covering else ()
     except (ValueError, TypeError, KeyError, AttributeError) as error:
-        raise BadInput(f"{path}: geo: expected what GeoParquet says of its columns") from error
+        raise BadInput("expected what GeoParquet says of its columns", place=f"{path}: geo") from error
     schema = file.schema_arrow
     kind = schema.field(column).type if column in schema.names else None
     if encoding != "WKB" or kind not in (arrow.binary(), arrow.large_binary()):
-        raise BadInput(f"{path}: {column}: expected shapes as WKB, not as {encoding!r:.40} in {kind}")
+        raise BadInput(f"expected shapes as WKB, not as {encoding!r:.40} in {kind}", place=f"{path}: {column}")
     if system is None:
-        raise BadInput(f"{path}: expected a file that names its coordinate system")
+        raise NoCoordinateSystem("expected a file that names its coordinate system", place=path)
     try:
         known = CRS.from_user_input(system)
     except (CRSError, TypeError) as error:
-        raise BadInput(f"{path}: crs: expected a coordinate system as PROJ's JSON has it") from error
+        raise NoCoordinateSystem("expected a coordinate system as PROJ's JSON has it", place=f"{path}: crs") from error
     return _Shapes(column, degrees_of(known), boxes if known.is_geographic else ())
 
 
@@ -157,11 +158,9 @@ def _drawn(wkb: NDArray[Any], to_degrees: Callable[[Corners], Corners], path: Pa
         return np.asarray(shapely.transform(shapes, lambda corners: on_earth(to_degrees(corners), str(path))))
     except (shapely.errors.GEOSException, BadInput) as error:
         if len(wkb) == 1:
-            said = str(error).removeprefix(f"{path}: ")
-            raise BadInput(
-                f"{path}: row[{row}]: {said if isinstance(error, BadInput) else f'expected a shape: {said}'}",
-                hint=getattr(error, "hint", None),
-            ) from error
+            bad = error if isinstance(error, BadInput) else BadInput(f"expected a shape: {error}", code="invalid-ring")
+            bad.place = f"{path}: row[{row}]"
+            raise bad from error
         half = len(wkb) // 2
         return np.concatenate(
             [_drawn(wkb[:half], to_degrees, path, row), _drawn(wkb[half:], to_degrees, path, row + half)]

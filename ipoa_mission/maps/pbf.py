@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ipoa_mission.errors import BadInput, imported
+from ipoa_mission.errors import BadInput, DamagedFile, NothingThere, TooLarge, WrongFormat, imported
 from ipoa_mission.files import read_bytes
 from ipoa_mission.maps.around import Around, cut_out
 from ipoa_mission.maps.feature import Feature
@@ -44,12 +44,13 @@ def read_pbf(path: Path, around: Around) -> Iterator[list[Feature]]:
     """
     osmium = imported("osmium", f"{path}: reading it needs osmium, which is not installed", "maps", BadInput)
     if b"OSMHeader" not in read_bytes(path, HEADER):
-        raise BadInput(f"{path}: expected an .osm.pbf file, but it does not begin like one")
+        raise WrongFormat("expected an .osm.pbf file, but it does not begin like one", place=path)
     if (size := path.stat().st_size) > LARGEST_PBF:
-        raise BadInput(
-            f"{path}: expected an extract of at most {LARGEST_PBF / 1e6:.0f} MB, not {size / 1e6:.0f} MB",
+        raise TooLarge(
+            f"expected an extract of at most {LARGEST_PBF / 1e6:.0f} MB, not {size / 1e6:.0f} MB",
             hint="cut out what lies round the flight: osmium extract --strategy smart "
             f"--bbox {cut_out(around.window)} --output town.osm.pbf {path.name}",
+            place=path,
         )
     any_there = False
     features = _Extract(osmium, path, around).read()
@@ -58,9 +59,9 @@ def read_pbf(path: Path, around: Around) -> Iterator[list[Feature]]:
             any_there = True
             yield some
     except (RuntimeError, OSError, ValueError) as error:
-        raise BadInput(f"{path}: expected a whole .osm.pbf file: {error}") from error
+        raise DamagedFile(f"expected a whole .osm.pbf file: {error}", place=path) from error
     if not any_there and not around.elsewhere:
-        raise BadInput(f"{path}: expected things with tags, but there are none")
+        raise NothingThere("expected things with tags, but there are none", place=path)
 
 
 class _Extract:
@@ -77,7 +78,7 @@ class _Extract:
         """What is wanted of the file: nodes, ways, then areas that several ways go round."""
         osmium, osm = self._osmium, self._osmium.osm
         if osmium.io.Reader(self._file, osm.NOTHING).header().has_multiple_object_versions:
-            raise BadInput(f"{self._path}: expected the map as it is now, not its history")
+            raise BadInput("expected the map as it is now, not its history", place=self._path)
         relations = self._relations()
         places = self._look(_parts(relations))
         if relations:
@@ -128,9 +129,10 @@ class _Extract:
         for each in things.with_filter(tagged):
             if each.id < 0:  # libosmium keeps no place for it
                 raise BadInput(
-                    f"{self._path}: expected things that OpenStreetMap has numbered, not "
+                    f"expected things that OpenStreetMap has numbered, not "
                     f"{'node' if each.is_node() else 'way'} {each.id}",
                     hint="as OpenStreetMap's XML (.osm) they are read",
+                    place=self._path,
                 )
             waiting.append(self._place_of_node(each) if each.is_node() else self._place_of_way(each))
             if len(waiting) >= AT_ONCE:

@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import InvalidRing, TooFar
 from ipoa_mission.maps.around import near_home
 from ipoa_mission.world.frame import REACH, LocalFrame
 
@@ -49,13 +49,14 @@ class Whereabouts:
         if self._any_near or not self._first_far:
             return
         home, (west, south, east, north) = self.frame.home, self._box.tolist()
-        raise BadInput(
-            f"{self._first_far}.geometry: expected a place within {REACH / 1000:g} km of home "
+        raise TooFar(
+            f"expected a place within {REACH / 1000:g} km of home "
             f"({home.latitude_deg:.4f}, {home.longitude_deg:.4f}), "
             f"not round {(south + north) / 2:.4f}, {(west + east) / 2:.4f}",
             hint="in its coordinates longitude must stand before latitude"
             if self._turned_near
             else "is it the map of another place?",
+            place=f"{self._first_far}.geometry",
         )
 
 
@@ -153,7 +154,7 @@ def polygons_of(shape: Any, place: str) -> tuple[list[Any], str | None]:
         clean = shapely.remove_repeated_points(clean)
     parts = [part for part in shapely.get_parts(clean) if part.geom_type == "Polygon" and part.area > LEAST_AREA]
     if not parts:
-        raise BadInput(f"{place}.geometry: expected a polygon with an area, not {_words(wrong)}")
+        raise InvalidRing(f"expected a polygon with an area, not {_words(wrong)}", place=f"{place}.geometry")
     return parts, None if wrong is None else _words(wrong)
 
 

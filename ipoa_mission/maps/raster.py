@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pyproj import CRS, Transformer
 from pyproj.exceptions import ProjError
 
-from ipoa_mission.errors import BadInput, imported
+from ipoa_mission.errors import BadInput, DamagedFile, NoCoordinateSystem, NotCovered, imported
 from ipoa_mission.geometry import Vector
 
 UNITS = {"": 1.0, "m": 1.0, "metre": 1.0, "meter": 1.0, "metres": 1.0, "meters": 1.0}
@@ -36,7 +36,7 @@ class RasterFile:
     def system(self) -> CRS:
         """Its coordinate system, heights included if it says how they count."""
         if self.dataset.crs is None:
-            raise BadInput(f"{self.path}: expected an elevation model that names its coordinate system")
+            raise NoCoordinateSystem("expected an elevation model that names its coordinate system", place=self.path)
         return CRS.from_wkt(self.dataset.crs.to_wkt())
 
     @property
@@ -77,9 +77,10 @@ class RasterFile:
         side = max(outside, key=lambda each: outside[each])
         if not outside[side] < 1e-6:
             missing = f"{outside[side]:.1f} posts" if math.isfinite(outside[side]) else "far"
-            raise BadInput(
-                f"{self.path}: expected a model of the whole flight area, which lies {missing} beyond its {side} edge",
+            raise NotCovered(
+                f"expected a model of the whole flight area, which lies {missing} beyond its {side} edge",
                 hint="take a larger model, or narrow `bounds` (bounds.margin = 50 is the default)",
+                place=self.path,
             )
 
     def read(
@@ -95,7 +96,7 @@ class RasterFile:
         rows = max(top - EXTRA_POSTS, 0), min(bottom + EXTRA_POSTS + 1, self.dataset.height)
         columns = max(left - EXTRA_POSTS, 0), min(right + EXTRA_POSTS + 1, self.dataset.width)
         if self.dataset.height < 4 or self.dataset.width < 4:
-            raise BadInput(f"{self.path}: expected at least 4 x 4 heights")
+            raise BadInput("expected at least 4 x 4 heights", place=self.path)
         rows, columns = _at_least_four(rows, self.dataset.height), _at_least_four(columns, self.dataset.width)
         band = self.dataset.read(1, window=(rows, columns), masked=True)
         missing = np.ma.getmaskarray(band) | ~np.isfinite(band.data.astype(float))
@@ -114,21 +115,30 @@ class RasterFile:
         wild = heights > HIGHEST
         if wild.any():
             raise BadInput(
-                f"{self.path}: expected heights of ground, not {heights[wild][0]:g} m {self._where(wild, first)}",
+                f"expected heights of ground, not {heights[wild][0]:g} m {self._where(wild, first)}",
                 hint="if this number stands for a missing height, say so by terrain.nodata",
+                code="heights-absurd",
+                place=self.path,
             )
         missing = np.isnan(heights)
         if not missing.any():
             return heights, ()
         gaps = f"{missing.sum()} of {missing.size} heights are missing, the first {self._where(missing, first)}{why}"
         if not fill:
-            raise BadInput(f"{self.path}: {gaps}", hint='terrain.voids = "fill" fills them from their neighbors')
+            raise BadInput(
+                f"{gaps}",
+                hint='terrain.voids = "fill" fills them from their neighbors',
+                code="heights-missing",
+                place=self.path,
+            )
         from rasterio.fill import fillnodata
 
         holed = np.where(missing, LOWEST - 1, heights).astype("float32")
         filled = np.asarray(fillnodata(holed, mask=~missing, max_search_distance=FILL_REACH), float)
         if (filled < LOWEST).any():
-            raise BadInput(f"{self.path}: {gaps}, and some are too far from any other to be filled")
+            raise BadInput(
+                f"{gaps}, and some are too far from any other to be filled", code="heights-missing", place=self.path
+            )
         return np.where(missing, filled, heights), (f"{gaps}: filled from their neighbors",)
 
     def _where(self, which: NDArray[np.bool_], first: tuple[int, int]) -> str:
@@ -152,7 +162,7 @@ class RasterFile:
         if not name and vertical:
             return float(vertical[0].unit_conversion_factor)
         if name not in UNITS:
-            raise BadInput(f"{self.path}: expected heights in metres or feet, not in {name!r}")
+            raise BadInput(f"expected heights in metres or feet, not in {name!r}", place=self.path)
         return UNITS[name]
 
 
@@ -171,19 +181,22 @@ def open_raster(path: Path, nodata: float | None) -> Iterator[RasterFile]:
             warnings.simplefilter("ignore", rasterio.errors.NotGeoreferencedWarning)  # `system` refuses it in words
             dataset = rasterio.open(path)
     except rasterio.errors.RasterioIOError as error:
-        raise BadInput(f"{path}: expected an elevation model: {error}") from error
+        raise DamagedFile(f"expected an elevation model: {error}", place=path) from error
     try:
         with dataset:
             if dataset.colorinterp[0].name in ("red", "palette"):
                 raise BadInput(
-                    f"{path}: expected an elevation model, but it is a picture",
+                    "expected an elevation model, but it is a picture",
                     hint="as MBTiles it lies under the studio's map: gdal_translate -of MBTILES, then `studio --tiles`",
+                    code="picture",
+                    place=path,
                 )
             yield RasterFile(path, dataset, nodata)
     except (rasterio.errors.RasterioError, ProjError, UnicodeDecodeError) as error:
-        raise BadInput(
-            f"{path}: expected an elevation model, but it is damaged: {str(error).splitlines()[0]:.200}",
+        raise DamagedFile(
+            f"expected an elevation model, but it is damaged: {str(error).splitlines()[0]:.200}",
             hint="copy or download it again: files that were cut short look like this",
+            place=path,
         ) from error
 
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from pathlib import Path
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import TooLarge, Unreadable, WrongSuffix
 from ipoa_mission.maps.around import Around, Degrees
 from ipoa_mission.maps.feature import Feature, many_objects
 from ipoa_mission.maps.geojson import Take, read_geojson
@@ -74,7 +74,9 @@ def hand_on_features(path: Path, begin: Callable[[], Take], around: Around | Non
         with many_objects():
             _hand_on_large(path, begin(), around or Around())
     else:
-        raise BadInput(f"{path}: expected a file that ends in {', '.join(READERS)}, not in {path.suffix or 'nothing'}")
+        raise WrongSuffix(
+            f"expected a file that ends in {', '.join(READERS)}, not in {path.suffix or 'nothing'}", place=path
+        )
 
 
 def _hand_on_large(path: Path, take: Take, around: Around) -> None:
@@ -82,7 +84,7 @@ def _hand_on_large(path: Path, take: Take, around: Around) -> None:
         try:
             about = path.stat()
         except OSError as error:
-            raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
+            raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
         features, around.elsewhere = _small_part(path, (about.st_mtime_ns, about.st_size), around.window, around.near)
         take(features)
         return
@@ -107,4 +109,6 @@ def _small_part(
 def _extend(features: list[Feature], more: Sequence[Feature], path: Path) -> None:
     features.extend(more)
     if len(features) > MOST_FEATURES:
-        raise BadInput(f"{path}: expected at most {MOST_FEATURES:,} things", hint="cut out what lies round the flight")
+        raise TooLarge(
+            f"expected at most {MOST_FEATURES:,} things", hint="cut out what lies round the flight", place=path
+        )

@@ -11,7 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import Unreadable
 from ipoa_mission.files import read_text
 
 BLOCK = 1 << 20  # read at once [bytes]
@@ -176,6 +176,6 @@ def _blocks(path: Path) -> Iterator[str]:
                     yield text
             decoder.decode(b"", True)
     except OSError as error:
-        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
+        raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
     except UnicodeDecodeError:
         yield read_text(path)[:0]  # which says where it is

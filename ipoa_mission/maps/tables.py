@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 from pyproj import CRS, Transformer
 
-from ipoa_mission.errors import BadInput, imported
+from ipoa_mission.errors import BadInput, DamagedFile, NoCoordinateSystem, NothingThere, WrongFormat, imported
 from ipoa_mission.files import read_bytes
 from ipoa_mission.maps.feature import Corners, Feature, on_earth, read_all
 from ipoa_mission.maps.kinds import uncut
@@ -34,7 +34,7 @@ def read_table(path: Path) -> tuple[Feature, ...]:
     pyogrio = imported("pyogrio", f"{path}: reading it needs pyogrio, which is not installed", "maps", BadInput)
     suffix = path.suffix.lower()
     if not read_bytes(path, 16).startswith(BEGINS[suffix]):
-        raise BadInput(f"{path}: expected a {suffix} file, but it does not begin like one")
+        raise WrongFormat(f"expected a {suffix} file, but it does not begin like one", place=path)
     if suffix == ".shp":
         _expect_whole(path)
     try:
@@ -44,9 +44,9 @@ def read_table(path: Path) -> tuple[Feature, ...]:
             features = [feature for layer in layers for feature in _rows(path, layer, pyogrio, len(layers) > 1)]
     except (RuntimeError, ValueError, UnboundLocalError) as error:  # of pyogrio (with a .prj that is none), PROJ, texts
         beside = "; the .shx and .dbf files must lie beside a .shp" if suffix == ".shp" else ""
-        raise BadInput(f"{path}: cannot be read: {error}{beside}") from error
+        raise DamagedFile(f"cannot be read: {error}{beside}", place=path) from error
     if not features:
-        raise BadInput(f"{path}: expected shapes, but there are none that can be read")
+        raise NothingThere("expected shapes, but there are none that can be read", place=path)
     return tuple(features)
 
 
@@ -54,13 +54,14 @@ def _rows(path: Path, layer: str, pyogrio: Any, named: bool) -> tuple[Feature, .
     meta, numbers, shapes, fields = pyogrio.raw.read(path, layer=layer, return_fids=True, max_features=MOST_ROWS)
     place = f"{path}: {layer}" if named else f"{path}: row"
     if not meta["crs"]:
-        raise BadInput(
-            f"{path}: expected a file that names its coordinate system",
+        raise NoCoordinateSystem(
+            "expected a file that names its coordinate system",
             hint="a Shapefile says it in the .prj file beside it",
+            place=path,
         )
     to_degrees = Transformer.from_crs(CRS.from_user_input(meta["crs"]), "OGC:CRS84", always_xy=True)
     if (count := pyogrio.read_info(path, layer=layer)["features"]) > len(numbers):
-        raise BadInput(f"{path}: expected {count} rows, but only {len(numbers)} can be read")
+        raise DamagedFile(f"expected {count} rows, but only {len(numbers)} can be read", place=path)
     is_cut = path.suffix.lower() == ".shp"
     rows = (
         {
@@ -85,15 +86,19 @@ def _expect_whole(path: Path) -> None:
             (one for one in (path.with_suffix(suffix), path.with_suffix(suffix.upper())) if one.exists()), None
         )
         if beside is None:
-            raise BadInput(f"{path}: expected the {suffix} file beside it", hint="a Shapefile is .shp, .shx and .dbf")
+            raise DamagedFile(
+                f"expected the {suffix} file beside it", hint="a Shapefile is .shp, .shx and .dbf", place=path
+            )
         sizes[suffix] = read_bytes(beside, HEADER), beside.stat().st_size
     for begin, size in ((read_bytes(path, HEADER), path.stat().st_size), sizes[".shx"]):
         if len(begin) < HEADER or int.from_bytes(begin[24:28], "big") * 2 > size:
-            raise BadInput(f"{path}: expected a whole Shapefile, but its end is missing")
+            raise DamagedFile("expected a whole Shapefile, but its end is missing", place=path)
     begin, size = sizes[".dbf"]
     rows, first, each = (int.from_bytes(begin[a:b], "little") for a, b in ((4, 8), (8, 10), (10, 12)))
     if first + rows * each > size or rows != (sizes[".shx"][1] - HEADER) // ROW:
-        raise BadInput(f"{path}: expected a .dbf file with the {(sizes['.shx'][1] - HEADER) // ROW} rows of the .shx")
+        raise DamagedFile(
+            f"expected a .dbf file with the {(sizes['.shx'][1] - HEADER) // ROW} rows of the .shx", place=path
+        )
 
 
 def _feature(place: str, shape: Any, row: dict[str, Any], to_degrees: Transformer) -> Feature:
@@ -106,7 +111,7 @@ def _feature(place: str, shape: Any, row: dict[str, Any], to_degrees: Transforme
     try:
         flat = shapely.transform(shapely.force_2d(shapely.from_wkb(shape)), convert)
     except shapely.errors.GEOSException as error:
-        raise BadInput(f"{place}: expected a shape: {error}") from error
+        raise BadInput(f"expected a shape: {error}", place=place) from error
     return Feature(place, flat, tags, blank, missing and missing._replace(shape=flat))
 
 

@@ -24,7 +24,7 @@ def unit_factor(unit: str, target: str, place: str) -> float:
             return float(registry.Quantity(1.0, registry.parse_units(spelling)).to(target).magnitude)
         except (pint.PintError, ValueError, TypeError, AssertionError, AttributeError, RecursionError):
             continue
-    raise BadInput(f"{place}: expected a unit that converts to {target}, not {unit!r}")
+    raise BadInput(f"expected a unit that converts to {target}, not {unit!r}", place=place)
 
 
 @cache

@@ -73,7 +73,7 @@ def vertical_of(path: Path, coordinate: Any) -> Vertical | None:
             return Vertical(coordinate, None, Datum.UNKNOWN)
         factor = unit_factor(bare, "m", f"{path}: {name}.units")
     if attributes.get("positive") == "down":
-        raise BadInput(f"{path}: {name}: expected heights that grow upwards, not positive = 'down'")
+        raise BadInput("expected heights that grow upwards, not positive = 'down'", place=f"{path}: {name}")
     if coordinate.ndim > 1:
         return Vertical(coordinate, None, datum)
     return Vertical(coordinate, np.asarray(coordinate, float) * factor, datum, unit is None)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, NotCovered, NothingThere, Unreadable
 from ipoa_mission.geometry import Points
 from ipoa_mission.maps.geoid import undulation
 from ipoa_mission.maps.grib_winds import grib_winds
@@ -38,7 +38,7 @@ def read_wind(path: Path, place: Geodetic, time: np.datetime64 | None) -> Foreca
     if not found.samples:
         unread = "".join(f"\n{thing.words}" for thing in gathered(found.unread))
         words = "expected winds (eastward_wind and northward_wind, or u and v) at heights in meters"
-        raise BadInput(f"{path}: {words}{unread}")
+        raise BadInput(f"{words}{unread}", place=path)
     is_unknown = any(each.datum is Datum.UNKNOWN for each in found.samples)
     if not is_unknown:
         chosen = _profile(path, found, place, time, Datum.GROUND)
@@ -58,7 +58,7 @@ def _is_grib(path: Path) -> bool:
         with path.open("rb") as file:
             return file.read(4) == GRIB_BEGINS or path.suffix.lower() in (".grib", ".grb", ".grib2", ".grb2")
     except OSError as error:
-        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
+        raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
 
 
 def _profile(
@@ -99,16 +99,16 @@ def _datum_at_home(path: Path, datum: Datum, place: Geodetic) -> float:
         return place.altitude + undulation(place.latitude_deg, place.longitude_deg, None, path)[0]
     except BadInput as error:
         hint = "give the file heights above the ground or the geoid, or get the grid by `pyproj sync`"
-        raise BadInput(str(error), hint=hint) from error
+        raise error.at(hint=hint) from error
 
 
 def _kept(path: Path, heights: list[float], place: Geodetic, notes: ForecastWinds) -> list[float]:
     """The levels that a flight meets: from the ground up to the first one above `HIGHEST`."""
     above = [height for height in heights if height >= 0]
     if not above:
-        raise BadInput(
-            f"{path}: expected winds above home, which is at {place.altitude:g} m; the highest are {-heights[-1]:g} m "
-            "below it"
+        raise NotCovered(
+            f"expected winds above home, which is at {place.altitude:g} m; the highest are {-heights[-1]:g} m below it",
+            place=path,
         )
     if len(above) < len(heights):
         notes.leave("wind below the ground at home", "height", f"{heights[0]:g}", count=len(heights) - len(above))
@@ -133,12 +133,14 @@ def _at_the_time(
         winds = winds[undated | np.isin(times, chosen)]
     there = np.isfinite(winds).all(axis=1)
     if not there.any():
-        raise BadInput(f"{path}: expected a wind at home, but there is none at the nearest point, {height:g} m up")
+        raise NothingThere(
+            f"expected a wind at home, but there is none at the nearest point, {height:g} m up", place=path
+        )
     if gaps := int((~there).sum()):
         what = f"wind of a member or time: {len(winds) - gaps} others count"
         notes.leave(what, f"{height:g} m up", "missing", count=gaps)
     if (strange := np.abs(winds[there]).max()) > STRONGEST:
-        raise BadInput(f"{path}: expected winds, not {strange:g} m/s, {height:g} m up")
+        raise BadInput(f"expected winds, not {strange:g} m/s, {height:g} m up", code="winds-absurd", place=path)
     return np.asarray(winds[there])
 
 
@@ -147,10 +149,14 @@ def _hours(path: Path, times: Times, time: np.datetime64 | None) -> Times:
     if time is None:
         if len(times) == 1:
             return times
-        raise BadInput(f"{path}: expected `time` in the scenario, for a forecast of {len(times)} times")
+        raise BadInput(
+            f"expected `time` in the scenario, for a forecast of {len(times)} times", code="time-missing", place=path
+        )
     begin = time.astype("datetime64[s]")
     if begin + LASTS < times[0] or begin - LASTS > times[-1]:
-        raise BadInput(f"{path}: expected a forecast for {begin}, not of {times[0]} to {times[-1]}")
+        raise BadInput(
+            f"expected a forecast for {begin}, not of {times[0]} to {times[-1]}", code="time-not-covered", place=path
+        )
     first = int(np.searchsorted(times, begin, side="right")) - 1
     last = int(np.searchsorted(times, begin + LASTS, side="left"))
     return times[max(first, 0) : min(last, len(times) - 1) + 1]
