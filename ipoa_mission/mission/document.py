@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, TooLarge, WrongFormat
 from ipoa_mission.files import why_no_json
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.geometry import Points
@@ -36,7 +36,7 @@ class Node:
 
     def wrong(self, expected: str, hint: str | None = None) -> BadInput:
         """The error that says what was expected here."""
-        return BadInput(f"{self.where}: expected {expected}, not {_said(self.value)}", hint)
+        return BadInput(f"expected {expected}, not {_said(self.value)}", hint, place=self.where)
 
     def note(self, message: str, severity: Severity = Severity.WARNING) -> None:
         """Say something about this value without refusing it."""
@@ -46,7 +46,7 @@ class Node:
         """The value under a key that must be there."""
         child = self.get(key)
         if child is None:
-            raise BadInput(f'{self.where}: expected "{key}", but there is none')
+            raise BadInput(f'expected "{key}", but there is none', code="missing", place=self.where)
         return child
 
     def get(self, key: str) -> "Node | None":
@@ -61,7 +61,7 @@ class Node:
         if not isinstance(self.value, list):
             raise self.wrong("a list" if length is None else f"{length} {of}")
         if length is not None and len(self.value) != length:
-            raise BadInput(f"{self.where}: expected {length} {of}, not {len(self.value)}")
+            raise BadInput(f"expected {length} {of}, not {len(self.value)}", place=self.where)
         return [Node(self.file, f"{self.place}[{i}]", value, self.findings) for i, value in enumerate(self.value)]
 
     def number(self, expected: str = "a number") -> float:
@@ -133,18 +133,20 @@ def parse_document(path: Path, text: str) -> Node:
     try:
         return Node(str(path), "", json.loads(text, parse_constant=lambda name: _no_constant(path, text, name)))
     except json.JSONDecodeError as error:
-        words = f"{path}: line {error.lineno}, column {error.colno}: expected JSON: {error.msg}"
-        raise BadInput(words, hint=why_no_json(text, error.pos)) from error
+        place = f"{path}: line {error.lineno}, column {error.colno}"
+        raise WrongFormat(f"expected JSON: {error.msg}", hint=why_no_json(text, error.pos), place=place) from error
     except RecursionError:
-        raise BadInput(f"{path}: expected JSON, not brackets nested without end") from None
+        raise TooLarge("expected JSON, not brackets nested without end", place=path) from None
     except ValueError:
-        raise BadInput(f"{path}: expected numbers that fit in 64 bits, not one of thousands of digits") from None
+        raise TooLarge("expected numbers that fit in 64 bits, not one of thousands of digits", place=path) from None
 
 
 def _no_constant(path: Path, text: str, name: str) -> NoReturn:
     match = re.search(rf"^.*[\s:,\[]{re.escape(name)}\b", text, re.MULTILINE)
     line = text.count("\n", 0, match.end()) + 1 if match else 1
-    raise BadInput(f"{path}: line {line}: expected JSON, which has no {name}", hint='write null for "not a number"')
+    raise WrongFormat(
+        f"expected JSON, which has no {name}", hint='write null for "not a number"', place=f"{path}: line {line}"
+    )
 
 
 def _said(value: Any) -> str:

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, WrongFormat, WrongSuffix
 from ipoa_mission.files import MISSIONS, read_text
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.about_file import told_beside
@@ -41,7 +41,7 @@ def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Missio
     """
     file = read_mission_file(path, autopilot)
     if wrong := [finding for finding in file.findings if finding.severity is Severity.ERROR]:
-        raise BadInput(f"{path}: {wrong[0].message}", hint=wrong[0].hint)
+        raise BadInput(f"{wrong[0].message}", hint=wrong[0].hint, place=path)
     return file.mission
 
 
@@ -92,7 +92,7 @@ def parse_mission(
     try:
         return replace(file, mission=mission.with_parameters(parameters), planned=told.planned)
     except BadInput as error:
-        raise BadInput(f"{lying}: {error}", hint=error.hint) from error
+        raise error.at(lying) from error
 
 
 def read_by_items(path: Path, file: MissionFile) -> MissionFile:
@@ -114,7 +114,7 @@ def _parsed(path: Path, text: str, autopilot: Autopilot | None, beside_it: Autop
         if (said := autopilot or beside_it) is not None:
             return parse_waypoints(path, text, said)
         return replace(parse_waypoints(path, text, default_autopilot()), taken_for="")
-    raise BadInput(f"{path}: expected a .plan file, or a .waypoints file that begins with {FIRST_LINE}")
+    raise WrongFormat(f"expected a .plan file, or a .waypoints file that begins with {FIRST_LINE}", place=path)
 
 
 def write_mission(
@@ -143,7 +143,7 @@ def write_mission(
     """
     suffix = suffix or Path(path).suffix.lower()
     if suffix not in MISSIONS:
-        raise BadInput(f'{path}: expected a name that ends in .plan or .waypoints, not in "{suffix}"')
+        raise WrongSuffix(f'expected a name that ends in .plan or .waypoints, not in "{suffix}"', place=path)
     write_with_parameters(mission, {Path(path): mission_text(mission, suffix, read_from)})
     return lost_in_waypoints(mission) if suffix == ".waypoints" else ()
 

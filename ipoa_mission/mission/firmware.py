@@ -51,8 +51,10 @@ def from_wire(items: Sequence[Item], autopilot: Autopilot, home: Geodetic | None
             home = Geodetic(first[0].latitude_deg, first[0].longitude_deg, first[0].altitude)
     if home is None:
         raise MissionError(
-            f"home: {own.name} sent no home with its mission, and none is known",
+            f"{own.name} sent no home with its mission, and none is known",
             hint="wait until the vehicle has a position fix",
+            code="home-missing",
+            place="home",
         )
     return Mission(home, tuple(_heard(item, own) for item in items), autopilot)
 

@@ -26,7 +26,9 @@ def with_inserted(mission: Mission, seq: int, item: Item) -> Mission:
         BadInput: that is within a survey or scan, or beyond the end.
     """
     if not 1 <= seq <= len(mission.items) + 1:
-        raise BadInput(f"item {seq}: expected a number from 1 to {len(mission.items) + 1}")
+        raise BadInput(
+            f"expected a number from 1 to {len(mission.items) + 1}", code="no-such-item", place=f"item {seq}"
+        )
     if (of := _complex_at(mission, seq)) is not None and of.start < seq:
         raise _one_of(seq, of)
     items = [_jumping(one, lambda target: target + (target >= seq)) for one in mission.items]
@@ -45,7 +47,7 @@ def without_item(mission: Mission, seq: int) -> Mission:
         leads_here = item.command == Command.DO_JUMP and item.params[0] == seq
         of_tag = item.command == Command.DO_JUMP_TAG and mission.items[seq - 1].command == Command.JUMP_TAG
         if number != seq and (leads_here or (of_tag and item.params[0] == mission.items[seq - 1].params[0])):
-            raise BadInput(f"item {seq}: item {number} jumps to it", hint=f"change item {number} first")
+            raise BadInput(f"item {number} jumps to it", hint=f"change item {number} first", place=f"item {seq}")
     items = [_jumping(one, lambda target: target - (target > seq)) for one in mission.items]
     scanned = tuple((first - (first >= seq), height) for first, height in mission.scanned)
     return replace(mission, items=(*items[: seq - 1], *items[seq:]), scanned=scanned)
@@ -76,14 +78,18 @@ def _complex_at(mission: Mission, seq: int) -> range | None:
 
 def _expect_alone(mission: Mission, seq: int) -> None:
     if not 1 <= seq <= len(mission.items):
-        raise BadInput(f"item {seq}: expected a number from 1 to {len(mission.items)}")
+        raise BadInput(f"expected a number from 1 to {len(mission.items)}", code="no-such-item", place=f"item {seq}")
     if (of := _complex_at(mission, seq)) is not None:
         raise _one_of(seq, of)
 
 
 def _one_of(seq: int, of: range) -> BadInput:
     words = f"item {seq} is one of a survey or scan of QGroundControl's (items {of.start} to {of.stop - 1})"
-    return BadInput(f"{words}: with it changed that would no longer be one", hint="make plain items of it first")
+    return BadInput(
+        f"{words}: with it changed that would no longer be one",
+        hint="make plain items of it first",
+        code="complex-item",
+    )
 
 
 def _jumping(item: Item, moved: Callable[[int], int]) -> Item:

@@ -53,8 +53,10 @@ def parameters_beside(mission: Mission, path: Path) -> dict[Path, str]:
         return {}
     if target.exists() and not _is_ours(target):
         raise BadInput(
-            f"{target}: expected no file of somebody else's, where the mission's parameters belong",
+            "expected no file of somebody else's, where the mission's parameters belong",
             hint="move it, or write the mission under another name",
+            code="already-there",
+            place=target,
         )
     lines = (  # with its type: QGroundControl does not load a parameter of another than the vehicle's
         f"1\t1\t{name}\t{_number(value)}\t{mission.autopilot.book.types.get(name, REAL32)}"
@@ -90,18 +92,19 @@ def _name_and_value(text: str, place: str) -> tuple[str, float]:
             pass
         case _:
             raise BadInput(
-                f"{place}: expected a name and a value, or vehicle, component, name, value and type, not {text[:60]!r}"
+                f"expected a name and a value, or vehicle, component, name, value and type, not {text[:60]!r}",
+                place=place,
             )
     if not NAME.fullmatch(name):
-        raise BadInput(f"{place}: expected a parameter's name of up to 16 letters, digits and _, not {name[:40]!r}")
+        raise BadInput(f"expected a parameter's name of up to 16 letters, digits and _, not {name[:40]!r}", place=place)
     try:
         number = float(value)
     except ValueError:
         number = math.nan
     if not math.isfinite(number):
-        raise BadInput(f"{place}: {name}: expected a number, not {value[:40]!r}")
+        raise BadInput(f"expected a number, not {value[:40]!r}", place=f"{place}: {name}")
     if abs(number) > SINGLE_MAX:
-        raise BadInput(f"{place}: {name}: expected a number that fits in single precision, not {value[:40]!r}")
+        raise BadInput(f"expected a number that fits in single precision, not {value[:40]!r}", place=f"{place}: {name}")
     return name.upper(), number
 
 

@@ -144,9 +144,13 @@ def _check(number: int, item: Item, count: int) -> None:
     """Refuse what every reader would."""
     where = f"item {number} ({command_name(item.command)})"
     if _has_altitude(item) and not math.isfinite(item.altitude):
-        raise BadInput(f"{where}: expected an altitude, not {item.altitude}")
+        raise BadInput(f"expected an altitude, not {item.altitude}", code="altitude-missing", place=where)
     if item.command == Command.DO_JUMP and item.params[0] not in range(1, count + 1):
-        raise BadInput(f"{where}: param1: expected the number of an item, 1 to {count}, not {item.params[0]:g}")
+        raise BadInput(
+            f"expected the number of an item, 1 to {count}, not {item.params[0]:g}",
+            code="jump-target",
+            place=f"{where}: param1",
+        )
 
 
 def _simple_item(number: int, item: Item) -> dict[str, Any]:
@@ -185,7 +189,7 @@ def _polygon(part: FencePolygon) -> dict[str, Any]:
 def _place(place: Geodetic, what: str) -> list[float | int | None]:
     numbers = (place.latitude_deg, place.longitude_deg, place.altitude)
     if not all(map(math.isfinite, numbers)):
-        raise BadInput(f"{what}: expected latitude, longitude and altitude, not {numbers}")
+        raise BadInput(f"expected latitude, longitude and altitude, not {numbers}", code="altitude-missing", place=what)
     return [_tidy(number) for number in numbers]
 
 

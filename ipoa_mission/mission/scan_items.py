@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import NothingThere
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.document import Node
@@ -53,7 +53,7 @@ def lay_out(node: Node) -> tuple[list[Item], float]:
     if name == "StructureScan":
         return lay_out_structure(node)
     if name not in ("survey", "CorridorScan") or node.get("TransectStyleComplexItem") is None:
-        raise BadInput(
+        raise NothingThere(
             f'{node.where}: expected the waypoints of the complex item "{name}", but it holds none',
             hint="only surveys, corridor scans and structure scans can be laid out from their geometry",
         )

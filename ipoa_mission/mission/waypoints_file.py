@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.errors import BadInput, MissionError, WrongFormat
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.commands import TAKEOFFS, Command, Frame, command_name
 from ipoa_mission.mission.fence_items import CIRCLE, POLYGON, fence_from_wire, rally_from_wire
@@ -97,18 +97,20 @@ def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -
     autopilot = autopilot or default_autopilot()
     rows = list(_rows(path, text))
     if not rows:
-        raise BadInput(f"{path}: expected a first item that is home, but there is none")
+        raise BadInput("expected a first item that is home, but there is none", code="home-missing", place=path)
     if rows[-1][1].command in OTHER_LISTS:
         return _other_list(path, text, [item for _, item in rows], autopilot)
     findings = list(_check_numbers(rows))
     (line, first), *others = rows
     if first.command not in (Command.NAV_WAYPOINT, NO_COMMAND):
         raise BadInput(
-            f"{line.where}: command: expected 16 (item 0 is home), not {first.command}",
+            f"expected 16 (item 0 is home), not {first.command}",
             hint="a file whose first item is a take-off lost its home item: put one before it",
+            code="home-missing",
+            place=f"{line.where}: command",
         )
     if abs(first.latitude_deg) > 90:
-        raise BadInput(f"{line.where}: latitude: expected degrees from -90 to 90, not {first.latitude_deg:g}")
+        raise BadInput(f"expected degrees from -90 to 90, not {first.latitude_deg:g}", place=f"{line.where}: latitude")
     items = settle_frames([item for _, item in others], autopilot)
     home = Geodetic(first.latitude_deg, first.longitude_deg, first.altitude)
     if (home.latitude_deg, home.longitude_deg) == (0.0, 0.0) and (places := [i for i in items if i.has_position]):
@@ -128,7 +130,7 @@ def _other_list(path: Path, text: str, items: list[Item], autopilot: Autopilot) 
     try:
         fence, rally = ((), rally_from_wire(items)) if is_rally else (fence_from_wire(items), ())
     except MissionError as error:
-        raise BadInput(f"{path}: {error}") from None
+        raise error.at(path) from None
     return MissionFile(Mission(home, (), autopilot, fence=fence, rally=rally), (finding,), text, SUFFIX)
 
 
@@ -139,18 +141,26 @@ def _check(number: int, item: Item) -> None:
     where = f"item {number} ({command_name(item.command)})" if number else "home"
     if item.frame in (Frame.GLOBAL_TERRAIN_ALT, Frame.GLOBAL_TERRAIN_ALT_INT):
         raise BadInput(
-            f"{where}: expected an altitude above home or AMSL, not above terrain: "
+            "expected an altitude above home or AMSL, not above terrain: "
             "ground stations would read it as AMSL in a .waypoints file",
             hint="write a .plan file",
+            code="frame-not-written",
+            place=where,
         )
     if item.command in OTHER_LISTS:
         raise BadInput(
-            f"{where}: expected a mission item, not one of a fence or of rally points: "
+            "expected a mission item, not one of a fence or of rally points: "
             "a .waypoints file with it would be read as such a list",
             hint="write a .plan file",
+            code="not-a-mission-item",
+            place=where,
         )
     if not all(map(math.isfinite, (item.latitude_deg, item.longitude_deg, item.altitude))):
-        raise BadInput(f"{where}: expected a finite position, not one with {item.altitude} for an altitude")
+        raise BadInput(
+            f"expected a finite position, not one with {item.altitude} for an altitude",
+            code="position-missing",
+            place=where,
+        )
 
 
 def _without_nan(item: Item) -> Item:
@@ -180,7 +190,7 @@ class _Line:
     def __init__(self, path: Path, number: int, fields: list[str]) -> None:
         self.number, self.where = number, f"{path}: line {number}"
         if len(fields) != len(FIELDS):
-            raise BadInput(f"{self.where}: expected {len(FIELDS)} fields, not {len(fields)}")
+            raise BadInput(f"expected {len(FIELDS)} fields, not {len(fields)}", place=self.where)
         self.fields = dict(zip(FIELDS, fields, strict=True))
 
     def value(self, name: str) -> float:
@@ -208,14 +218,14 @@ class _Line:
 
     def wrong(self, name: str, expected: str) -> BadInput:
         """The error that says what was expected in a field."""
-        return BadInput(f'{self.where}: {name}: expected {expected}, not "{self.fields[name][:40]}"')
+        return BadInput(f'expected {expected}, not "{self.fields[name][:40]}"', place=f"{self.where}: {name}")
 
 
 def _rows(path: Path, text: str) -> Iterator[tuple[_Line, Item]]:
     """Every line that holds an item, and the item."""
     first, *others = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     if first.split() != FIRST_LINE.split():
-        raise BadInput(f'{path}: line 1: expected "{FIRST_LINE}", not "{first[:40]}"')
+        raise WrongFormat(f'expected "{FIRST_LINE}", not "{first[:40]}"', place=f"{path}: line 1")
     for number, text_line in enumerate(others, start=2):
         if text_line.strip() and not text_line.lstrip().startswith("#"):
             line = _Line(path, number, text_line.split())
