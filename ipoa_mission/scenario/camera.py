@@ -7,7 +7,7 @@ from typing import Annotated, Any, TypeAlias
 
 from pydantic import BeforeValidator, GetJsonSchemaHandler, PositiveInt
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, UnknownName
 from ipoa_mission.scenario.section import Positive, Section
 
 
@@ -70,7 +70,7 @@ def camera_named(name: str) -> Camera:
         return found
     near = get_close_matches(name.casefold(), by_letters, n=1)
     hint = f"; did you mean {by_letters[near[0]].name!r}?" if near else f", one of {', '.join(CAMERAS)}"
-    raise BadInput(
+    raise UnknownName(
         f"expected the name of a camera that is known{hint}",
         hint="give one by its numbers: sensor_mm, focal_length_mm, pixels",
     )

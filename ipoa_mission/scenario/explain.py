@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, MissionError
 
 MOST_EXPLAINED = 20  # mistakes; explaining a key takes long
 
@@ -21,8 +21,15 @@ def explained(error: ValidationError, table: Mapping[str, Any], model: type[Base
     of_keys = {"missing", "extra_forbidden", "union_tag_invalid", "union_tag_not_found"}
     asks_keys = any(problem["type"] in of_keys for problem in problems)
     hint = "`ipoa-mission schema` prints every key that a scenario may have" if asks_keys else None
-    return BadInput("\n".join(lines), hint)
+    first, kind = problems[0], problems[0]["type"]
+    cause = first.get("ctx", {}).get("error", error).__cause__
+    code = cause.code if isinstance(cause, MissionError) else _CODES.get(kind)
+    place = (source + _place(first["loc"], table)).removesuffix(": ") + (".kind" if kind.startswith("union") else "")
+    words = lines[0].removeprefix(f"{place}: ")
+    return BadInput(words, hint, code=code, place=place if words != lines[0] else None).followed_by(*lines[1:])
 
+
+_CODES = {"missing": "missing", "union_tag_not_found": "missing", "extra_forbidden": "unknown-key"}
 
 #: What is expected, by pydantic's kind of mistake.
 _WANTED = {

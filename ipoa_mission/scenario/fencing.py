@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, InvalidRing
 from ipoa_mission.scenario.places import FenceSection
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.obstacles import Obstacle, RoundZone, Zone
@@ -29,9 +29,11 @@ def allowed_area(fences: Sequence[FenceSection], frame: LocalFrame) -> Any | Non
         return None
     common = shapely.intersection_all(shapes)
     if common.geom_type != "Polygon" or common.is_empty:
-        raise BadInput("fence: expected inclusions that have one area in common")
+        raise BadInput("expected inclusions that have one area in common", code="fence-empty", place="fence")
     if (distance := common.distance(HOME)) > 0:
-        raise BadInput(f"fence: expected home inside of it, not {distance:.1f} m outside")
+        raise BadInput(
+            f"expected home inside of it, not {distance:.1f} m outside", code="home-outside-fence", place="fence"
+        )
     return common
 
 
@@ -48,7 +50,7 @@ def forbidden(fences: Sequence[FenceSection], frame: LocalFrame, base: float, to
         name = f"fence[{i}]"
         shape = _shape(fence, frame, name)
         if shape.contains(HOME):
-            raise BadInput(f"{name}: expected home outside of an exclusion")
+            raise BadInput("expected home outside of an exclusion", code="home-outside-fence", place=name)
         if fence.center is not None and fence.radius is not None:
             obstacles.append(RoundZone(name, *fence.center.east_north(frame), fence.radius, base, top))
         else:
@@ -67,5 +69,5 @@ def _shape(fence: FenceSection, frame: LocalFrame, name: str) -> Any:
     shape = shapely.Polygon(corners)
     if not shape.is_valid or math.isclose(shape.area, 0.0):
         reason = shapely.is_valid_reason(shape).split("[")[0].lower()
-        raise BadInput(f"{name}: expected a polygon with an inside, not with a {reason}")
+        raise InvalidRing(f"expected a polygon with an inside, not with a {reason}", place=name)
     return shape

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field, model_validator
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import NothingThere
 from ipoa_mission.maps.areas import RESTRICTIONS, Restriction, Zones, find_zones
 from ipoa_mission.maps.around import Around, Box
 from ipoa_mission.maps.building_rules import BuildingRules
@@ -55,9 +55,10 @@ class BuildingsMap(MapFile):
         rules = BuildingRules(**self.model_dump(include={field.name for field in fields(BuildingRules)}))
         buildings = search_buildings(self.file, rules, frame, within)
         if not (buildings.standing or buildings.elsewhere):
-            raise BadInput(
-                f"{self.file}: expected buildings, but none of {buildings.features} features is tagged as one",
+            raise NothingThere(
+                f"expected buildings, but none of {buildings.features} features is tagged as one",
                 hint='`take = "all"` takes every feature, whatever its tags',
+                place=self.file,
             )
         return buildings
 

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import AwareDatetime, ConfigDict, Field, ValidationError, ValidationInfo, model_validator
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, TooFar
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.maps.passed import PassedCount, PassedOver
 from ipoa_mission.scenario.explain import explained
@@ -225,9 +225,10 @@ class Scenario(Section):
         away = apart(home, self.frame.home)
         if away <= REACH:
             return None
-        return BadInput(
-            f"home: it is {away / 1000:.0f} km from the scenario's, expected within {REACH / 1000:g} km",
+        return TooFar(
+            f"it is {away / 1000:.0f} km from the scenario's, expected within {REACH / 1000:g} km",
             hint="is it the scenario of another mission?",
+            place="home",
         )
 
     def expect_here(self, home: Geodetic) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, NothingThere, TooFar, UnknownName
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import search_buildings
 from ipoa_mission.maps.feature import Feature
@@ -52,25 +52,25 @@ def _place(key: str, answer: str) -> tuple[float, float]:
         latitude, longitude = map(float, numbers)
         if abs(latitude) <= 90 and abs(longitude) <= 180:
             return latitude, longitude
-    raise BadInput(f"{key}: expected latitude, longitude in degrees, such as 47.3977, 8.5456, not {answer!r}")
+    raise BadInput(f"expected latitude, longitude in degrees, such as 47.3977, 8.5456, not {answer!r}", place=key)
 
 
 def _number(key: str, answer: str) -> float:
     if not re.fullmatch(r"\s*[-+]?\d+(\.\d+)?\s*", answer):
-        raise BadInput(f"{key}: expected a number, not {answer!r}")
+        raise BadInput(f"expected a number, not {answer!r}", place=key)
     return float(answer)
 
 
 def _positive(key: str, answer: str) -> float:
     if not _number(key, answer) > 0:
-        raise BadInput(f"{key}: expected a number greater than 0, not {answer}")
+        raise BadInput(f"expected a number greater than 0, not {answer}", place=key)
     return float(answer)
 
 
 def _speed(key: str, answer: str) -> float:
     speed = _positive(key, answer)
     if why := max((one.book for one in registered()), key=lambda book: book.fastest).why_too_fast(speed, {}):
-        raise BadInput(f"{key}: {why}")
+        raise BadInput(f"{why}", place=key)
     return speed
 
 
@@ -82,14 +82,14 @@ def _height(key: str, answer: str) -> float | None:
     if key == "line_height" and answer.strip() == "voltage":
         return None
     if not _number(key, answer) >= 0:
-        raise BadInput(f"{key}: expected a number of at least 0, not {answer}")
+        raise BadInput(f"expected a number of at least 0, not {answer}", place=key)
     return float(answer)
 
 
 def _one_of(*choices: str) -> Callable[[str, str], str]:
     def check(key: str, answer: str) -> str:
         if answer.strip() not in choices:
-            raise BadInput(f"{key}: expected {', '.join(choices)}, not {answer!r}")
+            raise BadInput(f"expected {', '.join(choices)}, not {answer!r}", place=key)
         return answer.strip()
 
     return check
@@ -196,11 +196,11 @@ def new_scenario(
     of_map = questions_about(buildings)
     questions = {question.key: question for question in (*QUESTIONS, *of_map)}
     for key in answers.keys() - questions.keys():
-        raise BadInput(f"{key}: expected one of {', '.join(questions)}")
+        raise UnknownName(f"expected one of {', '.join(questions)}", place=key)
     given = {key: answers.get(key, question.default) for key, question in questions.items()}
     for key, answer in given.items():
         if answer is None:
-            raise BadInput(f"{key}: expected, but not there")
+            raise BadInput("expected, but not there", code="missing", place=key)
         questions[key].check(key, answer)
     texts = {key: answer.strip() for key, answer in given.items() if answer is not None}
     home, goal = _place("home", texts["home"]), _place("goal", texts["goal"])
@@ -258,7 +258,7 @@ def check_goal(answers: Mapping[str, str]) -> None:
         east, north, _ = LocalFrame(Geodetic(*home)).local(Geodetic(*goal))
         if not math.hypot(east, north) <= REACH:
             why = why_so_far(Geodetic(*home), Geodetic(*goal), "goal")
-            raise BadInput(f"goal: expected a place within {REACH / 1000:g} km of home, {answers['home']}{why}")
+            raise TooFar(f"expected a place within {REACH / 1000:g} km of home, {answers['home']}{why}", place="goal")
 
 
 def suggest_answers(buildings: Path | None = None) -> dict[str, str]:
@@ -290,7 +290,7 @@ def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
     """Two places among the buildings (latitude, longitude), south-west and north-east of their middle."""
     looked = _look_at(path)
     if not looked.features:
-        raise BadInput(f"{path}: expected buildings, but it has no features")
+        raise NothingThere("expected buildings, but it has no features", place=path)
     west, south, east, north = looked.box.tolist()
     frame = LocalFrame(Geodetic((south + north) / 2, (west + east) / 2))
     within = np.full(2, -APART - 2 * CLEAR), np.full(2, APART + 2 * CLEAR)
@@ -298,7 +298,7 @@ def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
     if not found.standing:
         found = search_buildings(path, BuildingRules(take="all"), frame, within)
     if not found.standing:
-        raise BadInput(f"{path}: expected buildings, but none of {found.features} features stands in the way")
+        raise NothingThere(f"expected buildings, but none of {found.features} features stands in the way", place=path)
     shapes = [s.shape.buffer(s.reach) if s.reach else s.shape for s in found.standing]
     reach = np.minimum(np.ptp(found.box.reshape(2, 2), axis=0) / 2 + 2 * CLEAR, APART)
     sides = [np.arange(-each, each + TRIED_SPACING, TRIED_SPACING) for each in reach]
@@ -307,7 +307,7 @@ def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
     near = shapely.STRtree([*shapes, *in_doubt]).query(shapely.points(places), "dwithin", CLEAR)[0]
     free = np.delete(places, np.unique(near), axis=0)
     if len(free) < 2:
-        raise BadInput(f"{path}: expected {CLEAR:g} m of room for a take-off somewhere among the buildings")
+        raise BadInput(f"expected {CLEAR:g} m of room for a take-off somewhere among the buildings", place=path)
     ends = [free[np.argmin(np.linalg.norm(free - corner, axis=1))] for corner in (-0.8 * reach, 0.8 * reach)]
     latitude, longitude, _ = frame.to_geodetic(np.column_stack([ends, np.zeros(2)]))
     return (float(latitude[0]), float(longitude[0])), (float(latitude[1]), float(longitude[1]))

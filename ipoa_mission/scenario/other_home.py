@@ -70,7 +70,7 @@ def at_start(scenario: Scenario, n: int) -> Scenario:
         try:
             seen.read_maps()
         except MissionError as error:
-            raise type(error)(f"survey.starts[{n}]: from there: {error}", hint=error.hint) from error
+            raise error.at(f"survey.starts[{n}]: from there") from error
         scenario.from_starts[n] = seen
     moved = scenario.model_copy(update={key: getattr(seen, key) for key in (*WORLD, "rally")})
     moved.__dict__ |= {key: seen.__dict__[key] for key in KEPT if key in seen.__dict__}
@@ -154,7 +154,7 @@ def _terrain(scenario: Scenario, new: LocalFrame, rise: float, n: int) -> Terrai
         return given.model_copy(update=grid)
     if given.kind == "analytic":
         raise BadInput(
-            f"survey.starts[{n}]: expected home, or terrain of another kind: this one is told from home only"
+            "expected home, or terrain of another kind: this one is told from home only", place=f"survey.starts[{n}]"
         )
     return given
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, TooLarge, WrongFormat
 from ipoa_mission.files import read_text
 from ipoa_mission.scenario.explain import explained, lowered
 from ipoa_mission.scenario.model import Scenario
@@ -77,7 +77,7 @@ def scenario_of(table: dict[str, Any], path: Path) -> Scenario:
     except BadInput as error:
         if re.split(r"[.:\[ ]", str(error), maxsplit=1)[0] not in Scenario.model_fields:
             raise  # a map names itself
-        raise BadInput(f"{path}: {error}", hint=error.hint) from error
+        raise error.at(path) from error
     return scenario.with_wind_read()
 
 
@@ -90,16 +90,16 @@ def parse_toml(text: str, path: Path) -> dict[str, Any]:
     for word in _WORDS.finditer(text):
         if word["long"]:
             line = text.count("\n", 0, word.start()) + 1
-            raise BadInput(f"{path}: line {line}: expected a key of at most {LONGEST_KEY} parts")
+            raise BadInput(f"expected a key of at most {LONGEST_KEY} parts", place=f"{path}: line {line}")
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         at = re.search(r"at line (\d+)", str(error))
         if at is not None and (comma := _COMMA.search(text.split("\n")[int(at[1]) - 1].rstrip())):
-            words = f"{path}: line {at[1]}: expected a number with a point, {comma[1]}.{comma[2]}"
-            raise BadInput(f"{words}, not {comma[1]},{comma[2]}") from error
-        raise BadInput(f"{path}: {lowered(str(error))}", hint="a scenario is a TOML file") from error
+            words = f"expected a number with a point, {comma[1]}.{comma[2]}, not {comma[1]},{comma[2]}"
+            raise WrongFormat(words, place=f"{path}: line {at[1]}") from error
+        raise WrongFormat(f"{lowered(str(error))}", hint="a scenario is a TOML file", place=path) from error
     except RecursionError:
-        raise BadInput(f"{path}: expected a scenario, not brackets nested without end") from None
+        raise TooLarge("expected a scenario, not brackets nested without end", place=path) from None
     except ValueError:
-        raise BadInput(f"{path}: expected numbers that fit in 64 bits, not one of thousands of digits") from None
+        raise TooLarge("expected numbers that fit in 64 bits, not one of thousands of digits", place=path) from None

@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, NotCovered
 from ipoa_mission.maps.areas import MapArea, join_zones
 from ipoa_mission.maps.around import Box
 from ipoa_mission.maps.buildings import Buildings
@@ -175,7 +175,9 @@ def _left_out(scenario: Layout, buildings: Mapping[int, Buildings]) -> Counter[K
 def _one(areas: list[Any]) -> Any:
     common = shapely.intersection_all(areas)
     if common.geom_type != "Polygon" or common.is_empty:
-        raise BadInput("maps: expected flight areas, and fences, that have one area in common")
+        raise BadInput(
+            "expected flight areas, and fences, that have one area in common", code="fence-empty", place="maps"
+        )
     return common
 
 
@@ -184,13 +186,21 @@ def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[MapArea
     if isinstance(section, FlightAreaMap):
         distance = min(zone.shape.distance(home) for zone in zones)
         if distance > 0:
-            raise BadInput(f"{section.file}: expected home inside the flight area, not {distance:.1f} m outside of it")
+            raise BadInput(
+                f"expected home inside the flight area, not {distance:.1f} m outside of it",
+                code="home-outside-fence",
+                place=section.file,
+            )
     elif section.base is None or section.base <= 0:
         for zone in zones:
             lower = zone.lower if section.base is None else None
             above = lower is not None and lower.height > (altitude if lower.reference == "AMSL" else 0.0)
             if zone.shape.contains(home) and not above:
-                raise BadInput(f"{section.file}: expected home outside of no-fly zones, but it is in {zone.name}")
+                raise BadInput(
+                    f"expected home outside of no-fly zones, but it is in {zone.name}",
+                    code="home-outside-fence",
+                    place=section.file,
+                )
 
 
 def _places(scenario: Layout) -> NDArray[np.float64]:
@@ -282,10 +292,11 @@ def _expect_cover(grid: Grid, corners: Box) -> None:
     missing = np.concatenate([first - corners[0], corners[1] - last]) - grid.spacing / 2
     side = int(np.argmax(missing))
     if missing[side] > SAME:
-        raise BadInput(
-            f"terrain: expected a grid over the whole flight area, which lies {missing[side] + grid.spacing / 2:.1f} m "
+        raise NotCovered(
+            f"expected a grid over the whole flight area, which lies {missing[side] + grid.spacing / 2:.1f} m "
             f"beyond its {('west', 'south', 'east', 'north')[side]} edge",
             hint="give a larger grid, or narrow `bounds` (bounds.margin = 50 is the default)",
+            place="terrain",
         )
 
 

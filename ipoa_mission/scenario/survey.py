@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from pydantic import AfterValidator, Field, PositiveInt, ValidationError, WithJsonSchema, model_validator
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, InvalidRing, NothingThere, TooFar
 from ipoa_mission.geometry import Points
 from ipoa_mission.maps.areas import flat
 from ipoa_mission.maps.around import Around
@@ -210,8 +210,8 @@ def _expect_here(area: Area, place: str) -> Area:
     """The area, if all of it is near home; raises BadInput where it is not."""
     farthest = float(np.linalg.norm(shapely.get_coordinates(area.shape), axis=1).max())
     if not farthest < REACH:
-        words = f"{place}: expected an area within {REACH / 1000:g} km of home, not up to {farthest / 1000:.0f} km away"
-        raise BadInput(words, hint="places count in metres from home")
+        words = f"expected an area within {REACH / 1000:g} km of home, not up to {farthest / 1000:.0f} km away"
+        raise TooFar(words, hint="places count in metres from home", place=place)
     return area
 
 
@@ -225,8 +225,10 @@ def _drawn(polygon: Any) -> Area:
     try:
         return Area.of(parts, "survey.polygon")
     except BadInput as error:  # in the words of who wrote fewer brackets
-        spelled = str(error).replace("survey.polygon" + "[0]" * (4 - depth), "survey.polygon")
-        raise BadInput(spelled, hint=error.hint) from error
+        all_brackets = "survey.polygon" + "[0]" * (4 - depth)
+        error.place = error.place and error.place.replace(all_brackets, "survey.polygon")
+        error.args = (error.args[0].replace(all_brackets, "survey.polygon"),)
+        raise
 
 
 def _mapped(path: Path, width: float | None, frame: LocalFrame) -> Area:
@@ -236,15 +238,17 @@ def _mapped(path: Path, width: float | None, frame: LocalFrame) -> Area:
             polygons.append(_corridor(shapely.get_coordinates(shape), width, place))
             continue
         if shape.geom_type != "Polygon":
-            raise BadInput(
-                f"{place}: expected a polygon, not an open line", hint="with `width` (--width) it is a corridor"
+            raise InvalidRing(
+                "expected a polygon, not an open line", hint="with `width` (--width) it is a corridor", place=place
             )
         (clean,) = unrepeated(np.array([shape], object))
         rings = [shapely.get_coordinates(ring) for ring in (clean.exterior, *clean.interiors)]
         polygons += Area.of([rings], place).shape.geoms
     if not polygons:
         wanted = "a polygon" if width is None else "a line or a polygon"
-        raise BadInput(f"{path}: expected {wanted}, but there is none", hint="an area is a Polygon, or a closed line")
+        raise NothingThere(
+            f"expected {wanted}, but there is none", hint="an area is a Polygon, or a closed line", place=path
+        )
     if width is not None:
         return Area(shapely.MultiPolygon([*shapely.get_parts(union_of(polygons))]))
     rings_of = ([shapely.get_coordinates(ring) for ring in (p.exterior, *p.interiors)] for p in polygons)
@@ -259,7 +263,9 @@ def _shapes(path: Path, frame: LocalFrame) -> Iterator[tuple[str, Any]]:
     about.expect_near()
     for feature, shape, counts in zip(features, shapes, near, strict=True):
         if (missing := feature.missing) is not None and not missing.elsewhere:
-            raise BadInput(f"{feature.place}: expected an area that can be read, not {missing.words}", missing.remedy)
+            raise BadInput(
+                f"expected an area that can be read, not {missing.words}", missing.remedy, place=feature.place
+            )
         for part in flat(shape) if counts else ():
             is_closed = part.geom_type == "LineString" and part.is_closed and len(part.coords) > 3
             if part.geom_type in ("Polygon", "LineString"):
@@ -269,10 +275,10 @@ def _shapes(path: Path, frame: LocalFrame) -> Iterator[tuple[str, Any]]:
 def _corridor(line: Points, width: float, place: str) -> Any:
     """The ground beside a line, up to half the width away."""
     if not np.isfinite(line).all() or (np.diff(line, axis=0) == 0.0).all(axis=1).any():
-        raise BadInput(f"{place}: expected a line of corners that differ")
+        raise InvalidRing("expected a line of corners that differ", place=place)
     shape = shapely.LineString(line).buffer(width / 2, cap_style="flat", join_style="mitre", mitre_limit=MITRE)
     if shape.geom_type != "Polygon" or shape.area < LEAST_M2:
-        raise BadInput(f"{place}: expected a line with room beside it")
+        raise InvalidRing("expected a line with room beside it", place=place)
     return shape
 
 
