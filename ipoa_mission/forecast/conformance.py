@@ -111,7 +111,7 @@ class ConformanceMonitor:
         self._forecast, self._estimate = forecast, forecast.estimate
         self._visits, self._program = forecast.itinerary.visits, forecast.itinerary.program
         if not self._visits:
-            raise MissionError("the mission has no items")
+            raise MissionError("the mission has no items", code="empty")
         safety = None if forecast.scenario is None else forecast.scenario.safety.chance
         self._chance = CHANCE if safety is None else safety
         wind = forecast.wind.speed if forecast.scenario is None else forecast.scenario.wind.strongest

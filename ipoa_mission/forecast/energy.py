@@ -133,7 +133,7 @@ class Budget:
     def refusal(self) -> NotEnoughBattery | None:
         """Why the flight is not to be planned: for its energy, or, where returns are planned, for that of an RTL."""
         if self.shortage is None and self.plans_returns and self.no_return is not None:
-            return NotEnoughBattery(f"battery: {self.no_return}", hint=NEARER)
+            return NotEnoughBattery(f"{self.no_return}", hint=NEARER, place="battery")
         return self.shortage
 
     @property

@@ -219,7 +219,12 @@ class Forecast:
         from ipoa_mission.forecast.tube.promise import PredictedFlight, promise_of
 
         for unknown in self.unknown:
-            raise MissionError(f"items[{unknown.seq - 1}]: {unknown.why}; the clearance is not known", unknown.hint)
+            raise MissionError(
+                f"{unknown.why}; the clearance is not known",
+                unknown.hint,
+                code="way-unknown",
+                place=f"items[{unknown.seq - 1}]",
+            )
         prediction = self.predicted(sure=True)
         return promise_of(PredictedFlight(self.itinerary, prediction, self.mission.autopilot, self.world))
 

@@ -11,7 +11,7 @@ from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import NotModeled
 from ipoa_mission.vehicles.circle import FlownCircle
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.failsafe import Failsafe, FailsafeRule, StationLoss
@@ -95,7 +95,7 @@ class Autopilot(ABC):
         """
         found = self.parts.get(asked.__name__)
         if found is None:
-            raise MissionError(f"{self.model} has no {asked.__name__} here")
+            raise NotModeled(f"{self.model} has no {asked.__name__} here")
         part = _loaded(found) if isinstance(found, str) else found
         assert isinstance(part, asked), f"{found} is no {asked.__name__}"
         return part

@@ -159,5 +159,9 @@ class FirmwareTables:
         """
         if version.series not in self.series:
             names = ", ".join(f"{major}.{minor}" for major, minor in self.series)
-            raise BadInput(f"firmware version: expected one of {self._habits.autopilot}'s {names}, not {version}")
+            raise BadInput(
+                f"expected one of {self._habits.autopilot}'s {names}, not {version}",
+                code="unknown-version",
+                place="firmware version",
+            )
         return version

@@ -24,8 +24,9 @@ def expect_own(names: Iterable[str], autopilot: Autopilot) -> None:
         if other is not None:
             counterpart = _counterpart(name, other, autopilot)
             raise BadInput(
-                f"{name}: expected a parameter of {autopilot}, not of {other}",
+                f"expected a parameter of {autopilot}, not of {other}",
                 hint=f"{autopilot} has {counterpart} for that" if counterpart else None,
+                place=name,
             )
 
 
@@ -47,6 +48,7 @@ def expect_known(names: Iterable[str], autopilot: Autopilot | None = None) -> No
             raise BadInput(
                 f"{name}: expected a parameter that the models know" + (f" of {autopilot}" if autopilot else ""),
                 hint=f"did you mean {near[0]}?" if near else None,
+                code="unknown-parameter",
             )
 
 

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, field, replace
 
-from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.errors import BadInput, EndlessFlight, NotModeled
 from ipoa_mission.forecast.itinerary.jumps import jump_target, repeats
 from ipoa_mission.forecast.itinerary.program import Place, Program, as_flown, program_of
 from ipoa_mission.mission.commands import FLOWN_TO, JUMPS, LAST_NAV, TAKEOFFS, Command, Frame, plain_frame
@@ -60,7 +60,7 @@ class Itinerary:
         if by is ReturnBy.DIRECT:
             return None
         if by is not ReturnBy.BACK:
-            raise MissionError(f"how long returns {by} last is not modeled")
+            raise NotModeled(f"how long returns {by} last is not modeled")
         visited = [k for k, visit in enumerate(self.visits[:n]) if visit.item.command in FLOWN_TO]
         places = [self.program.place(k, here) for k in reversed(visited)] or [here]
         return (*places, (0.0, 0.0, places[-1][2]))
@@ -112,17 +112,17 @@ def _unrolled(mission: Mission) -> list[int]:
         if item.command in JUMPS and jump_target(mission.items, n) is None:
             asked = item.params[0]
             expected = "the tag of a JUMP_TAG" if item.command == Command.DO_JUMP_TAG else f"an item from 1 to {count}"
-            raise BadInput(f"items[{n}].param1: expected {expected} to jump to, not {asked:g}")
+            raise BadInput(f"expected {expected} to jump to, not {asked:g}", place=f"items[{n}].param1")
         if item.command in JUMPS and repeats(item) == math.inf:
-            raise BadInput(f"items[{n}].param2: the jump never ends, so the flight has no time")
+            raise EndlessFlight("the jump never ends, so the flight has no time", place=f"items[{n}].param2")
     program = program_of(mission, mission.items)
     order: list[int] = []
     at: int | None = -1
     while at is not None:
         if len(order) > MOST_VISITS:
-            raise BadInput(f"items[{at}]: the mission's jumps make more than {MOST_VISITS} visits")
+            raise EndlessFlight(f"the mission's jumps make more than {MOST_VISITS} visits", place=f"items[{at}]")
         passed, at = program.advance(at)
         order += passed if at is None else [*passed, at]
     if program.stuck_at is not None:
-        raise BadInput(f"items[{program.stuck_at}]: {mission.autopilot.model} finds no way on from here")
+        raise EndlessFlight(f"{mission.autopilot.model} finds no way on from here", place=f"items[{program.stuck_at}]")
     return order

@@ -60,11 +60,11 @@ def least_time(points: Points, kinematics: Kinematics) -> Bound:
     """
     for name in ("speed", "climb", "descent", "accel", "jerk"):
         if not getattr(kinematics, name) > 0:
-            raise BadInput(f"{name}: expected more than 0, not {getattr(kinematics, name):g}")
+            raise BadInput(f"expected more than 0, not {getattr(kinematics, name):g}", place=name)
     points = np.asarray(points, float)
     points = points[np.concatenate([[True], leg_lengths(points) > 1e-9])]
     if len(points) < 2:
-        raise BadInput("curve: expected at least two different points")
+        raise BadInput("expected at least two different points", place="curve")
     lengths, tangents, curvature = _sampled(points)
     top = _speed_limits(tangents, curvature, kinematics)
     top = np.minimum(top, np.minimum(_from_rest(lengths, kinematics), _from_rest(lengths[-1] - lengths, kinematics)))

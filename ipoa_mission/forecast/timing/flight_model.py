@@ -8,7 +8,7 @@ from typing import ClassVar, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import NotModeled
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.prediction import Prediction
@@ -66,7 +66,7 @@ class FlightModel(ABC):
         Raises:
             MissionError: as `predicted` does; or the model knows no such flights.
         """
-        raise MissionError("this model knows no flights that are broken off")
+        raise NotModeled("this model knows no flights that are broken off")
 
     def airframe(self, altitude: float) -> SlowedByAir:
         """The simulated vehicle's, so high above the sea [m].
@@ -74,7 +74,7 @@ class FlightModel(ABC):
         Raises:
             MissionError: the model has none, and nothing of drag can be learned.
         """
-        raise MissionError("this model of a flight has no airframe whose drag could be learned")
+        raise NotModeled("this model of a flight has no airframe whose drag could be learned")
 
     def usual(self, route: Itinerary, mission: Mission) -> Vector:
         """When each visit is done in most flights (n,) [s]."""

@@ -91,7 +91,7 @@ def copter_limits(parameters: Parameters, version: Version | None = None) -> Cop
     p = BOOK.complete(parameters)
     for name in POSITIVE:
         if not p[name] > 0:
-            raise BadInput(f"{name}: expected more than 0, not {p[name]:g}")
+            raise BadInput(f"expected more than 0, not {p[name]:g}", place=name)
     turning = math.radians(min(p["ATC_RATE_R_MAX"], p["ATC_RATE_P_MAX"]))
     jerk = min(p["WPNAV_JERK"], turning * GRAVITY) if turning > 0 else p["WPNAV_JERK"]
     snap = jerk * math.pi / (2 * max(p["ATC_INPUT_TC"], 0.1))

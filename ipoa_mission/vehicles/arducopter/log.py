@@ -62,9 +62,13 @@ def read_copter_log(path: Path) -> Log:
         with suppress(KeyError, TypeError, ValueError):  # a record whose layout is spoiled tells nothing
             _note(gathered, kind, values)
     if gathered.vehicle and gathered.vehicle != "Copter":
-        raise BadInput(f"{path}: expected the log of a copter, not of ArduPilot's {gathered.vehicle}")
+        raise BadInput(
+            f"expected the log of a copter, not of ArduPilot's {gathered.vehicle}", code="other-vehicle", place=path
+        )
     if len(gathered.fixes) < 2:
-        raise BadInput(f"{path}: expected an ArduPilot log with positions (POS), but there are none")
+        raise BadInput(
+            "expected an ArduPilot log with positions (POS), but there are none", code="log-incomplete", place=path
+        )
     fixes = _fixes(np.array(gathered.fixes), np.array(gathered.velocities))
     measured = Measured.of(_batteries(gathered), gathered.attitude)
     return Log(ARDUCOPTER, fixes, (*_states(gathered), *gathered.events), gathered.version, measured=measured)

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.errors import BadInput, EndlessFlight, MissionError
 from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary, flying_already
 from ipoa_mission.forecast.itinerary.program import Place
 from ipoa_mission.forecast.timing.flight_model import BrokenOff
@@ -70,7 +70,9 @@ def fly_arducopter(
         except BadInput:
             raise
         except MissionError as lost:
-            raise MissionError(f"items[{route.visits[n].seq - 1}]: {lost}", lost.hint) from None
+            raise MissionError(
+                f"{lost}", lost.hint, code="unreachable", place=f"items[{route.visits[n].seq - 1}]"
+            ) from None
         flight.done.append(flight.copter.state.time)
     track = Track.joined(flight.tracks)
     done = np.array(flight.done, dtype=np.float64)
@@ -100,7 +102,9 @@ def break_off(
     flight.until, copter = math.inf, flight.copter
     returns = order.ending is Ending.RTL
     if returns and copter.limits.rtl_final > 0.0:
-        raise MissionError("with an RTL_ALT_FINAL above 0 it waits over its goal, and does not land")
+        raise MissionError(
+            "with an RTL_ALT_FINAL above 0 it waits over its goal, and does not land", code="endless-flight"
+        )
     flight.come_down(return_home(copter, route.goal_of_return(copter.place)) if returns else land(copter, None))
     done = np.array([copter.state.time])
     doubt = BROKEN_OFF_DOUBT + BROKEN_OFF_SHARE * (done - order.time)
@@ -141,7 +145,7 @@ class _Flight:
         if command in TAKEOFFS:
             self.take_off(self.target(n)[2])
         elif command == Command.NAV_LOITER_UNLIM:
-            raise BadInput(f"items[{visit.seq - 1}]: loiters without end, so the flight has no time")
+            raise EndlessFlight("loiters without end, so the flight has no time", place=f"items[{visit.seq - 1}]")
         elif command in TO_A_PLACE:
             return self.fly_to(n)
         elif command == Command.NAV_LOITER_TURNS:

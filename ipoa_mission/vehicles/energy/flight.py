@@ -40,8 +40,9 @@ class Battery:
     def __post_init__(self) -> None:
         if not self.capacity_wh > 0 or not 0 <= self.reserve < 1:
             raise BadInput(
-                "battery: expected a capacity of more than nothing and a reserve from 0 to below 1, "
-                f"not {self.capacity_wh:g} Wh and {self.reserve:g}"
+                "expected a capacity of more than nothing and a reserve from 0 to below 1, "
+                f"not {self.capacity_wh:g} Wh and {self.reserve:g}",
+                place="battery",
             )
 
     @property
@@ -205,7 +206,7 @@ def _through_air(times: Vector, points: Points, speeds: Vector, wind: Wind) -> t
 def _lasting(times: Vector, points: Points, speeds: Vector) -> tuple[Vector, Points, Vector]:
     """The track without what takes no time."""
     if not len(times) == len(points) == len(speeds) or not (np.diff(times) >= 0).all() or not times[-1] > times[0]:
-        raise BadInput("track: expected as many times and speeds as points, and times that grow")
+        raise BadInput("expected as many times and speeds as points, and times that grow", place="track")
     lasting = np.concatenate([np.diff(times) > 0, [True]])
     return times[lasting], points[lasting], speeds[lasting]
 
@@ -224,6 +225,7 @@ def shortage(used: Interval, battery: Battery) -> NotEnoughBattery | None:
     outcome = outcome if left < battery.reserve - rounding else f"may take all of {battery.capacity_wh:.4g} Wh"
     needed = max(used.likely / (1 - battery.reserve), used.high)
     return NotEnoughBattery(
-        f"battery: expected a reserve of {battery.reserve:.0%} after landing, but the flight {takes}, {outcome}",
+        f"expected a reserve of {battery.reserve:.0%} after landing, but the flight {takes}, {outcome}",
         hint=f"a battery of {needed:.1f} Wh would do; a shorter way, another speed, or more flights (`plan --split`)",
+        place="battery",
     )

@@ -40,11 +40,12 @@ class PowerModel:
     def __post_init__(self) -> None:
         for name in ("mass_kg", "disc_area"):
             if not getattr(self, name) > 0:
-                raise BadInput(f"airframe.{name}: expected a positive number, not {getattr(self, name):g}")
+                raise BadInput(f"expected a positive number, not {getattr(self, name):g}", place=f"airframe.{name}")
         if not 0 < self.figure_of_merit <= 1 / KAPPA or not 0 < self.drive_efficiency <= 1:
             raise BadInput(
-                f"airframe: expected a figure of merit of at most {1 / KAPPA:.2f} and a drive efficiency of at most 1, "
-                f"not {self.figure_of_merit:g} and {self.drive_efficiency:g}"
+                f"expected a figure of merit of at most {1 / KAPPA:.2f} and a drive efficiency of at most 1, "
+                f"not {self.figure_of_merit:g} and {self.drive_efficiency:g}",
+                place="airframe",
             )
 
 

@@ -153,7 +153,7 @@ def px4_limits(parameters: Parameters, version: Version | None = None) -> Px4Lim
     p = {**DEFAULTS, **(SINCE_SPLIT if splits else {}), **parameters}
     for name in POSITIVE:
         if not p[name] > 0:
-            raise BadInput(f"{name}: expected more than 0, not {p[name]:g}")
+            raise BadInput(f"expected more than 0, not {p[name]:g}", place=name)
     climb = min(p["MPC_Z_V_AUTO_UP"], p["MPC_Z_VEL_MAX_UP"])
     descent = min(p["MPC_Z_V_AUTO_DN"], p["MPC_Z_VEL_MAX_DN"])
     learns = p["MPC_USE_HTE"] > 0 and p["HTE_HT_NOISE"] > 0

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ipoa_mission.errors import BadInput, imported
+from ipoa_mission.errors import BadInput, WrongFormat, imported
 from ipoa_mission.files import read_bytes
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.link.logbook import COMPLETE
@@ -50,7 +50,7 @@ def read_ulog(path: Path) -> Log:
     try:
         return _told(path, log)
     except (KeyError, TypeError, ValueError, IndexError, OverflowError) as error:  # columns that a broken file lacks
-        raise BadInput(f"{path}: cannot be read as a PX4 log: {error}") from error
+        raise WrongFormat(f"cannot be read as a PX4 log: {error}", place=path) from error
 
 
 def _told(path: Path, log: Any) -> Log:
@@ -58,16 +58,26 @@ def _told(path: Path, log: Any) -> Log:
     topics = {topic.name: topic.data for topic in reversed(log.data_list)}  # the first instance counts
     topics = {name: data for name, data in topics.items() if len(data["timestamp"])}
     if "vehicle_status" not in topics:
-        raise BadInput(f"{path}: expected a PX4 log with the topic vehicle_status, which is not in it")
+        raise BadInput(
+            "expected a PX4 log with the topic vehicle_status, which is not in it", code="log-incomplete", place=path
+        )
     if not topics.keys() & set(POSITIONS):
-        raise BadInput(f"{path}: expected a PX4 log with one of the topics {', '.join(POSITIONS)}")
+        raise BadInput(
+            f"expected a PX4 log with one of the topics {', '.join(POSITIONS)}", code="log-incomplete", place=path
+        )
     status = topics["vehicle_status"]
     kinds = status.get("vehicle_type", status.get("is_rotary_wing"))  # the latter before 1.9
     if kinds is not None and not (np.asarray(kinds) == ROTARY_WING).all():
-        raise BadInput(f"{path}: expected the log of a multicopter, not of another kind of vehicle")
+        raise BadInput(
+            "expected the log of a multicopter, not of another kind of vehicle", code="other-vehicle", place=path
+        )
     fixes = _fixes(topics)
     if not len(fixes.times):
-        raise BadInput(f"{path}: expected positions on the Earth, but PX4 had none: its local ones have no reference")
+        raise BadInput(
+            "expected positions on the Earth, but PX4 had none: its local ones have no reference",
+            code="log-incomplete",
+            place=path,
+        )
     begins = log.start_timestamp / 1e6
     opened_by_arming = log.initial_parameters.get("SDLOG_MODE", 0) == 0
     events = [
@@ -91,7 +101,7 @@ def _open(path: Path) -> Any:
         with path.open("rb") as file, redirect_stdout(StringIO()):  # it prints what it thinks of a broken file
             return pyulog.ULog(file, TOPICS)
     except Exception as error:  # pyulog raises whatever a broken file makes it stumble over
-        raise BadInput(f"{path}: cannot be read as a PX4 log: {error}") from error
+        raise WrongFormat(f"cannot be read as a PX4 log: {error}", place=path) from error
 
 
 def _expect_definitions(path: Path) -> None:
@@ -104,7 +114,7 @@ def _expect_definitions(path: Path) -> None:
         at += MESSAGE.size + size
         if kind not in DEFINES:
             break
-    raise BadInput(f"{path}: cannot be read as a PX4 log: its definitions break off")
+    raise WrongFormat("cannot be read as a PX4 log: its definitions break off", place=path)
 
 
 def _parameters(log: Any, begins: float) -> Iterator[Event]:

@@ -15,7 +15,7 @@ import numpy as np
 
 from ipoa_mission.compiled import sooner
 from ipoa_mission.compiled.records import records
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, flying_already
 from ipoa_mission.forecast.timing.flight_model import BrokenOff
 from ipoa_mission.forecast.timing.prediction import Missed, Prediction
@@ -133,9 +133,9 @@ def break_off(
     flights = Flights(route, parameters, wind, airframe, version=version)
     if order.ending is Ending.RTL:
         if flights.limits.land_delay < 0.0:
-            raise MissionError("with an RTL_LAND_DELAY below 0 it waits over its goal for ever")
+            raise MissionError("with an RTL_LAND_DELAY below 0 it waits over its goal for ever", code="endless-flight")
         if parameters.get("RTL_TYPE", 0.0) in ALONG_MISSION:
-            raise MissionError("how long returns along the mission last is not known well enough")
+            raise NotModeled("how long returns along the mission last is not known well enough")
     quiet = flights.flown(False, fast)(0).done
     steps = np.diff(quiet)
     lasted, stood, when = list[float](), list[float](), list[float]()
@@ -265,6 +265,7 @@ class Flights:
             raise MissionError(
                 f"the vehicle does not reach {round(goal.east)} m east and {round(goal.north)} m north of home",
                 hint="the wind may be stronger than it can fly against, or the acceptance radius too small to be hit",
+                code="unreachable",
             )
 
         return once

@@ -172,7 +172,7 @@ class Copter:
         if used == NO_ROOM and breaks:
             return samples
         if used < 0:
-            raise MissionError(self._lost(used), hint=TOO_WINDY if self._wind.speed > 0 else NO_END)
+            raise MissionError(self._lost(used), hint=TOO_WINDY if self._wind.speed > 0 else NO_END, code="unreachable")
         self.state.time += skipped
         self.passed = True
         return samples[:used]

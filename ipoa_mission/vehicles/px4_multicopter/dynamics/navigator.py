@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import EndlessFlight
 from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary, flying_already
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.mission.commands import HOLDING, LAST_NAV, Command, Frame, plain_frame
@@ -180,12 +180,12 @@ class _Navigator:
             self.airborne = True
             return [*climb, leg(start, self.here, self.onward(n), self.limits, self.cruise)]
         if command == Command.NAV_LOITER_UNLIM:
-            raise BadInput(f"items[{visit.seq - 1}]: loiters without end, so the flight has no time")
+            raise EndlessFlight("loiters without end, so the flight has no time", place=f"items[{visit.seq - 1}]")
         if command == Command.NAV_DELAY:
             return stay(self.here, self.limits, params[0])
         if command == Command.NAV_RETURN_TO_LAUNCH:
             if self.limits.land_delay < 0.0:
-                raise BadInput(f"items[{visit.seq - 1}]: with an RTL_LAND_DELAY below 0 RTL never lands")
+                raise EndlessFlight("with an RTL_LAND_DELAY below 0 RTL never lands", place=f"items[{visit.seq - 1}]")
             self.cruise = self.limits.cruise
             if (way := self.route.way_of_return(n, (self.here.east, self.here.north, self.here.up))) is not None:
                 self.remarks.append(f"item {visit.seq}: it returns back along the mission, timed to a sixth only")
