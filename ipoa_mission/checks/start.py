@@ -38,13 +38,13 @@ def begun_at(mission: Mission, first: int, there: Geodetic | None = None) -> Mis
     if first == 0:
         return replace(mission, home=home)
     if not 0 < first < len(mission.items):
-        raise BadInput(f"--from: expected an item from 1 to {len(mission.items)}, not {first + 1}")
+        raise BadInput(f"expected an item from 1 to {len(mission.items)}, not {first + 1}", place="--from")
     height = mission.altitude_above_home(mission.items[first])
     if not (mission.items[first].has_position and np.isfinite(height)):
-        raise BadInput(f"--from: expected an item with a place and a height, and item {first + 1} has none")
+        raise BadInput(f"expected an item with a place and a height, and item {first + 1} has none", place="--from")
     for n, item in enumerate(mission.items[first:], first):
         if item.command in JUMPS and (target := jump_target(mission.items, n)) is not None and target < first:
-            raise BadInput(f"--from: item {n + 1} jumps back to item {target + 1}, before item {first + 1}")
+            raise BadInput(f"item {n + 1} jumps back to item {target + 1}, before item {first + 1}", place="--from")
     begins = (LEFT_OUT,) * (first - 1) + (takeoff(home, max(height, LEAST_CLIMB)),)
     return replace(mission, home=home, items=begins + mission.items[first:])
 

@@ -38,7 +38,9 @@ def refuse_places(problem: PreparedProblem) -> None:
     task, limits, airspace = problem.task, problem.limits, problem.task.airspace
     stops = task.places
     if np.linalg.norm(np.diff(stops, axis=0), axis=1).max() < SAME:
-        raise BadInput("goal: expected a place other than the start, or via points on the way")
+        raise BadInput(
+            "expected a place other than the start, or via points on the way", code="goal-at-start", place="goal"
+        )
     for name, stop in zip(place_names(stops), stops, strict=True):
         spot = np.array([stop, stop])
         height = airspace.terrain_clearance(spot)
@@ -50,7 +52,12 @@ def refuse_places(problem: PreparedProblem) -> None:
         ]
         worst = min(checks, key=lambda check: check.slack)
         if worst.slack < -ROUNDING:
-            raise NoPath(f"{name}: nothing can fly there: {worst.words()}", hint=f"move {name} or what is in its way")
+            raise NoPath(
+                f"nothing can fly there: {worst.words()}",
+                hint=f"move {name} or what is in its way",
+                code="place-blocked",
+                place=name,
+            )
 
 
 def refuse_closed(problem: PreparedProblem) -> None:
@@ -65,7 +72,7 @@ def refuse_closed(problem: PreparedProblem) -> None:
             if barrier.needed == 0:
                 more = len(barrier.names) - 3
                 few = ", ".join(barrier.names[:3]) + (f" and {more} more" if more > 0 else "")
-                raise NoPath(f"every way is walled off: by {few}, {where}")
+                raise NoPath(f"every way is walled off: by {few}, {where}", code="walled-off")
             raise _too_narrow(barrier.names, where, barrier.width, barrier.needed)
 
 
@@ -137,12 +144,16 @@ def _closed(problem: PreparedProblem, gate: Vector) -> NoPath | None:
     where = f"at east {east:.1f}, north {north:.1f}, up {up:.1f} m"
     first = walls[0]
     if first.distance < 0:
-        return NoPath(f"every way is walled off: even where it is easiest to pass, {first.name} closes it, {where}")
+        return NoPath(
+            f"every way is walled off: even where it is easiest to pass, {first.name} closes it, {where}",
+            code="walled-off",
+        )
     opposite = [wall for wall in walls[1:] if wall.away @ first.away < -0.5]
     if not opposite:
         return NoPath(
             f"the widest way comes within {first.distance:.2f} m of {first.name} {where}, "
-            f"at least {first.required:.2f} m required"
+            f"at least {first.required:.2f} m required",
+            code="gap-too-narrow",
         )
     width, needed = _gap(first, opposite[0], gate), first.required + opposite[0].required
     if width > needed:
@@ -155,6 +166,7 @@ def _too_narrow(names: tuple[str, ...], where: str, width: float, needed: float)
         f"no gap is wide enough: the widest is {width:.2f} m between {' and '.join(names)} {where}, "
         f"at least {needed:.2f} m required",
         hint="reduce safety_distance or the vehicle's radius, or leave a wider way",
+        code="gap-too-narrow",
     )
 
 

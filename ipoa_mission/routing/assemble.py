@@ -87,11 +87,10 @@ def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
         width /= 2
     proof = attempt.proof
     why = "flights would come too close too often" if proof.holds else proof.words()
-    raise NoRoute(
-        f"the legs between waypoints come too close: {why}",
-        hint="plan with a larger safety_distance, or ask for a smaller route.tolerance or route.spacing",
-        tried=(tried[0].route, tried[NARROW].route),
-    )
+    hint = "plan with a larger safety_distance, or ask for a smaller route.tolerance or route.spacing"
+    refused = NoRoute(f"the legs between waypoints come too close: {why}", hint, code="legs-too-near")
+    refused.tried = tried[0].route, tried[NARROW].route
+    raise refused
 
 
 def best_route(plan: Plan, scenario: Scenario, promising: float) -> Attempt:
@@ -207,7 +206,7 @@ def _least_time(plan: Plan, scenario: Scenario) -> float:
 def expect_mode(mode: str, autopilot: Autopilot) -> None:
     """Complain of a mode that chooses waypoints which an autopilot does not fly."""
     if mode == "spline" and not autopilot.guidance.flies_splines:
-        raise BadInput("route.mode: expected even, corridor or fastest: only ArduPilot flies spline waypoints")
+        raise BadInput("expected even, corridor or fastest: only ArduPilot flies spline waypoints", place="route.mode")
 
 
 def _chooser(plan: Plan, scenario: Scenario, mode: str) -> tuple[Callable[[float], Attempt], float]:

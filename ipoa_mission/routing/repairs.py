@@ -41,6 +41,7 @@ def slow_landings(mission: Mission, scenario: Scenario) -> Mission:
             hint=f"land elsewhere, descend no faster than {slowed.landing:g} m/s (vehicle.descent_speed), or name "
             f"{' or '.join(filter(None, (mission.autopilot.slowed_by.spared_by, names[0])))} under "
             "[vehicle.parameters]: then it is yours to see to",
+            code="fast-touchdown",
         )
     return replace(mission, parameters={**mission.parameters, **wanted})
 

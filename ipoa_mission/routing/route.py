@@ -22,9 +22,7 @@ SLOPE_STEP = 1e-3  # for the slope of the distance [m]
 class NoRoute(MissionError):
     """No choice of waypoints keeps the required clearance on the legs between them; `tried` are some that do not."""
 
-    def __init__(self, message: str, hint: str | None = None, tried: "tuple[Route, ...]" = ()) -> None:
-        super().__init__(message, hint=hint)
-        self.tried = tried
+    tried: "tuple[Route, ...]" = ()
 
 
 @dataclass(frozen=True, eq=False)
