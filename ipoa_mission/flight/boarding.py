@@ -180,6 +180,7 @@ def expect_fit(vehicle: Vehicle, mission: Mission, anyway: bool = False) -> tupl
             f"the mission was made for {mission.autopilot}, and the vehicle is {vehicle.autopilot}: "
             "its path and its time would be others",
             hint=f"make it for {vehicle.autopilot} (--autopilot {vehicle.autopilot}), or send it with --anyway",
+            code="other-autopilot",
         )
     aboard, unsaid = check_aboard(mission, vehicle.autopilot, vehicle.firmware_version())
     findings = (*unsaid, *check_mission(aboard))

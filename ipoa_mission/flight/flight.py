@@ -214,7 +214,7 @@ def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, 
     """
     if scenario.survey is not None:
         raise BadInput(
-            "survey: expected a scenario without one", hint="plan_survey plans it, as `ipoa-mission plan` does"
+            "expected a scenario without one", hint="plan_survey plans it, as `ipoa-mission plan` does", place="survey"
         )
     with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
         flight = _plan_flight(scenario if wind is None else scenario.in_wind(wind), seed, progress)

@@ -316,7 +316,7 @@ def _flown_words(whole: SurveyPlan, rest: SurveyPlan, logs: Sequence[str]) -> st
     """How much of it was flown; raises BadInput where nothing was."""
     every, left = (sum(swath.length for swath in plan.tour.swaths) for plan in (whole, rest))
     if left >= every:
-        raise BadInput(f"{', '.join(logs)}: nothing in it was flown along the lines of this survey")
+        raise BadInput("nothing in it was flown along the lines of this survey", place=", ".join(logs))
     source = "the log" if len(logs) == 1 else "the logs"
     return f"by {source}, {every - left:.0f} m of {every:.0f} m of lines were flown before"
 

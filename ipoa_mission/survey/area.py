@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, InvalidRing
 from ipoa_mission.geometry import Points
 
 LEAST_M2 = 1e-3  # a ring that holds less has no area
@@ -38,7 +38,7 @@ class Area:
             BadInput: naming the place, as `area[0][1][7]`: part, ring, corner.
         """
         if not len(parts):
-            raise BadInput(f"{where}: expected one polygon or more")
+            raise InvalidRing("expected one polygon or more", place=where)
         polygons = [_polygon(rings, f"{where}[{n}]") for n, rings in enumerate(parts)]
         for n, polygon in enumerate(polygons):
             for m, other in enumerate(polygons[:n]):
@@ -59,7 +59,7 @@ class Area:
 
 def _polygon(rings: Sequence[Sequence[Sequence[float]] | Points], where: str) -> shapely.Polygon:
     if not len(rings):
-        raise BadInput(f"{where}: expected a ring of corners")
+        raise InvalidRing("expected a ring of corners", place=where)
     names = [f"{where}[{n}]" for n in range(len(rings))]
     outer, *holes = [_ring(ring, name) for ring, name in zip(rings, names, strict=True)]
     bare = shapely.Polygon(outer)
@@ -67,18 +67,26 @@ def _polygon(rings: Sequence[Sequence[Sequence[float]] | Points], where: str) ->
     for n, hole in enumerate(solid):
         name = names[n + 1]
         if not bare.intersects(hole) or bare.intersection(hole).area < LEAST_M2:
-            raise BadInput(f"{name}: expected a hole inside of its outer ring {names[0]}, but it lies outside")
+            raise BadInput(
+                f"expected a hole inside of its outer ring {names[0]}, but it lies outside",
+                code="ring-misplaced",
+                place=name,
+            )
         for m, other in enumerate(solid[:n]):
             if hole.within(other) or other.within(hole):
                 inner, around = (name, names[m + 1]) if hole.within(other) else (names[m + 1], name)
-                raise BadInput(f"{inner}: expected no ring inside of the hole {around}: islands are not surveyed")
+                raise BadInput(
+                    f"expected no ring inside of the hole {around}: islands are not surveyed",
+                    code="ring-misplaced",
+                    place=inner,
+                )
     left = bare
     for hole in solid:
         left = left.difference(hole)
     if left.area < LEAST_M2:
-        raise BadInput(f"{where}: expected some area, but its holes cover all of it")
+        raise InvalidRing("expected some area, but its holes cover all of it", place=where)
     if left.geom_type != "Polygon":
-        raise BadInput(f"{where}: expected an area in one piece, but its holes cut it; give each piece as a part")
+        raise InvalidRing("expected an area in one piece, but its holes cut it; give each piece as a part", place=where)
     return left
 
 
@@ -88,33 +96,41 @@ def _ring(ring: Sequence[Sequence[float]] | Points, where: str) -> Points:
     except (TypeError, ValueError):
         corners = np.empty(0)
     if corners.ndim != 2 or corners.shape[1:] != (2,):
-        raise BadInput(f"{where}: expected corners as pairs of numbers, east and north [m]")
+        raise InvalidRing("expected corners as pairs of numbers, east and north [m]", place=where)
     for n in np.flatnonzero(~np.isfinite(corners).all(axis=1)):
-        raise BadInput(f"{where}[{n}]: expected finite numbers")
+        raise InvalidRing("expected finite numbers", place=f"{where}[{n}]")
     if len(corners) > 1 and (corners[0] == corners[-1]).all():
         corners = corners[:-1]
     for n in np.flatnonzero((corners == np.roll(corners, 1, axis=0)).all(axis=1)):
-        raise BadInput(f"{where}[{n}]: expected another corner than the one before")
+        raise InvalidRing("expected another corner than the one before", place=f"{where}[{n}]")
     if len(corners) < 3:
-        raise BadInput(f"{where}: expected three corners or more, not {len(corners)}")
+        raise InvalidRing(f"expected three corners or more, not {len(corners)}", place=where)
     polygon = shapely.Polygon(corners)
     if not polygon.is_valid:
         if polygon.buffer(0.0).area < LEAST_M2 and np.linalg.matrix_rank(corners - corners[0], 1e-9) < 2:
-            raise BadInput(f"{where}: expected a ring with an area, but its corners lie on one line")
+            raise InvalidRing("expected a ring with an area, but its corners lie on one line", place=where)
         why = shapely.is_valid_reason(polygon)
         place = why[why.find("[") :] if "[" in why else ""
-        raise BadInput(f"{where}: expected a ring that does not cross or touch itself, but it does at {place} [m]")
+        raise InvalidRing(
+            f"expected a ring that does not cross or touch itself, but it does at {place} [m]", place=where
+        )
     if polygon.area < LEAST_M2:
-        raise BadInput(f"{where}: expected a ring with an area")
+        raise InvalidRing("expected a ring with an area", place=where)
     return corners
 
 
 def _expect_apart(polygon: shapely.Polygon, other: shapely.Polygon, here: str, there: str) -> None:
     if polygon.intersection(other).area > LEAST_M2:
-        raise BadInput(f"{here}: expected parts that do not overlap, but it overlaps {there}")
+        raise BadInput(
+            f"expected parts that do not overlap, but it overlaps {there}", code="ring-misplaced", place=here
+        )
     for inner, outer, name, around in ((polygon, other, here, there), (other, polygon, there, here)):
         if any(inner.within(hole) for hole in _holes(outer)):
-            raise BadInput(f"{name}: expected no part inside of a hole of {around}: islands are not surveyed")
+            raise BadInput(
+                f"expected no part inside of a hole of {around}: islands are not surveyed",
+                code="ring-misplaced",
+                place=name,
+            )
 
 
 def _holes(polygon: shapely.Polygon) -> Iterator[shapely.Polygon]:

@@ -151,7 +151,12 @@ class _Survey:
         visible = area.visible(keep_out, spacing)
         free = FreeSpace.of(_where_lines_go(area.shape, kept, visible, spacing, cost.past_corners))
         if free.inner.is_empty:
-            raise MissionError("survey: nothing of the area may be flown over", hint="it lies in what is kept out of")
+            raise MissionError(
+                "nothing of the area may be flown over",
+                hint="it lies in what is kept out of",
+                code="area-kept-out",
+                place="survey",
+            )
         holes = union_of([shapely.Polygon(ring) for part in area.shape.geoms for ring in part.interiors])
         closed = holes.union(kept)
         ways = FreeSpace.of(area.shape.buffer(turns_outside).difference(closed)) if turns_outside > 0 else free
@@ -309,7 +314,9 @@ def _known(place: Vector | None) -> list[Vector]:
 
 
 def _parted() -> MissionError:
-    return MissionError("survey: no way leads between all parts of the area", hint="survey them one by one")
+    return MissionError(
+        "no way leads between all parts of the area", hint="survey them one by one", code="area-parted", place="survey"
+    )
 
 
 def _simpler(kept: Any, area: Any, spacing: float) -> Any:

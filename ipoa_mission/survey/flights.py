@@ -111,7 +111,11 @@ def _expect_clear(world: Scenario, n: int) -> Scenario:
     up = world.start_point[2]
     for found in prove(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, up]]), world).checks:
         if found.limit in ("obstacles", "bounds") and found.slack < 0.0:
-            raise BadInput(f"survey.starts[{n}]: expected a place with a clear climb to {up:.0f} m: {found.words()}")
+            raise BadInput(
+                f"expected a place with a clear climb to {up:.0f} m: {found.words()}",
+                code="place-blocked",
+                place=f"survey.starts[{n}]",
+            )
     return world
 
 
@@ -170,7 +174,11 @@ def parts_of(tours: Sequence[Tour], make: FlightMaker, section: SurveySection) -
     (tour,) = tours
     if section.flights is not None:
         if section.flights > len(tour.swaths):
-            raise BadInput(f"survey.flights: expected at most one for each of {len(tour.swaths)} lines")
+            raise BadInput(
+                f"expected at most one for each of {len(tour.swaths)} lines",
+                code="too-many-flights",
+                place="survey.flights",
+            )
         return tour, tuple(map(Sortie, parts_of_equal_length(tour, section.flights)))
 
     about = _lines_at_once(tour, make)
@@ -234,9 +242,10 @@ def _from_starts(tours: Sequence[Tour], make: FlightMaker, starts: Points) -> tu
 def _unreached(swath: Swath, words: str) -> NotEnoughBattery:
     east, north = swath.begin.tolist()
     return NotEnoughBattery(
-        f"battery: expected enough for the way to the line at east {east:.0f}, north {north:.0f} m, {words} with the "
+        f"expected enough for the way to the line at east {east:.0f}, north {north:.0f} m, {words} with the "
         "reserve, but it is not",
         hint="begin nearer by, or with a larger battery",
+        place="battery",
     )
 
 

@@ -68,7 +68,7 @@ def expect_survey(scenario: Scenario) -> tuple[SurveySection, Area]:
     """
     section, area = scenario.survey, scenario.survey_area
     if section is None or area is None:
-        raise BadInput("survey: expected in the scenario, but not there")
+        raise BadInput("expected in the scenario, but not there", code="missing", place="survey")
     return section, area
 
 
@@ -81,8 +81,10 @@ def expect_high_enough(sight: Sight, scenario: Scenario) -> None:
     needed = scenario.limits.height_above_ground + tube(scenario).down + 2 * SPARE
     if sight.least < needed:
         raise NoPath(
-            f"survey: {sight.least:g} m above the ground is too near to it, at least {needed:.2f} m required",
+            f"{sight.least:g} m above the ground is too near to it, at least {needed:.2f} m required",
             hint="fly higher (survey.height_above_ground, or a larger survey.gsd_cm)",
+            code="survey-too-low",
+            place="survey",
         )
 
 
@@ -106,8 +108,10 @@ def lay_lines(
     free = area.without(outside)
     if free.is_empty:
         raise NoPath(
-            f"survey: obstacles and the clearance to them leave nothing of the area at {sight.least:g} m above ground",
+            f"obstacles and the clearance to them leave nothing of the area at {sight.least:g} m above ground",
             hint="fly higher (survey.height_above_ground), or with a smaller safety_distance",
+            code="area-covered",
+            place="survey",
         )
     _expect_lines(area, sight.spacing)
     _expect_hours(float(free.area), sight.spacing, scenario.vehicle.cruise_speed)
@@ -138,8 +142,10 @@ def _expect_lines(area: Area, spacing: float) -> None:
     least = area.shape.area / spacing / math.hypot(east - west, north - south)  # no line is longer than that
     if least > MOST_LINES:
         raise BadInput(
-            f"survey: expected at most {MOST_LINES} lines, not {least:.0f} or more, {spacing:g} m apart",
+            f"expected at most {MOST_LINES} lines, not {least:.0f} or more, {spacing:g} m apart",
             hint="with lines farther apart (survey.line_spacing, or a camera from higher), or in several surveys",
+            code="survey-too-long",
+            place="survey",
         )
 
 
@@ -147,9 +153,11 @@ def _expect_hours(seen_m2: float, spacing: float, speed: float) -> None:
     length = seen_m2 / spacing  # no lines that see all of it are shorter
     if (hours := length / speed / 3600.0) > MOST_HOURS:
         raise BadInput(
-            f"survey: expected at most {MOST_HOURS} h of flight, not {hours:.0f} h or more: "
+            f"expected at most {MOST_HOURS} h of flight, not {hours:.0f} h or more: "
             f"{length / 1000.0:.0f} km of lines at {speed:g} m/s",
             hint="in several surveys, or with lines farther apart (survey.line_spacing, or a camera from higher)",
+            code="survey-too-long",
+            place="survey",
         )
 
 

@@ -202,7 +202,7 @@ def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyP
     way = way_over(plan.area, scenario, section, sight, plan.keep_out)
     tour = left_to_fly(plan.tour, flown, sight, scenario.airspace.ground, way)
     if tour is None:
-        raise BadInput("survey: nothing of it is left to be flown")
+        raise BadInput("nothing of it is left to be flown", code="nothing-left", place="survey")
     make = FlightMaker(scenario, sight, plan.growth, seed)
     tour, parts = parts_of([tour], make, section.model_copy(update={"flights": None}))
     forecasts = [make(part) for part in parts]
@@ -229,7 +229,9 @@ def _refusal(nearest: _TooNear, scenario: Scenario) -> MissionError:
     east, north, up = kept.place
     slowest = SPEEDS[-1] * scenario.vehicle.cruise_speed
     return NoPath(
-        f"survey: even at {slowest:g} m/s flights would come too near {kept.to} at east {east:.1f}, north {north:.1f}, "
+        f"even at {slowest:g} m/s flights would come too near {kept.to} at east {east:.1f}, north {north:.1f}, "
         f"up {up:.1f} m: {kept.words(nearest.promise.confidence)}",
         hint="fly higher (survey.height_above_ground), or leave that place out of the area",
+        code="survey-too-near",
+        place="survey",
     )

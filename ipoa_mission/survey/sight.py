@@ -89,9 +89,17 @@ def sight_of(section: SurveySection, area: Area, scenario: Scenario) -> Sight:
         ("front_overlap", trigger),
     ):
         if distance is not None and distance < CLOSEST:
-            raise BadInput(f"survey.{key}: expected lines and photos {CLOSEST:g} m apart or more, not {distance:.2f} m")
+            raise BadInput(
+                f"expected lines and photos {CLOSEST:g} m apart or more, not {distance:.2f} m",
+                code="lines-too-near",
+                place=f"survey.{key}",
+            )
     if spacing > across + 1e-9:
-        raise BadInput(f"survey.line_spacing: expected at most what a photo shows, {across:.1f} m, not {spacing:g} m")
+        raise BadInput(
+            f"expected at most what a photo shows, {across:.1f} m, not {spacing:g} m",
+            code="lines-too-far-apart",
+            place="survey.line_spacing",
+        )
     vehicle = scenario.vehicle
     lag = vehicle.autopilot.firmware(vehicle.version).photo_looks_s / 2 * vehicle.cruise_speed
     return Sight(least, share * least, spacing, trigger, across, along, lag)
