@@ -24,5 +24,6 @@ def left_behind(words: str, hint: str | None = None) -> Iterator[None]:
 
         if not isinstance(error, Cancelled):
             raise
-        message = str(error) if ":" in str(error) else f"stopped: {words}"
-        raise Interrupted(message, error.hint or hint) from None
+        interrupted = Interrupted(f"stopped: {words}" if error.holds is None else str(error), error.hint or hint)
+        interrupted.known = error.known
+        raise interrupted from None

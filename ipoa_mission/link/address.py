@@ -62,11 +62,12 @@ def parse_address(url: str) -> Address:
     match = _NETWORK.fullmatch(url)
     if match is None or match["kind"] not in _SPELLINGS:
         raise BadInput(
-            f"link: expected udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT or serial:DEVICE:BAUD, "
+            f"expected udpin:HOST:PORT, udpout:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT or serial:DEVICE:BAUD, "
             f"not {url!r}",
             hint="for instance udpin:127.0.0.1:14550",
+            place="link",
         )
     port = int(match["port"])
     if port > 65535:
-        raise BadInput(f"link: expected a port up to 65535, not {port}")
+        raise BadInput(f"expected a port up to 65535, not {port}", place="link")
     return Address(_SPELLINGS[match["kind"]], match["host"].strip("[]") or LOOPBACK, port)

@@ -28,8 +28,9 @@ class MavutilChannel(RealTime):
         super().__init__()
         if not hasattr(connection, "recv") or getattr(connection, "fd", None) is None:
             raise BadInput(
-                f"connect: expected a connection string, an open connection of mavutil, or MAVSDK's System, "
-                f"not {type(connection).__name__}"
+                f"expected a connection string, an open connection of mavutil, or MAVSDK's System, "
+                f"not {type(connection).__name__}",
+                place="connect",
             )
         self._connection = connection
         self.datagrams = type(connection).__name__ in ("mavudp", "mavmcast")
@@ -64,8 +65,9 @@ def payload_of(message: Any) -> tuple[Definition, bytes]:
     definition = None if number is None else DEFINITIONS.get(int(number))
     if definition is None or definition.name != message.get_type():
         raise BadInput(
-            f"message: expected one of pymavlink's, not {type(message).__name__}",
+            f"expected one of pymavlink's, not {type(message).__name__}",
             hint="add_dialect(NAME) makes another dialect known",
+            place="message",
         )
     fields = {name: getattr(message, name) for name in definition.names if hasattr(message, name)}
     return definition, definition.pack({k: v.encode() if isinstance(v, str) else v for k, v in fields.items()})
@@ -86,7 +88,7 @@ def own_line(line: object) -> "Line":
     from ipoa_mission.link.line import Line
 
     if not isinstance(line, Line):
-        raise BadInput("messages of pymavlink's: expected a link of our own, not MAVSDK's")
+        raise BadInput("messages of pymavlink's: expected a link of our own, not MAVSDK's", code="backend-cannot")
     return line
 
 

@@ -69,7 +69,9 @@ def open_channel(url: str) -> Channel:
             case _:
                 return SerialChannel(address)
     except (OSError, ValueError) as error:  # ValueError: a host, a device or a baud rate that cannot be one
-        raise LinkDown(f"{address}: cannot be opened: {_reason(error)}", hint=_hint(error)) from error
+        raise LinkDown(
+            f"cannot be opened: {_reason(error)}", hint=_hint(error), code="link-not-opened", place=address
+        ) from error
 
 
 def _reason(error: Exception) -> str:
@@ -274,7 +276,7 @@ class SerialChannel(RealTime):
         super().__init__()
         serial = imported("serial", "serial links need pyserial", "serial", LinkDown)
         if not Path(address.device).exists() and not address.device.upper().startswith("COM"):
-            raise LinkDown(f"{address}: there is no such device")
+            raise LinkDown("there is no such device", code="link-not-opened", place=address)
         self._port = serial.Serial(address.device, address.baud, timeout=0, write_timeout=0)
         self._unsent = b""
 

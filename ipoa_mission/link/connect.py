@@ -75,8 +75,10 @@ def connect(
         if log is not None:
             _drop_unanswered(Path(log))
         raise NoAnswer(
-            f"{link if isinstance(link, str) else 'connect'}: {silence}",
+            f"{silence}",
             hint="is the autopilot running, and does it send to this address?",
+            code="not-heard",
+            place=link if isinstance(link, str) else "connect",
         ) from None
     except BaseException:
         line.close()
@@ -137,13 +139,14 @@ def meet(
         raise disbelieved
     if system is not None and system not in autopilots:
         others = f"; heard: {', '.join(map(str, sorted(autopilots)))}" if autopilots else ""
-        raise NoAnswer(f"no autopilot with system id {system} is heard{others}")
+        raise NoAnswer(f"no autopilot with system id {system} is heard{others}", code="not-heard")
     if not autopilots:
-        raise NoAnswer("no autopilot is heard")
+        raise NoAnswer("no autopilot is heard", code="not-heard")
     if system is None and len(autopilots) > 1:
         raise MissionError(
             f"several vehicles are heard: {', '.join(_named(autopilots[one]) for one in sorted(autopilots))}",
             hint="choose one by its system id",
+            code="several-vehicles",
         )
     one = autopilots[system] if system is not None else autopilots.popitem()[1]
     if not (reading or one.kind.is_flown):

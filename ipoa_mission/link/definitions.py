@@ -47,7 +47,7 @@ class Definition:
         try:
             return self.layout.pack(*values).rstrip(b"\0") or b"\0"
         except (struct.error, OverflowError) as error:
-            raise BadInput(f"{self.name}: expected values that fit its fields: {error}") from error
+            raise BadInput(f"expected values that fit its fields: {error}", place=self.name) from error
 
     def unpack(self, payload: bytes) -> SimpleNamespace:
         """The fields of a payload; MAVLink 2 cuts it at its trailing zeros, MAVLink 1 before its extensions."""
@@ -138,7 +138,7 @@ def add_dialect(dialect: str | ModuleType) -> None:
     for number, one in new.items():
         known = DEFINITIONS.get(number)
         if known is not None and (known.name, known.crc_extra) != (one.name, one.crc_extra):
-            raise BadInput(f"dialect: its message {number} is {one.name}, which is {known.name} here")
+            raise BadInput(f"its message {number} is {one.name}, which is {known.name} here", place="dialect")
     for number, one in new.items():
         DEFINITIONS.setdefault(number, one)
         _NUMBERS.setdefault(one.name, number)
@@ -155,7 +155,7 @@ def dialect_of(number: int) -> Any:
     for module in _IN_USE:
         if number in module.mavlink_map:
             return module
-    raise BadInput(f"message {number}: expected one of a dialect that is in use")
+    raise BadInput("expected one of a dialect that is in use", code="unknown-dialect", place=f"message {number}")
 
 
 def _dialect(name: str) -> ModuleType:
@@ -163,7 +163,9 @@ def _dialect(name: str) -> ModuleType:
         return import_module(f"pymavlink.dialects.v20.{name}")
     except ImportError:
         there = sorted(one.name for one in iter_modules(dialects.__path__))
-        raise BadInput(f"dialect: expected one of pymavlink's, not {name!r}", hint=", ".join(there)) from None
+        raise BadInput(
+            f"expected one of pymavlink's, not {name!r}", hint=", ".join(there), code="unknown-dialect", place="dialect"
+        ) from None
 
 
 def message_number(name: str) -> int:

@@ -15,7 +15,7 @@ into it at the place where it waits, so a dialogue can try another way.
 import math
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
-from typing import Generic, TypeAlias, TypeVar
+from typing import Generic, Literal, TypeAlias, TypeVar
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.item_run import ItemRun, ItemsRead, ItemsSent
@@ -26,7 +26,25 @@ T = TypeVar("T")
 ANSWERS = (Ack, CommandAck, Count, FileTransfer, ItemAt, Request)
 
 
-class NoAnswer(MissionError):
+class Unfinished(MissionError):
+    """A dialogue came to no end; `holds` is the list that the vehicle holds now, where something is known of it."""
+
+    def __init__(
+        self,
+        message: str,
+        hint: str | None = None,
+        *,
+        code: str | None = None,
+        place: object = None,
+        holds: Literal["old", "new", "either", "unknown"] | None = None,
+    ) -> None:
+        super().__init__(message, hint, code=code, place=place)
+        self.holds = holds
+        if holds is not None:
+            self.known["holds"] = holds
+
+
+class NoAnswer(Unfinished):
     """The other side said nothing for as long as our patience lasts."""
 
 
@@ -34,11 +52,11 @@ class Silence(MissionError):
     """The other side, which speaks unasked, has said nothing for a while: who speaks next may be somebody else."""
 
 
-class Cancelled(MissionError):
+class Cancelled(Unfinished):
     """The user took it back; the message says what the vehicle holds now."""
 
 
-class TimeUp(MissionError):
+class TimeUp(Unfinished):
     """What was to be done took longer than the user allows."""
 
 

@@ -135,7 +135,12 @@ class FlightOrder:
             if self._now() >= self._due_s:
                 if self._said == SAYINGS:
                     name = self._steps[0].name
-                    self._refused(NotReady(f"{name} was ordered {SAYINGS} times, and the vehicle does not show it"))
+                    self._refused(
+                        NotReady(
+                            f"{name} was ordered {SAYINGS} times, and the vehicle does not show it",
+                            code="mode-not-shown",
+                        )
+                    )
                 self._said, self._due_s = self._said + 1, self._now() + SAID_AGAIN_S
                 yield Remark(self._steps[0].message)
         except (NotFlown, NotReady, CommandRefused) as hinders:
@@ -213,4 +218,4 @@ def _expect_flying(state: VehicleState) -> Dialogue[None]:
     """Only what its heartbeats tell is waited for: an order to stop must not wait for a stream that may not come."""
     yield from until(lambda: state.armed is not None and state.custom_mode is not None, SHOWN_S)
     if not state.armed or state.in_air is False:
-        raise NotReady(f"expected a vehicle in the air: {state}", hint="`fly` begins a flight")
+        raise NotReady(f"expected a vehicle in the air: {state}", hint="`fly` begins a flight", code="not-in-the-air")

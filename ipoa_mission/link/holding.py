@@ -162,4 +162,5 @@ def _unknown(job: Upload, nothing: MissionError) -> NotReady:
     return NotReady(
         f"nobody knows whether the vehicle still holds the {list_name(job.kind)} that was sent: {nothing}",
         hint="is another station sending it one?",
+        code="list-unproven",
     )

@@ -89,17 +89,17 @@ def _refuse(items: Sequence[Item]) -> None:
         wrong = next((name for name, value in numbers.items() if SINGLE_MAX < abs(value) < math.inf), None)
         if wrong:
             raise BadInput(
-                f"item {seq}: {wrong}: expected a number that fits in single precision, not {numbers[wrong]:g}"
+                f"expected a number that fits in single precision, not {numbers[wrong]:g}", place=f"item {seq}: {wrong}"
             )
         if not 0 <= item.command <= 65535:
-            raise BadInput(f"item {seq}: command: expected a number from 0 to 65535, not {item.command}")
+            raise BadInput(f"expected a number from 0 to 65535, not {item.command}", place=f"item {seq}: command")
         if not 0 <= item.frame <= 255:
-            raise BadInput(f"item {seq}: frame: expected a number from 0 to 255, not {item.frame}")
+            raise BadInput(f"expected a number from 0 to 255, not {item.frame}", place=f"item {seq}: frame")
         try:
             coordinate(item.latitude_deg, item.frame)
             coordinate(item.longitude_deg, item.frame)
         except BadInput as error:
-            raise BadInput(f"item {seq}: {error}") from None
+            raise error.at(f"item {seq}") from None
 
 
 def unpack_items(data: bytes) -> tuple[Item, ...]:

@@ -70,14 +70,18 @@ def connect(
         NotFlown: it is no multicopter of ArduPilot or PX4.
     """
     if log is not None:
-        raise BadInput("log: the mavsdk backend writes no .tlog; leave it out, or use the built-in backend")
+        raise BadInput(
+            "the mavsdk backend writes no .tlog; leave it out, or use the built-in backend",
+            code="backend-cannot",
+            place="log",
+        )
     mavsdk = imported("mavsdk", "MAVSDK is not installed", "mavsdk", LinkDown)
     address = parse_address(url)
     instance = mavsdk.Mavsdk(mavsdk.Configuration.create_with_component_type(mavsdk.ComponentType.GROUND_STATION))
     result = instance.add_any_connection(_spelled(address))
     if result.name != "SUCCESS":
         instance.destroy()
-        raise LinkDown(f"{address}: cannot be opened: {result.name}")
+        raise LinkDown(f"cannot be opened: {result.name}", code="link-not-opened", place=address)
     until = time.monotonic() + PRESENCE_S
     while time.monotonic() < until:
         for candidate in instance.get_systems():
@@ -89,7 +93,9 @@ def connect(
                     raise
         time.sleep(POLL_S)
     instance.destroy()
-    raise NoAnswer(f"{url}: no autopilot is heard", hint="is it running, and does it send to this address?")
+    raise NoAnswer(
+        "no autopilot is heard", hint="is it running, and does it send to this address?", code="not-heard", place=url
+    )
 
 
 def borrow(system: Any, log: object = None) -> "MavsdkVehicle":
@@ -100,7 +106,11 @@ def borrow(system: Any, log: object = None) -> "MavsdkVehicle":
         NoAnswer: it is silent.
     """
     if log is not None:
-        raise BadInput("log: the mavsdk backend writes no .tlog; leave it out, or use the built-in backend")
+        raise BadInput(
+            "the mavsdk backend writes no .tlog; leave it out, or use the built-in backend",
+            code="backend-cannot",
+            place="log",
+        )
     return MavsdkVehicle(None, system)
 
 
@@ -208,7 +218,7 @@ class MavsdkVehicle(Vehicle):
         kind = Kind(likely.mav_autopilot, QUADROTOR)  # until its heartbeat is heard
         super().__init__(line, Found(int(system.get_system_id()), kind, armed=False, is_ready=True))
         if not self._hold(until(lambda: Heartbeat in self.state.heard, PRESENCE_S)):
-            raise NoAnswer(f"vehicle {self.system}: no heartbeat is heard")
+            raise NoAnswer("no heartbeat is heard", code="not-heard", place=f"vehicle {self.system}")
         if not reading and self.state.kind is not None and not self.state.kind.is_flown:
             raise NotFlown(self.state.kind, f"vehicle {self.system}")
 
@@ -226,13 +236,13 @@ class MavsdkVehicle(Vehicle):
             except MissionRefused as refusal:
                 if refusal.result != Result.OPERATION_CANCELLED or not interrupt.take():
                     raise
-                raise Cancelled(f"cancelled: the vehicle keeps the {name} it had") from None
+                raise Cancelled(f"cancelled: the vehicle keeps the {name} it had", holds="old") from None
             difference = compare(items, self.download_items(kind), self.autopilot)
             if difference is not None:
                 raise ReadBackDiffers(kind, difference)
             count(progress, len(items), len(items))
             if interrupt.take():
-                raise Cancelled(f"cancelled too late: the vehicle holds the whole new {name}")
+                raise Cancelled(f"cancelled too late: the vehicle holds the whole new {name}", holds="new")
         if self.autopilot.manners.judges_later and kind == MissionType.MISSION and items:
             self._expect_flyable()
             again = compare(items, self.download_items(kind), self.autopilot)

@@ -49,10 +49,16 @@ def unpack_mission(data: bytes) -> tuple[Item, ...]:
         MissionError: this is no such file, or it breaks off.
     """
     if len(data) < HEADER.size or HEADER.unpack_from(data)[0] != MAGIC:
-        raise MissionError("mission file: expected ArduPilot's mission.dat, but it does not begin like one")
+        raise MissionError(
+            "expected ArduPilot's mission.dat, but it does not begin like one",
+            code="wrong-format",
+            place="mission file",
+        )
     count = HEADER.unpack_from(data)[4]
     if len(data) != HEADER.size + count * PAYLOAD_BYTES:
-        raise MissionError(f"mission file: expected {count} items, but it has {len(data)} bytes")
+        raise MissionError(
+            f"expected {count} items, but it has {len(data)} bytes", code="wrong-format", place="mission file"
+        )
     return unpack_items(data[HEADER.size :])
 
 
@@ -75,12 +81,14 @@ def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[int]:
         closing = yield from write_file(MISSION_FILE, pack_mission(job.items, job.kind), note)
     except (Cancelled, TimeUp) as broken_off:  # a file that is not closed is not taken
         raise type(broken_off)(
-            f"{broken_off}: the vehicle keeps the mission it had", hint=f"{done} of {total} items had been sent"
+            f"{broken_off}: the vehicle keeps the mission it had",
+            hint=f"{done} of {total} items had been sent",
+            holds="old",
         ) from None
     try:
         return (yield from _settle(job, closing))
     except TimeUp as late:
-        raise TimeUp(f"{late}: the vehicle holds a whole mission, the old or the new one") from None
+        raise TimeUp(f"{late}: the vehicle holds a whole mission, the old or the new one", holds="either") from None
     except Cancelled:
         raise (yield from _cancelled_late(job, closing)) from None
 
@@ -90,11 +98,16 @@ def _cancelled_late(job: Upload, closing: FileMessage) -> Dialogue[Cancelled]:
     try:
         yield from _settle(job, closing)
     except FileRefused:
-        return Cancelled("cancelled: the vehicle keeps the mission it had")
+        return Cancelled("cancelled: the vehicle keeps the mission it had", holds="old")
     except (NoAnswer, TimeUp, ReadBackDiffers, Unsettled):
-        return Cancelled("cancelled: the vehicle holds a whole mission, the old or the new one, and does not say which")
+        return Cancelled(
+            "cancelled: the vehicle holds a whole mission, the old or the new one, and does not say which",
+            holds="either",
+        )
     return Cancelled(
-        "cancelled too late: the vehicle holds the whole new mission", hint="clear it if it must not be flown"
+        "cancelled too late: the vehicle holds the whole new mission",
+        hint="clear it if it must not be flown",
+        holds="new",
     )
 
 

@@ -83,7 +83,7 @@ def obeyed(one: CommandLong) -> Dialogue[tuple[int, str]]:
                     yield from listen_for_words(texts)
                 return result, str(texts)
             case None:
-                raise NoAnswer(f"command {number} was begun, but never ended")
+                raise NoAnswer(f"command {number} was begun, but never ended", code="command-not-ended")
             case _:
                 texts.note(heard)
 
@@ -107,7 +107,7 @@ def set_current(seq: int, restart: bool = False) -> Dialogue[None]:
         try:
             heard = yield step
         except NoAnswer:
-            raise NoAnswer(f"the vehicle did not go to item {seq}: is there one?") from None
+            raise NoAnswer(f"the vehicle did not go to item {seq}: is there one?", code="no-such-item") from None
         step = None
         if isinstance(heard, Current) and heard.seq == seq:
             return
@@ -216,12 +216,12 @@ def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[Non
     """
     found = yield from parameters([(name,)], autopilot)
     if name not in found:
-        raise NoAnswer(f"the vehicle has no parameter {name}")
+        raise NoAnswer(f"the vehicle has no parameter {name}", code="unknown-parameter")
     kind = found[name].param_type
     try:
         order = ParamSet(name, spelled_parameter(value, kind, autopilot), kind)
     except BadInput as error:
-        raise BadInput(f"{name}: {error}") from None
+        raise error.at(name) from None
     kept: float | None = None
     for seconds in SETTING_S:
         yield Remark(order)
@@ -234,7 +234,7 @@ def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[Non
             heard = yield None
     if kept is None:
         raise NoAnswer(f"the vehicle does not answer when {name} is to be {value:g}")
-    raise MissionError(f"{name}: the vehicle was to have {value:g}, and keeps {kept:g}")
+    raise MissionError(f"the vehicle was to have {value:g}, and keeps {kept:g}", code="parameter-kept", place=name)
 
 
 def parameter_value(heard: ParamValue, autopilot: Autopilot) -> float:

@@ -71,7 +71,7 @@ def await_booted(line: Carrier, system: int, state: VehicleState, until: float) 
     """
     while not state.booted:
         if line.now() >= until:
-            raise NoAnswer("the vehicle has not finished its start-up")
+            raise NoAnswer("the vehicle has not finished its start-up", code="not-started-up")
         for heard in autopilots_in(line.receive(until)).values():
             state.booted |= heard.system == system and heard.is_ready
 

@@ -14,7 +14,7 @@ import stat
 from enum import StrEnum
 from pathlib import Path
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, TooLarge, Unreadable
 from ipoa_mission.link.timestamps import Timestamps, own_timestamps
 
 log = logging.getLogger(__name__)
@@ -39,7 +39,7 @@ def read_key(path: str | Path) -> bytes:
         raw = path.read_bytes()
         mode = path.stat().st_mode
     except OSError as error:
-        raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
+        raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
     if os.name == "posix" and mode & (stat.S_IWGRP | stat.S_IWOTH):
         log.warning("%s: others than its owner may write this key: chmod 600 %s", path, path)
     return key_of(raw)
@@ -61,7 +61,7 @@ def key_of(secret: str | bytes) -> bytes:
     words = raw.rstrip(b"\r\n")
     if not is_text or not words.strip():
         what = "nothing" if not raw.strip() else f"{len(raw)} bytes that are no text"
-        raise BadInput(f"signing key: expected 64 hexadecimal digits, 32 bytes or a passphrase, not {what}")
+        raise BadInput(f"expected 64 hexadecimal digits, 32 bytes or a passphrase, not {what}", place="signing key")
     return hashlib.sha256(words).digest()
 
 
@@ -156,4 +156,4 @@ def persistent_signer(key: bytes, path: str | Path) -> Signer:
         timestamps = own_timestamps(path.with_stem(f"{path.stem}-{link_id}") if link_id else path)
         if timestamps is not None:
             return Signer(key, link_id, timestamps)
-    raise BadInput(f"{path}: expected no more than {MOST_SIGNERS} processes that sign at the same time")
+    raise TooLarge(f"expected no more than {MOST_SIGNERS} processes that sign at the same time", place=path)

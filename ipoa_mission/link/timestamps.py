@@ -10,7 +10,7 @@ import sys
 import weakref
 from pathlib import Path
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, Unwritable
 
 if sys.platform == "win32":
     import msvcrt
@@ -50,7 +50,7 @@ def own_timestamps(path: Path) -> Timestamps | None:
     try:
         file = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o600)
     except OSError as error:
-        raise BadInput(f"{path}: cannot be opened: {error.strerror}") from error
+        raise Unwritable(f"cannot be opened: {error.strerror}", place=path) from error
     try:
         _lock(file)
         words = os.read(file, DIGITS + 2).strip()
@@ -59,10 +59,10 @@ def own_timestamps(path: Path) -> Timestamps | None:
         return None
     except OSError as error:
         os.close(file)
-        raise BadInput(f"{path}: cannot be locked: {error.strerror}") from error
+        raise Unwritable(f"cannot be locked: {error.strerror}", place=path) from error
     if words and not (words.isdigit() and int(words) < MOST):
         os.close(file)
-        raise BadInput(f"{path}: expected a timestamp of MAVLink signing, not {words.decode('ascii', 'replace')!r}")
+        raise BadInput(f"expected a timestamp of MAVLink signing, not {words.decode('ascii', 'replace')!r}", place=path)
     return Timestamps(path, file, int(words or b"0"))
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import Unwritable
 from ipoa_mission.files import read_bytes
 from ipoa_mission.link.codec import frame_at, next_magic
 
@@ -31,7 +31,7 @@ class TlogWriter:
         try:
             self._file: BinaryIO = Path(path).open("wb", buffering=0)  # noqa: SIM115
         except OSError as error:
-            raise BadInput(f"{path}: cannot be written: {error.strerror}") from error
+            raise Unwritable(f"cannot be written: {error.strerror}", place=path) from error
 
     def write(self, frame: bytes, unix_s: float) -> None:
         """Add one frame."""

@@ -209,6 +209,7 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
             raise type(broken_off)(
                 f"{broken_off}: the vehicle holds the whole new {list_name(job.kind)}, verified",
                 hint="whether it finds it flyable was not waited for",
+                holds="new",
             ) from None
         if not (state == NO_MISSION and course.reports.agrees(job)):
             yield from _settle(job, course.reports)
@@ -236,7 +237,7 @@ def _expect_unchanged(job: Upload, reports: MissionReports) -> Dialogue[None]:
     except (Cancelled, TimeUp, NoAnswer) as broken_off:
         words = f"{broken_off}: the vehicle may no longer hold the {list_name(job.kind)} that was sent"
         raise type(broken_off)(
-            words, hint="it was verified, and not heard to speak of it since, or of another one"
+            words, hint="it was verified, and not heard to speak of it since, or of another one", holds="unknown"
         ) from None
     if (difference := job.difference(stored)) is not None:
         raise Replaced(job.kind, difference)
@@ -251,13 +252,16 @@ def _give_in(job: Upload, course: UploadState, progress: Progress) -> Dialogue[N
         raise Cancelled(
             f"cancelled: the vehicle had already dropped its old {name}, so the new one was completed",
             hint="it is whole and verified; clear it if it must not be flown",
+            holds="new",
         )
     yield from _withdraw(job.kind)
     if course.may_be_whole and (yield from _holds(job)):
         raise Cancelled(
-            f"cancelled too late: the vehicle holds the whole new {name}", hint="clear it if it must not be flown"
+            f"cancelled too late: the vehicle holds the whole new {name}",
+            hint="clear it if it must not be flown",
+            holds="new",
         )
-    raise Cancelled(f"cancelled: the vehicle keeps the {name} it had")
+    raise Cancelled(f"cancelled: the vehicle keeps the {name} it had", holds="old")
 
 
 def _holds(job: Upload) -> Dialogue[bool]:
@@ -267,7 +271,8 @@ def _holds(job: Upload) -> Dialogue[bool]:
     except (MissionRefused, NoAnswer):
         raise Cancelled(
             f"cancelled: the vehicle holds a whole {list_name(job.kind)}, the old or the new one, "
-            "but does not answer when asked which"
+            "but does not answer when asked which",
+            holds="either",
         ) from None
     return job.difference(stored) is None
 

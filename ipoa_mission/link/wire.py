@@ -43,7 +43,7 @@ def coordinate(degrees: float, frame: int) -> int:
     scaled = degrees * _scale(frame)
     value = round(scaled) if math.isfinite(scaled) else INT32_MAX + 1
     if not -INT32_MAX <= value < INT32_MAX:
-        raise BadInput(f"coordinate: expected one that fits MAVLink's 32 bits, not {degrees}")
+        raise BadInput(f"expected one that fits MAVLink's 32 bits, not {degrees}", place="coordinate")
     return value
 
 
