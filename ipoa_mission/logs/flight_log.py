@@ -9,7 +9,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.errors import BadInput, MissionError, WrongSuffix
 from ipoa_mission.link.logbook import FlightRecord, Logbook
 from ipoa_mission.link.messages import Current, Heartbeat, Message, ParamValue
 from ipoa_mission.link.telemetry import HomePosition, Position, SystemTime
@@ -104,7 +104,11 @@ def read_flight(path: str | Path, mission: Mission, system: int | None = None) -
     """
     log = read_flights(path, system)
     if log.autopilot is not mission.autopilot:
-        raise MissionError(f"{path}: expected a log of {mission.autopilot.firmware_name}, as the mission is for")
+        raise MissionError(
+            f"expected a log of {mission.autopilot.firmware_name}, as the mission is for",
+            code="other-autopilot",
+            place=path,
+        )
     flown = [flight for flight in log.flights if flight.in_mission]
     if not flown:
         raise _nothing_flown(path, log)
@@ -123,13 +127,17 @@ def read_flights(path: str | Path, system: int | None = None) -> FlightLog:
     path = Path(path)
     written = log_format(path.suffix)
     if written is not None and system is not None:
-        raise BadInput(f"{path}: expected a .tlog with --system {system}: a log from on board holds one vehicle")
+        raise BadInput(
+            f"expected a .tlog with --system {system}: a log from on board holds one vehicle",
+            code="other-vehicle",
+            place=path,
+        )
     if written is not None:
         log = written.read(path)
     elif path.suffix.lower() == ".tlog":
         log = read_telemetry_log(path, system)
     else:
-        raise BadInput(f"{path}: expected a log whose name ends in .tlog, .bin or .ulg")
+        raise WrongSuffix("expected a log whose name ends in .tlog, .bin or .ulg", place=path)
     mode = log.autopilot.modes.mission
     stretches = list(_stretches(log))
     flights = [stretch for stretch in stretches if stretch.flew_in(mode) or stretch.rose]
@@ -148,7 +156,7 @@ def read_flights(path: str | Path, system: int | None = None) -> FlightLog:
 
 def _nothing_flown(path: str | Path, log: FlightLog) -> MissionError:
     words = [f"nothing in it was flown in {log.autopilot.firmware_name}'s mission mode", *log.remarks]
-    return MissionError(f"{path}: {'; '.join(words)}", hint="is it the log of this flight?")
+    return MissionError(f"{'; '.join(words)}", hint="is it the log of this flight?", code="nothing-flown", place=path)
 
 
 @dataclass

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import LogUseless
 from ipoa_mission.geometry import Points, Vector
 
 Battery = tuple[float, float, float]  # time [s], volts, amperes; NaN or negative where they are not measured
@@ -55,7 +55,7 @@ class Measured:
             else:
                 given.append((sound[:, 0], sound[:, 1] * amperes))
         if not given:
-            raise MissionError(reasons[0] if reasons else "it has no battery's voltage and current")
+            raise LogUseless(reasons[0] if reasons else "it has no battery's voltage and current")
         times = given[0][0]
         return np.column_stack([times, sum(np.interp(times, at, watts) for at, watts in given)])
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, NothingThere
 from ipoa_mission.geometry import Vector
 from ipoa_mission.link.codec import Codec, Heard
 from ipoa_mission.link.messages import (
@@ -128,12 +128,14 @@ def _others(kinds: Mapping[int, Kind], chosen: int) -> Iterator[str]:
 
 def _not_in(path: Path, kinds: Mapping[int, Kind], system: int | None) -> BadInput:
     if not kinds:
-        return BadInput(f"{path}: expected a .tlog with an autopilot's heartbeat, but there is none")
+        return NothingThere("expected a .tlog with an autopilot's heartbeat, but there is none", place=path)
     if system is not None and system not in kinds:
-        return BadInput(f"{path}: expected system {system}, but it holds {_listed(kinds)}")
+        return BadInput(f"expected system {system}, but it holds {_listed(kinds)}", code="other-vehicle", place=path)
     kind = str(kinds[system] if system is not None else next(iter(kinds.values())))
     held = f": it holds {_listed(kinds)}" if len(kinds) > 1 else ""
-    return BadInput(f"{path}: expected the log of a multicopter, not of {with_article(kind)}{held}")
+    return BadInput(
+        f"expected the log of a multicopter, not of {with_article(kind)}{held}", code="other-vehicle", place=path
+    )
 
 
 def _is_autopilot(heard: Heard) -> bool:

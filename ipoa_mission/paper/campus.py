@@ -6,7 +6,7 @@ campus of our own with start and goal as far apart, at the same 15 m/s, in strai
 
 import numpy as np
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, UnknownName
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
@@ -45,10 +45,10 @@ def campus_problem(case: str, dimension: int) -> Problem:
         BadInput: the case is not "campus", or the dimension is not three an inner control point.
     """
     if case != "campus":
-        raise BadInput(f"case: expected campus, not {case!r}")
+        raise UnknownName(f"expected campus, not {case!r}", place="case")
     scenario = campus_scenario()
     if dimension != 3 * scenario.planning.control_points:
-        raise BadInput(f"dimension: expected {3 * scenario.planning.control_points}, not {dimension}")
+        raise BadInput(f"expected {3 * scenario.planning.control_points}, not {dimension}", place="dimension")
     problem = path_problem(scenario)
 
     def measure(optimum: Optimum) -> Measures:

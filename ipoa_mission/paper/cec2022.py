@@ -5,7 +5,7 @@
 
 import numpy as np
 
-from ipoa_mission.errors import BadInput, imported
+from ipoa_mission.errors import BadInput, UnknownName, imported
 from ipoa_mission.optimize.search import Box, Candidates, Costs
 from ipoa_mission.paper.problem import Problem
 
@@ -23,9 +23,9 @@ def cec2022(function: str, dimension: int) -> Problem:
         MissionError: minionpy is not installed.
     """
     if function not in FUNCTIONS:
-        raise BadInput(f"function: expected f1 to f12, not {function!r}")
+        raise UnknownName(f"expected f1 to f12, not {function!r}", place="function")
     if dimension not in DIMENSIONS:
-        raise BadInput(f"dimension: expected 10 or 20, not {dimension}")
+        raise BadInput(f"expected 10 or 20, not {dimension}", place="dimension")
     cec = imported("minionpy.cec", "the CEC2022 functions need minionpy, which is not installed", "paper")
     number = FUNCTIONS.index(function)
     raw = cec.CEC2022Functions(number + 1, dimension)

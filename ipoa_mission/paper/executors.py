@@ -20,34 +20,42 @@ def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> I
         MissionError: Dask distributed is not installed, nobody answers at `address`, or whoever ran trials was lost.
     """
     if jobs < 1:
-        raise BadInput(f"jobs: expected at least 1, not {jobs}")
+        raise BadInput(f"expected at least 1, not {jobs}", place="jobs")
     if address is None:
         try:
             with ProcessPoolExecutor(jobs, initializer=_leave_ctrl_c_to_the_parent) as pool:
                 yield pool
         except BrokenProcessPool as error:
             raise MissionError(
-                "a process that ran trials was killed", hint="by lack of memory, perhaps; the same command goes on"
+                "a process that ran trials was killed",
+                hint="by lack of memory, perhaps; the same command goes on",
+                code="cluster-lost",
             ) from error
         return
     needed = "an executor on a cluster needs Dask distributed, which is not installed"
     distributed = imported("distributed", needed, "cluster")
     if "://" not in address:
-        raise BadInput(f"executor: expected a scheduler such as tcp://10.0.0.1:8786, not {address!r}")
+        raise BadInput(f"expected a scheduler such as tcp://10.0.0.1:8786, not {address!r}", place="executor")
     try:
         client = distributed.Client(address, timeout=patience_s, set_as_default=False)
     except ValueError as error:
-        raise BadInput(f"executor: expected a scheduler such as tcp://10.0.0.1:8786, not {address!r}") from error
+        raise BadInput(
+            f"expected a scheduler such as tcp://10.0.0.1:8786, not {address!r}", place="executor"
+        ) from error
     except OSError as error:
         raise MissionError(
-            f"no Dask scheduler answers at {address}", hint="start one with: dask scheduler, and workers beside it"
+            f"no Dask scheduler answers at {address}",
+            hint="start one with: dask scheduler, and workers beside it",
+            code="cluster-lost",
         ) from error
     try:
         with client, client.get_executor(pure=False, retries=10) as pool:
             yield pool
     except (CancelledError, distributed.KilledWorker) as error:
         raise MissionError(
-            f"the cluster at {address} was lost while it ran trials", hint="the same command goes on where it stopped"
+            f"the cluster at {address} was lost while it ran trials",
+            hint="the same command goes on where it stopped",
+            code="cluster-lost",
         ) from error
 
 

@@ -6,7 +6,7 @@ absolute coordinates, its cost summed over nodes, one search and no polish.
 
 import numpy as np
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, UnknownName
 from ipoa_mission.files import packed
 from ipoa_mission.geometry import polyline_length, turning_angles
 from ipoa_mission.optimize.search import Optimum
@@ -33,7 +33,7 @@ def map_problem(case: str, dimension: int) -> Problem:
         BadInput: there is no such map, no such experiment, or the dimension is not three an inner control point.
     """
     if dimension != 3 * INNER:
-        raise BadInput(f"dimension: expected {3 * INNER}, not {dimension}")
+        raise BadInput(f"expected {3 * INNER}, not {dimension}", place="dimension")
     return path_problem(map_scenario(case))
 
 
@@ -46,7 +46,7 @@ def map_scenario(case: str) -> Scenario:
     name, _, experiment = case.partition("/")
     weights = {str(number): omega for number, omega in WEIGHTS.items()}.get(experiment or "1")
     if name not in MAPS or weights is None:
-        raise BadInput(f"case: expected one of {', '.join(MAPS)}, perhaps with /1, /2 or /3, not {case!r}")
+        raise UnknownName(f"expected one of {', '.join(MAPS)}, perhaps with /1, /2 or /3, not {case!r}", place="case")
     scenario = paper_scenario(name)
     return scenario.model_copy(update={"cost": scenario.cost.model_copy(update={"omega": weights})})
 

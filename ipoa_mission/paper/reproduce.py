@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, UnknownName
 from ipoa_mission.files import write_atomically
 from ipoa_mission.paper import beyond, figures, function_tables, map_tables
 from ipoa_mission.paper.campus import campus_scenario
@@ -89,9 +89,9 @@ def reproduce(
     if what != "all" and what not in ITEMS:
         close = get_close_matches(what, [*ITEMS, "all"], n=1)
         meant = f" (did you mean {close[0]!r}?)" if close else ""
-        raise BadInput(f"what: expected {', '.join(ITEMS)} or all, not {what!r}{meant}")
+        raise UnknownName(f"expected {', '.join(ITEMS)} or all, not {what!r}{meant}", place="what")
     if runs is not None and runs < 1:
-        raise BadInput(f"runs: expected at least 1, not {runs}")
+        raise BadInput(f"expected at least 1, not {runs}", place="runs")
     names = list(ITEMS) if what == "all" else [what]
     rows = _measure({s.name: s for name in names for s in ITEMS[name].needs}, runs, out, jobs, executor, progress)
     made = {name: ITEMS[name].make(rows) for name in names}

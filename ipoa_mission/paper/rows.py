@@ -16,7 +16,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.errors import MissionError, WrongFormat
 from ipoa_mission.files import read_text
 from ipoa_mission.paper.problem import Measures
 
@@ -101,7 +101,7 @@ def read_rows(path: Path) -> list[TrialRow]:
     if lines and not lines[-1].endswith("\n"):
         lines.pop()
     if lines and lines[0].rstrip("\n") != ",".join(_COLUMNS):
-        raise BadInput(f"{path}:1: expected the columns {','.join(_COLUMNS)}")
+        raise WrongFormat(f"{path}:1: expected the columns {','.join(_COLUMNS)}")
     return list(_rows(path, lines[1:]))
 
 
@@ -114,7 +114,7 @@ def _rows(path: Path, lines: Sequence[str]) -> Iterator[TrialRow]:
             curve = tuple(float(h) for h in history.split())
             yield TrialRow(trial, float(cost), int(spent), float(seconds), curve, json.loads(measures), day, versions)
         except ValueError as error:
-            raise BadInput(f"{path}:{number}: expected {len(_COLUMNS)} cells of a run: {error}") from error
+            raise WrongFormat(f"{path}:{number}: expected {len(_COLUMNS)} cells of a run: {error}") from error
 
 
 def line_of(row: TrialRow) -> str:
@@ -163,6 +163,8 @@ def _claim(file: io.TextIOWrapper, path: Path) -> None:
     except BlockingIOError as error:
         file.close()
         raise MissionError(
-            f"{path}: another process is adding runs to it",
+            "another process is adding runs to it",
             hint="wait until it is done, or keep these elsewhere: --out",
+            code="in-use",
+            place=path,
         ) from error

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import UnknownName
 from ipoa_mission.optimize.registry import build_optimizer
 from ipoa_mission.optimize.search import Optimum, minimize
 from ipoa_mission.paper.campus import campus_problem
@@ -42,7 +42,7 @@ def run_trial(trial: Trial) -> TrialRow:
         BadInput: no such problem, algorithm or setting.
     """
     if trial.problem not in PROBLEMS:
-        raise BadInput(f"problem: expected {' or '.join(PROBLEMS)}, not {trial.problem!r}")
+        raise UnknownName(f"expected {' or '.join(PROBLEMS)}, not {trial.problem!r}", place="problem")
     with threadpool_limits(1, "blas"):  # runs are spread over processes, and on two threads sums end in other digits
         return _run(trial)
 

@@ -20,7 +20,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
 from matplotlib.ticker import MaxNLocator
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import WrongSuffix
 from ipoa_mission.files import write_atomically
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.report import palette
@@ -97,7 +97,7 @@ def write_picture(figure: Figure, path: str | Path) -> None:
         ".pdf": {"CreationDate": None, "Creator": None, "Producer": None},
     }
     if path.suffix not in nothing_dated:
-        raise BadInput(f"{path}: expected a name that ends in .png, .svg or .pdf")
+        raise WrongSuffix("expected a name that ends in .png, .svg or .pdf", place=path)
     buffer = io.BytesIO()
     with matplotlib.rc_context(dict(STYLE)):
         figure.savefig(buffer, format=path.suffix[1:], metadata=nothing_dated[path.suffix])

@@ -38,10 +38,10 @@ class Faults:
     def __post_init__(self) -> None:
         for name in ("loss", "duplicate", "reorder"):
             if not 0.0 <= getattr(self, name) <= 1.0:
-                raise BadInput(f"{name}: expected a probability from 0 to 1, not {getattr(self, name)}")
+                raise BadInput(f"expected a probability from 0 to 1, not {getattr(self, name)}", place=name)
         for name in ("delay_s", "reorder_s"):
             if not 0.0 <= getattr(self, name) < 60.0:
-                raise BadInput(f"{name}: expected 0 to 60 seconds, not {getattr(self, name)}")
+                raise BadInput(f"expected 0 to 60 seconds, not {getattr(self, name)}", place=name)
 
     @property
     def is_none(self) -> bool:

@@ -37,7 +37,7 @@ def serve(
         BadInput, LinkDown: the link cannot be opened.
     """
     if not 0.01 <= speedup <= 1000.0:
-        raise BadInput(f"speedup: expected 0.01 to 1000, not {speedup}")
+        raise BadInput(f"expected 0.01 to 1000, not {speedup}", place="speedup")
     channel = open_channel(url)
     try:
         station = Station(autopilot, system, signer, channel.datagrams)

@@ -70,7 +70,7 @@ def evidence_of(name: str, flight: LoggedFlight, mission: Mission | None = None)
     """
     flown = mission or flight.mission
     if flown is None:
-        raise MissionError(f"{name}: it does not say which mission was flown")
+        raise MissionError("it does not say which mission was flown", code="log-incomplete", place=name)
     version = flight.firmware_version or flown.firmware_version
     flown = replace(flown.with_parameters(flight.parameters), firmware_version=version)
     return evidence_between(name, flown, flight.record(flown).item_reached_s)
@@ -91,7 +91,9 @@ def evidence_between(name: str, mission: Mission, done_s: Mapping[int, float]) -
             done.append(at)
         met.add(visit.seq)
     if len(visits) < 2 or min(done_s) > 0:
-        raise MissionError(f"{name}: it knows when {len(visits)} of {len(mission.items)} items were done")
+        raise MissionError(
+            f"it knows when {len(visits)} of {len(mission.items)} items were done", code="log-incomplete", place=name
+        )
     seconds = np.diff(done, prepend=0.0)
     least, share, ending = mission.autopilot.part(FlightModel).scatter
     ends = np.array([brings_down(route.visits[n].item.command) for n in visits])

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import least_squares
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import LogUseless
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.logs.learn.evidence import Evidence, errors, scatter
@@ -46,7 +46,7 @@ def fit(flights: Sequence[Evidence]) -> LearnedVehicle:
     power = hover_power([flight.witness for flight in flights])
     powers = learned_powers([flight.witness.powers for flight in flights if flight.witness.powers is not None])
     if not told and power is None and not powers:
-        raise MissionError(
+        raise LogUseless(
             "the flights do not tell anything that sets this vehicle apart",
             hint="without attitudes in the log drag shows only near the top speed; fly faster, or give more logs",
         )

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import LogUseless, MissionError
 from ipoa_mission.logs.learn.evidence import Evidence
 from ipoa_mission.logs.learn.fit import fit
 from ipoa_mission.vehicles.learned import LearnedVehicle
@@ -33,7 +33,7 @@ def left_out(flights: Sequence[Evidence]) -> tuple[LeftOut, ...]:
         MissionError: fewer than two flights.
     """
     if len(flights) < 2:
-        raise MissionError("expected two flights or more: what one tells is judged by another")
+        raise LogUseless("expected two flights or more: what one tells is judged by another")
     judged = []
     for one in flights:
         try:

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import LogUseless
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.geometry import GRAVITY, Points, Vector
 from ipoa_mission.logs.learn.track import CLEAR, LoggedTrack
@@ -48,7 +48,7 @@ def drag_by_lean(attitude: Points, track: LoggedTrack, autopilot: Autopilot) -> 
         MissionError: there are no attitudes, or too little fast level flight.
     """
     if len(attitude) < 2 or np.ptp(attitude[:, 0]) < LEAST_S:
-        raise MissionError("it has no attitudes")
+        raise LogUseless("it has no attitudes")
     times = np.arange(attitude[0, 0], attitude[-1, 0], EVERY)
     angles = np.column_stack([np.interp(times, attitude[:, 0], np.unwrap(angle)) for angle in attitude[:, :0:-1].T])
     axes = Rotation.from_euler("ZYX", angles).as_matrix()  # columns ahead, right and down, each north, east, down
@@ -62,7 +62,7 @@ def drag_by_lean(attitude: Points, track: LoggedTrack, autopilot: Autopilot) -> 
     steady[:SMOOTHED] = steady[-SMOOTHED:] = False
     fast_s = (np.hypot(*velocity[steady, :2].T) > FAST).sum() * EVERY
     if fast_s < LEAST_S:
-        raise MissionError(f"it flies level at more than {FAST:g} m/s for {fast_s:.0f} s")
+        raise LogUseless(f"it flies level at more than {FAST:g} m/s for {fast_s:.0f} s")
     velocity, axes, held = velocity[steady], axes[steady], (pull - gained)[steady]
     airframe = autopilot.part(FlightModel).airframe(track.home_altitude)
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import LogUseless
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.logs.flight_log import LoggedFlight
@@ -38,6 +38,6 @@ def logged_track(flight: LoggedFlight) -> LoggedTrack:
     rows = np.array([(p.time_s - flight.armed_s, p.height, *p.velocity, p.altitude - p.height) for p in places])
     rows = rows[np.isfinite(rows).all(axis=1)] if len(rows) else np.empty((0, 6))
     if not len(rows) or np.ptp(rows[:, 0]) > LONGEST_S:
-        raise MissionError("it has no positions" if not len(rows) else "its clock is wrong")
+        raise LogUseless("it has no positions" if not len(rows) else "its clock is wrong")
     rows = rows[np.unique(rows[:, 0], return_index=True)[1]]
     return LoggedTrack(rows[:, 0], rows[:, 1], rows[:, 2:5], float(rows[0, 5]))

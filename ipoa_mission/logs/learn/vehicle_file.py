@@ -5,7 +5,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, TooLarge, WrongFormat
 from ipoa_mission.files import read_bytes
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
@@ -64,13 +64,13 @@ def read_vehicle(path: Path, autopilot: Autopilot | None = None) -> LearnedVehic
     """
     text = read_bytes(path, LARGEST + 1)
     if len(text) > LARGEST:
-        raise BadInput(f"{path}: expected a vehicle.toml of at most {LARGEST} bytes")
+        raise TooLarge(f"expected a vehicle.toml of at most {LARGEST} bytes", place=path)
     try:
         found = tomllib.loads(text.decode())
     except (ValueError, RecursionError) as error:
-        raise BadInput(f"{path}: expected TOML: {error}") from error
+        raise WrongFormat(f"expected TOML: {error}", place=path) from error
     for key in found.keys() - PLAIN - set(NUMBERS):
-        raise BadInput(f"{path}: {key}: expected one of {', '.join(sorted([*PLAIN, *NUMBERS]))}")
+        raise BadInput(f"expected one of {', '.join(sorted([*PLAIN, *NUMBERS]))}", place=f"{path}: {key}")
     return _vehicle(path, found, autopilot)
 
 
@@ -79,16 +79,16 @@ def _vehicle(path: Path, found: dict[str, Any], autopilot: Autopilot | None) -> 
     known = {one.name: one for one in registered()}
     if name not in known:
         names = " or ".join(f'"{one}"' for one in sorted(known))
-        raise BadInput(f"{path}: autopilot: expected {names}, not {name!r:.40}")
+        raise BadInput(f"expected {names}, not {name!r:.40}", place=f"{path}: autopilot")
     flies = known[name]
     if autopilot not in (None, flies):
-        raise BadInput(f"{path}: expected a vehicle with {autopilot}, not with {name}")
+        raise BadInput(f"expected a vehicle with {autopilot}, not with {name}", code="other-autopilot", place=path)
     kinds: dict[str, tuple[type, Any]] = {"version": (str, ""), "flights": (int, 0)}
     plain: dict[str, Any] = {}
     for key, (kind, otherwise) in kinds.items():
         plain[key] = found.get(key, otherwise)
         if type(plain[key]) is not kind:
-            raise BadInput(f"{path}: {key}: expected {kind.__name__}, not {plain[key]!s:.40}")
+            raise BadInput(f"expected {kind.__name__}, not {plain[key]!s:.40}", place=f"{path}: {key}")
     numbers = {key: _learned(path, key, found[key]) for key in NUMBERS if key in found}
     return LearnedVehicle(flies, **plain).with_numbers(numbers)
 
@@ -96,13 +96,13 @@ def _vehicle(path: Path, found: dict[str, Any], autopilot: Autopilot | None) -> 
 def _learned(path: Path, name: str, given: Any) -> Learned:
     keys = [field.name for field in fields(Learned)]
     if not isinstance(given, dict) or given.keys() != set(keys):
-        raise BadInput(f"{path}: {name}: expected {', '.join(keys)}")
+        raise BadInput(f"expected {', '.join(keys)}", place=f"{path}: {name}")
     least, most = (0.0 if name in POSITIVE else -MOST[name]), MOST[name]
     for key in keys:
         value = given[key]
         is_number = isinstance(value, int | float) and not isinstance(value, bool)
         if not is_number or not least <= value <= most or (key == "value" and name in POSITIVE and value <= 0):
-            raise BadInput(f"{path}: {name}.{key}: expected a number up to {most:g}, not {value!s:.40}")
+            raise BadInput(f"expected a number up to {most:g}, not {value!s:.40}", place=f"{path}: {name}.{key}")
     if not given["low"] <= given["value"] <= given["high"]:
-        raise BadInput(f"{path}: {name}: expected low, value and high in this order")
+        raise BadInput("expected low, value and high in this order", place=f"{path}: {name}")
     return Learned(*(float(given[key]) for key in keys))

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.special import stdtrit
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import LogUseless, MissionError
 from ipoa_mission.logs.flight_log import LoggedFlight
 from ipoa_mission.logs.learn.lean import drag_by_lean
 from ipoa_mission.logs.learn.powers import PowerSeconds
@@ -69,7 +69,7 @@ def _in_hover(times: np.ndarray, watts: np.ndarray, track: LoggedTrack) -> float
     hovers &= heights > CLEAR
     lasts = np.gradient(times)[hovers]
     if lasts.sum() < LEAST_S:
-        raise MissionError(f"it hovers, or flies slowly and level, for {lasts.sum():.0f} s")
+        raise LogUseless(f"it hovers, or flies slowly and level, for {lasts.sum():.0f} s")
     return float(watts[hovers] @ lasts / lasts.sum())
 
 

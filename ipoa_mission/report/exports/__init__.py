@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ipoa_mission.checks.positions import refuse_unsound
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import WrongSuffix
 from ipoa_mission.files import write_atomically
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission
@@ -43,7 +43,7 @@ def write_export(mission: Mission, path: str | Path, scenario: "Scenario | None"
     """
     path = Path(path)
     if path.suffix.lower() not in EXPORTS:
-        raise BadInput(f'{path}: expected a name that ends in {", ".join(EXPORTS)}, not in "{path.suffix}"')
+        raise WrongSuffix(f'expected a name that ends in {", ".join(EXPORTS)}, not in "{path.suffix}"', place=path)
     write_atomically(path, forecast_text(Forecast(mission, scenario), path.suffix.lower(), path.stem))
 
 
