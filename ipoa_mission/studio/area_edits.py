@@ -6,7 +6,7 @@ from typing import Any
 import shapely
 import tomlkit
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, InvalidRing
 from ipoa_mission.scenario.survey import USUAL_HEIGHT, USUAL_SPACING
 from ipoa_mission.studio.moves import Move, local_of
 from ipoa_mission.studio.requests import AddCorner, AreaChange, DrawArea, MapArea, OwnArea, PutCorner
@@ -71,7 +71,7 @@ def take_of_area(document: MutableMapping[str, Any], path: Path) -> None:
     if path[:-1] in ring_paths:
         ring, at, mate = _corner(document, path)
         if len(ring) - len(mate) <= LEAST_CORNERS[str(path[1])]:
-            raise BadInput(f"expected {LEAST_CORNERS[str(path[1])]} corners or more", hint="take the whole area out")
+            raise InvalidRing(f"expected {LEAST_CORNERS[str(path[1])]} corners or more", hint="take the whole area out")
         del ring[at]
         if mate:  # a ring that is written closed stays so
             ring[-1] = tomlkit.item(list(ring[0])) if at == 0 else ring[-1]
@@ -80,7 +80,7 @@ def take_of_area(document: MutableMapping[str, Any], path: Path) -> None:
     if len(path) == 4 and last == 0:  # without its outline nothing is left of it
         here, last = _at(document, path[:-2]), path[-2]
     if len(path) < 3 or len(here) < 2 or (len(path) == 3 and last == 0 and path in ring_paths):
-        raise BadInput("expected some area to be left", hint="take the survey out")
+        raise InvalidRing("expected some area to be left", hint="take the survey out")
     del here[last]
 
 
@@ -148,7 +148,7 @@ def _put_hole(document: MutableMapping[str, Any], ring: list[list[float]]) -> No
                 (polygon if depth_of(polygon) == 3 else polygon[n]).append(ring)
             return
     hint = "draw an area first" if "survey" not in document else "one of a map is drawn here first: Edit it here"
-    raise BadInput("hole: expected in an area that this scenario draws", hint=hint)
+    raise BadInput("expected in an area that this scenario draws", hint=hint, place="hole")
 
 
 def _shaped(document: MutableMapping[str, Any], key: str, shape: Any) -> None:

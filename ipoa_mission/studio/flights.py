@@ -40,7 +40,7 @@ class FlightDesk:
             MissionError: a flight is under way.
         """
         if self.is_busy:
-            raise MissionError("a flight is under way", hint="let it end, or stop watching it")
+            raise MissionError("a flight is under way", hint="let it end, or stop watching it", code="flight-under-way")
         self._loaded, self._is_over = None, False
         self._task = asyncio.create_task(self._fly(request, hand_over, name))
 
@@ -51,7 +51,9 @@ class FlightDesk:
             MissionError: a flight is under way.
         """
         if self.is_busy:
-            raise MissionError("a flight is under way: nothing else is listened to", hint="let it end")
+            raise MissionError(
+                "a flight is under way: nothing else is listened to", hint="let it end", code="flight-under-way"
+            )
         self._task = asyncio.create_task(self._listen(link))
 
     async def start(self, request: Start) -> None:
@@ -61,13 +63,15 @@ class FlightDesk:
             MissionError: nothing is loaded, or not this; or the scenario is another one by now.
         """
         if self._loaded is None:
-            raise MissionError("not started: no mission is loaded", hint="upload first")
+            raise MissionError("not started: no mission is loaded", hint="upload first", code="upload-again")
         if self._loaded["revision"] != self._document.revision:
-            raise MissionError("not started: it was changed after the upload", hint="upload again")
+            raise MissionError("not started: it was changed after the upload", hint="upload again", code="upload-again")
         for what in ("vehicle", "mission", "proof"):
             named, there = getattr(request, what), self._loaded[what]
             if named != there:
-                raise MissionError(f"not started: {what} is {there!r}, not {named!r}", hint="upload again")
+                raise MissionError(
+                    f"not started: {what} is {there!r}, not {named!r}", hint="upload again", code="upload-again"
+                )
         self._loaded = None
         await self._process.send(request.model_dump(mode="json"))
 
@@ -78,7 +82,9 @@ class FlightDesk:
             MissionError: none flies.
         """
         if not self._flies:
-            raise MissionError(f"no {WORDS[request.what]}: nothing flies", hint="start a flight first")
+            raise MissionError(
+                f"no {WORDS[request.what]}: nothing flies", hint="start a flight first", code="not-in-the-air"
+            )
         await self._process.send(request.model_dump(mode="json"))
 
     @property

@@ -114,7 +114,7 @@ class Lobby:
         if asked in [one.path for one in told.examples]:
             return keep(Path(asked).name, Path(asked).read_bytes(), self._folder, (SCENARIO,))
         if asked not in [one.path for one in (*told.recent, *told.here)]:
-            raise BadInput(f"{asked}: expected a file that the page has told", hint="drop it on the page")
+            raise BadInput("expected a file that the page has told", hint="drop it on the page", place=asked)
         return Path(asked)
 
 
@@ -151,5 +151,8 @@ def _mission_of(log: Path) -> Path:
             write_mission(mission, target)
             return target
     raise MissionError(
-        f"{log.name}: it does not say which mission was flown", hint="open the mission, and the log on it"
+        "it does not say which mission was flown",
+        hint="open the mission, and the log on it",
+        code="log-incomplete",
+        place=log.name,
     )

@@ -55,12 +55,14 @@ def _changed(mission: Mission, change: Change) -> Mission:
             return replace(mission, home=_moved(mission.home, change.put_down))
         case Put(path=("home", "altitude_amsl")) if isinstance(change.value, int | float):
             return replace(mission, home=replace(mission.home, altitude=float(change.value)))
-    raise BadInput(f"{change.op}: expected a change of a mission's items", hint="this is a mission file, no scenario")
+    raise BadInput(
+        "expected a change of a mission's items", hint="this is a mission file, no scenario", place=change.op
+    )
 
 
 def _item(mission: Mission, seq: int) -> Item:
     if not 1 <= seq <= len(mission.items):
-        raise BadInput(f"item {seq}: expected a number from 1 to {len(mission.items)}")
+        raise BadInput(f"expected a number from 1 to {len(mission.items)}", code="no-such-item", place=f"item {seq}")
     return mission.items[seq - 1]
 
 
@@ -74,13 +76,13 @@ def _put(item: Item, change: PutItem, mission: Mission) -> Item:
     value = math.nan if change.value is None else change.value
     if change.what in ("command", "frame"):
         if not (value.is_integer() and 0 <= value <= 65535):
-            raise BadInput(f"item {change.seq}: {change.what}: expected a whole number, not {value:g}")
+            raise BadInput(f"expected a whole number, not {value:g}", place=f"item {change.seq}: {change.what}")
         if change.what == "command":
             return replace(item, command=int(value), params=(0.0, 0.0, 0.0, item.params[3]))
         return _in_frame(item, int(value), mission)
     number = int(change.what.removeprefix("param"))
     if number > 4 and not math.isfinite(value):
-        raise BadInput(f"item {change.seq}: {change.what}: expected a number")
+        raise BadInput("expected a number", place=f"item {change.seq}: {change.what}")
     values = [value if n == number else old for n, old in enumerate(values_of(item), start=1)]
     p1, p2, p3, p4, latitude, longitude, altitude = values
     return replace(item, params=(p1, p2, p3, p4), latitude_deg=latitude, longitude_deg=longitude, altitude=altitude)

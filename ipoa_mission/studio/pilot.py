@@ -94,6 +94,7 @@ class FlightWorker:
                 raise MissionError(
                     f"not started: you named {what} {start.get(what)!r}, and it is {getattr(loaded, what)!r}",
                     hint="upload again",
+                    code="upload-again",
                 )
 
 

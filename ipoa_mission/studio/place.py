@@ -32,16 +32,16 @@ def place_of(words: str) -> tuple[float, float]:
         try:
             latitude, longitude = mgrs.MGRS().toLatLon("".join(told.split()).upper())
         except Exception as error:  # its own, of several classes
-            raise BadInput(f"place: {EXPECTED}, not {told!r}") from error
+            raise BadInput(f"{EXPECTED}, not {told!r}", place="place") from error
         place = (float(latitude), float(longitude))
     elif PLUS.fullmatch(told):
         codes = imported("openlocationcode.openlocationcode", "plus codes need openlocationcode", "studio")
         area = codes.decode(told.upper())
         place = (float(area.latitudeCenter), float(area.longitudeCenter))
     else:
-        raise BadInput(f"place: {EXPECTED}, not {told[:60]!r}")
+        raise BadInput(f"{EXPECTED}, not {told[:60]!r}", place="place")
     if not (abs(place[0]) <= 85 and abs(place[1]) <= 180):
         raise BadInput(
-            f"place: expected a latitude from -85 to 85 and a longitude from -180 to 180 degrees, not {told}"
+            f"expected a latitude from -85 to 85 and a longitude from -180 to 180 degrees, not {told}", place="place"
         )
     return place

@@ -176,7 +176,7 @@ class PlanWorker:
 
     def _expect_plan(self) -> Flight | Survey:
         if self._plan is None:
-            raise MissionError("there is no proved plan", hint="plan first")
+            raise MissionError("there is no proved plan", hint="plan first", code="not-planned")
         return self._plan
 
     def _expect_flight(self, order: Order) -> HandedOver:
@@ -185,7 +185,7 @@ class PlanWorker:
         if not isinstance(plan, Survey):
             return planned_over(plan)
         if not 0 <= n < len(plan.flights):
-            raise MissionError(f"flight {n + 1}: expected one of {len(plan.flights)}")
+            raise MissionError(f"expected one of {len(plan.flights)}", code="no-such-item", place=f"flight {n + 1}")
         return survey_over(plan, n)
 
     def jobs(self, _: object) -> Mapping[str, tuple[Job, Subject]]:

@@ -34,6 +34,8 @@ class Relay:
             return request
         if self._flown and not request.charged:
             words = f"{self._flown} was flown with the battery that is in: expected a charged one"
-            raise MissionError(words, hint="say that it is in, and that nobody is near the propellers")
+            raise MissionError(
+                words, hint="say that it is in, and that nobody is near the propellers", code="battery-flown"
+            )
         self._flown, self._link = "", request.link
         return request.model_copy(update={"system": request.system or self._systems.get(request.link)})

@@ -25,12 +25,12 @@ def replayed(log: Path, forecast: Forecast, revision: int) -> Replay:
     flown = _flights(str(log))
     flight = next((one for one in flown.flights if one.in_mission), None)
     if flight is None:
-        raise MissionError(f"{log.name}: nothing in it was flown in the mission mode")
+        raise MissionError("nothing in it was flown in the mission mode", code="log-incomplete", place=log.name)
     forecast = forecast.on(flight.firmware_version)
     record = flight.record(forecast.mission)
     track = flown_track(forecast.mission, record)
     if track is None:
-        raise MissionError(f"{log.name}: it has no positions")
+        raise MissionError("it has no positions", code="log-incomplete", place=log.name)
     held = compare_flight(forecast.estimate, record)
     shown = np.unique(np.linspace(0, len(track.times) - 1, min(MOST, len(track.times))).round().astype(int))
     several = len(flown.flights) > 1

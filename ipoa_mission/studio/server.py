@@ -155,7 +155,9 @@ def _listen(asked: int, before: int) -> socket.socket:
         try:
             return socket.create_server(("127.0.0.1", asked))
         except OSError as error:
-            raise BadInput(f"--port {asked}: cannot be had: {error.strerror}", hint="leave --port out") from error
+            raise BadInput(
+                f"cannot be had: {error.strerror}", hint="leave --port out", place=f"--port {asked}"
+            ) from error
     with suppress(OSError):
         return socket.create_server(("127.0.0.1", before))
     return socket.create_server(("127.0.0.1", 0))

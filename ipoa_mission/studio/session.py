@@ -187,7 +187,7 @@ class Session:
         """Open a mission that lies beside the scenario, in the scenario's world."""
         path = self.folder / Path(name).name
         if self._open_file is None or path.suffix.lower() not in MISSIONS:
-            raise MissionError(f"{path.name}: expected a mission")
+            raise MissionError("expected a mission", place=path.name)
         address = self._open_file(path, None if self.document.is_mission else self.document.path)
         window.tell(Elsewhere(address=address).model_dump(mode="json"))
 
@@ -293,7 +293,7 @@ class Session:
             return self.document.path.stem
         flights = self._latest["survey"]["flights"]
         if not flight < len(flights):
-            raise MissionError(f"flight {flight + 1}: expected one of {len(flights)}")
+            raise MissionError(f"expected one of {len(flights)}", code="no-such-item", place=f"flight {flight + 1}")
         return str(flights[flight]["plan"]["name"])
 
     def _expect_ready(self) -> None:
@@ -303,15 +303,16 @@ class Session:
             return
         checked = self._latest.get("checked")
         if checked is None or checked["revision"] != self.document.revision:
-            raise MissionError("the mission as it is now was not checked yet", hint="wait for it")
+            raise MissionError("the mission as it is now was not checked yet", hint="wait for it", code="not-checked")
         if checked["timeless"] is not None:
-            raise MissionError(f"it cannot be flown: {checked['timeless']}")
+            raise MissionError(f"it cannot be flown: {checked['timeless']}", code="no-time")
 
     def _expect_proved(self) -> None:
         """Raise MissionError unless the scenario as it is now has a proved plan."""
         plans = (self._latest.get(kind) for kind in ("plan", "survey"))
         if not any(plan is not None and plan["revision"] == self.document.revision for plan in plans):
-            raise MissionError("there is no proved plan of the scenario as it is now", hint="wait for it, or mend it")
+            words = "there is no proved plan of the scenario as it is now"
+            raise MissionError(words, hint="wait for it, or mend it", code="not-planned")
 
     async def _ask(
         self, process: Process, order: dict[str, Any], tell: Callable[[dict[str, Any]], None] | None = None

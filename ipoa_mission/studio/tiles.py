@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 from urllib.parse import quote, urlsplit
 
-from ipoa_mission.errors import BadInput, imported
+from ipoa_mission.errors import BadInput, NothingThere, WrongFormat, imported
 from ipoa_mission.studio import answers, memory
 
 Read: TypeAlias = Callable[[int, int, int], bytes | None]
@@ -70,7 +70,8 @@ def open_tiles(source: str, attribution: str | None = None) -> TileSource:
     path = Path(source)
     if path.suffix.lower() not in (MBTILES, PMTILES) or not path.is_file():
         raise BadInput(
-            f"--tiles: {source}: expected an address with {{z}}, {{x}} and {{y}}, or a file: {MBTILES} or {PMTILES}"
+            f"expected an address with {{z}}, {{x}} and {{y}}, or a file: {MBTILES} or {PMTILES}",
+            place=f"--tiles: {source}",
         )
     return _of_mbtiles(path, attribution) if path.suffix.lower() == MBTILES else _of_pmtiles(path, attribution)
 
@@ -90,7 +91,7 @@ def _of_server(address: str, attribution: str | None) -> TileSource:
     parts = urlsplit(address)
     origin = f"{parts.scheme}://{parts.netloc}"
     if not ORIGIN.fullmatch(origin) or not all(key in address for key in ("{z}", "{x}", "{y}")):
-        raise BadInput(f"--tiles: {address}: expected http(s)://HOST/... with {{z}}, {{x}} and {{y}} in it")
+        raise BadInput("expected http(s)://HOST/... with {z}, {x} and {y} in it", place=f"--tiles: {address}")
     is_vector = parts.path.rpartition(".")[2].lower() in VECTOR
     deepest = DEEPEST_VECTOR if is_vector else DEEPEST
     return TileSource(_shown(address, attribution or parts.netloc, (0, deepest), is_vector), origin=origin)
@@ -102,7 +103,7 @@ def _of_mbtiles(path: Path, attribution: str | None) -> TileSource:
             with closing(sqlite3.connect(f"file:{quote(str(path))}?mode=ro", uri=True)) as file:
                 return file.execute(question, values).fetchall()
         except sqlite3.Error as error:
-            raise BadInput(f"--tiles: {path}: expected MBTiles: {error}") from error
+            raise WrongFormat(f"expected MBTiles: {error}", place=f"--tiles: {path}") from error
 
     def read(zoom: int, column: int, row: int) -> bytes | None:
         where = "zoom_level = ? and tile_column = ? and tile_row = ?"
@@ -112,7 +113,7 @@ def _of_mbtiles(path: Path, attribution: str | None) -> TileSource:
     about = {str(name): str(value) for name, value in ask("select name, value from metadata")}
     least, most = ask("select min(zoom_level), max(zoom_level) from tiles")[0]
     if least is None:
-        raise BadInput(f"--tiles: {path}: expected tiles, but there is none")
+        raise NothingThere("expected tiles, but there is none", place=f"--tiles: {path}")
     is_vector = _is_vector(path, about.get("format", ""))
     try:
         layers = _layers(json.loads(about.get("json", "{}"))) if is_vector else ()
@@ -131,7 +132,7 @@ def _of_pmtiles(path: Path, attribution: str | None) -> TileSource:
             try:
                 return question(library.Reader(library.MmapSource(file)))
             except (ValueError, KeyError, IndexError, OSError, kinds.MagicNumberNotFound) as error:
-                raise BadInput(f"--tiles: {path}: expected PMTiles: {error}") from error
+                raise WrongFormat(f"expected PMTiles: {error}", place=f"--tiles: {path}") from error
 
     def read(zoom: int, column: int, row: int) -> bytes | None:
         tile = ask(lambda reader: reader.get(zoom, column, row))
@@ -141,7 +142,9 @@ def _of_pmtiles(path: Path, attribution: str | None) -> TileSource:
     is_vector = _is_vector(path, header["tile_type"].name.lower())
     packed = header["tile_compression"].name.lower()
     if is_vector and packed not in ("none", "gzip"):
-        raise BadInput(f"--tiles: {path}: expected vector tiles that are packed by gzip or not at all, not by {packed}")
+        raise WrongFormat(
+            f"expected vector tiles that are packed by gzip or not at all, not by {packed}", place=f"--tiles: {path}"
+        )
     told = attribution or str(about.get("attribution") or path.name)
     zooms = header["min_zoom"], header["max_zoom"]
     return TileSource(_shown("", told, zooms, is_vector, _layers(about) if is_vector else ()), read=read)
@@ -155,7 +158,9 @@ def _is_vector(path: Path, kind: str) -> bool:
     """
     if kind.lower() not in ("png", "jpg", "jpeg", "webp", *VECTOR):
         known = "png, jpg, webp, or vector tiles: pbf"
-        raise BadInput(f"--tiles: {path}: expected pictures ({known}), not {kind or 'tiles of no stated format'}")
+        raise WrongFormat(
+            f"expected pictures ({known}), not {kind or 'tiles of no stated format'}", place=f"--tiles: {path}"
+        )
     return kind.lower() in VECTOR
 
 
