@@ -93,7 +93,7 @@ def main() -> None:
         if error.errno != errno.ENOSPC:
             raise
         telling.fall_silent()
-        telling.tell_error(MissionError(f"not all could be written: {error.strerror}"))
+        telling.tell_error(MissionError(f"not all could be written: {error.strerror}", code="unwritable"))
         sys.exit(MissionError.exit_code)
     except SystemExit as ended:
         if ended.code == Interrupted.exit_code:  # Typer ends so, without a word

@@ -12,7 +12,7 @@ from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.cli.options import expect_mission
 from ipoa_mission.cli.reading import read_given
 from ipoa_mission.cli.telling import notes
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import Unreadable
 from ipoa_mission.files import MISSIONS
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.forecast import Forecast
@@ -33,7 +33,7 @@ def missions_in(paths: Iterable[Path]) -> list[Path]:
     for path in paths:
         inside = sorted(one for one in path.rglob("*") if one.suffix.lower() in MISSIONS) if path.is_dir() else [path]
         if not inside:
-            raise BadInput(f"{path}: cannot be read: Is a directory without mission files (.plan, .waypoints)")
+            raise Unreadable("cannot be read: Is a directory without mission files (.plan, .waypoints)", place=path)
         found |= dict.fromkeys(map(expect_mission, inside))
     return list(found)
 

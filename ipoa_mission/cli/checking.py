@@ -9,7 +9,7 @@ import typer
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.cli.options import ANYWAY, EndingsOption, FileArgument, JsonOption, ScenarioOption, expect_world_of
 from ipoa_mission.cli.telling import notes, picked, tell, tell_json, tell_table
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, OptionConflict
 from ipoa_mission.files import write_atomically
 
 if TYPE_CHECKING:
@@ -49,7 +49,9 @@ def check(
     from ipoa_mission.cli.reading import read_world
 
     if flown_by.air is not None and scenario is None:
-        raise BadInput("--wind: expected with --scenario", hint="wind moves a flight nearer to what stands there")
+        raise OptionConflict(
+            "expected with --scenario", hint="wind moves a flight nearer to what stands there", place="--wind"
+        )
     expect_world_of(endings, scenario)
     paths, is_one = missions_in(files), len(files) == 1 and not files[0].is_dir()
     how = How(flown_by, read_world(scenario, flown_by.air), ignore or (), endings, anyway)

@@ -11,7 +11,7 @@ from ipoa_mission.centimeters import down
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.cli.options import ForceOption, JsonOption, LogSystemOption, ScenarioOption, expect_mission
 from ipoa_mission.cli.telling import notes, picked, tell, tell_json, tell_table
-from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.errors import BadInput, LogUseless, MissionError, OptionConflict
 from ipoa_mission.vehicles.autopilot import Autopilot
 
 if TYPE_CHECKING:
@@ -72,19 +72,23 @@ def compare(
     from ipoa_mission.wind import CALM
 
     if len(files) > 2:
-        raise BadInput(f"{files[2]}: expected a mission and a log at most")
+        raise OptionConflict("expected a mission and a log at most", place=files[2])
     *missions, log = files
     file = expect_mission(missions[0]) if missions else None
     flown = read_flights(log, system)
     if flown_by.autopilot not in (None, flown.autopilot):
-        raise BadInput(f"{log}: expected a log of {flown_by.autopilot}, not of {flown.autopilot}")
+        raise BadInput(
+            f"expected a log of {flown_by.autopilot}, not of {flown.autopilot}", code="other-autopilot", place=log
+        )
     own = () if file is None else _read_mission(file, log, flown.autopilot, flown_by.autopilot is None)
     mission, beside = own or (None, ())
     if number is not None and number > len(flown.flights):
-        raise BadInput(f"--flight {number}: expected a number up to {len(flown.flights)}, so many are in {log}")
+        raise BadInput(
+            f"expected a number up to {len(flown.flights)}, so many are in {log}", place=f"--flight {number}"
+        )
     numbers = range(1, len(flown.flights) + 1) if number is None else [number]
     if picture is not None and len(numbers) > 1:
-        raise BadInput(f"--picture: expected --flight N too: {log} has {len(numbers)} flights")
+        raise OptionConflict(f"expected --flight N too: {log} has {len(numbers)} flights", place="--picture")
     if picture is not None:
         expect_free([picture], force, ask=not as_json)
     given = flown_by.parameters
@@ -107,7 +111,7 @@ def compare(
     on = f"{flown.autopilot} {flown.version}".strip()
     title = f"{log.name}: {on}" if file is None else f"{file.name} on {flown.autopilot}, as {log.name} has it"
     useless = all(row.held is None and row.clearance is None for row in rows)
-    error = MissionError(f"{log}: {_useless(rows, log)}", hint="compare FILE LOG, with what was flown")
+    error = LogUseless(f"{_useless(rows, log)}", hint="compare FILE LOG, with what was flown", place=log)
     drawn = [] if picture is None or rows[0].held is None else [str(picture)]
     if not as_json:
         _tell(rows, title, remarks if beyond is None else [*remarks, beyond])
@@ -137,8 +141,10 @@ def _read_mission(file: Path, log: Path, autopilot: Autopilot, may_differ: bool)
     mission = given.mission
     if mission.autopilot is not autopilot:
         raise BadInput(
-            f"{file}: expected a mission for {autopilot}, as {log} is of it, not for {mission.autopilot}",
+            f"expected a mission for {autopilot}, as {log} is of it, not for {mission.autopilot}",
             hint=f"--autopilot {autopilot}, if that is what was flown",
+            code="other-autopilot",
+            place=file,
         )
     return mission, given.remarks
 
@@ -182,7 +188,9 @@ def _draw(one: "ComparedFlight", picture: Path, title: str) -> None:
         from ipoa_mission.report.plots import write_picture
     except ImportError:
         hint = "pip install 'ipoa-mission[pictures]'"
-        raise MissionError("--picture needs matplotlib, which is not installed", hint=hint) from None
+        raise MissionError(
+            "--picture needs matplotlib, which is not installed", hint=hint, code="package-missing"
+        ) from None
     flown_path = flown_track(one.forecast.mission, one.record)
     points = None if flown_path is None else flown_path.points
     write_picture(draw_comparison(one.comparison, one.forecast.estimate.track.points, points, title), picture)

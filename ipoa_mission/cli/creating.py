@@ -10,7 +10,7 @@ import typer
 from ipoa_mission.cli.options import ForceOption, JsonOption
 from ipoa_mission.cli.overwriting import expect_free
 from ipoa_mission.cli.telling import notes, tell, tell_json
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, WrongSuffix
 from ipoa_mission.files import write_atomically
 
 GivenOption = Annotated[
@@ -47,15 +47,15 @@ def new(
     from ipoa_mission.scenario.new import QUESTIONS, new_scenario, suggest_altitude, suggest_answers, taken_heights
 
     if target.suffix.lower() != ".toml":
-        raise BadInput(f'{target}: expected a name that ends in .toml, not in "{target.suffix}"')
+        raise WrongSuffix(f'expected a name that ends in .toml, not in "{target.suffix}"', place=target)
     if not target.parent.is_dir():
-        raise BadInput(f"{target}: expected a folder to write it to, but there is no {target.parent}")
+        raise BadInput(f"expected a folder to write it to, but there is no {target.parent}", place=target)
     expect_free([target], force, ask=not (as_json or yes))
     given = {}
     for text in answer or ():
         key, equals, value = text.partition("=")
         if not equals:
-            raise BadInput(f"--answer {text}: expected KEY=VALUE")
+            raise BadInput("expected KEY=VALUE", place=f"--answer {text}")
         given[key] = value
     answers = suggest_answers(buildings) | given
     if not yes:
@@ -63,8 +63,9 @@ def new(
     needed = [question.key for question in QUESTIONS if question.default is None and question.key not in answers]
     if needed:
         raise BadInput(
-            f"{needed[0]}: expected, but not there",
+            "expected, but not there",
             hint=f"--answer {needed[0]}=..., or --buildings FILE, or leave out --yes and be asked",
+            place=needed[0],
         )
     if elevation is not None and "altitude" not in answers:
         answers["altitude"] = suggest_altitude(elevation, answers["home"])

@@ -22,7 +22,7 @@ from ipoa_mission.cli.options import (
 from ipoa_mission.cli.overwriting import expect_folder
 from ipoa_mission.cli.telling import progress_bar, shown
 from ipoa_mission.cli.vehicles import connect_to, states_firmware
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import OptionConflict
 from ipoa_mission.files import in_folder
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ def fly(
         scenario = adapt_scenario(read_scenario(source), search, flown_by)
         if scenario.survey is not None:
             if on_vehicle.begin != 1:
-                raise BadInput("--from: expected a mission, not a survey", hint=EACH_BY_ITSELF)
+                raise OptionConflict("expected a mission, not a survey", hint=EACH_BY_ITSELF, place="--from")
             survey = plan_here(scenario, search, flown_by)
             expect_flyable(survey, on_link.log, is_on_link=link is not None)
             files = write_survey(survey, out, report, force, as_json)
@@ -174,18 +174,21 @@ def _expect_no_plan(source: Path, options: dict[str, object]) -> None:
     """That what only a scenario can be told to do was not asked of a mission file."""
     for option, value in options.items():
         if value:
-            raise BadInput(f"{option}: expected a scenario, not {source}", hint="a mission is flown as it is")
+            raise OptionConflict(f"expected a scenario, not {source}", hint="a mission is flown as it is", place=option)
 
 
 def _expect_together(on_vehicle: FlightOptions, faults: "Faults") -> None:
     """That a vehicle's options came with a link, and the built-in autopilot's without."""
     if on_vehicle.link is None and on_vehicle != FlightOptions():
         words = "--from, --set-params, --on-deviation: expected with --link"
-        raise BadInput(words, hint="the built-in autopilot begins at the first item, and flies by the forecast's model")
+        raise OptionConflict(
+            words, hint="the built-in autopilot begins at the first item, and flies by the forecast's model"
+        )
     if on_vehicle.link is not None and not faults.is_none:
-        raise BadInput(
-            "--link: expected without --loss, --duplicate, --delay and --reorder",
+        raise OptionConflict(
+            "expected without --loss, --duplicate, --delay and --reorder",
             hint="they are for the built-in autopilot, which flies without --link",
+            place="--link",
         )
 
 

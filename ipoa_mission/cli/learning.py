@@ -9,7 +9,7 @@ import typer
 
 from ipoa_mission.cli.options import ForceOption, JsonOption, LogSystemOption
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
-from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.errors import BadInput, LogUseless, MissionError, OptionConflict
 from ipoa_mission.files import MISSIONS
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def learn(
     elif before > 0 and not after < before:
         words = f"the flights left out are timed no better by what the others tell: {after:.1%} off, not {before:.1%}"
         if vehicle.hover_power is None:
-            raise MissionError(words, hint="the estimate is as good without a vehicle file")
+            raise MissionError(words, hint="the estimate is as good without a vehicle file", code="option-conflict")
         vehicle = vehicle.with_numbers(dict.fromkeys(UNSURE))
         remarks.append(words)
     write_atomically(out, write_vehicle(vehicle))
@@ -96,7 +96,7 @@ def _gathered(files: list[Path], system: int | None) -> tuple[list["Evidence"], 
     for n, file in enumerate(files):
         if file.suffix.lower() in MISSIONS:
             if n + 1 == len(files) or mission is not None:
-                raise BadInput(f"{file}: expected a log after it")
+                raise OptionConflict("expected a log after it", place=file)
             mission = file
             continue
         reader = None if mission is None else partial(read_mission, mission)
@@ -105,10 +105,10 @@ def _gathered(files: list[Path], system: int | None) -> tuple[list["Evidence"], 
         if usable:
             kinds.add((autopilot.name, version))
     if not flights:
-        raise MissionError("; ".join(remarks) or "no flight to learn from")
+        raise LogUseless("; ".join(remarks) or "no flight to learn from")
     if len({autopilot for autopilot, _ in kinds}) > 1:
         flown = " and ".join(f"{autopilot} {version}".strip() for autopilot, version in sorted(kinds))
-        raise BadInput(f"expected logs of one vehicle, not of {flown}")
+        raise BadInput(f"expected logs of one vehicle, not of {flown}", code="other-autopilot")
     return flights, remarks, max(version for _, version in kinds)
 
 

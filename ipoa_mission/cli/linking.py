@@ -19,7 +19,7 @@ from ipoa_mission.cli.options import (
 from ipoa_mission.cli.overwriting import expect_free
 from ipoa_mission.cli.telling import notes, progress_bar, tell, tell_json
 from ipoa_mission.cli.vehicles import connect_to, stages_shown, states_firmware
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import WrongSuffix
 from ipoa_mission.files import MISSIONS
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def download(
     from ipoa_mission.mission.files import write_mission
 
     if file.suffix.lower() not in MISSIONS:
-        raise BadInput(f'{file}: expected a name that ends in .plan or .waypoints, not in "{file.suffix}"')
+        raise WrongSuffix(f'expected a name that ends in .plan or .waypoints, not in "{file.suffix}"', place=file)
     expect_free([file], force, ask=not as_json)
     usual = file.with_name(f"{file.stem}-download.tlog")
     with (
@@ -183,7 +183,10 @@ def scan(
         ]
     if not rows:
         raise NoAnswer(
-            f"{link}: nobody is heard within {seconds:g} s", hint="is the autopilot running, and does it send there?"
+            f"nobody is heard within {seconds:g} s",
+            hint="is the autopilot running, and does it send there?",
+            code="not-heard",
+            place=link,
         )
     if as_json:
         tell_json(rows)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, OptionConflict, WrongSuffix
 from ipoa_mission.files import MISSIONS, packed
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
 from ipoa_mission.vehicles.parameters import SINGLE_MAX
@@ -47,9 +47,10 @@ def or_packed(path: Path) -> Path:
 def expect_scenario(path: Path) -> Path:
     """The scenario's file, or one that is packed; BadInput for a mission file."""
     if path.suffix.lower() in MISSIONS:
-        raise BadInput(
-            f"{path}: expected a scenario (.toml), not a mission",
+        raise WrongSuffix(
+            "expected a scenario (.toml), not a mission",
             hint=f"fly takes missions: ipoa-mission fly {quote(str(path))}",
+            place=path,
         )
     return or_packed(path)
 
@@ -57,9 +58,10 @@ def expect_scenario(path: Path) -> Path:
 def expect_mission(path: Path) -> Path:
     """Raise BadInput for a scenario where a mission file is expected."""
     if path.suffix.lower() == ".toml":
-        raise BadInput(
-            f"{path}: expected a mission (.plan, .waypoints), not a scenario",
+        raise WrongSuffix(
+            "expected a mission (.plan, .waypoints), not a scenario",
             hint=f"first: ipoa-mission plan {quote(str(path))}",
+            place=path,
         )
     return path
 
@@ -67,7 +69,9 @@ def expect_mission(path: Path) -> Path:
 def expect_world_of(endings: bool, scenario: Path | None) -> None:
     """Raise BadInput where endings are asked for without a scenario."""
     if endings and scenario is None:
-        raise BadInput("--endings: expected with --scenario", hint="what an ending keeps depends on what stands there")
+        raise OptionConflict(
+            "expected with --scenario", hint="what an ending keeps depends on what stands there", place="--endings"
+        )
 
 
 ScenarioOrNone: TypeAlias = Annotated[
@@ -187,7 +191,7 @@ def read_wind_option(given: str | None) -> "Wind | None":
             raise ValueError
     except ValueError:
         raise BadInput(
-            f"--wind {given}: expected a speed in m/s and where it blows from, in degrees up to 360, like 6@270"
+            "expected a speed in m/s and where it blows from, in degrees up to 360, like 6@270", place=f"--wind {given}"
         ) from None
     return Wind(speed, from_deg)
 
@@ -209,7 +213,7 @@ def read_parameter_options(given: list[str] | None, file: Path | None) -> dict[s
             if not (name.strip() and equals and abs(number := float(value)) <= SINGLE_MAX):
                 raise ValueError
         except ValueError:
-            raise BadInput(f"--param {text}: expected NAME=VALUE with a number, like WPNAV_ACCEL=250") from None
+            raise BadInput("expected NAME=VALUE with a number, like WPNAV_ACCEL=250", place=f"--param {text}") from None
         parameters[_known(name.strip().upper())] = number
     return parameters
 
@@ -221,5 +225,6 @@ def _known(name: str) -> str:
     try:
         expect_known([name])
     except BadInput as error:
-        raise BadInput(f"--param {error}", hint=error.hint or "--param-file takes any parameter") from None
+        error.place, error.hint = f"--param {error.place}", error.hint or "--param-file takes any parameter"
+        raise error from None
     return name

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import typer
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, Unwritable
 
 
 def expect_folder(path: Path) -> None:
@@ -18,9 +18,9 @@ def expect_folder(path: Path) -> None:
     """
     there = next(above for above in (path, *path.absolute().parents) if above.exists())
     if not there.is_dir():
-        raise BadInput(f"{path}: expected a folder, but {there} is none")
+        raise Unwritable(f"expected a folder, but {there} is none", place=path)
     if not os.access(there, os.W_OK | os.X_OK):
-        raise BadInput(f"{path}: expected a folder that may be written, but {there} may not")
+        raise Unwritable(f"expected a folder that may be written, but {there} may not", place=path)
 
 
 def expect_free(paths: Iterable[Path], force: bool, ask: bool = True) -> None:
@@ -33,7 +33,9 @@ def expect_free(paths: Iterable[Path], force: bool, ask: bool = True) -> None:
         if path.exists() and not force:
             may_ask = ask and sys.stdin.isatty() and sys.stderr.isatty()
             if not (may_ask and typer.confirm(f"{path} is there already: write over it?", err=True)):
-                raise BadInput(f"{path}: there is such a file already", hint="--force writes over it")
+                raise BadInput(
+                    "there is such a file already", hint="--force writes over it", code="already-there", place=path
+                )
 
 
 def expect_plans(folder: Path, names: Iterable[str], report: bool, force: bool, ask: bool = True) -> None:
@@ -54,4 +56,4 @@ def expect_log(path: Path | None) -> None:
         BadInput: there is a file of another kind.
     """
     if path is not None and path.is_file() and path.suffix.lower() != ".tlog":
-        raise BadInput(f"--log: expected a .tlog file, or one that is not there yet, not {path}")
+        raise BadInput(f"expected a .tlog file, or one that is not there yet, not {path}", place="--log")

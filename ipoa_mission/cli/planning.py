@@ -9,7 +9,7 @@ from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
 from ipoa_mission.cli.options import ForceOption, JsonOption, OutOption, ReportOption, ScenarioOrNone
 from ipoa_mission.cli.surveying import SurveyOptions, plan_here, tell_survey, write_survey
 from ipoa_mission.cli.telling import tell_json
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import OptionConflict
 
 if TYPE_CHECKING:
     from ipoa_mission.flight.flight import Flight
@@ -56,7 +56,9 @@ def plan(
             tell_survey(survey, written)
         return
     if surveyed.flown:
-        raise BadInput("--flown: expected a survey", hint="what is left of another mission: ipoa-mission fly --from N")
+        raise OptionConflict(
+            "expected a survey", hint="what is left of another mission: ipoa-mission fly --from N", place="--flown"
+        )
     expect_plans(out, [adapted.name], report, force, ask=not as_json)
     flight, parts = plan_parts(adapted, search.seed, air) if split else (plan_it(adapted, search.seed, air), ())
     if len(parts) > 1:

@@ -57,7 +57,7 @@ def read_given(
         try:
             mission = replace(mission, firmware_version=mission.autopilot.tables.expect(flown_by.version))
         except BadInput as error:
-            raise BadInput(str(error), hint=f"--autopilot {others[0]}" if others else error.hint) from None
+            raise error.at(hint=f"--autopilot {others[0]}" if others else None) from None
     mission = replace(mission, unmeasured_version=flown_by.unmeasured_version)
     if mission.parameters:
         some = ", ".join(f"{name} {value:g}" for name, value in [*mission.parameters.items()][:SHOWN])

@@ -19,7 +19,7 @@ from ipoa_mission.cli.options import (
 )
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
 from ipoa_mission.cli.telling import shown as printable
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import OptionConflict, WrongSuffix
 from ipoa_mission.files import MISSIONS, write_atomically
 
 if TYPE_CHECKING:
@@ -59,7 +59,9 @@ def show(
 
     expect_world_of(endings, scenario)
     if endings and as_json:
-        raise BadInput("--endings: expected without --json", hint="`check --endings --json` has them for machines")
+        raise OptionConflict(
+            "expected without --json", hint="`check --endings --json` has them for machines", place="--endings"
+        )
     world = read_world(scenario, flown_by.air)
     given = read_given(file, flown_by, world=world)
     forecast = Forecast(given.mission, world, flown_by.air)
@@ -158,16 +160,16 @@ def export(
     from ipoa_mission.report.exports import forecast_text
 
     if target == Path("-") and form is None:
-        raise BadInput("-: expected --format with it", hint="like --format kml")
+        raise OptionConflict("expected --format with it", hint="like --format kml", place="-")
     suffix = target.suffix.lower() if form is None else f".{form}"
     if suffix not in (suffixes := [f".{one}" for one in Form]):
-        raise BadInput(f'{target}: expected a name that ends in {", ".join(suffixes)}, not in "{target.suffix}"')
+        raise WrongSuffix(f'expected a name that ends in {", ".join(suffixes)}, not in "{target.suffix}"', place=target)
     is_mission = suffix in MISSIONS
     read = read_by_items(file, read_mission_file(file, autopilot))
     forecast = Forecast(read.mission, read_world(scenario))
     if target == Path("-"):
         if as_json:
-            raise BadInput("--json: expected a file to write, not standard output")
+            raise OptionConflict("expected a file to write, not standard output", place="--json")
         mission = read.mission
         text = mission_text(mission, suffix, read) if is_mission else forecast_text(forecast, suffix, file.stem)
         sys.stdout.write(text)

@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import Unwritable
 
 if TYPE_CHECKING:
     from ipoa_mission.link.signing import Signer
@@ -34,8 +34,8 @@ def signer_of(key: Path | None, role: str = "station") -> "Signer | None":
     try:
         folder.mkdir(parents=True, exist_ok=True, mode=0o700)
     except OSError as error:
-        raise BadInput(
-            f"{folder}: cannot be made: {error.strerror}", hint="it keeps the timestamps of signing"
+        raise Unwritable(
+            f"cannot be made: {error.strerror}", hint="it keeps the timestamps of signing", place=folder
         ) from error
     return persistent_signer(secret, folder / f"signing-{role}.timestamp")
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, OptionConflict
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.simulator.conditions import USUAL, Conditions
 from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot
@@ -35,11 +35,11 @@ def stands(
         BadInput: naming the option or the place in the scenario.
     """
     if home is not None and not (-90 <= home[0] <= 90 and -180 <= home[1] <= 180):
-        raise BadInput(f"--home: expected latitude and longitude in degrees, not {home[0]} {home[1]}")
+        raise BadInput(f"expected latitude and longitude in degrees, not {home[0]} {home[1]}", place="--home")
     if scenario is None:
         return Stands(autopilot or default_autopilot(), Geodetic(*(home or ZURICH)), parameters)
     if home is not None:
-        raise BadInput("--home: expected no --scenario beside it, which says where its home is")
+        raise OptionConflict("expected no --scenario beside it, which says where its home is", place="--home")
     world = read_scenario(scenario)
     flies = autopilot or world.vehicle.autopilot
     own = world.vehicle if flies is world.vehicle.autopilot else None

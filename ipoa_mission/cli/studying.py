@@ -54,7 +54,9 @@ def studio(
     """
     missing = [name for name in LIBRARIES if find_spec(name) is None]
     if missing:
-        raise MissionError(f"the studio needs {', '.join(missing)}", hint="pip install 'ipoa-mission[studio]'")
+        raise MissionError(
+            f"the studio needs {', '.join(missing)}", hint="pip install 'ipoa-mission[studio]'", code="package-missing"
+        )
     from ipoa_mission.studio.bundle import built_page
     from ipoa_mission.studio.server import serve
     from ipoa_mission.studio.tiles import chosen_tiles
@@ -91,9 +93,15 @@ def _begin(target: Path, home: tuple[float, float, float] | None) -> None:
 
     if home is None:
         raise BadInput(
-            f"{target}: expected a scenario, but there is no such file",
+            "expected a scenario, but there is no such file",
             hint="a new one begins at home: --new LAT LON ALT; or from a map: ipoa-mission new",
+            place=target,
         )
     if target.exists():
-        raise BadInput(f"--new: {target} is there already", hint="leave --new out, or name another file")
+        raise BadInput(
+            f"{target} is there already",
+            hint="leave --new out, or name another file",
+            code="already-there",
+            place="--new",
+        )
     begin_scenario(target, home)

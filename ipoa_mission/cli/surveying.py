@@ -11,7 +11,7 @@ from ipoa_mission.cli.groups import FlownByOptions, LinkOptions, SearchOptions
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.options import LogSystemOption
 from ipoa_mission.cli.telling import notes, progress_bar, tell, tell_json, tell_table
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import NothingThere, OptionConflict
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -68,7 +68,7 @@ class SurveyOptions:
     def flown_logs(self) -> "list[Flown]":
         """The logs of what was flown, of the vehicle that was asked for."""
         if self.system is not None and not self.flown:
-            raise BadInput("--system: expected with --flown")
+            raise OptionConflict("expected with --flown", place="--system")
         return [log if self.system is None else (log, self.system) for log in self.flown or ()]
 
     def scenario(self, path: Path | None) -> "Scenario":
@@ -87,9 +87,9 @@ class SurveyOptions:
         asked_for = {name: value for name in options if (value := getattr(self, name)) is not None}
         if self.survey is None:
             if asked_for:
-                raise BadInput(f"--{next(iter(asked_for)).replace('_', '-')}: expected with --survey")
+                raise OptionConflict("expected with --survey", place=f"--{next(iter(asked_for)).replace('_', '-')}")
             if path is None:
-                raise BadInput("expected a scenario, or an area: --survey AREA")
+                raise OptionConflict("expected a scenario, or an area: --survey AREA")
             return read_scenario(path)
         table = (
             {"name": self.survey.stem.removesuffix(".osm"), "home": _home_beside(self.survey)}
@@ -122,7 +122,7 @@ def _home_beside(area: Path) -> dict[str, float]:
         if len(corners):
             longitude, latitude = corners[0].tolist()
             return {"latitude_deg": latitude, "longitude_deg": longitude}
-    raise BadInput(f"{area}: expected an area, but there is none")
+    raise NothingThere("expected an area, but there is none", place=area)
 
 
 def plan_here(
@@ -220,10 +220,12 @@ def expect_flyable(survey: "Survey", log: Path | None, is_on_link: bool) -> None
     """
     count = len(survey.names)
     if count > 1 and log is not None:
-        raise BadInput(f"--log: expected one flight, not {count}", hint="left out, each has a log beside its mission")
+        raise OptionConflict(
+            f"expected one flight, not {count}", hint="left out, each has a log beside its mission", place="--log"
+        )
     if count > 1 and is_on_link and not sys.stdin.isatty():
         words = f"--link: expected a terminal, on which to be told that the battery is changed between {count} flights"
-        raise BadInput(words, hint=EACH_BY_ITSELF)
+        raise OptionConflict(words, hint=EACH_BY_ITSELF)
 
 
 def fly_survey(

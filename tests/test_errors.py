@@ -1,0 +1,55 @@
+"""The codes of errors: each that is raised is registered once, and no registered one is unused."""
+
+import ast
+import re
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+
+import ipoa_mission
+from ipoa_mission.errors import CODES, MissionError, Remedy
+from ipoa_mission.rules import RULES
+
+PACKAGE = Path(ipoa_mission.__file__).parent
+
+
+def raised() -> Iterator[str]:
+    """The codes in the sources: those of classes, and those given by name."""
+    errors = {"MissionError"}
+    trees = [ast.parse(path.read_text(encoding="utf-8")) for path in PACKAGE.rglob("*.py")]
+    nodes = [node for tree in trees for node in ast.walk(tree)]
+    classes = [node for node in nodes if isinstance(node, ast.ClassDef)]
+    while more := {one.name for one in classes if {ast.unparse(base) for base in one.bases} & errors} - errors:
+        errors |= more
+    yield from (re.sub(r"\B(?=[A-Z])", "-", name).lower() for name in errors)
+    for node in nodes:
+        if isinstance(node, ast.keyword) and node.arg == "code" and isinstance(node.value, ast.Constant):
+            yield node.value.value
+
+
+def test_every_code_is_registered_and_raised() -> None:
+    used = set(raised())
+    assert len(used) > 100
+    assert used - CODES - RULES.keys() == set()
+    assert CODES - used == set()
+
+
+def test_no_code_is_registered_twice() -> None:
+    assert not CODES & RULES.keys()
+    text = (PACKAGE / "errors.py").read_text(encoding="utf-8")
+    listed = text.partition('_CODES = """')[2].partition('"""')[0].split()
+    assert set(listed) == CODES
+    assert all(one < other for one, other in pairwise(listed))
+
+
+def test_an_error_is_data() -> None:
+    error = MissionError("too high", "lower", code="too-far", remedies=(Remedy(("goal", "up"), 3.0),)).at("goal", None)
+    assert str(error.at("a.toml")) == "a.toml: goal: too high"
+    assert error.as_json() == {
+        "error": "goal: too high",
+        "code": "too-far",
+        "place": "goal",
+        "hint": "lower",
+        "remedies": [{"field": ["goal", "up"], "value": 3.0}],
+        "exit_code": 1,
+    }
