@@ -22,7 +22,7 @@ def explained(error: ValidationError, table: Mapping[str, Any], model: type[Base
     asks_keys = any(problem["type"] in of_keys for problem in problems)
     hint = "`ipoa-mission schema` prints every key that a scenario may have" if asks_keys else None
     first, kind = problems[0], problems[0]["type"]
-    cause = first.get("ctx", {}).get("error", error).__cause__
+    cause = getattr(first.get("ctx", {}).get("error"), "__cause__", None)
     code = cause.code if isinstance(cause, MissionError) else _CODES.get(kind)
     place = (source + _place(first["loc"], table)).removesuffix(": ") + (".kind" if kind.startswith("union") else "")
     words = lines[0].removeprefix(f"{place}: ")
