@@ -151,8 +151,8 @@ def test_a_return_round_fences_is_not_called_clear(parameters: dict[str, float])
     forecast = forecast_of("sitl", **parameters)
     home = forecast.mission.home
     round_all = FenceCircle((home.latitude_deg, home.longitude_deg), 2000.0)
-    held = (replace(one, params=(0.1, *one.params[1:])) for one in forecast.given.items)  # or 1.18 passes them
-    fenced = replace(forecast.given, items=tuple(held), fence=(round_all,), firmware_version=Version(1, 18))
+    held = (replace(one, params=(0.1, *one.params[1:])) for one in forecast.given.items)  # or 1.19 passes them
+    fenced = replace(forecast.given, items=tuple(held), fence=(round_all,), firmware_version=Version(1, 19))
     (row,) = Endings(Forecast(fenced, forecast.scenario)).rows(Ending.RTL)
     assert not row.clear
     assert math.isnan(row.least_m)

@@ -148,11 +148,8 @@ def test_no_return_is_planned_above_the_vehicle_s_own_fence() -> None:
 
 
 def test_a_return_that_nobody_looked_at_is_refused_where_returns_are_planned() -> None:
-    text = scene(Autopilot.PX4).model_dump(mode="json", exclude_unset=True)
-    text["fence"] = [{"inclusion": False, "polygon": [[40, -60], [40, -40], [75, -40], [75, -60]]}]
-    text["vehicle"] |= {"firmware_version": "1.18", "unmeasured_version": True}
-    with pytest.raises(Unsafe, match="round fences are not modeled") as refused:
-        plan_flight(Scenario.from_dict(text), seed=0)
+    with pytest.raises(Unsafe, match="sinks already, are not modeled") as refused:
+        plan_flight(scene(Autopilot.PX4, parameters="RTL_TYPE = 3"), seed=0)
     assert 'returns = "warn"' in str(refused.value.hint)
 
 

@@ -1,8 +1,8 @@
 """What follows a failure: held against what the firmwares' own parameter documentation says of every value.
 
 The values and their words are those of ArduCopter 4.7.0-dev (2598e9d4: @Values of ArduCopter/Parameters.cpp,
-AP_BattMonitor_Params.cpp, AC_Fence.cpp and AP_Avoidance.cpp), PX4 1.17.0 (d6f12ad1) and main of 2026-08-13 (bb59c637):
-@value of commander_params, geofence_params and navigator_params.
+AP_BattMonitor_Params.cpp, AC_Fence.cpp and AP_Avoidance.cpp), PX4 1.17.0 (d6f12ad1), release/1.18 (05deebf313)
+and main of 2026-08-13 (bb59c637, to be 1.19): @value of commander_params, geofence_params and navigator_params.
 """
 
 import math
@@ -19,7 +19,8 @@ from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.version import Version
 from tools.generate import failsafes as page
 
-AP, PX4, NEW = Autopilot.ARDUPILOT, Autopilot.PX4, Version(1, 18)
+AP, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
+OLD, NEW, MAIN = Version(1, 17), Version(1, 18), Version(1, 19)
 ACTIONS = (
     "0:None,1:Land,2:RTL,3:SmartRTL or RTL,4:SmartRTL or Land,5:Terminate,"
     "6:Auto DO_LAND_START/DO_RETURN_PATH_START or RTL,7:Brake or Land"
@@ -49,21 +50,21 @@ OF_PX4 = {
     "COM_POS_LOW_ACT": GRADES,
     "COM_FLTT_LOW_ACT": "0:None,1:Warning,3:Return",
     "COM_ACT_FAIL_ACT": "0:Warning only,1:Hold mode,2:Land mode,3:Return mode,4:Terminate",
-    "NAV_TRAFF_AVOID": "0:Disabled,1:Warn only,2:Return mode,3:Land mode,4:Position Hold mode",
-}
-OF_117 = OF_PX4 | {
-    "COM_IMB_PROP_ACT": "-1:Disabled,0:Warning,1:Return,2:Land",
     "NAV_TRAFF_AVOID": "0:Disabled,1:Warn only,2:Return mode,3:Land mode,4:Disabled",  # as flown: docs/returns.csv
 }
+OF_117 = OF_PX4 | {"COM_IMB_PROP_ACT": "-1:Disabled,0:Warning,1:Return,2:Land"}
 OF_118 = OF_PX4 | {
     "NAV_RCL_ACT": LINK + ",7:Disabled",  # "Hold mode (no failsafe)": only where it is flown by hand
-    "NAV_TRAFF_AVOID": OF_PX4["NAV_TRAFF_AVOID"] + ",5:Terminate",
     "COM_GNSSLOSS_ACT": "0:Warning,1:Return,2:Land,3:Terminate",
     "COM_PARACHUTE": "0:Disabled,1:Warning,2:Error,3:Return,4:Land",
-    "COM_TRAFF_AVOID": "0:Disabled,1:Warning,2:Error,3:Return,4:Land",
     "COM_ARM_ODID": "0:Disabled,1:Warning only,2:Error only,3:Return,4:Land,5:Terminate",
+}
+OF_MAIN = OF_118 | {
+    "NAV_TRAFF_AVOID": "0:Disabled,1:Warn only,2:Return mode,3:Land mode,4:Position Hold mode,5:Terminate",
+    "COM_TRAFF_AVOID": "0:Disabled,1:Warning,2:Error,3:Return,4:Land",
     "COM_POS_FS_ACT": "0:Descend mode,1:Terminate",
 }
+OF_VERSIONS = [(AP, None, DOCUMENTED), (PX4, OLD, OF_117), (PX4, NEW, OF_118), (PX4, MAIN, OF_MAIN)]
 WORDS = {
     r"None|Disabled|Warn|Error|Report": Ending.CONTINUE,
     r"SmartRTL": Ending.SMART_RTL,
@@ -99,9 +100,7 @@ def by(name: str, parameters: Parameters, autopilot: Autopilot = AP, version: Ve
     return next(one for one in autopilot.failsafes(parameters, version) if one.parameter == name)
 
 
-@pytest.mark.parametrize(
-    ("autopilot", "version", "table"), [(AP, None, DOCUMENTED), (PX4, None, OF_117), (PX4, NEW, OF_118)]
-)
+@pytest.mark.parametrize(("autopilot", "version", "table"), OF_VERSIONS)
 def test_every_documented_value_is_followed_by_what_its_words_say(
     autopilot: Autopilot, version: Version | None, table: dict[str, str]
 ) -> None:
@@ -115,9 +114,7 @@ def test_every_documented_value_is_followed_by_what_its_words_say(
     assert not wrong
 
 
-@pytest.mark.parametrize(
-    ("autopilot", "version", "table"), [(AP, None, DOCUMENTED), (PX4, None, OF_117), (PX4, NEW, OF_118)]
-)
+@pytest.mark.parametrize(("autopilot", "version", "table"), OF_VERSIONS)
 def test_who_lands_by_choice_returns_with_the_value_that_is_named(
     autopilot: Autopilot, version: Version | None, table: dict[str, str]
 ) -> None:
@@ -134,7 +131,7 @@ def test_who_lands_by_choice_returns_with_the_value_that_is_named(
                 assert there.route.ending is Ending.RTL
 
 
-@pytest.mark.parametrize(("autopilot", "table"), [(AP, DOCUMENTED), (PX4, OF_118)])
+@pytest.mark.parametrize(("autopilot", "table"), [(AP, DOCUMENTED), (PX4, OF_MAIN)])
 def test_every_parameter_that_decides_is_held_against_its_documentation(
     autopilot: Autopilot, table: dict[str, str]
 ) -> None:
@@ -147,15 +144,17 @@ def test_every_parameter_that_decides_is_held_against_its_documentation(
     [(0.0, "continue", "continue"), (2.0, "land", "land"), (3.0, "rtl", "land"), (4.0, "rtl", "terminate")],
 )
 def test_px4_takes_a_battery_by_its_stage(value: float, critical: str, emergency: str) -> None:
-    """COM_LOW_BAT_ACT: warning; land mode; return at critical, land at emergency level; or terminate there (1.18)."""
-    found = {one.cause: one.route.ending for one in PX4.failsafes({"COM_LOW_BAT_ACT": value}, NEW)}
+    """COM_LOW_BAT_ACT: warning; land mode; return at critical, land at emergency level; or terminate there (1.19)."""
+    found = {one.cause: one.route.ending for one in PX4.failsafes({"COM_LOW_BAT_ACT": value}, MAIN)}
     assert (found["low battery"], found["critical battery"]) == ("continue", critical)
     assert found["emergency battery"] == emergency
 
 
 def test_a_value_of_a_later_version_is_no_value_of_an_earlier_one() -> None:
-    assert by("COM_LOW_BAT_ACT", {"COM_LOW_BAT_ACT": 4.0}, PX4).route.ending is Ending.CONTINUE
-    assert all(one.parameter != "COM_PARACHUTE" for one in PX4.failsafes({}))
+    for earlier in (OLD, NEW):
+        assert by("COM_LOW_BAT_ACT", {"COM_LOW_BAT_ACT": 4.0}, PX4, earlier).route.ending is Ending.CONTINUE
+        assert {one.parameter for one in PX4.failsafes({}, earlier)}.isdisjoint({"COM_TRAFF_AVOID", "COM_POS_FS_ACT"})
+    assert all(one.parameter != "COM_PARACHUTE" for one in PX4.failsafes({}, OLD))
     assert all(one.parameter != "COM_IMB_PROP_ACT" for one in PX4.failsafes({}, NEW))
 
 
@@ -229,10 +228,10 @@ def test_smart_rtl_without_points_is_what_stands_behind_it() -> None:
 
 def test_px4_excepts_modes_of_a_lost_link() -> None:
     both = {"COM_RCL_EXCEPT": 3.0, "COM_DLL_EXCEPT": 1.0, "NAV_RCL_ACT": 3.0, "NAV_DLL_ACT": 1.0}
-    old, new = (by("NAV_RCL_ACT", both, PX4, version) for version in (None, NEW))
+    old, new = (by("NAV_RCL_ACT", both, PX4, version) for version in (OLD, NEW))
     assert (old.at(FlightStage.ROUTE).ending, old.at(FlightStage.RETURN).ending) == (Ending.CONTINUE, Ending.LAND)
     assert (new.at(FlightStage.ROUTE).ending, new.at(FlightStage.RETURN).ending) == (Ending.CONTINUE, Ending.CONTINUE)
-    assert by("NAV_DLL_ACT", both, PX4).at(FlightStage.RETURN).ending is Ending.HOLD
+    assert by("NAV_DLL_ACT", both, PX4, OLD).at(FlightStage.RETURN).ending is Ending.HOLD
 
 
 def test_how_long_it_holds_first() -> None:

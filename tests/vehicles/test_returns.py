@@ -1,7 +1,7 @@
 """How returns go by all their parameters: against the firmwares' sources, worked out by hand.
 
-ArduCopter 4.7.0-dev (2598e9d4): mode_rtl.cpp, compute_return_target; AP_Rally. PX4 1.17.0 (d6f12ad1) and main of
-2026-08-13 (bb59c637): navigator/rtl.cpp, rtl_direct.cpp, RTLPlanner.
+ArduCopter 4.7.0-dev (2598e9d4): mode_rtl.cpp, compute_return_target; AP_Rally. PX4 1.17.0 (d6f12ad1),
+release/1.18 (05deebf313) and main (bb59c637, to be 1.19): navigator/rtl.cpp, rtl_direct.cpp, RTLPlanner.
 """
 
 import pytest
@@ -11,7 +11,8 @@ from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.returning import MissionLanding, ReturnBy, ReturnRoute
 from ipoa_mission.vehicles.version import Version
 
-AP, PX4, NEW = Autopilot.ARDUPILOT, Autopilot.PX4, Version(1, 18)
+AP, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
+OLD, NEW, MAIN = Version(1, 17), Version(1, 18), Version(1, 19)
 FENCE = {"FENCE_ENABLE": 1.0, "FENCE_ALT_MAX": 50.0, "FENCE_TYPE": 1.0}
 
 
@@ -103,7 +104,7 @@ BEHIND = MissionLanding((10.0, 0.0, 0.0), ahead=2, behind=3)
         (4.0, (), BEHIND, ReturnBy.AHEAD, None, None),
         (5.0, ((9.0, 0.0, 5.0),), BEYOND, ReturnBy.DIRECT, 0, NEW),  # one at home, where home is none
         (5.0, (), BEYOND, ReturnBy.HERE, None, NEW),
-        (5.0, ((9.0, 0.0, 5.0),), BEYOND, ReturnBy.DIRECT, None, None),  # as 0 before 1.18
+        (5.0, ((9.0, 0.0, 5.0),), BEYOND, ReturnBy.DIRECT, None, OLD),  # as 0 before 1.18
     ],
 )
 def test_px4_returns_along_the_way_of_its_type(
@@ -138,8 +139,8 @@ def test_arducopter_may_keep_its_height_over_the_ground(parameters: Parameters, 
     assert (AP.over_terrain(parameters) is not None) is follows
 
 
-def test_px4_flies_around_fences_since_1_18() -> None:
-    assert PX4.room_to_fences({}) is None
-    assert PX4.room_to_fences({}, NEW) == 20.0
-    assert PX4.room_to_fences({"NAV_ACC_RAD": 2.0}, NEW) == 4.0
+def test_px4_flies_around_fences_since_1_19() -> None:
+    assert PX4.room_to_fences({}, OLD) is PX4.room_to_fences({}, NEW) is None
+    assert PX4.room_to_fences({}, MAIN) == 20.0
+    assert PX4.room_to_fences({"NAV_ACC_RAD": 2.0}, MAIN) == 4.0
     assert AP.room_to_fences({}, Version(4, 7)) is None

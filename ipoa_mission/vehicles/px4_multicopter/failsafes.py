@@ -1,8 +1,9 @@
 """What PX4 does when something fails.
 
-Read in 1.17.0 (d6f12ad1) and main of 2026-08-13 (bb59c637, to be 1.18): src/modules/commander/failsafe, its parameters,
-navigator. Several at once: the worst counts. Where an ending is not to be had the next one of hold, RTL, land, descent
-without a position, stopped motors follows. Not here: VTOL, offboard, what happens in the first seconds after arming.
+Read in 1.17.0 (d6f12ad1), release/1.18 (05deebf313) and main of 2026-08-13 (bb59c637, to be 1.19):
+src/modules/commander/failsafe, its parameters, navigator. Several at once: the worst counts. Where an ending is not to
+be had the next one of hold, RTL, land, descent without a position, stopped motors follows. Not here: VTOL, offboard,
+what happens in the first seconds after arming.
 """
 
 import math
@@ -22,7 +23,7 @@ from ipoa_mission.vehicles.failsafe import (
 )
 from ipoa_mission.vehicles.parameters import Parameters
 
-SINCE = (1, 18)
+V1_18, V1_19 = (1, 18), (1, 19)
 FALLS = FailsafeAction(Ending.TERMINATE)
 LANDS = FailsafeAction(Ending.LAND, (Ending.TERMINATE,))
 RETURNS = FailsafeAction(Ending.RTL, (Ending.LAND, Ending.TERMINATE))
@@ -31,21 +32,21 @@ FALLS_WITHOUT = replace(FALLS, words="lands while it still has a local position"
 DRIFTS = FailsafeAction(Ending.UNKNOWN, (Ending.LAND, Ending.TERMINATE), "without a position it drifts as it descends")
 
 
-def new(answer: FailsafeAction) -> FailsafeAction:
-    """The same, at a value that 1.18 has added."""
-    return replace(answer, since=SINCE)
+def new(answer: FailsafeAction, since: Series) -> FailsafeAction:
+    """The same, at a value that this series has added."""
+    return replace(answer, since=since)
 
 
 LINK = {0: GOES_ON, 1: HOLDS, 2: RETURNS, 3: LANDS, 5: FALLS, 6: FALLS}
-RADIO = {**LINK, 7: new(replace(GOES_ON, words="holds only where a pilot flew it by hand"))}
+RADIO = {**LINK, 7: new(replace(GOES_ON, words="holds only where a pilot flew it by hand"), V1_18)}
 GRADES = {0: GOES_ON, 1: GOES_ON, 2: HOLDS, 3: RETURNS, 4: FALLS, 5: LANDS}
 HEALTH = {0: GOES_ON, 1: GOES_ON, 2: GOES_ON, 3: RETURNS, 4: LANDS}
-CRITICAL = {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: RETURNS, 4: new(RETURNS)}
-EMERGENCY = {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: LANDS, 4: new(FALLS)}
+CRITICAL = {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: RETURNS, 4: new(RETURNS, V1_19)}
+EMERGENCY = {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: LANDS, 4: new(FALLS, V1_19)}
 MOTOR = {0: GOES_ON, 1: HOLDS, 2: LANDS, 3: RETURNS, 4: FALLS}
 SATELLITES = {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: FALLS}
 AT_RETURN_HEIGHT = replace(RETURNS, words="comes down to its return height where it is higher")
-TRAFFIC = {0: GOES_ON, 1: GOES_ON, 2: AT_RETURN_HEIGHT, 3: LANDS, 4: HOLDS, 5: new(FALLS)}
+TRAFFIC = {0: GOES_ON, 1: GOES_ON, 2: AT_RETURN_HEIGHT, 3: LANDS, 4: HOLDS, 5: new(FALLS, V1_19)}
 NO_HOLD = replace(GOES_ON, words="its commander does not know the order to hold")
 TUMBLES, RADIO_SOURCE, NO_RADIO = "attitude or motor failure", "COM_RC_IN_MODE", 4.0
 BALANCE = {-1: GOES_ON, 0: GOES_ON, 1: RETURNS, 2: LANDS}
@@ -59,23 +60,23 @@ RULES = (
     FailsafeRule("radio control lost", "NAV_RCL_ACT", 2.0, RADIO, GOES_ON),
     FailsafeRule(STATION_LOST, "NAV_DLL_ACT", 0.0, LINK, GOES_ON),
     FailsafeRule("fence breached", "GF_ACTION", 2.0, GRADES, GOES_ON),
-    FailsafeRule("position lost (EKF)", "", math.nan, {}, DRIFTS, until=SINCE),
-    FailsafeRule("position lost (EKF)", "COM_POS_FS_ACT", 0.0, {0: DRIFTS, 1: FALLS_WITHOUT}, DRIFTS, since=SINCE),
+    FailsafeRule("position lost (EKF)", "", math.nan, {}, DRIFTS, until=V1_19),
+    FailsafeRule("position lost (EKF)", "COM_POS_FS_ACT", 0.0, {0: DRIFTS, 1: FALLS_WITHOUT}, DRIFTS, since=V1_19),
     FailsafeRule(ACCURACY, "COM_POS_LOW_ACT", 3.0, GRADES, GOES_ON, {"COM_POS_LOW_EPH": -1.0}),
     FailsafeRule(
-        "satellite receiver lost", "COM_GNSSLOSS_ACT", 0.0, SATELLITES, GOES_ON, {"SYS_HAS_NUM_GNSS": 0.0}, SINCE
+        "satellite receiver lost", "COM_GNSSLOSS_ACT", 0.0, SATELLITES, GOES_ON, {"SYS_HAS_NUM_GNSS": 0.0}, V1_18
     ),
     FailsafeRule("wind too strong", "COM_WIND_MAX_ACT", 0.0, GRADES, GOES_ON, {"COM_WIND_MAX": -1.0}),
     FailsafeRule("flown for too long", "", math.nan, {}, RETURNS, {"COM_FLT_TIME_MAX": -1.0}),
     FailsafeRule("mission cannot be flown on", "", math.nan, {}, RETURNS),
     FailsafeRule("motor failed", "COM_ACT_FAIL_ACT", 0.0, MOTOR, GOES_ON),
-    FailsafeRule("propeller out of balance", "COM_IMB_PROP_ACT", 0.0, BALANCE, GOES_ON, until=SINCE),
+    FailsafeRule("propeller out of balance", "COM_IMB_PROP_ACT", 0.0, BALANCE, GOES_ON, until=V1_18),
     FailsafeRule(TUMBLES, "CBRK_FLIGHTTERM", 121212.0, {121212: GOES_ON}, FALLS),
-    FailsafeRule("parachute missing", "COM_PARACHUTE", 0.0, HEALTH, GOES_ON, since=SINCE),
-    FailsafeRule("Remote ID lost", "COM_ARM_ODID", 0.0, {**HEALTH, 5: FALLS}, GOES_ON, since=SINCE),
-    FailsafeRule("traffic receiver lost", "COM_TRAFF_AVOID", 0.0, HEALTH, GOES_ON, since=SINCE),
-    FailsafeRule("traffic near", "NAV_TRAFF_AVOID", 1.0, {**TRAFFIC, 4: NO_HOLD}, GOES_ON, until=SINCE),
-    FailsafeRule("traffic near", "NAV_TRAFF_AVOID", 1.0, TRAFFIC, GOES_ON, since=SINCE),
+    FailsafeRule("parachute missing", "COM_PARACHUTE", 0.0, HEALTH, GOES_ON, since=V1_18),
+    FailsafeRule("Remote ID lost", "COM_ARM_ODID", 0.0, {**HEALTH, 5: FALLS}, GOES_ON, since=V1_18),
+    FailsafeRule("traffic receiver lost", "COM_TRAFF_AVOID", 0.0, HEALTH, GOES_ON, since=V1_19),
+    FailsafeRule("traffic near", "NAV_TRAFF_AVOID", 1.0, {**TRAFFIC, 4: NO_HOLD}, GOES_ON, until=V1_19),
+    FailsafeRule("traffic near", "NAV_TRAFF_AVOID", 1.0, TRAFFIC, GOES_ON, since=V1_19),
     *ordered(Ending.RTL, Ending.LAND, Ending.HOLD, Ending.TERMINATE),
 )  # fmt: skip
 
@@ -112,7 +113,7 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
         excepted, words = int(parameters.get(EXCEPT[rule.parameter], 0.0)), f"by {EXCEPT[rule.parameter]}"
         if excepted & IN_MISSION:
             answer = replace(GOES_ON, words=words)
-        if excepted & IN_AUTO and series >= SINCE:
+        if excepted & IN_AUTO and series >= V1_18:
             returning = replace(GOES_ON, words=words)
     if rule.cause == ACCURACY:
         returning = replace(GOES_ON, words="counts only in a mission or a hold")

@@ -1,8 +1,9 @@
 """Where PX4's RTL leads and how high it goes there: home, a rally point, or the landing of its mission.
 
 Whichever is nearest; a rally point must be 2 m nearer than what is nearest so far and 10 m away from home. All its
-heights count from the goal's. From 1.18 on it flies around the polygons and circles of a fence, where its board has
-that (all but the smallest); that way itself is not modeled.
+heights count from the goal's. From 1.19 on it flies around the polygons and circles of a fence, where its board has
+that (all but the smallest); that way itself is not modeled. Read in 1.17.0 (d6f12ad1), release/1.18 (05deebf313) and
+main (bb59c637, to be 1.19).
 """
 
 import math
@@ -23,7 +24,8 @@ from ipoa_mission.vehicles.returning import (
 NEARER = 2.0  # by so much a rally point or a landing must be nearer [m]
 OF_ITS_OWN = 10.0  # rally points that are no farther from home are none [m]
 NOT_HOME, ON, NEAREST, SHORTER, RALLY_ONLY = 1.0, 2.0, 3.0, 4.0, 5.0  # RTL_TYPE; 0: home or a rally point
-ROUNDS_FENCES = (1, 18)  # since this series (pull request 27145)
+KNOWS_RALLY_ONLY = (1, 18)  # since this series
+ROUNDS_FENCES = (1, 19)  # since this series (40e61d2429, merged after release/1.18 had branched)
 
 
 def return_height(parameters: Parameters, height: float, distance: float, goal_up: float) -> float:
@@ -41,7 +43,7 @@ def return_route(
     if kind in {ON, SHORTER}:
         ahead = landing is not None and (kind == ON or landing.ahead < landing.behind)
         return ReturnRoute(ReturnBy.AHEAD if ahead else ReturnBy.BACK)
-    rally_only = kind == RALLY_ONLY and series >= ROUNDS_FENCES
+    rally_only = kind == RALLY_ONLY and series >= KNOWS_RALLY_ONLY
     best = ReturnRoute(ReturnBy.HERE if rally_only else ReturnBy.DIRECT)
     nearest = math.inf if rally_only or kind == NOT_HOME else level_distance(here, HOME)
     if landing is not None and kind in {NOT_HOME, NEAREST} and level_distance(here, landing.place) + NEARER < nearest:

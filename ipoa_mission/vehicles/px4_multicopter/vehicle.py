@@ -226,9 +226,9 @@ class Px4Multicopter(Autopilot):
         return returning.return_height(parameters, height, distance, goal_up)
 
     def room_to_fences(self, parameters: Parameters, version: Version | None = None) -> float | None:
-        """From 1.18 on.
+        """From 1.19 on.
 
-        >>> Px4Multicopter().room_to_fences({}), Px4Multicopter().room_to_fences({"NAV_ACC_RAD": 2.0}, Version(1, 18))
+        >>> Px4Multicopter().room_to_fences({}), Px4Multicopter().room_to_fences({"NAV_ACC_RAD": 2.0}, Version(1, 19))
         (None, 4.0)
         """
         return returning.room_to_fences(parameters, (version or self.newest).series)
