@@ -24,7 +24,7 @@ def check_way(forecast: Forecast) -> Iterator[Finding]:
             yield at.error("never-reached", words, unknown.hint)
         else:
             yield at.error("way-unknown", words, unknown.hint)
-    parameters = mission.autopilot.book.complete(mission.parameters)
+    parameters = mission.autopilot.complete(mission.parameters, mission.firmware_version)
     for at in numbered(mission):
         radius = at.item.params[2]
         if at.item.command != Command.NAV_LOITER_TURNS or radius == 0.0 or not math.isfinite(radius):

@@ -83,10 +83,10 @@ def mock(
     given = read_parameter_options(one.param, one.param_file)
     there = stands(one.scenario, one.home, one.autopilot, given)
     expect_own(there.parameters, there.autopilot)
-    version = there.autopilot.newest
     if one.firmware_version is not None:
-        version = there.autopilot.tables.expect(Version.parsed(one.firmware_version))
-        there = replace(there, conditions=replace(there.conditions, version=version))
+        named = there.autopilot.tables.expect(Version.parsed(one.firmware_version))
+        there = replace(there, conditions=replace(there.conditions, version=named))
+    version = there.conditions.version or there.autopilot.newest
     signer = signer_of(key, "mock")
     place = there.home
     about = {
@@ -121,7 +121,6 @@ def mock(
                 there.parameters,
                 cold=True,
                 nak_at=one.nak_at,
-                version=version,
                 conditions=there.conditions,
             ),
             speedup,

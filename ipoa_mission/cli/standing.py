@@ -44,5 +44,6 @@ def stands(
     flies = autopilot or world.vehicle.autopilot
     own = world.vehicle if flies is world.vehicle.autopilot else None
     values = flies.book.overridden(world.vehicle.parameters, parameters) if own else parameters
-    conditions = Conditions(world.wind.air(), world.ground, own.learned if own else None)
+    about = (own.learned, own.version) if own else ()
+    conditions = Conditions(world.wind.air(), world.ground, *about)
     return Stands(flies, world.home.geodetic(), values, conditions)

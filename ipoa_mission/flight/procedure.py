@@ -199,7 +199,7 @@ def load_mission(
         expect_slow_landing(vehicle, forecast)
     remarks, others, lacking = _put(vehicle, mission, anyway, stages, is_flown=True)
     with suppress(NoAnswer):  # it does not tell
-        vehicle.absence.meanwhile = without_station(vehicle)
+        vehicle.absence.meanwhile = without_station(vehicle, vehicle.firmware_version())
     for words in (*remarks, *(f"{other}: --set-params writes it" for other in others), *lacking):
         remark(words)
     if not others or mission.autopilot is not vehicle.autopilot:

@@ -63,10 +63,8 @@ def highest_return(forecast: Forecast) -> float:
 def return_altitude(forecast: Forecast) -> float:
     """How high above home it returns from far away, to home or the highest rally point [m]."""
     mission = forecast.mission
-    values, ups = (
-        mission.autopilot.book.complete(mission.parameters),
-        (0.0, *(place.altitude for place in mission.rally)),
-    )
+    values = mission.autopilot.complete(mission.parameters, mission.firmware_version)
+    ups = (0.0, *(place.altitude for place in mission.rally))
     return max(mission.autopilot.return_height(values, 0.0, FAR, up) for up in ups)
 
 

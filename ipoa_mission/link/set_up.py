@@ -8,6 +8,7 @@ from ipoa_mission.link.messages import STATION_SYSTEM
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.version import Version
 
 #: Values of a parameter agree to single precision.
 ROUNDING = 1e-6
@@ -59,8 +60,10 @@ def own_values(vehicle: HasParameters, names: Iterable[str]) -> Parameters:
     return book.by_old_names(vehicle.parameters([name for name, _ in book.spellings(one)] for one in names))
 
 
-def without_station(vehicle: HasParameters) -> str:
+def without_station(vehicle: HasParameters, version: Version | None = None) -> str:
     """What the vehicle does when it loses this ground station, by its own parameters; nothing where nobody knows.
+
+    `version` of its firmware: left out, the newest measured.
 
     Raises:
         NoAnswer: it does not tell its parameters.
@@ -69,7 +72,7 @@ def without_station(vehicle: HasParameters) -> str:
     if loss is None:
         return ""
     values = vehicle.parameters(loss.decided_by)
-    return loss.words(vehicle.autopilot.failsafes(values), values, STATION_SYSTEM)
+    return loss.words(vehicle.autopilot.failsafes(values, version), values, STATION_SYSTEM)
 
 
 def idle_fence(vehicle: HasParameters, mission: Mission) -> str | None:

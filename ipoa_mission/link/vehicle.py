@@ -160,7 +160,7 @@ class Vehicle(Partner):
             mission = from_wire(items, self.autopilot, self.home())
         self._holdings = {k: Holding(Upload(lists[k], self.autopilot, k, self._checksum_numbers())) for k in LISTS}
         self._expect(mission)
-        return replace(mission, fence=fence, rally=rally)
+        return replace(mission, fence=fence, rally=rally, firmware_version=self.firmware_version())
 
     def download_items(self, kind: int, progress: Progress = silent) -> tuple[Item, ...]:
         """The list of MAV_MISSION_TYPE `kind` as it stands on the wire."""

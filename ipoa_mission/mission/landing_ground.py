@@ -61,10 +61,10 @@ def landing_place(mission: Mission) -> tuple[float, float] | None:
     if Command.NAV_RETURN_TO_LAUNCH not in commands or not mission.rally:
         return None
     here = _last_place(mission, commands.index(Command.NAV_RETURN_TO_LAUNCH)) or (0.0, 0.0)
-    parameters = mission.autopilot.book.complete(mission.parameters)
+    parameters = mission.autopilot.complete(mission.parameters, mission.firmware_version)
     rally = [(*_local(mission, place.latitude_deg, place.longitude_deg), 0.0) for place in mission.rally]
-    chosen = mission.autopilot.goal_of_return(parameters, (*here, 0.0), rally)
-    return None if chosen is None else rally[chosen][:2]
+    route = mission.autopilot.return_route(parameters, (*here, 0.0), rally, version=mission.firmware_version)
+    return None if route.rally is None else rally[route.rally][:2]
 
 
 def _last_place(mission: Mission, index: int) -> tuple[float, float] | None:

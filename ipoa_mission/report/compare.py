@@ -17,7 +17,6 @@ from ipoa_mission.logs.flight_log import LoggedFlight
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.learned import LearnedVehicle
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.wind import CALM, Wind
@@ -147,7 +146,7 @@ def compare_logged(
     record = flight.record(flown)
     comparison = compare_flight(forecast.estimate, record)
     remarks = (*_other_mission(flown, flight), *_other_place(flown, record), *_begun_later(record))
-    changed = _changed(flown.parameters, flight.autopilot)
+    changed = _changed(forecast.mission)
     return ComparedFlight(forecast, record, comparison, changed, remarks)
 
 
@@ -181,10 +180,10 @@ def _begun_later(record: FlightRecord) -> tuple[str, ...]:
     return (f"it began at item {first}",) if first > 1 else ()
 
 
-def _changed(parameters: Parameters, autopilot: Autopilot) -> dict[str, float]:
+def _changed(mission: Mission) -> dict[str, float]:
     """Those of the parameters that the models know, and that are not the defaults; by the names of before 4.7."""
-    defaults = autopilot.book.moving
-    current = autopilot.book.by_old_names(parameters)
+    defaults = mission.autopilot.complete({}, mission.firmware_version)
+    current = mission.autopilot.book.by_old_names(mission.parameters)
     return {
         name: current[name]
         for name in defaults

@@ -22,7 +22,6 @@ from ipoa_mission.simulator.personality import personality
 from ipoa_mission.simulator.transfers import MissionService
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic
 
 ERROR_LEVELS = 0x63  # an event's: INFO for the log, ERROR for ground stations
@@ -48,15 +47,14 @@ class BuiltInAutopilot(Commander):
         nak_at: int | None = None,
         seed: int = 0,
         conditions: Conditions = USUAL,
-        version: Version | None = None,
     ) -> None:
         """`cold`: it is powered up now, and has no position for a while; else it has stood there for long.
 
         `seed` picks the errors of the sensors it flies by. The item of number `nak_at` is refused; such a vehicle takes
-        no mission as a file, in which no item can be refused. `version` of the firmware: left out, the newest measured.
+        no mission as a file, in which no item can be refused. The firmware's version is that of the `conditions`.
         """
-        habits = personality(family, version)
-        self.table = ParameterTable(family, parameters or {})
+        habits = personality(family, conditions.version)
+        self.table = ParameterTable(family, parameters or {}, conditions.version)
         flight = SimulatedFlight(family, home, self.table.values, conditions, seed=seed)
         transfers = MissionService(habits, lambda: flight.home, self._say, self._listed, nak_at)
         super().__init__(habits, flight, transfers, self.table.values, 0.0 if cold else -math.inf)

@@ -73,9 +73,9 @@ class SimulatedFlight:
         self.home = home
         self.frame = LocalFrame(home)
         self._given = parameters
+        self._body = SimulatedVehicle(conditions)
         self._now = Situation(self._program(()), mission=MissionState.NO_MISSION)
         self._chance = random.Random(seed)
-        self._body = SimulatedVehicle(conditions)
         self._shown: tuple[object, Geodetic] = None, home
         self._pilot: Pilot = autopilot.part(Pilots).pilot(self._body, self._now, self.parameters, self._chance)
 
@@ -84,7 +84,7 @@ class SimulatedFlight:
     @property
     def parameters(self) -> Parameters:
         """The autopilot's defaults, and what was given in their place; ArduCopter's by the names of before 4.7."""
-        return self.autopilot.book.complete(self._given)
+        return self.autopilot.complete(self._given, self._body.conditions.version)
 
     @property
     def time_s(self) -> float:
@@ -183,7 +183,8 @@ class SimulatedFlight:
         self._now.rally = tuple((float(place[0]), float(place[1]), item.height(self.home)) for place, item in at)
 
     def _program(self, items: tuple[Item, ...]) -> Program:
-        return Program(items, self.frame, self.autopilot, first=self.autopilot.guidance.first_item)
+        first, version = self.autopilot.guidance.first_item, self._body.conditions.version
+        return Program(items, self.frame, self.autopilot, first=first, version=version)
 
     def arm(self) -> None:
         """Let the motors run."""

@@ -83,7 +83,6 @@ def fly_forecast(
 def board(forecast: Forecast, seed: int = 0, faults: Faults = PERFECT, log: str | Path | None = None) -> Vehicle:
     """A connected simulated vehicle that stands at the mission's home, in the forecast's wind and over its ground."""
     mission = forecast.mission
-    version = mission.firmware_version or mission.autopilot.firmware().version
     autopilot = BuiltInAutopilot(
         mission.autopilot,
         mission.home,
@@ -91,7 +90,6 @@ def board(forecast: Forecast, seed: int = 0, faults: Faults = PERFECT, log: str 
         nak_at=faults.nak_at,
         seed=seed,
         conditions=Conditions(forecast.wind, forecast.ground, mission.vehicle, mission.firmware_version),
-        version=version,
     )
     station = Station(autopilot)
     pipes = (None, None) if faults.is_none else (BadPipe(faults, 2 * seed), BadPipe(faults, 2 * seed + 1))

@@ -7,6 +7,7 @@ from ipoa_mission.link.messages import Message, ParamRequestList, ParamRequestRe
 from ipoa_mission.link.orders import parameter_value, spelled_parameter
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.parameters import REAL32
+from ipoa_mission.vehicles.version import Version
 
 #: PARAM_VALUE.param_index of ArduPilot where a parameter was asked for by its name.
 BY_NAME = 65535
@@ -15,12 +16,13 @@ BY_NAME = 65535
 class ParameterTable:
     """The values, and the answers to those who ask for them."""
 
-    def __init__(self, autopilot: Autopilot, given: Mapping[str, float]) -> None:
+    def __init__(self, autopilot: Autopilot, given: Mapping[str, float], version: Version | None = None) -> None:
         self._autopilot = autopilot
         set_up = autopilot.book.set_up
         self._types = {**autopilot.book.types, **{name: kind for name, (_, kind) in set_up.items()}}
         told = {name: value for name, (value, _) in set_up.items()}
-        self.values = {**told, **autopilot.book.moving, **autopilot.book.others, **given}
+        own = {**autopilot.book.moving, **autopilot.defaults_of(version)}
+        self.values = {**told, **own, **autopilot.book.others, **given}
 
     def answers(self, message: Message) -> list[ParamValue] | None:
         """What to say to a message of the protocol; None: it is not one."""

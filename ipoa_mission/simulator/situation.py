@@ -62,7 +62,8 @@ class Situation:
 
     def goal_of_return(self, here: Place, parameters: Parameters) -> Place:
         """Where a return from `here` leads: home, or a rally point and its height."""
-        n = self.program.autopilot.goal_of_return(parameters, here, self.rally)
+        program = self.program
+        n = program.autopilot.return_route(parameters, here, self.rally, version=program.version).rally
         return HOME if n is None else self.rally[n]
 
     def done(self, index: int, announced: bool = True) -> None:

@@ -190,6 +190,10 @@ class Autopilot(ABC):
         """Parameters by their older names, and the version's own defaults of those that are not given."""
         return {**self.defaults_of(version), **self.book.by_old_names(parameters)}
 
+    def complete(self, parameters: Parameters, version: Version | None = None) -> Parameters:
+        """All parameters that move a mission, by their older names: those given, else the version's defaults."""
+        return {**self.book.moving, **self.known_parameters(parameters, version)}
+
     def waypoint_defaults(self, version: Version | None = None) -> WaypointDefaults:
         """The hold and the acceptance radius that each waypoint is given."""
         return WaypointDefaults()

@@ -65,5 +65,5 @@ def test_it_is_told_by_the_values_that_the_vehicle_has(autopilot: Autopilot, val
 def test_nothing_is_told_where_nobody_knows() -> None:
     unknown: Any = SimpleNamespace(station_loss=None)
     assert words(unknown, {}) == ""
-    unknown = SimpleNamespace(station_loss=PX4.station_loss, failsafes=lambda values: ())
+    unknown = SimpleNamespace(station_loss=PX4.station_loss, failsafes=lambda values, version: ())
     assert words(unknown, {"NAV_DLL_ACT": 2}) == ""

@@ -9,7 +9,7 @@ from ipoa_mission.forecast.itinerary.program import Place, Program, as_flown, pr
 from ipoa_mission.mission.commands import FLOWN_TO, JUMPS, LAST_NAV, TAKEOFFS, Command, Frame, plain_frame
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.returning import HOME, MissionLanding, ReturnBy
+from ipoa_mission.vehicles.returning import HOME, MissionLanding, ReturnBy, ReturnRoute
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import LEVEL, Ground
 
@@ -45,8 +45,12 @@ class Itinerary:
 
     def goal_of_return(self, here: Place) -> Place:
         """Where a return from `here` leads: home, or a rally point and its height."""
-        n = self.program.autopilot.goal_of_return(self.parameters, here, self.rally)
+        n = self._route_of_return(here).rally
         return HOME if n is None else self.rally[n]
+
+    def _route_of_return(self, here: Place, landing: MissionLanding | None = None) -> ReturnRoute:
+        program = self.program
+        return program.autopilot.return_route(self.parameters, here, self.rally, landing, program.version)
 
     def way_of_return(self, n: int, here: Place) -> tuple[Place, ...] | None:
         """The places back along the mission, the last one over home, where visit n returns so; None: straight.
@@ -56,7 +60,7 @@ class Itinerary:
         """
         lands = next((k for k, visit in enumerate(self.visits) if visit.item.command == Command.NAV_LAND), None)
         landing = None if lands is None else MissionLanding(self.program.place(lands, here), 0, n)
-        by = self.program.autopilot.return_route(self.parameters, here, self.rally, landing).by
+        by = self._route_of_return(here, landing).by
         if by is ReturnBy.DIRECT:
             return None
         if by is not ReturnBy.BACK:
@@ -82,8 +86,9 @@ def itinerary(mission: Mission, ground: Ground = LEVEL) -> Itinerary:
         if plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT and item.has_position
     )
     visits = tuple(Visit(n + 1, item) for n, item in zip(order, items, strict=True))
-    program = Program(items, LocalFrame(mission.home), mission.autopilot)
-    by_names = mission.autopilot.known_parameters(mission.parameters, mission.firmware_version)
+    version = mission.firmware_version
+    program = Program(items, LocalFrame(mission.home), mission.autopilot, version=version)
+    by_names = mission.autopilot.known_parameters(mission.parameters, version)
     return Itinerary(visits, program, tuple(over_terrain), ground, rally_places(mission), by_names)
 
 

@@ -115,8 +115,7 @@ class _LegBuilder:
         self.home = frame.local(mission.home)
         self.ground = ground or Ground(Flat(float(self.home[2])))
         self.places = item_places(mission, frame, self.ground)
-        known = mission.autopilot.known_parameters(mission.parameters, mission.firmware_version)
-        self.parameters = mission.autopilot.book.complete(known)
+        self.parameters = mission.autopilot.complete(mission.parameters, mission.firmware_version)
         self.at = self.home
         self.last = 0
         """The last item that moved it."""
@@ -270,13 +269,13 @@ class _LegBuilder:
 
         Or back along the mission, without climbing, where the autopilot returns so.
         """
-        places = [triple(place) for place in self._rally_points()]
-        chosen = self.mission.autopilot.goal_of_return(self.parameters, triple(self.at), places)
-        if self.mission.autopilot.return_route(self.parameters, triple(self.at), places).by is ReturnBy.BACK:
+        places, version = [triple(place) for place in self._rally_points()], self.mission.firmware_version
+        route = self.mission.autopilot.return_route(self.parameters, triple(self.at), places, version=version)
+        if route.by is ReturnBy.BACK:
             yield from self._back(seq)
             return
         ways = list(self.return_ways(self.at[None]))
-        ways.insert(0, ways.pop(0 if chosen is None else chosen + 1))
+        ways.insert(0, ways.pop(0 if route.rally is None else route.rally + 1))
         landed = self.at
         for n, (goal, (way,)) in enumerate(ways):
             self.at = way[-1]

@@ -30,6 +30,7 @@ from ipoa_mission.mission.commands import (
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.jump_habits import JumpHabits
+from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 Place: TypeAlias = tuple[float, float, float]  # east, north, up [m]
@@ -113,7 +114,9 @@ class Program:
     autopilot: Autopilot
     first: int = 1
     jumping: JumpHabits | None = None
-    """How jumps are followed; None: as by the newest version of the firmware."""
+    """How jumps are followed; None: as by the version of the firmware."""
+    version: Version | None = None
+    """Of the firmware; None: the newest measured."""
     jumped: dict[int, int] = field(default_factory=dict)
     stuck_at: int | None = None
     """The item at which the firmware found no way on."""
@@ -176,7 +179,7 @@ class Program:
     @cached_property
     def habits(self) -> JumpHabits:
         """How jumps are followed."""
-        return self.jumping or self.autopilot.firmware().jumps
+        return self.jumping or self.autopilot.firmware(self.version).jumps
 
     @cached_property
     def _targets(self) -> dict[int, int | None]:
@@ -255,4 +258,5 @@ def program_of(mission: Mission, items: tuple[Item, ...]) -> Program:
     name, bit = habits.kept_by
     options = mission.autopilot.book.by_old_names(mission.parameters).get(name, 0.0)
     habits = replace(habits, resets=habits.resets and not int(options) >> bit & 1)
-    return Program(items, LocalFrame(mission.home), mission.autopilot, jumping=habits)
+    frame, version = LocalFrame(mission.home), mission.firmware_version
+    return Program(items, frame, mission.autopilot, jumping=habits, version=version)

@@ -27,7 +27,7 @@ class Unknown(NamedTuple):
 def unknown_ways(mission: Mission) -> Iterator[Unknown]:
     """Every such item, in their order."""
     autopilot, items = mission.autopilot, as_flown(mission).items
-    program = Program(items, LocalFrame(mission.home), autopilot)
+    program = Program(items, LocalFrame(mission.home), autopilot, version=mission.firmware_version)
     circles, splines = Command.NAV_LOITER_TURNS in autopilot.way_known.flown, autopilot.guidance.flies_splines
     here: Place | None = None
     for n, item in enumerate(items):
@@ -65,7 +65,8 @@ def _payload_elsewhere(mission: Mission, program: Program, n: int, following: in
     autopilot, item = mission.autopilot, program.items[following]
     if item.command != Command.NAV_PAYLOAD_PLACE or not item.has_position:
         return
-    radius = autopilot.book.complete(mission.parameters)[autopilot.book.meanings["acceptance radius"]] / 100
+    parameters = autopilot.complete(mission.parameters, mission.firmware_version)
+    radius = parameters[autopilot.book.meanings["acceptance radius"]] / 100
     if abs(program.place(following, NOWHERE)[2] - program.place(n, NOWHERE)[2]) > radius:
         why = "it waits at this height to come to that of the waypoint before, and never places the payload"
         yield Unknown(following + 1, why, "give it the height of the waypoint before, or 0", True)

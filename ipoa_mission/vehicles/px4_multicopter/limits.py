@@ -10,7 +10,7 @@ from typing import NamedTuple
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.px4_multicopter.book import DEFAULTS, SINCE_SPLIT, SPLITS_AXES
+from ipoa_mission.vehicles.px4_multicopter.book import DEFAULTS, MEASURED, SINCE_SPLIT, SPLITS_AXES
 from ipoa_mission.vehicles.version import Version
 
 BRAKES_LATE = 0.6  # where it lands or holds it reckons so long with the speed that it has [s]
@@ -138,9 +138,9 @@ class Px4Limits(NamedTuple):
 
 
 def px4_limits(parameters: Parameters, version: Version | None = None) -> Px4Limits:
-    """The limits that these parameters set; what is not given has PX4 1.17's default.
+    """The limits that these parameters set; what is not given has the default of this version.
 
-    `version`: left out, one before `SPLITS_AXES`.
+    `version`: left out, the newest measured.
 
     Downwards the vertical controller may use a little more than the trajectory does (FlightTaskAuto: 1.2 times). What
     hovering takes is learned by a Kalman filter with a process noise of HTE_HT_NOISE a second and, as the flights are
@@ -149,7 +149,7 @@ def px4_limits(parameters: Parameters, version: Version | None = None) -> Px4Lim
     Raises:
         BadInput: a parameter that must be positive is not.
     """
-    splits = version is not None and version.series >= SPLITS_AXES
+    splits = (version or MEASURED[-1]).series >= SPLITS_AXES
     p = {**DEFAULTS, **(SINCE_SPLIT if splits else {}), **parameters}
     for name in POSITIVE:
         if not p[name] > 0:

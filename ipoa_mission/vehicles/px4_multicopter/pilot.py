@@ -37,7 +37,8 @@ class PX4Pilot:
     def __init__(
         self, vehicle: SimulatedVehicle, situation: Situation, parameters: Parameters, chance: random.Random
     ) -> None:
-        given, limits = vehicle.conditions, px4_limits(parameters)
+        given = vehicle.conditions
+        limits = px4_limits(parameters, given.version)
         airframe = airframe_of(given.vehicle)
         self._limits = limits._replace(spool_up=max(limits.spool_up + airframe.lift_delay, 0.0))
         self._vehicle, self._now, self._ground = vehicle, situation, given.ground

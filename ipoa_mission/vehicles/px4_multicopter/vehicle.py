@@ -20,7 +20,7 @@ from ipoa_mission.vehicles.modes import Modes, mode_number
 from ipoa_mission.vehicles.own_fence import FenceLimit, OwnFence
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.px4_multicopter import failsafes, returning
-from ipoa_mission.vehicles.px4_multicopter.book import BOOK, DEFAULTS, LEAST_HOLD, SINCE_SPLIT, SPLITS_AXES
+from ipoa_mission.vehicles.px4_multicopter.book import BOOK, DEFAULTS, LEAST_HOLD, MEASURED, SINCE_SPLIT, SPLITS_AXES
 from ipoa_mission.vehicles.px4_multicopter.refusal import REFUSALS
 from ipoa_mission.vehicles.px4_multicopter.way_known import WAY_KNOWN
 from ipoa_mission.vehicles.returning import MissionLanding, Place, ReturnRoute
@@ -96,7 +96,7 @@ class Px4Multicopter(Autopilot):
     model = "PX4"
     mav_autopilot = 12
     mav_types = MULTICOPTERS
-    measured = (Version(1, 17),)  # docs/lab/flown.md
+    measured = MEASURED
     modes = MODES
     book = BOOK
     tables = FirmwareTables(HABITS, Path(__file__).with_name("firmware_tables.json"))

@@ -1,0 +1,52 @@
+"""Whatever is asked about a mission for a named version of PX4 is answered for that version, not for the newest."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from ipoa_mission.cli.standing import stands
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.mission.files import read_mission
+from ipoa_mission.simulator.conditions import Conditions
+from ipoa_mission.simulator.flight import SimulatedFlight
+from ipoa_mission.simulator.parameters import ParameterTable
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
+from ipoa_mission.vehicles.version import Version
+from ipoa_mission.world.frame import Geodetic
+
+MISSIONS = Path(__file__).parents[2] / "missions"
+PX4 = Autopilot.PX4
+BOTH = pytest.mark.parametrize(("version", "radius"), [(Version(1, 17), 2.0), (Version(1, 18), 10.0)])
+
+
+@BOTH
+def test_the_acceptance_radius_is_that_of_the_version(version: Version, radius: float) -> None:
+    """NAV_ACC_RAD of multicopters: 2 m by rc.mc_defaults of 1.17.0, 10 m since c05cc47b75."""
+    mission = replace(read_mission(MISSIONS / "sitl.plan"), firmware_version=version)
+    home = Geodetic(47.4, 8.5, 400.0)
+    aboard = SimulatedFlight(PX4, home, {}, Conditions(version=version))
+    assert PX4.complete({}, version)["NAV_ACC_RAD"] == radius
+    assert px4_limits({}, version).radius == radius
+    assert Forecast(mission).itinerary.parameters.get("NAV_ACC_RAD", 2.0) == radius
+    assert aboard.parameters["NAV_ACC_RAD"] == radius
+    assert ParameterTable(PX4, {}, version).values["NAV_ACC_RAD"] == radius
+
+
+@pytest.mark.parametrize(("version", "up"), [(Version(1, 17), 0.0), (Version(1, 18), 9.0)])
+def test_a_rally_point_at_home_counts_by_the_version(version: Version, up: float) -> None:
+    """RTL_TYPE 5 leads to rally points only since 1.18; before, it is as 0, and one within 10 m of home is none."""
+    plain = read_mission(MISSIONS / "sitl.plan")
+    home = plain.home
+    rally = (Geodetic(home.latitude_deg, home.longitude_deg, 9.0),)
+    mission = replace(plain, rally=rally, parameters={"RTL_TYPE": 5.0}, firmware_version=version)
+    assert Forecast(mission).itinerary.goal_of_return((100.0, 0.0, 20.0))[2] == up
+
+
+def test_the_built_in_autopilot_of_a_scenario_is_of_its_version(tmp_path: Path) -> None:
+    text = (MISSIONS / "sitl.toml").read_text(encoding="utf-8")
+    path = tmp_path / "sitl.toml"
+    path.write_text(text.replace("[vehicle]\n", '[vehicle]\nfirmware_version = "1.17"\n'), encoding="utf-8")
+    assert stands(path, None, None, {}).conditions.version == Version(1, 17)
+    assert stands(path, None, Autopilot.ARDUPILOT, {}).conditions.version is None
