@@ -240,7 +240,7 @@ RULES: Mapping[str, Rule] = {
         True,
     ),
     "not-read": Rule(
-        "A file of the scenario holds something that may be an obstacle, a zone or a limit, and was not read.",
+        "A file holds something that may be an obstacle, a zone or another limit, and was not read.",
         "Do what the hint says. If it is none, ignore this code, by `--ignore` or by `safety.ignore`.",
         False,
     ),
@@ -299,13 +299,13 @@ RULES: Mapping[str, Rule] = {
         True,
     ),
     "file-home": Rule(
-        "The file has home at 0, 0: the first place of the mission is taken for it.", "Give it a home.", False
+        "The file has home at 0, 0, or not in frame 0: see what is taken for it.", "Give it a home.", False
     ),
     "file-other-list": Rule(
         "The file holds a fence or rally points, and no mission.", "Open the mission's file.", False
     ),
     "file-numbers": Rule(
-        "The items are numbered with gaps; they are taken by their lines.", "Number them anew.", False
+        "The items are numbered with gaps; they are taken in their order.", "Number them anew.", False
     ),
 }
 

@@ -4,6 +4,7 @@ import json
 import math
 import re
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -128,10 +129,11 @@ def parse_document(path: Path, text: str) -> Node:
     """The JSON document in a file's text.
 
     Raises:
-        BadInput: it is no JSON.
+        BadInput: it is no JSON, or a key stands twice in an object.
     """
     try:
-        return Node(str(path), "", json.loads(text, parse_constant=lambda name: _no_constant(path, text, name)))
+        constant = partial(_no_constant, path, text)
+        return Node(str(path), "", json.loads(text, parse_constant=constant, object_pairs_hook=partial(_once, path)))
     except json.JSONDecodeError as error:
         place = f"{path}: line {error.lineno}, column {error.colno}"
         raise WrongFormat(f"expected JSON: {error.msg}", hint=why_no_json(text, error.pos), place=place) from error
@@ -139,6 +141,16 @@ def parse_document(path: Path, text: str) -> Node:
         raise TooLarge("expected JSON, not brackets nested without end", place=path) from None
     except ValueError:
         raise TooLarge("expected numbers that fit in 64 bits, not one of thousands of digits", place=path) from None
+
+
+def _once(path: Path, pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """The object, if each of its keys stands in it once: of two readers take one, and not all the same."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise BadInput(f'{path}: expected each key of an object once, not "{twice}" twice')
+    return found
 
 
 def _no_constant(path: Path, text: str, name: str) -> NoReturn:

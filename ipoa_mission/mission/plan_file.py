@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.finding import Severity
+from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.commands import FLOWN_TO, SAME_FRAME, Command, Frame, command_name
 from ipoa_mission.mission.complex_items import as_document, complex_items_in, entries
 from ipoa_mission.mission.document import Node, parse_document
@@ -22,6 +22,7 @@ from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.mission.landing_ground import told_in_plan
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.parameter_file import write_with_parameters
+from ipoa_mission.mission.plan_keys import findings_of_keys
 from ipoa_mission.mission.scan_items import lay_out
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.vehicles.kinds import QUADROTOR
@@ -95,7 +96,8 @@ def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> Mis
         scanned=tuple((index, entry.scanned) for index, entry in enumerate(listed) if entry.scanned > 0.0),
         complex_items=complex_items_in([entry.part_of for entry in listed], items),
     )
-    return MissionFile(read, tuple(plan.findings), text, ".plan")
+    findings = (*plan.findings, *_check_numbers(listed), *findings_of_keys(plan))
+    return MissionFile(read, findings, text, ".plan")
 
 
 # --- writing ----------------------------------------------------------------------------------------------------
@@ -245,21 +247,30 @@ def _entries(node: Node) -> list[ListedItem]:
 
 
 def _items(listed: list[ListedItem]) -> list[Item]:
-    numbers: dict[int, int] = {}
+    numbers: dict[int, list[int]] = {}
     for number, entry in enumerate(listed, start=1):
         if entry.jump_id is not None:
-            numbers.setdefault(entry.jump_id, number)
+            numbers.setdefault(entry.jump_id, []).append(number)
     return [_with_jump(entry, numbers) for entry in listed]
 
 
-def _with_jump(entry: ListedItem, numbers: Mapping[int, int]) -> Item:
+def _check_numbers(listed: list[ListedItem]) -> Iterator[Finding]:
+    """Items are numbered from 1 on: another number says that some are missing, doubled or moved."""
+    for due, entry in enumerate(listed, start=1):
+        if entry.jump_id not in (None, due):
+            words = f"{entry.node.place}.doJumpId: {entry.jump_id} where {due} is due: is an item missing or moved?"
+            yield Finding("file-numbers", Severity.WARNING, due, words)
+            return
+
+
+def _with_jump(entry: ListedItem, numbers: Mapping[int, list[int]]) -> Item:
     if entry.item.command != Command.DO_JUMP:
         return entry.item
     target = entry.node["params"].array()[0]
-    number = numbers.get(target.whole("the doJumpId of an item"))
-    if number is None:
-        raise target.wrong("the doJumpId of an item outside surveys")
-    return replace(entry.item, params=(float(number), *entry.item.params[1:]))
+    found = numbers.get(target.whole("the doJumpId of an item"), [])
+    if len(found) != 1:
+        raise target.wrong("the doJumpId of an item outside surveys" if not found else "the doJumpId of one item alone")
+    return replace(entry.item, params=(float(found[0]), *entry.item.params[1:]))
 
 
 def _listed(node: Node) -> list[ListedItem]:

@@ -117,6 +117,9 @@ def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -
         home = replace(home, latitude_deg=places[0].latitude_deg, longitude_deg=places[0].longitude_deg)
         message = "home: 0, 0 stands for no place: the first place of the mission is taken for it"
         findings.append(Finding("file-home", Severity.WARNING, 0, message))
+    if first.frame not in (Frame.GLOBAL, Frame.GLOBAL_INT):
+        message = f"home: its altitude is taken as AMSL, though its frame is {first.frame}, not 0"
+        findings.append(Finding("file-home", Severity.WARNING, 0, message))
     return MissionFile(Mission(home, items, autopilot), tuple(findings), text, SUFFIX)
 
 

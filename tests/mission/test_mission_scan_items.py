@@ -47,8 +47,11 @@ CORRIDOR = {
 
 def read(folder: Path, item: dict[str, Any]) -> MissionFile:
     path = folder / "scan.plan"
-    mission = {"plannedHomePosition": [47, 8, 500], "firmwareType": 12, "items": [item], "version": 2}
-    path.write_text(json.dumps({"fileType": "Plan", "version": 1, "mission": mission}))
+    mission = {"plannedHomePosition": [47, 8, 500], "firmwareType": 12, "vehicleType": 2}
+    mission |= {"items": [item], "version": 2}
+    fence, rally = {"polygons": [], "circles": [], "version": 2}, {"points": [], "version": 2}
+    plan = {"fileType": "Plan", "version": 1, "mission": mission, "geoFence": fence, "rallyPoints": rally}
+    path.write_text(json.dumps(plan))
     return read_mission_file(path)
 
 

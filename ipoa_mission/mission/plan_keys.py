@@ -1,0 +1,81 @@
+"""Name what a `.plan` holds that is not read, and what QGroundControl writes and it lacks."""
+
+import json
+import re
+from collections.abc import Iterator
+
+from ipoa_mission.finding import Finding, Severity
+from ipoa_mission.mission.document import Node
+from ipoa_mission.unread import Unread, gathered
+
+FENCE, RALLY = "geoFence", "rallyPoints"
+#: The keys of each object that are read, or bear on no flight; of `[]` each member of a list.
+KEYS = {
+    "": {"fileType", "version", "groundStation", "mission", FENCE, RALLY, "landingGround", "UUID"},
+    "landingGround": {"aboveHome", "latitude", "longitude"},
+    "mission": {
+        *("version", "firmwareType", "vehicleType", "plannedHomePosition", "items"),
+        *("cruiseSpeed", "hoverSpeed", "globalPlanAltitudeMode"),
+    },
+    "mission.items[]": {
+        *("type", "command", "frame", "params", "coordinate", "autoContinue", "doJumpId", "MISSION_ITEM_ID"),
+        *("Altitude", "AltitudeMode", "AMSLAltAboveTerrain"),
+    },
+    FENCE: {"version", "polygons", "circles", "breachReturn"},
+    f"{FENCE}.polygons[]": {"polygon", "inclusion", "version"},
+    f"{FENCE}.circles[]": {"circle", "inclusion", "version"},
+    f"{FENCE}.circles[].circle": {"center", "radius"},
+    RALLY: {"version", "points"},
+}
+#: What QGroundControl always writes, and a reader must assume where it is missing.
+EXPECTED = {
+    FENCE: "taken for a mission without a fence",
+    f"{FENCE}.polygons": "taken for a fence without polygons",
+    f"{FENCE}.circles": "taken for a fence without circles",
+    RALLY: "taken for a mission without rally points",
+    f"{RALLY}.points": "taken for a mission without rally points",
+    "mission.vehicleType": "taken for a multicopter",
+}
+LIMITS = re.compile("fence|rally|zone|polygon|circle|clusion", re.IGNORECASE)
+REMEDY = "spell it as QGroundControl does, or ignore this code where it limits no flight"
+
+
+def findings_of_keys(plan: Node) -> Iterator[Finding]:
+    """Find the keys that are not read: errors where they may be a fence or rally points; and what is missing."""
+    missing = {place for place in EXPECTED if _lacks(plan, place)}
+    for unread in gathered(_unread(plan, missing)):
+        words = unread.words.removeprefix(f"{unread.file}: ")
+        if unread.may_limit:
+            yield Finding("not-read", Severity.ERROR, None, words, unread.remedy)
+        else:
+            yield Finding("file", Severity.WARNING, None, words)
+    for place in sorted(missing):
+        yield Finding("file", Severity.WARNING, None, f"{place}: missing: {EXPECTED[place]}")
+
+
+def _lacks(plan: Node, place: str) -> bool:
+    parent, _, key = place.rpartition(".")
+    above = plan.value.get(parent) if parent else plan.value
+    return isinstance(above, dict) and key not in above and "polygon" not in above  # a fence of version 1 has this
+
+
+def _unread(node: Node, missing: set[str]) -> Iterator[Unread]:
+    if isinstance(node.value, list):
+        for child in node.array():
+            yield from _unread(child, missing)
+    elif isinstance(node.value, dict):
+        kind = re.sub(r"\[\d+\]", "[]", node.place)
+        known = KEYS.get(kind)
+        if known is None or node.value.get("type") == "ComplexItem":
+            return
+        if kind == "mission.items[]" and "params" not in node.value:  # version 1
+            known = known | {f"param{n}" for n in range(1, 5)}
+        for key, value in node.value.items():
+            if key in known:
+                yield from _unread(node[key], missing)
+            elif value not in (None, "", [], {}):
+                limits = (
+                    kind.startswith((FENCE, RALLY)) or LIMITS.search(key) or (not kind and missing & {FENCE, RALLY})
+                )
+                what, place = f'key "{key}"', node.place or "the file"
+                yield Unread(node.file, what, place, json.dumps(value), may_limit=bool(limits), remedy=REMEDY)

@@ -1,0 +1,98 @@
+"""What a `.plan` spells otherwise, lacks or has twice is named: as an error where it may be a fence or rally points."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.mission.files import read_mission, read_mission_file
+
+ITEM = {"type": "SimpleItem", "command": 16, "frame": 3, "autoContinue": True, "params": [0, 0, 0, None, 47, 8, 30]}
+SQUARE = {"polygon": [[46.9, 7.9], [46.9, 8.1], [47.1, 8.1], [47.1, 7.9]], "inclusion": True, "version": 1}
+CIRCLE = {"circle": {"center": [47, 8], "radius": 500}, "inclusion": True, "version": 1}
+
+
+def written(folder: Path, **changes: Any) -> Path:
+    plan = {
+        "fileType": "Plan",
+        "geoFence": {"polygons": [SQUARE], "circles": [CIRCLE], "version": 2},
+        "mission": {
+            "firmwareType": 12,
+            "items": [ITEM | {"doJumpId": 1}, ITEM | {"doJumpId": 2}],
+            "plannedHomePosition": [47, 8, 400],
+            "vehicleType": 2,
+            "version": 2,
+        },
+        "rallyPoints": {"points": [[47, 8, 20]], "version": 2},
+        "version": 1,
+    }
+    for key, value in changes.items():
+        *way, last = key.split("__")
+        inner = plan
+        for step in way:
+            inner = inner[step]  # type: ignore[assignment]
+        inner.pop(last, None) if value is None else inner.update({last: value})
+    path = folder / "a.plan"
+    path.write_text(json.dumps(plan))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"geoFence": None, "geofence": {"polygons": [SQUARE]}}, 'not read: key "geofence": the file'),
+        ({"rallyPoints": None, "Alternates": [[47, 8, 9]]}, 'not read: key "Alternates": the file'),
+        ({"noFlyZones": [SQUARE]}, 'not read: key "noFlyZones": the file'),
+        ({"geoFence__polygon": [[47, 8], [47.1, 8], [47, 8.1]]}, 'not read: key "polygon": geoFence'),
+        ({"geoFence__maxAltitude": 50}, 'not read: key "maxAltitude": geoFence ("50")'),
+        ({"geoFence__circles": [CIRCLE | {"unit": "ft"}]}, 'not read: key "unit": geoFence.circles[0]'),
+        ({"rallyPoints__position": [[47, 8, 9]]}, 'not read: key "position": rallyPoints'),
+    ],
+)
+def test_a_limit_that_is_not_read_is_an_error(tmp_path: Path, changes: dict[str, Any], words: str) -> None:
+    path = written(tmp_path, **changes)
+    assert next(str(one)[7:] for one in read_mission_file(path).findings if one.code == "not-read").startswith(words)
+    with pytest.raises(BadInput, match="not read: key"):
+        read_mission(path)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({}, []),
+        ({"geoFence": None}, ["geoFence: missing: taken for a mission without a fence"]),
+        ({"rallyPoints": {}}, ["rallyPoints.points: missing: taken for a mission without rally points"]),
+        ({"mission__vehicleType": None}, ["mission.vehicleType: missing: taken for a multicopter"]),
+        ({"mission__hoverspeed": 5}, ['not read: key "hoverspeed": mission ("5")']),
+        ({"mission__items": [ITEM | {"altitude": 9}] * 2},
+         ['not read: key "altitude": 2 times, first mission.items[0] ("9")']),
+        ({"mission__items": [ITEM | {"doJumpId": n} for n in (1, 3)]},
+         ["mission.items[1].doJumpId: 3 where 2 is due: is an item missing or moved?"]),
+    ],
+)  # fmt: skip
+def test_other_keys_are_warnings(tmp_path: Path, changes: dict[str, Any], words: list[str]) -> None:
+    read = read_mission_file(written(tmp_path, **changes))
+    assert [str(finding) for finding in read.findings] == [f"warning: {one}" for one in words]
+
+
+def test_a_key_that_stands_twice_is_refused(tmp_path: Path) -> None:
+    path = written(tmp_path)
+    path.write_text(path.read_text().replace('"radius": 500', '"radius": 500, "radius": 50'))
+    with pytest.raises(BadInput, match=r'a\.plan: expected each key of an object once, not "radius" twice'):
+        read_mission(path)
+
+
+def test_a_jump_to_two_items_of_one_number_is_refused(tmp_path: Path) -> None:
+    jump = ITEM | {"command": 177, "frame": 2, "params": [1, 2, 0, 0, 0, 0, 0], "doJumpId": 3}
+    path = written(tmp_path, mission__items=[ITEM | {"doJumpId": 1}, ITEM | {"doJumpId": 1}, jump])
+    with pytest.raises(BadInput, match=r"items\[2\].params\[0\]: expected the doJumpId of one item alone, not 1"):
+        read_mission(path)
+
+
+def test_a_home_of_another_frame_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "a.waypoints"
+    path.write_text("QGC WPL 110\n0\t1\t3\t16\t0\t0\t0\t0\t47\t8\t400\t1\n1\t0\t3\t16\t0\t0\t0\t0\t47\t8\t30\t1\n")
+    (finding,) = read_mission_file(path).findings
+    assert finding.message == "home: its altitude is taken as AMSL, though its frame is 3, not 0"
