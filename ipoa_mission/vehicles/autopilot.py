@@ -143,9 +143,12 @@ class Autopilot(ABC):
         return np.asarray(velocity * (way / np.maximum(speed, STANDS))[:, None])
 
     def circle(
-        self, parameters: Parameters, radius: float, speed: float | None = None, version: Version | None = None
+        self, parameters: Parameters, radius: float, turn: float, speed: float | None, version: Version | None
     ) -> FlownCircle | None:
-        """How it flies NAV_LOITER_TURNS at a `radius` > 0 m, at up to a level speed [m/s]; None: it does not."""
+        """How it flies NAV_LOITER_TURNS; None: it does not.
+
+        A `radius` > 0 m by a turn [rad], at up to a level speed [m/s].
+        """
         return None
 
     @abstractmethod

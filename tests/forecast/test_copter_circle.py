@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 import shapely
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from ipoa_mission.forecast.forecast import Forecast
@@ -71,17 +71,21 @@ def test_the_entry_is_the_nearest_point_and_from_the_center_the_one_behind_the_n
 
 
 @settings(max_examples=examples(10))
-@given(radius=st.floats(5.0, 300.0), accel=st.floats(100.0, 500.0), speed=st.floats(2.0, 15.0))
-def test_the_circle_of_the_law_is_the_one_that_the_target_settles_on(radius: float, accel: float, speed: float) -> None:
-    limits = copter_limits({"WPNAV_ACCEL": accel, "WPNAV_SPEED": 100.0 * speed})
-    flown, copter = flown_circle(limits, radius, speed), Copter(limits, here=(0.0, radius, 20.0))
-    copter.orbit((0.0, 0.0, 20.0), radius, math.tau * 2)
+@given(radius=st.floats(5.0, 300.0), accel=st.floats(100.0, 500.0), speed=st.floats(2.0, 15.0), turns=st.just(2.0))
+@example(radius=20.0, accel=500.0, speed=3.4, turns=1.0)  # the speed limit cuts the pursuit: it falls back for long
+@example(radius=20.0, accel=500.0, speed=3.4, turns=8.0)
+def test_the_circle_of_the_law_is_the_one_that_the_target_is_on(
+    radius: float, accel: float, speed: float, turns: float
+) -> None:
+    limits, turn = copter_limits({"WPNAV_ACCEL": accel, "WPNAV_SPEED": 100.0 * speed}), math.tau * turns
+    flown, copter = flown_circle(limits, radius, speed, turn), Copter(limits, here=(0.0, radius, 20.0))
+    copter.orbit((0.0, 0.0, 20.0), radius, turn)
     while not copter.step():
         pass
     state = copter.state
     behind = (state.turned - math.atan2(state.target_x, state.target_y)) % math.tau
-    assert math.hypot(state.target_x, state.target_y) == pytest.approx(flown.radius, abs=0.3)
-    assert behind == pytest.approx(flown.behind, abs=0.1)
+    assert math.hypot(state.target_x, state.target_y) == pytest.approx(flown.radius, abs=0.1)
+    assert behind == pytest.approx(flown.behind, abs=0.02)
 
 
 @pytest.mark.parametrize(("turns", "radius"), [(1.0, 60.0), (2.0, -20.0), (0.5, 15.0)])

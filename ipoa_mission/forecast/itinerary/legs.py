@@ -213,8 +213,9 @@ class _LegBuilder:
         elif apart > NEAR_CIRCLE:
             yield self._to(seq, np.array(edge), over_terrain(item))
         self.flown_in = self.curve = None
-        if radius > 0.0 and circle_turn(item) != 0.0:
-            flown = self.mission.autopilot.circle(self.parameters, radius, self.speed, self.mission.firmware_version)
+        turn, version = circle_turn(item), self.mission.firmware_version
+        if radius > 0.0 and turn != 0.0:
+            flown = self.mission.autopilot.circle(self.parameters, radius, turn, self.speed, version)
             assert flown is not None, "it flies circles"
             turn, begin = circle_turn(item, flown.sense), self._over(item, self.at)
             yield self._bent(seq, item, circle_chords(begin, triple(center), flown, turn, CHORD))

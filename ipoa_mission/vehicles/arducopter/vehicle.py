@@ -202,11 +202,11 @@ class ArduCopter(Autopilot):
         return braking.Shaping(p["WPNAV_ACCEL"] / 100, p["PSC_JERK_XY"]).way(asked, accel)
 
     def circle(
-        self, parameters: Parameters, radius: float, speed: float | None = None, version: Version | None = None
+        self, parameters: Parameters, radius: float, turn: float, speed: float | None, version: Version | None
     ) -> FlownCircle | None:
         """It pursues a point on the circle.
 
-        >>> flown = ArduCopter().circle({}, 60.0)
+        >>> flown = ArduCopter().circle({}, 60.0, 6.28, None, None)
         >>> round(flown.radius, 1), round(flown.runs_on, 1)
         (58.4, 15.5)
         """
@@ -214,7 +214,7 @@ class ArduCopter(Autopilot):
         from ipoa_mission.vehicles.arducopter.limits import copter_limits
 
         limits = copter_limits(parameters, version)
-        return flown_circle(limits, radius, speed or limits.speed)
+        return flown_circle(limits, radius, speed or limits.speed, turn)
 
     def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
         """LAND_SPEED below LAND_ALT_LOW, as fast as it else sinks above.
