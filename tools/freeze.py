@@ -56,10 +56,10 @@ def outputs(scenario: Scenario) -> Outputs:
         with tempfile.TemporaryDirectory() as folder:
             if scenario.survey is None:
                 flight = plan_flight(scenario, seed=SEED)
-                files, forecasts = flight.write(folder), (flight.forecast,)
+                files, forecasts = flight.write(folder), [flight.forecast]
             else:
                 survey = plan_survey(scenario=scenario, seed=SEED)
-                files, forecasts = survey.write(folder), survey.flights
+                files, forecasts = survey.write(folder), list(survey.flights)
             for path in files:
                 text = path.read_bytes()
                 found[path.name] = _both(json.loads(text)) if path.suffix == ".json" else (_digest(text), "")

@@ -41,7 +41,7 @@ def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Missio
     """
     file = read_mission_file(path, autopilot)
     if wrong := [finding for finding in file.findings if finding.severity is Severity.ERROR]:
-        raise BadInput(f"{wrong[0].message}", hint=wrong[0].hint, place=path)
+        raise BadInput(wrong[0].message, hint=wrong[0].hint, code=wrong[0].code, place=path)
     return file.mission
 
 

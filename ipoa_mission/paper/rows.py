@@ -101,7 +101,7 @@ def read_rows(path: Path) -> list[TrialRow]:
     if lines and not lines[-1].endswith("\n"):
         lines.pop()
     if lines and lines[0].rstrip("\n") != ",".join(_COLUMNS):
-        raise WrongFormat(f"{path}:1: expected the columns {','.join(_COLUMNS)}")
+        raise WrongFormat(f"expected the columns {','.join(_COLUMNS)}", place=f"{path}:1")
     return list(_rows(path, lines[1:]))
 
 
@@ -114,7 +114,7 @@ def _rows(path: Path, lines: Sequence[str]) -> Iterator[TrialRow]:
             curve = tuple(float(h) for h in history.split())
             yield TrialRow(trial, float(cost), int(spent), float(seconds), curve, json.loads(measures), day, versions)
         except ValueError as error:
-            raise WrongFormat(f"{path}:{number}: expected {len(_COLUMNS)} cells of a run: {error}") from error
+            raise WrongFormat(f"expected {len(_COLUMNS)} cells of a run: {error}", place=f"{path}:{number}") from error
 
 
 def line_of(row: TrialRow) -> str:

@@ -71,15 +71,15 @@ def quickest_tour(
         BadInput: naming the argument.
         MissionError: nothing of the area may be flown over, or there is no way between its parts.
     """
-    _expect(spacing > 0 and math.isfinite(spacing), "spacing: expected more than 0 m", spacing)
-    _expect(turns_outside >= 0 and math.isfinite(turns_outside), "turns_outside: expected 0 m or more", turns_outside)
+    _expect(spacing > 0 and math.isfinite(spacing), "spacing", "more than 0 m", spacing)
+    _expect(turns_outside >= 0 and math.isfinite(turns_outside), "turns_outside", "0 m or more", turns_outside)
     survey = _Survey.of(area, spacing, keep_out, turns_outside, cost)
     if isinstance(direction, str):
-        _expect(direction in ("best", "crosshatch"), "direction: expected best, crosshatch or degrees", direction)
+        _expect(direction in ("best", "crosshatch"), "direction", "best, crosshatch or degrees", direction)
         passes = [survey.directions()]
     else:
         given = [float(direction)] if isinstance(direction, int | float) else [float(each) for each in direction]
-        _expect(bool(given) and all(map(math.isfinite, given)), "direction: expected degrees", direction)
+        _expect(bool(given) and all(map(math.isfinite, given)), "direction", "degrees", direction)
         passes = [[degrees] for degrees in given]
     places, is_on = list[Any](), list[bool]()
     while passes:
@@ -107,9 +107,9 @@ def way_between(
     return _Survey.of(area, spacing, keep_out, turns_outside, cost).way
 
 
-def _expect(is_so: bool, words: str, given: object) -> None:
+def _expect(is_so: bool, place: str, words: str, given: object) -> None:
     if not is_so:
-        raise BadInput(f"{words}, not {given}")
+        raise BadInput(f"expected {words}, not {given}", place=place)
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ipoa_mission.errors import WrongFormat
+from ipoa_mission.errors import Unreadable, WrongFormat
 
 HEAD = b"\xa3\x95"
 FMT = 0x80
@@ -71,7 +71,7 @@ def read_records(path: Path, wanted: frozenset[str]) -> Iterator[tuple[str, dict
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise WrongFormat(f"cannot be read as an ArduPilot log: {error.strerror}", place=path) from error
+        raise Unreadable(f"cannot be read as an ArduPilot log: {error.strerror}", place=path) from error
     if not data.startswith(HEAD + bytes((FMT,))):
         raise WrongFormat("expected an ArduPilot log, but it does not begin as one", place=path)
     lengths: dict[int, int] = {FMT: 3 + _FMT.size}
