@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import pytest
 
@@ -9,14 +10,18 @@ from ipoa_mission.errors import MissionError
 
 
 @contextmanager
-def refused(code: str, place: str = "", *names: str) -> Iterator[pytest.ExceptionInfo[MissionError]]:
+def refuses(
+    code: str, place: str = "", *names: str, kind: type[MissionError] = MissionError, **facts: object
+) -> Iterator[pytest.ExceptionInfo[Any]]:
     """Expect an error with this code, whose place ends in `place`, and whose message has each of the `names`.
 
-    Names are figures, names of things, parameters and options: no prose.
+    Names are figures, names of things, parameters and options, a vehicle's words: no prose of ours. `kind` is the
+    error's class, where the code does not say it; `facts` are attributes that it has.
     """
-    with pytest.raises(MissionError) as caught:
+    with pytest.raises(kind) as caught:
         yield caught
     error = caught.value
     assert error.code == code, f"{error.code}: {error}"
     assert (error.place or "").endswith(place), f"{error.place}: {error}"
+    assert {name: getattr(error, name) for name in facts} == facts
     assert not [name for name in names if name not in f"{error}"], f"{names}: {error}"

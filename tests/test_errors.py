@@ -24,7 +24,7 @@ def raised() -> Iterator[str]:
     yield from (re.sub(r"\B(?=[A-Z])", "-", name).lower() for name in errors)
     for node in nodes:
         if isinstance(node, ast.keyword) and node.arg == "code" and isinstance(node.value, ast.Constant):
-            yield node.value.value
+            yield str(node.value.value)
 
 
 def test_every_code_is_registered_and_raised() -> None:

@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.activity import may_be_active, periods_of
 from ipoa_mission.scenario.read import read_scenario
+from tests.refused import refuses
 
 WEEKEND = {"day": ["SAT", "SUN"], "startTime": "17:00:00.00Z", "endTime": "23:59:59.00Z"}
 NIGHT = {"day": ["FRI"], "startTime": "22:00:00+01:00", "endTime": "05:00:00+01:00"}
@@ -84,5 +84,5 @@ def test_the_time_of_a_flight_says_which_zones_count(tmp_path: Path, time: str, 
 
 @pytest.mark.parametrize("time", ["time = 2026-11-22T10:00:00", "time = 2026-11-22", "time = 'noon'"])
 def test_a_time_without_an_offset_is_refused(tmp_path: Path, time: str) -> None:
-    with pytest.raises(BadInput, match="time: expected a time with its offset, such as 2026-11-22T10:00:00Z"):
+    with refuses("bad-input", "time", "2026-11-22T10:00:00Z"):
         read_scenario(scenario(tmp_path, time))

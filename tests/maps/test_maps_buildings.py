@@ -17,6 +17,7 @@ from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
 from ipoa_mission.world.terrain import Flat
+from tests.refused import refuses
 
 Square = Callable[..., dict[str, Any]]
 WriteMap = Callable[..., Path]
@@ -161,7 +162,7 @@ def test_a_building_given_as_a_point_is_refused(write_map: WriteMap, frame: Loca
 def test_swapped_latitude_and_longitude_are_noticed(write_map: WriteMap, frame: LocalFrame, square: Square) -> None:
     ring = [[y, x] for x, y in square(0, 0)["coordinates"][0]]
     path = write_map(({"type": "Polygon", "coordinates": [ring]}, {"building": "yes"}))
-    with pytest.raises(BadInput, match=r"features\[0\]\.geometry: expected a place within 100 km of home"):
+    with refuses("too-far", "map.geojson: features[0].geometry", "100"):
         stand(path, frame)
 
 

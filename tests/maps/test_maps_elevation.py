@@ -1,6 +1,5 @@
 """Elevation models become local ground: held against rasterio's pixels, pymap3d's frame and pyproj's projections."""
 
-import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.elevation import ElevationRules, local_grid
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import some
+from tests.refused import refuses
 
 rasterio = pytest.importorskip("rasterio")
 pymap3d = pytest.importorskip("pymap3d")
@@ -180,10 +180,10 @@ def test_missing_heights_are_refused_or_filled(write_model: Write) -> None:
 
 def test_a_number_that_stands_for_a_missing_height_must_be_said(write_model: Write) -> None:
     path = write_model(with_a_hole)
-    with pytest.raises(BadInput, match=r"4 of .* heights are missing"):
+    with refuses("heights-missing", "model.tif", kind=BadInput):
         read(path, nodata=-9999)
     path = write_model(lambda lat, lon: np.where(lat < 46.999, 9999, hills(lat, lon)))
-    with pytest.raises(BadInput, match="expected heights of ground, not 9999 m at row "):
+    with refuses("heights-absurd", "model.tif", "9999", kind=BadInput):
         read(path)
 
 
@@ -194,8 +194,7 @@ def test_a_height_below_all_ground_is_missing(write_model: Write, void: float) -
         return np.where(heights == -9999, void, heights)
 
     path = write_model(with_void)
-    words = f"4 of .* heights are missing, the first at row 41, column 41 .*, for no ground is at {void:g} m"
-    with pytest.raises(BadInput, match=re.escape(words).replace(r"\.\*", ".*")):
+    with refuses("heights-missing", "model.tif", "4 of", "row 41, column 41", f"{void:g} m", kind=BadInput):
         read(path)
     grid, said = read(path, voids="fill")
     assert "filled from their neighbors" in said[0]
@@ -242,7 +241,7 @@ def test_a_grid_that_does_not_cover_the_flight_is_refused(write_model: Write, tm
     grid = tmp_path / "far.gtx"
     header = np.array([0.0, 0.0, 0.5, 0.5], ">f8").tobytes() + np.array([3, 3], ">i4").tobytes()
     grid.write_bytes(header + np.zeros((3, 3), ">f4").tobytes())
-    with pytest.raises(BadInput, match=r"terrain\.geoid: expected a PROJ grid that covers 4"):
+    with refuses("not-covered", "terrain.geoid"):
         read(write_model(), heights="ellipsoidal", geoid=grid)
 
 
@@ -260,21 +259,21 @@ def test_home_must_agree_with_the_model_or_the_model_be_levelled(write_model: Wr
     ("area", "side"), [(((-300.0, -200.0), (400.0, 2000.0)), "upper"), (((-3000.0, -200.0), (40.0, 350.0)), "left")]
 )
 def test_a_model_that_is_too_small_is_refused(write_model: Write, area: Any, side: str) -> None:
-    with pytest.raises(BadInput, match=f"expected a model of .*, which lies .* beyond its {side} edge"):
+    with refuses("not-covered", "model.tif", side):
         read(write_model(), area=area)
 
 
 def test_too_fine_a_grid_is_refused(write_model: Write) -> None:
-    with pytest.raises(BadInput, match=r"terrain\.spacing: expected 0\.2 m or more over so wide an area, not 0\.01 m"):
+    with refuses("bad-input", "terrain.spacing", "0.2", "0.01"):
         read(write_model(), spacing=0.01)
 
 
 def test_what_is_no_elevation_model_is_refused(write_model: Write, tmp_path: Path) -> None:
     text = tmp_path / "text.tif"
     text.write_text("no raster", encoding="utf-8")
-    with pytest.raises(BadInput, match=r"text\.tif: expected an elevation model: "):
+    with refuses("damaged-file", "text.tif"):
         read(text)
-    with pytest.raises(BadInput, match="expected an elevation model that names its coordinate system"):
+    with refuses("no-coordinate-system", "model.tif"):
         read(write_model(crs=None))
-    with pytest.raises(BadInput, match=r"model\.tif: expected an elevation model, but it is a picture"):
+    with refuses("picture", "model.tif", kind=BadInput):
         read(write_model(dtype="uint8", photometric="RGB", count=3))

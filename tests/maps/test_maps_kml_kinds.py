@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 from shapely import Point
 
-from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.areas import Zones, find_zones
 from ipoa_mission.maps.read import read_features
 from ipoa_mission.world.frame import LocalFrame
+from tests.refused import refuses
 
 RING = "8.0,47.0 8.001,47.0 8.001,47.001 8.0,47.001 8.0,47.0"
 OTHER = RING.replace("8.00", "8.01").replace("8.0,", "8.01,")
@@ -104,7 +104,7 @@ def test_a_second_kml_in_a_kmz_is_named(tmp_path: Path, frame: LocalFrame) -> No
 
 @pytest.mark.parametrize("coordinates", [RING.replace(" ", ","), RING.replace(" ", ", "), "8.0 47.0 8.1 47.0 8.1 47.1"])
 def test_positions_that_run_together_are_refused(tmp_path: Path, frame: LocalFrame, coordinates: str) -> None:
-    with pytest.raises(BadInput, match="Placemark"):
+    with refuses("bad-input", "zones.kml: Placemark[0].LinearRing.coordinates"):
         zones_of(tmp_path, frame, ring(coordinates))
 
 

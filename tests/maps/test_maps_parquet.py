@@ -21,6 +21,7 @@ from ipoa_mission.scenario.new import new_scenario, suggest_answers
 from ipoa_mission.scenario.read import parse_scenario
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.maps.conftest import degrees
+from tests.refused import refuses
 
 pa = pytest.importorskip("pyarrow")
 parquet = pytest.importorskip("pyarrow.parquet")
@@ -116,7 +117,7 @@ def test_groups_far_away_are_not_even_unpacked(write: Write) -> None:
     found = search_buildings(path, BuildingRules(), HOME, HERE)
     assert (len(found.standing), found.elsewhere, found.features) == (5, 4, 6)
     assert "4 things far from the flight, not looked at" in found.remarks
-    with pytest.raises(BadInput, match="expected a whole Parquet file"):
+    with refuses("damaged-file", "map.parquet"):
         read_features(path)
 
 
@@ -146,9 +147,9 @@ def test_a_row_across_longitude_180_is_found(write: Write) -> None:
 
 def test_the_map_of_another_place_is_refused(write: Write) -> None:
     path = write(ROWS[:1], [house(0)])
-    with pytest.raises(BadInput, match=r"expected places within 100 km of home \(10\.0000, 8\.0000\)"):
+    with refuses("too-far", "map.parquet", "100", "10.0000", "8.0000"):
         search_buildings(path, BuildingRules(), LocalFrame(Geodetic(10.0, 8.0)), HERE)
-    with pytest.raises(BadInput, match="expected places within 100 km"):
+    with refuses("too-far", "map.parquet", "100"):
         read_features(path, Around.of(LocalFrame(Geodetic(10.0, 8.0))))
 
 
@@ -214,16 +215,16 @@ def test_tags_that_are_no_pairs_are_none(write: Write) -> None:
 def test_what_is_cut_off_empty_or_something_else_is_refused(write: Write) -> None:
     path = write(ROWS, [house(50.0 * n) for n in range(6)])
     whole = path.read_bytes()
-    for content, words in {
-        whole[: len(whole) // 2]: "expected a whole Parquet file",
-        b"PAR1" + b"\xff" * 3000 + b"PAR1": "expected a whole Parquet file",
-        b'{"type": "FeatureCollection"}': "expected a Parquet file, but it does not begin like one",
-        b"": "expected a Parquet file, but it does not begin like one",
+    for content, code in {
+        whole[: len(whole) // 2]: "damaged-file",
+        b"PAR1" + b"\xff" * 3000 + b"PAR1": "damaged-file",
+        b'{"type": "FeatureCollection"}': "wrong-format",
+        b"": "wrong-format",
     }.items():
         path.write_bytes(content)
-        with pytest.raises(BadInput, match=words):
+        with refuses(code, path.name):
             read_features(path)
-    with pytest.raises(BadInput, match="expected rows with shapes, but there are none"):
+    with refuses("nothing-there", "map.parquet"):
         read_features(write([], []))
 
 
@@ -238,6 +239,6 @@ def test_a_scenario_begins_from_it_and_is_planned_over(write: Write, tmp_path: P
 def test_without_the_library_the_extra_is_named(write: Write, monkeypatch: pytest.MonkeyPatch) -> None:
     path = write(ROWS[:1], [house(0)])
     monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
-    with pytest.raises(BadInput, match="reading it needs pyarrow, which is not installed") as told:
+    with refuses("package-missing", kind=BadInput) as told:
         read_features(path)
     assert told.value.hint == "pip install 'ipoa-mission[maps]'"

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 import scipy
 
-from ipoa_mission.errors import BadInput
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, SeaLevel, Terrain
 from tests.plain_python import as_plain_python
+from tests.refused import refuses
 
 Rng = np.random.Generator
 
@@ -153,13 +153,13 @@ def test_the_papers_surface_is_the_higher_of_landform_and_mountains() -> None:
 @pytest.mark.parametrize(
     ("make", "place"),
     [
-        (lambda: Grid(0, 0, 0.0, np.zeros((3, 3))), "terrain.spacing: expected a positive"),
-        (lambda: Grid(0, 0, 1.0, np.zeros((1, 3))), "terrain.heights: expected at least 2 x 2"),
-        (lambda: Grid(0, 0, 1.0, np.full((2, 2), np.nan)), "terrain.heights: expected numbers only"),
+        (lambda: Grid(0, 0, 0.0, np.zeros((3, 3))), ("bad-input", "terrain.spacing")),
+        (lambda: Grid(0, 0, 1.0, np.zeros((1, 3))), ("bad-input", "terrain.heights")),
+        (lambda: Grid(0, 0, 1.0, np.full((2, 2), np.nan)), ("bad-input", "terrain.heights")),
     ],
 )
-def test_an_impossible_grid_is_refused(make: Callable[[], Terrain], place: str) -> None:
-    with pytest.raises(BadInput, match=place):
+def test_an_impossible_grid_is_refused(make: Callable[[], Terrain], place: tuple[str, ...]) -> None:
+    with refuses(*place):
         make()
 
 
