@@ -9,7 +9,7 @@ import pytest
 from ipoa_mission.flight.procedure import Stage, fly_mission
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
-from ipoa_mission.link.dialogue import SPECIFIED, TimeUp
+from ipoa_mission.link.dialogue import SPECIFIED
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import CommandLong, Count, ItemAt, Message
@@ -26,6 +26,7 @@ from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.link.suited import suited
+from tests.refused import refuses
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 HOME = Geodetic(47.4, 8.5, 400.0)
@@ -105,7 +106,7 @@ def test_the_user_s_patience_ends_the_waiting_with_the_vehicle_s_reason(autopilo
     booting = Booting(autopilot, placed_s=1e9)
     with met(booting, total_s=100.0) as vehicle:
         begun = vehicle.line.now()
-        with pytest.raises((NotReady, TimeUp), match=r"not ready.*(Need Position Estimate|Resolve system health)"):
+        with refuses("not-ready"):
             fly_mission(vehicle, suited(vehicle, MISSION))
         assert 100.0 < vehicle.line.now() - begun < 130.0
 
@@ -123,8 +124,9 @@ def test_the_user_s_patience_ends_the_waiting_with_the_vehicle_s_reason(autopilo
 def test_what_waiting_does_not_mend_ends_at_once_with_the_vehicle_s_reason(autopilot: Autopilot, hinders: str) -> None:
     booting = Booting(autopilot, hinders, placed_s=1e9)
     with met(booting) as vehicle:
-        with pytest.raises((NotReady, CommandRefused), match=hinders):
+        with pytest.raises((NotReady, CommandRefused)) as refused:
             fly_mission(vehicle, suited(vehicle, MISSION))
+        assert hinders in str(refused.value)
         assert vehicle.line.now() < booting.habits.start_up.origin_s + 40.0
     assert len(booting.armings_s) <= 1
 

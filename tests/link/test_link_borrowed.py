@@ -9,13 +9,13 @@ from pymavlink.dialects.v20 import ardupilotmega
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link import definitions
 from ipoa_mission.link.borrowed import MavutilChannel, own_line
-from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.connect import connect, meet, open_line
 from ipoa_mission.link.definitions import add_dialect
 from ipoa_mission.link.messages import Heartbeat, MavAutopilot, Message
 from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.link.test_link_strangers import Net, line_on, station
 from tests.link.test_link_verbs import met
+from tests.refused import refuses
 
 
 def test_an_open_connection_is_read_written_and_left_open() -> None:
@@ -30,9 +30,9 @@ def test_an_open_connection_is_read_written_and_left_open() -> None:
         assert [data for data, _ in channel.receive(channel.now() + 5.0)] == [b"back"]
         channel.close()
         assert ours.fileno() >= 0
-    with pytest.raises(LinkDown, match="the link broke"):
+    with refuses("link-down"):
         channel.receive(channel.now())
-    with pytest.raises(LinkDown, match="the link broke"):
+    with refuses("link-down"):
         channel.send(b"there", None)
 
 
@@ -45,9 +45,9 @@ def test_a_line_is_laid_on_what_is_open_and_not_opened_anew() -> None:
 
 
 def test_what_is_no_connection_is_bad_input() -> None:
-    with pytest.raises(BadInput, match="expected a connection string"):
+    with refuses("bad-input", "connect"):
         MavutilChannel(object())
-    with pytest.raises(BadInput, match="expected a link of our own"):
+    with refuses("backend-cannot", kind=BadInput):
         own_line(object())
 
 

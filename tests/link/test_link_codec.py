@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 from pymavlink.generator.mavcrc import x25crc
 
-from ipoa_mission.errors import BadInput
 from ipoa_mission.link import codec, telemetry, wire
 from ipoa_mission.link import messages as m
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames
@@ -23,6 +22,7 @@ from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.upload import Upload
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.autopilot import Autopilot
+from tests.refused import refuses
 
 NOW = 1_767_225_600.0
 FIRST_GUESS = {int: 1, float: 1.5, str: "WORDS", bytes: b"\x01\x02"}
@@ -131,7 +131,7 @@ def test_frames_have_their_own_scale(frame: int, value: float, sent: int) -> Non
 
 @pytest.mark.parametrize("value", [215.0, -215.0, 1e305, math.inf, -math.inf])
 def test_what_does_not_fit_is_an_error_and_not_clamped(value: float) -> None:
-    with pytest.raises(BadInput, match="coordinate"):
+    with refuses("bad-input", "coordinate"):
         wire.coordinate(value, 3)
 
 
@@ -282,7 +282,7 @@ def test_the_radio_may_speak_unsigned() -> None:
     ],
 )
 def test_a_value_that_does_not_fit_is_an_error_that_names_its_message(message: m.Message, field: str) -> None:
-    with pytest.raises(BadInput, match=f"{field}: expected values that fit"):
+    with refuses("bad-input", field):
         Codec(245, 190).encode(message, Target(1, 1), NOW)
 
 
@@ -292,22 +292,24 @@ FINE = Item(16, 3, (0.0, math.nan, math.inf, -3.3e38), 47.4, 8.5, 30.0)
 @pytest.mark.parametrize(
     ("change", "told"),
     [
-        ({"params": (0.0, 1e300, 0.0, 0.0)}, "item 1: param2: expected a number that fits in single precision, not 1e"),
-        ({"altitude": -1e39}, "item 1: altitude: expected a number that fits in single precision"),
-        ({"command": 70_000}, "item 1: command: expected a number from 0 to 65535, not 70000"),
-        ({"frame": 300}, "item 1: frame: expected a number from 0 to 255, not 300"),
-        ({"latitude_deg": -1e305}, "item 1: coordinate: expected one that fits"),
-        ({"latitude_deg": math.inf}, "item 1: coordinate: expected one that fits"),
+        ({"params": (0.0, 1e300, 0.0, 0.0)}, ("bad-input", "item 1: param2", "1e")),
+        ({"altitude": -1e39}, ("bad-input", "item 1: altitude")),
+        ({"command": 70_000}, ("bad-input", "item 1: command", "65535", "70000")),
+        ({"frame": 300}, ("bad-input", "item 1: frame", "255", "300")),
+        ({"latitude_deg": -1e305}, ("bad-input", "item 1: coordinate")),
+        ({"latitude_deg": math.inf}, ("bad-input", "item 1: coordinate")),
     ],
 )
-def test_an_item_that_cannot_be_said_is_an_error_before_anything_is_sent(change: dict[str, object], told: str) -> None:
+def test_an_item_that_cannot_be_said_is_an_error_before_anything_is_sent(
+    change: dict[str, object], told: tuple[str, ...]
+) -> None:
     Upload((FINE, FINE), Autopilot.PX4)
-    with pytest.raises(BadInput, match=told):
+    with refuses(*told):
         Upload((FINE, dataclasses.replace(FINE, **change)), Autopilot.PX4)  # type: ignore[arg-type]
 
 
 def test_more_items_than_mavlink_can_count_are_an_error_before_anything_is_sent() -> None:
-    with pytest.raises(BadInput, match="expected 65535 items at most, as many as MAVLink can count, not 70000"):
+    with refuses("bad-input", "", "65535", "70000"):
         Upload((FINE,) * 70_000, Autopilot.PX4)
 
 
@@ -374,5 +376,5 @@ def test_the_largest_and_the_smallest_coordinate_that_fit_are_sent_and_the_next_
         assert packed["y"] == wire.coordinate(item.longitude_deg, frame) == value
     for value in (2**31 - 1, -(2**31)):
         item = dataclasses.replace(FINE, frame=frame, longitude_deg=value * unit)
-        with pytest.raises(BadInput, match="item 0: coordinate: expected one that fits"):
+        with refuses("bad-input", "item 0: coordinate"):
             pack_items([item], 0)

@@ -10,7 +10,6 @@ from ipoa_mission.forecast.conformance import ConformanceMonitor, Deviation, Dev
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
-from ipoa_mission.link.dialogue import TimeUp
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import CommandLong, Message
@@ -24,6 +23,7 @@ from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.link_pair import far_end, line_of
+from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 
@@ -134,7 +134,7 @@ def test_who_watches_on_may_order_it_to_go_on(family: Autopilot) -> None:
 def test_when_the_users_time_is_up_the_watching_ends_in_the_air(family: Autopilot) -> None:
     vehicle, said = begun(family)
     vehicle.give_up_after(25.0)
-    with pytest.raises(TimeUp, match="nobody watches the vehicle any more, and it flies on") as ended:
+    with refuses("time-up") as ended:
         vehicle.watch()
     assert "armed and in the air" in (ended.value.hint or "")
     assert not {one.command for one in said} & {Command.DO_PAUSE_CONTINUE, 176, Command.COMPONENT_ARM_DISARM}

@@ -11,6 +11,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.link import definitions
 from ipoa_mission.link.borrowed import as_pymavlink, payload_of
 from ipoa_mission.link.codec import Codec, frame_at
+from tests.refused import refuses
 
 
 @pytest.fixture
@@ -40,7 +41,7 @@ def test_the_table_is_pymavlinks_with_what_the_stable_dialects_lack() -> None:
 @pytest.mark.parametrize("dialect", ["storm32", storm32])
 def test_a_dialect_that_is_named_is_understood_and_spoken(dialect: str | ModuleType) -> None:
     said = storm32.MAVLink_qshot_status_message(3, 7)
-    with pytest.raises(BadInput, match="expected one of pymavlink's"):
+    with refuses("bad-input", "message"):
         payload_of(said)
     theirs = bytes(said.pack(storm32.MAVLink(None, srcSystem=9)))
     assert frame_at(theirs, 0) is None
@@ -59,16 +60,16 @@ def test_text_goes_there_and_back_as_pymavlink_has_it() -> None:
 
 @pytest.mark.usefixtures("_as_before")
 def test_what_is_no_dialect_or_contradicts_ours_is_bad_input() -> None:
-    with pytest.raises(BadInput, match="dialect: expected one of pymavlink's, not 'martian'") as refused:
+    with refuses("unknown-dialect", "dialect", "'martian'", kind=BadInput) as refused:
         definitions.add_dialect("martian")
     assert "common" in (refused.value.hint or "")
     other = SimpleNamespace(
         id=0, msgname="HEARTBEAT", crc_extra=1, ordered_fieldnames=["a"], fieldnames=["a"], fieldtypes=["uint8_t"],
         lengths=[1], unpacker=SimpleNamespace(format="<B"),
     )  # fmt: skip
-    with pytest.raises(BadInput, match="its message 0 is HEARTBEAT, which is HEARTBEAT here"):
+    with refuses("bad-input", "dialect", "HEARTBEAT"):
         definitions.add_dialect(SimpleNamespace(mavlink_map={0: other}))  # type: ignore[arg-type]
-    with pytest.raises(BadInput, match="of a dialect that is in use"):
+    with refuses("unknown-dialect", "message 65000", kind=BadInput):
         definitions.dialect_of(65_000)
 
 

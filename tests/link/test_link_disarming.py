@@ -13,18 +13,18 @@ from ipoa_mission.link.messages import (
     CommandLong,
     Message,
 )
-from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.state import ON_GROUND, NotReady
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.examples import examples
 from tests.link.scripted import ARDUPILOT, ARM, PX4, START, Scripted
+from tests.refused import refuses
 
 
 def test_what_is_refused_after_the_arming_disarms_a_vehicle_on_the_ground() -> None:
     vehicle = Scripted(ARDUPILOT)
     vehicle.hold(prepare)
     vehicle.refuses[START] = (4, "Mode change to AUTO failed: requires position")
-    with pytest.raises(CommandRefused, match=r"start the mission: .*requires position") as refused:
+    with refuses("command-refused", "", "requires position") as refused:
         vehicle.hold(depart)
     assert vehicle.told[-1] == (ARM, 0, 0, 0)
     assert not vehicle.armed
@@ -36,7 +36,7 @@ def test_a_mission_that_is_not_begun_disarms_it_too() -> None:
     vehicle.hold(prepare)
     obey = vehicle.obey
     vehicle.obey = lambda number, params: None if number == START else obey(number, params)  # type: ignore[method-assign]
-    with pytest.raises(NotReady, match="did not begin its mission: the vehicle is armed, on the ground, in GUIDED"):
+    with refuses("mission-not-begun", "", "GUIDED", kind=NotReady):
         vehicle.hold(depart)
     assert not vehicle.armed
 
@@ -55,7 +55,7 @@ def test_what_fails_is_not_disarmed_where_it_may_be_in_the_air(landed: int | Non
             obey(number, params)
 
     vehicle.obey = into_the_air  # type: ignore[method-assign]
-    with pytest.raises(NotReady, match="did not begin its mission"):
+    with refuses("mission-not-begun", kind=NotReady):
         vehicle.hold(depart)
     assert (ARM, 0, 0, 0) not in vehicle.told
     assert vehicle.armed

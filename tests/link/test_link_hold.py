@@ -18,6 +18,7 @@ from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.simulator.fly import board
 from ipoa_mission.vehicles.autopilot import Autopilot
+from tests.refused import refuses
 from tools import REPOSITORY
 
 MISSIONS = REPOSITORY / "missions"
@@ -92,7 +93,7 @@ def test_arducopter_brakes_where_it_cannot_pause() -> None:
 def test_a_vehicle_on_the_ground_is_told_nothing(name: str) -> None:
     with board(Forecast(read_mission(MISSIONS / name))) as vehicle:
         for order in (vehicle.pause, vehicle.resume, vehicle.return_to_launch):
-            with pytest.raises(NotReady, match="expected a vehicle in the air"):
+            with refuses("not-in-the-air", kind=NotReady):
                 order()
         assert vehicle.state.armed is False
 
@@ -103,7 +104,7 @@ def test_a_vehicle_whose_mission_is_gone_says_why_it_does_not_go_on() -> None:
         later(vehicle, 25.0)
         vehicle.return_to_launch()
         vehicle.clear()
-        with pytest.raises(NotReady, match="Mode change to AUTO failed: init failed") as refused:
+        with refuses("not-ready", "", "Mode change to AUTO failed: init failed") as refused:
             vehicle.resume()
         assert "the vehicle is armed and in the air" in str(refused.value.hint)
         assert vehicle.mode == "RTL"
@@ -117,7 +118,7 @@ def test_px4_says_why_it_takes_back_its_yes() -> None:
         vehicle.return_to_launch()
         vehicle.clear()
         begun = vehicle.line.now()
-        with pytest.raises(NotReady, match=r"^Switching to Mission is currently not available$") as refused:
+        with refuses("not-ready", "", "Switching to Mission is currently not available") as refused:
             vehicle.resume()
         assert vehicle.line.now() - begun < SHOWN_S
         assert "in AUTO.RTL" in str(refused.value.hint)
@@ -136,7 +137,7 @@ def test_a_later_refusal_without_words_is_named_by_its_result() -> None:
     yes, no = (CommandAck(VehicleCommand.DO_SET_MODE, one) for one in (CommandResult.ACCEPTED, CommandResult.DENIED))
     other = CommandAck(Command.COMPONENT_ARM_DISARM, CommandResult.DENIED)
     exchange = answered(yes, other, no)
-    with pytest.raises(NotReady, match=r"change to AUTO\.RTL: the vehicle answered DENIED"):
+    with refuses("not-ready", "", "AUTO.RTL", "DENIED"):
         exchange.tick(SHOWN_S)
 
 
@@ -145,6 +146,6 @@ def test_a_mode_that_is_accepted_and_not_shown_is_no_return() -> None:
     exchange = Exchange(return_to_launch(state), 0.0, SPECIFIED)
     exchange.receive(CommandAck(VehicleCommand.DO_SET_MODE, CommandResult.ACCEPTED), 0.1)
     exchange.tick(SHOWN_S)
-    with pytest.raises(NotReady, match=r"it accepted AUTO\.RTL but does not show it") as unseen:
+    with refuses("not-ready", "", "AUTO.RTL") as unseen:
         exchange.tick(0.1 + SHOWN_S)
     assert "AUTO.MISSION" in str(unseen.value.hint)

@@ -26,6 +26,7 @@ from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.link.suited import suited
 from tests.link_pair import far_end, items_of, line_of
+from tests.refused import refuses
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 HOME = Geodetic(47.4, 8.5, 400.0)
@@ -69,7 +70,7 @@ def test_a_list_that_another_station_has_put_there_is_not_flown(family: Autopilo
     vehicle.upload(suited(vehicle, MISSION))
     vehicle.prepare()
     replaced_by(vehicle, OTHERS[other](MISSION))
-    with pytest.raises(Replaced, match="the mission on the vehicle is no longer what was sent"):
+    with refuses("replaced"):
         vehicle.start()
     assert not mock_of(vehicle).flight.armed
     assert not vehicle.record().armed
@@ -105,7 +106,7 @@ def test_a_fence_is_proved_too_and_what_was_downloaded_is_ours(family: Autopilot
     vehicle.upload(suited(vehicle, replace(MISSION, rally=(THERE,))))
     vehicle.prepare()
     mock_of(vehicle).transfers.stores[MissionType.RALLY].clear()
-    with pytest.raises(Replaced, match="the rally points on the vehicle"):
+    with refuses("replaced", "", "rally points"):
         vehicle.start()
     vehicle.download()
     vehicle.prepare()
@@ -237,7 +238,7 @@ def test_between_the_arming_and_the_start_it_is_looked_at_once_more() -> None:
             mock._say(Current(0, 2, 3), Target(0, 0))
 
     mock.receive = arming  # type: ignore[method-assign,assignment]
-    with pytest.raises(ReplacedSince, match="it has 2 items, and ours has 3"):
+    with refuses("replaced-since", "", "2 items", "3"):
         vehicle.start()
     assert not mock.flight.armed
 

@@ -1,13 +1,12 @@
 """What is no multicopter of a known firmware is named at its first heartbeat, and nothing but our presence is sent."""
 
-import re
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import pytest
 
-from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.errors import BadInput
 from ipoa_mission.link.codec import Codec, frames
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import wait
@@ -24,6 +23,7 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.kind import Kind
 from ipoa_mission.vehicles.kinds import MULTICOPTERS
 from ipoa_mission.world.frame import Geodetic
+from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 MISSION = Mission(HOME, (takeoff(HOME, 20.0), waypoint(HOME, 30.0)), Autopilot.ARDUPILOT)
@@ -93,7 +93,7 @@ def line_to(firmware: int, mav_type: int) -> tuple[Line, Overheard]:
 @pytest.mark.parametrize(("firmware", "mav_type"), OTHERS)
 def test_it_is_refused_by_name_and_has_heard_of_us_only_that_we_are_there(firmware: int, mav_type: int) -> None:
     line, channel = line_to(firmware, mav_type)
-    with pytest.raises(NotFlown, match=f"^vehicle 1 is an? {re.escape(str(Kind(firmware, mav_type)))};"):
+    with refuses("not-flown", "", "vehicle 1", str(Kind(firmware, mav_type))):
         meet(line)
     assert {type(message) for message in channel.said} == {Heartbeat}
 
@@ -105,7 +105,7 @@ def test_it_can_be_read_and_not_changed(firmware: int, mav_type: int, verb: str)
     vehicle = meet(line, fast=False, reading=True)
     vehicle.download_items(0)
     channel.said.clear()
-    with pytest.raises(NotFlown, match="missions and orders are for multicopters"):
+    with refuses("not-flown"):
         CHANGES[verb](vehicle)
     assert {type(message) for message in channel.said} <= {Heartbeat}
 
@@ -124,7 +124,7 @@ def test_one_that_turns_out_to_be_something_else_is_refused_from_there_on() -> N
     for told in ((3, 1), (3, 2)):
         channel.far.autopilot.told = told  # type: ignore[attr-defined]
         vehicle._hold(wait(3.0))
-        with pytest.raises(NotFlown, match="the vehicle is an ArduPilot plane, and was an ArduPilot multicopter"):
+        with refuses("other-kind", "", "ArduPilot plane", "ArduPilot multicopter", kind=NotFlown):
             vehicle.upload(MISSION)
         with pytest.raises(NotFlown):
             vehicle.prepare()
@@ -167,7 +167,7 @@ def test_a_mission_for_another_vehicle_is_not_uploaded() -> None:
     vehicle = meet(line)
     channel.said.clear()
     for checked in (True, False):
-        with pytest.raises(BadInput, match="the mission is for a plane, and the vehicle is a multicopter"):
+        with refuses("other-vehicle", "", "plane", "multicopter", kind=BadInput):
             vehicle.upload(replace(MISSION, vehicle_type=1), checked=checked)
     assert channel.said == []
 
@@ -203,7 +203,7 @@ def test_beside_a_plane_a_copter_is_chosen_by_its_id() -> None:
         return Line(Both(Pair()), Codec(245, 190))
 
     meet(line(), 2).upload(MISSION)
-    with pytest.raises(NotFlown, match="vehicle 1 is an ArduPilot plane"):
+    with refuses("not-flown", "", "vehicle 1", "ArduPilot plane"):
         meet(line(), 1)
-    with pytest.raises(MissionError, match=r"several .*: 1 \(ArduPilot plane\), 2 \(ArduPilot multicopter\)"):
+    with refuses("several-vehicles", "", "1 (ArduPilot plane), 2 (ArduPilot multicopter)"):
         meet(line())

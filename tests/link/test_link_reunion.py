@@ -17,9 +17,8 @@ from ipoa_mission.link.interrupt import Interrupt
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import CommandLong, Heartbeat, Message, MissionType
-from ipoa_mission.link.reunion import GONE_S, SILENT_S, Unlike
+from ipoa_mission.link.reunion import GONE_S, SILENT_S
 from ipoa_mission.link.set_up import without_station
-from ipoa_mission.link.state import OtherKind
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.mission.commands import Command, VehicleCommand
 from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
@@ -29,6 +28,7 @@ from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.examples import some
 from tests.link.suited import suited
+from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 THERE, BEYOND = Geodetic(47.4010, 8.5, 400.0), Geodetic(47.4015, 8.5, 400.0)
@@ -246,7 +246,7 @@ def test_another_kind_in_its_place_is_told_nothing(family: Autopilot, monkeypatc
     flight, others = Flight(family, monkeypatch), list[Heard]()
     other = next(one for one in registered() if one is not family)
     flight.at_loss = lambda: others.append(flight.replaced_by(Mock(other, HOME)))
-    with pytest.raises(OtherKind, match="it is told nothing more") as unlike:
+    with refuses("other-kind", "", "ArduPilot") as unlike:
         flight.lose(10.0)
     assert {type(message) for message in others[0].told} <= {Heartbeat}
     assert unlike.value.hint is not None
@@ -258,7 +258,7 @@ def test_another_mission_is_told_nothing_and_that_is_said(family: Autopilot, mon
     flight, others, mock = Flight(family, monkeypatch), list[Heard](), loaded(family, OTHER)
     flight.at_loss = lambda: others.append(flight.replaced_by(mock))
     flight.in_loss = lambda: flight.vehicle.order.give(family.modes.returning)
-    with pytest.raises(Unlike, match=r"after 1\d s vehicle 1 is heard again, but the mission on the vehicle is no lon"):
+    with refuses("unlike", "", "vehicle 1"):
         flight.lose(10.0)
     assert not any(map(is_order, others[0].told))
     assert not flight.vehicle.record().completed
@@ -267,19 +267,19 @@ def test_another_mission_is_told_nothing_and_that_is_said(family: Autopilot, mon
 def test_a_vehicle_that_was_restarted_or_tells_another_version_is_another(monkeypatch: pytest.MonkeyPatch) -> None:
     flight = Flight(PX4, monkeypatch)
     flight.at_loss = lambda: setattr(flight.vehicle._logbook, "_clock", 1e5)
-    with pytest.raises(Unlike, match=r"its clock has begun anew, \d+ s ago: it was restarted; the vehicle is armed"):
+    with refuses("unlike"):
         flight.lose(5.0)
     flight = Flight(PX4, monkeypatch)
     assert flight.vehicle._about is not None
     flight.vehicle._about = replace(flight.vehicle._about, uid=7)
-    with pytest.raises(Unlike, match="by its AUTOPILOT_VERSION it is another one"):
+    with refuses("unlike", "", "AUTOPILOT_VERSION"):
         flight.lose(5.0)
 
 
 def test_whoever_has_another_system_id_is_named_until_the_vehicle_is_gone(monkeypatch: pytest.MonkeyPatch) -> None:
     flight, others = Flight(PX4, monkeypatch), list[Heard]()
     flight.at_loss = lambda: others.append(flight.replaced_by(Mock(PX4, HOME), 7))
-    with pytest.raises(NoAnswer, match="the link is lost for 300 s: vehicle 7 is heard, and is told nothing"):
+    with refuses("link-lost", "", "300", "vehicle 7", kind=NoAnswer):
         flight.lose(5.0)
     assert {type(message) for message in others[0].told} <= {Heartbeat}
     assert flight.air.now() > GONE_S
@@ -288,7 +288,7 @@ def test_whoever_has_another_system_id_is_named_until_the_vehicle_is_gone(monkey
 def test_one_that_is_heard_and_does_not_answer_is_not_known(monkeypatch: pytest.MonkeyPatch) -> None:
     flight = Flight(ARDUPILOT, monkeypatch)
     flight.at_loss = lambda: setattr(flight.air, "deaf", True)
-    with pytest.raises(NoAnswer, match="the link is lost for 300 s: it was heard, but the vehicle does not answer"):
+    with refuses("link-lost", "", "300", kind=NoAnswer):
         flight.lose(5.0)
     assert any("link lost for 100 s; it was heard, but" in words for words in flight.words)
 
@@ -323,7 +323,7 @@ def test_streams_that_were_forgotten_are_asked_for_again(refuses: bool, monkeypa
 def test_a_link_that_was_lent_is_not_opened_anew(monkeypatch: pytest.MonkeyPatch) -> None:
     flight = Flight(PX4, monkeypatch, opens=False)
     assert not flight.line.reopens
-    with pytest.raises(LinkDown, match="gone"):
+    with refuses("link-down", "", "gone"):
         flight.lose(10.0, breaks=True)
 
 

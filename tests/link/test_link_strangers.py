@@ -11,9 +11,9 @@ from ipoa_mission.link import reunion
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
 from ipoa_mission.link.connect import connect, meet
-from ipoa_mission.link.deafness import CAUSE_S, SpeaksMavlink1
+from ipoa_mission.link.deafness import CAUSE_S
 from ipoa_mission.link.dialogue import NoAnswer
-from ipoa_mission.link.line import Contested, Line
+from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Ack, Count, Heartbeat, MavAutopilot, Message, MissionType, Ping, Request, Result
 from ipoa_mission.link.tlog import read_tlog
@@ -25,6 +25,7 @@ from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.link.suited import suited
 from tests.link_pair import line_of
+from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 MISSION = Mission(HOME, (takeoff(HOME, 10.0), *(waypoint(Geodetic(47.4 + 1e-5 * n, 8.5), 12.0) for n in range(30))))
@@ -95,7 +96,7 @@ def is_exact(net: Net, address: str, family: Autopilot = PX4) -> bool:
 @pytest.mark.parametrize("system", [None, 1])
 def test_two_vehicles_with_one_system_id_are_told_and_refused(system: int | None) -> None:
     net = Net(one=station(), other=station(ARDUPILOT))
-    with pytest.raises(Contested, match="two vehicles on this link have the system id 1") as told:
+    with refuses("contested", "", "system id 1") as told:
         meet(line_on(net), system)
     assert "MAV_SYS_ID" in str(told.value.hint)
     assert (held(net, "one"), held(net, "other")) == (0, 0)
@@ -349,7 +350,7 @@ def test_a_vehicle_of_mavlink_1_only_is_named_after_some_seconds(tells_home: boo
     if tells_home:
         assert vehicle.home() is not None
     began = line.channel.now()
-    with pytest.raises(SpeaksMavlink1, match="vehicle 1 speaks MAVLink 1 only") as told:
+    with refuses("speaks-mavlink1", "", "vehicle 1") as told:
         vehicle.upload(suited(vehicle, MISSION))
     assert "MAV_PROTO_VER 2" in str(told.value.hint)
     assert line.channel.now() - began <= CAUSE_S + 1.0
@@ -374,7 +375,7 @@ def test_a_connection_that_is_closed_in_flight_for_good_tells_when_the_vehicle_w
         vehicle.upload(suited(vehicle, MISSION))
         vehicle.prepare()
         vehicle.start()
-    with vehicle, pytest.raises(NoAnswer, match=r"the link is lost for 1.5 s: tcp:.* cannot be opened") as lost:
+    with vehicle, refuses("link-lost", "", "1.5", kind=NoAnswer) as lost:
         vehicle.watch()
     assert lost.value.hint is not None
     assert "when last heard, the vehicle is armed" in lost.value.hint

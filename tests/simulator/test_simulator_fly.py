@@ -17,6 +17,7 @@ from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.examples import vehicles
 from tests.link_pair import far_end, line_of
+from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 BAD_RADIO = Faults(loss=0.3, duplicate=0.1, delay_s=0.1, reorder=0.1)
@@ -94,5 +95,5 @@ def test_a_flight_begins_with_another_item_where_that_is_asked_for() -> None:
 
 
 def test_a_dead_radio_is_an_error_that_says_so() -> None:
-    with pytest.raises(NoAnswer, match="no autopilot is heard"):
+    with refuses("not-heard", kind=NoAnswer):
         fly(mission(Autopilot.PX4), faults=Faults(loss=1.0))
