@@ -7,6 +7,7 @@ import pytest
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.mission.files import read_mission
+from tests.refused import refuses
 
 BROKEN = Path(__file__).parent.parent / "broken"
 MESSAGES = tomllib.loads((BROKEN / "messages.toml").read_text(encoding="utf-8"))
@@ -38,6 +39,6 @@ def test_a_broken_file_is_refused_with_its_message(name: str) -> None:
 )
 def test_the_commonest_reasons_why_a_plan_is_no_json_are_named(tmp_path: Path, text: str, hint: str | None) -> None:
     (tmp_path / "x.plan").write_text(text)
-    with pytest.raises(BadInput, match="expected JSON") as told:
+    with refuses("wrong-format") as told:
         read_mission(tmp_path / "x.plan")
     assert told.value.hint == hint

@@ -12,6 +12,7 @@ from ipoa_mission.checks.check import check_mission
 from ipoa_mission.errors import BadInput
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.firmware import as_stored, compare, to_wire
+from tests.refused import refuses
 
 FILES = Path(__file__).parent / "files"
 PLANS = sorted(FILES.glob("*.plan"))
@@ -90,13 +91,14 @@ def test_bytes_of_any_kind_are_refused(content: bytes, folder: Path) -> None:
     for suffix in (".plan", ".waypoints", ".txt"):
         path = folder / f"any{suffix}"
         path.write_bytes(content)
-        with pytest.raises(BadInput, match=r"^/.*: "):
+        with pytest.raises(BadInput) as refused:
             read_mission(path)
+        assert (refused.value.place or "").startswith(str(path))
 
 
 @pytest.mark.parametrize("bomb", ["[" * 100_000, '{"a":' * 100_000, '{"fileType": ' + "9" * 10_000 + "}"])
 def test_documents_that_break_parsers_are_refused(bomb: str, tmp_path: Path) -> None:
     path = tmp_path / "bomb.plan"
     path.write_text(bomb)
-    with pytest.raises(BadInput, match=r"bomb\.plan: expected "):
+    with refuses("too-large", "bomb.plan"):
         read_mission(path)

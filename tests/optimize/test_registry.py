@@ -5,11 +5,11 @@ from importlib.metadata import EntryPoint
 
 import pytest
 
-from ipoa_mission.errors import BadInput
 from ipoa_mission.optimize import registry
 from ipoa_mission.optimize.ipoa import IPOA
 from ipoa_mission.optimize.poa import POA
 from ipoa_mission.optimize.registry import build_optimizer, optimizer_class, optimizer_names
+from tests.refused import refuses
 
 
 @pytest.mark.parametrize("name", optimizer_names())
@@ -31,32 +31,34 @@ def test_settings_reach_the_optimizer() -> None:
 @pytest.mark.parametrize(
     ("name", "settings", "message"),
     [
-        ("ipao", {}, r"^optimizer\.name: expected ipoa.* or [a-z-]+, not 'ipao' \(did you mean 'ipoa'\?\)$"),
+        ("ipao", {}, ("unknown-name", "optimizer.name", "'ipao'", "'ipoa'")),
         (
             "ipoa",
             {"populaton": 3},
-            r"^optimizer\.populaton: ipoa has no such setting; .*\(did you mean 'population'\?\)$",
+            ("unknown-name", "optimizer.populaton", "'population'"),
         ),
-        ("ipoa", {"population": 3}, r"^optimizer\.population: expected a whole number of at least 4, not 3$"),
-        ("poa", {"iterations": 2.5}, r"^optimizer\.iterations: expected a whole number of at least 1, not 2\.5$"),
-        ("poa", {"iterations": True}, r"^optimizer\.iterations: expected a whole number of at least 1, not True$"),
-        ("ipoa", {"radius": float("nan")}, r"^optimizer\.radius: expected a number of at least 0, not nan$"),
+        ("ipoa", {"population": 3}, ("bad-input", "optimizer.population")),
+        ("poa", {"iterations": 2.5}, ("bad-input", "optimizer.iterations", "2.5")),
+        ("poa", {"iterations": True}, ("bad-input", "optimizer.iterations")),
+        ("ipoa", {"radius": float("nan")}, ("bad-input", "optimizer.radius")),
         (
             "ipoa",
             {"population": float("inf")},
-            r"^optimizer\.population: expected a whole number of at least 4, not inf$",
+            ("bad-input", "optimizer.population"),
         ),
-        ("ipoa", {"share": 2}, r"^optimizer\.share: expected a number from 0 to 1, not 2$"),
-        ("ipoa", {"levy": "no"}, r"^optimizer\.levy: expected true or false, not 'no'$"),
+        ("ipoa", {"share": 2}, ("bad-input", "optimizer.share")),
+        ("ipoa", {"levy": "no"}, ("bad-input", "optimizer.levy")),
         (
             "ipoa",
             {"reading": "print"},
-            r"^optimizer\.reading: expected 'step' or 'literal' or 'survivor', not 'print'$",
+            ("bad-input", "optimizer.reading", "'step'", "'literal'", "'survivor'", "'print'"),
         ),
     ],
 )
-def test_what_is_wrong_is_named_with_what_was_expected(name: str, settings: dict[str, object], message: str) -> None:
-    with pytest.raises(BadInput, match=message):
+def test_what_is_wrong_is_named_with_what_was_expected(
+    name: str, settings: dict[str, object], message: tuple[str, ...]
+) -> None:
+    with refuses(*message):
         build_optimizer(name, settings)
 
 
@@ -64,8 +66,8 @@ def test_an_optimizer_of_another_package_is_found_by_its_entry_point(monkeypatch
     entries = {name: EntryPoint(name, value, registry.GROUP) for name, value in OTHERS.items()}
     monkeypatch.setattr(registry, "_registered", lambda: entries)
     assert build_optimizer("mine", {"population": 8}) == POA(population=8)
-    for name, said in {"gone": "fails: No module", "function": "no dataclass with a search"}.items():
-        with pytest.raises(BadInput, match=said):
+    for name, value in {"gone": "nowhere", "function": "wing"}.items():
+        with refuses("bad-input", "optimizer.name", value):
             build_optimizer(name, {})
 
 

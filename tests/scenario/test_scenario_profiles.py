@@ -13,6 +13,7 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.energy.flight import NotEnoughBattery, shortage
 from ipoa_mission.vehicles.energy.power import power
 from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
+from tests.refused import refuses
 
 FLIGHT = """
 home = { latitude_deg = 47.0, longitude_deg = 8.0 }
@@ -145,7 +146,7 @@ def test_a_battery_gives_what_its_age_and_its_temperature_leave(battery: str, gi
      "capacity_wh = 90.0, capacity_mah = 5000.0, voltage = 22.2"],
 )  # fmt: skip
 def test_a_battery_has_one_capacity(battery: str) -> None:
-    with pytest.raises(BadInput, match="expected either capacity_wh, or capacity_mah and voltage"):
+    with refuses("bad-input", "here.toml: vehicle.battery", "capacity_wh", "capacity_mah"):
         read(f"vehicle = {{ airframe = {{ {AIRFRAME} }}, battery = {{ {battery} }} }}")
 
 

@@ -10,6 +10,7 @@ from jsonschema import Draft202012Validator
 from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario import Scenario, parse_scenario, read_scenario
 from ipoa_mission.scenario.places import Place
+from tests.refused import refuses
 
 HERE = Path("here.toml")
 SMALLEST = """
@@ -91,12 +92,12 @@ def test_all_mistakes_are_told_at_once() -> None:
 
 
 def test_a_file_that_is_no_toml_names_the_line() -> None:
-    with pytest.raises(BadInput, match=r"here\.toml: .*line 2"):
+    with refuses("wrong-format", "here.toml", "line 2"):
         parse_scenario("a = 1\nb = = 2\n", HERE)
 
 
 def test_a_file_that_is_not_there_is_bad_input(tmp_path: Path) -> None:
-    with pytest.raises(BadInput, match="cannot be read: No such file or directory"):
+    with refuses("unreadable", "nothing.toml"):
         read_scenario(tmp_path / "nothing.toml")
 
 
@@ -216,7 +217,7 @@ def test_flat_ground_over_kilometres_follows_the_earth() -> None:
 
 @pytest.mark.parametrize(
     ("east", "side"),
-    [(-200, None), (-140, "130.0 m beyond its east edge"), (0, "50.0 m beyond its west edge")],
+    [(-200, None), (-140, "130.0 east"), (0, "50.0 west")],
 )
 def test_a_grid_smaller_than_the_flight_is_refused(east: int, side: str | None) -> None:
     """The bounds are from 50 m west to 150 m east; a grid counts to half its spacing beyond its edge."""
@@ -226,7 +227,7 @@ def test_a_grid_smaller_than_the_flight_is_refused(east: int, side: str | None) 
     if side is None:
         parse_scenario(text, HERE)
         return
-    with pytest.raises(BadInput, match=side):
+    with refuses("not-covered", "terrain", *side.split()):
         parse_scenario(text, HERE)
 
 
@@ -244,11 +245,11 @@ def test_true_is_no_number_and_a_slip_is_told_with_what_it_may_have_been(tmp_pat
     assert f"{path}: vehicle.speed: unknown key; did you mean cruise_speed, climb_speed or descent_speed?" in told
     assert any(".footprint: expected a ring that does not cross itself" in line for line in told)
     path.write_text(text.replace("east = 120.0", "east = 1e308"))
-    with pytest.raises(BadInput, match=r"not 1e\+305 km") as far:
+    with refuses("bad-input", "x.toml", "1e", "305") as far:
         read_scenario(path)
     assert far.value.hint is None
 
 
 def test_a_decimal_comma_is_named() -> None:
-    with pytest.raises(BadInput, match=r"here\.toml: line 2: expected a number with a point, 47\.06, not 47,06"):
+    with refuses("wrong-format", "here.toml: line 2", "47.06", "47,06"):
         parse_scenario("[home]\nlatitude_deg = 47,06  # as at home\n", HERE)
