@@ -11,7 +11,7 @@ import pytest
 
 from ipoa_mission import Forecast, read_mission, read_scenario
 from ipoa_mission.cli.real_flight import ToldEndings
-from ipoa_mission.flight.boarding import LowBattery, expect_charge
+from ipoa_mission.flight.boarding import expect_charge
 from ipoa_mission.forecast.endings import Endings
 from ipoa_mission.forecast.endings_now import EndingsNow
 from ipoa_mission.forecast.energy import ReserveNow, budget_of
@@ -19,6 +19,7 @@ from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.telemetry import BatteryStatus, Position, SystemStatus
 from ipoa_mission.vehicles.ending import Ending
 from tests.examples import some
+from tests.refused import refuses
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 
@@ -126,7 +127,7 @@ def test_a_vehicle_that_says_its_battery_is_not_enough_is_not_flown(forecast: Fo
     enough = math.ceil(100 * (takes + budget.battery.reserve))
     for left, is_flown in ((enough, True), (enough - 2, False), (97, True)):
         state.note(BatteryStatus(0, 12.0, -1.0, left))
-        with nullcontext() if is_flown else pytest.raises(LowBattery, match=f"says that {left}% of its battery"):
+        with nullcontext() if is_flown else refuses("low-battery", "", f"{left}%"):
             expect_charge(vehicle, forecast)
     state.note(BatteryStatus(0, 12.0, -1.0, enough - 2))
     expect_charge(vehicle, forecast, first=len(forecast.mission.items) - 1)  # what is left out takes nothing

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.itinerary.itinerary import itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics, least_time
 from tests.recorded_flights import FLIGHTS, read_flight
+from tests.refused import refuses
 
 PLAIN = Kinematics(speed=12.0, climb=3.0, descent=2.0, accel=2.5)
 
@@ -75,11 +75,13 @@ def test_no_flight_of_the_curve_beats_the_bound(name: str) -> None:
 @pytest.mark.parametrize(
     ("points", "kinematics", "message"),
     [
-        ([[0.0, 0.0, 0.0]], PLAIN, "curve: expected at least two"),
-        ([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0]], PLAIN, "curve: expected at least two"),
-        ([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], Kinematics(0.0, 1.0, 1.0, 1.0), "speed: expected more than 0"),
+        ([[0.0, 0.0, 0.0]], PLAIN, ("bad-input", "curve")),
+        ([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0]], PLAIN, ("bad-input", "curve")),
+        ([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], Kinematics(0.0, 1.0, 1.0, 1.0), ("bad-input", "speed")),
     ],
 )
-def test_senseless_input_is_refused(points: list[list[float]], kinematics: Kinematics, message: str) -> None:
-    with pytest.raises(BadInput, match=message):
+def test_senseless_input_is_refused(
+    points: list[list[float]], kinematics: Kinematics, message: tuple[str, ...]
+) -> None:
+    with refuses(*message):
         least_time(np.array(points), kinematics)

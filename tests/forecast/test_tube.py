@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ipoa_mission.errors import BadInput
 from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.forecast.tube.approach import approaches
 from ipoa_mission.forecast.tube.limits import NO_TUBE, limits_kept, rim_of
@@ -27,6 +26,7 @@ from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Sphere, box
 from ipoa_mission.world.terrain import Flat
 from tests.quick_search import search_quickly
+from tests.refused import refuses
 
 PASSES = list(csv.DictReader((Path(__file__).parent / "passes.csv").read_text().splitlines()))
 SIDES = ("east", "north", "west", "south")
@@ -170,7 +170,7 @@ def test_where_there_is_no_path_none_with_more_room_is_sought(
         raise NoPath("closed")
 
     monkeypatch.setattr("ipoa_mission.routing.seek.plan_path", nowhere)
-    with pytest.raises(NoPath, match="closed"):
+    with refuses("no-path", "", "closed"):
         plan_with_room(scenario := scenario_of(), 0, silent)
     assert len(sought) == 2
     assert sought[-1] is scenario
@@ -222,5 +222,5 @@ def test_waypoints_that_an_autopilot_does_not_fly_are_refused_before_the_tube_is
 ) -> None:
     scenario = scenario_of()
     route = scenario.route.model_copy(update={"mode": "spline"})
-    with pytest.raises(BadInput, match=r"route\.mode: .*only ArduPilot flies spline waypoints"):
+    with refuses("bad-input", "route.mode"):
         plan_flight(scenario.model_copy(update={"route": route}))

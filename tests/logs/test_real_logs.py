@@ -10,12 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.errors import BadInput
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.logs.flight_log import LoggedFlight, read_flight, read_flights
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.autopilot import Autopilot
+from tests.refused import refuses
 
 LOGS = Path(__file__).parents[1] / "logs"
 CLOSE = 0.3  # [s]
@@ -164,16 +165,16 @@ def test_a_log_that_begins_in_flight_says_so(tmp_path: Path) -> None:
     assert log.flights[0].armed_s == pytest.approx(105.28, abs=0.1)
     assert "the log begins in flight" in log.remarks[0]
     path.write_bytes(data[len(data) // 4 : len(data) // 2 - 2000])
-    with pytest.raises(MissionError, match="the log begins in flight"):
+    with refuses("nothing-flown", "late.tlog"):
         read_flights(path)
 
 
 def test_a_log_of_another_autopilot_or_vehicle_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(MissionError, match="expected a log of PX4, as the mission is for"):
+    with refuses("other-autopilot", "sitl-ardupilot.bin", "PX4"):
         read_flight(LOGS / "sitl-ardupilot.bin", mission_of("sitl-px4.tlog"))
     path = tmp_path / "plane.bin"
     path.write_bytes((LOGS / "sitl-ardupilot.bin").read_bytes().replace(b"ArduCopter V4.7", b"ArduPlane V4.71"))
-    with pytest.raises(BadInput, match="expected the log of a copter, not of ArduPilot's Plane"):
+    with refuses("other-vehicle", "plane.bin", kind=BadInput):
         read_flights(path)
 
 
@@ -182,7 +183,7 @@ def test_megabytes_of_nothing_in_a_dataflash_log_end_soon(rest: bytes, tmp_path:
     """pymavlink's reader stood still over them."""
     path = tmp_path / "nothing.bin"
     path.write_bytes((LOGS / "sitl-ardupilot.bin").read_bytes()[:3000] + rest)
-    with pytest.raises(BadInput, match="expected an ArduPilot log with positions"):
+    with refuses("log-incomplete", "nothing.bin", kind=BadInput):
         read_flights(path)
 
 

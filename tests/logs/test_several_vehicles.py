@@ -8,6 +8,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.logs.flight_log import read_flights
 from ipoa_mission.logs.learn.evidence import flights_in
 from tests.logs.several import write_several
+from tests.refused import refuses
 
 LOGS = Path(__file__).parents[1] / "logs"
 FIRST, OTHER = LOGS / "sitl-ardupilot.tlog", LOGS / "twice-ardupilot.tlog"
@@ -35,9 +36,9 @@ def test_a_system_id_chooses(tmp_path: Path) -> None:
         [flight.record().total_s for flight in read_flights(OTHER).flights], abs=0.3
     )
     assert flown(path, 1) == flown(alone, 1) == flown(FIRST)
-    with pytest.raises(BadInput, match=r"expected system 9, but it holds 1 \(ArduPilot multicopter\), 7"):
+    with refuses("other-vehicle", "two.tlog", "system 9", "1 (ArduPilot multicopter), 7", kind=BadInput):
         read_flights(path, 9)
-    with pytest.raises(BadInput, match=r"expected a .tlog with --system 2: a log from on board holds one vehicle"):
+    with refuses("other-vehicle", "sitl-ardupilot.bin", "system 2", kind=BadInput):
         read_flights(LOGS / "sitl-ardupilot.bin", 2)
     _, left_out, _, _ = flights_in(path)
     assert any(words.startswith(OTHERS.format(2, 1)) for words in left_out)
@@ -47,7 +48,7 @@ def test_a_plane_heard_first_refuses_no_log(tmp_path: Path) -> None:
     path = write_several(tmp_path / "plane.tlog", FIRST, {}, plane_first=3)
     assert flown(path) == flown(FIRST)
     assert OTHERS.format(2, 1) + "3 (ArduPilot plane)" in read_flights(path).remarks
-    with pytest.raises(BadInput, match=r"not of an ArduPilot plane: it holds 1 \(ArduPilot multicopter\), 3"):
+    with refuses("other-vehicle", "plane.tlog", "ArduPilot plane", "1 (ArduPilot multicopter), 3", kind=BadInput):
         read_flights(path, 3)
 
 

@@ -15,7 +15,6 @@ import pytest
 from typer.testing import CliRunner
 
 from ipoa_mission.cli.app import app
-from ipoa_mission.errors import MissionError
 from ipoa_mission.logs.learn.evidence import Evidence, flights_in
 from ipoa_mission.logs.learn.fit import fit
 from ipoa_mission.logs.learn.judge import energy_error, left_out, median_errors, timed
@@ -25,6 +24,7 @@ from ipoa_mission.mission.files import write_mission
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
 from tests.logs.test_learning import ARDUPILOT, PX4, recorded
+from tests.refused import refuses
 
 HERE = Path(__file__).parent
 LOGS = [HERE.parents[1] / "missions" / "logs" / f"copter-{speed}.bin" for speed in (6, 8)]  # [m/s]
@@ -116,7 +116,7 @@ def test_flights_without_a_time_tell_their_power_and_nothing_tells_nothing() -> 
     assert vehicle.drag.low < 1.5 < vehicle.drag.high
     assert vehicle.hover_power is not None
     assert median_errors(left_out(flights)) == (0.0, 0.0)
-    with pytest.raises(MissionError, match="do not tell"):
+    with refuses("log-useless"):
         fit([replace(flight, witness=Witness()) for flight in flights])
 
 

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipoa_mission.errors import BadInput
 from ipoa_mission.vehicles.energy.flight import Battery, Consumption, consumption, hovering, shortage
 from ipoa_mission.vehicles.energy.power import PowerModel, power
+from tests.refused import refuses
 
 QUAD = PowerModel(mass_kg=2.4, disc_area=0.342, drag_area=0.09)
 
@@ -88,7 +88,7 @@ def test_cutting_a_straight_flight_into_spans_changes_nothing(cuts: list[int]) -
 
 @pytest.mark.parametrize("times", [[0.0, 2.0, 1.0], [0.0, 0.0, 0.0], [0.0, 1.0]])
 def test_a_track_that_does_not_go_on_is_refused(times: list[float]) -> None:
-    with pytest.raises(BadInput, match="track: expected as many times and speeds as points, and times that grow"):
+    with refuses("bad-input", "track"):
         consumption(QUAD, np.array(times), np.zeros((3, 3)), np.zeros(3))
 
 
@@ -115,5 +115,5 @@ def test_a_flight_that_eats_the_reserve_is_refused(energy_wh: float, words: str)
 
 @pytest.mark.parametrize(("capacity", "reserve"), [(0.0, 0.2), (100.0, 1.0), (100.0, -0.1)])
 def test_an_impossible_battery_is_refused(capacity: float, reserve: float) -> None:
-    with pytest.raises(BadInput, match="battery: expected a capacity"):
+    with refuses("bad-input", "battery"):
         Battery(capacity, reserve)

@@ -10,13 +10,13 @@ import re
 
 import pytest
 
-from ipoa_mission.errors import BadInput
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.ending import Ending, FlightStage
 from ipoa_mission.vehicles.failsafe import Failsafe
 from ipoa_mission.vehicles.known_parameters import expect_known
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.version import Version
+from tests.refused import refuses
 from tools.generate import failsafes as page
 
 AP, PX4 = Autopilot.ARDUPILOT, Autopilot.PX4
@@ -245,7 +245,7 @@ def test_how_long_it_holds_first() -> None:
 
 def test_what_decides_is_a_known_parameter() -> None:
     expect_known(["FS_OPTIONS", "BATT_FS_CRT_ACT", "RTL_ALT_M"], AP)
-    with pytest.raises(BadInput, match="FS_OPTIONS: expected a parameter of px4, not of ardupilot"):
+    with refuses("bad-input", "FS_OPTIONS", "px4"):
         expect_known(["FS_OPTIONS"], PX4)
 
 
