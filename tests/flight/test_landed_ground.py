@@ -3,8 +3,6 @@
 import json
 from pathlib import Path
 
-import pytest
-
 import ipoa_mission as api
 from ipoa_mission.flight.landed import landed_elsewhere
 from ipoa_mission.mission.about_file import KEY, digest
@@ -13,6 +11,7 @@ from ipoa_mission.mission.landing_ground import known_ground, landing_height, la
 from ipoa_mission.mission.plan_file import LANDING_GROUND, plan_text
 from ipoa_mission.mission.waypoints_file import waypoints_text
 from ipoa_mission.world.frame import Geodetic
+from tests.refused import refuses
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
 GOAL = Geodetic(47.398642, 8.545594, 488.0)
@@ -57,7 +56,7 @@ def test_a_plan_whose_ground_is_no_number_says_where(tmp_path: Path) -> None:
     told = json.loads(plan_text(landing_on(MISSION, 8.5)))
     told[LANDING_GROUND]["aboveHome"] = "high"
     path.write_text(json.dumps(told), encoding="utf-8")
-    with pytest.raises(api.BadInput, match=r"landingGround\.aboveHome"):
+    with refuses("bad-input", "odd.plan: landingGround.aboveHome"):
         api.read_mission(path)
 
 

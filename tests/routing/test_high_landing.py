@@ -22,6 +22,7 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.checks.test_check_ground import ARDUPILOT, PX4, slope
 from tests.examples import some
 from tests.quick_search import search_quickly
+from tests.refused import refuses
 
 HOME = Geodetic(47.0, 8.0, 500.0)
 NO_RANGE_FINDER = {"SIH_DISTSNSR_OVR": 20000.0}
@@ -112,7 +113,7 @@ def test_parameters_are_raised_where_the_landing_needs_it(
 
 @pytest.mark.parametrize(("autopilot", "most"), [(ARDUPILOT, 100), (PX4, 122)])
 def test_ground_above_what_the_parameter_reaches_is_refused(autopilot: Autopilot, most: int) -> None:
-    with pytest.raises(Unsafe, match=f"130.0 m above home, and .* to {most} m above home: .* at up to 1.5") as refused:
+    with refuses("fast-touchdown", "", "130.0 m", f"{most} m", "1.5", kind=Unsafe) as refused:
         slowed(130.0, autopilot)
     assert "vehicle.descent_speed" in str(refused.value.hint)
     speeds = {ARDUPILOT: {"WPNAV_SPEED_DN": 50.0}, PX4: {"MPC_Z_V_AUTO_DN": 0.7}}[autopilot]

@@ -12,6 +12,7 @@ from ipoa_mission.routing.narrow import TooNarrow, expect_wide, least_reach
 from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from tests.refused import refuses
 
 
 @pytest.mark.parametrize("wind", [0.0, 5.0])
@@ -107,5 +108,5 @@ def test_the_legs_of_a_gap_are_counted_without_a_via_point_at_which_the_way_is_a
 
 
 def test_a_gap_a_little_too_narrow_is_certain() -> None:
-    with pytest.raises(TooNarrow, match=r"7\.10 m wide, and it needs 7\.14 m at least"):
+    with refuses("too-narrow", "", "7.10", "7.14"):
         expect_wide(Scenario.model_validate(gate(7.1, "px4")))

@@ -12,7 +12,6 @@ from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.plan_file import plan_text
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
-from ipoa_mission.planning.planner import NoPath
 from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.planning.spline import Spline, basis
 from ipoa_mission.routing.attempt import Attempt
@@ -22,6 +21,7 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.examples import vehicles
 from tests.quick_search import search_quickly
+from tests.refused import refuses
 from tests.routing.test_promise_kept import nearest, way
 
 CRUISE = 15.0
@@ -99,5 +99,5 @@ def test_what_no_speed_makes_wide_enough_is_refused(autopilot: Autopilot, monkey
     scene, route = bend(autopilot)
     scene["obstacles"][0]["radius"] = 2.0
     found_only(route, monkeypatch)
-    with pytest.raises(NoPath, match=r"tried in vain with vehicle\.cruise_speed = 7\.5, vehicle\.cruise_speed = 3\.8"):
+    with refuses("no-path", "", "vehicle.cruise_speed = 7.5", "vehicle.cruise_speed = 3.8"):
         plan_flight(Scenario.model_validate(scene))

@@ -10,7 +10,6 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.survey.area import Area
@@ -21,6 +20,7 @@ from ipoa_mission.survey.tour import Tour
 from ipoa_mission.vehicles.autopilot import registered
 from ipoa_mission.world.frame import Geodetic
 from tests.examples import examples
+from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 488.0)
 FIELD = [(0.0, 0.0), (120.0, 10.0), (150.0, 90.0), (70.0, 60.0), (10.0, 100.0)]
@@ -125,7 +125,7 @@ def test_a_way_leads_from_beside_an_obstacle_too() -> None:
     assert not line.intersects(mast)
     assert line.length < 60.0
     wall = shapely.box(50.0, -500.0, 60.0, 500.0)
-    with pytest.raises(MissionError, match="no way leads between all parts"):
+    with refuses("area-parted", "survey"):
         way_between(Area.of([[FIELD]]), 10.0, cost=times(), keep_out=wall)(
             np.array([10.0, 50.0]), np.array([100.0, 50.0])
         )
@@ -188,26 +188,26 @@ def test_a_small_field_is_flown_as_quickly_as_it_can_be(which: int) -> None:
 @pytest.mark.parametrize(
     ("more", "words"),
     [
-        ({"spacing": 0.0}, "spacing: expected"),
-        ({"spacing": math.nan}, "spacing: expected"),
-        ({"turns_outside": -1.0}, "turns_outside: expected"),
-        ({"direction": "worst"}, "direction: expected"),
-        ({"direction": []}, "direction: expected"),
-        ({"direction": math.inf}, "direction: expected"),
+        ({"spacing": 0.0}, ("bad-input", "spacing")),
+        ({"spacing": math.nan}, ("bad-input", "spacing")),
+        ({"turns_outside": -1.0}, ("bad-input", "turns_outside")),
+        ({"direction": "worst"}, ("bad-input", "direction")),
+        ({"direction": []}, ("bad-input", "direction")),
+        ({"direction": math.inf}, ("bad-input", "direction")),
     ],
 )
-def test_arguments_without_sense_are_named(more: dict[str, object], words: str) -> None:
+def test_arguments_without_sense_are_named(more: dict[str, object], words: tuple[str, ...]) -> None:
     given_ = {"area": Area.of([[FIELD]]), "spacing": 10.0, "cost": times()} | more
-    with pytest.raises(BadInput, match=words):
+    with refuses(*words):
         quickest_tour(**given_)  # type: ignore[arg-type]
 
 
 def test_an_area_that_is_kept_out_of_is_none() -> None:
-    with pytest.raises(MissionError, match="nothing of the area may be flown over"):
+    with refuses("area-kept-out", "survey"):
         quickest_tour(Area.of([[FIELD]]), 10.0, cost=times(), keep_out=shapely.Point(60.0, 50.0).buffer(500.0))
 
 
 def test_parts_that_are_walled_off_are_not_reached() -> None:
     area, wall = Area.of([[FIELD]]), shapely.Point(20.0, 20.0).buffer(15.0).exterior.buffer(3.0)
-    with pytest.raises(MissionError, match="no way leads between all parts"):
+    with refuses("area-parted", "survey"):
         quickest_tour(area, 8.0, cost=times(), keep_out=wall)

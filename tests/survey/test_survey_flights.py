@@ -31,6 +31,7 @@ from ipoa_mission.survey.tour import Swath, Tour
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.energy.flight import NotEnoughBattery
 from ipoa_mission.world.frame import Geodetic
+from tests.refused import refuses
 
 HOME = {"latitude_deg": 47.4, "longitude_deg": 8.5, "altitude_amsl": 400.0}
 FIELD = [[20.0, 10.0], [200.0, 10.0], [200.0, 150.0], [20.0, 150.0]]
@@ -283,21 +284,27 @@ def test_a_corridor_is_followed() -> None:
 @pytest.mark.parametrize(
     ("tables", "error", "words"),
     [
-        ({"obstacles": [TOWER | {"radius": 400.0, "base": 20.0}]}, NoPath, "leave nothing of the area"),
-        ({"survey": LINES | {"height_above_ground": 1.0}}, NoPath, "too near"),
-        ({"survey": LINES | {"flights": 500}}, BadInput, "survey.flights: expected at most"),
-        ({"survey": LINES | {"line_spacing": 0.1}}, BadInput, "survey.line_spacing"),
-        ({"survey": PHOTOS | {"front_overlap": 0.999}}, BadInput, "survey.front_overlap"),
-        ({"vehicle": {"airframe": AIRFRAME, "battery": {"capacity_wh": 2.0}}}, NotEnoughBattery, "battery"),
+        ({"obstacles": [TOWER | {"radius": 400.0, "base": 20.0}]}, NoPath, ("area-covered", "survey")),
+        ({"survey": LINES | {"height_above_ground": 1.0}}, NoPath, ("survey-too-low", "survey")),
+        ({"survey": LINES | {"flights": 500}}, BadInput, ("too-many-flights", "survey.flights")),
+        ({"survey": LINES | {"line_spacing": 0.1}}, BadInput, ("lines-too-near", "survey.line_spacing")),
+        ({"survey": PHOTOS | {"front_overlap": 0.999}}, BadInput, ("lines-too-near", "survey.front_overlap")),
+        (
+            {"vehicle": {"airframe": AIRFRAME, ("not-enough-battery", "battery"): {"capacity_wh": 2.0}}},
+            NotEnoughBattery,
+            ("not-enough-battery", "battery"),
+        ),
     ],
 )
-def test_what_cannot_be_flown_is_refused_with_its_place(tables: dict[str, Any], error: Any, words: str) -> None:
-    with pytest.raises(error, match=words):
+def test_what_cannot_be_flown_is_refused_with_its_place(
+    tables: dict[str, Any], error: Any, words: tuple[str, ...]
+) -> None:
+    with refuses(*words):
         plan_survey(scenario=scenario(tables.pop("survey", LINES), **tables))
 
 
 def test_a_flight_to_a_goal_does_not_pass_over_a_survey() -> None:
-    with pytest.raises(BadInput, match="survey: expected a scenario without one"):
+    with refuses("bad-input", "survey"):
         plan_flight(scenario(LINES))
 
 
@@ -305,7 +312,7 @@ def test_the_library_takes_an_area_and_a_camera() -> None:
     world = scenario(LINES)
     survey = plan_survey(np.array(FIELD), "DJI Mavic 3E", scenario=world, height_above_ground=60.0)
     assert survey.plan.photos > 10
-    with pytest.raises(BadInput, match=r"survey.camera: expected the name"):
+    with refuses("unknown-name", "survey.camera", kind=BadInput):
         plan_survey(np.array(FIELD), "box brownie", scenario=world, height_above_ground=60.0)
 
 
@@ -370,21 +377,21 @@ def test_with_planned_returns_an_rtl_that_would_come_too_late_makes_more_flights
 @pytest.mark.parametrize(
     ("survey", "words"),
     [
-        ({"polygon": [[0.0, 0.0], [9e5, 0.0], [9e5, 9e5]]}, "survey.polygon: expected an area within 100 km of home"),
-        ({"line": [[0.0, 0.0], [2e5, 0.0]], "width": 20.0}, "survey.line: expected an area within 100 km of home"),
+        ({"polygon": [[0.0, 0.0], [9e5, 0.0], [9e5, 9e5]]}, ("too-far", "survey.polygon", "100")),
+        ({"line": [[0.0, 0.0], [2e5, 0.0]], "width": 20.0}, ("too-far", "survey.line", "100")),
         (
             {"polygon": [[0.0, 0.0], [3e4, 0.0], [3e4, 4e4], [0.0, 4e4]], "line_spacing": 2.0},
-            "survey: expected at most 3000 lines, not 12000 or more, 2 m apart",
+            ("survey-too-long", "survey", "3000", "12000"),
         ),
-        ({"line": [[0.0, 0.0], [9e3, 0.0]], "width": 5e3, "line_spacing": 0.5}, "survey: expected at most 3000 lines"),
+        ({"line": [[0.0, 0.0], [9e3, 0.0]], "width": 5e3, "line_spacing": 0.5}, ("survey-too-long", "survey", "3000")),
         (
             {"polygon": [[0.0, 0.0], [19e3, 0.0], [19e3, 8e4], [0.0, 8e4]]},
-            "survey: expected at most 100 h of flight, not 2639 h or more: 76000 km of lines at 8 m/s",
+            ("survey-too-long", "survey", "100", "2639", "76000"),
         ),
     ],
 )
-def test_more_than_can_be_planned_is_refused_at_once(survey: dict[str, Any], words: str) -> None:
-    with pytest.raises(BadInput, match=words):
+def test_more_than_can_be_planned_is_refused_at_once(survey: dict[str, Any], words: tuple[str, ...]) -> None:
+    with refuses(*words):
         plan_survey(scenario=scenario({"line_spacing": 20.0, "height_above_ground": 40.0} | survey))
 
 

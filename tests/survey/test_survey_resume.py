@@ -9,6 +9,7 @@ import shapely
 from ipoa_mission.errors import BadInput
 from ipoa_mission.survey.plan import SurveyPlan, plan_flights, rest_of
 from tests.examples import some
+from tests.refused import refuses
 from tests.survey.test_survey_flights import FIELD, LINES, PHOTOS, TOWER, scenario
 
 
@@ -75,7 +76,7 @@ def test_only_what_was_flown_along_and_high_enough_counts() -> None:
 @pytest.mark.parametrize("obstacles", some(1, [[], [TOWER]]))
 def test_a_survey_that_is_flown_is_done(obstacles: list[Any]) -> None:
     plan = plan_flights(scenario(LINES, obstacles=obstacles))
-    with pytest.raises(BadInput, match="nothing of it is left"):
+    with refuses("nothing-left", "survey", kind=BadInput):
         rest_of(plan, [flown_of(plan, 0)])
 
 

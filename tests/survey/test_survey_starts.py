@@ -30,6 +30,7 @@ from ipoa_mission.survey.tour import Sortie, Tour
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.energy.flight import NotEnoughBattery
 from ipoa_mission.world.frame import Geodetic, apart
+from tests.refused import refuses
 from tests.survey.test_survey_flights import AIRFRAME, HOME, TOWER, scenario
 from tests.survey.test_survey_split import tour_of
 
@@ -240,33 +241,33 @@ def test_without_a_battery_each_place_flies_what_is_nearest_and_one_too_far_is_t
 @pytest.mark.parametrize(
     ("survey", "tables", "error", "words"),
     [
-        ({"starts": []}, {}, BadInput, "survey.starts: expected at least 1 entries, not 0"),
-        ({"starts": [["a", 0]]}, {}, BadInput, r"^survey.starts\[0\]\[0\]: expected a number, not 'a'$"),
-        ({"starts": [[True, 0]]}, {}, BadInput, r"^survey.starts\[0\]\[0\]: expected a number, not true$"),
-        ({"starts": [[0, 0], [0, 1]]}, {}, BadInput, r"starts\[1\]: expected another place than starts\[0\]"),
-        ({"starts": [[0, 2e5]]}, {}, BadInput, r"starts\[0\]: expected a place within 100 km of home"),
-        ({"starts": ENDS, "flights": 2}, {}, BadInput, "flights: expected without starts"),
-        ({"starts": ENDS, "entry": [0, 0]}, {}, BadInput, "entry: expected without starts"),
+        ({"starts": []}, {}, BadInput, ("bad-input", "survey.starts")),
+        ({"starts": [["a", 0]]}, {}, BadInput, ("bad-input", "survey.starts[0][0]")),
+        ({"starts": [[True, 0]]}, {}, BadInput, ("bad-input", "survey.starts[0][0]")),
+        ({"starts": [[0, 0], [0, 1]]}, {}, BadInput, ("bad-input", "survey")),
+        ({"starts": [[0, 2e5]]}, {}, BadInput, ("bad-input", "survey", "100")),
+        ({"starts": ENDS, "flights": 2}, {}, BadInput, ("bad-input", "survey")),
+        ({"starts": ENDS, "entry": [0, 0]}, {}, BadInput, ("bad-input", "survey")),
         (
             {"starts": ENDS},
             {"start": {"east": 0, "north": 0, "up": 40}},
             BadInput,
-            "start: expected without survey.sta",
+            ("bad-input",),
         ),
         (
             {"starts": [[400, 60]]},
             {"obstacles": [TOWER | {"east": 400, "north": 60}]},
             BadInput,
-            r"starts\[0\]: expected a place wi",
+            ("place-blocked", "survey.starts[0]"),
         ),
-        ({"starts": ENDS}, {"terrain": {"kind": "analytic"}}, BadInput, r"starts\[1\]: expected home, or terrain of"),
-        ({"starts": [[0, 5000]]}, {"vehicle": SMALL}, NotEnoughBattery, "from a start place, and back there"),
+        ({"starts": ENDS}, {"terrain": {"kind": "analytic"}}, BadInput, ("bad-input", "survey.starts[1]")),
+        ({"starts": [[0, 5000]]}, {"vehicle": SMALL}, NotEnoughBattery, ("not-enough-battery", "battery")),
     ],
 )
 def test_start_places_that_make_no_sense_are_told(
-    survey: dict[str, Any], tables: dict[str, Any], error: Any, words: str
+    survey: dict[str, Any], tables: dict[str, Any], error: Any, words: tuple[str, ...]
 ) -> None:
-    with pytest.raises(error, match=words):
+    with refuses(*words):
         plan_survey(scenario=scenario(OVER | survey, **tables))
 
 
