@@ -32,7 +32,6 @@ from tests.found import found
 from tests.mission_strategies import missions
 
 FILES = Path(__file__).parents[1] / "mission" / "files"
-WORDS = Path(__file__).parent / "worded.txt"
 SHIPPED = Path(__file__).parents[2] / "missions"
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 HOME = Geodetic(39.101, 121.82, 20.0)
@@ -182,12 +181,6 @@ FOUND: dict[str, tuple[Mission, list[str]]] = {
 def test_what_is_wrong_is_found_at_its_item(case: str) -> None:
     mission, findings = FOUND[case]
     assert found(check_mission(mission)) == findings
-
-
-def test_findings_are_worded_as_in_the_file_that_has_their_words(tmp_path: Path) -> None:
-    lines = (f"{case} | {finding}\n" for case, (mission, _) in FOUND.items() for finding in check_mission(mission))
-    (tmp_path / WORDS.name).write_text("".join(lines), encoding="utf-8")
-    assert WORDS.read_text(encoding="utf-8") == (tmp_path / WORDS.name).read_text(encoding="utf-8"), tmp_path
 
 
 @pytest.mark.parametrize(

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from ipoa_mission.checks.check import check_mission
-from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.quick_search import search_quickly
+from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 #: Required are 0.5 m of radius and 2 m of distance; the path may leave its legs by 4 m: 6.5 m in all.
@@ -80,7 +80,7 @@ def test_an_open_line_among_no_fly_zones_is_an_error_too(read: Read) -> None:
 
 def test_plan_refuses_it(read: Read, monkeypatch: pytest.MonkeyPatch) -> None:
     search_quickly(monkeypatch.setattr)
-    with pytest.raises(Unsafe, match=r"crosses thing on m\.geojson, an area untagged") as told:
+    with refuses("unsafe", "", "thing on m.geojson") as told:
         plan_flight(read(-5.0), seed=0)
     assert told.value.hint
     assert 'take = "tagged" says that it is nothing' in told.value.hint

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.checks.own_fence import breaches
-from ipoa_mission.flight.boarding import OutsideOwnFence, expect_fit
+from ipoa_mission.flight.boarding import expect_fit
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.simulator.fly import board
@@ -15,6 +15,7 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.own_fence import OwnFence
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from tests.refused import refuses
 
 HOME = Geodetic(47.4, 8.5, 400.0)
 FRAME = LocalFrame(HOME)
@@ -114,7 +115,7 @@ def test_nothing_is_sent_to_a_vehicle_whose_own_fence_is_too_narrow(
 ) -> None:
     flight = mission(autopilot, 200.0, 30.0)
     with board(Forecast(flight.with_parameters(own))) as vehicle:
-        with pytest.raises(OutsideOwnFence, match=r"200\.0 m away from home \(.* fence allows 150") as no:
+        with refuses("outside-own-fence", "", "200.0", "150") as no:
             expect_fit(vehicle, flight)
         assert "--anyway" in str(no.value.hint)
         assert any("200.0 m away from home" in words for words in expect_fit(vehicle, flight, anyway=True))
