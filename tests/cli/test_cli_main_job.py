@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.errors import MissionError
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.faults import Faults
@@ -15,6 +14,7 @@ from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.cli.conftest import Planned, Run
 from tests.examples import some
 from tests.quick_search import search_quickly
+from tests.refused import refuses
 
 REPOSITORY = Path(__file__).parents[2]
 SCENARIOS = sorted(path.stem for path in (REPOSITORY / "missions").glob("*.toml"))
@@ -68,7 +68,7 @@ def test_a_refused_item_is_told_by_its_number_whichever_way_the_mission_is_sent(
     planned: Planned, autopilot: Autopilot
 ) -> None:
     mission = read_mission(planned("sitl")[1] / "sitl.plan", autopilot)
-    with pytest.raises(MissionError, match="refused the mission at item 2 with ERROR"):
+    with refuses("mission-refused", "", "item 2", "ERROR"):
         fly(mission, faults=Faults(nak_at=2))
 
 

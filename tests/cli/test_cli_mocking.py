@@ -4,10 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission import Autopilot, BadInput, Geodetic, read_mission, read_scenario
+from ipoa_mission import Autopilot, Geodetic, read_mission, read_scenario
 from ipoa_mission.cli.standing import ZURICH, stands
 from ipoa_mission.mission.landing_ground import landing_height
 from ipoa_mission.world.ground import LEVEL
+from tests.refused import refuses
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 
@@ -40,7 +41,7 @@ def test_without_a_scenario_it_stands_in_zurich_on_level_ground() -> None:
 
 
 def test_what_contradicts_itself_is_bad_input() -> None:
-    with pytest.raises(BadInput, match="--home: expected no --scenario beside it"):
+    with refuses("option-conflict", "--home"):
         stands(MISSIONS / "campus.toml", (1.0, 2.0, 3.0), None, {})
-    with pytest.raises(BadInput, match="--home: expected latitude and longitude"):
+    with refuses("bad-input", "--home"):
         stands(None, (95.0, 2.0, 3.0), None, {})

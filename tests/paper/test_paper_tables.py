@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ipoa_mission.errors import BadInput
 from ipoa_mission.paper import figures, function_tables, map_tables
 from ipoa_mission.paper.cec2022 import FUNCTIONS
 from ipoa_mission.paper.page import page
@@ -17,6 +16,7 @@ from ipoa_mission.paper.rows import Trial, TrialRow, settings_text
 from ipoa_mission.paper.runs import CHECKPOINTS
 from ipoa_mission.paper.series import CEC_D20, MAPS_PAPER, Series
 from ipoa_mission.paper.tables import Table, number
+from tests.refused import refuses
 
 RUNS = 3
 SLOWLY_DRAWN = {f"figure-{number}" for number in (7, 8, 9, 11)}
@@ -171,10 +171,12 @@ def test_reproduce_measures_what_is_missing_and_tells_how_far_it_is(
 @pytest.mark.parametrize(
     ("what", "runs", "message"),
     [
-        ("table3", None, r"^what: expected table-3, .* or all, not 'table3' \(did you mean 'table-3'\?\)$"),
-        ("table-3", 0, r"^runs: expected at least 1, not 0$"),
+        ("table3", None, ("unknown-name", "what", "'table3'")),
+        ("table-3", 0, ("bad-input", "runs")),
     ],
 )
-def test_what_cannot_be_reproduced_is_bad_input(tmp_path: Path, what: str, runs: int | None, message: str) -> None:
-    with pytest.raises(BadInput, match=message):
+def test_what_cannot_be_reproduced_is_bad_input(
+    tmp_path: Path, what: str, runs: int | None, message: tuple[str, ...]
+) -> None:
+    with refuses(*message):
         reproduce(what, runs, tmp_path, 1, None)

@@ -10,7 +10,6 @@ import pytest
 import shapely
 from pyproj import Geod
 
-from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import (
     FenceCircle,
@@ -29,6 +28,7 @@ from ipoa_mission.report.exports.table import mission_table
 from ipoa_mission.scenario import parse_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
+from tests.refused import refuses
 
 fastkml = pytest.importorskip("fastkml")
 geojson = pytest.importorskip("geojson")
@@ -69,7 +69,7 @@ def test_a_mission_without_items_is_no_obstacle(suffix: str, tmp_path: Path) -> 
 
 
 def test_another_suffix_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(BadInput, match=r'expected a name that ends in \.kml, \.geojson, \.csv, \.gpx, not in "\.dji"$'):
+    with refuses("wrong-suffix", "flight.dji", '".dji"'):
         write_export(MISSION, tmp_path / "flight.dji")
 
 

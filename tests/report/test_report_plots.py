@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 import ipoa_mission as api
-from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
 from ipoa_mission.report import palette
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
+from tests.refused import refuses
 
 COURTYARD = Prism("courtyard", ((0, 0), (30, 0), (30, 20), (0, 20)), (((10, 5), (20, 5), (20, 15), (10, 15)),), 0, 12)
 TOWER = Cylinder("tower", 5, 5, 4, 0, 30)
@@ -55,7 +55,7 @@ def test_a_view_shows_every_path_and_every_obstacle(missions: Path, tmp_path: Pa
 def test_another_ending_is_refused_by_name(tmp_path: Path) -> None:
     from matplotlib.figure import Figure
 
-    with pytest.raises(BadInput, match=r"picture\.bmp: expected a name that ends in"):
+    with refuses("wrong-suffix", "picture.bmp"):
         api.write_picture(Figure(), tmp_path / "picture.bmp")
 
 

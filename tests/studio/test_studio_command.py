@@ -4,10 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission import BadInput, MissionError, read_scenario
+from ipoa_mission import BadInput, read_scenario
 from ipoa_mission.cli import studying
 from ipoa_mission.cli.studying import _begin
 from ipoa_mission.studio import bundle
+from tests.refused import refuses
 
 
 def test_a_new_scenario_begins_at_home(tmp_path: Path) -> None:
@@ -16,19 +17,19 @@ def test_a_new_scenario_begins_at_home(tmp_path: Path) -> None:
     scenario = read_scenario(target)
     assert scenario.home.latitude_deg == 47.397742
     assert scenario.goal_point[:2] == pytest.approx((0.0, 100.0), abs=1.0)
-    with pytest.raises(BadInput, match="is there already"):
+    with refuses("already-there", "--new", kind=BadInput):
         _begin(target, (47.0, 8.0, 0.0))
 
 
 def test_a_file_that_is_not_there_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(BadInput, match="no such file"):
+    with refuses("bad-input", "none.toml"):
         _begin(tmp_path / "none.toml", None)
     assert not list(tmp_path.iterdir())
 
 
 def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(studying, "LIBRARIES", ("numpy", "no_such_library"))
-    with pytest.raises(MissionError, match="the studio needs no_such_library"):
+    with refuses("package-missing", "", "no_such_library"):
         studying.studio(Path("mission.toml"))
 
 
@@ -43,7 +44,7 @@ def test_without_a_page_and_without_npm_it_is_said_what_to_do(tmp_path: Path, mo
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.setattr("sys.executable", str(tmp_path / "python"))
-    with pytest.raises(MissionError, match="not built in this installation") as caught:
+    with refuses("page-not-built") as caught:
         bundle.built_page(lambda words: None)
     assert "Node.js" in str(caught.value.hint)
 

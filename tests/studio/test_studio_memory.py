@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission import BadInput
 from ipoa_mission.studio import memory
 from ipoa_mission.studio.server import _listen
+from tests.refused import refuses
 
 
 @pytest.fixture(autouse=True)
@@ -45,5 +45,5 @@ def test_a_port_of_before_that_is_taken_is_another_and_one_that_is_asked_for_is_
         port = taken.getsockname()[1]
         with _listen(0, port) as found:
             assert found.getsockname()[1] != port
-        with pytest.raises(BadInput, match=f"--port {port}: cannot be had"):
+        with refuses("bad-input", f"--port {port}"):
             _listen(port, 0)

@@ -3,8 +3,6 @@
 import json
 from pathlib import Path
 
-import pytest
-
 from ipoa_mission import MissionError, Scenario, plan_flight
 from ipoa_mission.planning.sketch import sketch_path
 from ipoa_mission.routing.changes import Looks
@@ -13,6 +11,7 @@ from ipoa_mission.studio.edits import changed
 from ipoa_mission.studio.refused import refused
 from ipoa_mission.studio.view import world_of
 from ipoa_mission.studio.vocabulary import as_on_map
+from tests.refused import refuses
 from tests.studio.conftest import MEADOW
 
 WOOD = [[[8.5002, 47.3002], [8.5004, 47.3002], [8.5004, 47.3003], [8.5002, 47.3002]]]
@@ -25,7 +24,7 @@ def test_numbered_things_are_called_as_on_the_map() -> None:
 
 def test_a_place_that_is_too_low_is_offered_a_height_at_which_it_can_be() -> None:
     text = MEADOW.read_text() + "\n[[via]]\neast = 30.0\nnorth = 0.0\nheight_above_ground = 2.0\n"
-    with pytest.raises(MissionError, match="nothing can fly there") as caught:
+    with refuses("place-blocked", "via[0]") as caught:
         sketch_path(parse_scenario(text, MEADOW))
     trouble = refused(caught.value, parse_scenario(text, MEADOW), 7)
     assert trouble.message.startswith("via 1: nothing can fly there")
@@ -68,7 +67,7 @@ def test_a_wood_without_a_height_is_drawn_and_can_be_given_one(tmp_path: Path) -
 def test_a_way_home_that_is_not_clear_can_be_flown_higher_planned_or_left_out() -> None:
     text = MEADOW.read_text().replace('ending = "land"', 'ending = "rtl"').replace("height = 25.0", "height = 70.0")
     scenario = parse_scenario(text, MEADOW)
-    with pytest.raises(MissionError, match="the way home") as caught:
+    with refuses("unsafe", "", "barn") as caught:
         plan_flight(scenario, seed=7)
     planned, landed = refused(caught.value, scenario, 1).remedies
     assert (planned.label, landed.label) == ("Plan the way home too", "Land at the goal")

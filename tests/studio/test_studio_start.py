@@ -6,11 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission import BadInput, read_scenario
+from ipoa_mission import read_scenario
 from ipoa_mission.studio.lobby import Lobby
 from ipoa_mission.studio.place import place_of
 from ipoa_mission.studio.server import application
 from ipoa_mission.studio.sessions import Sessions
+from tests.refused import refuses
 from tests.studio.conftest import HOST, TOKEN, Studio, testclient
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -81,5 +82,5 @@ def test_a_place_is_read_as_people_write_it(words: str) -> None:
 
 @pytest.mark.parametrize("words", ["", "somewhere", "95, 8", "9GXW+36", "32TMT65695"])
 def test_what_is_no_place_is_refused(words: str) -> None:
-    with pytest.raises(BadInput, match="place: expected"):
+    with refuses("bad-input", "place"):
         place_of(words)
