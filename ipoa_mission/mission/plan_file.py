@@ -23,7 +23,7 @@ from ipoa_mission.mission.landing_ground import told_in_plan
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.parameter_file import write_with_parameters
 from ipoa_mission.mission.plan_keys import findings_of_keys
-from ipoa_mission.mission.scan_items import lay_out
+from ipoa_mission.mission.structure_scan import lay_out
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.vehicles.kinds import QUADROTOR
 from ipoa_mission.world.frame import Geodetic

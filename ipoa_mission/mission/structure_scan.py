@@ -1,4 +1,4 @@
-"""Structure scans, which QGroundControl never stores with waypoints: laid out from the geometry, as it does.
+"""Lay out structure scans from their geometry as QGroundControl does, which never stores their waypoints.
 
 A round a layer, at a distance beside the structure, the camera looking at it from half the height of a layer; a
 waypoint at the entrance before and after. Layers are counted from the structure's height, its bottom and the footprint.
@@ -21,12 +21,19 @@ LOOK_ASIDE = 90.0  # the camera's yaw from the way to the next waypoint [deg]
 LEAST_SIDE = 1e-3  # of the round [m]
 
 
-def lay_out_structure(node: Node) -> tuple[list[Item], float]:
+def lay_out(node: Node) -> tuple[list[Item], float]:
     """The items of a structure scan, and how far its top is above its bottom [m].
 
     Raises:
-        BadInput: naming the place, where the geometry does not say enough.
+        BadInput: the complex item is no structure scan, or its geometry is incomplete.
     """
+    name = node["complexItemType"].text()
+    if name != "StructureScan":
+        raise BadInput(
+            f'expected the waypoints of the complex item "{name}", but it holds none',
+            place=node.where,
+            hint="open the plan in QGroundControl and save it: that writes the waypoints",
+        )
     camera = node["CameraCalc"]
     layer = camera["AdjustedFootprintFrontal"]
     height = layer.length()

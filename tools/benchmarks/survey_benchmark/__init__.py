@@ -1,1 +1,0 @@
-"""Surveys of areas with holes, side by side with other planners."""
