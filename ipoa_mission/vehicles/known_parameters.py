@@ -46,7 +46,8 @@ def expect_known(names: Iterable[str], autopilot: Autopilot | None = None) -> No
         if name not in existing:
             near = get_close_matches(name, sorted(existing), 1)
             raise BadInput(
-                f"{name}: expected a parameter that the models know" + (f" of {autopilot}" if autopilot else ""),
+                "expected a parameter that the models know" + (f" of {autopilot}" if autopilot else ""),
+                place=name,
                 hint=f"did you mean {near[0]}?" if near else None,
                 code="unknown-parameter",
             )
