@@ -4,7 +4,9 @@ Every error that the package raises on purpose is a `MissionError`; the command 
 its `exit_code`. Rooms derive their own beside the code that raises them.
 """
 
+import json
 import re
+from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass
 from importlib import import_module
@@ -38,6 +40,11 @@ class Remedy:
     field: tuple[str | int, ...]
     value: Any = None
 
+    def __str__(self) -> str:
+        """Return it as a scenario's file has it, with dots: `vehicle.cruise_speed = 3`."""
+        value = f"{self.value:g}" if isinstance(self.value, float) else json.dumps(self.value)
+        return f"{'.'.join(map(str, self.field))} = {value}"
+
 
 class MissionError(Exception):
     """The job could not be done (exit code 1).
@@ -64,12 +71,13 @@ class MissionError(Exception):
         code: str | None = None,
         place: object = None,
         remedies: tuple[Remedy, ...] = (),
+        known: Mapping[str, object] | None = None,
     ) -> None:
         super().__init__(message)
         self.code = code or self.code
         self.place = None if place is None else str(place)
         self.hint, self.remedies = hint, remedies
-        self.known: dict[str, object] = {}
+        self.known: dict[str, object] = dict(known or {})
 
     def __str__(self) -> str:
         return super().__str__() if self.place is None else f"{self.place}: {self.args[0]}"

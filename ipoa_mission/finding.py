@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from enum import StrEnum
 
+from ipoa_mission.errors import Remedy
+
 
 class Severity(StrEnum):
     """An error keeps a mission on the ground; a warning is worth knowing before it flies."""
@@ -21,6 +23,7 @@ class Finding:
         seq: the item's number as in mission files (home is 0); None where no item is meant.
         message: what is wrong, with the place and what was expected there.
         hint: what can be done about it, where that is known.
+        remedies: changes of the scenario that may mend it.
 
     Example:
         >>> print(Finding("ends-in-air", Severity.WARNING, 2, "item 2: the mission ends in the air"))
@@ -32,6 +35,7 @@ class Finding:
     seq: int | None
     message: str
     hint: str | None = None
+    remedies: tuple[Remedy, ...] = ()
 
     def __str__(self) -> str:
         return f"{self.severity}: {self.message}"

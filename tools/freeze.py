@@ -14,7 +14,6 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from dataclasses import asdict
 from itertools import cycle, product
 from pathlib import Path
 from typing import Any
@@ -23,6 +22,7 @@ from ipoa_mission.checks.check import check_mission
 from ipoa_mission.cli.checking import estimate_as_json
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.flight import plan_flight
+from ipoa_mission.flight.summary import findings_as_json
 from ipoa_mission.flight.survey import plan_survey
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.files import read_mission
@@ -75,7 +75,7 @@ def _of_mission(forecast: Forecast, name: str) -> Outputs:
     try:
         found[f"{name}: estimate"] = _both(estimate_as_json(forecast.estimate))
         findings = check_mission(forecast.mission, forecast.scenario)
-        found[f"{name}: checks"] = _both([asdict(finding) for finding in findings])
+        found[f"{name}: checks"] = _both(findings_as_json(findings))
     except MissionError as error:
         found[f"{name}: error"] = _refusal(error)
     return found

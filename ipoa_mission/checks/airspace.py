@@ -50,8 +50,8 @@ def check_airspace(forecast: Forecast) -> Iterator[Finding]:
             if leg.phase is not Phase.CRUISE and not _touches(check, scenario):
                 yield item.warning("leg-too-near", message)
             else:
-                hint = remedy(forecast) if leg.phase is Phase.RETURN else None
-                yield item.error("leg-too-near", message, hint)
+                hint, remedies = remedy(forecast) if leg.phase is Phase.RETURN else (None, ())
+                yield item.error("leg-too-near", message, hint, remedies)
 
 
 def broken(leg: Leg, scenario: Scenario) -> list[Check]:

@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+from ipoa_mission.errors import Remedy
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.itinerary.legs import Leg, Phase
 from ipoa_mission.mission.commands import command_name
@@ -24,9 +25,9 @@ class Numbered(NamedTuple):
     def __str__(self) -> str:
         return f"item {self.seq} ({command_name(self.item.command)})"
 
-    def error(self, code: str, message: str, hint: str | None = None) -> Finding:
+    def error(self, code: str, message: str, hint: str | None = None, remedies: tuple[Remedy, ...] = ()) -> Finding:
         """An error about it."""
-        return Finding(code, Severity.ERROR, self.seq, f"{self}: {message}", hint)
+        return Finding(code, Severity.ERROR, self.seq, f"{self}: {message}", hint, remedies)
 
     def warning(self, code: str, message: str, hint: str | None = None) -> Finding:
         """A warning about it."""

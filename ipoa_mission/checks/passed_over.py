@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.checks.finding import item_of
+from ipoa_mission.errors import Remedy
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
 
@@ -35,7 +36,9 @@ def _near(forecast: Forecast, things: Sequence[Any], code: str) -> Iterator[Find
             where = f"passes {aside:.1f} m from" if aside > 0 else "crosses"
             words = f"{where} {first.name} on {first.file}, {first.reason}{others}"
             item = item_of(forecast.mission, leg.seq)
+            sections = [n for n, section in enumerate(scenario.maps) if section.file.name == first.file]
+            heights = tuple(Remedy(("maps", n, key), value) for key, value in first.heights for n in sections)
             if code == "not-read":
-                yield item.error("not-read", words, first.remedy)
+                yield item.error("not-read", words, first.remedy, heights)
             else:
-                yield item.error("map-not-understood", words, first.remedy)
+                yield item.error("map-not-understood", words, first.remedy, heights)

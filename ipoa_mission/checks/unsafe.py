@@ -40,9 +40,9 @@ def refuse_errors(findings: Sequence[Finding]) -> tuple[Finding, ...]:
     if errors:
         codes = list(dict.fromkeys(error.code for error in errors))
         hints = dict.fromkeys(error.hint for error in errors if error.hint)
-        unsafe = Unsafe("\n".join(f"{error.message} [{error.code}]" for error in errors), hint="; ".join(hints) or None)
-        unsafe.known = {"codes": codes}
-        raise unsafe
+        words = "\n".join(f"{error.message} [{error.code}]" for error in errors)
+        remedies = tuple(dict.fromkeys(one for error in errors for one in error.remedies))
+        raise Unsafe(words, hint="; ".join(hints) or None, remedies=remedies, known={"codes": codes})
     return tuple(findings)
 
 

@@ -8,6 +8,7 @@ parameters are.
 from collections.abc import Callable, Iterable, Iterator
 from itertools import takewhile
 
+from ipoa_mission.errors import Remedy
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.legs import Leg
 from ipoa_mission.forecast.shortfalls import HEIGHT_STEP, HIGHEST, SAG
@@ -15,11 +16,12 @@ from ipoa_mission.forecast.tube.room import with_room
 from ipoa_mission.planning.proof import prove_ground
 from ipoa_mission.scenario import Scenario
 
+LAND = Remedy(("route", "ending"), "land")
 TIGHT_PLACES = 4.0  # at so many tight places the tube has room on the way home
 
 
-def remedy(forecast: Forecast) -> str:
-    """What a user can do about a way home that leads through something, in one line.
+def remedy(forecast: Forecast) -> tuple[str, tuple[Remedy, ...]]:
+    """Return what a user can do about a way home that leads through something, in one line and as changes.
 
     It names the lowest of every five metres of return altitude within the bounds at which the way home keeps the
     required clearance, if one does: near home an autopilot does not climb to it.
@@ -31,8 +33,9 @@ def remedy(forecast: Forecast) -> str:
     for altitude in heights_to_try(scenario):
         name, value = by.name, by.spelled(altitude)
         if is_clear(Forecast(mission.with_parameters({name: value}), scenario).ways_home):
-            return f"{name} = {value:.0f} makes it clear, in the vehicle and under [vehicle.parameters]; or {others}"
-    return others
+            hint = f"{name} = {value:.0f} makes it clear, in the vehicle and under [vehicle.parameters]; or {others}"
+            return hint, (Remedy(("vehicle", "parameters", name), float(round(value))), LAND)
+    return others, (LAND,)
 
 
 def heights_to_try(scenario: Scenario) -> Iterator[float]:

@@ -111,7 +111,7 @@ def proof_as_json(proof: "Proof") -> dict[str, Any]:
 
 def findings_as_json(findings: "Iterable[Finding]") -> list[dict[str, Any]]:
     """What a check found, each with its severity."""
-    return [asdict(finding) for finding in findings]
+    return [{name: one for name, one in asdict(each).items() if name != "remedies"} for each in findings]
 
 
 def rounded(value: float) -> float:

@@ -80,7 +80,10 @@ NAMING = {"name", "id", "@id", "osm_id", "osm_way_id", "fid", "ID", "FID", "OBJE
 
 @dataclass(frozen=True)
 class Reason:
-    """Why a feature is passed over; `may_stand`: it may be in the way all the same. `remedy`: what to do then."""
+    """Why a feature is passed over; `may_stand`: it may be in the way all the same. `remedy`: what to do then.
+
+    `heights`: keys of the map's section, and values, that give it a height.
+    """
 
     words: str
     may_stand: bool
@@ -88,6 +91,7 @@ class Reason:
         'what stands there the map does not say: under [[maps]], take = "all" makes it an obstacle (default_height); '
         'take = "tagged" says that it is nothing'
     )
+    heights: tuple[tuple[str, float], ...] = ()
 
 
 CABLE = Reason(
@@ -95,11 +99,13 @@ CABLE = Reason(
     True,
     "location=underground in the map says that it lies in the ground; under [[maps]], line_height = 15 lets all power "
     "lines hang so high [m]",
+    (("line_height", 15.0),),
 )
 WOOD = Reason(
     "a wood of unknown height",
     True,
     "under [[maps]], wood_height = 35 gives woods that height [m]; wood_height = 0 says that nothing stands there",
+    (("wood_height", 35.0), ("wood_height", 0.0)),
 )
 FLAT = Reason("tagged as something flat", False)
 

@@ -28,7 +28,8 @@ class PassedOver:
     """One thing of the map `file` that is no obstacle, and why; `shape` is local, east, north [m], or empty.
 
     `may_stand`: it may be in the way all the same, because nothing says that it is not; `remedy` says what to do then,
-    and `code` is that of the finding. What has the code `not-read` may be an obstacle, or a higher one than was taken.
+    `heights` are keys of its map's section that give it one, and `code` is that of the finding. What has the code
+    `not-read` may be an obstacle, or a higher one than was taken.
     """
 
     file: str
@@ -38,6 +39,7 @@ class PassedOver:
     may_stand: bool
     remedy: str = ""
     code: str = NOT_UNDERSTOOD
+    heights: tuple[tuple[str, float], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,8 @@ class PassedCount:
 
 def passed_over(feature: Feature, shape: Any, why: Reason, path: Path) -> PassedOver:
     """A feature of the map `path`, `shape` in the local plane, that is not taken."""
-    return PassedOver(path.name, feature.name.removeprefix(f"{path}: "), why.words, shape, why.may_stand, why.remedy)
+    name = feature.name.removeprefix(f"{path}: ")
+    return PassedOver(path.name, name, why.words, shape, why.may_stand, why.remedy, heights=why.heights)
 
 
 def not_read(feature: Feature, frame: LocalFrame, path: Path) -> PassedOver | Unread | None:

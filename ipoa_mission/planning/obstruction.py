@@ -56,6 +56,7 @@ def refuse_places(problem: PreparedProblem) -> None:
                 f"nothing can fly there: {worst.words()}",
                 hint=f"move {name} or what is in its way",
                 code="place-blocked",
+                known=worst.about,
                 place=name,
             )
 

@@ -41,6 +41,11 @@ class Check:
         """Whether the limit is kept, to a millimetre (or a thousandth of a degree)."""
         return self.slack >= -TOUCHING
 
+    @property
+    def about(self) -> dict[str, object]:
+        """The limit, and what is near, for an error."""
+        return {"limit": self.limit, "near": self.nearest.what}
+
     def words(self) -> str:
         """The finding in a sentence without a full stop."""
         east, north, up = self.nearest.place

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ipoa_mission.centimeters import down, up
+from ipoa_mission.errors import Remedy
 from ipoa_mission.forecast.tube.promise import Kept
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.routing.attempt import Attempt
@@ -20,9 +21,9 @@ def refusal(nearest: Attempt, looks: Looks) -> NoPath:
     """The error for the attempt that came nearest to keeping the limits; `looks` tries changed scenarios."""
     promise = nearest.promise
     if nearest.short:
-        helps, hint = _what_helps("", looks)
+        helps, hint, remedies = _what_helps("", looks)
         words = f"a path is there, but {why_not_planned(nearest.forecast)}; {helps}"
-        return NoPath(words, hint=f"{hint}; {or_else(nearest.forecast)}")
+        return NoPath(words, hint=f"{hint}; {or_else(nearest.forecast)}", remedies=remedies)
     tightest = min(promise.forbidding, key=lambda kept: kept.slack)
     east, north, height = tightest.place
     where = f"at east {east:.1f}, north {north:.1f}, up {height:.1f} m{_leg(nearest, tightest)}"
@@ -44,8 +45,8 @@ def _with_help(words: str, round_it: str, looks: Looks) -> NoPath:
         why = f"a path is there, but {who} it would not be kept to"
     else:
         why = f"a path is there, but {100 * (1 - chance):g} % of flights {who} would not keep it"
-    helps, hint = _what_helps(round_it, looks)
-    return NoPath(f"{why}: {words}; {helps}", hint=hint)
+    helps, hint, remedies = _what_helps(round_it, looks)
+    return NoPath(f"{why}: {words}; {helps}", hint=hint, remedies=remedies)
 
 
 def _leg(nearest: Attempt, tightest: Kept) -> str:
@@ -94,17 +95,18 @@ def _across(spot: np.ndarray, name: str, needed: float, airspace: Airspace) -> t
     return best, found
 
 
-def _what_helps(round_it: str, looks: Looks) -> tuple[str, str]:
-    """What of some changes plans the scenario, tried one after the other: in words, and as a hint."""
-    tried = list[str]()
+def _what_helps(round_it: str, looks: Looks) -> tuple[str, str, tuple[Remedy, ...]]:
+    """Return which of some changes plans the scenario, tried one after the other: words, a hint, the change."""
+    tried = list[Remedy]()
     for change in looks.changes:
         if (found := looks.at(change)) is None:
             tried.append(change)
             continue
         kept = found.promise.clearance
         with_it = "" if kept is None else f" with {down(kept.kept):.2f} m kept"
-        return f"{change} plans it{with_it}", f"{change}, which was tried; or leave a wider way"
+        return f"{change} plans it{with_it}", f"{change}, which was tried; or leave a wider way", (change,)
     return (
-        f"it was tried in vain with {', '.join(tried)}",
+        f"it was tried in vain with {', '.join(map(str, tried))}",
         f"leave a wider way there, or a smaller safety_distance{round_it}",
+        (),
     )

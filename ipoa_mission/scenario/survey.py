@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from pydantic import AfterValidator, Field, PositiveInt, ValidationError, WithJsonSchema, model_validator
 
-from ipoa_mission.errors import BadInput, InvalidRing, NothingThere, TooFar
+from ipoa_mission.errors import BadInput, InvalidRing, NothingThere, Remedy, TooFar
 from ipoa_mission.geometry import Points
 from ipoa_mission.maps.areas import flat
 from ipoa_mission.maps.around import Around
@@ -228,6 +228,8 @@ def _drawn(polygon: Any) -> Area:
         all_brackets = "survey.polygon" + "[0]" * (4 - depth)
         error.place = error.place and error.place.replace(all_brackets, "survey.polygon")
         error.args = (error.args[0].replace(all_brackets, "survey.polygon"),)
+        fields = (remedy.field[5 - depth :] for remedy in error.remedies)
+        error.remedies = tuple(Remedy(("survey", "polygon", *field)) for field in fields if field)
         raise
 
 

@@ -37,11 +37,15 @@ class Remedy(PageMessage):
 
 
 class Trouble(PageMessage):
-    """Something was not done; `of` says what it was of, `message` has one thing that is wrong on a line."""
+    """Something was not done; `of` says what it was of, `message` has one thing that is wrong on a line.
+
+    `of_home`: whether one of them is wrong with home.
+    """
 
     kind: Literal["trouble"] = "trouble"
     of: Literal["edit", "scenario", "sketch", "plan", "file", "flight"]
     message: str
+    of_home: bool = False
     hint: str | None = None
     revision: int | None = None
     remedies: tuple[Remedy, ...] = ()

@@ -1,6 +1,5 @@
 """A survey's area as the file has it, for the map, and what its parts are called there."""
 
-import re
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from typing import Any
@@ -10,16 +9,16 @@ import shapely
 
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.camera import CAMERAS
+from ipoa_mission.scenario.survey import SurveySection
 from ipoa_mission.studio.area_edits import depth_of, parts_of
 from ipoa_mission.studio.edits import frame_of
 from ipoa_mission.studio.survey_answers import AreaRing, SurveyArea
 from ipoa_mission.studio.view import on_map
-from ipoa_mission.studio.vocabulary import Path
+from ipoa_mission.studio.vocabulary import Path, renamed
 from ipoa_mission.world.frame import LocalFrame
 
 CORRIDOR = "corridor"
 LABELS = {"gsd_cm": "ground sampling distance", "direction_deg": "direction", "area": "the area's map"}
-_KEY = re.compile(r"\bsurvey\.(\w+)((?:\[\d+\])*)")
 
 
 def area_of(table: Mapping[str, Any], scenario: Scenario | None, revision: int) -> SurveyArea:
@@ -82,14 +81,12 @@ def in_words(message: str, table: Mapping[str, Any] | None = None) -> str:
     polygon = survey.get("polygon", []) if isinstance(survey, Mapping) else []
     deep = max(depth_of(polygon) - 2, 0)
 
-    def name(found: re.Match[str]) -> str:
-        key, numbers = found[1], [int(one) for one in re.findall(r"\d+", found[2])]
-        if key == "line":
-            return CORRIDOR + "".join(f", corner {n + 1}" for n in numbers[:1])
-        if key != "polygon":
-            return LABELS.get(key, key.replace("_", " "))
+    def name(numbers: list[int]) -> str:
         ring, corner = numbers[:deep], numbers[deep : deep + 1]
         path: Path = ("survey", "polygon", *ring, *([0] * (deep - len(ring))))
         return ring_name(path, polygon) + "".join(f", corner {n + 1}" for n in corner)
 
-    return _KEY.sub(name, message)
+    for key in sorted(SurveySection.model_fields.keys() - {"polygon", "line"}, key=len, reverse=True):
+        message = message.replace(f"survey.{key}", LABELS.get(key, key.replace("_", " ")))
+    message = renamed(message, "survey.line", lambda n: CORRIDOR + "".join(f", corner {one + 1}" for one in n[:1]))
+    return renamed(message, "survey.polygon", name)

@@ -1,7 +1,5 @@
 """A plan that was refused, for the page: short sentences, and a button for each remedy that can be put in numbers."""
 
-import json
-import re
 from collections.abc import Iterator, Mapping
 from typing import Any, Literal
 
@@ -16,29 +14,29 @@ from ipoa_mission.studio.survey_remedies import area_remedies, survey_remedies
 from ipoa_mission.studio.view import without_folders
 from ipoa_mission.studio.vocabulary import as_on_map
 
-ASSIGNMENT = re.compile(r"\b(\w+_height) = (\d+)\b")
-PLACE = re.compile(r"^(start|goal|via)(?:\[(\d+)\])?: nothing can fly there")
-TRIED = re.compile(r"; (\w+)\.(\w+) = (\S+) plans it")
-TRIED_WORDS = {"cruise_speed": "Cruise speed {} m/s", "mode": "Waypoints: {}", "confidence": "Confidence {}"}
-RETURNS = re.compile(r"^(\w+) = (-?[\d.]+) makes it clear")
-LAND = 'or land: route.ending = "land"'
+#: Labels of changes that the planner has tried.
+TRIED: Mapping[tuple[str | int, ...], str] = {
+    ("vehicle", "cruise_speed"): "Cruise speed {:g} m/s, which was tried",
+    ("route", "mode"): "Waypoints: {}, which was tried",
+    ("safety", "confidence"): "Confidence {:g}, which was tried",
+}
 SPARE = 0.5  # how much more than required a place is put above what is below it [m]
 
 
 def refused(error: MissionError, scenario: Scenario, revision: int, of: Literal["plan", "sketch"] = "plan") -> Trouble:
     """What the page is told of a plan's refusal, or of a first look's."""
-    message = without_folders(str(error), scenario)
     return Trouble(
         of=of,
-        message=in_words(message),
+        message=in_words(without_folders(str(error), scenario)),
+        of_home=_is_of_home(error),
         hint=error.hint and in_words(without_folders(error.hint, scenario)),
         revision=revision,
         remedies=(
-            *_tried(str(error)),
-            *_heights(message, scenario),
-            *_higher(str(error), scenario),
-            *survey_remedies(str(error), scenario),
-            *_ways_home(error.hint or "", scenario),
+            *_tried(error),
+            *_heights(error, scenario),
+            *_higher(error, scenario),
+            *survey_remedies(error, scenario),
+            *_ways_home(error, scenario),
         ),
     )
 
@@ -46,52 +44,67 @@ def refused(error: MissionError, scenario: Scenario, revision: int, of: Literal[
 def misread(error: MissionError, table: Mapping[str, Any], path: str, revision: int) -> Trouble:
     """What the page is told of a scenario that makes no sense; which file it is, it knows."""
     message = as_on_map(str(error).removeprefix(f"{path}: "))
-    remedies = tuple(area_remedies(str(error), table))
+    remedies = tuple(area_remedies(error, table))
     return Trouble(
-        of="scenario", message=in_words(message, table), hint=error.hint, revision=revision, remedies=remedies
+        of="scenario",
+        message=in_words(message, table),
+        of_home=_is_of_home(error, f"{path}: "),
+        hint=error.hint,
+        revision=revision,
+        remedies=remedies,
     )
 
 
-def _tried(message: str) -> Iterator[Remedy]:
+def _is_of_home(error: MissionError, file: str = "") -> bool:
+    codes = error.known.get("codes", [error.code])
+    of_home = isinstance(codes, list) and any(code.startswith("home-") for code in codes)
+    return of_home or (error.place or "").removeprefix(file).startswith("home")
+
+
+def _tried(error: MissionError) -> Iterator[Remedy]:
     """The change that the planner has tried, and that plans it."""
-    if found := TRIED.search(message):
-        section, key, value = found[1], found[2], json.loads(found[3])
-        label = TRIED_WORDS.get(key, f"{key}: {{}}").format(value)
-        yield Remedy(label=f"{label}, which was tried", changes=(Put(path=(section, key), value=value),))
+    for change in error.remedies:
+        if (label := TRIED.get(change.field)) is not None:
+            yield Remedy(label=label.format(change.value), changes=(Put(path=change.field, value=change.value),))
 
 
-def _ways_home(hint: str, scenario: Scenario) -> Iterator[Remedy]:
+def _ways_home(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
     """For a way home that is not clear: higher, planned as the flight is, or none."""
-    if not hint.endswith(LAND) or scenario.survey is not None:  # whose flights end over home as it is
+    changes = {change.field: change.value for change in error.remedies}
+    if ("route", "ending") not in changes or scenario.survey is not None:  # whose flights end over home as it is
         return
-    if found := RETURNS.match(hint):
-        change = Put(path=("vehicle", "parameters", found[1]), value=float(found[2]))
-        yield Remedy(label=f"{found[1]} = {found[2]}, here and in the vehicle", changes=(change,))
+    for field, value in changes.items():
+        if field[:2] == ("vehicle", "parameters"):
+            label = f"{field[2]} = {value:g}, here and in the vehicle"
+            yield Remedy(label=label, changes=(Put(path=field, value=value),))
     over_home = Put(path=("goal",), value={"east": 0.0, "north": 0.0, "up": round(float(scenario.goal_point[2]), 1)})
     goal = Add(to="via", table=scenario.goal.model_dump(exclude_none=True))
     yield Remedy(label="Plan the way home too", changes=(goal, over_home))
     yield Remedy(label="Land at the goal", changes=(Put(path=("route", "ending"), value="land"),))
 
 
-def _heights(message: str, scenario: Scenario) -> Iterator[Remedy]:
-    """For what a map has without a height: the heights that its remedy names, each as a button."""
-    named = [thing for thing in scenario.passed_over if thing.may_stand and f"{thing.name} on {thing.file}" in message]
-    for file, remedy in dict.fromkeys((thing.file, thing.remedy) for thing in named):
-        numbers = [n for n, section in enumerate(scenario.maps) if section.file.name == file]
-        for key, value in dict.fromkeys(ASSIGNMENT.findall(remedy)):
-            what = f"{key.removesuffix('_height')}s of {file}"
-            words = f"{what} are {value} m high" if float(value) else f"nothing stands there: no {what}"
-            changes = tuple(Put(path=("maps", n, key), value=float(value)) for n in numbers)
-            yield Remedy(label=words[0].upper() + words[1:], changes=changes)
+def _heights(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
+    """For what a map has without a height: the heights that it may have, each as a button."""
+    found = dict[tuple[str, str, float], list[Put]]()
+    for change in error.remedies:
+        match change.field:
+            case ("maps", int(n), str(key)):
+                put = Put(path=change.field, value=change.value)
+                found.setdefault((scenario.maps[n].file.name, key, change.value), []).append(put)
+    for (file, key, value), changes in found.items():
+        what = f"{key.removesuffix('_height')}s of {file}"
+        words = f"{what} are {value:g} m high" if value else f"nothing stands there: no {what}"
+        yield Remedy(label=words[0].upper() + words[1:], changes=tuple(changes))
 
 
-def _higher(message: str, scenario: Scenario) -> Iterator[Remedy]:
+def _higher(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
     """For a place that is too low: above the highest thing there. The next plan says whether that will do."""
-    if (found := PLACE.match(message)) is None or scenario.survey is not None:  # which has a height for all places
+    points = {"start": scenario.start_point, "goal": scenario.goal_point}
+    points |= {f"via[{n}]": point for n, point in enumerate(scenario.via_points)}
+    if error.code != "place-blocked" or error.place not in points or scenario.survey is not None:  # has one height
         return
-    name, number = found[1], int(found[2] or 0)
-    places = {"start": scenario.start_point, "goal": scenario.goal_point}
-    point = np.asarray(scenario.via_points[number] if name == "via" else places[name], float)
+    name, number = error.place.partition("[")[0], list(points).index(error.place) - 2
+    point = np.asarray(points[error.place], float)
     required, airspace = scenario.limits.obstacle_distance, scenario.airspace
     tops = [float(airspace.ground(point[None, :])[0])]
     for body in airspace.obstacles:

@@ -1,60 +1,44 @@
 """Buttons for what is wrong with a survey, where it can be put in numbers."""
 
 import math
-import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 import shapely
 
+from ipoa_mission.errors import MissionError
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio.answers import Remedy
 from ipoa_mission.studio.area_edits import depth_of
 from ipoa_mission.studio.area_view import ring_name
 from ipoa_mission.studio.requests import Change, Put, Take
-from ipoa_mission.studio.vocabulary import Path
 from ipoa_mission.survey.keep_out import SPARE, keep_out, tube
 from ipoa_mission.survey.sight import sight_of
 from ipoa_mission.world.obstacles import Obstacle
 
 ROOM = 5.0  # beyond the survey, in bounds that are widened for it [m]
-TOO_LOW = re.compile(r"^survey: .* too near to it, at least ([\d.]+) m required")
-NOTHING_LEFT = re.compile(r"^survey: obstacles .* leave nothing of the area")
-TOO_NEAR = re.compile(
-    r"^(?:survey: even at .* flights would come too near"
-    r"|the way between home and the survey comes too close: [\d.]+ m from) (.*?) at east "
-)
-TOO_MANY = re.compile(r"^survey\.flights: expected at most one for each of (\d+) lines")
-TOO_WIDE = re.compile(r"^survey\.line_spacing: expected at most what a photo shows, ([\d.]+) m")
-TOO_CLOSE = re.compile(r"^survey\.(line_spacing|side_overlap|front_overlap): expected lines and photos")
-OUTSIDE = re.compile(r"(?:too near|beyond) the (?:upper|lower|east|west|north|south) bound")
-STRAY = re.compile(
-    r"survey\.polygon((?:\[\d+\])+): expected (?:a hole inside|no ring inside|no part inside|parts that)"
-)
 
 
-def survey_remedies(message: str, scenario: Scenario) -> Iterator[Remedy]:
+def survey_remedies(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
     """What may help a survey that was refused; the next plan says whether it does."""
     if scenario.survey is None or scenario.survey_area is None:
         return
-    if OUTSIDE.search(message):
+    if error.known.get("limit") == "bounds":
         yield from _within_bounds(scenario)
-    elif found := TOO_LOW.match(message):
-        yield _at_height(math.ceil(float(found[1]) + SPARE), "", scenario)
-    elif NOTHING_LEFT.match(message) or (found := TOO_NEAR.match(message)):
-        yield from _over(None if found is None else found[1], scenario)
-    elif found := TOO_MANY.match(message):
-        few = Put(path=("survey", "flights"), value=int(found[1]))
-        yield Remedy(label=f"{found[1]} flights", changes=(few,))
-        yield Remedy(label="As few flights as can be", changes=(Take(path=("survey", "flights")),))
-    elif found := TOO_WIDE.match(message):
-        wide = math.floor(float(found[1]) * 10) / 10
-        yield Remedy(label=f"Lines {wide:g} m apart", changes=(Put(path=("survey", "line_spacing"), value=wide),))
-        yield Remedy(label="By the side overlap", changes=(Take(path=("survey", "line_spacing")),))
-    elif (found := TOO_CLOSE.match(message)) and found[1] != "line_spacing":
-        words = found[1].replace("_", " ")
-        yield Remedy(label=f"The usual {words}", changes=(Take(path=("survey", found[1])),))
+    elif error.code in ("area-covered", "survey-too-near"):
+        yield from _over(error.known.get("near"), scenario)
+    for change in error.remedies:
+        match change.field, change.value:
+            case ("survey", "height_above_ground"), height:
+                yield _at_height(height, "", scenario)
+            case ("survey", str(key)), None:
+                words = {"flights": "As few flights as can be", "line_spacing": "By the side overlap"}
+                label = words.get(key, f"The usual {key.replace('_', ' ')}")
+                yield Remedy(label=label, changes=(Take(path=change.field),))
+            case ("survey", str(key)), value:
+                label = f"{value} flights" if key == "flights" else f"Lines {value:g} m apart"
+                yield Remedy(label=label, changes=(Put(path=change.field, value=value),))
 
 
 def _within_bounds(scenario: Scenario) -> Iterator[Remedy]:
@@ -82,7 +66,7 @@ def _at_height(height: float, words: str, scenario: Scenario) -> Remedy:
     return Remedy(label=f"{height:g} m above ground{words}", changes=(*takes, put))
 
 
-def _over(name: str | None, scenario: Scenario) -> Iterator[Remedy]:
+def _over(name: object, scenario: Scenario) -> Iterator[Remedy]:
     """So high that what is in the way is flown over: one thing, or all that lies in the area."""
     section, area = scenario.survey, scenario.survey_area
     assert section is not None
@@ -106,14 +90,11 @@ def _height_over(body: Obstacle, scenario: Scenario) -> float:
     return float(top) - float(ground.min()) + float(scenario.limits.obstacle_distance) + tube(scenario).down + 2 * SPARE
 
 
-def area_remedies(message: str, table: Mapping[str, Any]) -> Iterator[Remedy]:
+def area_remedies(error: MissionError, table: Mapping[str, Any]) -> Iterator[Remedy]:
     """For a ring that lies where none may: it is taken out."""
-    survey = table.get("survey")
-    if not isinstance(survey, Mapping) or not (found := STRAY.search(message)):
-        return
-    polygon = survey.get("polygon", [])
-    numbers = [int(one) for one in re.findall(r"\d+", found[1])][: max(depth_of(polygon) - 2, 0)]
-    path: Path = ("survey", "polygon", *numbers)
-    if numbers:
-        name = ring_name((*path, *([0] * (depth_of(polygon) - 2 - len(numbers)))), polygon)
-        yield Remedy(label=f"Take {name} out", changes=(Take(path=path),))
+    for change in error.remedies:
+        if change.field[:2] == ("survey", "polygon"):
+            polygon = table["survey"]["polygon"]
+            deep = depth_of(polygon) - len(change.field)
+            name = ring_name((*change.field, *([0] * deep)), polygon)
+            yield Remedy(label=f"Take {name} out", changes=(Take(path=change.field),))

@@ -1,6 +1,7 @@
 """What all messages are made of. Positions on the map are [longitude, latitude] in degrees, as in GeoJSON."""
 
-import re
+from collections.abc import Callable
+from functools import partial
 from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, WithJsonSchema
@@ -13,7 +14,7 @@ InFlight: TypeAlias = Literal["hold", "go_on", "rtl", "land"]
 Json: TypeAlias = Annotated[Any, WithJsonSchema({})]
 
 
-_NUMBERED = re.compile(r"\b(via|fence|rally|obstacles|maps)\[(\d+)\]")
+NUMBERED = ("via", "fence", "rally", "obstacles", "maps")
 
 
 def as_on_map(words: str) -> str:
@@ -22,7 +23,25 @@ def as_on_map(words: str) -> str:
     >>> as_on_map("via[0]: expected a place outside fence[1]")
     'via 1: expected a place outside fence 2'
     """
-    return _NUMBERED.sub(lambda found: f"{found[1].removesuffix('s')} {int(found[2]) + 1}", words)
+    for key in NUMBERED:
+        words = renamed(words, key, partial(_counted, key))
+    return words
+
+
+def _counted(key: str, numbers: list[int]) -> str:
+    return f"{key.removesuffix('s')} {numbers[0] + 1}" if numbers else key
+
+
+def renamed(words: str, key: str, called: Callable[[list[int]], str]) -> str:
+    """Replace a key of the scenario by what its numbers make of it: `key[1][2]` by `called([1, 2])`."""
+    text, *rest = words.split(key)
+    for part in rest:
+        numbers = list[int]()
+        while (number := part.removeprefix("[").partition("]")[0]).isdigit() and part[0] == "[":
+            numbers.append(int(number))
+            part = part.partition("]")[2]
+        text += called(numbers) + part
+    return text
 
 
 class PageMessage(BaseModel):

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from ipoa_mission.errors import BadInput, InvalidRing
+from ipoa_mission.errors import BadInput, InvalidRing, Remedy
 from ipoa_mission.geometry import Points
 
 LEAST_M2 = 1e-3  # a ring that holds less has no area
@@ -39,10 +39,10 @@ class Area:
         """
         if not len(parts):
             raise InvalidRing("expected one polygon or more", place=where)
-        polygons = [_polygon(rings, f"{where}[{n}]") for n, rings in enumerate(parts)]
+        polygons = [_polygon(rings, f"{where}[{n}]", n) for n, rings in enumerate(parts)]
         for n, polygon in enumerate(polygons):
             for m, other in enumerate(polygons[:n]):
-                _expect_apart(polygon, other, f"{where}[{n}]", f"{where}[{m}]")
+                _expect_apart(where, (n, polygon), (m, other))
         return cls(shapely.MultiPolygon(polygons))
 
     def without(self, keep_out: Any | None) -> Any:
@@ -57,7 +57,7 @@ class Area:
         return self.shape.intersection(inner.buffer(width / 2, quad_segs=ARC))
 
 
-def _polygon(rings: Sequence[Sequence[Sequence[float]] | Points], where: str) -> shapely.Polygon:
+def _polygon(rings: Sequence[Sequence[Sequence[float]] | Points], where: str, part: int) -> shapely.Polygon:
     if not len(rings):
         raise InvalidRing("expected a ring of corners", place=where)
     names = [f"{where}[{n}]" for n in range(len(rings))]
@@ -71,14 +71,16 @@ def _polygon(rings: Sequence[Sequence[Sequence[float]] | Points], where: str) ->
                 f"expected a hole inside of its outer ring {names[0]}, but it lies outside",
                 code="ring-misplaced",
                 place=name,
+                remedies=(Remedy(("polygon", part, n + 1)),),
             )
         for m, other in enumerate(solid[:n]):
             if hole.within(other) or other.within(hole):
-                inner, around = (name, names[m + 1]) if hole.within(other) else (names[m + 1], name)
+                inner, around = (n + 1, m + 1) if hole.within(other) else (m + 1, n + 1)
                 raise BadInput(
-                    f"expected no ring inside of the hole {around}: islands are not surveyed",
+                    f"expected no ring inside of the hole {names[around]}: islands are not surveyed",
                     code="ring-misplaced",
-                    place=inner,
+                    place=names[inner],
+                    remedies=(Remedy(("polygon", part, inner)),),
                 )
     left = bare
     for hole in solid:
@@ -119,17 +121,22 @@ def _ring(ring: Sequence[Sequence[float]] | Points, where: str) -> Points:
     return corners
 
 
-def _expect_apart(polygon: shapely.Polygon, other: shapely.Polygon, here: str, there: str) -> None:
+def _expect_apart(where: str, *parts: tuple[int, shapely.Polygon]) -> None:
+    (here, polygon), (there, other) = parts
     if polygon.intersection(other).area > LEAST_M2:
         raise BadInput(
-            f"expected parts that do not overlap, but it overlaps {there}", code="ring-misplaced", place=here
+            f"expected parts that do not overlap, but it overlaps {where}[{there}]",
+            code="ring-misplaced",
+            place=f"{where}[{here}]",
+            remedies=(Remedy(("polygon", here)),),
         )
-    for inner, outer, name, around in ((polygon, other, here, there), (other, polygon, there, here)):
+    for (part, inner), (around, outer) in (parts, parts[::-1]):
         if any(inner.within(hole) for hole in _holes(outer)):
             raise BadInput(
-                f"expected no part inside of a hole of {around}: islands are not surveyed",
+                f"expected no part inside of a hole of {where}[{around}]: islands are not surveyed",
                 code="ring-misplaced",
-                place=name,
+                place=f"{where}[{part}]",
+                remedies=(Remedy(("polygon", part)),),
             )
 
 

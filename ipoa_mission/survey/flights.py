@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ipoa_mission.checks.firmware import is_too_long
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, Remedy
 from ipoa_mission.forecast.energy import budget_of, refusal_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
@@ -178,6 +178,7 @@ def parts_of(tours: Sequence[Tour], make: FlightMaker, section: SurveySection) -
                 f"expected at most one for each of {len(tour.swaths)} lines",
                 code="too-many-flights",
                 place="survey.flights",
+                remedies=(Remedy(("survey", "flights"), len(tour.swaths)), Remedy(("survey", "flights"))),
             )
         return tour, tuple(map(Sortie, parts_of_equal_length(tour, section.flights)))
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, Remedy
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.obstruction import NoPath
@@ -85,6 +85,7 @@ def expect_high_enough(sight: Sight, scenario: Scenario) -> None:
             hint="fly higher (survey.height_above_ground, or a larger survey.gsd_cm)",
             code="survey-too-low",
             place="survey",
+            remedies=(Remedy(("survey", "height_above_ground"), float(math.ceil(needed + SPARE))),),
         )
 
 

@@ -234,4 +234,5 @@ def _refusal(nearest: _TooNear, scenario: Scenario) -> MissionError:
         hint="fly higher (survey.height_above_ground), or leave that place out of the area",
         code="survey-too-near",
         place="survey",
+        known={"limit": kept.limit, "near": kept.to},
     )

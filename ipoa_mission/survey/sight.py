@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from ipoa_mission.errors import BadInput
+from ipoa_mission.errors import BadInput, Remedy
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.survey import BAND, SurveySection
 from ipoa_mission.survey.area import Area
@@ -16,6 +16,7 @@ LEVEL = 0.05  # ground whose heights differ by less is flat [m]
 LOOKS = 40  # lines each way on which the ground is looked at
 LEAST_TRIGGER = 0.1  # [m]
 CLOSEST = 0.5  # lines, and photos, nearer to each other are a mistake [m]
+SPACING = ("survey", "line_spacing")
 
 
 @dataclass(frozen=True)
@@ -93,12 +94,14 @@ def sight_of(section: SurveySection, area: Area, scenario: Scenario) -> Sight:
                 f"expected lines and photos {CLOSEST:g} m apart or more, not {distance:.2f} m",
                 code="lines-too-near",
                 place=f"survey.{key}",
+                remedies=() if key == "line_spacing" else (Remedy(("survey", key)),),
             )
     if spacing > across + 1e-9:
         raise BadInput(
             f"expected at most what a photo shows, {across:.1f} m, not {spacing:g} m",
             code="lines-too-far-apart",
             place="survey.line_spacing",
+            remedies=(Remedy(SPACING, math.floor(across * 10) / 10), Remedy(SPACING)),
         )
     vehicle = scenario.vehicle
     lag = vehicle.autopilot.firmware(vehicle.version).photo_looks_s / 2 * vehicle.cruise_speed

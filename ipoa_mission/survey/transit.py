@@ -57,7 +57,8 @@ def clear_way(begin: Vector, end: Vector, scenario: Scenario, growth: Mapping[st
         if (proof := prove(points, task, spare=0.0)).holds:
             return points
         width /= 2
-    raise NoRoute(f"the way between home and the survey comes too close: {proof.words()}", code="survey-too-near")
+    words = f"the way between home and the survey comes too close: {proof.words()}"
+    raise NoRoute(words, code="survey-too-near", known=proof.worst.about)
 
 
 def _round(straight: Points, task: PathProblem, distance: float, corners: int) -> Points | None:

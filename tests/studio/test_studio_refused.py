@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 from ipoa_mission import MissionError, Scenario, plan_flight
+from ipoa_mission.errors import Remedy
 from ipoa_mission.planning.sketch import sketch_path
 from ipoa_mission.routing.changes import Looks
 from ipoa_mission.scenario.read import parse_scenario, parse_toml
@@ -39,9 +40,7 @@ def test_a_change_that_was_tried_is_offered() -> None:
     scenario = parse_scenario(text, MEADOW)
     looks = Looks(scenario, lambda other: None)
     for change, meant in looks.changes.items():
-        (remedy,) = refused(
-            MissionError(f"a path is there, but too narrow; {change} plans it with 2.10 m kept"), scenario, 1
-        ).remedies
+        (remedy,) = refused(MissionError("a path is there", remedies=(change,)), scenario, 1).remedies
         assert parse_scenario(changed(text, remedy.changes), MEADOW) == meant
         assert remedy.label.endswith(", which was tried")
 
@@ -55,8 +54,10 @@ def test_a_wood_without_a_height_is_drawn_and_can_be_given_one(tmp_path: Path) -
     text = MEADOW.read_text() + '\n[[maps]]\nkind = "buildings"\nfile = "town.geojson"\n'
     scenario = Scenario.from_dict(parse_toml(text, MEADOW), tmp_path)
     (doubt,) = [body for body in world_of(scenario, 1).bodies if body.doubt]
-    words = f"item 4: crosses {doubt.name} on town.geojson, a wood of unknown height"
-    high, none = refused(MissionError(words), scenario, 1).remedies
+    assert doubt.name
+    (thing,) = [thing for thing in scenario.passed_over if thing.may_stand]
+    heights = tuple(Remedy(("maps", 0, key), value) for key, value in thing.heights)
+    high, none = refused(MissionError("it crosses a wood", remedies=heights), scenario, 1).remedies
     assert high.label == "Woods of town.geojson are 35 m high"
     for remedy, stand in ((high, 1), (none, 0)):
         mended = Scenario.from_dict(parse_toml(changed(text, remedy.changes), MEADOW), tmp_path)
@@ -73,7 +74,7 @@ def test_a_way_home_that_is_not_clear_can_be_flown_higher_planned_or_left_out() 
     assert (planned.label, landed.label) == ("Plan the way home too", "Land at the goal")
     for remedy in (planned, landed):
         plan_flight(parse_scenario(changed(text, remedy.changes), MEADOW), seed=7)
-    hint = f"RTL_ALT = 5000 makes it clear, in the vehicle and under [vehicle.parameters]; or {caught.value.hint}"
-    higher, *_ = refused(MissionError("item 4: the way home", hint=hint), scenario, 1).remedies
+    changes = (Remedy(("vehicle", "parameters", "RTL_ALT"), 5000.0), *caught.value.remedies)
+    higher, *_ = refused(MissionError("item 4: the way home", remedies=changes), scenario, 1).remedies
     mended = parse_scenario(changed(text, higher.changes), MEADOW)
     assert mended.vehicle.parameters == {**scenario.vehicle.parameters, "RTL_ALT": 5000.0}

@@ -295,8 +295,8 @@ export function blocking(now: Studio): Trouble[] {
 /** Whether a thing of the map is named in what is refused. */
 export function isNamed(name: string, refusals: Trouble[]): boolean {
   const word = (letter: string | undefined) => letter !== undefined && /[\p{L}\p{N}]/u.test(letter);
-  return refusals.some(({ message }) => {
-    if (name === "home") return /^home\b/m.test(message); // elsewhere it is what heights count from
+  return refusals.some(({ message, of_home }) => {
+    if (name === "home") return of_home === true; // in words it is what heights count from
     const at = message.indexOf(name);
     return at >= 0 && !word(message[at - 1]) && !word(message[at + name.length]);
   });
