@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ipoa_mission.cli.groups import FlownByOptions
-from ipoa_mission.cli.options import ANYWAY, EndingsOption, FileArgument, JsonOption, ScenarioOption, expect_world_of
+from ipoa_mission.cli.options import (
+    ANYWAY,
+    EndingsOption,
+    FileArgument,
+    IgnoreOption,
+    JsonOption,
+    ScenarioOption,
+    expect_world_of,
+)
 from ipoa_mission.cli.telling import notes, picked, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput, OptionConflict
 from ipoa_mission.files import write_atomically
@@ -26,10 +34,7 @@ def check(
     ],
     flown_by: FlownByOptions,
     scenario: ScenarioOption = None,
-    ignore: Annotated[
-        list[str] | None,
-        typer.Option("--ignore", metavar="CODE", help="Leave out the findings of a code; not those of a crash."),
-    ] = None,
+    ignore: IgnoreOption = None,
     sarif: Annotated[
         Path | None, typer.Option("--sarif", metavar="FILE", help="Write the findings in all files as SARIF, for CI.")
     ] = None,
@@ -54,7 +59,7 @@ def check(
         )
     expect_world_of(endings, scenario)
     paths, is_one = missions_in(files), len(files) == 1 and not files[0].is_dir()
-    how = How(flown_by, read_world(scenario, flown_by.air), ignore or (), endings, anyway)
+    how = How(flown_by, read_world(scenario, flown_by.air, ignore), ignore or (), endings, anyway)
     found, wrong = [], None
     for path in paths:
         try:
@@ -86,7 +91,11 @@ def check(
 
 
 def estimate(
-    file: FileArgument, flown_by: FlownByOptions, scenario: ScenarioOption = None, as_json: JsonOption = False
+    file: FileArgument,
+    flown_by: FlownByOptions,
+    scenario: ScenarioOption = None,
+    ignore: IgnoreOption = None,
+    as_json: JsonOption = False,
 ) -> None:
     """Estimate how long a mission will fly, item by item, with QGroundControl's number beside it.
 
@@ -95,14 +104,17 @@ def estimate(
     Example: `ipoa-mission estimate campus.plan --param WPNAV_ACCEL=500`
     """
     from ipoa_mission.checks.positions import refusals
+    from ipoa_mission.checks.unread import refuse_unread
     from ipoa_mission.checks.unsafe import refuse_errors
     from ipoa_mission.checks.version import check_version
     from ipoa_mission.cli.reading import read_given, read_world
     from ipoa_mission.flight.summary import energy_as_json
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.mission.commands import short_name
+    from ipoa_mission.unread import unread_as_json
 
-    world = read_world(scenario, flown_by.air)
+    world = read_world(scenario, flown_by.air, ignore)
+    refuse_unread(world)
     given = read_given(file, flown_by, world=world)
     forecast = Forecast(given.mission, world, flown_by.air)
     if wrong := refusals(given.mission):
@@ -119,7 +131,9 @@ def estimate(
         energy: dict[str, Any] = {"energy_wh": None if budget is None else round(budget.used.energy_wh, 3)}
         energy |= {} if budget is None else {"energy": energy_as_json(budget)}
         firmware = mission.autopilot.facts(mission.firmware_version)
-        tell_json(estimate_as_json(prediction) | energy | {"firmware": firmware, "remarks": list(remarks)})
+        unread = unread_as_json(() if world is None else world.unread)
+        about = {"firmware": firmware, "remarks": list(remarks), "unread": unread}
+        tell_json(estimate_as_json(prediction) | energy | about)
         return
     items = budget.items if budget else (None,) * len(prediction.items)
     rows = [

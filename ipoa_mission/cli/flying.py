@@ -13,6 +13,7 @@ from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.options import (
     NAMES,
     ForceOption,
+    IgnoreOption,
     JsonOption,
     OutOption,
     ReportOption,
@@ -47,6 +48,7 @@ def fly(
     flown_by: FlownByOptions,
     on_link: LinkOptions,
     worse: FaultOptions,
+    ignore: IgnoreOption = None,
     out: OutOption = Path(),
     report: ReportOption = False,
     force: ForceOption = False,
@@ -71,7 +73,7 @@ def fly(
 
     is_planned = source.suffix.lower() == ".toml"
     if not is_planned:
-        _expect_no_plan(source, {"--report": report, "--optimizer": search.optimizer})
+        _expect_no_plan(source, {"--report": report, "--optimizer": search.optimizer, "--ignore": ignore})
     faults = worse.faults()
     link = on_vehicle.link
     _expect_together(on_vehicle, faults)
@@ -89,7 +91,7 @@ def fly(
     )
     pilot: Pilot = here if link is None else there
     if is_planned:
-        scenario = adapt_scenario(read_scenario(source), search, flown_by)
+        scenario = adapt_scenario(read_scenario(source).ignoring(ignore or ()), search, flown_by)
         if scenario.survey is not None:
             if on_vehicle.begin != 1:
                 raise OptionConflict("expected a mission, not a survey", hint=EACH_BY_ITSELF, place="--from")

@@ -94,6 +94,12 @@ ScenarioOption: TypeAlias = Annotated[
         help="The world it flies in: terrain, obstacles, wind, and the vehicle's parameters.",
     ),
 ]
+IgnoreOption: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--ignore", metavar="CODE", help="Leave out the findings of a code; not those of a crash. Repeatable."
+    ),
+]
 EndingsOption: TypeAlias = Annotated[
     bool, typer.Option("--endings", help="What RTL, LAND and the like would do from every second of the flight.")
 ]

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
-from ipoa_mission.cli.options import ForceOption, JsonOption, OutOption, ReportOption, ScenarioOrNone
+from ipoa_mission.cli.options import ForceOption, IgnoreOption, JsonOption, OutOption, ReportOption, ScenarioOrNone
 from ipoa_mission.cli.surveying import SurveyOptions, plan_here, tell_survey, write_survey
 from ipoa_mission.cli.telling import tell_json
 from ipoa_mission.errors import OptionConflict
@@ -21,6 +21,7 @@ def plan(
     flown_by: FlownByOptions,
     surveyed: SurveyOptions,
     scenario: ScenarioOrNone = None,
+    ignore: IgnoreOption = None,
     out: OutOption = Path(),
     split: Annotated[
         bool, typer.Option("--split", help="If one battery is not enough, write the fewest flights: NAME-1.plan ...")
@@ -46,7 +47,7 @@ def plan(
 
     expect_folder(out)
     air = flown_by.air
-    adapted = adapt_scenario(surveyed.scenario(scenario), search, flown_by)
+    adapted = adapt_scenario(surveyed.scenario(scenario), search, flown_by).ignoring(ignore or ())
     if adapted.survey is not None:
         survey = plan_here(adapted, search, flown_by, surveyed.flown_logs)
         written = write_survey(survey, out, report, force, as_json)

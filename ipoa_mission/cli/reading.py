@@ -1,5 +1,6 @@
 """Mission files that a user named, and what is said of the parameters that lie beside them."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -73,15 +74,15 @@ def _with_version(version: "Version | None") -> list[Autopilot]:
     return [one for one in registered() if version is not None and version.series in one.tables.series]
 
 
-def read_world(file: Path | None, wind: "Wind | None" = None) -> "Scenario | None":
-    """The scenario that a user named, if there is one, in the wind that was given, if there is one.
+def read_world(file: Path | None, wind: "Wind | None" = None, ignore: Iterable[str] | None = None) -> "Scenario | None":
+    """The scenario that a user named, if there is one, in the wind that was given, without the findings of some codes.
 
     Raises:
-        BadInput: the file cannot be read.
+        BadInput: the file cannot be read; a code may not be ignored.
     """
     if file is None:
         return None
     from ipoa_mission.scenario import read_scenario
 
-    world = read_scenario(file)
+    world = read_scenario(file).ignoring(ignore or ())
     return world if wind is None else world.in_wind(wind)

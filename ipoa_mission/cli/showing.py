@@ -13,12 +13,12 @@ from ipoa_mission.cli.options import (
     EndingsOption,
     FileArgument,
     ForceOption,
+    IgnoreOption,
     JsonOption,
     ScenarioOption,
     expect_world_of,
 )
 from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
-from ipoa_mission.cli.telling import shown as printable
 from ipoa_mission.errors import OptionConflict, WrongSuffix
 from ipoa_mission.files import MISSIONS, write_atomically
 
@@ -41,6 +41,7 @@ def show(
     file: FileArgument,
     flown_by: FlownByOptions,
     scenario: ScenarioOption = None,
+    ignore: IgnoreOption = None,
     endings: EndingsOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -51,18 +52,21 @@ def show(
     from dataclasses import asdict
 
     from ipoa_mission.checks.positions import refusals
+    from ipoa_mission.checks.unread import refuse_unread
     from ipoa_mission.cli.checking import remarks_on
     from ipoa_mission.cli.reading import read_given, read_world
     from ipoa_mission.errors import MissionError
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.report.exports.table import rows_of, shown
+    from ipoa_mission.unread import unread_as_json
 
     expect_world_of(endings, scenario)
     if endings and as_json:
         raise OptionConflict(
             "expected without --json", hint="`check --endings --json` has them for machines", place="--endings"
         )
-    world = read_world(scenario, flown_by.air)
+    world = read_world(scenario, flown_by.air, ignore)
+    refuse_unread(world)
     given = read_given(file, flown_by, world=world)
     forecast = Forecast(given.mission, world, flown_by.air)
     mission = forecast.mission
@@ -86,9 +90,9 @@ def show(
     of_world = () if forecast.scenario is None else forecast.scenario.remarks
     remarks = remarks_on(given, forecast) if done else (*given.remarks, *errors, *of_world)
     if as_json:
-        tell_json([asdict(row) | {"done_s": done.get(row.seq)} for row in rows])
-        for note in notes(remarks):
-            typer.echo(printable(note), err=True)
+        items = [asdict(row) | {"done_s": done.get(row.seq)} for row in rows]
+        unread = unread_as_json(() if world is None else world.unread)
+        tell_json({"items": items, "remarks": list(remarks), "unread": unread})
         return
     cells = [
         (

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from threadpoolctl import threadpool_limits
 
 from ipoa_mission.checks.check import check
+from ipoa_mission.checks.unread import expect_plannable
 from ipoa_mission.checks.unsafe import refuse_errors, refuse_unclear_returns
-from ipoa_mission.checks.version import expect_measured
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import make_folder, write_atomically
 from ipoa_mission.finding import Finding, Severity
@@ -239,7 +239,7 @@ def plan_for_batteries(
 
 def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
     """A flight that keeps everything but, it may be, the reserve of its battery."""
-    expect_measured(scenario)
+    expect_plannable(scenario)
     world = scenario.airspace
     log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
     found = plan_with_room(scenario, seed, progress)

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import ValidationError
 from threadpoolctl import threadpool_limits
 
-from ipoa_mission.checks.version import expect_measured
+from ipoa_mission.checks.unread import expect_plannable
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import make_folder, write_atomically
 from ipoa_mission.flight.summary import clearance_as_json, findings_as_json, passed_over_as_json, rounded
@@ -275,9 +275,10 @@ def plan_survey(
     """
     if area is not None or camera is not None or asked:
         scenario = _asking(scenario, area, camera, asked)
-    expect_measured(scenario)
+    scenario = scenario if wind is None else scenario.in_wind(wind)
+    expect_plannable(scenario)
     with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
-        plan = plan_flights(scenario if wind is None else scenario.in_wind(wind), seed, progress)
+        plan = plan_flights(scenario, seed, progress)
         if flown:
             whole = plan
             logs = [_flown_log(log) for log in flown]
@@ -332,8 +333,7 @@ def _asking(scenario: Scenario, area: Any, camera: Any, asked: Mapping[str, Any]
     """The scenario with this survey, from home to home."""
     given: dict[str, Any] = dict(asked) | ({} if camera is None else {"camera": camera})
     if area is None:
-        own = {} if scenario.survey is None else scenario.survey.model_dump(exclude_unset=True)
-        table = own | given
+        table = ({} if scenario.survey is None else scenario.survey.model_dump(exclude_unset=True)) | given
     elif isinstance(area, str | Path):
         table = given | {"area": area}
     else:
@@ -357,8 +357,8 @@ def _told_of_flights(plan: SurveyPlan, told: Callable[[SurveyFlight], Iterable[s
         for words in dict.fromkeys(told(flight)):
             of.setdefault(words, []).append(n)
     for words, numbers in of.items():
-        is_of_all = len(numbers) == len(plan.flights)
-        yield words if is_of_all else f"flight{'s' * (len(numbers) > 1)} {', '.join(map(str, numbers))}: {words}"
+        some = f"flight{'s' * (len(numbers) > 1)} {', '.join(map(str, numbers))}: "
+        yield words if len(numbers) == len(plan.flights) else some + words
 
 
 def _warned(flight: SurveyFlight) -> Iterator[str]:

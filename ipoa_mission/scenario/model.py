@@ -3,7 +3,7 @@
 The smallest valid scenario has `home`, `start` and `goal`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -15,6 +15,7 @@ from pydantic import AwareDatetime, ConfigDict, Field, ValidationError, Validati
 from ipoa_mission.errors import BadInput, TooFar
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.maps.passed import PassedCount, PassedOver
+from ipoa_mission.rules import expect_ignorable
 from ipoa_mission.scenario.explain import explained
 from ipoa_mission.scenario.layout import NO_REACH, Reach
 from ipoa_mission.scenario.limits import Limits, low_zones, without_repeats
@@ -208,6 +209,16 @@ class Scenario(Section):
     def in_wind(self, wind: Wind) -> "Scenario":
         """The same in this wind."""
         return self.model_copy(update={"wind": WindSection.of(wind)})
+
+    def ignoring(self, codes: Iterable[str]) -> "Scenario":
+        """Leave out the findings of these codes, too.
+
+        Raises:
+            BadInput: a code is none, or a crash may follow from what it finds.
+        """
+        more = tuple(sorted(expect_ignorable(codes) - self.safety.ignored))
+        safety = self.safety.model_copy(update={"ignore": (*self.safety.ignore, *more)})
+        return self.model_copy(update={"safety": safety}) if more else self
 
     def flown_by(self, autopilot: Autopilot) -> "Scenario":
         """The same with this autopilot in its vehicle."""

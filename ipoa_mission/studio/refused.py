@@ -33,6 +33,7 @@ def refused(error: MissionError, scenario: Scenario, revision: int, of: Literal[
         revision=revision,
         remedies=(
             *_tried(error),
+            *_unread(error, scenario),
             *_heights(error, scenario),
             *_higher(error, scenario),
             *survey_remedies(error, scenario),
@@ -66,6 +67,14 @@ def _tried(error: MissionError) -> Iterator[Remedy]:
     for change in error.remedies:
         if (label := TRIED.get(change.field)) is not None:
             yield Remedy(label=label.format(change.value), changes=(Put(path=change.field, value=change.value),))
+
+
+def _unread(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
+    """For what a file holds and nobody read: the user says that it limits no flight."""
+    codes = error.known.get("codes")
+    if isinstance(codes, list) and "not-read" in codes:
+        put = Put(path=("safety", "ignore"), value=[*scenario.safety.ignore, "not-read"])
+        yield Remedy(label="Ignore what was not read", changes=(put,))
 
 
 def _ways_home(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:

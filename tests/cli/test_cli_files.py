@@ -125,7 +125,7 @@ def test_check_fails_a_mission_that_would_crash(run: Run, mission: str) -> None:
 
 
 def test_show_prints_each_item_with_its_leg(run: Run, mission: str) -> None:
-    rows = json.loads(run(f"show {mission} --json").out)
+    rows = json.loads(run(f"show {mission} --json").out)["items"]
     assert rows[3]["seq"] == 3
     assert rows[5]["length"] == pytest.approx(19.7, abs=0.1)
     assert "NAV_TAKEOFF" in run(f"show {mission}").out
@@ -142,8 +142,10 @@ def test_show_prints_the_notes_that_estimate_prints(run: Run, mission: str, tmp_
         notes = [line for line in shown if line.startswith("note: ")]
         assert notes == [line for line in estimated if line.startswith("note: ")]
     assert any('not read: upper limit, so that the zone has none: Z1 ("9 m WGS84")' in note for note in notes)
-    assert run(f"show {words} --json").err.splitlines() == notes
-    assert json.loads(run(f"estimate {words} --json").out)["remarks"] == [note.removeprefix("note: ") for note in notes]
+    for verb in ("show", "estimate"):
+        told = json.loads(run(f"{verb} {words} --json").out)
+        assert told["remarks"] == [note.removeprefix("note: ") for note in notes]
+        assert [thing["example"] for thing in told["unread"]] == ["9 m WGS84"]
 
 
 @pytest.mark.parametrize("suffix", ["kml", "geojson", "csv", "gpx", "plan"])

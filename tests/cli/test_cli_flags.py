@@ -95,7 +95,7 @@ def test_tables_fit_eighty_columns_in_a_pipe_too_or_what_is_asked_for(
 def test_parameters_and_wind_change_what_every_verb_tells(run: Run) -> None:
     totals = set()
     for words in ("", "--param MPC_XY_VEL_MAX=4", "--wind 6@230", f"--scenario {MISSIONS / 'sitl.toml'}"):
-        shown = json.loads(run(f"show {SITL} --json {words}").out)[-1]["done_s"]
+        shown = json.loads(run(f"show {SITL} --json {words}").out)["items"][-1]["done_s"]
         estimated = json.loads(run(f"estimate {SITL} --json {words}").out)["total_s"]
         assert shown == pytest.approx(estimated, abs=0.001)
         totals.add(round(estimated, 1))

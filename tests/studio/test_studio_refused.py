@@ -10,6 +10,7 @@ from ipoa_mission.routing.changes import Looks
 from ipoa_mission.scenario.read import parse_scenario, parse_toml
 from ipoa_mission.studio.edits import changed
 from ipoa_mission.studio.refused import refused
+from ipoa_mission.studio.requests import Put
 from ipoa_mission.studio.view import world_of
 from ipoa_mission.studio.vocabulary import as_on_map
 from tests.refused import refuses
@@ -78,3 +79,11 @@ def test_a_way_home_that_is_not_clear_can_be_flown_higher_planned_or_left_out() 
     higher, *_ = refused(MissionError("item 4: the way home", remedies=changes), scenario, 1).remedies
     mended = parse_scenario(changed(text, higher.changes), MEADOW)
     assert mended.vehicle.parameters == {**scenario.vehicle.parameters, "RTL_ALT": 5000.0}
+
+
+def test_what_was_not_read_can_be_ignored() -> None:
+    scenario = parse_scenario(MEADOW.read_text(), MEADOW).ignoring(["wind-not-measured"])
+    error = MissionError("zones.kml: not read: NetworkLink: zones [not-read]")
+    error.known = {"codes": ["not-read"]}
+    (remedy,) = refused(error, scenario, 1).remedies
+    assert remedy.changes == (Put(path=("safety", "ignore"), value=["wind-not-measured", "not-read"]),)

@@ -1,0 +1,66 @@
+"""What was not read and may limit a flight is an error of every verb, unless `--ignore` names it."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.cli.conftest import Run
+
+SCENARIO = """home = { latitude_deg = 47.0, longitude_deg = 8.0, altitude_amsl = 500.0 }
+start = { east = 0, north = 0, up = 20 }
+goal = { east = 60, north = 0, up = 20 }
+[[maps]]
+kind = "no_fly"
+file = "zones.geojson"
+"""
+ERROR = 'error: zones.geojson: not read: without a geometry: features[0] ("R1") [not-read]'
+IGNORE = 'if it limits no flight: --ignore not-read, or [safety] ignore = ["not-read"]'
+VERBS = ("plan one.toml", *(f"{verb} kept.plan --scenario one.toml" for verb in ("check", "show", "estimate")))
+
+
+@pytest.fixture
+def folder(run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A scenario with a zone without a geometry beside one far away, and a mission there."""
+    monkeypatch.chdir(tmp_path)
+    corners = [[8.02, 47.0], [8.03, 47.0], [8.03, 47.01], [8.02, 47.0]]
+    far = {"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [corners]}}
+    nowhere = {"type": "Feature", "properties": {"name": "R1"}, "geometry": None}
+    Path("zones.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": [nowhere, far]}))
+    Path("one.toml").write_text(SCENARIO)
+    assert run("plan one.toml --ignore not-read").code == 0
+    Path("one.plan").rename("kept.plan")
+    return tmp_path
+
+
+@pytest.mark.parametrize("words", [*VERBS, "fly one.toml"])
+def test_every_verb_refuses_what_may_limit_the_flight(run: Run, folder: Path, words: str) -> None:
+    for form in ("", " --json"):
+        ended = run(words + form)
+        assert ended.code == 1
+        assert "not-read" in ended.out + ended.err
+        assert IGNORE in ended.out.replace("\\", "") + ended.err
+    assert not (folder / "one.plan").exists()
+    assert "R1" in ended.out + ended.err
+
+
+@pytest.mark.parametrize("words", VERBS)
+def test_ignore_names_it_and_it_is_listed_all_the_same(run: Run, folder: Path, words: str) -> None:
+    ended = run(
+        f"{words} --ignore not-read --json --force" if words.startswith("plan") else f"{words} --ignore not-read --json"
+    )
+    assert ended.code == 0
+    told = json.loads(ended.out)
+    assert [(one["file"], one["example"], one["may_limit"]) for one in told["unread"]] == [
+        ("zones.geojson", "R1", True)
+    ]
+    assert any("without a geometry" in remark for remark in told["remarks"])
+
+
+def test_ignore_refuses_a_code_of_a_crash_and_one_that_is_none(run: Run, folder: Path) -> None:
+    for code, words in (("home-place", "a crash may follow"), ("not-red", "did you mean not-read?")):
+        for verb in VERBS:
+            ended = run(f"{verb} --ignore {code}")
+            assert ended.code == 2
+            assert words in ended.err
+    assert "--ignore: expected a scenario" in run("fly kept.plan --ignore not-read").err
