@@ -19,7 +19,6 @@ _OTHERS = {
     ".kml": read_kml,
     ".kmz": read_kmz,
     ".osm": read_osm,
-    **dict.fromkeys(BEGINS, read_table),
 }
 #: Of files that may be larger than memory only what is wanted is read, some at a time.
 _LARGE: dict[str, Callable[[Path, Around], Iterator[list[Feature]]]] = {
@@ -27,7 +26,7 @@ _LARGE: dict[str, Callable[[Path, Around], Iterator[list[Feature]]]] = {
     ".parquet": read_parquet,
     ".geoparquet": read_parquet,
 }
-READERS = (*GEOJSON, *_OTHERS, *_LARGE)
+READERS = (*GEOJSON, *_OTHERS, *BEGINS, *_LARGE)
 MOST_FEATURES = 2_000_000  # are in memory together
 
 
@@ -36,7 +35,7 @@ def read_features(path: Path, around: Around | None = None) -> tuple[Feature, ..
 
     Args:
         path: the file.
-        around: what of a large file (OpenStreetMap's binary one, GeoParquet) is wanted; None for all of it.
+        around: what of a large file is wanted (of .pbf, GeoParquet, Shapefile, FlatGeobuf, GeoPackage); None for all.
 
     Raises:
         BadInput: naming file and place of everything that is wrong, and what was expected there.
@@ -69,6 +68,9 @@ def hand_on_features(path: Path, begin: Callable[[], Take], around: Around | Non
         read_geojson(path, begin)
     elif suffix in _OTHERS:
         if features := _OTHERS[suffix](path):
+            begin()(features)
+    elif suffix in BEGINS:
+        if features := read_table(path, around or Around()):
             begin()(features)
     elif suffix in _LARGE:
         with many_objects():

@@ -4,6 +4,7 @@ GDAL goes by what a file holds, not by its name, and some formats name other fil
 """
 
 import warnings
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from pyproj import CRS, Transformer
 
 from ipoa_mission.errors import BadInput, DamagedFile, NoCoordinateSystem, NothingThere, WrongFormat, imported
 from ipoa_mission.files import read_bytes
+from ipoa_mission.maps.around import Around
 from ipoa_mission.maps.feature import Corners, Feature, on_earth, read_all
 from ipoa_mission.maps.kinds import uncut
 from ipoa_mission.maps.properties import blank_keys, cut_off, tags_of
@@ -24,8 +26,8 @@ MOST_ROWS = 5_000_000
 WRONG_SYSTEM = "the file names a coordinate system (a Shapefile in its .prj) that its coordinates do not fit"
 
 
-def read_table(path: Path) -> tuple[Feature, ...]:
-    """The features of all layers that have shapes; fields are tags.
+def read_table(path: Path, around: Around) -> tuple[Feature, ...]:
+    """The features of all layers that have shapes; fields are tags. What lies elsewhere is counted, where GDAL says so.
 
     Raises:
         BadInput: naming the file, the layer and the row, and what was expected there.
@@ -41,37 +43,99 @@ def read_table(path: Path) -> tuple[Feature, ...]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what GDAL mends it says; what it makes of it is judged here
             layers = [str(name) for name, kind in pyogrio.list_layers(path) if kind is not None]
-            features = [feature for layer in layers for feature in _rows(path, layer, pyogrio, len(layers) > 1)]
+            several = len(layers) > 1
+            features = [feature for name in layers for feature in _Layer(path, name, pyogrio, several).read(around)]
     except (RuntimeError, ValueError, UnboundLocalError) as error:  # of pyogrio (with a .prj that is none), PROJ, texts
         beside = "; the .shx and .dbf files must lie beside a .shp" if suffix == ".shp" else ""
         raise DamagedFile(f"cannot be read: {error}{beside}", place=path) from error
-    if not features:
+    if not features and not around.elsewhere:
         raise NothingThere("expected shapes, but there are none that can be read", place=path)
+    around.expect_near(path)
     return tuple(features)
 
 
-def _rows(path: Path, layer: str, pyogrio: Any, named: bool) -> tuple[Feature, ...]:
-    meta, numbers, shapes, fields = pyogrio.raw.read(path, layer=layer, return_fids=True, max_features=MOST_ROWS)
-    place = f"{path}: {layer}" if named else f"{path}: row"
-    if not meta["crs"]:
-        raise NoCoordinateSystem(
-            "expected a file that names its coordinate system",
-            hint="a Shapefile says it in the .prj file beside it",
-            place=path,
+class _Layer:
+    """One layer of a table, and how its coordinates become degrees."""
+
+    def __init__(self, path: Path, name: str, pyogrio: Any, named: bool) -> None:
+        self._path, self._info = path, pyogrio.read_info(path, layer=name)
+        self._place = f"{path}: {name}" if named else f"{path}: row"
+        self._name = name.replace('"', '""')
+        self._raw = partial(pyogrio.raw.read, path, layer=name, return_fids=True, max_features=MOST_ROWS)
+        self._ask = partial(pyogrio.raw.read, path)
+        if not self._info["crs"]:
+            raise NoCoordinateSystem(
+                "expected a file that names its coordinate system",
+                place=path,
+                hint="a Shapefile says it in the .prj file beside it",
+            )
+        self._degrees = Transformer.from_crs(CRS.from_user_input(self._info["crs"]), "OGC:CRS84", always_xy=True)
+
+    def read(self, around: Around) -> list[Feature]:
+        """What is wanted, rows without a shape among it."""
+        count, box, nulls = self._info["features"], self._box(around), ()
+        if box is not None and self._path.suffix.lower() != ".fgb":  # which has no index where it has such rows
+            column = self._info["geometry_name"].replace('"', '""')
+            nulls = self._features(self._raw(where=f'"{column}" IS NULL' if column else "OGR_GEOMETRY IS NULL"))
+        if box is None or not self._is_indexed_whole(count - len(nulls)):
+            features = self._features(self._raw())
+            if count > len(features):
+                raise DamagedFile(f"expected {count} rows, but only {len(features)} can be read", place=self._path)
+            return features
+        features = self._features(self._raw(bbox=box))
+        boxes = np.array([feature.shape.bounds for feature in features], float).reshape(-1, 4)
+        around.elsewhere += count - len(features) - len(nulls)
+        return [*nulls, *(feature for feature, near in zip(features, around.wants(boxes), strict=True) if near)]
+
+    def _box(self, around: Around) -> tuple[float, ...] | None:
+        """The window in the layer's coordinates; None where all has to be read."""
+        window, bounds = around.window, self._info["total_bounds"]
+        if window is None or bounds is None or window.west < -180.0 or window.east > 180.0:
+            return None
+        west, south, east, north = bounds = np.array(self._degrees.transform_bounds(*bounds))
+        box = self._degrees.transform_bounds(*window, direction="INVERSE")
+        sound = -180.0 <= west <= east <= 180.0 and -90.0 <= south <= north <= 90.0 and np.isfinite(box).all()
+        if not sound:
+            return None
+        around.wants(bounds[None], things=0)
+        return box
+
+    def _is_indexed_whole(self, shapes: int) -> bool:
+        """Whether the rows in a box can be found without those elsewhere, and none of so many is missing in the index.
+
+        Raises:
+            BadInput: the file is cut short.
+        """
+        suffix, count = self._path.suffix.lower(), self._info["features"]
+        if suffix == ".shp":  # an index beside it may be older than the file
+            return not any(self._path.with_suffix(one).exists() for one in (".qix", ".sbn"))
+        if suffix == ".gpkg":
+            index = f'"rtree_{self._name}_{self._info["geometry_name"]}"'
+            try:
+                return int(self._ask(sql=f"SELECT COUNT(*) AS n FROM {index}")[3][0][0]) == shapes
+            except RuntimeError:  # without an index every row is looked at
+                return True
+        if not self._info["capabilities"]["random_read"]:
+            return False
+        try:
+            self._raw(fids=[count - 1], max_features=None)
+        except RuntimeError:
+            raise DamagedFile(f"expected {count} rows, but the last cannot be read", place=self._path) from None
+        return True
+
+    def _features(self, read: tuple[Any, ...]) -> tuple[Feature, ...]:
+        """What GDAL read, as features."""
+        meta, numbers, shapes, fields = read
+        is_cut = self._path.suffix.lower() == ".shp"
+        rows = (
+            {
+                uncut(str(name), str(column[n])) if is_cut else str(name): _plain(column[n])
+                for name, column in zip(meta["fields"], fields, strict=True)
+            }
+            for n in range(len(numbers))
         )
-    to_degrees = Transformer.from_crs(CRS.from_user_input(meta["crs"]), "OGC:CRS84", always_xy=True)
-    if (count := pyogrio.read_info(path, layer=layer)["features"]) > len(numbers):
-        raise DamagedFile(f"expected {count} rows, but only {len(numbers)} can be read", place=path)
-    is_cut = path.suffix.lower() == ".shp"
-    rows = (
-        {
-            uncut(str(name), str(column[n])) if is_cut else str(name): _plain(column[n])
-            for name, column in zip(meta["fields"], fields, strict=True)
-        }
-        for n in range(len(numbers))
-    )
-    each = zip(numbers, shapes, rows, strict=True)
-    return read_all(_feature, ((f"{place}[{number}]", shape, row, to_degrees) for number, shape, row in each))
+        each = zip(numbers, shapes, rows, strict=True)
+        return read_all(_feature, ((f"{self._place}[{n}]", shape, row, self._degrees) for n, shape, row in each))
 
 
 def _expect_whole(path: Path) -> None:
