@@ -2,15 +2,16 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 import shapely
 
-from ipoa_mission.errors import NothingThere
+from ipoa_mission.errors import BadInput, NothingThere
 from ipoa_mission.maps.activity import may_be_active, periods_of
 from ipoa_mission.maps.feature import Feature, Mistakes
+from ipoa_mission.maps.geoid import HIGHEST, LOWEST, undulation
 from ipoa_mission.maps.geozones import RADIUS
 from ipoa_mission.maps.heights import radius_of
 from ipoa_mission.maps.kinds import Reason
@@ -89,6 +90,8 @@ def find_zones(
         limits = limits_of(feature.tags)
         if counted:
             unread += _not_understood(feature, limits, bool(named), path)
+            limits, unknown = _above_sea(limits, feature.name, frame, path, remarks)
+            unread += unknown
         parts = [_outline(part, feature.tags) for part in flat(shape)]
         rest = [part for part in parts if part.geom_type != "Polygon"]
         if rest or not (parts or missed):
@@ -124,6 +127,26 @@ def _not_understood(feature: Feature, limits: ZoneLimits, is_named: bool, path: 
         yield Unread(path.name, "restriction, taken as one that keeps a flight out", place, feature.tags["restriction"])
     if RADIUS in feature.tags:
         yield Unread(path.name, "unit of a radius, taken as m", place, feature.tags[RADIUS])
+
+
+def _above_sea(
+    limits: ZoneLimits, name: str, frame: LocalFrame, path: Path, remarks: list[str]
+) -> tuple[ZoneLimits, list[Unread]]:
+    """Count limits above the ellipsoid from the geoid; where the geoid is unknown, it lies where it is worst."""
+    found, unknown = {"lower": limits.lower, "upper": limits.upper}, list[Unread]()
+    for side, limit in found.items():
+        if limit is None or limit.reference != "WGS84":
+            continue
+        said = f"{limit.height:g} m WGS84"
+        try:
+            geoid, how = undulation(frame.home.latitude_deg, frame.home.longitude_deg, None, path)
+            remarks.append(f"{name}: {side} limit {said} taken less {geoid:.2f} m of geoid ({how})")
+        except BadInput:
+            geoid = LOWEST if side == "upper" else HIGHEST
+            what = f"geoid under the {side} limit, taken as {geoid:g} m above the ellipsoid, the worst"
+            unknown.append(Unread(path.name, what, name.removeprefix(f"{path}: "), said))
+        found[side] = VerticalLimit(limit.height - geoid, "AMSL")
+    return replace(limits, **found), unknown
 
 
 def join_zones(zones: Sequence[MapArea]) -> tuple[Any, tuple[Any, ...]]:

@@ -10,6 +10,7 @@ from pyproj.exceptions import ProjError
 
 from ipoa_mission.errors import BadInput, NotCovered
 
+LOWEST, HIGHEST = -107.0, 86.0  # of EGM96 and EGM2008 above the ellipsoid, anywhere [m]
 #: PROJ's own names of the grids, the best match to an autopilot's mean sea level first.
 GRIDS = ("us_nga_egm96_15.tif", "egm96_15.gtx", "us_nga_egm08_25.tif", "egm08_25.gtx")
 

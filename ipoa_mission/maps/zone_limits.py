@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple
 FOOT = 0.3048
 UNITS = {"M": 1.0, "METRE": 1.0, "METRES": 1.0, "METER": 1.0, "METERS": 1.0}
 UNITS |= {"FT": FOOT, "F": FOOT, "FEET": FOOT, "FOOT": FOOT}
-REFERENCES = {"AGL": "AGL", "GND": "AGL", "SFC": "AGL", "AMSL": "AMSL", "MSL": "AMSL"}
+REFERENCES = {"AGL": "AGL", "GND": "AGL", "SFC": "AGL", "AMSL": "AMSL", "MSL": "AMSL", "WGS84": "WGS84"}
 GROUND = {"SFC", "GND", "SURFACE", "GROUND"}
 NO_LIMIT = {"UNL", "UNLTD", "UNLIMITED"}
 #: In words, as EANS and AIP texts have it: "120m AGL", "6000 FT AMSL".
@@ -37,7 +37,7 @@ SIDES: tuple[Literal["lower", "upper"], ...] = ("lower", "upper")
 
 @dataclass(frozen=True)
 class VerticalLimit:
-    """A lower or upper limit [m], above ground (`AGL`) or above mean sea level (`AMSL`)."""
+    """A lower or upper limit [m], above ground (`AGL`), mean sea level (`AMSL`) or the ellipsoid (`WGS84`)."""
 
     height: float
     reference: str

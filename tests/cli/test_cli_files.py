@@ -141,7 +141,7 @@ def test_show_prints_the_notes_that_estimate_prints(run: Run, mission: str, tmp_
         shown, estimated = (run(f"{verb} {words}").out.splitlines() for verb in ("show", "estimate"))
         notes = [line for line in shown if line.startswith("note: ")]
         assert notes == [line for line in estimated if line.startswith("note: ")]
-    assert any('not read: upper limit, so that the zone has none: Z1 ("9 m WGS84")' in note for note in notes)
+    assert any("not read: geoid under the upper limit, taken as -107 m" in note for note in notes)
     for verb in ("show", "estimate"):
         told = json.loads(run(f"{verb} {words} --json").out)
         assert told["remarks"] == [note.removeprefix("note: ") for note in notes]

@@ -141,9 +141,7 @@ def drawn(scenario: Scenario) -> list[tuple[str, float, float]]:
 @pytest.mark.parametrize(
     ("lower", "upper", "unit", "ends", "what"),
     [
-        ((0, "AGL"), (40, "WGS84"), "M", (-np.inf, np.inf), 'upper limit, so that the zone has none'),
         ((0, "AGL"), (65, "STD"), "FL", (-np.inf, np.inf), 'upper limit, so that the zone has none'),
-        ((20, "WGS84"), (40, "AGL"), "M", (-np.inf, 43.0), 'lower limit, so that the zone has none'),
         ((20, "AGL"), (40, "AGL"), "LY", (-np.inf, np.inf), 'lower limit, so that the zone has none'),
         ((40, "AGL"), (20, "AGL"), "M", (-np.inf, np.inf), 'limits, of which the upper is not above the lower'),
         ((0, "AGL"), (50, "AMSL"), "M", (-np.inf, np.inf),
@@ -157,6 +155,33 @@ def test_a_limit_that_is_not_understood_opens_no_hole_and_is_named(
     assert [zone[1:] for zone in drawn(scenario)] == [pytest.approx(ends, abs=0.02)]
     assert (what, "LS1") in [(thing.what, thing.place) for thing in scenario.unread]
     assert all(thing.words in scenario.remarks for thing in scenario.unread)
+
+
+@pytest.mark.parametrize("make", [ed269, ed318])
+def test_limits_above_the_ellipsoid_are_counted_from_the_geoid(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, make: Any
+) -> None:
+    """By PROJ's grid; without one each limit is where the zone is larger, for any geoid."""
+    grid, values = tmp_path / "geoid.gtx", np.full((5, 5), 47.25, ">f4")
+    header = np.array([46.0, 7.0, 0.5, 0.5], ">f8").tobytes() + np.array([5, 5], ">i4").tobytes()
+    grid.write_bytes(header + values.tobytes())
+    document = make((580, "WGS84"), (680, "WGS84"), "M", "PROHIBITED")
+    monkeypatch.setattr("ipoa_mission.maps.geoid.GRIDS", (str(grid),))
+    scenario = read(tmp_path, document)
+    (zone,) = scenario.airspace.obstacles
+    assert zone.bounds[:, 2] == pytest.approx((32.75, 132.75), abs=0.02)
+    assert not scenario.unread
+    words = "LS1: lower limit 580 m WGS84 taken less 47.25 m of geoid (by geoid.gtx)"
+    assert any(remark.endswith(words) for remark in scenario.remarks)
+    monkeypatch.setattr("ipoa_mission.maps.geoid.GRIDS", ("no_such_grid.tif",))
+    scenario = read(tmp_path, document)
+    (zone,) = scenario.airspace.obstacles
+    assert zone.bounds[:, 2] == pytest.approx((580 - 86 - 500, 680 + 107 - 500), abs=0.02)
+    assert [(thing.place, thing.example) for thing in scenario.unread] == [
+        ("LS1", "580 m WGS84"),
+        ("LS1", "680 m WGS84"),
+    ]
+    assert all("the worst" in thing.what for thing in scenario.unread)
 
 
 def test_a_zone_far_away_with_such_a_limit_refuses_no_file(tmp_path: Path) -> None:

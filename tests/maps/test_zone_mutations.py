@@ -99,5 +99,6 @@ def test_no_spelling_of_a_zone_is_lost_quietly(tmp_path_factory: Any, zone: tupl
         return
     assert WHOLE.buffer(-0.1).within(shapely.union_all([each.shape for each in found.zones]))
     for each in found.zones:
+        assert "WGS84" not in (getattr(each.lower, "reference", ""), getattr(each.upper, "reference", ""))
         assert each.lower is None or (lower is not None and each.lower.height <= lower + 0.01)
         assert each.upper is None or (upper is not None and each.upper.height >= upper - 0.01)
