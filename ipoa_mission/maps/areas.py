@@ -146,7 +146,7 @@ def _above_sea(
             what = f"geoid under the {side} limit, taken as {geoid:g} m above the ellipsoid, the worst"
             unknown.append(Unread(path.name, what, name.removeprefix(f"{path}: "), said))
         found[side] = VerticalLimit(limit.height - geoid, "AMSL")
-    return replace(limits, **found), unknown
+    return replace(limits, lower=found["lower"], upper=found["upper"]), unknown
 
 
 def join_zones(zones: Sequence[MapArea]) -> tuple[Any, tuple[Any, ...]]:

@@ -15,9 +15,10 @@ from ipoa_mission.maps.units import unit_factor
 from ipoa_mission.maps.wind_levels import FARTHEST_DEG, Datum, ForecastWinds, WindSamples
 from ipoa_mission.world.frame import Geodetic
 
-EAST, NORTH = "east", "north"
-NAMED = re.compile(r"(\d*)([uv])")  # eccodes' shortName: u, 10u, 100v
-NUMBERS = {2: EAST, 3: NORTH}  # GRIB 2: parameters of discipline 0, category 2
+EAST, NORTH, SPEED, FROM = "east", "north", "speed", "from"
+NAMED = re.compile(r"(\d*)(u|v|si|ws|wdir)")  # eccodes' shortName: u, 10u, 100v, 10si, wdir
+SHORT = {"u": EAST, "v": NORTH, "si": SPEED, "ws": SPEED, "wdir": FROM}
+NUMBERS = {0: FROM, 1: SPEED, 2: EAST, 3: NORTH}  # GRIB 2: parameters of discipline 0, category 2
 MOMENTUM = (0, 2)
 DATUMS = {"heightAboveGround": Datum.GROUND, "heightAboveSea": Datum.SEA}
 #: Grids whose axes point east and north: "relative to the grid" is no other direction there.
@@ -57,8 +58,13 @@ def grib_winds(path: Path, place: Geodetic) -> ForecastWinds:
         pairs = list(zip(both[EAST], both[NORTH], strict=False))
         if odd := len(both[EAST]) + len(both[NORTH]) - 2 * len(pairs):
             found.leave("one component of a wind without the other", f"{height:g} m", str(time), True, odd)
-        levels[height, datum] += [(time, *pair) for pair in pairs]
+        if not pairs:  # of a wind that is given in both ways its components count
+            polar = [*zip(both[SPEED], np.radians(both[FROM]), strict=False)]
+            pairs = [(-speed * np.sin(angle), -speed * np.cos(angle)) for speed, angle in polar]
+            if odd := len(both[SPEED]) + len(both[FROM]) - 2 * len(pairs):
+                found.leave("speed or direction of a wind without the other", f"{height:g} m", str(time), True, odd)
         if pairs:
+            levels[height, datum] += [(time, *pair) for pair in pairs]
             members[height, datum, time].add(member)
     most = max(map(len, members.values()), default=0)
     if gaps := sum(len(each) < most for each in members.values()):
@@ -116,7 +122,7 @@ def _read(
         part = NUMBERS.get(get("parameterNumber", int)) if numbers == MOMENTUM else None
         is_wind = numbers == MOMENTUM
     else:
-        part = None if named is None else EAST if named[2] == "u" else NORTH
+        part = None if named is None else SHORT[named[2]]
         is_wind = part is not None or "wind" in get("name").lower() or "gust" in get("name").lower()
     if part is None:
         if is_wind:
@@ -131,14 +137,16 @@ def _read(
         found.leave(f"{get('name')}, {why}", where, get("level"))
         return None
     index = _nearest(eccodes, handle, path, place, nearest)
-    if get("uvRelativeToGrid", int) and get("gridType") not in NORTH_UP:
+    if part in (EAST, NORTH) and get("uvRelativeToGrid", int) and get("gridType") not in NORTH_UP:
         raise BadInput(
             f"expected winds towards the east and the north, not along the axes of a {get('gridType')} grid",
             hint="turn them first, as `wgrib2 IN -new_grid_winds earth` does",
             place=path,
         )
     unit = get("units")
-    factor = 1.0 if unit in (None, "unknown") else unit_factor(unit, "m/s", f"{path}: {short}.units")
+    target = "deg" if part == FROM else "m/s"
+    unit = {"Degree true": "deg"}.get(unit, unit)
+    factor = 1.0 if unit in (None, "unknown") else unit_factor(unit, target, f"{path}: {short}.units")
     value = eccodes.codes_get_double_element(handle, "values", index)
     missing = bool(get("bitmapPresent", int)) and value == get("missingValue", float)
     height = float(named[1]) if above_ground and named is not None else get("level", float)

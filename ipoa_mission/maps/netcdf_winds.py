@@ -17,10 +17,23 @@ from ipoa_mission.maps.vertical import height_in_name, vertical_of
 from ipoa_mission.maps.wind_levels import FARTHEST_DEG, Datum, ForecastWinds, WindSamples
 from ipoa_mission.world.frame import Geodetic
 
-STANDARD = {"eastward_wind": 0, "x_wind": 0, "northward_wind": 1, "y_wind": 1}
+EAST, NORTH, SPEED, FROM, TO = range(5)
+PAIRS = ((EAST, NORTH), (SPEED, FROM), (SPEED, TO))  # what makes a wind together
+STANDARD = {"eastward_wind": EAST, "x_wind": EAST, "northward_wind": NORTH, "y_wind": NORTH}
+STANDARD |= {"wind_speed": SPEED, "wind_from_direction": FROM, "wind_to_direction": TO}
+ALONE = (
+    "eastward wind without a northward one",
+    "northward wind without an eastward one",
+    "speed of a wind without its direction",
+    *("direction of a wind without its speed",) * 2,
+)
+TRUE = ("eastward_wind", "northward_wind")  # on any grid
 _HEIGHT = r"[-_]?\d*_?(m|mabove\w*)?"
 EASTWARD = re.compile(rf"(u|ua|uas|ugrd|uwnd|u[-_]?wind|u[-_]component[-_]of[-_]wind){_HEIGHT}|\d+u")
 NORTHWARD = re.compile(rf"(v|va|vas|vgrd|vwnd|v[-_]?wind|v[-_]component[-_]of[-_]wind){_HEIGHT}|\d+v")
+SPEEDS = re.compile(rf"(si|ws|wspd|sfcwind|wind[-_]?speed){_HEIGHT}|\d+si")
+FROMS = re.compile(rf"(wd|wdir|wind[-_]?dir|wind[-_]?(from[-_]?)?direction){_HEIGHT}|\d+wdir")
+NAMES = ((EASTWARD, EAST), (NORTHWARD, NORTH), (SPEEDS, SPEED), (FROMS, FROM))
 MEMBERS = {"number", "member", "ens", "ensemble", "ensemble_member", "realization"}
 LEADS = {"step", "lead_time", "leadtime", "forecast_period", "prediction_timedelta"}
 DEGREES = {"lat": "degrees_north", "lon": "degrees_east"}
@@ -35,25 +48,26 @@ def netcdf_winds(path: Path, place: Geodetic) -> ForecastWinds:
     """
     found = ForecastWinds(path.name)
     with _opened(path) as data:
-        winds: tuple[list[Any], list[Any]] = ([], [])
+        winds: dict[int, list[Any]] = {which: [] for which in range(5)}
         for name, variable in data.data_vars.items():
             which = _component(str(name), variable)
             if which is not None:
                 winds[which].append(variable)
             elif _is_wind(str(name), variable):
                 found.leave("variable that may be a wind", str(name), _said(variable))
-        for east in winds[0]:
-            north = _partner(east, winds[1])
-            if north is None:
-                found.leave("eastward wind without a northward one", str(east.name), _said(east), True)
-                continue
-            winds[1].remove(north)
-            for height, datum, parts in _levels(path, east, north, found):
-                found.samples.append(_samples(path, height, datum, parts, place, found))
+        for one, other in PAIRS:
+            for first in [*winds[one]]:
+                if (second := _partner(first, winds[other])) is None:
+                    continue
+                winds[one].remove(first)
+                winds[other].remove(second)
+                for height, datum, parts in _levels(path, first, second, found):
+                    found.samples.append(_samples(path, height, datum, parts, place, found, other))
         for group in _groups(path):
             found.leave("group of variables", group)
-        for north in winds[1]:
-            found.leave("northward wind without an eastward one", str(north.name), _said(north), True)
+        for part in (part for parts in winds.values() for part in parts):
+            which = _component(str(part.name), part) or EAST
+            found.leave(ALONE[which], str(part.name), _said(part), which <= NORTH or not found.samples)
     return found
 
 
@@ -81,11 +95,11 @@ def _groups(path: Path) -> list[str]:
 
 
 def _component(name: str, variable: Any) -> int | None:
-    """0 towards the east, 1 towards the north, None for anything else: a standard name goes before the name."""
+    """Which part of a wind it is, None for anything else: a standard name goes before the name."""
     standard = variable.attrs.get("standard_name")
     if standard not in (None, "", "unknown"):
         return STANDARD.get(standard)
-    return 0 if EASTWARD.fullmatch(name.lower()) else 1 if NORTHWARD.fullmatch(name.lower()) else None
+    return next((which for pattern, which in NAMES if pattern.fullmatch(name.lower())), None)
 
 
 def _is_wind(name: str, variable: Any) -> bool:
@@ -98,10 +112,10 @@ def _said(variable: Any) -> str:
     return next((str(variable.attrs[key]) for key in ("standard_name", "long_name") if key in variable.attrs), "")
 
 
-def _partner(east: Any, norths: Sequence[Any]) -> Any | None:
-    """The northward wind on the same axes whose name is most alike."""
-    alike = [each for each in norths if each.dims == east.dims and set(each.coords) == set(east.coords)]
-    name = str(east.name)
+def _partner(first: Any, others: Sequence[Any]) -> Any | None:
+    """The other part of a wind on the same axes whose name is most alike."""
+    alike = [each for each in others if each.dims == first.dims and set(each.coords) == set(first.coords)]
+    name = str(first.name)
     return max(alike, key=lambda each: SequenceMatcher(None, name, str(each.name)).ratio(), default=None)
 
 
@@ -115,7 +129,8 @@ def _levels(path: Path, east: Any, north: Any, found: ForecastWinds) -> Iterator
     given = [vertical for each in east.coords.values() if (vertical := vertical_of(path, each)) is not None]
     axes = [each for each in given if each.coordinate.ndim]
     single = [each for each in given if not each.coordinate.ndim]
-    named = None if axes else height_in_name(name, str(east.attrs.get("long_name", "")), bool(EASTWARD.fullmatch(name)))
+    is_usual = any(each.fullmatch(name) for each, _ in NAMES)
+    named = None if axes else height_in_name(name, str(east.attrs.get("long_name", "")), is_usual)
     if named is not None and all(each.values is not None for each in single):
         yield *named, (east, north)
         return
@@ -135,35 +150,65 @@ def _levels(path: Path, east: Any, north: Any, found: ForecastWinds) -> Iterator
 
 
 def _samples(
-    path: Path, height: float, datum: Datum, parts: tuple[Any, Any], place: Geodetic, found: ForecastWinds
+    path: Path, height: float, datum: Datum, parts: tuple[Any, Any], place: Geodetic, found: ForecastWinds, second: int
 ) -> WindSamples:
     values = []
-    for part in parts:
+    for part, target in zip(parts, ("m/s", "m/s" if second == NORTH else "deg"), strict=True):
         unit = part.attrs.get("units")
         if unit is None:
-            found.leave("unit of a wind, taken as m/s", str(part.name))
-        factor = 1.0 if unit is None else unit_factor(str(unit), "m/s", f"{path}: {part.name}.units")
+            found.leave(f"unit of a wind, taken as {target}", str(part.name))
+        factor = 1.0 if unit is None else unit_factor(str(unit), target, f"{path}: {part.name}.units")
         there = _there(path, part, place)
         times, there = _valid_times(path, there)
         values.append(np.asarray(there, float).ravel() * factor)
+    if second != NORTH:
+        speed, angle = values[0] if second == TO else -values[0], np.radians(values[1])
+        values = [speed * np.sin(angle), speed * np.cos(angle)]
     return WindSamples(height, datum, np.stack(values, axis=-1), times)
 
 
 def _there(path: Path, part: Any, place: Geodetic) -> Any:
-    """A component at the nearest grid point."""
-    for kind, wanted in (("lat", place.latitude_deg), ("lon", place.longitude_deg)):
+    """A part of a wind at the nearest grid point.
+
+    Raises:
+        BadInput: the grid has no latitudes and longitudes, is of another place, or the wind is along its turned axes.
+    """
+    axes = ", ".join(map(str, part.dims))
+    degrees = []
+    for kind in ("lat", "lon"):
         name = next((key for key, each in part.coords.items() if _counts_degrees(str(key), each, kind)), None)
-        if name is None or part[name].ndim > 1:
+        if name is None:
             raise BadInput(
-                "expected latitudes and longitudes [degrees] as axes of the winds", place=f"{path}: {part.name}"
+                f"expected latitudes and longitudes [degrees] of a wind by {axes}", place=f"{path}: {part.name}"
             )
-        degrees = np.atleast_1d(np.asarray(part[name], float))
-        off = np.abs((degrees - wanted + 180.0) % 360.0 - 180.0)
-        nearest = int(off.argmin())
-        if not off[nearest] <= FARTHEST_DEG:
-            raise NotCovered(f"expected a forecast of home's place, {wanted:g} degrees of {name}", place=path)
-        part = part.isel({part[name].dims[0]: nearest}) if part[name].ndim else part
-    return part
+        degrees.append(part[name])
+    latitude, longitude = degrees
+    is_along = _component(str(part.name), part) in (EAST, NORTH) and part.attrs.get("standard_name") not in TRUE
+    if latitude.ndim == 2 and is_along:
+        raise BadInput(
+            "expected a wind towards the east or the north, not along the axes "
+            f"{', '.join(map(str, latitude.dims))} of a turned grid",
+            hint=f"turn it first, and name it by its standard_name: {' or '.join(TRUE)}",
+            place=f"{path}: {part.name}",
+        )
+    north = np.asarray(latitude, float) - place.latitude_deg
+    east = (np.asarray(longitude, float) - place.longitude_deg + 180.0) % 360.0 - 180.0
+    if latitude.dims == longitude.dims:
+        away = np.nan_to_num(np.hypot(north, east * np.cos(np.radians(place.latitude_deg))), nan=np.inf)
+        nearest = np.unravel_index(int(away.argmin()), away.shape)
+        at = dict(zip(latitude.dims, map(int, nearest), strict=True))
+        off = np.abs(north[nearest]), np.abs(east[nearest])
+    else:
+        axes_of = ((latitude, np.abs(north)), (longitude, np.abs(east)))
+        at = {axis.dims[0]: int(far.argmin()) for axis, far in axes_of if axis.ndim}
+        off = np.abs(north).min(), np.abs(east).min()
+    if not max(off) <= FARTHEST_DEG:
+        raise NotCovered(
+            f"expected a forecast of home's place, {place.latitude_deg:g}, {place.longitude_deg:g}; "
+            f"the nearest {latitude.name} and {longitude.name} are {off[0]:g} and {off[1]:g} degrees away",
+            place=path,
+        )
+    return part.isel(at)
 
 
 def _counts_degrees(name: str, coordinate: Any, kind: str) -> bool:

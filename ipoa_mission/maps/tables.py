@@ -73,7 +73,7 @@ class _Layer:
 
     def read(self, around: Around) -> list[Feature]:
         """What is wanted, rows without a shape among it."""
-        count, box, nulls = self._info["features"], self._box(around), ()
+        count, box, nulls = self._info["features"], self._box(around), list[Feature]()
         if box is not None and self._path.suffix.lower() != ".fgb":  # which has no index where it has such rows
             column = self._info["geometry_name"].replace('"', '""')
             nulls = self._features(self._raw(where=f'"{column}" IS NULL' if column else "OGR_GEOMETRY IS NULL"))
@@ -93,7 +93,7 @@ class _Layer:
         if window is None or bounds is None or window.west < -180.0 or window.east > 180.0:
             return None
         west, south, east, north = bounds = np.array(self._degrees.transform_bounds(*bounds))
-        box = self._degrees.transform_bounds(*window, direction="INVERSE")
+        box: tuple[float, ...] = self._degrees.transform_bounds(*window, direction="INVERSE")
         sound = -180.0 <= west <= east <= 180.0 and -90.0 <= south <= north <= 90.0 and np.isfinite(box).all()
         if not sound:
             return None
@@ -123,7 +123,7 @@ class _Layer:
             raise DamagedFile(f"expected {count} rows, but the last cannot be read", place=self._path) from None
         return True
 
-    def _features(self, read: tuple[Any, ...]) -> tuple[Feature, ...]:
+    def _features(self, read: tuple[Any, ...]) -> list[Feature]:
         """What GDAL read, as features."""
         meta, numbers, shapes, fields = read
         is_cut = self._path.suffix.lower() == ".shp"
@@ -135,7 +135,7 @@ class _Layer:
             for n in range(len(numbers))
         )
         each = zip(numbers, shapes, rows, strict=True)
-        return read_all(_feature, ((f"{self._place}[{n}]", shape, row, self._degrees) for n, shape, row in each))
+        return [*read_all(_feature, ((f"{self._place}[{n}]", shape, row, self._degrees) for n, shape, row in each))]
 
 
 def _expect_whole(path: Path) -> None:

@@ -37,7 +37,7 @@ def read_wind(path: Path, place: Geodetic, time: np.datetime64 | None) -> Foreca
     found = grib_winds(path, place) if _is_grib(path) else netcdf_winds(path, place)
     if not found.samples:
         unread = "".join(f"\n{thing.words}" for thing in gathered(found.unread))
-        words = "expected winds (eastward_wind and northward_wind, or u and v) at heights in meters"
+        words = "expected winds (east and north, or speed and direction) at heights in meters"
         raise BadInput(f"{words}{unread}", place=path)
     is_unknown = any(each.datum is Datum.UNKNOWN for each in found.samples)
     if not is_unknown:
