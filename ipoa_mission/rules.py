@@ -143,8 +143,8 @@ RULES: Mapping[str, Rule] = {
         False,
     ),
     "waits-for-someone": Rule(
-        "NAV_LOITER_UNLIM stands before other items, which are flown only once somebody ends it.",
-        "Give a NAV_LOITER_TIME, or end the mission with it.",
+        "Other items follow a NAV_LOITER_UNLIM: the vehicle stays there until a pilot orders it on.",
+        "Use NAV_LOITER_TIME, or end the mission with the NAV_LOITER_UNLIM.",
         False,
     ),
     "waits-until-clock": Rule(
@@ -153,7 +153,7 @@ RULES: Mapping[str, Rule] = {
         False,
     ),
     "action-at-other-time": Rule(
-        "ArduPilot looks up what does not move the vehicle by the jumps' counters of that moment.",
+        "At a jump, ArduPilot looks ahead for actions (camera, servo): one is done in another pass than listed.",
         "Put a waypoint between the jump and the item.",
         False,
     ),

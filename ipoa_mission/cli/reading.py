@@ -15,6 +15,7 @@ from ipoa_mission.mission.parameter_file import beside
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 
 if TYPE_CHECKING:
+    from ipoa_mission.mission.mission_file import MissionFile
     from ipoa_mission.scenario import Scenario
     from ipoa_mission.vehicles.version import Version
     from ipoa_mission.wind import Wind
@@ -50,9 +51,7 @@ def read_given(
         (otherwise,) = has_version
     read = read_by_items(file, read_mission_file(file, flown_by.autopilot or autopilot, otherwise))
     mission, remarks = read.mission, tuple(finding.message for finding in read.findings)
-    if read.taken_for is not None:
-        why = read.taken_for or "nothing says for which autopilot it is"
-        remarks += (f"read for {mission.autopilot}: {why}; --autopilot {'|'.join(map(str, registered()))} decides",)
+    remarks += taken_for(read)
     if flown_by.version is not None:
         others = [one for one in has_version if one is not mission.autopilot]
         try:
@@ -67,6 +66,14 @@ def read_given(
     if flown_by.vehicle is not None:
         mission = replace(mission, vehicle=read_vehicle(flown_by.vehicle, mission.autopilot))
     return Given(mission.with_parameters(flown_by.parameters), read.findings, remarks, read.planned)
+
+
+def taken_for(read: "MissionFile") -> tuple[str, ...]:
+    """For which autopilot a file was read that does not say it, and why."""
+    if read.taken_for is None:
+        return ()
+    why = read.taken_for or "nothing says for which autopilot it is"
+    return (f"read for {read.mission.autopilot}: {why}; --autopilot {'|'.join(map(str, registered()))} decides",)
 
 
 def _with_version(version: "Version | None") -> list[Autopilot]:

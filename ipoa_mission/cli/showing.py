@@ -158,7 +158,7 @@ def export(
     Example: `ipoa-mission export campus.plan campus.kml --scenario missions/campus.toml`
     """
     from ipoa_mission.cli.overwriting import expect_free
-    from ipoa_mission.cli.reading import read_world
+    from ipoa_mission.cli.reading import read_world, taken_for
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.mission.files import mission_text, read_by_items, read_mission_file, write_mission
     from ipoa_mission.report.exports import forecast_text
@@ -179,9 +179,9 @@ def export(
         sys.stdout.write(text)
         return
     expect_free([target], force, ask=not as_json)
-    remarks: tuple[str, ...] = ()
+    remarks = taken_for(read)
     if is_mission:
-        remarks = write_mission(forecast.mission, target, suffix, read)
+        remarks += write_mission(forecast.mission, target, suffix, read)
     else:
         write_atomically(target, forecast_text(forecast, suffix, target.stem))
     if as_json:

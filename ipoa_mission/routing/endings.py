@@ -125,6 +125,6 @@ def _lands_on(forecast: Forecast) -> Iterator[str]:
         seconds = lasts[~(looks.clear[1:] & looks.clear[:-1])].sum()
         others = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
         yield (
-            f"LAND is not planned: in {seconds:.0f} of {whole:.0f} s in the air it may end on or too near "
-            f"{', '.join(names[:NAMED])}{others} (`check --endings` says when)"
+            f"a failsafe that lands where the vehicle is (LAND) may, in {seconds:.0f} of {whole:.0f} s in the air, end "
+            f"on or too near {', '.join(names[:NAMED])}{others} (`check --endings` says when)"
         )

@@ -241,7 +241,9 @@ def _mapped(path: Path, width: float | None, frame: LocalFrame) -> Area:
             continue
         if shape.geom_type != "Polygon":
             raise InvalidRing(
-                "expected a polygon, not an open line", hint="with `width` (--width) it is a corridor", place=place
+                "expected a polygon, not an open line",
+                hint="--width M, or width under [survey], makes it a corridor",
+                place=place,
             )
         (clean,) = unrepeated(np.array([shape], object))
         rings = [shapely.get_coordinates(ring) for ring in (clean.exterior, *clean.interiors)]

@@ -36,10 +36,19 @@ class Remedy(PageMessage):
     changes: tuple[Change, ...]
 
 
+class Fence(PageMessage):
+    """A geofence that the scenario draws itself."""
+
+    path: Path
+    inclusion: bool
+    ring: tuple[LngLat, ...]
+
+
 class Trouble(PageMessage):
     """Something was not done; `of` says what it was of, `message` has one thing that is wrong on a line.
 
-    `of_home`: whether one of them is wrong with home.
+    `of_home`: whether one of them is wrong with home. `fences` are those that the text draws, where it makes no
+    scenario.
     """
 
     kind: Literal["trouble"] = "trouble"
@@ -49,6 +58,7 @@ class Trouble(PageMessage):
     hint: str | None = None
     revision: int | None = None
     remedies: tuple[Remedy, ...] = ()
+    fences: tuple[Fence, ...] = ()
 
 
 class Body(PageMessage):
@@ -74,14 +84,6 @@ class Spot(PageMessage):
     place: LngLat
     up: float
     above_ground: float
-
-
-class Fence(PageMessage):
-    """A geofence that the scenario draws itself."""
-
-    path: Path
-    inclusion: bool
-    ring: tuple[LngLat, ...]
 
 
 class Terrace(PageMessage):

@@ -11,7 +11,7 @@ from ipoa_mission.studio.answers import Remedy, Trouble
 from ipoa_mission.studio.area_view import in_words
 from ipoa_mission.studio.requests import Add, Put, Take
 from ipoa_mission.studio.survey_remedies import area_remedies, survey_remedies
-from ipoa_mission.studio.view import without_folders
+from ipoa_mission.studio.view import fences_drawn, without_folders
 from ipoa_mission.studio.vocabulary import as_on_map
 
 #: Labels of changes that the planner has tried.
@@ -53,6 +53,7 @@ def misread(error: MissionError, table: Mapping[str, Any], path: str, revision: 
         hint=error.hint,
         revision=revision,
         remedies=remedies,
+        fences=tuple(fences_drawn(table)),
     )
 
 

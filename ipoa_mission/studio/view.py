@@ -1,7 +1,8 @@
 """A scenario as a map shows it: everything in longitude and latitude, heights above home."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from itertools import pairwise
 from typing import Any
 
@@ -10,12 +11,14 @@ import shapely
 from contourpy import FillType, contour_generator
 from numpy.typing import NDArray
 
+from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
 from ipoa_mission.maps.passed import PassedOver
 from ipoa_mission.report.ground_mesh import ground_mesh, round_step
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.places import FenceSection
 from ipoa_mission.studio.answers import Body, Fence, Heights, Spot, Terrace, World
+from ipoa_mission.studio.edits import frame_of
 from ipoa_mission.studio.vocabulary import LngLat, MapLine, as_on_map
 from ipoa_mission.world.frame import LocalFrame, radii_of_curvature
 
@@ -127,6 +130,14 @@ def fence_of(n: int, fence: FenceSection, frame: LocalFrame) -> Fence:
     else:
         ring = _closed(tuple((longitude, latitude) for latitude, longitude in fence.polygon_geodetic or ()))
     return Fence(path=("fence", n), inclusion=fence.inclusion, ring=ring)
+
+
+def fences_drawn(table: Mapping[str, Any]) -> Iterator[Fence]:
+    """The geofences that a scenario's table draws, whether it makes sense or not."""
+    with suppress(KeyError, TypeError, ValueError, BadInput):  # a reader of the scenario says what is wrong there
+        frame = frame_of(dict(table))
+        for n, fence in enumerate(table.get("fence", ())):
+            yield fence_of(n, FenceSection.model_validate(fence), frame)
 
 
 def _terraces(scenario: Scenario) -> Iterator[Terrace]:

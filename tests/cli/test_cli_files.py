@@ -148,6 +148,14 @@ def test_show_prints_the_notes_that_estimate_prints(run: Run, mission: str, tmp_
         assert [thing["example"] for thing in told["unread"]] == ["9 m WGS84"]
 
 
+def test_export_says_for_which_autopilot_it_read_a_file(run: Run, mission: str, tmp_path: Path) -> None:
+    (note,) = [line for line in run(f"show {mission}").out.splitlines() if line.startswith("note: read for ")]
+    assert note in run(f"export {mission} {tmp_path}/a.kml").out.splitlines()
+    told = json.loads(run(f"export {mission} {tmp_path}/a.plan --json").out)
+    assert note.removeprefix("note: ") in told["remarks"]
+    assert "read for" not in run(f"export {tmp_path}/a.plan {tmp_path}/b.kml").out
+
+
 @pytest.mark.parametrize("suffix", ["kml", "geojson", "csv", "gpx", "plan"])
 def test_export_writes_what_the_suffix_says(run: Run, mission: str, suffix: str) -> None:
     assert run(f"export {mission} out.{suffix}").code == 0

@@ -78,7 +78,7 @@ def test_among_towers_every_return_keeps_its_distance_by_another_geometry(autopi
     assert all(row.clear for ending in PLANNED for row in Endings(flight.forecast).rows(ending, timed=False))
     assert kept_by_dense_sampling(flight) >= flight.scenario.limits.obstacle_distance
     lands = [row for row in Endings(flight.forecast).rows(Ending.LAND, timed=False) if not row.clear]
-    told = [remark for remark in flight.remarks if remark.startswith("LAND is not planned")]
+    told = [remark for remark in flight.remarks if remark.startswith("a failsafe that lands")]
     assert len(told) == bool(lands)
     assert all(row.to in told[0] or "more" in told[0] for row in lands)
 

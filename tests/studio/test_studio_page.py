@@ -343,6 +343,18 @@ def test_the_map_stays_where_it_is_while_a_plan_is_awaited_or_refused(page: Any)
     assert page.locator(".lit").count() == 0
 
 
+def test_a_fence_that_is_refused_is_drawn_all_the_same(page: Any) -> None:
+    """Until it is undone, so that one sees why home is not in it."""
+    proved(page)
+    ring = "[[50.0, 20.0], [90.0, 20.0], [90.0, 60.0], [50.0, 60.0]]"
+    rewrite(page, MEADOW.read_text() + f"\n[[fence]]\npolygon = {ring}\n")
+    page.get_by_text("expected home inside of it").wait_for()
+    drawn = "window.map.querySourceFeatures('fences').length"
+    until(page, f"{drawn} > 0")
+    page.get_by_role("button", name="Undo").first.click()
+    until(page, f"{drawn} === 0")
+
+
 def test_a_height_is_changed_for_all_at_once(page: Any) -> None:
     field = page.get_by_label("Height of all places")
     field.fill("14")
