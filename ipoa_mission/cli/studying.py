@@ -75,7 +75,7 @@ def studio(
             name = "the start page" if file is None else file.name
             tell(f"{name} is open at {address}", "Ctrl-C ends it; whoever has this address can plan and fly")
             if source is not None:
-                tell(f"map tiles: {source.origin or source.shown.attribution} (kept; --tiles none: no more)")
+                tell(f"map tiles: {source.origin or source.shown.attribution} (remembered; --tiles none forgets them)")
         if browser:
             webbrowser.open(address)
 

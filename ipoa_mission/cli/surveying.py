@@ -159,7 +159,7 @@ def describe(survey: "Survey") -> list[str]:
     photos = "" if sight.trigger is None else f", {plan.photos} photos, one each {sight.trigger:.1f} m or less"
     inside = "nothing outside" if seen.outside_m < 0.005 else f"up to {seen.outside_m:.1f} m outside"
     hectares = f"{plan.area.shape.area / 1e4:.2f} ha"
-    told = [f"covers {down(100 * seen.share):.2f} % of what can be seen of {hectares}; {inside}"]
+    told = [f"covers {down(100 * seen.share):.2f} % of the visible part of {hectares}; {inside}"]
     if flown := plan.flown:
         told.append(
             f"as flown, with corners cut and passed: {down(100 * flown.share):.2f} %, {flown.outside_m:.1f} m outside"

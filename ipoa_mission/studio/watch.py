@@ -32,7 +32,7 @@ SAID = 6  # words of the vehicle that are kept
 ORDERED: dict[InFlight, Ending] = {"hold": Ending.HOLD, "rtl": Ending.RTL, "land": Ending.LAND}
 OBEYED = {"rtl": "it returns, as ordered", "land": "it lands, as ordered"}
 NO_WORLD = "no scenario says what stands here"
-ELSEWHERE = "it is not on its way: nobody has looked from here"
+ELSEWHERE = "it is off its planned way: what an order does from here is not forecast"
 NO_MODEL = "nothing is known of how it flies"
 
 
