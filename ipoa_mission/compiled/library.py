@@ -63,7 +63,7 @@ def load(folder: Path) -> dict[str, Callable[..., Any]] | None:
         index = json.loads((folder / INDEX).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return None
-    files = [file for cpu in these_cpus() if (file := folder / file_name(cpu)).is_file()]
+    files = [file for cpu in these_cpus() if (file := folder / file_name(cpu)).is_file() and _is_of(index, file)]
     if index["sources"] != sources_digest() or not files:
         return None
     try:
@@ -71,6 +71,17 @@ def load(folder: Path) -> dict[str, Callable[..., Any]] | None:
         return {name: Native(library, name, *types) for name, types in index["kernels"].items()}
     except (OSError, AttributeError):  # another system's, or its linker has left out what it was to show
         return None
+
+
+def _is_of(index: dict[str, Any], library: Path) -> bool:
+    """Whether a library is the one that was made with this index: another may be of other sources."""
+    made: dict[str, str] | None = index.get("libraries")
+    return made is None or made.get(library.name) == digest_of(library)
+
+
+def digest_of(library: Path) -> str:
+    """A hash of a library."""
+    return hashlib.sha256(library.read_bytes()).hexdigest()
 
 
 def file_name(cpu: str) -> str:

@@ -134,6 +134,14 @@ def test_what_was_compiled_is_kept_for_other_copies_of_the_same_sources(
     assert build("second") == ""
     monkeypatch.setattr(maker, "makers_digest", lambda: "another numba")
     assert build("third") == "compiling the kernels for x86-64\n"
+    assert json.loads((tmp_path / "third" / library.INDEX).read_text())["libraries"] == {
+        library.file_name("x86-64"): library.digest_of(tmp_path / "third" / library.file_name("x86-64"))
+    }
+    digests = iter(("before", "after"))
+    monkeypatch.setattr(maker, "sources_digest", lambda: next(digests))
+    with pytest.raises(SystemExit, match="changed while they were compiled"):
+        maker.make(tmp_path / "third", "x86-64")
+    assert not (tmp_path / "third" / library.file_name("x86-64")).exists()
 
 
 def test_what_makes_machine_code_tells_of_itself_and_writes_nothing(

@@ -116,3 +116,17 @@ def test_a_library_that_does_not_load_here_is_none(made_of: str, tmp_path: Path)
     index = {"sources": library.sources_digest(), "kernels": {"planning.survey": [["int"], "float"]}}
     (tmp_path / library.INDEX).write_text(json.dumps(index))
     assert library.load(tmp_path) is None
+
+
+def test_a_library_of_another_index_is_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As one that was left of older sources, beside the index of newer ones."""
+    made = library.PACKAGE / "compiled"
+    if library.load(made) is None:
+        pytest.skip("no machine code of these sources")
+    file = next(file for cpu in library.these_cpus() if (file := made / library.file_name(cpu)).is_file())
+    (tmp_path / file.name).write_bytes(file.read_bytes())
+    index = json.loads((made / library.INDEX).read_text())
+    for digest, is_loaded in ((library.digest_of(file), True), ("0" * 64, False)):
+        index["libraries"] = {file.name: digest}
+        (tmp_path / library.INDEX).write_text(json.dumps(index))
+        assert (library.load(tmp_path) is not None) is is_loaded

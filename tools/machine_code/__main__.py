@@ -20,8 +20,9 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
-from ipoa_mission.compiled.library import INDEX, NUMBA, PACKAGE, file_name, sources_digest, these_cpus
+from ipoa_mission.compiled.library import INDEX, NUMBA, PACKAGE, digest_of, file_name, sources_digest, these_cpus
 from tools import command_line
 from tools.machine_code.linking import link
 
@@ -31,7 +32,12 @@ KEPT = "IPOA_MISSION_MADE"  # a folder, for those who build often, each time fro
 
 
 def make(folder: Path, cpu: str) -> None:
-    """Write the library for one CPU, and the index; each part of the kernels is compiled in a process of its own."""
+    """Write the library for one CPU, and the index; each part of the kernels is compiled in a process of its own.
+
+    Raises:
+        SystemExit: a source was changed meanwhile.
+    """
+    of = {"sources": sources_digest(), "made_by": makers_digest()}
     with tempfile.TemporaryDirectory() as name, ThreadPoolExecutor(PARTS) as pool:
         told = {NUMBA: "1", "NUMBA_CPU_NAME": cpu, "NUMBA_CPU_FEATURES": "", "NUMBA_CACHE_DIR": name}
         command = [sys.executable, "-m", "tools.machine_code", name, cpu, "--part"]
@@ -41,8 +47,19 @@ def make(folder: Path, cpu: str) -> None:
         kernels: dict[str, object] = {}
         for part in range(PARTS):
             kernels |= json.loads(Path(name, f"{part}.json").read_text(encoding="utf-8"))
-    text = json.dumps({"sources": sources_digest(), "made_by": makers_digest(), "kernels": kernels})
-    (folder / INDEX).write_text(text, encoding="utf-8")
+    if of["sources"] != sources_digest():
+        (folder / file_name(cpu)).unlink()
+        sys.exit("a source of the kernels was changed while they were compiled: compile them again")
+    _write_index(folder, of | {"kernels": kernels, "libraries": {file_name(cpu): digest_of(folder / file_name(cpu))}})
+
+
+def _write_index(folder: Path, made: dict[str, Any]) -> None:
+    """Write an index; libraries of the same sources that it does not name are kept in it."""
+    path = folder / INDEX
+    before = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    if all(before.get(key) == made.get(key) for key in ("sources", "made_by")):
+        made = made | {"libraries": before.get("libraries", {}) | made["libraries"]}
+    path.write_text(json.dumps(made), encoding="utf-8")
 
 
 def make_part(folder: Path, cpu: str, part: int) -> None:
@@ -83,14 +100,18 @@ def _copy_from(here: Path, folder: Path, cpu: str) -> bool:
     made = json.loads(index.read_text(encoding="utf-8"))
     if (made["sources"], made.get("made_by")) != (sources_digest(), makers_digest()):
         return False
-    _copy((library, index), folder)
+    if made["libraries"].get(library.name) != digest_of(library):
+        return False
+    _copy(library, made, folder)
     return True
 
 
-def _copy(files: tuple[Path, Path], folder: Path) -> None:
-    for file in files:
-        if not (folder / file.name).exists() or not file.samefile(folder / file.name):
-            shutil.copy(file, folder)
+def _copy(library: Path, made: dict[str, Any], folder: Path) -> None:
+    """Copy a library, and what its index says of it."""
+    there = folder / library.name
+    if not there.exists() or not library.samefile(there):
+        shutil.copy(library, folder)
+        _write_index(folder, made | {"libraries": {library.name: digest_of(library)}})
 
 
 def main() -> None:
@@ -109,7 +130,8 @@ def main() -> None:
         make(given.folder, cpu)
         for kept in _kept():
             kept.mkdir(parents=True, exist_ok=True)
-            _copy((given.folder / file_name(cpu), given.folder / INDEX), kept)
+            made = json.loads((given.folder / INDEX).read_text(encoding="utf-8"))
+            _copy(given.folder / file_name(cpu), made, kept)
 
 
 if __name__ == "__main__":
