@@ -23,12 +23,12 @@ log-incomplete log-useless low-battery missing mission-error mission-not-begun m
 no-coordinate-system no-path no-route no-such-item no-time not-a-mission-item not-at-start not-checked not-covered
 not-degrees not-enough-battery not-flown not-found not-heard not-in-the-air not-modeled not-on-ground not-planned
 not-ready not-split not-started-up not-yet nothing-flown nothing-left nothing-there option-conflict other-autopilot
-other-item-current other-kind outside-own-fence package-missing page-not-built parameter-kept picture place-blocked
-read-back-differs replaced replaced-since ring-misplaced several-vehicles signs-otherwise silence speaks-mavlink1 stale
-start-not-reached streams-missing survey-too-long survey-too-low survey-too-near time-missing time-not-covered time-up
-too-large too-many-flights too-narrow too-near unfinished unflyable unknown-dialect unknown-name unknown-parameter
-unknown-version unlike unplaced unreachable unreadable unsafe unsettled unwritable upload-again walled-off
-way-home-blocked winds-absurd wrong-format wrong-suffix
+other-item-current other-kind other-rally-points outside-own-fence package-missing page-not-built parameter-kept picture
+place-blocked read-back-differs replaced replaced-since ring-misplaced several-vehicles signs-otherwise silence
+speaks-mavlink1 stale start-not-reached streams-missing survey-too-long survey-too-low survey-too-near time-missing
+time-not-covered time-up too-large too-many-flights too-narrow too-near unfinished unflyable unknown-dialect
+unknown-name unknown-parameter unknown-version unlike unplaced unreachable unreadable unsafe unsettled unwritable
+upload-again walled-off way-home-blocked winds-absurd wrong-format wrong-suffix
 """
 CODES = frozenset(_CODES.split())
 

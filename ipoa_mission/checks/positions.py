@@ -83,8 +83,8 @@ def refuse_unsound(mission: Mission) -> None:
     Raises:
         BadInput: in the first words of `refusals`.
     """
-    for message in refusals(mission):
-        raise BadInput(message)
+    for finding in unsound(check_positions(mission)):
+        raise BadInput(finding.message, code=finding.code)
 
 
 def refusals(mission: Mission) -> tuple[str, ...]:

@@ -118,7 +118,7 @@ def estimate(
     given = read_given(file, flown_by, world=world)
     forecast = Forecast(given.mission, world, flown_by.air)
     if wrong := refusals(given.mission):
-        raise BadInput("\n".join(f"{file}: {words}" for words in wrong))
+        raise BadInput(wrong[0], place=file).followed_by(*(f"{file}: {words}" for words in wrong[1:]))
     asked = forecast.given
     refuse_errors(tuple(check_version(asked.autopilot, asked.firmware_version, asked.unmeasured_version)))
     mission, prediction, budget = forecast.mission, forecast.estimate, None

@@ -52,7 +52,7 @@ def learn(
     try:
         vehicle = replace(fit(flights), version=version)
     except MissionError as error:
-        raise MissionError("\n".join([str(error), *remarks]), hint=error.hint) from error
+        raise error.followed_by(*remarks) from error
     before, after = median_errors(judged)
     if len(flights) == 1:
         if vehicle.hover_power is None:

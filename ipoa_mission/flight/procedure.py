@@ -89,7 +89,7 @@ def _put(
         left = left_lists(vehicle, mission)
         if is_flown and not anyway and MissionType.RALLY in left:
             hint = "clear what it holds (ipoa-mission clear), or fly with --anyway"
-            raise MissionError(left[MissionType.RALLY], hint)
+            raise MissionError(left[MissionType.RALLY], hint, code="other-rally-points")
     with stages(Stage.UPLOAD) as show:
         vehicle.upload(replace(mission, autopilot=vehicle.autopilot) if anyway else mission, show, checked=False)
     with stages(Stage.STORED):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.errors import MissionError
+from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, itinerary
 from ipoa_mission.forecast.itinerary.legs import Leg, Phase, flown_legs, join, return_ways
 from ipoa_mission.forecast.itinerary.unknown import Unknown, unknown_ways
@@ -177,7 +177,7 @@ class Forecast:
 
         if self.mission.other_vehicle:
             words = f"the mission is for {self.mission.other_vehicle}, and only multicopters have a time model"
-            raise MissionError(words)
+            raise NotModeled(words)
         model = self.mission.autopilot.part(FlightModel)
         if sure and fast is None and model.is_always_sure:
             return self.expected  # a long flight is large

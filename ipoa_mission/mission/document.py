@@ -149,7 +149,7 @@ def _once(path: Path, pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(found) < len(pairs):
         keys = [key for key, _ in pairs]
         twice = next(key for key in keys if keys.count(key) > 1)
-        raise BadInput(f'{path}: expected each key of an object once, not "{twice}" twice')
+        raise WrongFormat(f'expected each key of an object once, not "{twice}" twice', place=path)
     return found
 
 

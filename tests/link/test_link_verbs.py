@@ -54,7 +54,7 @@ def test_rally_points_go_with_a_mission_and_an_item_is_chosen_as_the_mission_cou
     assert vehicle.download().rally == RALLY
     assert not any("rally points" in remark for remark in upload_mission(vehicle, suited(vehicle, MISSION)))
     plain = suited(vehicle, replace(MISSION, rally=()))
-    with refuses("mission-error", "", "rally points"):
+    with refuses("other-rally-points", "", "rally points"):
         load_mission(vehicle, Forecast(plain))
     assert vehicle.download().rally == RALLY
     assert any("holds rally points of another mission" in remark for remark in upload_mission(vehicle, plain))
