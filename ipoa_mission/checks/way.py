@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from ipoa_mission.checks.finding import item_of, numbered
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.itinerary.copter_circle import circle_turn
 from ipoa_mission.mission.commands import Command
 
 
@@ -29,7 +30,8 @@ def check_way(forecast: Forecast) -> Iterator[Finding]:
         radius = at.item.params[2]
         if at.item.command != Command.NAV_LOITER_TURNS or radius == 0.0 or not math.isfinite(radius):
             continue
-        flown = mission.autopilot.circle(parameters, abs(radius), version=mission.firmware_version)
+        turn = circle_turn(at.item)
+        flown = mission.autopilot.circle(parameters, abs(radius), turn, None, mission.firmware_version)
         if flown is not None and flown.sense * radius < 0.0:
             sense = "clockwise" if flown.sense > 0.0 else "counterclockwise"
             words = f"{firmware} flies it {sense}: the sign of CIRCLE_RATE counts, and that of the radius does not"
