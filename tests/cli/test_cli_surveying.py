@@ -37,7 +37,7 @@ def test_a_survey_is_planned_checked_shown_and_timed(run: Run, tmp_path: Path) -
     (tmp_path / "field.toml").write_text(SCENARIO)
     told = run(f"plan {tmp_path}/field.toml --out {tmp_path}/out")
     assert (told.code, told.err) == (0, "")
-    assert "of what can be seen" in told.out
+    assert "of the visible part of" in told.out
     as_json = json.loads(run(f"plan {tmp_path}/field.toml --out {tmp_path}/out --json").out)["survey"]
     assert as_json["covered_share"] > 0.999
     assert as_json["outside_m"] == 0.0
@@ -178,7 +178,7 @@ def test_an_area_is_named_as_it_was_typed_and_a_line_becomes_a_corridor_by_width
     (tmp_path / "river.geojson").write_text(json.dumps({"type": "Feature", "properties": {}, "geometry": line}))
     said = run("plan --survey river.geojson").err
     assert said.startswith("error: --survey: river.geojson: ") or said.startswith("error: river.geojson: ")
-    assert "(--width)" in said
+    assert "hint: --width M" in said
     assert str(tmp_path) not in run("plan --survey nowhere.geojson").err
     assert run("plan missions.toml --width 30").err.startswith("error: --width: expected with --survey")
     ended = run("plan --survey river.geojson --width 30 --json")
