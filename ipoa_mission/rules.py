@@ -294,7 +294,7 @@ RULES: Mapping[str, Rule] = {
         True,
     ),
     "file-parameters": Rule(
-        "The parameters beside the file are of another autopilot than the one named: none of them is used.",
+        "Parameters beside the file are not read: some make no sense, or all are another autopilot's.",
         "Name those of the vehicle by --param-file.",
         True,
     ),

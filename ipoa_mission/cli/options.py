@@ -210,9 +210,13 @@ def read_parameter_options(given: list[str] | None, file: Path | None) -> dict[s
     """
     parameters: dict[str, float] = {}
     if file is not None:
-        from ipoa_mission.mission.parameter_file import read_parameters
+        from ipoa_mission.cli.telling import notes, shown
+        from ipoa_mission.mission.parameter_file import read_parameter_file
 
-        parameters.update(read_parameters(file))
+        read = read_parameter_file(file)
+        parameters.update(read.parameters)
+        for note in notes(thing.words for thing in read.unread):
+            typer.echo(shown(note), err=True)
     for text in given or ():
         name, equals, value = text.partition("=")
         try:

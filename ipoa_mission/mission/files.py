@@ -10,7 +10,7 @@ from ipoa_mission.mission.about_file import told_beside
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import landing_height, landing_on
 from ipoa_mission.mission.mission_file import MissionFile
-from ipoa_mission.mission.parameter_file import beside, read_parameters, write_with_parameters
+from ipoa_mission.mission.parameter_file import ParameterFile, beside, read_parameter_file, write_with_parameters
 from ipoa_mission.mission.plan_file import parse_plan, plan_text
 from ipoa_mission.mission.waypoints_file import FIRST_LINE, lost_in_waypoints, parse_waypoints, waypoints_text
 from ipoa_mission.mission.whose_waypoints import only_taker
@@ -78,7 +78,8 @@ def parse_mission(
         BadInput: as `read_mission_file`.
     """
     lying = beside(path)
-    parameters = read_parameters(lying) if lying.is_file() else {}
+    of_vehicle = read_parameter_file(lying) if lying.is_file() else ParameterFile({})
+    parameters = of_vehicle.parameters
     theirs = firmware_of(parameters)
     told = told_beside(path, text)
     file = _parsed(path, text, autopilot, theirs or _named(told.autopilot) or otherwise)
@@ -86,6 +87,8 @@ def parse_mission(
         foreign = f"{lying}: parameters of {theirs}, not of {autopilot}: none of them is used"
         warned = Finding("file-parameters", Severity.WARNING, None, foreign, f"name {autopilot}'s by --param-file")
         file, parameters = replace(file, findings=(*file.findings, warned)), {}
+    odd = (Finding("file-parameters", Severity.WARNING, None, thing.words) for thing in of_vehicle.unread)
+    file = replace(file, findings=(*file.findings, *odd))
     mission = file.mission
     if told.landing_height is not None and landing_height(mission) is None:
         mission = landing_on(mission, told.landing_height)

@@ -6,18 +6,49 @@ file holds no parameters: those of a mission stand beside it, in QGroundControl'
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeAlias
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text, write_together
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.unread import Unread, gathered
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
+from ipoa_mission.vehicles.known_parameters import firmware_of, known_names
 from ipoa_mission.vehicles.parameters import REAL32, SINGLE_MAX, Parameters
 
 FIRST_LINE = "# Parameters of the vehicle that {} was made for"
 COLUMNS = "# Vehicle-Id Component-Id Name Value Type"
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,15}", re.ASCII)  # MAVLink's param_id holds sixteen characters
+NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?nan", re.ASCII | re.IGNORECASE)
+AUTOPILOT = "1"  # MAV_COMP_ID_AUTOPILOT1
+WHOLE, FLOATS = range(1, 9), (9, 10)  # MAV_PARAM_TYPE
+UNUSUAL = 25.0  # a value of so many times the default may be one of another unit, and one of so small a part
+A_WHOLE_LIST = 100  # parameters that no model uses: then the file has all of a vehicle's
 SEPARATOR = re.compile(r"[,\s]+")
+
+
+_Owner: TypeAlias = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class ParameterFile:
+    """The parameters in a file by name, and what of it was not read or makes no sense."""
+
+    parameters: Parameters
+    unread: tuple[Unread, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Row:
+    """A parameter of a line; `owner`: vehicle and component, where the line names them."""
+
+    line: int
+    name: str
+    value: float
+    owner: _Owner | None
 
 
 def read_parameters(path: str | Path) -> Parameters:
@@ -28,13 +59,21 @@ def read_parameters(path: str | Path) -> Parameters:
     Raises:
         BadInput: the message names the line, as in `quad.parm: line 3: expected a name and a value, not "WPNAV"`.
     """
-    parameters: dict[str, float] = {}
-    for number, line in enumerate(read_text(Path(path)).splitlines(), start=1):
-        text = line.split("#", 1)[0].strip()
-        if text:
-            name, value = _name_and_value(text, f"{path}: line {number}")
-            parameters[name] = value
-    return parameters
+    return read_parameter_file(path).parameters
+
+
+def read_parameter_file(path: str | Path) -> ParameterFile:
+    """Read parameters as `read_parameters` does, and what was not read; of several components the autopilot's.
+
+    Raises:
+        BadInput: as `read_parameters`.
+    """
+    text = read_text(Path(path))
+    rows = list(_rows(text, path))
+    owners = [row.owner for row in rows]
+    owner = next((one for one in owners if one is not None and one[1] == AUTOPILOT), owners[0] if owners else None)
+    parameters = {name: row.value for name, row in _taken(rows, owner).items()}
+    return ParameterFile(parameters, gathered(_unread(Path(path).name, text, rows, owner)))
 
 
 def beside(path: Path) -> Path:
@@ -83,13 +122,25 @@ def _is_ours(target: Path) -> bool:
     return target.exists() and read_text(target).startswith(FIRST_LINE.partition("{}")[0])
 
 
-def _name_and_value(text: str, place: str) -> tuple[str, float]:
-    fields = SEPARATOR.split(text)
-    match fields:
+def _taken(rows: list[_Row], owner: _Owner | None) -> dict[str, _Row]:
+    return {row.name: row for row in rows if row.owner in (owner, None)}
+
+
+def _rows(text: str, path: str | Path) -> Iterator[_Row]:
+    for number, line in enumerate(text.splitlines(), start=1):
+        if content := line.split("#", 1)[0].strip():
+            yield _row(content, number, f"{path}: line {number}")
+
+
+def _row(text: str, line: int, place: str) -> _Row:
+    owner, whole = None, False
+    match SEPARATOR.split(text):
         case [name, value]:
             pass
         case [vehicle, component, name, value, kind] if (vehicle + component + kind).isdigit():
-            pass
+            owner, whole = (vehicle, component), int(kind) in WHOLE
+            if int(kind) not in (*WHOLE, *FLOATS):
+                raise BadInput(f"expected a MAV_PARAM_TYPE from 1 to 10, not {kind}", place=f"{place}: {name}")
         case _:
             raise BadInput(
                 f"expected a name and a value, or vehicle, component, name, value and type, not {text[:60]!r}",
@@ -97,15 +148,63 @@ def _name_and_value(text: str, place: str) -> tuple[str, float]:
             )
     if not NAME.fullmatch(name):
         raise BadInput(f"expected a parameter's name of up to 16 letters, digits and _, not {name[:40]!r}", place=place)
-    try:
-        number = float(value)
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
-        raise BadInput(f"expected a number, not {value[:40]!r}", place=f"{place}: {name}")
+    place = f"{place}: {name}"
+    if not NUMBER.fullmatch(value) or not math.isfinite(number := float(value)):
+        raise BadInput(f"expected a number, not {value[:40]!r}", place=place)
     if abs(number) > SINGLE_MAX:
-        raise BadInput(f"expected a number that fits in single precision, not {value[:40]!r}", place=f"{place}: {name}")
-    return name.upper(), number
+        raise BadInput(f"expected a number that fits in single precision, not {value[:40]!r}", place=place)
+    if whole and not number.is_integer():
+        raise BadInput(f"expected a whole number, as its type is, not {value[:40]!r}", place=place)
+    return _Row(line, name.upper(), number, owner)
+
+
+def _unread(file: str, text: str, rows: list[_Row], owner: _Owner | None) -> Iterator[Unread]:
+    taken = _taken(rows, owner)
+    for row in rows:
+        if row.owner not in (owner, None):
+            of = "vehicle {}, component {}".format(*row.owner or ())
+            yield Unread(file, "parameters of another vehicle or component", f"line {row.line}: {of}", row.name)
+        elif row.value != taken[row.name].value:
+            words = "values of parameters that have another one further below"
+            yield Unread(file, words, f"line {row.line}: {row.name}", f"{row.value:g}")
+    for autopilot in registered():
+        yield from _of_book(file, taken, autopilot)
+    known = known_names()
+    others = [row for name, row in taken.items() if name not in known]
+    flies = firmware_of(taken)
+    if len(others) < A_WHOLE_LIST:
+        yield from (Unread(file, "parameters that no model uses", f"line {row.line}", row.name) for row in others)
+    elif flies is not None:
+        there = flies.book.by_old_names(dict.fromkeys(taken, 0.0))
+        for name in sorted(flies.book.moving.keys() - there.keys()):
+            yield Unread(file, "parameters that are not in the list: their defaults are taken", name)
+    header = re.search(r"^#\s*Vehicle:\s*(.*(?:wing|plane|vtol|rover|boat|sub|ground|heli|ship).*)$", text, re.I | re.M)
+    if header is not None:
+        yield Unread(file, "the class of its vehicle: taken for a multicopter", "header", header[1].strip())
+    if not rows:
+        yield Unread(file, "parameters: there are none", "the file")
+    elif not text.endswith(("\n", "\r")) and not (rows[-1].owner and rows[-1].line == len(text.splitlines())):
+        yield Unread(file, "what may follow: its last line has no end", f"line {rows[-1].line}", rows[-1].name)
+
+
+def _of_book(file: str, taken: Mapping[str, _Row], autopilot: Autopilot) -> Iterator[Unread]:
+    """Name old spellings beside newer ones that say otherwise, and values that look like those of another unit."""
+    book = autopilot.book
+    for name, (old, unit) in book.renamed.items():
+        newer, older = taken.get(name), taken.get(old)
+        if newer and older and not math.isclose(newer.value * unit, older.value, rel_tol=1e-5):
+            yield Unread(file, f"old name beside {name}", f"line {older.line}: {old}", f"{older.value:g}")
+        usual = abs(book.moving.get(old, 0.0))
+        for row, factor in ((newer, unit), (older, 1.0)):
+            times = abs(row.value) * factor / usual if row and usual and unit != 1.0 else 0.0
+            if row and times and not 1 / UNUSUAL < times < UNUSUAL:
+                what = f"the unit of {row.name}, taken as documented: {times:.3g} times the default"
+                yield Unread(file, what, f"line {row.line}", f"{row.value:g}")
+    speeds = (book.meanings.get(what, "") for what in ("cruise speed", "climb speed", "descent speed"))
+    for one in filter(None, map(taken.get, speeds)):
+        if book.units.get(one.name, 1.0) == 1.0 and one.value > book.fastest:
+            what = f"the unit of {one.name}, taken as m/s: beyond {book.fastest:g} m/s"
+            yield Unread(file, what, f"line {one.line}", f"{one.value:g}")
 
 
 def _number(value: float) -> str:

@@ -5,7 +5,6 @@ altitude in it for AMSL, so none is written. PX4 turns the vehicle north where a
 """
 
 import math
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -19,7 +18,7 @@ from ipoa_mission.mission.fence_items import CIRCLE, POLYGON, fence_from_wire, r
 from ipoa_mission.mission.firmware import home_item, settle_frames
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.mission_file import MissionFile
-from ipoa_mission.mission.parameter_file import write_with_parameters
+from ipoa_mission.mission.parameter_file import NUMBER, write_with_parameters
 from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot
 from ipoa_mission.world.frame import Geodetic
 
@@ -30,7 +29,6 @@ NO_COMMAND = 0  # what Mission Planner gives a home that it does not know
 OTHER_LISTS = frozenset({*POLYGON, *CIRCLE, Command.NAV_FENCE_RETURN_POINT, Command.NAV_RALLY_POINT})
 PARAMS = ("param1", "param2", "param3", "param4")
 FIELDS = ("seq", "current", "frame", "command", *PARAMS, "latitude", "longitude", "altitude", "autocontinue")
-NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?nan", re.ASCII | re.IGNORECASE)
 
 
 def write_waypoints(mission: Mission, path: str | Path) -> tuple[str, ...]:

@@ -13,6 +13,11 @@ def known_parameters() -> frozenset[str]:
     return frozenset(name for one in registered() for name in (*one.book.moving, *one.book.renamed))
 
 
+def known_names() -> frozenset[str]:
+    """The names of all parameters of any autopilot that are known, those of failsafes among them."""
+    return frozenset(name for one in registered() for name in one.parameter_names)
+
+
 def expect_own(names: Iterable[str], autopilot: Autopilot) -> None:
     """Refuse another firmware's parameters; those that are nobody's pass, as a vehicle has a thousand more.
 
@@ -40,8 +45,7 @@ def expect_known(names: Iterable[str], autopilot: Autopilot | None = None) -> No
     """
     if autopilot is not None:
         expect_own(names, autopilot)
-    some = registered() if autopilot is None else (autopilot,)
-    existing = frozenset(name for one in some for name in one.parameter_names)
+    existing = known_names() if autopilot is None else autopilot.parameter_names
     for name in names:
         if name not in existing:
             near = get_close_matches(name, sorted(existing), 1)

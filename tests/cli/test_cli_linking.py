@@ -70,6 +70,7 @@ def test_upload_tells_what_the_mission_was_made_for_and_the_vehicle_has_otherwis
     with autopilot() as link:
         told = json.loads(run(f"upload slow.plan --link {link} --json").out)["remarks"]
     assert told == [
+        'slow.params: not read: parameters that no model uses: line 5 ("MPC_XY_WARP")',
         "parameters from slow.params: MPC_ACC_HOR 1.5, MPC_JERK_AUTO 4, MPC_XY_WARP 9",
         "MPC_ACC_HOR is 3 on the vehicle, and the mission was made for 1.5",
         "the vehicle has no parameter MPC_XY_WARP",

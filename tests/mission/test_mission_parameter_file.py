@@ -8,11 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.files import read_mission, read_mission_file
 from ipoa_mission.mission.items import Item, Mission, takeoff
-from ipoa_mission.mission.parameter_file import read_parameters
+from ipoa_mission.mission.parameter_file import read_parameter_file, read_parameters
 from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.mission.waypoints_file import write_waypoints
+from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.parameters import SINGLE_MAX
 from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
@@ -59,6 +60,9 @@ def test_each_tools_file_is_read(tmp_path: Path, text: str, expected: dict[str, 
         ("WPNAV_SPEED nan", ("bad-input", "vehicle.parm: line 2: WPNAV_SPEED", "'nan'")),
         ("WPNAV_SPEED 1e300", ("bad-input", "vehicle.parm: line 2: WPNAV_SPEED", "'1e300'")),
         ("800,WPNAV_SPEED", ("bad-input", "vehicle.parm: line 2")),
+        ("WPNAV_SPEED 8_0", ("bad-input", "vehicle.parm: line 2: WPNAV_SPEED", "'8_0'")),
+        ("1 1 NAV_DLL_ACT 0.5 6", ("bad-input", "vehicle.parm: line 2: NAV_DLL_ACT", "'0.5'")),
+        ("1 1 NAV_DLL_ACT 0 77", ("bad-input", "vehicle.parm: line 2: NAV_DLL_ACT", "77")),
     ],
 )
 def test_a_broken_line_is_named(tmp_path: Path, line: str, message: tuple[str, ...]) -> None:
@@ -66,6 +70,84 @@ def test_a_broken_line_is_named(tmp_path: Path, line: str, message: tuple[str, .
     path.write_text(f"# a comment\n{line}\n")
     with refuses(*message):
         read_parameters(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "parameters", "words"),
+    [
+        (QGROUNDCONTROL, {"MPC_XY_CRUISE": 7.5, "NAV_DLL_ACT": 0.0}, []),
+        (
+            "WPNAV_SPEED 500\nWPNAV_SPEED 800\nWPNAV_SPEED 800\n",
+            {"WPNAV_SPEED": 800.0},
+            ['values of parameters that have another one further below: line 1: WPNAV_SPEED ("500")'],
+        ),
+        (
+            "1 1 NAV_ACC_RAD 3 9\n1 100 NAV_ACC_RAD 9 9\n2 1 NAV_ACC_RAD 8 9\n",
+            {"NAV_ACC_RAD": 3.0},
+            [
+                "parameters of another vehicle or component: "
+                '2 times, first line 2: vehicle 1, component 100 ("NAV_ACC_RAD")'
+            ],
+        ),
+        ("WPNAV_SPED 500\n", {"WPNAV_SPED": 500.0}, ['parameters that no model uses: line 1 ("WPNAV_SPED")']),
+        ("WP_SPD 8\nWPNAV_SPEED 800\n", {"WP_SPD": 8.0, "WPNAV_SPEED": 800.0}, []),
+        (
+            "WP_SPD 8\nWPNAV_SPEED 500\n",
+            {"WP_SPD": 8.0, "WPNAV_SPEED": 500.0},
+            ['old name beside WP_SPD: line 2: WPNAV_SPEED ("500")'],
+        ),
+        (
+            "WP_SPD 800\n",
+            {"WP_SPD": 800.0},
+            ['the unit of WP_SPD, taken as documented: 80 times the default: line 1 ("800")'],
+        ),
+        (
+            "MPC_XY_CRUISE 300\n",
+            {"MPC_XY_CRUISE": 300.0},
+            ['the unit of MPC_XY_CRUISE, taken as m/s: beyond 40 m/s: line 1 ("300")'],
+        ),
+        (
+            "#\n# Vehicle: Fixed Wing\n1 1 NAV_ACC_RAD 3 9\n",
+            {"NAV_ACC_RAD": 3.0},
+            ['the class of its vehicle: taken for a multicopter: header ("Fixed Wing")'],
+        ),
+        (
+            "WPNAV_SPEED,80",
+            {"WPNAV_SPEED": 80.0},
+            ['what may follow: its last line has no end: line 1 ("WPNAV_SPEED")'],
+        ),
+        ("# only words\n", {}, ["parameters: there are none: the file"]),
+    ],
+)
+def test_what_a_parameter_file_says_twice_or_oddly_is_named(
+    tmp_path: Path, text: str, parameters: dict[str, float], words: list[str]
+) -> None:
+    """Of several components the autopilot's are taken, of two values the last."""
+    path = tmp_path / "a.params"
+    path.write_text(text)
+    read = read_parameter_file(path)
+    assert read.parameters == parameters
+    assert [one.words for one in read.unread] == [f"a.params: not read: {each}" for each in words]
+    write_plan(MISSION, tmp_path / "a.plan")
+    if "WP" not in text:
+        found = read_mission_file(tmp_path / "a.plan").findings
+        assert [finding.message for finding in found if finding.code == "file-parameters"] == [
+            one.words for one in read.unread
+        ]
+
+
+def test_a_whole_list_is_asked_for_what_it_lacks(tmp_path: Path) -> None:
+    """Of a thousand parameters that no model uses not one is named, but each that a model looks for and misses."""
+    book = Autopilot.PX4.book
+    lines = [*(f"ZZ_{n} 1" for n in range(200)), *(f"{name} {value}" for name, value in book.moving.items())]
+    path = tmp_path / "whole.params"
+    path.write_text("\n".join(lines) + "\n")
+    assert read_parameter_file(path).unread == ()
+    path.write_text(path.read_text().replace("MPC_XY_CRUISE", "MPC_XY_KRUISE"))
+    (unread,) = read_parameter_file(path).unread
+    assert unread.words.endswith(
+        "not read: parameters that are not in the list: their defaults are taken: MPC_XY_CRUISE"
+    )
 
 
 @given(

@@ -1,0 +1,62 @@
+"""No quiet loss: a changed mission, log, terrain or parameter file says the same, or more, or the change is named.
+
+`python -m tools.fuzz.mutated_inputs --count 10000` tries so many changes; exit code 1 when one is lost without a word.
+"""
+
+import argparse
+import random
+import tempfile
+from collections import Counter
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from tools.fuzz import mutated_missions as missions
+from tools.fuzz.outcome import Outcome, Reading, judge
+
+Change = Callable[[random.Random], tuple[str, str | bytes, str | bytes]]
+#: By suffix: how a file is changed and read, and how often it is tried.
+KINDS: dict[str, tuple[Change, Callable[[Path], Reading], int]] = {
+    ".plan": (missions.changed_plan, missions.read_mission_text, 4),
+    ".waypoints": (missions.changed_list, missions.read_mission_text, 2),
+    ".params": (missions.changed_parameters, missions.read_parameter_text, 2),
+}
+
+
+def tries(count: int, seed: int, kinds: tuple[str, ...] = ()) -> Iterator[tuple[str, str, Outcome, str]]:
+    """The reader, the change, what became of it, and the changed file, so many times."""
+    chance = random.Random(seed)
+    suffixes = [suffix for suffix, (*_, often) in KINDS.items() for _ in range(often) if not kinds or suffix in kinds]
+    with tempfile.TemporaryDirectory() as folder:
+        for n in range(count):
+            suffix = chance.choice(suffixes)
+            change, read, _ = KINDS[suffix]
+            name, before, after = change(chance)
+            path = Path(folder) / f"{n}{suffix}"
+            outcome = judge(path, before, after, read)
+            shown = after if isinstance(after, str) else f"{len(after)} bytes"
+            yield suffix, name, outcome, shown
+            path.unlink()
+
+
+def main() -> int:
+    """Try, print what was lost, and count by reader."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--count", type=int, default=10_000)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--of", nargs="*", default=[], choices=[*KINDS], help="readers; left out, all")
+    options = parser.parse_args()
+    counts = Counter[tuple[str, Outcome]]()
+    for suffix, name, outcome, shown in tries(options.count, options.seed, tuple(options.of)):
+        counts[suffix, outcome] += 1
+        if outcome == "lost":
+            print(f"lost without a word: {suffix}: {name}: {shown}")
+    outcomes: tuple[Outcome, ...] = ("named", "same", "more cautious", "lost")
+    print(f"| reader | changes | {' | '.join(outcomes)} |")
+    for suffix in KINDS:
+        row = [counts[suffix, outcome] for outcome in outcomes]
+        print(f"| `{suffix}` | {sum(row):,} | {' | '.join(f'{one:,}' for one in row)} |")
+    return 1 if any(count for (_, outcome), count in counts.items() if outcome == "lost") else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,38 @@
+"""Judge what became of a changed file: the same reading, a more cautious one, a change that is named, or a loss."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from ipoa_mission.errors import BadInput, MissionError
+
+Outcome = Literal["same", "more cautious", "named", "lost"]
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What a file says, and in which words the reader names what it did not take.
+
+    `covers(before, after)` says whether `after` stands in the way as much; where it is None that is not asked.
+    """
+
+    said: Any
+    words: frozenset[str]
+    covers: Callable[[Any, Any], bool] | None = None
+
+
+def judge(path: Path, before: str | bytes, after: str | bytes, read: Callable[[Path], Reading]) -> Outcome:
+    """Read a file before and after a change."""
+    path.write_bytes(before if isinstance(before, bytes) else before.encode())
+    was = read(path)
+    path.write_bytes(after if isinstance(after, bytes) else after.encode())
+    try:
+        now = read(path)
+    except (BadInput, MissionError):
+        return "named"
+    if now.said == was.said:
+        return "same"
+    if now.words - was.words:
+        return "named"
+    return "more cautious" if was.covers is not None and was.covers(was.said, now.said) else "lost"
