@@ -20,6 +20,7 @@ from ipoa_mission.geometry import Vector
 UNITS = {"": 1.0, "m": 1.0, "metre": 1.0, "meter": 1.0, "metres": 1.0, "meters": 1.0}
 UNITS |= {"ft": 0.3048, "foot": 0.3048, "feet": 0.3048, "us survey foot": 1200 / 3937, "ftus": 1200 / 3937}
 LOWEST, HIGHEST = -500.0, 9_000.0  # no ground on Earth is lower or higher [m]
+DROP = 100.0  # neighboring posts that differ by more may be spoiled: few cliffs are as high [m]
 EXTRA_POSTS = 2  # posts read beyond the area, so that its edge lies between posts
 FILL_REACH = 100  # pixels over which a missing height is filled from its neighbors
 
@@ -104,10 +105,27 @@ class RasterFile:
             missing |= band.data == self.nodata
         heights = (band.data * self.dataset.scales[0] + self.dataset.offsets[0]) * self._unit
         heights = np.where(missing, np.nan, heights.astype(float))
+        first = rows[0], columns[0]
         undeclared = heights[heights < LOWEST]
         heights[heights < LOWEST] = np.nan
         why = f", for no ground is at {undeclared[0]:g} m" if undeclared.size else ""
-        return (rows[0], columns[0]), *self._complete(heights, (rows[0], columns[0]), fill, why)
+        others = heights[(heights != 0) & np.isfinite(heights)]
+        if others.size and others.min() > DROP and (heights == 0).any():
+            why += f", for they are 0 m, and all others above {others.min():.0f} m"
+            heights[heights == 0] = np.nan
+        heights, remarks = self._complete(heights, first, fill, why)
+        return first, heights, (*remarks, *self._oddities(heights, first))
+
+    def _oddities(self, heights: NDArray[np.float64], first: tuple[int, int]) -> Iterator[str]:
+        """Name bands that are not read, and ground that falls as steeply as where a height is missing or spoiled."""
+        if self.dataset.count > 1:
+            names = ", ".join(name for name in self.dataset.descriptions if name)
+            yield f"heights are those of band 1 of {self.dataset.count}{f' ({names})' if names else ''}"
+        for axis, side in ((0, "row"), (1, "column")):
+            falls = np.abs(np.diff(heights, axis=axis))
+            if falls.max(initial=0.0) > DROP:
+                where = self._where(falls == falls.max(), first)
+                yield f"heights differ by {falls.max():.0f} m from one {side} to the next {where}: is one missing?"
 
     def _complete(
         self, heights: NDArray[np.float64], first: tuple[int, int], fill: bool, why: str
@@ -159,6 +177,9 @@ class RasterFile:
     def _unit(self) -> float:
         name = (self.dataset.units[0] or "").strip().lower()
         vertical = [axis for axis in self.system.axis_info if axis.direction == "up"]
+        down = [axis.name for axis in self.system.axis_info if axis.direction == "down"]
+        if down:
+            raise BadInput(f"expected heights, not depths ({down[0]})", place=self.path)
         if not name and vertical:
             return float(vertical[0].unit_conversion_factor)
         if name not in UNITS:
@@ -191,6 +212,8 @@ def open_raster(path: Path, nodata: float | None) -> Iterator[RasterFile]:
                     code="picture",
                     place=path,
                 )
+            if dataset.driver == "AAIGrid":
+                _expect_as_many(path, dataset.width * dataset.height)
             yield RasterFile(path, dataset, nodata)
     except (rasterio.errors.RasterioError, ProjError, UnicodeDecodeError) as error:
         raise DamagedFile(
@@ -198,6 +221,16 @@ def open_raster(path: Path, nodata: float | None) -> Iterator[RasterFile]:
             hint="copy or download it again: files that were cut short look like this",
             place=path,
         ) from error
+
+
+def _expect_as_many(path: Path, heights: int) -> None:
+    """Refuse an ASCII grid with more or fewer heights than its head says: GDAL fills it up, or leaves them out."""
+    lines = path.read_bytes().splitlines(keepends=True) if path.is_file() else []
+    keys = (line.split()[:1] for line in lines)
+    head = next((n for n, key in enumerate(keys) if key and (not key[0][:1].isalpha() or key[0].lower() == b"nan")), 0)
+    blank = np.frombuffer(b" " + b"".join(lines[head:]), np.uint8) <= ord(" ")
+    if lines and (found := int((blank[:-1] & ~blank[1:]).sum())) != heights:
+        raise BadInput(f"expected {heights} heights, as its head says, not {found}", code="damaged-file", place=path)
 
 
 def _at_least_four(span: tuple[int, int], size: int) -> tuple[int, int]:

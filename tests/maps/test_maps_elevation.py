@@ -277,3 +277,46 @@ def test_what_is_no_elevation_model_is_refused(write_model: Write, tmp_path: Pat
         read(write_model(crs=None))
     with refuses("picture", "model.tif", kind=BadInput):
         read(write_model(dtype="uint8", photometric="RGB", count=3))
+
+
+def test_a_depth_is_no_height(write_model: Write) -> None:
+    with pytest.raises(BadInput, match=r"expected heights, not depths \(Depth\)"):
+        read(write_model(lambda lat, lon: -hills(lat, lon), "EPSG:4326+5715"))
+
+
+def test_zeros_among_mountains_are_missing_heights(write_model: Write) -> None:
+    """Where the ground may be as low, 0 m is a height."""
+
+    def holed(least: float) -> Heights:
+        return lambda lat, lon: np.where(
+            abs(lat - 47.001) + abs(lon - 8.001) < 4e-4, 0.0, hills(lat, lon) - 500 + least
+        )
+
+    with pytest.raises(BadInput, match="for they are 0 m, and all others above"):
+        read(write_model(holed(500.0)))
+    grid, _ = read(write_model(holed(20.0)), home=Geodetic(47.0, 8.0, 20.0))
+    assert grid.heights.min() < -15.0
+
+
+def test_a_drop_as_of_a_spoiled_height_and_other_bands_are_named(write_model: Write) -> None:
+    spoiled = write_model(
+        lambda lat, lon: np.where(abs(lat - 47.001) + abs(lon - 8.001) < 3e-4, 290.5, hills(lat, lon))
+    )
+    _, remarks = read(spoiled)
+    assert any("heights differ by 2" in remark and "is one missing?" in remark for remark in remarks)
+    _, remarks = read(write_model(count=2))
+    assert "model.tif: heights are those of band 1 of 2" in remarks
+
+
+@pytest.mark.parametrize(("spoil", "found"), [(lambda rows: rows[:-1], 6320), (lambda rows: [rows[0], *rows], 6480)])
+def test_an_ascii_grid_with_another_number_of_rows_is_refused(
+    write_model: Write, spoil: Callable[[list[str]], list[str]], found: int
+) -> None:
+    """GDAL fills it up, or leaves them out."""
+    path = write_model(name="model.asc", driver="AAIGrid", dtype="float32")
+    read(path)
+    lines = path.read_text().splitlines()
+    head = [line for line in lines if line.strip()[0].isalpha()]
+    path.write_text("\n".join([*head, *spoil(lines[len(head) :])]))
+    with pytest.raises(BadInput, match=f"expected 6400 heights, as its head says, not {found}"):
+        read(path)

@@ -11,14 +11,18 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from tools.fuzz import mutated_missions as missions
+from tools.fuzz import mutated_terrain as terrain
 from tools.fuzz.outcome import Outcome, Reading, judge
 
-Change = Callable[[random.Random], tuple[str, str | bytes, str | bytes]]
+Change = Callable[[random.Random, Path], tuple[str, str | bytes, str | bytes]]
 #: By suffix: how a file is changed and read, and how often it is tried.
 KINDS: dict[str, tuple[Change, Callable[[Path], Reading], int]] = {
     ".plan": (missions.changed_plan, missions.read_mission_text, 4),
     ".waypoints": (missions.changed_list, missions.read_mission_text, 2),
     ".params": (missions.changed_parameters, missions.read_parameter_text, 2),
+    ".tif": (terrain.changed_tiff, terrain.read_model, 2),
+    ".asc": (terrain.changed_grid, terrain.read_model, 1),
+    ".hgt": (terrain.changed_tile, terrain.read_model, 1),
 }
 
 
@@ -30,12 +34,12 @@ def tries(count: int, seed: int, kinds: tuple[str, ...] = ()) -> Iterator[tuple[
         for n in range(count):
             suffix = chance.choice(suffixes)
             change, read, _ = KINDS[suffix]
-            name, before, after = change(chance)
+            name, before, after = change(chance, Path(folder))
             path = Path(folder) / f"{n}{suffix}"
             outcome = judge(path, before, after, read)
             shown = after if isinstance(after, str) else f"{len(after)} bytes"
             yield suffix, name, outcome, shown
-            path.unlink()
+            path.unlink(missing_ok=True)
 
 
 def main() -> int:

@@ -195,7 +195,7 @@ PLAN_CHANGES: list[Callable[[dict[str, Any], random.Random], None]] = [
 ]  # fmt: skip
 
 
-def changed_plan(chance: random.Random) -> tuple[str, str, str]:
+def changed_plan(chance: random.Random, _: Path) -> tuple[str, str, str]:
     """What was changed, the text of a plan, and that of the changed one."""
     before = plan(chance)
     text, after = json.dumps(before, indent=1), deepcopy(before)
@@ -217,7 +217,7 @@ def changed_plan(chance: random.Random) -> tuple[str, str, str]:
     return change.__name__, text, json.dumps(after, indent=1)
 
 
-def changed_list(chance: random.Random) -> tuple[str, str, str]:
+def changed_list(chance: random.Random, _: Path) -> tuple[str, str, str]:
     """The same of a `.waypoints` file."""
     items = plan(chance)["mission"]["items"]
     rows = [[0, 1, 0, 16, 0, 0, 0, 0, *HOME, 1]]
@@ -264,7 +264,7 @@ def torn(text: str, chance: random.Random) -> str:
     return part.rstrip("\n")[:-1] if part.endswith("\n") or text[len(part)] == "\n" else part
 
 
-def changed_parameters(chance: random.Random) -> tuple[str, str, str]:
+def changed_parameters(chance: random.Random, _: Path) -> tuple[str, str, str]:
     """The same of a parameter file, as Mission Planner, MAVProxy and QGroundControl write it."""
     values = PARAMETERS[chance.choice([*PARAMETERS])]
     style = chance.choice(["{},{}", "{:16} {}", "1\t1\t{}\t{}\t9"])
