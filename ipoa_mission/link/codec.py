@@ -166,6 +166,21 @@ def frame_at(data: bytes, start: int) -> bytes | None:
     return frame if is_whole else None
 
 
+def unknown_frame(data: bytes, start: int) -> int:
+    """The length of the frame that begins here, if it is of no known message; else 0."""
+    length = _frame_length(data, start)
+    if length is None or start + length > len(data):
+        return 0
+    number = int.from_bytes(data[start + 7 : start + 10], "little") if data[start] == MAGIC_2 else data[start + 5]
+    return 0 if number in DEFINITIONS else length
+
+
+def numbered(frame: bytes) -> tuple[tuple[int, int], int]:
+    """System and component that sent a whole frame, and its number, which grows by one modulo 256."""
+    first = 2 if is_old(frame) else 4
+    return (frame[first + 1], frame[first + 2]), frame[first]
+
+
 def is_old(frame: bytes) -> bool:
     """Whether a whole frame is of MAVLink 1."""
     return frame[0] == MAGIC_1

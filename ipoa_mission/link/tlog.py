@@ -6,17 +6,19 @@ A record is the time of a frame in microseconds since 1970, eight bytes big-endi
 import errno
 import logging
 import os
+from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import BinaryIO
 
 from ipoa_mission.errors import Unwritable
 from ipoa_mission.files import read_bytes
-from ipoa_mission.link.codec import frame_at, next_magic
+from ipoa_mission.link.codec import frame_at, next_magic, numbered, unknown_frame
 
 log = logging.getLogger(__name__)
 STAMP_BYTES = 8
+REORDERED = 128  # frames that seem to be lost, or more: one has overtaken another
 
 
 class TlogWriter:
@@ -62,18 +64,65 @@ class Record:
     frame: bytes
 
 
-def read_tlog(path: str | Path) -> Iterator[Record]:
+@dataclass
+class LostFrames:
+    """What of a log is lost: bytes that are no frames, and frames by the gaps in each sender's numbers."""
+
+    torn_bytes: int = 0
+    frames: Counter[int] = field(default_factory=Counter)  # by system
+    there: Counter[int] = field(default_factory=Counter)
+
+    def remarks(self, system: int) -> Iterator[str]:
+        """What a user should know where the log is read for this system."""
+        if self.torn_bytes:
+            yield f"{self.torn_bytes} bytes of the log are no whole messages: it is damaged or cut short"
+        if self.frames[system]:
+            there = self.frames[system] + self.there[system]
+            yield f"{self.frames[system]} of {there} messages of system {system} are not in the log, by their numbers"
+
+
+def read_tlog(path: str | Path, missing: LostFrames | None = None) -> Iterator[Record]:
     """The frames of a log in their order; a torn record is passed over, as are frames with a wrong checksum.
+
+    Args:
+        path: of the log.
+        missing: takes up what was passed over.
 
     Raises:
         BadInput: the file cannot be read.
     """
     data, at = read_bytes(Path(path)), 0
-    while (start := next_magic(data, at + STAMP_BYTES)) >= 0:
-        at = start - STAMP_BYTES
+    missing = LostFrames() if missing is None else missing
+    last: dict[tuple[int, int], int] = {}
+    while at < len(data):
+        start = at + STAMP_BYTES
         frame = frame_at(data, start)
-        if frame is None:
-            at += 1
+        if frame is None and (length := unknown_frame(data, start)) and _is_record(data, start + length):
+            frame, known = data[start : start + length], False
+        elif frame is None:
+            start = next((n for n in _beginnings(data, start + 1) if frame_at(data, n)), len(data) + STAMP_BYTES)
+            missing.torn_bytes += start - STAMP_BYTES - at
+            at = start - STAMP_BYTES
             continue
-        yield Record(int.from_bytes(data[at:start], "big") / 1e6, frame)
+        else:
+            known = True
+        sender, number = numbered(frame)
+        lost = (number - last.get(sender, number - 1) - 1) % 256
+        missing.frames[sender[0]] += lost if lost < REORDERED else 0
+        missing.there[sender[0]] += 1
+        last[sender] = number
+        if known:
+            yield Record(int.from_bytes(data[at:start], "big") / 1e6, frame)
         at = start + len(frame)
+
+
+def _beginnings(data: bytes, at: int) -> Iterator[int]:
+    """Where, from here on, a frame may begin."""
+    while (at := next_magic(data, at)) >= 0:
+        yield at
+        at += 1
+
+
+def _is_record(data: bytes, at: int) -> bool:
+    """Whether the log ends here, or another record begins."""
+    return at == len(data) or next_magic(data, at + STAMP_BYTES) == at + STAMP_BYTES

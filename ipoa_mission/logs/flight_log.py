@@ -9,9 +9,11 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from ipoa_mission.errors import BadInput, MissionError, WrongSuffix
 from ipoa_mission.link.logbook import FlightRecord, Logbook
-from ipoa_mission.link.messages import Current, Heartbeat, Message, ParamValue
+from ipoa_mission.link.messages import Current, Heartbeat, Message, ParamValue, Reached
 from ipoa_mission.link.telemetry import HomePosition, Position, SystemTime
 from ipoa_mission.logs.logged import Begun, Held, Log, log_format, told
 from ipoa_mission.logs.measured import Measured
@@ -26,6 +28,11 @@ from ipoa_mission.world.frame import Geodetic
 RISEN = 1.0
 #: Home is set anew by the arming; it is told within this time [s].
 HOME_SET_S = 2.0
+#: Positions are told more often than that [s].
+GAP_S = 3.0
+#: Between two positions there is no more than this [m], and so much for each second [m/s].
+JUMP, FASTEST = 20.0, 100.0
+EARTH_RADIUS = 6.371e6
 
 
 @dataclass(frozen=True)
@@ -58,6 +65,11 @@ class LoggedFlight:
         for message in self.messages:
             logbook.note(message)
         return logbook.record()
+
+    @property
+    def tells_items(self) -> bool:
+        """Whether the log says of any item that it began or was done."""
+        return any(isinstance(message, Current | Reached) for message in self.messages)
 
     def flown_in_mission(self) -> tuple[Position, ...]:
         """Where it said that it was while it flew in the mission mode."""
@@ -145,13 +157,36 @@ def read_flights(path: str | Path, system: int | None = None) -> FlightLog:
     remarks = [*log.remarks]
     if len(whole) < len(flights):
         remarks.append("the log begins in flight: when that one was armed is not known, and it is left out")
+    if flights and flights[-1].is_open:
+        remarks.append("the log ends in flight: how that went on is not known")
+    remarks += _gaps(log, flights)
     if len(flights) < len(stretches):
         others = len(stretches) - len(flights)
         remarks.append(f"{others} time{'s' if others > 1 else ''} it was armed without flying its mission")
+    if any(flight.in_mission and not flight.tells_items for flight in whole):
+        remarks.append("nothing in the log says when an item began or was done")
     flight_log = FlightLog(log.autopilot, log.version, whole, tuple(remarks))
     if not whole:
         raise _nothing_flown(path, flight_log)
     return flight_log
+
+
+def _gaps(log: Log, flights: list["_Stretch"]) -> Iterator[str]:
+    """Name the times in flight at which the log has no position, and places that are none on the Earth."""
+    times = log.fixes.times
+    inside = np.any([(times >= one.armed_s) & (times <= one.ends_s) for one in flights], axis=0)
+    gaps = np.diff(times[inside]) if flights else np.empty(0)
+    gaps = gaps[gaps > GAP_S]
+    if gaps.size:
+        yield f"positions are missing {gaps.size} times in flight, for {gaps.max():.1f} s at most"
+    fixes = log.fixes
+    degree = np.radians(1.0) * EARTH_RADIUS
+    with np.errstate(invalid="ignore", over="ignore"):
+        places = np.column_stack([fixes.latitude_deg * degree, fixes.longitude_deg * degree, fixes.height])
+        places[:, 1] *= np.cos(np.radians(fixes.latitude_deg))
+        jumps = ~(np.abs(np.diff(places, axis=0)).max(axis=1) <= JUMP + FASTEST * np.diff(times))
+    if jumps.any():
+        yield f"positions jump {np.count_nonzero(jumps)} times, as no multicopter flies: some are wrong"
 
 
 def _nothing_flown(path: str | Path, log: FlightLog) -> MissionError:
@@ -188,6 +223,7 @@ class _Stretch:
     later: _Known = field(default_factory=_Known)
     begun: dict[int, Begun] = field(default_factory=dict)
     ends_s: float = 0.0
+    is_open: bool = True  # nothing says that it was disarmed
 
     def note(self, message: Message, now: float) -> None:
         self.messages.append(message)
@@ -264,6 +300,7 @@ def _stretches(log: Log) -> Iterator[_Stretch]:
                 before = [heard for heard in (current, clock, message) if heard is not None]
                 stretch = _Stretch(seen, now, at_arming, before)
             elif not message.armed and stretch is not None:
+                stretch.is_open = False
                 yield stretch
                 stretch, current = None, None
             seen = True

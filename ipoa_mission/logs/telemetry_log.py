@@ -39,7 +39,7 @@ from ipoa_mission.link.telemetry import (
     Position,
     SystemStatus,
 )
-from ipoa_mission.link.tlog import read_tlog
+from ipoa_mission.link.tlog import LostFrames, read_tlog
 from ipoa_mission.link.transfers import Transfers
 from ipoa_mission.logs.logged import Fixes, Held, Log, item_begun, presence, version_name
 from ipoa_mission.logs.measured import Battery, Measured
@@ -83,7 +83,8 @@ def read_telemetry_log(path: Path, system: int | None = None) -> Log:
     stamps: list[float] = []
     kinds = dict[int, Kind]()
     chosen = None
-    for record in read_tlog(path):
+    missing = LostFrames()
+    for record in read_tlog(path, missing):
         heard = codec.decode(record.frame)
         if heard is None or heard.message is None:
             continue
@@ -106,7 +107,7 @@ def read_telemetry_log(path: Path, system: int | None = None) -> Log:
     if gathered.state and gathered.changes and not gathered.changes[-1][1]:  # the log ends before the next heartbeat
         _change(gathered, gathered.state.custom_mode, autopilot)
     log = _dated(gathered, growing(stamps), autopilot)
-    return replace(log, remarks=(*_others(kinds, chosen), *log.remarks))
+    return replace(log, remarks=(*_others(kinds, chosen), *missing.remarks(chosen), *log.remarks))
 
 
 def _is_flown(kind: Kind) -> bool:

@@ -107,7 +107,9 @@ def test_each_flight_of_a_log_has_its_own_mission_and_home() -> None:
         assert second is not None
         assert second.items[2].latitude_deg - first.items[2].latitude_deg == pytest.approx(20 / 111_195, rel=0.01)
         assert second.home.longitude_deg - first.home.longitude_deg == pytest.approx(30 / 75_400, rel=0.01)
-        assert log.remarks == ("1 time it was armed without flying its mission",)
+        *lost, last = (remark for remark in log.remarks if "by their numbers" not in remark)
+        assert last == "1 time it was armed without flying its mission"
+        assert [one.rpartition(",")[0] for one in lost] == ["positions are missing 1 times in flight"]  # cut out there
 
 
 def test_the_log_of_px4_has_no_mission() -> None:
@@ -163,7 +165,7 @@ def test_a_log_that_begins_in_flight_says_so(tmp_path: Path) -> None:
     log = read_flights(path)
     assert len(log.flights) == 1
     assert log.flights[0].armed_s == pytest.approx(105.28, abs=0.1)
-    assert "the log begins in flight" in log.remarks[0]
+    assert any("the log begins in flight" in remark for remark in log.remarks)
     path.write_bytes(data[len(data) // 4 : len(data) // 2 - 2000])
     with refuses("nothing-flown", "late.tlog"):
         read_flights(path)

@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from tools.fuzz import mutated_logs as logs
 from tools.fuzz import mutated_missions as missions
 from tools.fuzz import mutated_terrain as terrain
 from tools.fuzz.outcome import Outcome, Reading, judge
@@ -23,6 +24,9 @@ KINDS: dict[str, tuple[Change, Callable[[Path], Reading], int]] = {
     ".tif": (terrain.changed_tiff, terrain.read_model, 2),
     ".asc": (terrain.changed_grid, terrain.read_model, 1),
     ".hgt": (terrain.changed_tile, terrain.read_model, 1),
+    ".tlog": (logs.changed_tlog, logs.read_log, 3),
+    ".bin": (logs.changed_dataflash, logs.read_log, 3),
+    ".ulg": (logs.changed_ulog, logs.read_log, 2),
 }
 
 
@@ -37,7 +41,7 @@ def tries(count: int, seed: int, kinds: tuple[str, ...] = ()) -> Iterator[tuple[
             name, before, after = change(chance, Path(folder))
             path = Path(folder) / f"{n}{suffix}"
             outcome = judge(path, before, after, read)
-            shown = after if isinstance(after, str) else f"{len(after)} bytes"
+            shown = after if isinstance(after, str) else f"{len(after)} bytes, change {n} of seed {seed}"
             yield suffix, name, outcome, shown
             path.unlink(missing_ok=True)
 

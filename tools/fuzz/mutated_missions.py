@@ -25,7 +25,7 @@ OTHER_KEYS = {
     "polygon": ["path", "vertices", "points"],
     "points": ["rally", "positions"],
     "inclusion": ["include", "exclusion"],
-    "center": ["centre", "position"],
+    "center": ["middle", "position"],
     "radius": ["radiusFeet", "diameter"],
     "vehicleType": ["vehicle_type"],
     "params": ["param", "parameters"],

@@ -134,11 +134,12 @@ def changed_tiff(chance: random.Random, folder: Path) -> tuple[str, bytes, bytes
             how |= chance.choice([{}, {"compress": "deflate"}, {"compress": "lzw", "predictor": 2}])
             how["dtype"] = "int16" if "predictor" in how else "float32"
         case _:
-            before = _model(
-                path,
-                slope,
-                **chance.choice([{}, {"compress": "deflate"}, {"tiled": True, "blockxsize": 16, "blockysize": 16}]),
-            )
+            laid_out: list[dict[str, Any]] = [
+                {},
+                {"compress": "deflate"},
+                {"tiled": True, "blockxsize": 16, "blockysize": 16},
+            ]
+            before = _model(path, slope, **chance.choice(laid_out))
             return change, before, spoiled(before, change, chance)
     return change, before, _model(path, slope, **how)
 

@@ -5,6 +5,7 @@ here rather than by pymavlink, whose reader takes a second for a megabyte and ho
 """
 
 import struct
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,7 @@ from ipoa_mission.errors import Unreadable, WrongFormat
 
 HEAD = b"\xa3\x95"
 FMT = 0x80
+BYTES = "bytes"
 _FMT = struct.Struct("<BB4s16s64s")
 
 
@@ -60,10 +62,12 @@ class RecordKind:
         return {name: make(value) for name, make, value in zip(self.columns, self.made_by, values, strict=True)}
 
 
-def read_records(path: Path, wanted: frozenset[str]) -> Iterator[tuple[str, dict[str, Any]]]:
+def read_records(
+    path: Path, wanted: frozenset[str], torn: Counter[str] | None = None
+) -> Iterator[tuple[str, dict[str, Any]]]:
     """The records of the kinds that are wanted, as (kind, values by column), in their order.
 
-    What is broken is passed over, as far as the next head.
+    What is broken is passed over, as far as the next head; `torn` counts it, by kind or in bytes.
 
     Raises:
         BadInput: the file cannot be read, or does not begin as such a log.
@@ -76,13 +80,16 @@ def read_records(path: Path, wanted: frozenset[str]) -> Iterator[tuple[str, dict
         raise WrongFormat("expected an ArduPilot log, but it does not begin as one", place=path)
     lengths: dict[int, int] = {FMT: 3 + _FMT.size}
     kinds: dict[int, RecordKind] = {}
-    at = 0
+    torn = Counter() if torn is None else torn
+    at = ends = 0
     while (at := data.find(HEAD, at)) >= 0 and at + 3 <= len(data):
         number = data[at + 2]
         length = lengths.get(number)
         if length is None or at + length > len(data):
             at += 1
             continue
+        torn[BYTES] += at - ends
+        ends = at + length
         if number == FMT:
             described, size, *texts = _FMT.unpack_from(data, at + 3)
             name, letters, columns = map(_words, texts)
@@ -92,9 +99,12 @@ def read_records(path: Path, wanted: frozenset[str]) -> Iterator[tuple[str, dict
                 kinds.pop(described, None)
                 if kind is not None and name in wanted and kind.layout.size == size - 3:
                     kinds[described] = kind
+                elif name in wanted:
+                    torn[name] += 1
         elif number in kinds:
             yield kinds[number].name, kinds[number].read(data, at + 3)
         at += length
+    torn[BYTES] += len(data) - ends
 
 
 def _kind(name: str, letters: str, columns: str) -> RecordKind | None:

@@ -2,7 +2,8 @@
 
 import math
 import re
-from contextlib import suppress
+from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,7 @@ from ipoa_mission.logs.logged import Begun, Fixes, Held, Log, LogFormat, item_be
 from ipoa_mission.logs.measured import Battery, Measured
 from ipoa_mission.mission.commands import Frame
 from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicles.arducopter.dataflash import read_records
+from ipoa_mission.vehicles.arducopter.dataflash import BYTES, read_records
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
@@ -29,6 +30,11 @@ BATTERIES = {"BAT": 0, "CURR": 0, "BAT2": 1, "CUR2": 1, "BAT3": 2, "BAT4": 3}
 #: BATTn_MONITOR of those that count another battery once more (ESCs, sum), or fuel.
 SECONDHAND = frozenset({9, 10, 11, 12, 18, 24, 27})
 KINDS = frozenset({*BATTERIES, "POS", "XKF1", "NKF1", "ATT", "MODE", "ARM", "EV", "MISE", "CMD", "MSG", "PARM", "ORGN"})
+NEEDED = {
+    "PARM": "its parameters are not known",
+    "MODE": "its modes are not known",
+    "XKF1 NKF1": "speeds are taken from positions",
+}
 #: What flew, in the log's own words: "ArduCopter V4.7.0-dev (6a8c9b91)"; before 4.0 "APM:Copter V3.5.7".
 NAMED = re.compile(r"(?:Ardu|APM:)(\w+) V(\d[\w.-]*)")
 
@@ -45,6 +51,7 @@ class _Gathered:
     items: dict[int, Item] = field(default_factory=dict)
     batteries: dict[int, list[Battery]] = field(default_factory=dict)
     attitude: list[tuple[float, ...]] = field(default_factory=list)
+    kinds: set[str] = field(default_factory=set)
     begins: float | None = None
     opened_by_arming: bool = True
     vehicle: str = ""
@@ -57,10 +64,13 @@ def read_copter_log(path: Path) -> Log:
     Raises:
         BadInput: the file cannot be read, holds no positions, or is of another vehicle than a copter.
     """
-    gathered = _Gathered()
-    for kind, values in read_records(path, KINDS):
-        with suppress(KeyError, TypeError, ValueError):  # a record whose layout is spoiled tells nothing
+    gathered, torn = _Gathered(), Counter[str]()
+    for kind, values in read_records(path, KINDS, torn):
+        gathered.kinds.add(kind)
+        try:
             _note(gathered, kind, values)
+        except (KeyError, TypeError, ValueError):  # a record whose layout is spoiled tells nothing
+            torn[kind] += 1
     if gathered.vehicle and gathered.vehicle != "Copter":
         raise BadInput(
             f"expected the log of a copter, not of ArduPilot's {gathered.vehicle}", code="other-vehicle", place=path
@@ -71,7 +81,20 @@ def read_copter_log(path: Path) -> Log:
         )
     fixes = _fixes(np.array(gathered.fixes), np.array(gathered.velocities))
     measured = Measured.of(_batteries(gathered), gathered.attitude)
-    return Log(ARDUCOPTER, fixes, (*_states(gathered), *gathered.events), gathered.version, measured=measured)
+    events = (*_states(gathered), *gathered.events)
+    return Log(ARDUCOPTER, fixes, events, gathered.version, tuple(_remarks(gathered, torn)), measured)
+
+
+def _remarks(gathered: _Gathered, torn: Counter[str]) -> Iterator[str]:
+    """Name what of a log is damaged, and what every whole log has and this one lacks."""
+    if count := torn.pop(BYTES, 0):
+        yield f"{count} bytes of the log are no whole records: it is damaged or cut short"
+    for kind, count in sorted(torn.items()):
+        if count:
+            yield f"records {kind} are not laid out as ArduPilot does it: {count} times, not read"
+    for kinds, lacks in NEEDED.items():
+        if not gathered.kinds & set(kinds.split()):
+            yield f"the log has no records {kinds.replace(' ', ' or ')}: {lacks}"
 
 
 def _note(gathered: _Gathered, kind: str, values: dict[str, Any]) -> None:

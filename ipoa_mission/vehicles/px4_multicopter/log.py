@@ -2,7 +2,7 @@
 `logs`). Its mission is told item by item as the flight comes to them (`px4_items`), from PX4 1.12 on.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 from contextlib import redirect_stdout
 from io import StringIO
 from pathlib import Path
@@ -35,6 +35,7 @@ TOPICS = [*POSITIONS, "vehicle_status", "mission_result", "home_position", "navi
 
 HEADER, MESSAGE = 16, Struct("<HB")  # bytes before the first message; what each begins with: size and kind
 DEFINES, BEGINS_DATA = b"BFIMPQ", b"ALC"  # kinds of messages
+MESSAGES = DEFINES + BEGINS_DATA + b"DRSO"
 
 Event = tuple[float, Message]
 
@@ -91,7 +92,29 @@ def _told(path: Path, log: Any) -> Log:
     version = version_name(int(log.msg_info_dict.get("ver_sw_release", 0)) & 0xFFFFFFFF)
     batteries = (_battery(topic.data) for topic in log.data_list if topic.name == BATTERY)
     measured = Measured.of(batteries, _attitude(topics.get(ATTITUDE)))
-    return Log(PX4_MULTICOPTER, fixes, tuple(events), version, measured=measured)
+    return Log(PX4_MULTICOPTER, fixes, tuple(events), version, tuple(_remarks(path, log, topics.keys())), measured)
+
+
+def _remarks(path: Path, log: Any, topics: Set[str]) -> Iterator[str]:
+    """Name where a log is damaged or cut short, what PX4 could not write, and what every whole log has."""
+    data, at = read_bytes(path), HEADER
+    while at + MESSAGE.size <= len(data):
+        size, kind = MESSAGE.unpack_from(data, at)
+        if kind not in MESSAGES or at + MESSAGE.size + size > len(data):
+            break
+        at += MESSAGE.size + size
+    if at < len(data):
+        yield f"the log is damaged or cut short from byte {at} of {len(data)} on"
+    elif log.file_corruption:
+        yield "the log is damaged"
+    if log.dropouts:
+        lost_s = sum(one.duration for one in log.dropouts) / 1e3
+        yield f"PX4 could not write {len(log.dropouts)} times, {lost_s:.1f} s in all"
+    lacking = sorted({"mission_result", "home_position", *POSITIONS} - topics)
+    if lacking:
+        yield f"the log has no topics {', '.join(lacking)}"
+    if not log.initial_parameters:
+        yield "the log has no parameters"
 
 
 def _open(path: Path) -> Any:
