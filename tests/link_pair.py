@@ -17,6 +17,7 @@ from ipoa_mission.simulator.personality import personality
 from ipoa_mission.simulator.transfers import MissionService
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
+from tests.held import PX4_117
 
 T = TypeVar("T")
 HOME = Geodetic(47.4, 8.5, 400.0)
@@ -48,7 +49,7 @@ class Vehicle:
         self.said: list[tuple[Message, Target]] = []
         self.changed: list[int] = []
         self.transfers = MissionService(
-            personality(autopilot),
+            personality(autopilot, PX4_117.get(autopilot)),
             lambda: HOME,
             lambda message, to: self.said.append((message, to)),
             self.changed.append,

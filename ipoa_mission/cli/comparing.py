@@ -91,14 +91,15 @@ def compare(
         raise OptionConflict(f"expected --flight N too: {log} has {len(numbers)} flights", place="--picture")
     if picture is not None:
         expect_free([picture], force, ask=not as_json)
-    given = flown_by.parameters
-    air = flown_by.air
+    given, air = flown_by.parameters, flown_by.air
+    version = None if flown_by.version is None else flown.autopilot.tables.expect(flown_by.version)
     world = read_world(scenario, air)
     learned = None if flown_by.vehicle is None else read_vehicle(flown_by.vehicle, flown.autopilot)
     rows = []
     for n in numbers:
         flight = flown.flights[n - 1]
-        held = compare_logged(flight, mission, given, learned, air or CALM) if flight.in_mission else None
+        asked = (flight, mission, given, learned, air or CALM, version)
+        held = compare_logged(*asked) if flight.in_mission else None
         record = flight.record() if held is None else held.record
         flown_mission = None if held is None else held.forecast.mission
         clearance = None if world is None else flown_clearance(record, world, flown_mission)

@@ -19,6 +19,7 @@ from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.learned import LearnedVehicle
 from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.version import Version
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import LocalFrame
 
@@ -132,17 +133,18 @@ def compare_logged(
     parameters: Parameters,
     vehicle: LearnedVehicle | None = None,
     wind: Wind = CALM,
+    version: Version | None = None,
 ) -> ComparedFlight | None:
     """A flight of a log against the estimate of `mission`; without one, of what the log says that was flown.
 
-    `parameters` go before those of the log, and these before the mission's own; `vehicle`: what was learned of it. None
-    where nothing says which mission it was.
+    `parameters` and `version` go before those of the log, and these before the mission's own; `vehicle`: what was
+    learned of it. None where nothing says which mission it was.
     """
     flown = mission or flight.mission
     if flown is None:
         return None
     flown = flown.with_parameters(flight.parameters).with_parameters(parameters)
-    forecast = Forecast(replace(flown, vehicle=vehicle), wind=wind).on(flight.firmware_version)
+    forecast = Forecast(replace(flown, vehicle=vehicle), wind=wind).on(version or flight.firmware_version)
     record = flight.record(flown)
     comparison = compare_flight(forecast.estimate, record)
     remarks = (*_other_mission(flown, flight), *_other_place(flown, record), *_begun_later(record))

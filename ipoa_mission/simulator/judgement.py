@@ -40,7 +40,7 @@ def infeasibility(
     firmware: Firmware, items: Sequence[Item], home: Geodetic, parameters: Parameters
 ) -> Infeasible | None:
     """PX4's verdict after the Ack; None where the mission can be flown."""
-    radius = parameters["NAV_ACC_RAD"]
+    radius = parameters["NAV_MC_ALT_RAD"]
     needs_takeoff = int(parameters.get("MIS_TKO_LAND_REQ", 0.0)) in (1, 3)
     first_limit = parameters.get("MIS_DIST_1WP", 10_000.0)
     has_position = has_takeoff = False

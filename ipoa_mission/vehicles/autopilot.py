@@ -255,7 +255,7 @@ class Autopilot(ABC):
         """Why nothing stands behind a flight of this version, in words; None where something does.
 
         >>> Autopilot.PX4.not_measured(Version(1, 13))
-        'how PX4 1.13.0 flies was not measured: PX4 1.17 was; what it takes is judged as PX4 1.15 does'
+        'how PX4 1.13.0 flies was not measured: PX4 1.17 and 1.18 were; what it takes is judged as PX4 1.15 does'
         """
         if version is None or self.is_measured(version):
             return None

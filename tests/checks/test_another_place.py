@@ -10,13 +10,14 @@ import pytest
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.items import Item, Mission, land, takeoff, waypoint
+from ipoa_mission.mission.items import Item, Mission, land, takeoff
 from ipoa_mission.report.exports import forecast_text
 from ipoa_mission.report.exports.table import mission_table
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.read import parse_scenario
 from ipoa_mission.world.frame import Geodetic
 from tests.found import found
+from tests.held import waypoint
 from tests.refused import refuses
 
 HERE, THERE = Geodetic(47.4, 8.5, 400.0), Geodetic(46.923284, 80.512554, 1155.6)

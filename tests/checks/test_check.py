@@ -26,10 +26,12 @@ from ipoa_mission.mission.items import (
     waypoint,
 )
 from ipoa_mission.scenario import read_scenario
-from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
+from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.found import found
+from tests.held import PX4_117
 from tests.mission_strategies import missions
+from tests.recorded_flights import FLIGHTS, read_flight
 
 FILES = Path(__file__).parents[1] / "mission" / "files"
 SHIPPED = Path(__file__).parents[2] / "missions"
@@ -44,7 +46,7 @@ AREA = FencePolygon(((39.100, 121.819), (39.100, 121.823), (39.103, 121.823), (3
 
 
 def flight(*items: Item, autopilot: Autopilot = PX4, home: Geodetic = HOME) -> Mission:
-    return Mission(home, items, autopilot)
+    return Mission(home, items, autopilot, firmware_version=PX4_117.get(autopilot))
 
 
 #: A mission, and all that is found in it.
@@ -228,16 +230,14 @@ def test_what_is_too_long_for_its_autopilot_is_refused_before_its_flight_is_pred
 
 @pytest.mark.parametrize(("name", "autopilot"), [("corners-ardupilot", ARDUPILOT), ("hold-px4", PX4)])
 def test_a_mission_that_was_flown_is_found_without_fault(name: str, autopilot: Autopilot) -> None:
-    assert check_mission(read_mission(FILES / f"{name}.waypoints", autopilot)) == ()
-
-
-FLIGHTS = Path(__file__).parents[1] / "flights"
+    mission = read_mission(FILES / f"{name}.waypoints", autopilot)
+    assert check_mission(replace(mission, firmware_version=PX4_117.get(autopilot))) == ()
 
 
 def test_every_recorded_mission_is_found_without_fault() -> None:
+    missions = {path.parent.name: read_flight(path.parent).mission for path in FLIGHTS.glob("*/mission.waypoints")}
     found = {
-        path.parent.name: check_mission(read_mission(path, autopilot_named(path.parent.name.rsplit("-", 1)[1])))
-        for path in FLIGHTS.glob("*/mission.waypoints")
+        name: check_mission(replace(one, firmware_version=PX4_117.get(one.autopilot))) for name, one in missions.items()
     }
     assert len(found) > 40
     assert not {name: findings for name, findings in found.items() if findings}

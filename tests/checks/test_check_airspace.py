@@ -15,7 +15,7 @@ from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.itinerary.legs import Leg, Phase, flown_legs
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.commands import Command
-from ipoa_mission.mission.items import Item, Mission, land, return_to_launch, takeoff, waypoint
+from ipoa_mission.mission.items import Item, Mission, land, return_to_launch, takeoff
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
@@ -24,6 +24,7 @@ from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Flat
 from tests.examples import examples
 from tests.found import found
+from tests.held import waypoint
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 WORLD = """

@@ -8,12 +8,13 @@ import pytest
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.items import Mission, land, return_to_launch, takeoff, waypoint
+from ipoa_mission.mission.items import Mission, land, return_to_launch, takeoff
 from ipoa_mission.report.exports.table import mission_table
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.simulator.fly import fly_forecast
 from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.examples import vehicles
+from tests.held import waypoint
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT
 

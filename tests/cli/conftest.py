@@ -16,7 +16,7 @@ from ipoa_mission.cli.app import app, main
 from ipoa_mission.flight.flight import Flight, plan_flight
 from ipoa_mission.link.channel import UdpChannel, open_channel
 from ipoa_mission.link.signing import Signer, key_of
-from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
+from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot
@@ -24,6 +24,7 @@ from ipoa_mission.simulator.server import Server
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
+from tests.held import waypoint
 from tests.quick_link import hurry
 from tests.quick_search import search_quickly
 

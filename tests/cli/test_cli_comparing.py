@@ -13,6 +13,7 @@ from tests.cli.conftest import Run
 from tests.logs.several import write_several
 
 LOGS = Path(__file__).parents[1] / "logs"
+OF_117 = "--firmware-version 1.17"  # which its telemetry does not say
 
 
 @pytest.fixture
@@ -24,21 +25,28 @@ def px4_mission(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("name", "flown_s", "autopilot"),
+    ("name", "flown_s", "autopilot", "version"),
     [
-        ("sitl-ardupilot.bin", 68.08, "ardupilot"),
-        ("sitl-ardupilot.tlog", 68.08, "ardupilot"),
-        ("sitl-px4.tlog", 66.37, "px4"),
+        ("sitl-ardupilot.bin", 68.08, "ardupilot", ""),
+        ("sitl-ardupilot.tlog", 68.08, "ardupilot", ""),
+        ("sitl-px4.tlog", 66.37, "px4", OF_117),
     ],
 )
-def test_the_log_alone_will_do(run: Run, name: str, flown_s: float, autopilot: str) -> None:
-    held = json.loads(run(f"compare {LOGS / name} --json").out)
+def test_the_log_alone_will_do(run: Run, name: str, flown_s: float, autopilot: str, version: str) -> None:
+    held = json.loads(run(f"compare {LOGS / name} {version} --json").out)
     assert held["flown_s"] == pytest.approx(flown_s, abs=0.3)
     assert held["completed"]
     assert abs(held["total_error"]) < 0.06
     assert held["autopilot"] == autopilot
     (flight,) = held["flights"]
     assert flight == {**{key: held[key] for key in flight}, "remarks": flight["remarks"]}  # the log has some, too
+
+
+def test_a_flight_that_the_version_taken_does_not_finish_names_the_option(run: Run) -> None:
+    ended = run(f"compare {LOGS / 'sitl-px4.tlog'}")
+    assert ended.code == 1
+    assert "does not reach" in ended.err
+    assert "--firmware-version" in ended.err
 
 
 def test_each_flight_is_held_against_its_own_estimate(run: Run) -> None:
@@ -95,14 +103,14 @@ def test_the_flown_path_is_held_against_the_obstacles_of_a_scenario(run: Run, tm
 def test_the_climb_and_the_descent_are_no_clearance_of_the_ground(run: Run) -> None:
     """It came through every height there; what was promised is of the way between, and of the mast beside it."""
     scenario = Path(__file__).parents[2] / "missions" / "sitl.toml"
-    found = json.loads(run(f"compare {LOGS / 'sitl-px4.tlog'} --scenario {scenario} --json").out)["clearance"]
+    found = json.loads(run(f"compare {LOGS / 'sitl-px4.tlog'} {OF_117} --scenario {scenario} --json").out)["clearance"]
     assert (found["to"], found["kept"]) == ("mast", True)
     assert found["least"] > found["promised"]
 
 
 def test_a_log_far_from_the_scenario_says_so(run: Run) -> None:
     campus = Path(__file__).parents[2] / "missions" / "campus.toml"
-    outcome = run(f"compare {LOGS / 'sitl-px4.tlog'} --scenario {campus}")
+    outcome = run(f"compare {LOGS / 'sitl-px4.tlog'} {OF_117} --scenario {campus}")
     assert (outcome.code, outcome.err.splitlines()[0]) == (
         2,
         "error: home: it is 8375 km from the scenario's, expected within 100 km",
@@ -129,7 +137,7 @@ def test_another_mission_than_the_log_s_is_remarked(run: Run, px4_mission: Path)
 
 
 def test_a_flight_that_began_in_the_middle_is_remarked(run: Run) -> None:
-    assert "note: it began at item 6" in run(f"compare {LOGS / 'again-px4.tlog'}").out
+    assert "note: it began at item 6" in run(f"compare {LOGS / 'again-px4.tlog'} {OF_117}").out
 
 
 @pytest.mark.parametrize(

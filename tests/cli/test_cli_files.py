@@ -109,7 +109,7 @@ def test_a_file_that_is_not_there_is_bad_input_without_a_traceback(run: Run) -> 
 
 
 def test_check_passes_a_mission_that_flew(run: Run, mission: str) -> None:
-    ended = run(f"check {mission} --autopilot px4")
+    ended = run(f"check {mission} --autopilot px4 --firmware-version 1.17")
     assert ended.code == 0
     assert "0 errors" in ended.out
 

@@ -4,6 +4,7 @@ import csv
 import json
 import math
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,7 @@ from ipoa_mission.link.state import VehicleState
 from ipoa_mission.logs.flight_log import read_flights as read_log
 from ipoa_mission.mission.items import Item, Mission, land, takeoff, waypoint
 from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.recorded_flights import FLIGHTS, IN_WIND, LANDINGS, read_flight
 
@@ -68,7 +70,8 @@ def test_no_recorded_flight_deviates(folder: Path) -> None:
 
 
 def rally_on_px4() -> Forecast:
-    return Forecast(read_mission(AWAY / "h6_rally-px4.plan"))
+    """The flight as promised for 1.17, for which it was planned."""
+    return Forecast(replace(read_mission(AWAY / "h6_rally-px4.plan"), firmware_version=Version(1, 17)))
 
 
 def flown_away() -> Iterator[tuple[float, np.ndarray, int]]:

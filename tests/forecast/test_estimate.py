@@ -89,8 +89,8 @@ def test_parameters_count_by_the_autopilots_own_names_and_others_are_passed_over
 @pytest.mark.parametrize("autopilot", registered())
 def test_the_route_is_held_against_the_least_time_on_its_path(autopilot: Autopilot) -> None:
     """86.4 m at 5 m/s, from rest to rest: 17.3 s and one acceleration, and a little of its jerk."""
-    items = (takeoff(HOME, 20.0), change_speed(5.0), waypoint(HOME, 20.0), waypoint(EAST, 20.0), return_to_launch())
-    found = estimate(Mission(HOME, items, autopilot))
+    items = (takeoff(HOME, 20.0), change_speed(5.0), waypoint(HOME, 20.0, 0.1, 2.0), waypoint(EAST, 20.0, 0.1, 2.0))
+    found = estimate(Mission(HOME, (*items, return_to_launch()), autopilot))
     accel = {Autopilot.ARDUPILOT: 2.5, Autopilot.PX4: 3.0}[autopilot]
     assert found.route.seconds == pytest.approx(found.items[3].done_s - found.items[0].done_s)
     assert 86.4 / 5.0 + 5.0 / accel < found.route.least < 86.4 / 5.0 + 5.0 / accel + 4.0

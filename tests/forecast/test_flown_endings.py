@@ -7,6 +7,7 @@ import csv
 import math
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from ipoa_mission.forecast.endings import Endings
 from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel
 from ipoa_mission.vehicles.autopilot import autopilot_named
 from ipoa_mission.vehicles.ending import Ending, FlightStage
+from ipoa_mission.vehicles.version import Version
 
 Row = dict[str, str]
 ROWS: list[Row] = list(csv.DictReader(Path("docs/returns.csv").read_text(encoding="utf-8").splitlines()))
@@ -26,6 +28,7 @@ BOTH_AT_ONCE = "where the voltage falls through both at once"
 HAS_NO_ENDING = {"ALT_HOLD": "alt_hold", "LOITER": "loiter", "flies aside": "aside"}
 FAR_OUTSIDE = "100 m outside it lands"
 AUTOPILOTS = sorted({row["autopilot"] for row in ROWS})
+FLOWN_ON = {"ardupilot": Version(4, 8, 0, "dev"), "px4": Version(1, 17)}
 LEAST_ORDERS, LEAST_KINDS, LEAST_PLANNED = 400, 12, 60
 #: What no simulated vehicle does, so that nothing followed: propellers out of balance, a motor that is switched off.
 NOT_MADE = ("propeller out of balance", "attitude or motor failure (SYS_FAILURE_EN")
@@ -142,11 +145,11 @@ def said_of(row: Row) -> str:
     assert found
     cause, settings = found.groups()
     parameters = {name: float(value) for name, value in (one.split() for one in settings.split(", ") if one)}
-    autopilot = autopilot_named(row["autopilot"])
+    autopilot, version = autopilot_named(row["autopilot"]), FLOWN_ON[row["autopilot"]]
     stage = FlightStage(row["stage"])
-    route = next(one for one in autopilot.failsafes(parameters) if one.cause == cause).at(stage)
+    route = next(one for one in autopilot.failsafes(parameters, version) if one.cause == cause).at(stage)
     if BOTH_AT_ONCE in route.words:  # so it was made to fall
-        said = autopilot.failsafes({**parameters, "BATT_LOW_VOLT": 0.0})
+        said = autopilot.failsafes({**parameters, "BATT_LOW_VOLT": 0.0}, version)
         route = next(one for one in said if one.cause == cause).at(stage)
     if route.ending is Ending.LAND_START:  # none of the missions has one
         return str(route.otherwise[0])
@@ -179,7 +182,8 @@ def test_so_many_causes_were_made(autopilot: str, least: int) -> None:
 def endings_of(mission: str) -> Endings:
     path = MISSIONS / f"{mission}.plan"
     scenario = read_scenario(path.with_suffix(".toml"))
-    return Endings(Forecast(read_mission(path, scenario.vehicle.autopilot), scenario))
+    flown = read_mission(path, scenario.vehicle.autopilot)
+    return Endings(Forecast(replace(flown, firmware_version=FLOWN_ON[str(flown.autopilot)]), scenario))
 
 
 def ordered_here() -> list[Row]:

@@ -3,6 +3,7 @@
 It nearly stops there and sinks. Four flights over h2_hill, by their true positions; one of them did not do so.
 """
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.px4_multicopter.timing import Flights
+from ipoa_mission.vehicles.version import Version
 
 FOLDER = Path(__file__).parents[1] / "flights_crest"
 FLOWN = [np.loadtxt(path, delimiter=",", skiprows=1) for path in sorted(FOLDER.glob("flight-*.csv"))]
@@ -21,8 +23,8 @@ PLACE = 245.0  # east of home, 24 m past the crest [m]
 
 @pytest.fixture(scope="module")
 def flights() -> Flights:
-    mission = read_mission(FOLDER / "mission.plan", Autopilot.PX4)
-    return Flights(Forecast(mission, None).itinerary, mission.parameters)
+    mission = replace(read_mission(FOLDER / "mission.plan", Autopilot.PX4), firmware_version=Version(1, 17))
+    return Flights(Forecast(mission, None).itinerary, mission.parameters, version=Version(1, 17))
 
 
 def slowest(track: Points) -> float:

@@ -50,7 +50,8 @@ def forecast() -> Foreseen:
         aside = 0.3 * np.array([a[1] - b[1], b[0] - a[0], 46.0])
         places = [frame.geodetic(point) for point in a + share * (b - a) + np.sin(np.pi * share) * aside]
         heights = [place.altitude - home.altitude for place in places]
-        legs = [waypoint(place, height) for place, height in zip(places, heights, strict=True)]
+        usual = scenario.vehicle.autopilot.waypoint_defaults()
+        legs = [waypoint(place, height, *usual) for place, height in zip(places, heights, strict=True)]
         items = (takeoff(home, heights[0]), change_speed(scenario.vehicle.cruise_speed), *legs, land(places[-1]))
         mission = Mission(home, items, scenario.vehicle.autopilot, scenario.vehicle.cruise_speed)
         return Forecast(mission, scenario)

@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from ipoa_mission.report.compare import compare_flight, flown_track
 from ipoa_mission.report.page import report_html
 from ipoa_mission.vehicles.autopilot import autopilot_named
 from ipoa_mission.world.frame import LocalFrame
+from tests.held import PX4_117
 from tests.report.conftest import Bowed, Foreseen
 
 RECORDED = Path(__file__).parents[1] / "flights"
@@ -115,6 +117,7 @@ def test_the_picture_shows_both_times_of_each_leg(bowed: Bowed, tmp_path: Path) 
 def test_recorded_flights_are_compared_item_by_item(name: str) -> None:
     facts = json.loads((RECORDED / name / "flight.json").read_text())
     mission = read_mission(RECORDED / name / "mission.waypoints", autopilot_named(facts["autopilot"]))
+    mission = replace(mission, firmware_version=PX4_117.get(mission.autopilot))
     timed = estimate(mission, {key: float(value) for key, value in facts["params"].items()})
     with (RECORDED / name / "trace.csv").open() as file:
         rows = [[float(v) for v in row] for row in list(csv.reader(file))[1:]]

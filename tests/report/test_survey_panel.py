@@ -1,9 +1,11 @@
 """What a report shows of a survey: shaded is as much as is seen, and a flight has one color in map and table."""
 
 import re
+from functools import reduce
 
 import numpy as np
 import pytest
+import shapely
 
 from ipoa_mission import plan_survey
 from ipoa_mission.report.panels.survey import survey_panel
@@ -14,10 +16,9 @@ FIELD = [[[20.0, 10.0], [120.0, 10.0], [120.0, 90.0], [20.0, 90.0]], [[60, 40], 
 
 
 def area_of(path: str) -> float:
-    """The area that a path encloses, its inner rings left out, by its corners alone."""
-    rings = [np.array(re.findall(r"([-\d.]+) ([-\d.]+)", ring), float) for ring in path.split("Z") if ring]
-    areas = [abs(np.sum(x * np.roll(y, 1) - y * np.roll(x, 1))) / 2 for x, y in (ring.T for ring in rings)]
-    return float(2 * max(areas) - sum(areas))
+    """The area that a path encloses, its inner rings left out."""
+    rings = (re.findall(r"([-\d.]+) ([-\d.]+)", ring) for ring in path.split("Z") if ring)
+    return reduce(shapely.symmetric_difference, (shapely.Polygon(np.array(ring, float)) for ring in rings)).area
 
 
 def test_shaded_is_what_is_seen_and_flights_have_their_colors() -> None:

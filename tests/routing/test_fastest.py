@@ -47,13 +47,13 @@ def curve_of_the_ways(autopilot: Autopilot) -> tuple[Spline, Scenario]:
     control[[0, -1]] = points[[0, -1]]
     speed = next(item.params[1] for item in mission.items if item.command == Command.DO_CHANGE_SPEED)
     start, goal = (f"{{ east = {p[0]}, north = {p[1]}, up = {p[2]} }}" for p in points[[0, -1]])
-    at = mission.home
+    at, flown_on = mission.home, ', firmware_version = "1.17"' if autopilot is Autopilot.PX4 else ""
     text = f"""
     home = {{ latitude_deg = {at.latitude_deg}, longitude_deg = {at.longitude_deg}, altitude_amsl = {at.altitude} }}
     start = {start}
     goal = {goal}
     bounds = {{ margin = 300 }}
-    vehicle = {{ autopilot = "{autopilot}", cruise_speed = {speed} }}
+    vehicle = {{ autopilot = "{autopilot}", cruise_speed = {speed}{flown_on} }}
     route = {{ tolerance = {WITHIN} }}
     """
     curve = Spline(np.asarray(control, float))

@@ -40,7 +40,9 @@ from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.mission.commands import VehicleCommand
 from ipoa_mission.mission.files import read_mission_file
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as BuiltIn
+from ipoa_mission.simulator.conditions import Conditions
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
+from tests.held import PX4_117
 
 SESSIONS = Path(__file__).resolve().parents[1] / "sessions"
 STATION, SPEEDUP = 245, 4.0
@@ -187,7 +189,7 @@ def answers(name: str) -> list[tuple[float, Message]]:
     autopilot = autopilot_of(name)
     recorded = said(name)
     home = read_mission_file(SESSIONS / f"{autopilot}.plan").mission.home
-    mock = BuiltIn(autopilot, home, cold=True)
+    mock = BuiltIn(autopilot, home, cold=True, conditions=Conditions(version=PX4_117.get(autopilot)))
     told: list[tuple[float, Message]] = []
 
     def live(until: float) -> None:

@@ -52,7 +52,7 @@ def test_a_flight_cuts_corners_and_flies_past_them(autopilot: Autopilot) -> None
     whole = [  # the sensor on between the lines too: it sees little more
         flight.forecast.predicted(sure=True).track.points[:, :2] for flight in plan.flights
     ]
-    assert 0.95 < plan.flown.share < plan.coverage.share
+    assert 0.94 < plan.flown.share < plan.coverage.share
     assert plan.flown.share == pytest.approx(sampled_share(whole, plan.area.shape, 5.0), abs=6e-3)
     assert survey_as_json(plan, ("a", "b"))["as_flown"]["covered_share"] == pytest.approx(plan.flown.share, abs=1e-6)
 

@@ -110,10 +110,10 @@ def test_versions_are_read_as_they_are_written_and_as_vehicles_say_them() -> Non
 
 
 def test_the_newest_version_that_was_measured_is_meant_where_none_is_named() -> None:
-    assert PX4.checked_for(None) == "px4 1.17"
+    assert PX4.checked_for(None) == "px4 1.18"
     assert ARDUPILOT.checked_for(None) == "ardupilot 4.8"
-    assert PX4.firmware() is PX4.firmware(Version(1, 17))
-    assert PX4.facts(None)["version"] == "1.17.0"
+    assert PX4.firmware() is PX4.firmware(Version(1, 18))
+    assert PX4.facts(None)["version"] == "1.18.0-beta"
 
 
 @pytest.mark.parametrize(
@@ -122,7 +122,8 @@ def test_the_newest_version_that_was_measured_is_meant_where_none_is_named() -> 
         (PX4, "1.16.2", False),
         (PX4, "1.17.0-dev", True),
         (PX4, "1.17.3", True),
-        (PX4, "1.18.0-beta1", False),
+        (PX4, "1.18.0-beta1", True),
+        (PX4, "1.19", False),
         (ARDUPILOT, "4.6.2", False),
         (ARDUPILOT, "4.7.0-dev", True),
         (ARDUPILOT, "4.8.0-dev", True),

@@ -20,7 +20,7 @@ from ipoa_mission.vehicles.version import Version
 #: From this version on the vertical setpoint has a speed of its own (1ae8f2383f), and a vehicle that passes its
 #: waypoint without reaching it is not led back (d0004403a3).
 SPLITS_AXES = (1, 18)
-MEASURED = (Version(1, 17),)  # docs/lab/flown.md
+MEASURED = (Version(1, 17), Version(1, 18, 0, "beta"))  # docs/lab/flown.md, px4-1.18.md
 LEAST_HOLD = 0.1  # of a waypoint at which PX4 is to stop [s]
 SINCE_SPLIT: Parameters = {"NAV_ACC_RAD": 10.0}  # its defaults from then on, where they are others (c05cc47b75)
 

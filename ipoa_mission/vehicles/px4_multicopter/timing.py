@@ -1,4 +1,4 @@
-"""How long PX4 1.13 to 1.17 takes in AUTO.MISSION with a multicopter: its dynamics, flown again and again with noise.
+"""How long PX4 1.13 to 1.18 takes in AUTO.MISSION with a multicopter: its dynamics, flown again and again with noise.
 
 Its flights are noisy: a waypoint counts once place *and* height are right, and for two minutes from take-off the height
 of home is corrected by noisy measurements. So a mission is flown once without noise, which gives the path, and then
@@ -264,7 +264,8 @@ class Flights:
             goal = orders[len(done) - 1].goal
             raise MissionError(
                 f"the vehicle does not reach {round(goal.east)} m east and {round(goal.north)} m north of home",
-                hint="the wind may be stronger than it can fly against, or the acceptance radius too small to be hit",
+                hint="give its waypoints a hold of 0.1 s (param1), or name the version that flies it "
+                "(--firmware-version); or the wind is too strong for it, or the acceptance radius too small to be hit",
                 code="unreachable",
             )
 
