@@ -16,6 +16,7 @@ from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.forecast.timing.reasons import corner_deg, slow_because
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.mission.commands import LAST_NAV, TAKEOFFS, Command
+from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, Airframe
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter, stop_at
 from ipoa_mission.vehicles.arducopter.dynamics.legs import limits_along
@@ -45,7 +46,9 @@ DOUBT, DOUBT_SHARE = 0.12, 0.0065  # half the width of the interval: seconds, an
 
 BROKEN_OFF_DOUBT, BROKEN_OFF_SHARE = 0.4, 0.018  # the same of an ending that is ordered: nine in ten of 94, as flown
 
-LANDING_DOUBT = 0.6  # the centimetre before LAND takes so much more or less (`copter.LAND_BELOW`) [s]
+LANDING_DOUBT = 0.9  # the centimetres before LAND take so much more or less (`procedures.LAND_BELOW`) [s]
+#: The leg of a centimetre before RTL takes so much less or more: its clock waits while the vehicle drifts aside [s].
+RETURN_EARLY, RETURN_LATE = 0.3, 1.5
 
 TO_A_PLACE = ARDUCOPTER.guidance.flown_on_into - {Command.NAV_PAYLOAD_PLACE}
 
@@ -76,9 +79,20 @@ def fly_arducopter(
         flight.done.append(flight.copter.state.time)
     track = Track.joined(flight.tracks)
     done = np.array(flight.done, dtype=np.float64)
-    lands = np.array([visit.item.command in LANDINGS and visit.item.latitude_deg != 0.0 for visit in route.visits])
-    doubt = np.hypot(DOUBT + DOUBT_SHARE * done, LANDING_DOUBT * np.maximum.accumulate(lands.astype(float)))
-    return Prediction(done, done - doubt, done + doubt, tuple(flight.reasons), track, tuple(flight.remarks))
+    endings = np.array([_ending_doubt(visit.item) for visit in route.visits]).reshape(-1, 2)
+    early, late = np.maximum.accumulate(endings).T
+    doubt = DOUBT + DOUBT_SHARE * done
+    low, high = done - np.hypot(doubt, early), done + np.hypot(doubt, late)
+    return Prediction(done, low, high, tuple(flight.reasons), track, tuple(flight.remarks))
+
+
+def _ending_doubt(item: Item) -> tuple[float, float]:
+    """By how much the leg with which an ending begins may be shorter or longer [s]."""
+    if item.command == Command.NAV_RETURN_TO_LAUNCH:
+        return RETURN_EARLY, RETURN_LATE
+    if item.command in LANDINGS and item.latitude_deg != 0.0:
+        return LANDING_DOUBT, LANDING_DOUBT
+    return 0.0, 0.0
 
 
 def break_off(

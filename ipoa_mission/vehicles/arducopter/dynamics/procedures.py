@@ -16,9 +16,10 @@ from ipoa_mission.vehicles.arducopter.dynamics.motion import MotionLimits
 from ipoa_mission.vehicles.arducopter.limits import CENTIMETRE
 from ipoa_mission.vehicles.returning import HOME
 
-#: LAND flies to its place at the height where the vehicle is, cut to whole centimetres: that is the waypoint's, or one
-#: centimetre below, and a leg of one takes a second. Before a flight nothing tells which: half of it is counted.
-LAND_BELOW = 0.5
+#: LAND flies to its place at the height where the vehicle is, cut to whole centimetres: that is the waypoint's, or some
+#: centimetres off. The leg takes no time, or 1 to 1.8 s. Before a flight nothing tells which: 0.8 s are counted, this
+#: share of a leg of one centimetre.
+LAND_BELOW = 0.75
 #: RTL begins with a leg to where the vehicle would stop, its height and place cut likewise: by so much on average [m].
 RETURN_ROUNDING = 0.7 * CENTIMETRE
 PLACED = 0.65  # for so long PAYLOAD_PLACE stands on the ground [s]
