@@ -132,7 +132,7 @@ RULES: Mapping[str, Rule] = {
     "jump-flown-elsewhere": Rule(
         "ArduCopter flies on past a jump to a JUMP_TAG, or to another item that does not move it.",
         "Let DO_JUMP name the waypoint itself, or hold for a second before the jump.",
-        False,
+        True,
     ),
     "jump-tag-twice": Rule(
         "Two JUMP_TAG items have the same tag; jumps lead to the first.", "Give each a tag of its own.", False

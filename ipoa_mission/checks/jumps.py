@@ -4,18 +4,14 @@ import math
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TypeAlias
 
 from ipoa_mission.checks.finding import Numbered, item_of, numbered
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.itinerary.jumps import jump_target, tagged
-from ipoa_mission.forecast.itinerary.program import Program, program_of
+from ipoa_mission.forecast.itinerary.program import Steps, program_of
 from ipoa_mission.mission.commands import JUMPS, Command
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.jump_habits import JumpHabits
-
-MOST_STEPS = 5_000  # that are followed
-Steps: TypeAlias = list[tuple[list[int], int | None]]
 
 
 def check_jumps(mission: Mission) -> Iterator[Finding]:
@@ -29,10 +25,7 @@ def check_jumps(mission: Mission) -> Iterator[Finding]:
     if jumps and not any(finding.code == "jump-target" for finding in found):
         program = program_of(mission, mission.items)
         in_turn = replace(program, jumping=replace(program.habits, queues_actions=False), jumped={})
-        mistaken: dict[int, int] = {}
-        flown = _followed(program, mistaken)
-        for index, instead in sorted(mistaken.items()):
-            yield _flown_elsewhere(mission, index, instead)
+        flown, _ = program.followed()
         if program.stuck_at is not None:
             words = (
                 f"from here jumps lead to jumps, or to items that do not move the vehicle: {mission.autopilot.model} "
@@ -40,7 +33,7 @@ def check_jumps(mission: Mission) -> Iterator[Finding]:
             )
             yield item_of(mission, program.stuck_at + 1).error("jump-no-way-on", words)
         else:
-            yield from _at_other_times(mission, flown, _followed(in_turn, {}))
+            yield from _at_other_times(mission, flown, in_turn.followed()[0])
 
 
 def _target(mission: Mission, at: Numbered) -> Iterator[Finding]:
@@ -82,28 +75,6 @@ def _too_many(mission: Mission, count: int, habits: JumpHabits) -> Iterator[Find
     elif count > habits.most_small:
         words = f"{words} the first {habits.most_small} that it meets on a board with less than 500 kB of memory"
         yield Finding("too-many-jumps", Severity.WARNING, None, words)
-
-
-def _flown_elsewhere(mission: Mission, index: int, instead: int) -> Finding:
-    jump = next((n + 1 for n in range(index, len(mission.items)) if mission.items[n].command in JUMPS), 0)
-    words = (
-        f"{mission.autopilot.model} flies on from here to item {instead + 1}, not to where the jump of item {jump} "
-        "leads, as it jumps to what is no place"
-    )
-    hint = "let DO_JUMP name the waypoint itself, or hold here for a second"
-    return item_of(mission, index + 1).error("jump-flown-elsewhere", words, hint)
-
-
-def _followed(program: Program, mistaken: dict[int, int]) -> Steps:
-    """What is done in passing, and then flown to, step by step; `mistaken` gets what is flown on to instead."""
-    steps: Steps = []
-    at: int | None = -1
-    while at is not None and len(steps) < MOST_STEPS:
-        if at >= 0 and (instead := program.mistaken(at)) is not None:
-            mistaken.setdefault(at, instead)
-        steps.append(program.advance(at))
-        at = steps[-1][1]
-    return steps
 
 
 def _at_other_times(mission: Mission, flown: Steps, listed: Steps) -> Iterator[Finding]:

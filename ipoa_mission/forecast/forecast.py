@@ -171,10 +171,13 @@ class Forecast:
 
         Raises:
             BadInput: the mission has no end, or a parameter has no sense.
-            MissionError: the vehicle does not get on, or it has no model.
+            MissionError: the vehicle does not get on, flies items in another order, or has no model.
         """
         from ipoa_mission.forecast.timing.flight_model import FlightModel
 
+        for unknown in self.unknown:
+            if unknown.code == "jump-flown-elsewhere":
+                raise MissionError(f"items[{unknown.seq - 1}]: {unknown.why}; the time is not known", unknown.hint)
         if self.mission.other_vehicle:
             words = f"the mission is for {self.mission.other_vehicle}, and only multicopters have a time model"
             raise NotModeled(words)

@@ -73,7 +73,10 @@ obstacles = [{ kind = "box", name = "tower", east = 75, north = 55, width = 20, 
 
 
 def test_jumps_to_a_tag_take_as_long_as_their_passes_written_out() -> None:
-    assert seconds(*LOOP) == seconds(UP, *(A, B, C) * 3, D, BACK) == pytest.approx(234.3, abs=3.0)
+    holds = replace(C, params=(1.0, 0.0, 0.0, 0.0))  # else it flies on past the jump
+    assert seconds(UP, tag(1), A, B, holds, to_tag(1, 2), D, BACK) == seconds(UP, *(A, B, holds) * 3, D, BACK)
+    written_out = seconds(UP, *(A, B, C) * 3, D, BACK)
+    assert seconds(UP, A, B, C, jump(2, 2), D, BACK) == written_out == pytest.approx(234.3, abs=3.0)
 
 
 @pytest.mark.parametrize("items", [LOOP, (UP, A, B, C, jump(2, 2), D, BACK)], ids=["tag", "number"])
@@ -87,6 +90,12 @@ def test_the_leg_back_is_held_against_the_world_and_named_by_both_ends(items: tu
 def test_arducopter_flies_on_past_a_jump_to_what_is_no_place() -> None:
     """ArduPilot #31021: 4.8.0-dev (531699d652) flew from C to D, called it A, and went on from there."""
     assert found(check_mission(mission(*LOOP))) == ["error jump-flown-elsewhere 5"]
+    known = Forecast(mission(*LOOP), parse_scenario(TOWER, Path("tower.toml")))
+    assert known.promise_if_known is known.proof_if_known is None
+    with pytest.raises(MissionError, match="the clearance is not known"):
+        known.promise  # noqa: B018
+    with pytest.raises(MissionError, match="the time is not known"):
+        known.estimate  # noqa: B018
     to_an_action = mission(UP, change_speed(5.0), A, B, jump(2, 1), D, BACK)
     assert found(check_mission(to_an_action)) == ["error jump-flown-elsewhere 4"]
     holds = replace(C, params=(1.0, 0.0, 0.0, 0.0))

@@ -35,6 +35,9 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 Place: TypeAlias = tuple[float, float, float]  # east, north, up [m]
 
+Steps: TypeAlias = list[tuple[list[int], int | None]]  # what is done in passing, and then flown to
+
+MOST_STEPS = 5_000  # that are followed
 MOST_ACTIONS = 255  # between two items that move it; a loop without such an item must not hang
 
 
@@ -217,6 +220,18 @@ class Program:
             done.append(action)
             action = self.after(action, taking=False)
         return done, at
+
+    def followed(self) -> tuple[Steps, dict[int, int]]:
+        """What is done in passing and then flown to, step by step; and whither it flies on by mistake, by item."""
+        steps: Steps = []
+        elsewhere: dict[int, int] = {}
+        at: int | None = -1
+        while at is not None and len(steps) < MOST_STEPS:
+            if at >= 0 and (instead := self.mistaken(at)) is not None:
+                elsewhere.setdefault(at, instead)
+            steps.append(self.advance(at))
+            at = steps[-1][1]
+        return steps, elsewhere
 
     def mistaken(self, index: int) -> int | None:
         """The item to which it flies on from item `index` by mistake, instead of the one that follows; else None.

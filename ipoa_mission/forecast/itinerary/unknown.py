@@ -6,22 +6,23 @@ from typing import NamedTuple
 
 from ipoa_mission.forecast.itinerary.copter_circle import entry_is_unsure, radius_of
 from ipoa_mission.forecast.itinerary.copter_spline import WITH_PLACE, reads_as_here
-from ipoa_mission.forecast.itinerary.program import Place, Program, as_flown, next_navigated
-from ipoa_mission.mission.commands import FLOWN_TO, TAKEOFFS, WAYPOINTS, Command, command_name
+from ipoa_mission.forecast.itinerary.program import Place, Program, as_flown, next_navigated, program_of
+from ipoa_mission.mission.commands import FLOWN_TO, JUMPS, TAKEOFFS, WAYPOINTS, Command, command_name
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.returning import HOME
 from ipoa_mission.world.frame import LocalFrame
 
+NEVER_REACHED = "never-reached"
 NOWHERE = (math.nan, math.nan, math.nan)
 
 
 class Unknown(NamedTuple):
-    """Why the way is unknown from item `seq` on; `never_reached`: the vehicle does not get to its end."""
+    """Why the way is unknown from item `seq` on; `code` is that of its finding."""
 
     seq: int
     why: str
     hint: str
-    never_reached: bool = False
+    code: str = "way-unknown"
 
 
 def unknown_ways(mission: Mission) -> Iterator[Unknown]:
@@ -29,6 +30,8 @@ def unknown_ways(mission: Mission) -> Iterator[Unknown]:
     autopilot, items = mission.autopilot, as_flown(mission).items
     program = Program(items, LocalFrame(mission.home), autopilot, version=mission.firmware_version)
     circles, splines = Command.NAV_LOITER_TURNS in autopilot.way_known.flown, autopilot.guidance.flies_splines
+    if any(item.command in JUMPS for item in items):
+        yield from _past_jumps(mission)
     here: Place | None = None
     for n, item in enumerate(items):
         if (why := autopilot.way_known.why_unknown(item.command, item.params)) is not None:
@@ -49,6 +52,19 @@ def unknown_ways(mission: Mission) -> Iterator[Unknown]:
             yield from _payload_elsewhere(mission, program, n, following)
 
 
+def _past_jumps(mission: Mission) -> Iterator[Unknown]:
+    """Where it flies on past a jump to what is no place."""
+    items = mission.items
+    for n, instead in sorted(program_of(mission, items).followed()[1].items()):
+        jump = next((later + 1 for later in range(n, len(items)) if items[later].command in JUMPS), 0)
+        why = (
+            f"{mission.autopilot.model} flies on from here to item {instead + 1}, not to where the jump of item {jump} "
+            "leads, as it jumps to what is no place"
+        )
+        hint = "let DO_JUMP name the waypoint itself, or hold here for a second"
+        yield Unknown(n + 1, why, hint, "jump-flown-elsewhere")
+
+
 def _after_a_spline(program: Program, n: int) -> Iterator[Unknown]:
     """Where what follows a spline stores no place, and is read as one."""
     items = program.items
@@ -57,7 +73,7 @@ def _after_a_spline(program: Program, n: int) -> Iterator[Unknown]:
         if items[after].command not in WITH_PLACE and not reads_as_here(items[after]):
             name = command_name(items[after].command)
             why = f"{name} after a spline is read as a place far away or up: the vehicle may dive into the ground"
-            yield Unknown(n + 1, why, "put a waypoint between them", True)
+            yield Unknown(n + 1, why, "put a waypoint between them", NEVER_REACHED)
 
 
 def _payload_elsewhere(mission: Mission, program: Program, n: int, following: int) -> Iterator[Unknown]:
@@ -69,4 +85,4 @@ def _payload_elsewhere(mission: Mission, program: Program, n: int, following: in
     radius = parameters[autopilot.book.meanings["acceptance radius"]] / 100
     if abs(program.place(following, NOWHERE)[2] - program.place(n, NOWHERE)[2]) > radius:
         why = "it waits at this height to come to that of the waypoint before, and never places the payload"
-        yield Unknown(following + 1, why, "give it the height of the waypoint before, or 0", True)
+        yield Unknown(following + 1, why, "give it the height of the waypoint before, or 0", NEVER_REACHED)
