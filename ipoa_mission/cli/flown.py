@@ -34,8 +34,10 @@ def flight_as_json(estimate: Estimate, record: FlightRecord, reserves: Sequence[
     }
 
 
-def next_steps(link: str, system: int | None) -> str:
-    """Say what can be ordered to a vehicle that was left in the air."""
+def next_steps(link: str | None, system: int | None, record: FlightRecord) -> str:
+    """Say what can be ordered to a vehicle that deviated and was left in the air; else nothing."""
+    if link is None or not (record.deviations and record.in_air):
+        return ""
     to = f"--link {link}" + (f" --system {system}" if system else "")
     orders = (f"`ipoa-mission {verb} {to}` {does}" for verb, does in NEXT_STEPS.items())
     return f"{', '.join(orders)}; a pilot can take it over"

@@ -98,7 +98,7 @@ def fly(
             survey = plan_here(scenario, search, flown_by)
             expect_flyable(survey, on_link.log, is_on_link=link is not None)
             files = write_survey(survey, out, report, force, as_json)
-            fly_survey(survey, pilot, on_link, out, files, as_json, is_on_link=link is not None)
+            fly_survey(survey, pilot, on_link, out, files, as_json, link)
             return
         expect_plans(out, [scenario.name], report, force, ask=not as_json)
         job = planned(plan(scenario, search.seed, air))
@@ -113,8 +113,7 @@ def fly(
     if report and job.flight is not None:
         job.flight.report(page := out / f"{job.name}.html", record)
         written.insert(0, page)
-    is_left = bool(record.deviations) and record.in_air
-    hint = next_steps(link, on_link.system) if is_left and link is not None else ""
+    hint = next_steps(link, on_link.system, record)
     if as_json:
         tell_flown_as_json(job, record, remarks, [*planned_files, *written], hint)
         if record.failure:

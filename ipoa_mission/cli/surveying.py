@@ -235,27 +235,27 @@ def fly_survey(
     out: Path,
     written: list[Path],
     as_json: bool,
-    is_on_link: bool,
+    link: str | None,
 ) -> None:
     """Have its flights flown, one after the other; `written` are its files.
 
     On a vehicle the next one begins when the user says that a charged battery is in. One that was not flown to its end
     is the last.
     """
-    from ipoa_mission.cli.flown import flight_as_json, tell_flown
+    from ipoa_mission.cli.flown import flight_as_json, next_steps, tell_flown
     from ipoa_mission.cli.job import Job
     from ipoa_mission.files import unused
     from ipoa_mission.flight.survey import survey_as_json
 
     if not as_json:
         tell_survey(survey, written)
-    flown, why = list[dict[str, Any]](), ""
+    flown, why, hint = list[dict[str, Any]](), "", ""
     for n, (name, forecast) in enumerate(zip(survey.names, survey.flights, strict=True)):
-        if n and is_on_link and not _is_ready(survey, n):
+        if n and link is not None and not _is_ready(survey, n):
             why = f"{name} and what follows it was not flown"
             break
         usual = out / f"{name}.tlog"
-        own = on_link.log or (unused(usual) if is_on_link else usual)
+        own = on_link.log or (usual if link is None else unused(usual))
         job, remarks, record = pilot(Job(name, forecast, ()), own)
         written += map(Path, on_link.written(own))
         if as_json:
@@ -265,13 +265,15 @@ def fly_survey(
             tell_flown(job, record, remarks, [own])
         if record.failure:
             why = f"{name} was not flown {'to its end' if record.why_not else 'as forecast'}: {record.failure}"
+            hint = next_steps(link, on_link.system, record)
             break
     if as_json:
         about = survey_as_json(survey.plan, survey.names)
-        error = {"error": why} if why else {}
-        tell_json({"survey": about, "flown": flown, "written": [str(path) for path in written], **error})
+        error = {key: words for key, words in (("error", why), ("hint", hint)) if words}
+        result = {"survey": about, "flown": flown, "written": [str(path) for path in written], **error}
+        tell_json(result, indent=None if any("deviations" in one for one in flown) else 2)  # events are lines before it
     if why:
-        print(f"error: {why}", file=sys.stderr)
+        print(f"error: {why}", *([f"hint: {hint}"] if hint else []), sep="\n", file=sys.stderr)
         raise typer.Exit(1)
 
 

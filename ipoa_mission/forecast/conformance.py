@@ -9,15 +9,13 @@ import numpy as np
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.itinerary import UNTIMED
 from ipoa_mission.forecast.timing.estimate import ItemTime
 from ipoa_mission.forecast.tube.law import DeviationLaw
 from ipoa_mission.forecast.tube.limits import rim_of
 from ipoa_mission.forecast.tube.measured import law_of
 from ipoa_mission.forecast.tube.pieces import pieces_of
 from ipoa_mission.geometry import Points, Vector, arc_lengths
-from ipoa_mission.mission.commands import ENDINGS, FLOWN_TO, LAST_NAV, TAKEOFFS, WAYPOINTS, Command, Frame, plain_frame
-from ipoa_mission.mission.items import Item
+from ipoa_mission.mission.commands import ENDINGS, FLOWN_TO, TAKEOFFS, Command, Frame, plain_frame
 from ipoa_mission.world.frame import Geodetic
 
 #: The margin beyond the tube: twice its width, and at least this [m]; a take-off drifts twice as far.
@@ -30,10 +28,6 @@ SETTLED_S = 1.0  # a deviation must last for so long [s]
 DOUBT_S = 3.0  # by which the vehicle's word on its item may be early or late [s]
 SPACING = 0.5  # of the places that a sample is compared with [m]
 CHANCE = 0.01  # of the tube, where no scenario states a confidence
-#: Of what moves the vehicle the time models have these whole; while anything else is flown, nothing is compared.
-MODELED = WAYPOINTS | {
-    Command.NAV_TAKEOFF, Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH, Command.NAV_LOITER_TIME, Command.NAV_DELAY,
-}  # fmt: skip
 
 
 class DeviationKind(StrEnum):
@@ -86,12 +80,6 @@ class _Leg(NamedTuple):
     is_compared: bool
 
 
-def _is_modeled(item: Item) -> bool:
-    if item.command == Command.NAV_DELAY:
-        return item.params[0] > 0.0  # else it waits for a time of day
-    return item.command in MODELED or (item.command > LAST_NAV and item.command not in UNTIMED)
-
-
 class ConformanceMonitor:
     """Compare samples of one flight, in the order of their times, with its forecast.
 
@@ -115,6 +103,7 @@ class ConformanceMonitor:
         safety = None if forecast.scenario is None else forecast.scenario.safety.chance
         self._chance = CHANCE if safety is None else safety
         wind = forecast.wind.speed if forecast.scenario is None else forecast.scenario.wind.strongest
+        self._unknown = {one.seq for one in forecast.unknown}
         self._law = law_of(forecast.mission.autopilot, wind)
         frames = {plain_frame(item.frame) for item in forecast.mission.items if item.has_position}
         self._counts_from_home = Frame.GLOBAL not in frames
@@ -283,10 +272,15 @@ class ConformanceMonitor:
             )
         longest = items[visit].high_s - begin + items[visit].missed.cost_s
         near = range(visit if before is None else before, visit + 1 if target is None else target + 1)
-        is_compared = all(_is_modeled(self._visits[n].item) for n in near)
+        is_compared = all(self._is_modeled(n) for n in near)
         is_landing = target is None
         longest = max(longest, LEAST_LEG_S)
         return _Leg(self._points[taken], limits, goal, excursion, comes_back, longest, is_landing, is_compared)
+
+    def _is_modeled(self, visit: int) -> bool:
+        item = self._visits[visit].item
+        waits = item.command == Command.NAV_DELAY and not item.params[0] > 0.0  # for a time of day
+        return not waits and self._visits[visit].seq not in self._unknown
 
     def _direct(self, place: Vector) -> Points | None:
         """Return the way straight to the goal from where the flight goes on, or begins: by a climb."""

@@ -9,7 +9,10 @@ import pytest
 from ipoa_mission import Forecast, read_mission
 from ipoa_mission.flight import procedure
 from ipoa_mission.forecast.conformance import ConformanceMonitor
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.world.frame import Geodetic
 from tests.cli.conftest import Run, Serve
+from tests.cli.test_cli_surveying import SCENARIO
 
 SITL = Path(__file__).parents[2] / "missions" / "sitl.plan"
 MISSION = read_mission(SITL)
@@ -40,6 +43,18 @@ def test_a_deviation_is_a_line_of_json_the_vehicle_holds_and_the_next_steps_are_
     assert result["hint"].startswith(f"`ipoa-mission resume --link {link}` goes on with its mission")
     assert f"warning: {event['words']}; hold is ordered" in ended.err
     assert f"error: {result['error']}" in ended.err
+    assert f"hint: {result['hint']}" in ended.err
+
+
+@pytest.mark.usefixtures("lower")
+def test_a_survey_whose_flight_is_held_names_the_next_steps(run: Run, autopilot: Serve, tmp_path: Path) -> None:
+    (tmp_path / "field.toml").write_text(SCENARIO)
+    with autopilot(Geodetic(47.3977, 8.5456, 488.0), Autopilot.ARDUPILOT, speedup=8.0) as link:
+        ended = run(f"fly {tmp_path}/field.toml --out {tmp_path}/out --link {link} --json")
+    assert ended.code == 1
+    result = json.loads(ended.out.splitlines()[-1])
+    assert result["error"].startswith("field was not flown to its end: it holds, because ")
+    assert result["hint"].startswith(f"`ipoa-mission resume --link {link}` goes on with its mission")
     assert f"hint: {result['hint']}" in ended.err
 
 

@@ -24,6 +24,8 @@ from ipoa_mission.mission.items import Item, Mission, land, takeoff, waypoint
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from tests.forecast.test_items_flown import FOLDERS as ITEMS_FLOWN
+from tests.forecast.test_items_flown import read as read_items
 from tests.recorded_flights import FLIGHTS, IN_WIND, LANDINGS, read_flight
 
 HERE = Path(__file__).resolve().parent
@@ -246,3 +248,29 @@ def test_a_hold_is_flown_where_it_is() -> None:
     held = mission(waypoint(place(100.0, 0.0), 20.0, 60.0), land(place(100.0, 0.0)))
     monitor = ConformanceMonitor(Forecast(held))
     assert flown(monitor, *((20.0 + t, 100.0, 0.0, 20.0, 1) for t in range(70))) == []
+
+
+#: In `spline_arc` the vehicle did not report that it began item 4.
+ITEMS = [folder for folder in ITEMS_FLOWN if folder.name != "spline_arc-ardupilot"]
+
+
+@pytest.mark.parametrize("folder", ITEMS, ids=lambda folder: folder.name)
+def test_circles_payloads_and_splines_are_compared_and_do_not_deviate(folder: Path) -> None:
+    forecast, begins, trace = read_items(folder)
+    monitor, found = ConformanceMonitor(forecast), []
+    for time, east, north, up in trace:
+        seq = max((seq for seq, begin in begins.items() if begin <= time), default=0)
+        if 0 < seq <= len(forecast.mission.items) and up > 0.5:
+            found.append(monitor.see(time, np.array([east, north, up]), seq - 1))
+    assert len(found) > 20
+    assert not any(found)
+
+
+def test_a_circle_of_another_radius_deviates() -> None:
+    forecast, begins, trace = read_items(next(folder for folder in ITEMS if folder.name == "circle60-ardupilot"))
+    monitor, found = ConformanceMonitor(forecast), []
+    center = np.array(forecast.itinerary.program.places[2])
+    for time, east, north, up in trace[(trace[:, 0] > begins[3] + 15.0) & (trace[:, 0] < begins[4])]:
+        wider = center + 1.3 * (np.array([east, north, up]) - center) * [1.0, 1.0, 0.0]
+        found.append(monitor.see(time, np.array([*wider[:2], up]), 2))
+    assert any(one and one.kind is DeviationKind.OUTSIDE for one in found)
