@@ -21,10 +21,13 @@ def check_way(forecast: Forecast) -> Iterator[Finding]:
         at, words = item_of(mission, unknown.seq), f"{unknown.why}; the clearance is not known"
         if not firmware.takes(at.item.command) or at.item.command in firmware.never_flown:
             continue
-        if unknown.never_reached:
-            yield at.error("never-reached", words, unknown.hint)
-        else:
-            yield at.error("way-unknown", words, unknown.hint)
+        match unknown.code:
+            case "jump-flown-elsewhere":
+                yield at.error("jump-flown-elsewhere", words, unknown.hint)
+            case "never-reached":
+                yield at.error("never-reached", words, unknown.hint)
+            case _:
+                yield at.error("way-unknown", words, unknown.hint)
     parameters = mission.autopilot.complete(mission.parameters, mission.firmware_version)
     for at in numbered(mission):
         radius = at.item.params[2]

@@ -177,7 +177,12 @@ class Forecast:
 
         for unknown in self.unknown:
             if unknown.code == "jump-flown-elsewhere":
-                raise MissionError(f"items[{unknown.seq - 1}]: {unknown.why}; the time is not known", unknown.hint)
+                raise MissionError(
+                    f"{unknown.why}; the time is not known",
+                    unknown.hint,
+                    code=unknown.code,
+                    place=f"items[{unknown.seq - 1}]",
+                )
         if self.mission.other_vehicle:
             words = f"the mission is for {self.mission.other_vehicle}, and only multicopters have a time model"
             raise NotModeled(words)
@@ -225,7 +230,7 @@ class Forecast:
             raise MissionError(
                 f"{unknown.why}; the clearance is not known",
                 unknown.hint,
-                code="way-unknown",
+                code=unknown.code,
                 place=f"items[{unknown.seq - 1}]",
             )
         prediction = self.predicted(sure=True)
