@@ -23,7 +23,7 @@ def test_a_home_elsewhere_is_a_warning_but_nothing_is_drawn_or_timed_from_it(tmp
     (finding,) = check_mission(IN_JAPAN)
     assert "it lies 8010 km from all places" in finding.message
     assert refusals(IN_JAPAN) == (finding.message,)
-    with refuses("bad-input", "", "8010 km"):
+    with refuses("home-elsewhere", "", "8010 km"):
         write_export(IN_JAPAN, tmp_path / "japan.kml")
 
 
