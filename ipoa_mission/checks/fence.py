@@ -37,7 +37,6 @@ def check_fence(forecast: Forecast) -> Iterator[Finding]:
 
 
 def _wrong(part: FencePolygon | FenceCircle, frame: LocalFrame) -> str | None:
-    """What is wrong with one part of a fence, in words."""
     if isinstance(part, FenceCircle):
         return None
     if len(part.vertices) < 3:

@@ -101,7 +101,6 @@ def _before(autopilot: Autopilot, firmware: Firmware) -> Firmware:
 
 
 def _taken_later(item: Item, autopilot: Autopilot, firmware: Firmware) -> str | None:
-    """Which version takes the command that this one does not."""
     for series in autopilot.tables.series:
         if series > firmware.version.series and autopilot.firmware(Version(*series)).takes(item.command):
             return f"{firmware.name} {series[0]}.{series[1]} takes it"

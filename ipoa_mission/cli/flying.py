@@ -194,7 +194,6 @@ def _expect_together(on_vehicle: FlightOptions, faults: "Faults") -> None:
 
 
 def _write(flight: "Flight", folder: Path, as_json: bool, routes: bool) -> list[Path]:
-    """Write the files of a flight that was planned here, and tell of it."""
     from ipoa_mission.cli.summary import tell_planned
 
     written = [*flight.write(folder)]

@@ -205,7 +205,6 @@ def _order(
 
 
 def _counted(counts: dict[str, int]) -> str:
-    """How much was sent, in words."""
     fence, rally = counts["fence"], counts["rally"]
     also = [f"{fence} fence area{'s' * (fence != 1)}"] * bool(fence) + [
         f"{rally} rally point{'s' * (rally != 1)}"

@@ -78,7 +78,6 @@ def plan(
 def _write_parts(
     whole: "Flight", parts: "tuple[Forecast, ...]", out: Path, report: bool, force: bool, as_json: bool
 ) -> None:
-    """Write a flight as one mission for each battery, and a page about all of them."""
     from ipoa_mission.cli.overwriting import expect_free
     from ipoa_mission.cli.summary import tell_parts
     from ipoa_mission.flight.parts import names_of, parts_summary, write_parts

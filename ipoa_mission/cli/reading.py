@@ -77,7 +77,6 @@ def taken_for(read: "MissionFile") -> tuple[str, ...]:
 
 
 def _with_version(version: "Version | None") -> list[Autopilot]:
-    """Find the autopilots of which this version has tables."""
     return [one for one in registered() if version is not None and version.series in one.tables.series]
 
 

@@ -126,7 +126,6 @@ def _in_column(points: Points) -> int:
 
 
 def _between(points: Points, first: Points, last: Points) -> Points:
-    """Those points that were flown from the one place to the other."""
     begin = int(np.argmin(np.linalg.norm(points - first, axis=1)))
     end = int(np.argmin(np.linalg.norm(points - last, axis=1)))
     return points[begin : max(end, begin) + 1]

@@ -90,7 +90,6 @@ class Survey:
         return (*(f"warning: {words}" for words in messages), *(f"hint: {words}" for words in hints))
 
     def _notes_of(self, flight: SurveyFlight) -> tuple[str, ...]:
-        """The notes without those that are of other flights only."""
         of_flights, own = {*_told_of_flights(self.plan, _repairs)}, tuple(_repairs(flight))
         return (*own, *(words for words in self.notes if words not in of_flights))
 
@@ -291,7 +290,6 @@ def plan_survey(
 
 
 def _flown_log(given: Flown) -> tuple[str, "FlightLog"]:
-    """A log's name, and its flights."""
     from ipoa_mission.logs.flight_log import read_flights  # and with it all that a link speaks
 
     log, system = given if isinstance(given, tuple) else (given, None)
@@ -330,7 +328,6 @@ def _elsewhere(whole: SurveyPlan, paths: Mapping[str, list[Points]]) -> Iterator
 
 
 def _asking(scenario: Scenario, area: Any, camera: Any, asked: Mapping[str, Any]) -> Scenario:
-    """The scenario with this survey, from home to home."""
     given: dict[str, Any] = dict(asked) | ({} if camera is None else {"camera": camera})
     if area is None:
         table = ({} if scenario.survey is None else scenario.survey.model_dump(exclude_unset=True)) | given
@@ -385,7 +382,6 @@ def _repairs(flight: SurveyFlight) -> Iterator[str]:
 
 
 def _remarks(plan: SurveyPlan, asked: Scenario) -> Iterator[str]:
-    """What a user should know, in words."""
     yield from _told_of_flights(plan, _warned)
     yield from _more_flights(plan)
     if (speed := plan.scenario.vehicle.cruise_speed) != asked.vehicle.cruise_speed:

@@ -237,7 +237,6 @@ class ConformanceMonitor:
         return times, track.at(times), tube
 
     def _goal(self, visit: int) -> Vector | None:
-        """Return the place of a visit to a waypoint."""
         command = self._visits[visit].item.command
         if command not in FLOWN_TO - TAKEOFFS - ENDINGS or self._program.leaves_open(visit):
             return None

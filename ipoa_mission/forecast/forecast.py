@@ -259,7 +259,6 @@ class Forecast:
 
 
 def _where_it_begins(scenario: "Scenario", mission: Mission) -> "Scenario":
-    """The scenario with the home of this mission, where that is one of its start places."""
     if scenario.survey is None or scenario.survey.starts is None:
         return scenario
     from ipoa_mission.scenario.other_home import flown_from

@@ -138,7 +138,6 @@ class ReturnRoutes:
 
     @cached_property
     def _land_start(self) -> int:
-        """From which item on it lands."""
         starts = (n for n, item in enumerate(self.mission.items, 1) if item.command == Command.DO_LAND_START)
         return next(starts, self._places[-1][0])
 

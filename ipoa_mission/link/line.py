@@ -167,7 +167,6 @@ class Line:
             self.send(Heartbeat(MAV_TYPE_GCS, MavAutopilot.INVALID))
 
     def _hear(self, data: bytes, peer: Peer) -> list[Heard]:
-        """What bytes of a peer say to us."""
         heard: list[Heard] = []
         now = self.channel.now()
         framer = self._routes.framer(peer)

@@ -265,7 +265,6 @@ def _give_in(job: Upload, course: UploadState, progress: Progress) -> Dialogue[N
 
 
 def _holds(job: Upload) -> Dialogue[bool]:
-    """Whether the vehicle has the new list."""
     try:
         stored = yield from read_list(job.kind)
     except (MissionRefused, NoAnswer):

@@ -219,7 +219,6 @@ def _change(gathered: _Gathered, mode: int, autopilot: Autopilot) -> None:
 
 
 def _dated(gathered: _Gathered, stamps: Vector, autopilot: Autopilot) -> Log:
-    """The same by the vehicle's clock."""
     known_at = stamps[[number for number, _ in gathered.times]] if gathered.times else np.empty(0)
     clock = unwrapped(known_at, np.array([time for _, time in gathered.times]))
     times = vehicle_times(stamps, known_at, clock)

@@ -102,7 +102,6 @@ def _hand_on_each(path: Path, values: Iterator[Any], take: Take) -> None:
 
 @contextmanager
 def _told_of(path: Path) -> Iterator[None]:
-    """What is wrong with its JSON is told as of this file."""
     try:
         yield
     except json.JSONDecodeError as error:

@@ -58,7 +58,6 @@ def _merged(source: Table, old: Table, new: Table) -> Table:
 
 
 def _merged_items(source: list[Table], old: list[Table], new: list[Table]) -> Iterator[Table]:
-    """The new items, each as the source has it where it has it."""
     if len(source) != len(old):
         yield from new
         return
@@ -77,5 +76,4 @@ def _merged_items(source: list[Table], old: list[Table], new: list[Table]) -> It
 
 
 def _told(item: Table) -> str:
-    """What an item says, but for its number."""
     return json.dumps({key: value for key, value in item.items() if key != NUMBER}, sort_keys=True)

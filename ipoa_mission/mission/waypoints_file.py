@@ -223,7 +223,6 @@ class _Line:
 
 
 def _rows(path: Path, text: str) -> Iterator[tuple[_Line, Item]]:
-    """Every line that holds an item, and the item."""
     first, *others = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     if first.split() != FIRST_LINE.split():
         raise WrongFormat(f'expected "{FIRST_LINE}", not "{first[:40]}"', place=f"{path}: line 1")

@@ -147,7 +147,6 @@ def table_8(rows: Sequence[TrialRow]) -> Table:
 
 
 def _known(rows: Sequence[TrialRow], algorithm: str, measure: str) -> list[float]:
-    """A measure of all runs that have it."""
     values = [row.measures[measure] for row in rows if row.trial.algorithm == algorithm and measure in row.measures]
     return [value for value in values if not isinstance(value, list)]
 

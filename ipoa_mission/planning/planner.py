@@ -184,5 +184,4 @@ def _settle(trail: Trail, searcher: Searcher, enough: float = 1e-7) -> Settled:
 
 
 def _finer(trail: Trail, strategy: SearchStrategy) -> Trail:
-    """The curve with twice the control points, unless it has enough."""
     return refine(trail) if len(trail.curve.control) < strategy.enough_control_points else trail

@@ -177,7 +177,6 @@ def _other_place(mission: Mission, record: FlightRecord) -> tuple[str, ...]:
 
 
 def _begun_later(record: FlightRecord) -> tuple[str, ...]:
-    """With which item it began, if not with the first."""
     first = min(record.item_reached_s, default=0) + 1
     return (f"it began at item {first}",) if first > 1 else ()
 

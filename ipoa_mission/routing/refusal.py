@@ -50,7 +50,6 @@ def _with_help(words: str, round_it: str, looks: Looks) -> NoPath:
 
 
 def _leg(nearest: Attempt, tightest: Kept) -> str:
-    """Which leg of a mission with via points a place is on, in words that go on."""
     at, curve = nearest.plan.via_at, nearest.plan.curve
     if not len(at):
         return ""

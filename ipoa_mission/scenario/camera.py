@@ -101,7 +101,6 @@ class _OrName:
 
 
 def _by_name(given: Any) -> Any:
-    """The numbers of the camera of that name."""
     if not isinstance(given, str):
         return given
     try:

@@ -109,7 +109,6 @@ def _schema(model: type[BaseModel]) -> dict[str, Any]:
 
 
 def _known_keys(location: Sequence[int | str], model: type[BaseModel]) -> list[str]:
-    """Keys that the table at this place may have, from the schema."""
     schema = _schema(model)
     here: Any = schema
     for step in location[:-1]:

@@ -159,7 +159,6 @@ def _read_buildings(
 
 
 def _standing(scenario: Layout, buildings: Mapping[int, Buildings]) -> tuple[tuple[Path, Standing], ...]:
-    """What stands on the maps, with its file."""
     return tuple((scenario.maps[n].file, thing) for n, found in buildings.items() for thing in found.standing)
 
 
@@ -301,7 +300,6 @@ def _expect_cover(grid: Grid, corners: Box) -> None:
 
 
 def _drawn(scenario: Layout, terrain: Terrain) -> tuple[Obstacle, ...]:
-    """The obstacles that stand in the scenario itself."""
     return tuple(
         o.build(o.name or f"{o.kind} {i}", scenario.frame, Ground(terrain)) for i, o in enumerate(scenario.obstacles)
     )

@@ -277,7 +277,6 @@ def _shapes(path: Path, frame: LocalFrame) -> Iterator[tuple[str, Any]]:
 
 
 def _corridor(line: Points, width: float, place: str) -> Any:
-    """The ground beside a line, up to half the width away."""
     if not np.isfinite(line).all() or (np.diff(line, axis=0) == 0.0).all(axis=1).any():
         raise InvalidRing("expected a line of corners that differ", place=place)
     shape = shapely.LineString(line).buffer(width / 2, cap_style="flat", join_style="mitre", mitre_limit=MITRE)

@@ -31,7 +31,6 @@ Single = Annotated[float, Field(ge=-SINGLE_MAX, le=SINGLE_MAX)]
 
 
 def _by_name(given: Any) -> Any:
-    """The autopilot of that name."""
     return given if isinstance(given, Autopilot) else autopilot_named(given)
 
 

@@ -102,7 +102,6 @@ class Commander(Reporting):
             self._say_begun()
 
     def _start(self) -> None:
-        """The mission is flown from where it stands."""
         takes_off = self.flight.landed
         self.flight.start()
         if self.habits.runs_on_ground:

@@ -132,7 +132,6 @@ def _draw(document: MutableMapping[str, Any], change: DrawArea, frame: LocalFram
 
 
 def _parts(polygon: Any) -> list[Any]:
-    """The areas of a polygon, rings each."""
     depth = depth_of(polygon)
     return [[polygon]] if depth == 2 else [polygon] if depth == 3 else list(polygon)
 

@@ -177,7 +177,6 @@ class Document:
 
 
 def _plain(value: Any) -> Any:
-    """A table without what JSON does not know."""
     if isinstance(value, dict):
         return {key: _plain(one) for key, one in value.items()}
     if isinstance(value, list):

@@ -126,7 +126,6 @@ def _first_values(item: Item, mission: Mission) -> Item:
 
 
 def _settled(item: Item, autopilot: Autopilot) -> Item:
-    """In a frame that its command has."""
     settled = settle_frames((item,), autopilot)[0]
     if settled.frame == Frame.MISSION and item.command in autopilot.firmware().placed:
         return replace(settled, frame=int(Frame.GLOBAL_RELATIVE_ALT))

@@ -100,7 +100,6 @@ class FlightWorker:
 
 @contextmanager
 def _vehicle(order: Order, forecast: Forecast, log: Path) -> Iterator[Vehicle]:
-    """The built-in autopilot, or the vehicle on a link."""
     link, system = order["link"], order["system"]
     with board(forecast, log=log) if link is None else connect(link, system=system, log=log) as vehicle:
         yield vehicle

@@ -125,7 +125,6 @@ def _sampled(curve: Spline) -> Points:
 
 
 def _course(course: seen.Seen, forecast: Forecast) -> answers.Course:
-    """A predicted flight for the page."""
     apart = [round(value, 2) if math.isfinite(value) else None for value in course.apart.tolist()]
     return answers.Course(
         line=line_of(forecast.frame, course.points),

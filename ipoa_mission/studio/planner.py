@@ -180,7 +180,6 @@ class PlanWorker:
         return self._plan
 
     def _expect_flight(self, order: Order) -> HandedOver:
-        """The plan's flight, of a survey's the one that is meant."""
         plan, n = self._expect_plan(), order.get("flight", 0)
         if not isinstance(plan, Survey):
             return planned_over(plan)
@@ -226,7 +225,6 @@ def _survey(
 
 
 def _mission(order: Order) -> tuple[MissionFile, Forecast]:
-    """The open mission, in the world and on the autopilot that the page names."""
     world = None if order["world"] is None else read_text(Path(order["world"]))
     return _mission_in(order["text"], order["path"], world, order["world"], order["autopilot"])
 

@@ -64,7 +64,6 @@ def _is_of_home(error: MissionError, file: str = "") -> bool:
 
 
 def _tried(error: MissionError) -> Iterator[Remedy]:
-    """The change that the planner has tried, and that plans it."""
     for change in error.remedies:
         if (label := TRIED.get(change.field)) is not None:
             yield Remedy(label=label.format(change.value), changes=(Put(path=change.field, value=change.value),))
@@ -79,7 +78,6 @@ def _unread(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
 
 
 def _ways_home(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
-    """For a way home that is not clear: higher, planned as the flight is, or none."""
     changes = {change.field: change.value for change in error.remedies}
     if ("route", "ending") not in changes or scenario.survey is not None:  # whose flights end over home as it is
         return
@@ -94,7 +92,6 @@ def _ways_home(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
 
 
 def _heights(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
-    """For what a map has without a height: the heights that it may have, each as a button."""
     found = dict[tuple[str, str, float], list[Put]]()
     for change in error.remedies:
         match change.field:

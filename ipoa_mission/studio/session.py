@@ -297,7 +297,6 @@ class Session:
         return str(flights[flight]["plan"]["name"])
 
     def _expect_ready(self) -> None:
-        """Raise MissionError unless what is open, as it is now, may be put on a vehicle."""
         if not self.document.is_mission:
             self._expect_proved()
             return
@@ -308,7 +307,6 @@ class Session:
             raise MissionError(f"it cannot be flown: {checked['timeless']}", code="no-time")
 
     def _expect_proved(self) -> None:
-        """Raise MissionError unless the scenario as it is now has a proved plan."""
         plans = (self._latest.get(kind) for kind in ("plan", "survey"))
         if not any(plan is not None and plan["revision"] == self.document.revision for plan in plans):
             words = "there is no proved plan of the scenario as it is now"

@@ -42,7 +42,6 @@ def survey_remedies(error: MissionError, scenario: Scenario) -> Iterator[Remedy]
 
 
 def _within_bounds(scenario: Scenario) -> Iterator[Remedy]:
-    """Bounds that hold the survey, where those of the file do not."""
     section, area, bounds = scenario.survey, scenario.survey_area, scenario.bounds
     assert section is not None
     assert area is not None

@@ -77,7 +77,6 @@ def planned_survey(survey: Survey, revision: int, took_s: float, flown: Sequence
 
 
 def _remarks(survey: Survey) -> tuple[str, ...]:
-    """Those that are no warnings."""
     return tuple(without_folders(words, survey.plan.scenario) for words in survey.notes)
 
 

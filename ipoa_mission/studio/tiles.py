@@ -165,7 +165,6 @@ def _is_vector(path: Path, kind: str) -> bool:
 
 
 def _layers(about: Any) -> tuple[str, ...]:
-    """The names of the layers, as a TileJSON tells them."""
     told = about.get("vector_layers") if isinstance(about, dict) else None
     named = [one.get("id") for one in told if isinstance(one, dict)] if isinstance(told, list) else []
     return tuple(name for name in named if isinstance(name, str))

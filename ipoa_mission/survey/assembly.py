@@ -63,7 +63,6 @@ def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mappin
 
 
 def _built(out: Points, points: Points, back: Points, scenario: Scenario) -> tuple[Mission, tuple[int, ...]]:
-    """The mission through all these, and which item flies to each waypoint."""
     route = Route(np.vstack([out, points, back]))
     return build_mission(route, scenario), items_of_waypoints(route)
 

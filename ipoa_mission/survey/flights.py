@@ -90,7 +90,6 @@ class FlightMaker:
         return vehicle.autopilot.firmware(vehicle.version).max_items // per
 
     def _taken(self, part: Sortie) -> Forecast | None:
-        """A flight that is not too long for the vehicle to take."""
         if len(part.tour.swaths) > self.most_lines:
             return None
         forecast = self(part)

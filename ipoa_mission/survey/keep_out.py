@@ -68,7 +68,6 @@ def _grown(body: Obstacle, by: float, most: float) -> Any:
 
 
 def _is_passed(body: Obstacle, sight: Sight, ground: Ground, distance: float, rim: Rim) -> bool:
-    """Whether it is flown over, or under."""
     (west, south, base), (east, north, top) = body.bounds.tolist()
     reach = max(sight.across, sight.along) / 2 + distance + rim.level
     grid = np.meshgrid(np.linspace(west - reach, east + reach, LOOKS), np.linspace(south - reach, north + reach, LOOKS))

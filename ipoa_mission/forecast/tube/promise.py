@@ -248,7 +248,6 @@ class PredictedFlight:
             yield Kept(check.limit, check.required, meant, found.distance, found.what, item, found.place)
 
     def _item(self, part: Pieces, place: tuple[float, float, float]) -> int:
-        """The item that is flown to where a part of the flight is nearest to a place."""
         nearest = int(np.argmin(np.linalg.norm(part.points - np.array(place), axis=1)))
         at = float(part.times[nearest])
         seqs = [visit.seq for visit in self.route.visits]

@@ -60,7 +60,6 @@ def fit(flights: Sequence[Evidence]) -> LearnedVehicle:
 
 
 def _number(autopilot: Autopilot, name: str, change: float) -> float:
-    """A number of the vehicle by its change from the simulated one's."""
     simulated = autopilot.part(FlightModel).simulated[name]
     return simulated * math.exp(change) if name in LOGARITHMIC else simulated + change
 

@@ -87,7 +87,6 @@ def rows_of(forecast: Forecast) -> tuple[Row, ...]:
 
 
 def _repeated(rows: Iterable[Row], forecast: Forecast) -> Iterator[Row]:
-    """The rows, with their passes."""
     mission = forecast.mission
     passes = Counter[int]()
     if any(item.command in JUMPS for item in mission.items) and not refusals(mission):

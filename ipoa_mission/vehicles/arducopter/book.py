@@ -71,7 +71,6 @@ _DEAD_ZONES = (20.0, 20.0, 30.0, 20.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def _channel(number: int, dead_zone: float) -> dict[str, Declared]:
-    """A radio channel of ArduCopter."""
     values = {"MIN": 1000.0, "TRIM": 1500.0, "MAX": 2000.0, "DZ": dead_zone}
     told = {f"RC{number}_{name}": (value, INT16) for name, value in values.items()}
     return {**told, f"RC{number}_REVERSED": (0.0, INT8)}

@@ -98,7 +98,6 @@ def _remarks(gathered: _Gathered, torn: Counter[str]) -> Iterator[str]:
 
 
 def _note(gathered: _Gathered, kind: str, values: dict[str, Any]) -> None:
-    """One record."""
     time = values["TimeUS"] / 1e6
     if gathered.begins is None:
         gathered.begins = time

@@ -192,7 +192,6 @@ class ArduPilotPilot:
             self._touched_s, self._flying = None, False
 
     def _stay(self) -> None:
-        """Brake, and stay where that ends."""
         self._legs, self._then = iter(()), None
         if self._now.landed:
             self._flying = False

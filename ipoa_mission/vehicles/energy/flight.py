@@ -204,7 +204,6 @@ def _through_air(times: Vector, points: Points, speeds: Vector, wind: Wind) -> t
 
 
 def _lasting(times: Vector, points: Points, speeds: Vector) -> tuple[Vector, Points, Vector]:
-    """The track without what takes no time."""
     if not len(times) == len(points) == len(speeds) or not (np.diff(times) >= 0).all() or not times[-1] > times[0]:
         raise BadInput("expected as many times and speeds as points, and times that grow", place="track")
     lasting = np.concatenate([np.diff(times) > 0, [True]])

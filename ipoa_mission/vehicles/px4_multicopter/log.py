@@ -55,7 +55,6 @@ def read_ulog(path: Path) -> Log:
 
 
 def _told(path: Path, log: Any) -> Log:
-    """What an open log has."""
     topics = {topic.name: topic.data for topic in reversed(log.data_list)}  # the first instance counts
     topics = {name: data for name, data in topics.items() if len(data["timestamp"])}
     if "vehicle_status" not in topics:

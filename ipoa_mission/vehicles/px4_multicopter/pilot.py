@@ -130,7 +130,6 @@ class PX4Pilot:
             self._here = ended.goal
 
     def _last_done(self) -> None:
-        """The last order of an item, or of RTL or LAND, has been carried out."""
         now, items = self._now, self._now.program.items
         if self._state.contact.stands:
             now.landed = True
@@ -181,7 +180,6 @@ class PX4Pilot:
             self._cruise = item.params[1]
 
     def _of_item(self, index: int, item: Item) -> list[Order]:
-        """The orders for an item that is flown to."""
         start, limits, cruise = self._here, self._limits, self._cruise
         goal = Enu(*self._now.program.place(index, start))
         if item.command == Command.NAV_DELAY:
@@ -209,7 +207,6 @@ class PX4Pilot:
         self._fly(way_home(here, self._limits, self._down(goal), goal.up))
 
     def _down(self, place: Enu) -> Enu:
-        """The ground below a place."""
         return place._replace(up=self._ground.at(place.east, place.north))
 
     def _over_home(self) -> Enu:

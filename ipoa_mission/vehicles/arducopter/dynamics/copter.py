@@ -298,7 +298,6 @@ class Copter:
         return self.this.target
 
     def _restart(self) -> None:
-        """Begin guidance and control anew, the lean as it is."""
         state = self.state
         state.integral_x, state.integral_y, state.error_x, state.error_y = state.asked_x, state.asked_y, 0.0, 0.0
         state.rate = 1.0
