@@ -17,11 +17,12 @@ from ipoa_mission.link.on_deviation import OnDeviation
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.commands import Command
-from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
+from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic, LocalFrame
+from tests.held import waypoint
 from tests.link_pair import far_end, line_of
 from tests.refused import refuses
 

@@ -19,11 +19,12 @@ from ipoa_mission.link.telemetry import AutopilotVersion, Position
 from ipoa_mission.link.upload import Replaced, Upload
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.firmware import to_wire
-from ipoa_mission.mission.items import Item, Mission, land, takeoff, waypoint
+from ipoa_mission.mission.items import Item, Mission, land, takeoff
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
+from tests.held import waypoint
 from tests.link.suited import suited
 from tests.link_pair import far_end, items_of, line_of
 from tests.refused import refuses

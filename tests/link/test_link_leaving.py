@@ -15,13 +15,14 @@ from ipoa_mission.link.state import ON_GROUND, VehicleState
 from ipoa_mission.link.telemetry import ExtendedState, Position
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.commands import Command, VehicleCommand
-from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
+from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.vehicles.kinds import QUADROTOR
 from ipoa_mission.world.frame import Geodetic
 from tests.examples import some
+from tests.held import waypoint
 from tests.link.suited import suited
 from tests.link_pair import far_end, line_of
 

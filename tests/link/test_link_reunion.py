@@ -21,12 +21,13 @@ from ipoa_mission.link.reunion import GONE_S, SILENT_S
 from ipoa_mission.link.set_up import without_station
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.mission.commands import Command, VehicleCommand
-from ipoa_mission.mission.items import Mission, land, takeoff, waypoint
+from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.examples import some
+from tests.held import waypoint
 from tests.link.suited import suited
 from tests.refused import refuses
 
