@@ -108,9 +108,8 @@ def read_text(path: Path) -> str:
     except OSError as error:
         raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
     except UnicodeDecodeError as error:
-        raise WrongFormat(
-            f"expected UTF-8 text, but byte {error.start} is {error.object[error.start]:#04x}", place=path
-        ) from error
+        words = f"expected UTF-8 text, but byte {error.start} is {error.object[error.start]:#04x}"
+        raise WrongFormat(words, place=path) from error
 
 
 def why_no_json(text: str, at: int) -> str | None:

@@ -319,11 +319,9 @@ def expect_ignorable(codes: Iterable[str]) -> frozenset[str]:
     for code in (codes := tuple(codes)):
         if code not in RULES:
             near = get_close_matches(code, RULES, 1)
-            raise UnknownName(
-                "expected the code of a finding", hint=f"did you mean {near[0]}?" if near else None, place=code
-            )
+            words = "expected the code of a finding"
+            raise UnknownName(words, hint=f"did you mean {near[0]}?" if near else None, place=code)
         if RULES[code].crash:
-            raise BadInput(
-                "expected a code that may be ignored: a crash may follow from what this one finds", place=code
-            )
+            words = "expected a code that may be ignored: a crash may follow from what this one finds"
+            raise BadInput(words, place=code)
     return frozenset(codes)

@@ -84,8 +84,6 @@ def check_start(forecast: Forecast, first: int, there: Geodetic) -> tuple[str, .
     begun = Forecast(begun_at(mission, first, home), scenario)
     errors = [f for f in check_airspace(begun) if f.severity is Severity.ERROR]
     if errors:
-        raise NotAtStart(
-            f"{where}; from there: {errors[0].message}",
-            hint="bring it to the mission's home, or plan from where it stands",
-        )
+        words = f"{where}; from there: {errors[0].message}"
+        raise NotAtStart(words, hint="bring it to the mission's home, or plan from where it stands")
     return (f"{where}: the way from there was checked and is clear",)

@@ -54,9 +54,8 @@ def check(
     from ipoa_mission.cli.reading import read_world
 
     if flown_by.air is not None and scenario is None:
-        raise OptionConflict(
-            "expected with --scenario", hint="wind moves a flight nearer to what stands there", place="--wind"
-        )
+        words = "expected with --scenario"
+        raise OptionConflict(words, hint="wind moves a flight nearer to what stands there", place="--wind")
     expect_world_of(endings, scenario)
     paths, is_one = missions_in(files), len(files) == 1 and not files[0].is_dir()
     how = How(flown_by, read_world(scenario, flown_by.air, ignore), ignore or (), endings, anyway)

@@ -77,15 +77,13 @@ def compare(
     file = expect_mission(missions[0]) if missions else None
     flown = read_flights(log, system)
     if flown_by.autopilot not in (None, flown.autopilot):
-        raise BadInput(
-            f"expected a log of {flown_by.autopilot}, not of {flown.autopilot}", code="other-autopilot", place=log
-        )
+        message = f"expected a log of {flown_by.autopilot}, not of {flown.autopilot}"
+        raise BadInput(message, code="other-autopilot", place=log)
     own = () if file is None else _read_mission(file, log, flown.autopilot, flown_by.autopilot is None)
     mission, beside = own or (None, ())
     if number is not None and number > len(flown.flights):
-        raise BadInput(
-            f"expected a number up to {len(flown.flights)}, so many are in {log}", place=f"--flight {number}"
-        )
+        message = f"expected a number up to {len(flown.flights)}, so many are in {log}"
+        raise BadInput(message, place=f"--flight {number}")
     numbers = range(1, len(flown.flights) + 1) if number is None else [number]
     if picture is not None and len(numbers) > 1:
         raise OptionConflict(f"expected --flight N too: {log} has {len(numbers)} flights", place="--picture")
@@ -141,12 +139,9 @@ def _read_mission(file: Path, log: Path, autopilot: Autopilot, may_differ: bool)
     given = read_given(file, FlownByOptions(), None if states else autopilot)
     mission = given.mission
     if mission.autopilot is not autopilot:
-        raise BadInput(
-            f"expected a mission for {autopilot}, as {log} is of it, not for {mission.autopilot}",
-            hint=f"--autopilot {autopilot}, if that is what was flown",
-            code="other-autopilot",
-            place=file,
-        )
+        words = f"expected a mission for {autopilot}, as {log} is of it, not for {mission.autopilot}"
+        hint = f"--autopilot {autopilot}, if that is what was flown"
+        raise BadInput(words, hint=hint, code="other-autopilot", place=file)
     return mission, given.remarks
 
 
@@ -189,9 +184,8 @@ def _draw(one: "ComparedFlight", picture: Path, title: str) -> None:
         from ipoa_mission.report.plots import write_picture
     except ImportError:
         hint = "pip install 'ipoa-mission[pictures]'"
-        raise MissionError(
-            "--picture needs matplotlib, which is not installed", hint=hint, code="package-missing"
-        ) from None
+        words = "--picture needs matplotlib, which is not installed"
+        raise MissionError(words, hint=hint, code="package-missing") from None
     flown_path = flown_track(one.forecast.mission, one.record)
     points = None if flown_path is None else flown_path.points
     write_picture(draw_comparison(one.comparison, one.forecast.estimate.track.points, points, title), picture)

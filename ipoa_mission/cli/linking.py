@@ -182,12 +182,8 @@ def scan(
             for one in found
         ]
     if not rows:
-        raise NoAnswer(
-            f"nobody is heard within {seconds:g} s",
-            hint="is the autopilot running, and does it send there?",
-            code="not-heard",
-            place=link,
-        )
+        words = f"nobody is heard within {seconds:g} s"
+        raise NoAnswer(words, hint="is the autopilot running, and does it send there?", code="not-heard", place=link)
     if as_json:
         tell_json(rows)
     else:

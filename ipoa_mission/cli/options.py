@@ -47,31 +47,24 @@ def or_packed(path: Path) -> Path:
 def expect_scenario(path: Path) -> Path:
     """The scenario's file, or one that is packed; BadInput for a mission file."""
     if path.suffix.lower() in MISSIONS:
-        raise WrongSuffix(
-            "expected a scenario (.toml), not a mission",
-            hint=f"fly takes missions: ipoa-mission fly {quote(str(path))}",
-            place=path,
-        )
+        words = "expected a scenario (.toml), not a mission"
+        raise WrongSuffix(words, hint=f"fly takes missions: ipoa-mission fly {quote(str(path))}", place=path)
     return or_packed(path)
 
 
 def expect_mission(path: Path) -> Path:
     """Raise BadInput for a scenario where a mission file is expected."""
     if path.suffix.lower() == ".toml":
-        raise WrongSuffix(
-            "expected a mission (.plan, .waypoints), not a scenario",
-            hint=f"first: ipoa-mission plan {quote(str(path))}",
-            place=path,
-        )
+        words = "expected a mission (.plan, .waypoints), not a scenario"
+        raise WrongSuffix(words, hint=f"first: ipoa-mission plan {quote(str(path))}", place=path)
     return path
 
 
 def expect_world_of(endings: bool, scenario: Path | None) -> None:
     """Raise BadInput where endings are asked for without a scenario."""
     if endings and scenario is None:
-        raise OptionConflict(
-            "expected with --scenario", hint="what an ending keeps depends on what stands there", place="--endings"
-        )
+        words = "expected with --scenario"
+        raise OptionConflict(words, hint="what an ending keeps depends on what stands there", place="--endings")
 
 
 ScenarioOrNone: TypeAlias = Annotated[
@@ -196,9 +189,8 @@ def read_wind_option(given: str | None) -> "Wind | None":
         if not (0 <= speed < math.inf and abs(from_deg) <= 360):
             raise ValueError
     except ValueError:
-        raise BadInput(
-            "expected a speed in m/s and where it blows from, in degrees up to 360, like 6@270", place=f"--wind {given}"
-        ) from None
+        words = "expected a speed in m/s and where it blows from, in degrees up to 360, like 6@270"
+        raise BadInput(words, place=f"--wind {given}") from None
     return Wind(speed, from_deg)
 
 

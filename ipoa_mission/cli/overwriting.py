@@ -33,9 +33,8 @@ def expect_free(paths: Iterable[Path], force: bool, ask: bool = True) -> None:
         if path.exists() and not force:
             may_ask = ask and sys.stdin.isatty() and sys.stderr.isatty()
             if not (may_ask and typer.confirm(f"{path} is there already: write over it?", err=True)):
-                raise BadInput(
-                    "there is such a file already", hint="--force writes over it", code="already-there", place=path
-                )
+                words = "there is such a file already"
+                raise BadInput(words, hint="--force writes over it", code="already-there", place=path)
 
 
 def expect_plans(folder: Path, names: Iterable[str], report: bool, force: bool, ask: bool = True) -> None:

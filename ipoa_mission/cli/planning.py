@@ -57,9 +57,8 @@ def plan(
             tell_survey(survey, written)
         return
     if surveyed.flown:
-        raise OptionConflict(
-            "expected a survey", hint="what is left of another mission: ipoa-mission fly --from N", place="--flown"
-        )
+        words = "expected a survey"
+        raise OptionConflict(words, hint="what is left of another mission: ipoa-mission fly --from N", place="--flown")
     expect_plans(out, [adapted.name], report, force, ask=not as_json)
     flight, parts = plan_parts(adapted, search.seed, air) if split else (plan_it(adapted, search.seed, air), ())
     if len(parts) > 1:

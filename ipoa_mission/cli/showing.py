@@ -62,9 +62,8 @@ def show(
 
     expect_world_of(endings, scenario)
     if endings and as_json:
-        raise OptionConflict(
-            "expected without --json", hint="`check --endings --json` has them for machines", place="--endings"
-        )
+        words = "expected without --json"
+        raise OptionConflict(words, hint="`check --endings --json` has them for machines", place="--endings")
     world = read_world(scenario, flown_by.air, ignore)
     refuse_unread(world)
     given = read_given(file, flown_by, world=world)

@@ -34,9 +34,8 @@ def signer_of(key: Path | None, role: str = "station") -> "Signer | None":
     try:
         folder.mkdir(parents=True, exist_ok=True, mode=0o700)
     except OSError as error:
-        raise Unwritable(
-            f"cannot be made: {error.strerror}", hint="it keeps the timestamps of signing", place=folder
-        ) from error
+        message = f"cannot be made: {error.strerror}"
+        raise Unwritable(message, hint="it keeps the timestamps of signing", place=folder) from error
     return persistent_signer(secret, folder / f"signing-{role}.timestamp")
 
 

@@ -54,9 +54,8 @@ def studio(
     """
     missing = [name for name in LIBRARIES if find_spec(name) is None]
     if missing:
-        raise MissionError(
-            f"the studio needs {', '.join(missing)}", hint="pip install 'ipoa-mission[studio]'", code="package-missing"
-        )
+        words = f"the studio needs {', '.join(missing)}"
+        raise MissionError(words, hint="pip install 'ipoa-mission[studio]'", code="package-missing")
     from ipoa_mission.studio.bundle import built_page
     from ipoa_mission.studio.server import serve
     from ipoa_mission.studio.tiles import chosen_tiles
@@ -98,10 +97,6 @@ def _begin(target: Path, home: tuple[float, float, float] | None) -> None:
             place=target,
         )
     if target.exists():
-        raise BadInput(
-            f"{target} is there already",
-            hint="leave --new out, or name another file",
-            code="already-there",
-            place="--new",
-        )
+        words = f"{target} is there already"
+        raise BadInput(words, hint="leave --new out, or name another file", code="already-there", place="--new")
     begin_scenario(target, home)

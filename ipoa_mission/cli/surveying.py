@@ -220,9 +220,8 @@ def expect_flyable(survey: "Survey", log: Path | None, is_on_link: bool) -> None
     """
     count = len(survey.names)
     if count > 1 and log is not None:
-        raise OptionConflict(
-            f"expected one flight, not {count}", hint="left out, each has a log beside its mission", place="--log"
-        )
+        message = f"expected one flight, not {count}"
+        raise OptionConflict(message, hint="left out, each has a log beside its mission", place="--log")
     if count > 1 and is_on_link and not sys.stdin.isatty():
         words = f"--link: expected a terminal, on which to be told that the battery is changed between {count} flights"
         raise OptionConflict(words, hint=EACH_BY_ITSELF)

@@ -65,13 +65,11 @@ def _vehicle_on(link: str, options: LinkOptions, usual_log: Path | None, reading
         from ipoa_mission.link.mavsdk_backend import connect as connect_by_mavsdk
 
         if signer is not None:
-            raise BadInput(
-                "the mavsdk backend does not sign", hint="leave out --backend", code="backend-cannot", place="--key"
-            )
+            words = "the mavsdk backend does not sign"
+            raise BadInput(words, hint="leave out --backend", code="backend-cannot", place="--key")
         if timeout is not None:
-            raise BadInput(
-                "MAVSDK has timers of its own", hint="leave out --backend", code="backend-cannot", place="--timeout"
-            )
+            words = "MAVSDK has timers of its own"
+            raise BadInput(words, hint="leave out --backend", code="backend-cannot", place="--timeout")
         vehicle: Vehicle = connect_by_mavsdk(link, options.system, options.log, reading)
     else:
         from ipoa_mission.link.connect import connect

@@ -34,12 +34,9 @@ def njit(**options: Any) -> Any:
         try:
             import numba
         except ImportError:
-            raise MissionError(
-                "there is no machine code of these sources for this system, and numba is not installed",
-                hint="pip install numba; or, where sources were changed, pip install that folder again",
-                code="package-missing",
-                place=PACKAGE,
-            ) from None
+            words = "there is no machine code of these sources for this system, and numba is not installed"
+            hint = "pip install numba; or, where sources were changed, pip install that folder again"
+            raise MissionError(words, hint=hint, code="package-missing", place=PACKAGE) from None
         try:
             kernel = numba.njit(**options)(function)
         except RuntimeError:  # nowhere to keep it

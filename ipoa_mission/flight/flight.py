@@ -213,9 +213,8 @@ def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, 
         (True, ['sitl.plan', 'sitl.waypoints', 'sitl.json', 'sitl.params'])
     """
     if scenario.survey is not None:
-        raise BadInput(
-            "expected a scenario without one", hint="plan_survey plans it, as `ipoa-mission plan` does", place="survey"
-        )
+        words = "expected a scenario without one"
+        raise BadInput(words, hint="plan_survey plans it, as `ipoa-mission plan` does", place="survey")
     with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
         flight = _plan_flight(scenario if wind is None else scenario.in_wind(wind), seed, progress)
     if (short := refusal_of(flight.forecast)) is not None:

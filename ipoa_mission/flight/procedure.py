@@ -248,10 +248,8 @@ def _monitor(vehicle: Vehicle, forecast: Forecast, first: int, remark: Remark) -
     mission = forecast.given
     try:
         if mission.autopilot is not vehicle.autopilot:
-            raise MissionError(
-                f"it was forecast for {mission.autopilot}, and the vehicle is {vehicle.autopilot}",
-                code="other-autopilot",
-            )
+            words = f"it was forecast for {mission.autopilot}, and the vehicle is {vehicle.autopilot}"
+            raise MissionError(words, code="other-autopilot")
         if first:
             wind = None if forecast.scenario else forecast.wind
             forecast = Forecast(begun_at(mission, first), forecast.scenario, wind)

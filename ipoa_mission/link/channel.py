@@ -69,9 +69,8 @@ def open_channel(url: str) -> Channel:
             case _:
                 return SerialChannel(address)
     except (OSError, ValueError) as error:  # ValueError: a host, a device or a baud rate that cannot be one
-        raise LinkDown(
-            f"cannot be opened: {_reason(error)}", hint=_hint(error), code="link-not-opened", place=address
-        ) from error
+        words = f"cannot be opened: {_reason(error)}"
+        raise LinkDown(words, hint=_hint(error), code="link-not-opened", place=address) from error
 
 
 def _reason(error: Exception) -> str:

@@ -74,12 +74,9 @@ def connect(
         line.close()
         if log is not None:
             _drop_unanswered(Path(log))
-        raise NoAnswer(
-            f"{silence}",
-            hint="is the autopilot running, and does it send to this address?",
-            code="not-heard",
-            place=link if isinstance(link, str) else "connect",
-        ) from None
+        words = f"{silence}"
+        hint = "is the autopilot running, and does it send to this address?"
+        raise NoAnswer(words, hint=hint, code="not-heard", place=link if isinstance(link, str) else "connect") from None
     except BaseException:
         line.close()
         raise
@@ -143,11 +140,8 @@ def meet(
     if not autopilots:
         raise NoAnswer("no autopilot is heard", code="not-heard")
     if system is None and len(autopilots) > 1:
-        raise MissionError(
-            f"several vehicles are heard: {', '.join(_named(autopilots[one]) for one in sorted(autopilots))}",
-            hint="choose one by its system id",
-            code="several-vehicles",
-        )
+        words = f"several vehicles are heard: {', '.join(_named(autopilots[one]) for one in sorted(autopilots))}"
+        raise MissionError(words, hint="choose one by its system id", code="several-vehicles")
     one = autopilots[system] if system is not None else autopilots.popitem()[1]
     if not (reading or one.kind.is_flown):
         raise NotFlown(one.kind, f"vehicle {one.system}")

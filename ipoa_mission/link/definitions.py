@@ -163,9 +163,8 @@ def _dialect(name: str) -> ModuleType:
         return import_module(f"pymavlink.dialects.v20.{name}")
     except ImportError:
         there = sorted(one.name for one in iter_modules(dialects.__path__))
-        raise BadInput(
-            f"expected one of pymavlink's, not {name!r}", hint=", ".join(there), code="unknown-dialect", place="dialect"
-        ) from None
+        words = f"expected one of pymavlink's, not {name!r}"
+        raise BadInput(words, hint=", ".join(there), code="unknown-dialect", place="dialect") from None
 
 
 def message_number(name: str) -> int:

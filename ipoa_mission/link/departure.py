@@ -96,11 +96,8 @@ def subscribe(state: VehicleState) -> Dialogue[None]:
             return
         unheard = [name for name, kind in NEEDED.items() if kind not in state.heard]
     refusal = f"; it refused to send {', '.join(name for name in unheard if name in refused)}" if refused else ""
-    raise NotReady(
-        f"the vehicle does not send {', '.join(unheard)}{refusal}",
-        hint="without it no flight is watched",
-        code="streams-missing",
-    )
+    words = f"the vehicle does not send {', '.join(unheard)}{refusal}"
+    raise NotReady(words, hint="without it no flight is watched", code="streams-missing")
 
 
 def unsubscribe() -> Dialogue[None]:
@@ -112,11 +109,8 @@ def unsubscribe() -> Dialogue[None]:
 def expect_on_ground(state: VehicleState) -> None:
     """Raise NotReady for a vehicle that is armed already."""
     if state.armed:
-        raise NotReady(
-            f"a flight begins disarmed and on the ground, but {state}",
-            hint="land and disarm it first",
-            code="not-on-ground",
-        )
+        words = f"a flight begins disarmed and on the ground, but {state}"
+        raise NotReady(words, hint="land and disarm it first", code="not-on-ground")
 
 
 def prepare(departure: Departure, ready_s: float = LIMITS.ready_s) -> Dialogue[None]:
@@ -156,9 +150,8 @@ def _await_ready(departure: Departure, ready_s: float) -> Dialogue[None]:
                 yield from wait(LIMITS.again_s)
                 hinders = _hindrance(state)
                 if lasting := departure.autopilot.manners.arming_words.lasting(hinders):
-                    raise NotReady(
-                        f"the vehicle cannot be armed: {'; '.join(lasting)}", hint=str(state), code="arming-refused"
-                    )
+                    words = f"the vehicle cannot be armed: {'; '.join(lasting)}"
+                    raise NotReady(words, hint=str(state), code="arming-refused")
             else:
                 yield from wait(LIMITS.again_s)
             waited_s += LIMITS.look_s + LIMITS.again_s
@@ -249,9 +242,8 @@ def _set_first(departure: Departure) -> Dialogue[None]:
     yield from set_current(first, restart=True)
     if not (yield from until(lambda: state.current is not None and state.current.seq in begins, SHOWN_S)):
         stands = "it does not tell where" if state.current is None else f"at item {state.current.seq}"
-        raise NotReady(
-            f"the mission was set to begin at item {first}, but it stands {stands}", code="other-item-current"
-        )
+        words = f"the mission was set to begin at item {first}, but it stands {stands}"
+        raise NotReady(words, code="other-item-current")
 
 
 def _has_position(state: VehicleState) -> bool:

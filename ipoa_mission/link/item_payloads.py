@@ -88,9 +88,8 @@ def _refuse(items: Sequence[Item]) -> None:
         numbers = {f"param{i}": value for i, value in enumerate(item.params, start=1)} | {"altitude": item.altitude}
         wrong = next((name for name, value in numbers.items() if SINGLE_MAX < abs(value) < math.inf), None)
         if wrong:
-            raise BadInput(
-                f"expected a number that fits in single precision, not {numbers[wrong]:g}", place=f"item {seq}: {wrong}"
-            )
+            words = f"expected a number that fits in single precision, not {numbers[wrong]:g}"
+            raise BadInput(words, place=f"item {seq}: {wrong}")
         if not 0 <= item.command <= 65535:
             raise BadInput(f"expected a number from 0 to 65535, not {item.command}", place=f"item {seq}: command")
         if not 0 <= item.frame <= 255:

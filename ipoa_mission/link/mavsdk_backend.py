@@ -70,11 +70,8 @@ def connect(
         NotFlown: it is no multicopter of ArduPilot or PX4.
     """
     if log is not None:
-        raise BadInput(
-            "the mavsdk backend writes no .tlog; leave it out, or use the built-in backend",
-            code="backend-cannot",
-            place="log",
-        )
+        words = "the mavsdk backend writes no .tlog; leave it out, or use the built-in backend"
+        raise BadInput(words, code="backend-cannot", place="log")
     mavsdk = imported("mavsdk", "MAVSDK is not installed", "mavsdk", LinkDown)
     address = parse_address(url)
     instance = mavsdk.Mavsdk(mavsdk.Configuration.create_with_component_type(mavsdk.ComponentType.GROUND_STATION))
@@ -93,9 +90,8 @@ def connect(
                     raise
         time.sleep(POLL_S)
     instance.destroy()
-    raise NoAnswer(
-        "no autopilot is heard", hint="is it running, and does it send to this address?", code="not-heard", place=url
-    )
+    message = "no autopilot is heard"
+    raise NoAnswer(message, hint="is it running, and does it send to this address?", code="not-heard", place=url)
 
 
 def borrow(system: Any, log: object = None) -> "MavsdkVehicle":
@@ -106,11 +102,8 @@ def borrow(system: Any, log: object = None) -> "MavsdkVehicle":
         NoAnswer: it is silent.
     """
     if log is not None:
-        raise BadInput(
-            "the mavsdk backend writes no .tlog; leave it out, or use the built-in backend",
-            code="backend-cannot",
-            place="log",
-        )
+        words = "the mavsdk backend writes no .tlog; leave it out, or use the built-in backend"
+        raise BadInput(words, code="backend-cannot", place="log")
     return MavsdkVehicle(None, system)
 
 

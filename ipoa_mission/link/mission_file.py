@@ -49,16 +49,12 @@ def unpack_mission(data: bytes) -> tuple[Item, ...]:
         MissionError: this is no such file, or it breaks off.
     """
     if len(data) < HEADER.size or HEADER.unpack_from(data)[0] != MAGIC:
-        raise MissionError(
-            "expected ArduPilot's mission.dat, but it does not begin like one",
-            code="wrong-format",
-            place="mission file",
-        )
+        words = "expected ArduPilot's mission.dat, but it does not begin like one"
+        raise MissionError(words, code="wrong-format", place="mission file")
     count = HEADER.unpack_from(data)[4]
     if len(data) != HEADER.size + count * PAYLOAD_BYTES:
-        raise MissionError(
-            f"expected {count} items, but it has {len(data)} bytes", code="wrong-format", place="mission file"
-        )
+        message = f"expected {count} items, but it has {len(data)} bytes"
+        raise MissionError(message, code="wrong-format", place="mission file")
     return unpack_items(data[HEADER.size :])
 
 

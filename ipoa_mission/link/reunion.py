@@ -108,9 +108,8 @@ class Absence:
                     if self._line.now() >= until_s:
                         raise TimeUp("the time is up")
                     if self._is_over:
-                        raise NoAnswer(
-                            _with(f"the link is lost for {GONE_S:g} s: ", self._why, self._others), code="link-lost"
-                        )
+                        words = _with(f"the link is lost for {GONE_S:g} s: ", self._why, self._others)
+                        raise NoAnswer(words, code="link-lost")
             log.warning("the link is there again after %.0f s: %s", self._line.now() - self._since_s, _same(known))
             return kept
         finally:

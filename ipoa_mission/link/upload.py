@@ -249,18 +249,12 @@ def _give_in(job: Upload, course: UploadState, progress: Progress) -> Dialogue[N
     if job.truncates:
         course.attempt = 0
         yield from _store(job, course, progress)
-        raise Cancelled(
-            f"cancelled: the vehicle had already dropped its old {name}, so the new one was completed",
-            hint="it is whole and verified; clear it if it must not be flown",
-            holds="new",
-        )
+        words = f"cancelled: the vehicle had already dropped its old {name}, so the new one was completed"
+        raise Cancelled(words, hint="it is whole and verified; clear it if it must not be flown", holds="new")
     yield from _withdraw(job.kind)
     if course.may_be_whole and (yield from _holds(job)):
-        raise Cancelled(
-            f"cancelled too late: the vehicle holds the whole new {name}",
-            hint="clear it if it must not be flown",
-            holds="new",
-        )
+        words = f"cancelled too late: the vehicle holds the whole new {name}"
+        raise Cancelled(words, hint="clear it if it must not be flown", holds="new")
     raise Cancelled(f"cancelled: the vehicle keeps the {name} it had", holds="old")
 
 

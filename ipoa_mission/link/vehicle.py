@@ -108,10 +108,8 @@ class Vehicle(Partner):
         self.state.expect_flown()
         if mission.other_vehicle or mission.autopilot is not self.autopilot:
             own = "a multicopter" if mission.other_vehicle else self.autopilot
-            raise BadInput(
-                f"the mission is for {mission.other_vehicle or mission.autopilot}, and the vehicle is {own}",
-                code="other-vehicle",
-            )
+            words = f"the mission is for {mission.other_vehicle or mission.autopilot}, and the vehicle is {own}"
+            raise BadInput(words, code="other-vehicle")
         with noted_interrupts() as interrupt, self._in_time():
             if checked:
                 aboard, unsaid = check_aboard(mission, self.autopilot, self.firmware_version())
@@ -128,9 +126,8 @@ class Vehicle(Partner):
                 if mission.rally:
                     self.upload_items(rally_to_wire(mission.rally), MissionType.RALLY)
             except Cancelled as cancelled:
-                raise Cancelled(
-                    f"{cancelled}; its mission is the new one", cancelled.hint, holds=cancelled.holds
-                ) from None
+                words = f"{cancelled}; its mission is the new one"
+                raise Cancelled(words, cancelled.hint, holds=cancelled.holds) from None
             if interrupt.take():
                 raise Cancelled("cancelled too late: the vehicle holds everything that was sent", holds="new")
         self._expect(mission)

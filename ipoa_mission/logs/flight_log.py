@@ -116,11 +116,8 @@ def read_flight(path: str | Path, mission: Mission, system: int | None = None) -
     """
     log = read_flights(path, system)
     if log.autopilot is not mission.autopilot:
-        raise MissionError(
-            f"expected a log of {mission.autopilot.firmware_name}, as the mission is for",
-            code="other-autopilot",
-            place=path,
-        )
+        words = f"expected a log of {mission.autopilot.firmware_name}, as the mission is for"
+        raise MissionError(words, code="other-autopilot", place=path)
     flown = [flight for flight in log.flights if flight.in_mission]
     if not flown:
         raise _nothing_flown(path, log)
@@ -139,11 +136,8 @@ def read_flights(path: str | Path, system: int | None = None) -> FlightLog:
     path = Path(path)
     written = log_format(path.suffix)
     if written is not None and system is not None:
-        raise BadInput(
-            f"expected a .tlog with --system {system}: a log from on board holds one vehicle",
-            code="other-vehicle",
-            place=path,
-        )
+        words = f"expected a .tlog with --system {system}: a log from on board holds one vehicle"
+        raise BadInput(words, code="other-vehicle", place=path)
     if written is not None:
         log = written.read(path)
     elif path.suffix.lower() == ".tlog":

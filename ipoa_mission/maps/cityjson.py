@@ -101,9 +101,8 @@ def _corners(document: Mapping[str, Any], path: Path) -> Points:
     except (TypeError, ValueError, KeyError, OverflowError):
         corners = np.zeros((0, 0))
     if corners.ndim != 2 or corners.shape[1] != 3 or not np.isfinite(corners).all():
-        raise BadInput(
-            "expected corners as [x, y, z], and a transform of scale and translate", place=f"{path}: vertices"
-        )
+        words = "expected corners as [x, y, z], and a transform of scale and translate"
+        raise BadInput(words, place=f"{path}: vertices")
     return corners
 
 
@@ -165,9 +164,8 @@ def _lowest(
             if not isinstance(above, str) or above not in objects or above in way[-1:]:
                 break
             if len(way) > DEEPEST:
-                raise BadInput(
-                    "expected a building that its parts lead to", place=f"{path}: CityObjects.{name[:MOST_SHOWN]}"
-                )
+                words = "expected a building that its parts lead to"
+                raise BadInput(words, place=f"{path}: CityObjects.{name[:MOST_SHOWN]}")
             way.append(above)
         root = roots.get(way[-1], way[-1])
         roots |= dict.fromkeys(way, root)

@@ -88,9 +88,8 @@ def _nodes(lower: tuple[float, float], upper: tuple[float, float], spacing: floa
     columns, rows = (max(int(np.ceil((upper[i] - lower[i]) / spacing - 1e-9)) + 1, 2) for i in (0, 1))
     if columns * rows > MOST_NODES:
         least = spacing * np.sqrt(columns * rows / MOST_NODES)
-        raise BadInput(
-            f"expected {least:.1f} m or more over so wide an area, not {spacing:.3g} m", place="terrain.spacing"
-        )
+        words = f"expected {least:.1f} m or more over so wide an area, not {spacing:.3g} m"
+        raise BadInput(words, place="terrain.spacing")
     return np.asarray(lower[0] + spacing * np.arange(columns)), np.asarray(lower[1] + spacing * np.arange(rows))
 
 
@@ -197,12 +196,9 @@ def _level(
         return level, (f"moved by {-at_home:.2f} m, so that the ground at home is at 0",)
     if abs(at_home) > HOME_AGREES:
         measured, given = frame.home.altitude + at_home, frame.home.altitude
-        raise BadInput(
-            f"expected about {measured:.1f} m, the ground there in {path}, not {given:g} m",
-            hint=f"set home.altitude_amsl = {measured:.1f}, or terrain.level_at_home = true",
-            code="home-not-on-ground",
-            place="home.altitude_amsl",
-        )
+        words = f"expected about {measured:.1f} m, the ground there in {path}, not {given:g} m"
+        hint = f"set home.altitude_amsl = {measured:.1f}, or terrain.level_at_home = true"
+        raise BadInput(words, hint=hint, code="home-not-on-ground", place="home.altitude_amsl")
     return grid, (f"ground at home {at_home:+.2f} m from home's altitude",) if round(at_home, 2) else ()
 
 

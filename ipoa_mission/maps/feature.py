@@ -62,9 +62,8 @@ def on_earth(corners: Corners, place: str, hint: str = "export the file in WGS 8
     outside = ~(np.abs(corners) <= (360.0, 90.0)).all(axis=1)
     if outside.any():
         x, y = corners[outside][0]
-        raise BadInput(
-            f"expected longitude and latitude in degrees, not {x:g}, {y:g}", hint=hint, code="not-degrees", place=place
-        )
+        words = f"expected longitude and latitude in degrees, not {x:g}, {y:g}"
+        raise BadInput(words, hint=hint, code="not-degrees", place=place)
     return corners
 
 

@@ -34,9 +34,8 @@ def undulation(latitude_deg: float, longitude_deg: float, given: float | Path | 
             continue
         return float(height), f"by {Path(grid).name}"
     if given is not None:
-        raise NotCovered(
-            f"expected a PROJ grid that covers {latitude_deg:.4f}, {longitude_deg:.4f}: {given}", place="terrain.geoid"
-        )
+        words = f"expected a PROJ grid that covers {latitude_deg:.4f}, {longitude_deg:.4f}: {given}"
+        raise NotCovered(words, place="terrain.geoid")
     raise BadInput(
         "its heights are above the ellipsoid, and PROJ's grid of the geoid is not on this machine",
         hint=f"set terrain.geoid to the geoid's height there in metres, or get it by `pyproj sync --file {GRIDS[0]}`; "

@@ -308,9 +308,8 @@ def _coordinate_system(document: Mapping[str, Any], path: Path) -> _Degrees:
         name = document["crs"]["properties"]["name"]
         system = CRS.from_user_input(name)
     except (KeyError, TypeError, CRSError) as error:
-        raise NoCoordinateSystem(
-            "expected the name of a coordinate system, such as 'EPSG:32633'", place=f"{path}: crs"
-        ) from error
+        words = "expected the name of a coordinate system, such as 'EPSG:32633'"
+        raise NoCoordinateSystem(words, place=f"{path}: crs") from error
     return degrees_of(system)
 
 

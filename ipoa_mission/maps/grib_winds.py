@@ -98,9 +98,8 @@ def _messages(eccodes: Any, path: Path) -> Iterator[Any]:
                 finally:
                     eccodes.codes_release(handle)
     except eccodes.CodesInternalError as error:
-        raise WrongFormat(
-            f"expected a forecast of winds in GRIB: {error}", place=f"{path}: message {count + 1}"
-        ) from error
+        words = f"expected a forecast of winds in GRIB: {error}"
+        raise WrongFormat(words, place=f"{path}: message {count + 1}") from error
     except OSError as error:
         raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
     if not count:
@@ -138,11 +137,8 @@ def _read(
         return None
     index = _nearest(eccodes, handle, path, place, nearest)
     if part in (EAST, NORTH) and get("uvRelativeToGrid", int) and get("gridType") not in NORTH_UP:
-        raise BadInput(
-            f"expected winds towards the east and the north, not along the axes of a {get('gridType')} grid",
-            hint="turn them first, as `wgrib2 IN -new_grid_winds earth` does",
-            place=path,
-        )
+        words = f"expected winds towards the east and the north, not along the axes of a {get('gridType')} grid"
+        raise BadInput(words, hint="turn them first, as `wgrib2 IN -new_grid_winds earth` does", place=path)
     unit = get("units")
     target = "deg" if part == FROM else "m/s"
     unit = {"Degree true": "deg"}.get(unit, unit)

@@ -178,9 +178,8 @@ def _there(path: Path, part: Any, place: Geodetic) -> Any:
     for kind in ("lat", "lon"):
         name = next((key for key, each in part.coords.items() if _counts_degrees(str(key), each, kind)), None)
         if name is None:
-            raise BadInput(
-                f"expected latitudes and longitudes [degrees] of a wind by {axes}", place=f"{path}: {part.name}"
-            )
+            words = f"expected latitudes and longitudes [degrees] of a wind by {axes}"
+            raise BadInput(words, place=f"{path}: {part.name}")
         degrees.append(part[name])
     latitude, longitude = degrees
     is_along = _component(str(part.name), part) in (EAST, NORTH) and part.attrs.get("standard_name") not in TRUE
@@ -225,9 +224,8 @@ def _valid_times(path: Path, part: Any) -> tuple[np.ndarray, Any]:
     known = {str(name) for name in (times.dims if times is not None else ())}
     strange = [str(name) for name in part.dims if str(name) not in known and not _is_member(part, str(name))]
     if strange:
-        raise BadInput(
-            f"expected winds by height, member and time, not by {', '.join(strange)}", place=f"{path}: {part.name}"
-        )
+        words = f"expected winds by height, member and time, not by {', '.join(strange)}"
+        raise BadInput(words, place=f"{path}: {part.name}")
     if times is None:
         return np.full(part.size, np.datetime64("NaT", "s")), part
     if times.dtype.kind != "M":

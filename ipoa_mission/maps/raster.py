@@ -132,31 +132,24 @@ class RasterFile:
     ) -> tuple[NDArray[np.float64], tuple[str, ...]]:
         wild = heights > HIGHEST
         if wild.any():
-            raise BadInput(
-                f"expected heights of ground, not {heights[wild][0]:g} m {self._where(wild, first)}",
-                hint="if this number stands for a missing height, say so by terrain.nodata",
-                code="heights-absurd",
-                place=self.path,
-            )
+            words = f"expected heights of ground, not {heights[wild][0]:g} m {self._where(wild, first)}"
+            hint = "if this number stands for a missing height, say so by terrain.nodata"
+            raise BadInput(words, hint=hint, code="heights-absurd", place=self.path)
         missing = np.isnan(heights)
         if not missing.any():
             return heights, ()
         gaps = f"{missing.sum()} of {missing.size} heights are missing, the first {self._where(missing, first)}{why}"
         if not fill:
-            raise BadInput(
-                f"{gaps}",
-                hint='terrain.voids = "fill" fills them from their neighbors',
-                code="heights-missing",
-                place=self.path,
-            )
+            words = f"{gaps}"
+            hint = 'terrain.voids = "fill" fills them from their neighbors'
+            raise BadInput(words, hint=hint, code="heights-missing", place=self.path)
         from rasterio.fill import fillnodata
 
         holed = np.where(missing, LOWEST - 1, heights).astype("float32")
         filled = np.asarray(fillnodata(holed, mask=~missing, max_search_distance=FILL_REACH), float)
         if (filled < LOWEST).any():
-            raise BadInput(
-                f"{gaps}, and some are too far from any other to be filled", code="heights-missing", place=self.path
-            )
+            message = f"{gaps}, and some are too far from any other to be filled"
+            raise BadInput(message, code="heights-missing", place=self.path)
         return np.where(missing, filled, heights), (f"{gaps}: filled from their neighbors",)
 
     def _where(self, which: NDArray[np.bool_], first: tuple[int, int]) -> str:
@@ -206,12 +199,9 @@ def open_raster(path: Path, nodata: float | None) -> Iterator[RasterFile]:
     try:
         with dataset:
             if dataset.colorinterp[0].name in ("red", "palette"):
-                raise BadInput(
-                    "expected an elevation model, but it is a picture",
-                    hint="as MBTiles it lies under the studio's map: gdal_translate -of MBTILES, then `studio --tiles`",
-                    code="picture",
-                    place=path,
-                )
+                words = "expected an elevation model, but it is a picture"
+                hint = "as MBTiles it lies under the studio's map: gdal_translate -of MBTILES, then `studio --tiles`"
+                raise BadInput(words, hint=hint, code="picture", place=path)
             if dataset.driver == "AAIGrid":
                 _expect_as_many(path, dataset.width * dataset.height)
             yield RasterFile(path, dataset, nodata)

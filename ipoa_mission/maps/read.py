@@ -76,9 +76,8 @@ def hand_on_features(path: Path, begin: Callable[[], Take], around: Around | Non
         with many_objects():
             _hand_on_large(path, begin(), around or Around())
     else:
-        raise WrongSuffix(
-            f"expected a file that ends in {', '.join(READERS)}, not in {path.suffix or 'nothing'}", place=path
-        )
+        words = f"expected a file that ends in {', '.join(READERS)}, not in {path.suffix or 'nothing'}"
+        raise WrongSuffix(words, place=path)
 
 
 def _hand_on_large(path: Path, take: Take, around: Around) -> None:
@@ -111,6 +110,5 @@ def _small_part(
 def _extend(features: list[Feature], more: Sequence[Feature], path: Path) -> None:
     features.extend(more)
     if len(features) > MOST_FEATURES:
-        raise TooLarge(
-            f"expected at most {MOST_FEATURES:,} things", hint="cut out what lies round the flight", place=path
-        )
+        words = f"expected at most {MOST_FEATURES:,} things"
+        raise TooLarge(words, hint="cut out what lies round the flight", place=path)

@@ -64,11 +64,8 @@ class _Layer:
         self._raw = partial(pyogrio.raw.read, path, layer=name, return_fids=True, max_features=MOST_ROWS)
         self._ask = partial(pyogrio.raw.read, path)
         if not self._info["crs"]:
-            raise NoCoordinateSystem(
-                "expected a file that names its coordinate system",
-                place=path,
-                hint="a Shapefile says it in the .prj file beside it",
-            )
+            words = "expected a file that names its coordinate system"
+            raise NoCoordinateSystem(words, place=path, hint="a Shapefile says it in the .prj file beside it")
         self._degrees = Transformer.from_crs(CRS.from_user_input(self._info["crs"]), "OGC:CRS84", always_xy=True)
 
     def read(self, around: Around) -> list[Feature]:
@@ -150,9 +147,8 @@ def _expect_whole(path: Path) -> None:
             (one for one in (path.with_suffix(suffix), path.with_suffix(suffix.upper())) if one.exists()), None
         )
         if beside is None:
-            raise DamagedFile(
-                f"expected the {suffix} file beside it", hint="a Shapefile is .shp, .shx and .dbf", place=path
-            )
+            words = f"expected the {suffix} file beside it"
+            raise DamagedFile(words, hint="a Shapefile is .shp, .shx and .dbf", place=path)
         sizes[suffix] = read_bytes(beside, HEADER), beside.stat().st_size
     for begin, size in ((read_bytes(path, HEADER), path.stat().st_size), sizes[".shx"]):
         if len(begin) < HEADER or int.from_bytes(begin[24:28], "big") * 2 > size:
@@ -160,9 +156,8 @@ def _expect_whole(path: Path) -> None:
     begin, size = sizes[".dbf"]
     rows, first, each = (int.from_bytes(begin[a:b], "little") for a, b in ((4, 8), (8, 10), (10, 12)))
     if first + rows * each > size or rows != (sizes[".shx"][1] - HEADER) // ROW:
-        raise DamagedFile(
-            f"expected a .dbf file with the {(sizes['.shx'][1] - HEADER) // ROW} rows of the .shx", place=path
-        )
+        words = f"expected a .dbf file with the {(sizes['.shx'][1] - HEADER) // ROW} rows of the .shx"
+        raise DamagedFile(words, place=path)
 
 
 def _feature(place: str, shape: Any, row: dict[str, Any], to_degrees: Transformer) -> Feature:

@@ -133,9 +133,8 @@ def _at_the_time(
         winds = winds[undated | np.isin(times, chosen)]
     there = np.isfinite(winds).all(axis=1)
     if not there.any():
-        raise NothingThere(
-            f"expected a wind at home, but there is none at the nearest point, {height:g} m up", place=path
-        )
+        words = f"expected a wind at home, but there is none at the nearest point, {height:g} m up"
+        raise NothingThere(words, place=path)
     if gaps := int((~there).sum()):
         what = f"wind of a member or time: {len(winds) - gaps} others count"
         notes.leave(what, f"{height:g} m up", "missing", count=gaps)
@@ -149,14 +148,12 @@ def _hours(path: Path, times: Times, time: np.datetime64 | None) -> Times:
     if time is None:
         if len(times) == 1:
             return times
-        raise BadInput(
-            f"expected `time` in the scenario, for a forecast of {len(times)} times", code="time-missing", place=path
-        )
+        words = f"expected `time` in the scenario, for a forecast of {len(times)} times"
+        raise BadInput(words, code="time-missing", place=path)
     begin = time.astype("datetime64[s]")
     if begin + LASTS < times[0] or begin - LASTS > times[-1]:
-        raise BadInput(
-            f"expected a forecast for {begin}, not of {times[0]} to {times[-1]}", code="time-not-covered", place=path
-        )
+        words = f"expected a forecast for {begin}, not of {times[0]} to {times[-1]}"
+        raise BadInput(words, code="time-not-covered", place=path)
     first = int(np.searchsorted(times, begin, side="right")) - 1
     last = int(np.searchsorted(times, begin + LASTS, side="left"))
     return times[max(first, 0) : min(last, len(times) - 1) + 1]

@@ -156,9 +156,8 @@ def _once(path: Path, pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 def _no_constant(path: Path, text: str, name: str) -> NoReturn:
     match = re.search(rf"^.*[\s:,\[]{re.escape(name)}\b", text, re.MULTILINE)
     line = text.count("\n", 0, match.end()) + 1 if match else 1
-    raise WrongFormat(
-        f"expected JSON, which has no {name}", hint='write null for "not a number"', place=f"{path}: line {line}"
-    )
+    words = f"expected JSON, which has no {name}"
+    raise WrongFormat(words, hint='write null for "not a number"', place=f"{path}: line {line}")
 
 
 def _said(value: Any) -> str:

@@ -35,18 +35,12 @@ def fence_from_wire(items: Sequence[Item]) -> tuple[FencePolygon | FenceCircle, 
         if item.command in POLYGON:
             count = int(item.params[0]) if math.isfinite(item.params[0]) else 0
             if count < 3:
-                raise MissionError(
-                    f"expected a polygon of 3 vertices or more, not {item.params[0]:g}",
-                    code="fence-broken",
-                    place=f"fence item {at}",
-                )
+                words = f"expected a polygon of 3 vertices or more, not {item.params[0]:g}"
+                raise MissionError(words, code="fence-broken", place=f"fence item {at}")
             ring = items[at : at + count]
             if len(ring) < count or any((v.command, v.params[0]) != (item.command, item.params[0]) for v in ring):
-                raise MissionError(
-                    f"expected a polygon of {count} vertices, but it breaks off",
-                    code="fence-broken",
-                    place=f"fence item {at}",
-                )
+                words = f"expected a polygon of {count} vertices, but it breaks off"
+                raise MissionError(words, code="fence-broken", place=f"fence item {at}")
             vertices = tuple((v.latitude_deg, v.longitude_deg) for v in ring)
             fence.append(FencePolygon(vertices, POLYGON[Command(item.command)]))
             at += count
@@ -55,11 +49,8 @@ def fence_from_wire(items: Sequence[Item]) -> tuple[FencePolygon | FenceCircle, 
             center = (item.latitude_deg, item.longitude_deg)
             fence.append(FenceCircle(center, item.params[0], CIRCLE[Command(item.command)]))
         elif item.command != Command.NAV_FENCE_RETURN_POINT:
-            raise MissionError(
-                f"expected a fence, not {command_name(item.command)}",
-                code="not-a-mission-item",
-                place=f"fence item {at}",
-            )
+            words = f"expected a fence, not {command_name(item.command)}"
+            raise MissionError(words, code="not-a-mission-item", place=f"fence item {at}")
         at += 1
     return tuple(fence)
 
@@ -78,11 +69,8 @@ def rally_from_wire(items: Sequence[Item]) -> tuple[Geodetic, ...]:
     """
     for at, item in enumerate(items):
         if item.command != Command.NAV_RALLY_POINT:
-            raise MissionError(
-                f"expected a rally point, not {command_name(item.command)}",
-                code="not-a-mission-item",
-                place=f"rally item {at}",
-            )
+            words = f"expected a rally point, not {command_name(item.command)}"
+            raise MissionError(words, code="not-a-mission-item", place=f"rally item {at}")
     return tuple(Geodetic(item.latitude_deg, item.longitude_deg, item.altitude) for item in items)
 
 

@@ -50,12 +50,8 @@ def from_wire(items: Sequence[Item], autopilot: Autopilot, home: Geodetic | None
         if home is None and first:
             home = Geodetic(first[0].latitude_deg, first[0].longitude_deg, first[0].altitude)
     if home is None:
-        raise MissionError(
-            f"{own.name} sent no home with its mission, and none is known",
-            hint="wait until the vehicle has a position fix",
-            code="home-missing",
-            place="home",
-        )
+        words = f"{own.name} sent no home with its mission, and none is known"
+        raise MissionError(words, hint="wait until the vehicle has a position fix", code="home-missing", place="home")
     return Mission(home, tuple(_heard(item, own) for item in items), autopilot)
 
 

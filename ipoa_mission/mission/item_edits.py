@@ -26,9 +26,8 @@ def with_inserted(mission: Mission, seq: int, item: Item) -> Mission:
         BadInput: that is within a survey or scan, or beyond the end.
     """
     if not 1 <= seq <= len(mission.items) + 1:
-        raise BadInput(
-            f"expected a number from 1 to {len(mission.items) + 1}", code="no-such-item", place=f"item {seq}"
-        )
+        words = f"expected a number from 1 to {len(mission.items) + 1}"
+        raise BadInput(words, code="no-such-item", place=f"item {seq}")
     if (of := _complex_at(mission, seq)) is not None and of.start < seq:
         raise _one_of(seq, of)
     items = [_jumping(one, lambda target: target + (target >= seq)) for one in mission.items]

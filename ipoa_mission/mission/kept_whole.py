@@ -35,12 +35,8 @@ def text_with(mission: Mission, file: MissionFile, path: Path) -> str:
         text = "\n".join([first, *comments, rest])
     plain, whole = (parse_mission(path, one, mission.autopilot) for one in (new, text))
     if not whole.still_holds(plain.mission):
-        raise BadInput(
-            "it cannot be changed so and be kept whole",
-            hint="save it as a file of its own",
-            code="complex-item",
-            place=path.name,
-        )
+        words = "it cannot be changed so and be kept whole"
+        raise BadInput(words, hint="save it as a file of its own", code="complex-item", place=path.name)
     return text
 
 

@@ -91,12 +91,9 @@ def parameters_beside(mission: Mission, path: Path) -> dict[Path, str]:
     if not mission.parameters:
         return {}
     if target.exists() and not _is_ours(target):
-        raise BadInput(
-            "expected no file of somebody else's, where the mission's parameters belong",
-            hint="move it, or write the mission under another name",
-            code="already-there",
-            place=target,
-        )
+        words = "expected no file of somebody else's, where the mission's parameters belong"
+        hint = "move it, or write the mission under another name"
+        raise BadInput(words, hint=hint, code="already-there", place=target)
     lines = (  # with its type: QGroundControl does not load a parameter of another than the vehicle's
         f"1\t1\t{name}\t{_number(value)}\t{mission.autopilot.book.types.get(name, REAL32)}"
         for name, value in mission.parameters.items()
@@ -142,10 +139,8 @@ def _row(text: str, line: int, place: str) -> _Row:
             if int(kind) not in (*WHOLE, *FLOATS):
                 raise BadInput(f"expected a MAV_PARAM_TYPE from 1 to 10, not {kind}", place=f"{place}: {name}")
         case _:
-            raise BadInput(
-                f"expected a name and a value, or vehicle, component, name, value and type, not {text[:60]!r}",
-                place=place,
-            )
+            words = f"expected a name and a value, or vehicle, component, name, value and type, not {text[:60]!r}"
+            raise BadInput(words, place=place)
     if not NAME.fullmatch(name):
         raise BadInput(f"expected a parameter's name of up to 16 letters, digits and _, not {name[:40]!r}", place=place)
     place = f"{place}: {name}"

@@ -148,11 +148,8 @@ def _check(number: int, item: Item, count: int) -> None:
     if _has_altitude(item) and not math.isfinite(item.altitude):
         raise BadInput(f"expected an altitude, not {item.altitude}", code="altitude-missing", place=where)
     if item.command == Command.DO_JUMP and item.params[0] not in range(1, count + 1):
-        raise BadInput(
-            f"expected the number of an item, 1 to {count}, not {item.params[0]:g}",
-            code="jump-target",
-            place=f"{where}: param1",
-        )
+        words = f"expected the number of an item, 1 to {count}, not {item.params[0]:g}"
+        raise BadInput(words, code="jump-target", place=f"{where}: param1")
 
 
 def _simple_item(number: int, item: Item) -> dict[str, Any]:

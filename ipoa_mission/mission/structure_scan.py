@@ -76,11 +76,8 @@ def _round(polygon: Node, distance: float) -> list[Geodetic]:
     found = np.array([_corner(plane[n], forth[n - 1], forth[n], distance) for n in range(len(plane))])
     ahead = ((np.roll(found, -1, axis=0) - found) * forth).sum(axis=1)
     if not (np.isfinite(found).all() and (ahead > LEAST_SIDE).all() and Polygon(found).is_valid):
-        raise BadInput(
-            f"expected sides that have room at {distance:g} m beside the structure",
-            hint="give the structure fewer corners, or scan it from nearer by",
-            place=polygon.where,
-        )
+        words = f"expected sides that have room at {distance:g} m beside the structure"
+        raise BadInput(words, hint="give the structure fewer corners, or scan it from nearer by", place=polygon.where)
     latitude, longitude = about.to_geodetic(*found.T)
     return [Geodetic(float(lat), float(lon)) for lat, lon in zip(latitude, longitude, strict=True)]
 

@@ -101,12 +101,9 @@ def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -
     findings = list(_check_numbers(rows))
     (line, first), *others = rows
     if first.command not in (Command.NAV_WAYPOINT, NO_COMMAND):
-        raise BadInput(
-            f"expected 16 (item 0 is home), not {first.command}",
-            hint="a file whose first item is a take-off lost its home item: put one before it",
-            code="home-missing",
-            place=f"{line.where}: command",
-        )
+        words = f"expected 16 (item 0 is home), not {first.command}"
+        hint = "a file whose first item is a take-off lost its home item: put one before it"
+        raise BadInput(words, hint=hint, code="home-missing", place=f"{line.where}: command")
     if abs(first.latitude_deg) > 90:
         raise BadInput(f"expected degrees from -90 to 90, not {first.latitude_deg:g}", place=f"{line.where}: latitude")
     items = settle_frames([item for _, item in others], autopilot)
@@ -157,11 +154,8 @@ def _check(number: int, item: Item) -> None:
             place=where,
         )
     if not all(map(math.isfinite, (item.latitude_deg, item.longitude_deg, item.altitude))):
-        raise BadInput(
-            f"expected a finite position, not one with {item.altitude} for an altitude",
-            code="position-missing",
-            place=where,
-        )
+        words = f"expected a finite position, not one with {item.altitude} for an altitude"
+        raise BadInput(words, code="position-missing", place=where)
 
 
 def _without_nan(item: Item) -> Item:

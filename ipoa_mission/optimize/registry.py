@@ -40,19 +40,16 @@ def optimizer_class(name: str) -> type[Optimizer]:
     registered = _registered().get(name)
     if registered is None:
         names = optimizer_names()
-        raise UnknownName(
-            f"expected {_one_of(names)}, not {name!r}{_did_you_mean(name, names)}", place="optimizer.name"
-        )
+        words = f"expected {_one_of(names)}, not {name!r}{_did_you_mean(name, names)}"
+        raise UnknownName(words, place="optimizer.name")
     try:
         found: Any = registered.load()
     except (ImportError, AttributeError) as error:
-        raise BadInput(
-            f"{name} is registered as {registered.value}, which fails: {error}", place="optimizer.name"
-        ) from error
+        words = f"{name} is registered as {registered.value}, which fails: {error}"
+        raise BadInput(words, place="optimizer.name") from error
     if not (isinstance(found, type) and hasattr(found, "search") and hasattr(found, "__dataclass_fields__")):
-        raise BadInput(
-            f"{name} is registered as {registered.value}, which is no dataclass with a search", place="optimizer.name"
-        )
+        words = f"{name} is registered as {registered.value}, which is no dataclass with a search"
+        raise BadInput(words, place="optimizer.name")
     return found
 
 
@@ -67,10 +64,8 @@ def build_optimizer(name: str, settings: Mapping[str, object]) -> Optimizer:
     names = [field.name for field in fields(kind)]  # type: ignore[arg-type]
     for key in settings:
         if key not in names:
-            raise UnknownName(
-                f"{name} has no such setting; it has {', '.join(names)}{_did_you_mean(key, names)}",
-                place=f"optimizer.{key}",
-            )
+            words = f"{name} has no such setting; it has {', '.join(names)}{_did_you_mean(key, names)}"
+            raise UnknownName(words, place=f"optimizer.{key}")
     return kind(**{key: check_setting(f"optimizer.{key}", types[key], value) for key, value in settings.items()})
 
 

@@ -39,9 +39,8 @@ def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> I
     try:
         client = distributed.Client(address, timeout=patience_s, set_as_default=False)
     except ValueError as error:
-        raise BadInput(
-            f"expected a scheduler such as tcp://10.0.0.1:8786, not {address!r}", place="executor"
-        ) from error
+        message = f"expected a scheduler such as tcp://10.0.0.1:8786, not {address!r}"
+        raise BadInput(message, place="executor") from error
     except OSError as error:
         raise MissionError(
             f"no Dask scheduler answers at {address}",
@@ -52,11 +51,8 @@ def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> I
         with client, client.get_executor(pure=False, retries=10) as pool:
             yield pool
     except (CancelledError, distributed.KilledWorker) as error:
-        raise MissionError(
-            f"the cluster at {address} was lost while it ran trials",
-            hint="the same command goes on where it stopped",
-            code="cluster-lost",
-        ) from error
+        words = f"the cluster at {address} was lost while it ran trials"
+        raise MissionError(words, hint="the same command goes on where it stopped", code="cluster-lost") from error
 
 
 def _leave_ctrl_c_to_the_parent() -> None:

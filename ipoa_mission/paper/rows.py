@@ -162,9 +162,6 @@ def _claim(file: io.TextIOWrapper, path: Path) -> None:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError as error:
         file.close()
-        raise MissionError(
-            "another process is adding runs to it",
-            hint="wait until it is done, or keep these elsewhere: --out",
-            code="in-use",
-            place=path,
-        ) from error
+        words = "another process is adding runs to it"
+        hint = "wait until it is done, or keep these elsewhere: --out"
+        raise MissionError(words, hint=hint, code="in-use", place=path) from error

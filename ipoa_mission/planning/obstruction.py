@@ -38,9 +38,8 @@ def refuse_places(problem: PreparedProblem) -> None:
     task, limits, airspace = problem.task, problem.limits, problem.task.airspace
     stops = task.places
     if np.linalg.norm(np.diff(stops, axis=0), axis=1).max() < SAME:
-        raise BadInput(
-            "expected a place other than the start, or via points on the way", code="goal-at-start", place="goal"
-        )
+        message = "expected a place other than the start, or via points on the way"
+        raise BadInput(message, code="goal-at-start", place="goal")
     for name, stop in zip(place_names(stops), stops, strict=True):
         spot = np.array([stop, stop])
         height = airspace.terrain_clearance(spot)
@@ -52,13 +51,9 @@ def refuse_places(problem: PreparedProblem) -> None:
         ]
         worst = min(checks, key=lambda check: check.slack)
         if worst.slack < -ROUNDING:
-            raise NoPath(
-                f"nothing can fly there: {worst.words()}",
-                hint=f"move {name} or what is in its way",
-                code="place-blocked",
-                known=worst.about,
-                place=name,
-            )
+            words = f"nothing can fly there: {worst.words()}"
+            hint = f"move {name} or what is in its way"
+            raise NoPath(words, hint=hint, code="place-blocked", known=worst.about, place=name)
 
 
 def refuse_closed(problem: PreparedProblem) -> None:

@@ -58,9 +58,8 @@ class PathProblem:
         except (TypeError, ValueError):
             places = np.empty(0)
         if places.ndim != 2 or places.shape[1] != 3 or len(places) < 2 or not np.isfinite(places).all():
-            raise BadInput(
-                "expected two or more points (east, north, up), finite numbers, as an array (k, 3)", place="places"
-            )
+            words = "expected two or more points (east, north, up), finite numbers, as an array (k, 3)"
+            raise BadInput(words, place="places")
         object.__setattr__(self, "places", places)
 
     def tightened(self, above: float, below: float = 0.0, airspace: Airspace | None = None) -> "PathProblem":

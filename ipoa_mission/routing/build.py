@@ -56,10 +56,8 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
     frame, home = scenario.frame, scenario.frame.home
     first, *others = [(place, round(place.altitude - home.altitude, 3)) for place in _geodetic(route.points, frame)]
     if first[1] < LEAST_TAKEOFF_HEIGHT:
-        raise BadInput(
-            f"expected {LEAST_TAKEOFF_HEIGHT} m above home or more, for the take-off, not {first[1]:.1f} m",
-            place="start",
-        )
+        words = f"expected {LEAST_TAKEOFF_HEIGHT} m above home or more, for the take-off, not {first[1]:.1f} m"
+        raise BadInput(words, place="start")
     over_home = starts_over_home(route)
     usual = scenario.vehicle.autopilot.waypoint_defaults(scenario.vehicle.version)
     flown_to = [
@@ -113,12 +111,9 @@ def _pass(route: Route, n: int, place: Geodetic, height: float, usual: WaypointD
 def _prove_departure(start: Vector, scenario: Scenario) -> None:
     proof = prove(np.array([[0.0, 0.0, start[2]], start]), scenario)
     if not proof.holds:
-        raise NoRoute(
-            f"the straight way to it from over home: {proof.words()}",
-            hint="begin over home and name this place under via: then the way to it is planned too",
-            code="start-not-reached",
-            place="start",
-        )
+        words = f"the straight way to it from over home: {proof.words()}"
+        hint = "begin over home and name this place under via: then the way to it is planned too"
+        raise NoRoute(words, hint=hint, code="start-not-reached", place="start")
 
 
 def _geodetic(points: Points, frame: LocalFrame) -> list[Geodetic]:

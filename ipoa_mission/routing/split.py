@@ -69,11 +69,8 @@ def split_flight(whole: Forecast) -> tuple[Forecast, ...]:
     """
     budget = budget_of(whole)
     if budget is None or budget.battery is None:
-        raise BadInput(
-            "expected one, and an airframe or a learned vehicle, to split a mission by",
-            code="battery-missing",
-            place="vehicle.battery",
-        )
+        words = "expected one, and an airframe or a learned vehicle, to split a mission by"
+        raise BadInput(words, code="battery-missing", place="vehicle.battery")
     if budget.refusal is None:
         return (whole,)
     parts, flights, begin, legs = _Parts(whole), list[Forecast](), 0, 1
@@ -110,9 +107,8 @@ class _Parts:
         items = self.mission.items
         begins = [n for n, item in enumerate(items) if item.command in TAKEOFFS]
         if len(begins) != 1 or any(item.command in JUMPS for item in items):
-            raise MissionError(
-                "expected one take-off, and no jumps or arcs, in a mission that is split", code="not-split"
-            )
+            words = "expected one take-off, and no jumps or arcs, in a mission that is split"
+            raise MissionError(words, code="not-split")
         self.start = begins[0] + 1
         self.turns = [n for n in range(self.start, len(items)) if items[n].command in TURNS and items[n].has_position]
         self.last = len(self.turns)

@@ -70,10 +70,8 @@ def camera_named(name: str) -> Camera:
         return found
     near = get_close_matches(name.casefold(), by_letters, n=1)
     hint = f"; did you mean {by_letters[near[0]].name!r}?" if near else f", one of {', '.join(CAMERAS)}"
-    raise UnknownName(
-        f"expected the name of a camera that is known{hint}",
-        hint="give one by its numbers: sensor_mm, focal_length_mm, pixels",
-    )
+    words = f"expected the name of a camera that is known{hint}"
+    raise UnknownName(words, hint="give one by its numbers: sensor_mm, focal_length_mm, pixels")
 
 
 class CameraSection(Section):

@@ -31,9 +31,8 @@ def allowed_area(fences: Sequence[FenceSection], frame: LocalFrame) -> Any | Non
     if common.geom_type != "Polygon" or common.is_empty:
         raise BadInput("expected inclusions that have one area in common", code="fence-empty", place="fence")
     if (distance := common.distance(HOME)) > 0:
-        raise BadInput(
-            f"expected home inside of it, not {distance:.1f} m outside", code="home-outside-fence", place="fence"
-        )
+        words = f"expected home inside of it, not {distance:.1f} m outside"
+        raise BadInput(words, code="home-outside-fence", place="fence")
     return common
 
 

@@ -55,11 +55,8 @@ class BuildingsMap(MapFile):
         rules = BuildingRules(**self.model_dump(include={field.name for field in fields(BuildingRules)}))
         buildings = search_buildings(self.file, rules, frame, within)
         if not (buildings.standing or buildings.elsewhere):
-            raise NothingThere(
-                f"expected buildings, but none of {buildings.features} features is tagged as one",
-                hint='`take = "all"` takes every feature, whatever its tags',
-                place=self.file,
-            )
+            words = f"expected buildings, but none of {buildings.features} features is tagged as one"
+            raise NothingThere(words, hint='`take = "all"` takes every feature, whatever its tags', place=self.file)
         return buildings
 
 

@@ -153,9 +153,8 @@ def _terrain(scenario: Scenario, new: LocalFrame, rise: float, n: int) -> Terrai
         grid = {"east": float(corner[0]), "north": float(corner[1]), "heights": heights, "file": None}
         return given.model_copy(update=grid)
     if given.kind == "analytic":
-        raise BadInput(
-            "expected home, or terrain of another kind: this one is told from home only", place=f"survey.starts[{n}]"
-        )
+        words = "expected home, or terrain of another kind: this one is told from home only"
+        raise BadInput(words, place=f"survey.starts[{n}]")
     return given
 
 

@@ -174,9 +174,8 @@ def _left_out(scenario: Layout, buildings: Mapping[int, Buildings]) -> Counter[K
 def _one(areas: list[Any]) -> Any:
     common = shapely.intersection_all(areas)
     if common.geom_type != "Polygon" or common.is_empty:
-        raise BadInput(
-            "expected flight areas, and fences, that have one area in common", code="fence-empty", place="maps"
-        )
+        words = "expected flight areas, and fences, that have one area in common"
+        raise BadInput(words, code="fence-empty", place="maps")
     return common
 
 
@@ -185,21 +184,15 @@ def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[MapArea
     if isinstance(section, FlightAreaMap):
         distance = min(zone.shape.distance(home) for zone in zones)
         if distance > 0:
-            raise BadInput(
-                f"expected home inside the flight area, not {distance:.1f} m outside of it",
-                code="home-outside-fence",
-                place=section.file,
-            )
+            words = f"expected home inside the flight area, not {distance:.1f} m outside of it"
+            raise BadInput(words, code="home-outside-fence", place=section.file)
     elif section.base is None or section.base <= 0:
         for zone in zones:
             lower = zone.lower if section.base is None else None
             above = lower is not None and lower.height > (altitude if lower.reference == "AMSL" else 0.0)
             if zone.shape.contains(home) and not above:
-                raise BadInput(
-                    f"expected home outside of no-fly zones, but it is in {zone.name}",
-                    code="home-outside-fence",
-                    place=section.file,
-                )
+                words = f"expected home outside of no-fly zones, but it is in {zone.name}"
+                raise BadInput(words, code="home-outside-fence", place=section.file)
 
 
 def _places(scenario: Layout) -> NDArray[np.float64]:

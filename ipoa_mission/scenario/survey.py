@@ -240,19 +240,15 @@ def _mapped(path: Path, width: float | None, frame: LocalFrame) -> Area:
             polygons.append(_corridor(shapely.get_coordinates(shape), width, place))
             continue
         if shape.geom_type != "Polygon":
-            raise InvalidRing(
-                "expected a polygon, not an open line",
-                hint="--width M, or width under [survey], makes it a corridor",
-                place=place,
-            )
+            words = "expected a polygon, not an open line"
+            raise InvalidRing(words, hint="--width M, or width under [survey], makes it a corridor", place=place)
         (clean,) = unrepeated(np.array([shape], object))
         rings = [shapely.get_coordinates(ring) for ring in (clean.exterior, *clean.interiors)]
         polygons += Area.of([rings], place).shape.geoms
     if not polygons:
         wanted = "a polygon" if width is None else "a line or a polygon"
-        raise NothingThere(
-            f"expected {wanted}, but there is none", hint="an area is a Polygon, or a closed line", place=path
-        )
+        message = f"expected {wanted}, but there is none"
+        raise NothingThere(message, hint="an area is a Polygon, or a closed line", place=path)
     if width is not None:
         return Area(shapely.MultiPolygon([*shapely.get_parts(union_of(polygons))]))
     rings_of = ([shapely.get_coordinates(ring) for ring in (p.exterior, *p.interiors)] for p in polygons)
@@ -267,9 +263,8 @@ def _shapes(path: Path, frame: LocalFrame) -> Iterator[tuple[str, Any]]:
     about.expect_near()
     for feature, shape, counts in zip(features, shapes, near, strict=True):
         if (missing := feature.missing) is not None and not missing.elsewhere:
-            raise BadInput(
-                f"expected an area that can be read, not {missing.words}", missing.remedy, place=feature.place
-            )
+            words = f"expected an area that can be read, not {missing.words}"
+            raise BadInput(words, missing.remedy, place=feature.place)
         for part in flat(shape) if counts else ():
             is_closed = part.geom_type == "LineString" and part.is_closed and len(part.coords) > 3
             if part.geom_type in ("Polygon", "LineString"):

@@ -56,9 +56,8 @@ class WindSection(Section):
     def air(self) -> Wind:
         """The wind as the models have it."""
         if self.file is not None:
-            raise BadInput(
-                "expected to be read with its scenario, by read_scenario or Scenario.from_dict", place="wind.file"
-            )
+            words = "expected to be read with its scenario, by read_scenario or Scenario.from_dict"
+            raise BadInput(words, place="wind.file")
         if self.heights:
             return Wind.of_profile(self.heights, self.speeds, self.directions, self.spread)
         return Wind(self.speed, self.from_deg, self.exponent, self.gradient_height, self.spread)

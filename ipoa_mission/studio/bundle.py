@@ -62,9 +62,8 @@ def build_page(sources: Path, target: Path, tell: Callable[[str], None]) -> None
             done = subprocess.run([program, *step], cwd=web, capture_output=True, text=True, check=False)
             if done.returncode:
                 last = "\n".join((done.stdout + done.stderr).strip().splitlines()[-8:])
-                raise MissionError(
-                    f"the studio's page cannot be built: npm {' '.join(step)} says\n{last}", code="page-not-built"
-                )
+                words = f"the studio's page cannot be built: npm {' '.join(step)} says\n{last}"
+                raise MissionError(words, code="page-not-built")
         (web / "dist" / DIGEST).write_text(sources_digest(web), encoding="utf-8")
         if web / "dist" != target:
             shutil.rmtree(target, ignore_errors=True)

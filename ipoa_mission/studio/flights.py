@@ -51,9 +51,8 @@ class FlightDesk:
             MissionError: a flight is under way.
         """
         if self.is_busy:
-            raise MissionError(
-                "a flight is under way: nothing else is listened to", hint="let it end", code="flight-under-way"
-            )
+            words = "a flight is under way: nothing else is listened to"
+            raise MissionError(words, hint="let it end", code="flight-under-way")
         self._task = asyncio.create_task(self._listen(link))
 
     async def start(self, request: Start) -> None:
@@ -69,9 +68,8 @@ class FlightDesk:
         for what in ("vehicle", "mission", "proof"):
             named, there = getattr(request, what), self._loaded[what]
             if named != there:
-                raise MissionError(
-                    f"not started: {what} is {there!r}, not {named!r}", hint="upload again", code="upload-again"
-                )
+                words = f"not started: {what} is {there!r}, not {named!r}"
+                raise MissionError(words, hint="upload again", code="upload-again")
         self._loaded = None
         await self._process.send(request.model_dump(mode="json"))
 
@@ -82,9 +80,8 @@ class FlightDesk:
             MissionError: none flies.
         """
         if not self._flies:
-            raise MissionError(
-                f"no {WORDS[request.what]}: nothing flies", hint="start a flight first", code="not-in-the-air"
-            )
+            words = f"no {WORDS[request.what]}: nothing flies"
+            raise MissionError(words, hint="start a flight first", code="not-in-the-air")
         await self._process.send(request.model_dump(mode="json"))
 
     @property

@@ -150,9 +150,5 @@ def _mission_of(log: Path) -> Path:
             target = keep(f"{log.stem}-flown.plan", plan_text(mission).encode(), log.parent, MISSIONS)
             write_mission(mission, target)
             return target
-    raise MissionError(
-        "it does not say which mission was flown",
-        hint="open the mission, and the log on it",
-        code="log-incomplete",
-        place=log.name,
-    )
+    words = "it does not say which mission was flown"
+    raise MissionError(words, hint="open the mission, and the log on it", code="log-incomplete", place=log.name)

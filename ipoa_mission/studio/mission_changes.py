@@ -55,9 +55,8 @@ def _changed(mission: Mission, change: Change) -> Mission:
             return replace(mission, home=_moved(mission.home, change.put_down))
         case Put(path=("home", "altitude_amsl")) if isinstance(change.value, int | float):
             return replace(mission, home=replace(mission.home, altitude=float(change.value)))
-    raise BadInput(
-        "expected a change of a mission's items", hint="this is a mission file, no scenario", place=change.op
-    )
+    words = "expected a change of a mission's items"
+    raise BadInput(words, hint="this is a mission file, no scenario", place=change.op)
 
 
 def _item(mission: Mission, seq: int) -> Item:

@@ -91,11 +91,8 @@ class FlightWorker:
                 start = self._beside.get(timeout=LOOK_S)
         for what in ("vehicle", "mission", "proof"):
             if start.get(what) != getattr(loaded, what):
-                raise MissionError(
-                    f"not started: you named {what} {start.get(what)!r}, and it is {getattr(loaded, what)!r}",
-                    hint="upload again",
-                    code="upload-again",
-                )
+                words = f"not started: you named {what} {start.get(what)!r}, and it is {getattr(loaded, what)!r}"
+                raise MissionError(words, hint="upload again", code="upload-again")
 
 
 @contextmanager

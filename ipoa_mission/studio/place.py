@@ -41,7 +41,6 @@ def place_of(words: str) -> tuple[float, float]:
     else:
         raise BadInput(f"{EXPECTED}, not {told[:60]!r}", place="place")
     if not (abs(place[0]) <= 85 and abs(place[1]) <= 180):
-        raise BadInput(
-            f"expected a latitude from -85 to 85 and a longitude from -180 to 180 degrees, not {told}", place="place"
-        )
+        message = f"expected a latitude from -85 to 85 and a longitude from -180 to 180 degrees, not {told}"
+        raise BadInput(message, place="place")
     return place

@@ -155,9 +155,8 @@ def _listen(asked: int, before: int) -> socket.socket:
         try:
             return socket.create_server(("127.0.0.1", asked))
         except OSError as error:
-            raise BadInput(
-                f"cannot be had: {error.strerror}", hint="leave --port out", place=f"--port {asked}"
-            ) from error
+            words = f"cannot be had: {error.strerror}"
+            raise BadInput(words, hint="leave --port out", place=f"--port {asked}") from error
     with suppress(OSError):
         return socket.create_server(("127.0.0.1", before))
     return socket.create_server(("127.0.0.1", 0))

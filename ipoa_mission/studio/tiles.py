@@ -69,10 +69,8 @@ def open_tiles(source: str, attribution: str | None = None) -> TileSource:
         return _of_server(source, attribution)
     path = Path(source)
     if path.suffix.lower() not in (MBTILES, PMTILES) or not path.is_file():
-        raise BadInput(
-            f"expected an address with {{z}}, {{x}} and {{y}}, or a file: {MBTILES} or {PMTILES}",
-            place=f"--tiles: {source}",
-        )
+        words = f"expected an address with {{z}}, {{x}} and {{y}}, or a file: {MBTILES} or {PMTILES}"
+        raise BadInput(words, place=f"--tiles: {source}")
     return _of_mbtiles(path, attribution) if path.suffix.lower() == MBTILES else _of_pmtiles(path, attribution)
 
 
@@ -142,9 +140,8 @@ def _of_pmtiles(path: Path, attribution: str | None) -> TileSource:
     is_vector = _is_vector(path, header["tile_type"].name.lower())
     packed = header["tile_compression"].name.lower()
     if is_vector and packed not in ("none", "gzip"):
-        raise WrongFormat(
-            f"expected vector tiles that are packed by gzip or not at all, not by {packed}", place=f"--tiles: {path}"
-        )
+        words = f"expected vector tiles that are packed by gzip or not at all, not by {packed}"
+        raise WrongFormat(words, place=f"--tiles: {path}")
     told = attribution or str(about.get("attribution") or path.name)
     zooms = header["min_zoom"], header["max_zoom"]
     return TileSource(_shown("", told, zooms, is_vector, _layers(about) if is_vector else ()), read=read)
@@ -158,9 +155,8 @@ def _is_vector(path: Path, kind: str) -> bool:
     """
     if kind.lower() not in ("png", "jpg", "jpeg", "webp", *VECTOR):
         known = "png, jpg, webp, or vector tiles: pbf"
-        raise WrongFormat(
-            f"expected pictures ({known}), not {kind or 'tiles of no stated format'}", place=f"--tiles: {path}"
-        )
+        words = f"expected pictures ({known}), not {kind or 'tiles of no stated format'}"
+        raise WrongFormat(words, place=f"--tiles: {path}")
     return kind.lower() in VECTOR
 
 

@@ -67,12 +67,8 @@ def _polygon(rings: Sequence[Sequence[Sequence[float]] | Points], where: str, pa
     for n, hole in enumerate(solid):
         name = names[n + 1]
         if not bare.intersects(hole) or bare.intersection(hole).area < LEAST_M2:
-            raise BadInput(
-                f"expected a hole inside of its outer ring {names[0]}, but it lies outside",
-                code="ring-misplaced",
-                place=name,
-                remedies=(Remedy(("polygon", part, n + 1)),),
-            )
+            words = f"expected a hole inside of its outer ring {names[0]}, but it lies outside"
+            raise BadInput(words, code="ring-misplaced", place=name, remedies=(Remedy(("polygon", part, n + 1)),))
         for m, other in enumerate(solid[:n]):
             if hole.within(other) or other.within(hole):
                 inner, around = (n + 1, m + 1) if hole.within(other) else (m + 1, n + 1)
@@ -113,9 +109,8 @@ def _ring(ring: Sequence[Sequence[float]] | Points, where: str) -> Points:
             raise InvalidRing("expected a ring with an area, but its corners lie on one line", place=where)
         why = shapely.is_valid_reason(polygon)
         place = why[why.find("[") :] if "[" in why else ""
-        raise InvalidRing(
-            f"expected a ring that does not cross or touch itself, but it does at {place} [m]", place=where
-        )
+        words = f"expected a ring that does not cross or touch itself, but it does at {place} [m]"
+        raise InvalidRing(words, place=where)
     if polygon.area < LEAST_M2:
         raise InvalidRing("expected a ring with an area", place=where)
     return corners
@@ -124,12 +119,8 @@ def _ring(ring: Sequence[Sequence[float]] | Points, where: str) -> Points:
 def _expect_apart(where: str, *parts: tuple[int, shapely.Polygon]) -> None:
     (here, polygon), (there, other) = parts
     if polygon.intersection(other).area > LEAST_M2:
-        raise BadInput(
-            f"expected parts that do not overlap, but it overlaps {where}[{there}]",
-            code="ring-misplaced",
-            place=f"{where}[{here}]",
-            remedies=(Remedy(("polygon", here)),),
-        )
+        words = f"expected parts that do not overlap, but it overlaps {where}[{there}]"
+        raise BadInput(words, code="ring-misplaced", place=f"{where}[{here}]", remedies=(Remedy(("polygon", here)),))
     for (part, inner), (around, outer) in (parts, parts[::-1]):
         if any(inner.within(hole) for hole in _holes(outer)):
             raise BadInput(

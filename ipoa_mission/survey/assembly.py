@@ -94,9 +94,8 @@ def gimbal_items(scenario: Scenario, mission: Mission) -> list[Item]:
         return []
     own = mission.autopilot.firmware(mission.firmware_version)
     if not own.takes(Command.DO_MOUNT_CONTROL):
-        raise MissionError(
-            f"{own} takes no command in a mission that turns one", code="command-not-taken", place="survey.gimbal"
-        )
+        words = f"{own} takes no command in a mission that turns one"
+        raise MissionError(words, code="command-not-taken", place="survey.gimbal")
     return [Item(Command.DO_MOUNT_CONTROL, Frame.MISSION, (STRAIGHT_DOWN, 0.0, 0.0, 0.0), altitude=BY_ANGLES)]
 
 
@@ -117,6 +116,5 @@ def camera_items(distance: float, mission: Mission) -> tuple[list[Item], list[It
         every = round(distance / (mission.cruise_speed or 1.0), 2)
         start = Item(Command.IMAGE_START_CAPTURE, Frame.MISSION, (0.0, every, 0.0, 0.0))
         return [start], [Item(Command.IMAGE_STOP_CAPTURE, Frame.MISSION)]
-    raise MissionError(
-        f"{own} takes no command in a mission that triggers one", code="command-not-taken", place="camera"
-    )
+    words = f"{own} takes no command in a mission that triggers one"
+    raise MissionError(words, code="command-not-taken", place="camera")

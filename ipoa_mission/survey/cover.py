@@ -151,12 +151,8 @@ class _Survey:
         visible = area.visible(keep_out, spacing)
         free = FreeSpace.of(_where_lines_go(area.shape, kept, visible, spacing, cost.past_corners))
         if free.inner.is_empty:
-            raise MissionError(
-                "nothing of the area may be flown over",
-                hint="it lies in what is kept out of",
-                code="area-kept-out",
-                place="survey",
-            )
+            words = "nothing of the area may be flown over"
+            raise MissionError(words, hint="it lies in what is kept out of", code="area-kept-out", place="survey")
         holes = union_of([shapely.Polygon(ring) for part in area.shape.geoms for ring in part.interiors])
         closed = holes.union(kept)
         ways = FreeSpace.of(area.shape.buffer(turns_outside).difference(closed)) if turns_outside > 0 else free

@@ -110,11 +110,8 @@ def _expect_clear(world: Scenario, n: int) -> Scenario:
     up = world.start_point[2]
     for found in prove(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, up]]), world).checks:
         if found.limit in ("obstacles", "bounds") and found.slack < 0.0:
-            raise BadInput(
-                f"expected a place with a clear climb to {up:.0f} m: {found.words()}",
-                code="place-blocked",
-                place=f"survey.starts[{n}]",
-            )
+            words = f"expected a place with a clear climb to {up:.0f} m: {found.words()}"
+            raise BadInput(words, code="place-blocked", place=f"survey.starts[{n}]")
     return world
 
 

@@ -108,12 +108,9 @@ def lay_lines(
     """
     free = area.without(outside)
     if free.is_empty:
-        raise NoPath(
-            f"obstacles and the clearance to them leave nothing of the area at {sight.least:g} m above ground",
-            hint="fly higher (survey.height_above_ground), or with a smaller safety_distance",
-            code="area-covered",
-            place="survey",
-        )
+        words = f"obstacles and the clearance to them leave nothing of the area at {sight.least:g} m above ground"
+        hint = "fly higher (survey.height_above_ground), or with a smaller safety_distance"
+        raise NoPath(words, hint=hint, code="area-covered", place="survey")
     _expect_lines(area, sight.spacing)
     _expect_hours(float(free.area), sight.spacing, scenario.vehicle.cruise_speed)
     begin = np.array(section.entry or scenario.start_point[:2]) if at is None else at
@@ -142,12 +139,9 @@ def _expect_lines(area: Area, spacing: float) -> None:
     (west, south, east, north) = area.shape.bounds
     least = area.shape.area / spacing / math.hypot(east - west, north - south)  # no line is longer than that
     if least > MOST_LINES:
-        raise BadInput(
-            f"expected at most {MOST_LINES} lines, not {least:.0f} or more, {spacing:g} m apart",
-            hint="with lines farther apart (survey.line_spacing, or a camera from higher), or in several surveys",
-            code="survey-too-long",
-            place="survey",
-        )
+        words = f"expected at most {MOST_LINES} lines, not {least:.0f} or more, {spacing:g} m apart"
+        hint = "with lines farther apart (survey.line_spacing, or a camera from higher), or in several surveys"
+        raise BadInput(words, hint=hint, code="survey-too-long", place="survey")
 
 
 def _expect_hours(seen_m2: float, spacing: float, speed: float) -> None:

@@ -148,9 +148,8 @@ def _flown(mission: Mission, speed: float, height: float, wind: Wind, path: Poin
     try:
         prediction = Forecast(flown, wind=wind).predicted(sure=True)
     except MissionError as error:
-        raise MissionError(
-            f"no time is known of lines at {speed:g} m/s: {error}", error.hint, code="unreachable", place="survey"
-        ) from error
+        words = f"no time is known of lines at {speed:g} m/s: {error}"
+        raise MissionError(words, error.hint, code="unreachable", place="survey") from error
     return prediction.done[2:], prediction.track
 
 

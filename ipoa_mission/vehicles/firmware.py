@@ -159,9 +159,6 @@ class FirmwareTables:
         """
         if version.series not in self.series:
             names = ", ".join(f"{major}.{minor}" for major, minor in self.series)
-            raise BadInput(
-                f"expected one of {self._habits.autopilot}'s {names}, not {version}",
-                code="unknown-version",
-                place="firmware version",
-            )
+            words = f"expected one of {self._habits.autopilot}'s {names}, not {version}"
+            raise BadInput(words, code="unknown-version", place="firmware version")
         return version

@@ -28,11 +28,8 @@ def expect_own(names: Iterable[str], autopilot: Autopilot) -> None:
         other = None if name in autopilot.parameter_names else firmware_of([name])
         if other is not None:
             counterpart = _counterpart(name, other, autopilot)
-            raise BadInput(
-                f"expected a parameter of {autopilot}, not of {other}",
-                hint=f"{autopilot} has {counterpart} for that" if counterpart else None,
-                place=name,
-            )
+            words = f"expected a parameter of {autopilot}, not of {other}"
+            raise BadInput(words, hint=f"{autopilot} has {counterpart} for that" if counterpart else None, place=name)
 
 
 def expect_known(names: Iterable[str], autopilot: Autopilot | None = None) -> None:
@@ -49,12 +46,9 @@ def expect_known(names: Iterable[str], autopilot: Autopilot | None = None) -> No
     for name in names:
         if name not in existing:
             near = get_close_matches(name, sorted(existing), 1)
-            raise BadInput(
-                "expected a parameter that the models know" + (f" of {autopilot}" if autopilot else ""),
-                place=name,
-                hint=f"did you mean {near[0]}?" if near else None,
-                code="unknown-parameter",
-            )
+            words = "expected a parameter that the models know" + (f" of {autopilot}" if autopilot else "")
+            hint = f"did you mean {near[0]}?" if near else None
+            raise BadInput(words, place=name, hint=hint, code="unknown-parameter")
 
 
 def translated(

@@ -32,9 +32,8 @@ class Version:
         """
         match = _WRITTEN.fullmatch(text.strip())
         if match is None:
-            raise BadInput(
-                f'firmware version: expected one like 4.6 or 1.18.0-beta1, not "{text}"', code="unknown-version"
-            )
+            words = f'firmware version: expected one like 4.6 or 1.18.0-beta1, not "{text}"'
+            raise BadInput(words, code="unknown-version")
         major, minor, patch, stage = match.groups()
         return cls(int(major), int(minor), int(patch or 0), (stage or "").lower())
 

@@ -51,9 +51,8 @@ class Polygon:
             if len(ring) < 3:
                 raise InvalidRing(f"expected at least 3 corners, not {len(ring)}", place="a polygon")
         if not (shape := self.shape).is_valid:
-            raise InvalidRing(
-                f"expected rings that do not cross, not one with {shapely.is_valid_reason(shape)}", place="a polygon"
-            )
+            words = f"expected rings that do not cross, not one with {shapely.is_valid_reason(shape)}"
+            raise InvalidRing(words, place="a polygon")
 
     @property
     def shape(self) -> shapely.Polygon:

@@ -91,9 +91,8 @@ def evidence_between(name: str, mission: Mission, done_s: Mapping[int, float]) -
             done.append(at)
         met.add(visit.seq)
     if len(visits) < 2 or min(done_s) > 0:
-        raise MissionError(
-            f"it knows when {len(visits)} of {len(mission.items)} items were done", code="log-incomplete", place=name
-        )
+        words = f"it knows when {len(visits)} of {len(mission.items)} items were done"
+        raise MissionError(words, code="log-incomplete", place=name)
     seconds = np.diff(done, prepend=0.0)
     least, share, ending = mission.autopilot.part(FlightModel).scatter
     ends = np.array([brings_down(route.visits[n].item.command) for n in visits])

@@ -72,13 +72,11 @@ def read_copter_log(path: Path) -> Log:
         except (KeyError, TypeError, ValueError):  # a record whose layout is spoiled tells nothing
             torn[kind] += 1
     if gathered.vehicle and gathered.vehicle != "Copter":
-        raise BadInput(
-            f"expected the log of a copter, not of ArduPilot's {gathered.vehicle}", code="other-vehicle", place=path
-        )
+        words = f"expected the log of a copter, not of ArduPilot's {gathered.vehicle}"
+        raise BadInput(words, code="other-vehicle", place=path)
     if len(gathered.fixes) < 2:
-        raise BadInput(
-            "expected an ArduPilot log with positions (POS), but there are none", code="log-incomplete", place=path
-        )
+        words = "expected an ArduPilot log with positions (POS), but there are none"
+        raise BadInput(words, code="log-incomplete", place=path)
     fixes = _fixes(np.array(gathered.fixes), np.array(gathered.velocities))
     measured = Measured.of(_batteries(gathered), gathered.attitude)
     events = (*_states(gathered), *gathered.events)

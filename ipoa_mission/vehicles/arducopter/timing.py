@@ -116,9 +116,8 @@ def break_off(
     flight.until, copter = math.inf, flight.copter
     returns = order.ending is Ending.RTL
     if returns and copter.limits.rtl_final > 0.0:
-        raise MissionError(
-            "with an RTL_ALT_FINAL above 0 it waits over its goal, and does not land", code="endless-flight"
-        )
+        words = "with an RTL_ALT_FINAL above 0 it waits over its goal, and does not land"
+        raise MissionError(words, code="endless-flight")
     flight.come_down(return_home(copter, route.goal_of_return(copter.place)) if returns else land(copter, None))
     done = np.array([copter.state.time])
     doubt = BROKEN_OFF_DOUBT + BROKEN_OFF_SHARE * (done - order.time)

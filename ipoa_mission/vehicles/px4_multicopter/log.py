@@ -58,26 +58,20 @@ def _told(path: Path, log: Any) -> Log:
     topics = {topic.name: topic.data for topic in reversed(log.data_list)}  # the first instance counts
     topics = {name: data for name, data in topics.items() if len(data["timestamp"])}
     if "vehicle_status" not in topics:
-        raise BadInput(
-            "expected a PX4 log with the topic vehicle_status, which is not in it", code="log-incomplete", place=path
-        )
+        wrong = "expected a PX4 log with the topic vehicle_status, which is not in it"
+        raise BadInput(wrong, code="log-incomplete", place=path)
     if not topics.keys() & set(POSITIONS):
-        raise BadInput(
-            f"expected a PX4 log with one of the topics {', '.join(POSITIONS)}", code="log-incomplete", place=path
-        )
+        wrong = f"expected a PX4 log with one of the topics {', '.join(POSITIONS)}"
+        raise BadInput(wrong, code="log-incomplete", place=path)
     status = topics["vehicle_status"]
     kinds = status.get("vehicle_type", status.get("is_rotary_wing"))  # the latter before 1.9
     if kinds is not None and not (np.asarray(kinds) == ROTARY_WING).all():
-        raise BadInput(
-            "expected the log of a multicopter, not of another kind of vehicle", code="other-vehicle", place=path
-        )
+        wrong = "expected the log of a multicopter, not of another kind of vehicle"
+        raise BadInput(wrong, code="other-vehicle", place=path)
     fixes = _fixes(topics)
     if not len(fixes.times):
-        raise BadInput(
-            "expected positions on the Earth, but PX4 had none: its local ones have no reference",
-            code="log-incomplete",
-            place=path,
-        )
+        words = "expected positions on the Earth, but PX4 had none: its local ones have no reference"
+        raise BadInput(words, code="log-incomplete", place=path)
     begins = log.start_timestamp / 1e6
     opened_by_arming = log.initial_parameters.get("SDLOG_MODE", 0) == 0
     events = [
