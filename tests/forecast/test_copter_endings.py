@@ -1,6 +1,7 @@
 """Whole flights of ArduCopter 4.8.0-dev (531699d652, its simulator, calm air) that ended in RTL or LAND.
 
-The leg of some centimetres with which both begin takes from nothing to 2.6 s. Nothing was fitted to these flights.
+The leg of some centimetres with which both begin takes from nothing to 2.6 s. The margins were chosen from 87 flights,
+these among them.
 """
 
 import numpy as np
