@@ -163,8 +163,8 @@ def scan(
     """
     from ipoa_mission.link.connect import open_line
     from ipoa_mission.link.dialogue import NoAnswer
-    from ipoa_mission.link.presence import scan as listen
-    from ipoa_mission.link.presence import versions_of
+    from ipoa_mission.link.discovery import scan as listen
+    from ipoa_mission.link.discovery import versions_of
 
     with open_line(link) as line:
         found = listen(line, seconds)

@@ -13,9 +13,9 @@ from ipoa_mission.checks.version import NOT_MEASURED, check_aboard
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
-from ipoa_mission.link.set_up import own_values
 from ipoa_mission.link.state import NotReady
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.link.vehicle_setup import own_values
 from ipoa_mission.mission.commands import Frame, plain_frame
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.progress import Progress, silent

@@ -13,8 +13,8 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.messages import MissionType
-from ipoa_mission.link.set_up import OtherValue, idle_fence, other_values, without_station
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.link.vehicle_setup import OtherValue, idle_fence, other_values, without_station
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.world.frame import Geodetic

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ipoa_mission.link.dialogue import Dialogue
-from ipoa_mission.link.hold import FlightOrder
+from ipoa_mission.link.flight_order import FlightOrder
 from ipoa_mission.link.logbook import Logbook
 from ipoa_mission.link.messages import Message
 from ipoa_mission.link.on_deviation import OnDeviation

@@ -5,14 +5,14 @@ from pathlib import Path
 from typing import Any
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.borrowed import MavutilChannel
 from ipoa_mission.link.channel import open_channel
 from ipoa_mission.link.codec import Codec, sender_of
-from ipoa_mission.link.deafness import DOUBTED_S, SignsOtherwise
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, Patience
+from ipoa_mission.link.discovery import FoundVehicle, autopilots_in, round_trips_in
 from ipoa_mission.link.line import Line
+from ipoa_mission.link.mavutil_channel import MavutilChannel
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM, Ping
-from ipoa_mission.link.presence import Found, autopilots_in, round_trips_in
+from ipoa_mission.link.no_reply import DOUBTED_S, SignsOtherwise
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.state import NotFlown
 from ipoa_mission.link.tlog import read_tlog
@@ -116,7 +116,7 @@ def meet(
 
     While it listens for others it pings, so that the first timers already know how slow the link is.
     """
-    autopilots: dict[int, Found] = {}
+    autopilots: dict[int, FoundVehicle] = {}
     trips: dict[int, float] = {}
     until = line.now() + min(PRESENCE_S, patience.total_s)
     is_met = is_doubted = False
@@ -156,5 +156,5 @@ def _disbelieved(line: Line, system: int | None) -> SignsOtherwise | None:
     return next(iter(doubted.values()), None) if system is None else doubted.get(system)
 
 
-def _named(one: Found) -> str:
+def _named(one: FoundVehicle) -> str:
     return f"{one.system} ({one.kind})"

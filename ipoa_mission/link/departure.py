@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Remark, TimeUp, until, wait
-from ipoa_mission.link.hold import SHOWN_S, change_mode
-from ipoa_mission.link.holding import Holding, expect_unchanged, prove
+from ipoa_mission.link.flight_order import SHOWN_S, change_mode
 from ipoa_mission.link.messages import CommandLong, CommandResult, Current
+from ipoa_mission.link.onboard_list import OnboardList, expect_unchanged, prove
 from ipoa_mission.link.orders import CommandRefused, command, set_current, stream
 from ipoa_mission.link.state import ON_GROUND, NotReady, VehicleState
 from ipoa_mission.link.telemetry import Position, SystemStatus
@@ -71,7 +71,7 @@ class Departure:
     first: int
     moving: int
     climb: float = 0.0
-    holdings: tuple[Holding, ...] = ()
+    holdings: tuple[OnboardList, ...] = ()
     progress: Progress = silent
 
     @property

@@ -12,13 +12,13 @@ from typing import Protocol, TypeVar
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.channel import Channel, Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Heard, Target, is_old, is_signed
-from ipoa_mission.link.deafness import CAUSE_S, SignsOtherwise, SpeaksMavlink1
 from ipoa_mission.link.definitions import Definition
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, Exchange, NoAnswer, Patience, Silence, Tempo, TimeUp
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.item_frames import ItemFrames
 from ipoa_mission.link.item_run import ItemRun
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Heartbeat, MavAutopilot, Message
+from ipoa_mission.link.no_reply import CAUSE_S, SignsOtherwise, SpeaksMavlink1
 from ipoa_mission.link.routes import CLAIM_S, Routes
 from ipoa_mission.link.state import NotFlown
 from ipoa_mission.link.tlog import TlogWriter
@@ -48,7 +48,7 @@ class Carrier(Protocol):
     def understands(self, target: Target) -> None:
         """This target has answered what we said."""
 
-    def deafness(self, target: Target) -> MissionError | None:
+    def no_reply_cause(self, target: Target) -> MissionError | None:
         """Why this target, which is heard and has never answered, will not; None where nothing shows."""
 
     def expect_alone(self, system: int) -> None:
@@ -202,7 +202,7 @@ class Line:
         """See `Carrier`."""
         self._understands.add(target)
 
-    def deafness(self, target: Target) -> MissionError | None:
+    def no_reply_cause(self, target: Target) -> MissionError | None:
         """See `Carrier`."""
         if target in self._understands:
             return None
@@ -308,7 +308,7 @@ def converse(
                         heard_s = now()
                 if exchange.was_answered:
                     line.understands(target)
-                elif exchange.asked_for_s(now()) >= CAUSE_S and (cause := line.deafness(target)):
+                elif exchange.asked_for_s(now()) >= CAUSE_S and (cause := line.no_reply_cause(target)):
                     exchange.interrupt(cause, now())
                 if now() - heard_s >= quiet_s:
                     exchange.interrupt(Silence("the vehicle is not heard"), now())
@@ -319,7 +319,7 @@ def converse(
                     until = math.inf
                     exchange.interrupt(TimeUp("the time is up"), now())
         except NoAnswer as silence:
-            raise line.deafness(target) or silence from None
+            raise line.no_reply_cause(target) or silence from None
         except (NotFlown, Silence):
             exchange.outgoing()  # not even what was to be said before that was heard
             raise

@@ -21,7 +21,7 @@ from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.codec import EVERYONE, Heard, Target
 from ipoa_mission.link.conversations import MissionRefused, list_name
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer, until
-from ipoa_mission.link.holding import Holding
+from ipoa_mission.link.discovery import FoundVehicle
 from ipoa_mission.link.interrupt import Interrupt, noted_interrupts
 from ipoa_mission.link.item_run import ItemRun
 from ipoa_mission.link.messages import (
@@ -33,7 +33,7 @@ from ipoa_mission.link.messages import (
     MissionType,
     Result,
 )
-from ipoa_mission.link.presence import Found
+from ipoa_mission.link.onboard_list import OnboardList
 from ipoa_mission.link.state import NotFlown
 from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Unflyable, Upload
 from ipoa_mission.link.vehicle import Vehicle
@@ -156,7 +156,7 @@ class MavsdkLine:
     def understands(self, target: Target) -> None:
         """See `Carrier`: not asked here."""
 
-    def deafness(self, target: Target) -> None:
+    def no_reply_cause(self, target: Target) -> None:
         """See `Carrier`: MAVSDK speaks what the vehicle speaks."""
 
     def expect_alone(self, system: int) -> None:
@@ -209,7 +209,7 @@ class MavsdkVehicle(Vehicle):
         said = system.autopilot_type().name
         likely = next((one for one in registered() if one.firmware_name.upper() == said), default_autopilot())
         kind = Kind(likely.mav_autopilot, QUADROTOR)  # until its heartbeat is heard
-        super().__init__(line, Found(int(system.get_system_id()), kind, armed=False, is_ready=True))
+        super().__init__(line, FoundVehicle(int(system.get_system_id()), kind, armed=False, is_ready=True))
         if not self._hold(until(lambda: Heartbeat in self.state.heard, PRESENCE_S)):
             raise NoAnswer("no heartbeat is heard", code="not-heard", place=f"vehicle {self.system}")
         if not reading and self.state.kind is not None and not self.state.kind.is_flown:
@@ -241,7 +241,7 @@ class MavsdkVehicle(Vehicle):
             again = compare(items, self.download_items(kind), self.autopilot)
             if again is not None:
                 raise Replaced(kind, again)
-        self._holdings[kind] = Holding(Upload(items, self.autopilot, kind))
+        self._holdings[kind] = OnboardList(Upload(items, self.autopilot, kind))
 
     def _expect_flyable(self) -> None:
         """PX4 judges a mission after it has taken it, and tells in MISSION_CURRENT; before that it has none."""

@@ -8,6 +8,7 @@ import struct
 from collections.abc import Sequence
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.link.consistent_download import READINGS, KeepsChanging
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, TimeUp
 from ipoa_mission.link.file_transfer import (
     MISSION_FILE,
@@ -21,7 +22,6 @@ from ipoa_mission.link.file_transfer import (
 from ipoa_mission.link.item_payloads import PAYLOAD_BYTES, pack_items, unpack_items
 from ipoa_mission.link.mavftp import FileMessage
 from ipoa_mission.link.messages import MissionType
-from ipoa_mission.link.unbroken import READINGS, Unsettled
 from ipoa_mission.link.upload import ReadBackDiffers, Upload
 from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
@@ -95,7 +95,7 @@ def _cancelled_late(job: Upload, closing: FileMessage) -> Dialogue[Cancelled]:
         yield from _settle(job, closing)
     except FileRefused:
         return Cancelled("cancelled: the vehicle keeps the mission it had", holds="old")
-    except (NoAnswer, TimeUp, ReadBackDiffers, Unsettled):
+    except (NoAnswer, TimeUp, ReadBackDiffers, KeepsChanging):
         return Cancelled(
             "cancelled: the vehicle holds a whole mission, the old or the new one, and does not say which",
             holds="either",
@@ -118,4 +118,4 @@ def _settle(job: Upload, closing: FileMessage) -> Dialogue[int]:
         told = None if job.numbers is None else (yield from list_checksum(job.kind, job.numbers))
         if told in (None, file_checksum(data)):
             return told or 0
-    raise Unsettled(job.kind)
+    raise KeepsChanging(job.kind)

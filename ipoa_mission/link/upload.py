@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.link.consistent_download import READINGS, KeepsChanging, read_consistent
 from ipoa_mission.link.conversations import (
     DOUBTFUL,
     MissionRefused,
@@ -19,7 +20,6 @@ from ipoa_mission.link.conversations import (
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, Remark, Step, TimeUp, wait
 from ipoa_mission.link.item_payloads import Payloads, first_difference, pack_items
 from ipoa_mission.link.messages import NO_MISSION, WARNING, Ack, Current, Message, MissionType, Request, Result
-from ipoa_mission.link.unbroken import READINGS, Unsettled, read_unbroken
 from ipoa_mission.mission.firmware import Difference
 from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
@@ -228,7 +228,7 @@ def _settle(job: Upload, reports: MissionReports) -> Dialogue[None]:
         yield from _expect_unchanged(job, reports)
         if reports.agrees(job):
             return
-    raise Unsettled(job.kind)
+    raise KeepsChanging(job.kind)
 
 
 def _expect_unchanged(job: Upload, reports: MissionReports) -> Dialogue[None]:
@@ -285,7 +285,7 @@ def _store(job: Upload, course: UploadState, progress: Progress) -> Dialogue[Non
             course.reports.offered()
             ending = yield from offer(job.items, job.kind, asked=note, packed=job.packed)
             course.reports.read()
-            stored, course.checksum = yield from read_unbroken(job.kind, job.numbers)
+            stored, course.checksum = yield from read_consistent(job.kind, job.numbers)
         except NoAnswer as silence:
             if course.attempt == ATTEMPTS or max(course.before, course.furthest) < 0:
                 silence.hint = _leftover(job)

@@ -17,7 +17,7 @@ from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.checks.version import check_aboard
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.link import conversations, orders, unbroken
+from ipoa_mission.link import consistent_download, conversations, orders
 from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.conformance import Conformance
 from ipoa_mission.link.departure import (
@@ -31,18 +31,18 @@ from ipoa_mission.link.departure import (
     unsubscribe,
 )
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Dialogue, NoAnswer, Patience, Silence, TimeUp, until
+from ipoa_mission.link.discovery import FoundVehicle, await_booted
 from ipoa_mission.link.file_transfer import FileRefused
-from ipoa_mission.link.hold import SHOWN_S, FlightOrder, pause, resume, return_to_launch
-from ipoa_mission.link.holding import Holding, Lookout, ReplacedSince, read_again
+from ipoa_mission.link.flight_order import SHOWN_S, FlightOrder, pause, resume, return_to_launch
 from ipoa_mission.link.interrupt import noted_interrupts
-from ipoa_mission.link.leaving import Leaving
 from ipoa_mission.link.line import Carrier
 from ipoa_mission.link.logbook import Aside, FlightRecord, Logbook, watch
 from ipoa_mission.link.messages import Heartbeat, Message, MissionType
 from ipoa_mission.link.mission_file import upload_by_file
-from ipoa_mission.link.partner import Partner
-from ipoa_mission.link.presence import Found, await_booted
-from ipoa_mission.link.reunion import AGAIN_S, SILENT_S, Absence, KnownVehicle
+from ipoa_mission.link.mode_watch import ModeWatch
+from ipoa_mission.link.onboard_list import ListWatcher, OnboardList, ReplacedSince, read_again
+from ipoa_mission.link.reconnect import AGAIN_S, SILENT_S, KnownVehicle, LinkLoss
+from ipoa_mission.link.remote_vehicle import RemoteVehicle
 from ipoa_mission.link.state import NotReady, VehicleState
 from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Upload, upload
 from ipoa_mission.mission.commands import LAST_NAV
@@ -57,7 +57,7 @@ STARTUP_S = 60.0
 LISTS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
 
 
-class Vehicle(Partner):
+class Vehicle(RemoteVehicle):
     """One vehicle on a line; `connect` finds it. `close` it, or use it with `with`.
 
     Example:
@@ -70,7 +70,7 @@ class Vehicle(Partner):
     def __init__(
         self,
         line: Carrier,
-        heard: Found,
+        heard: FoundVehicle,
         patience: Patience = SPECIFIED,
         fast: bool = True,
         round_trip_s: float | None = None,
@@ -79,14 +79,14 @@ class Vehicle(Partner):
         super().__init__(line, heard, patience, round_trip_s)
         self._fast, self._anyway = fast, anyway
         self._mission: Mission | None = None
-        self._holdings: dict[int, Holding] = {}
+        self._holdings: dict[int, OnboardList] = {}
         self._logbook = Logbook((), self.autopilot)
-        self._leaving = Leaving(self.state)
+        self._leaving = ModeWatch(self.state)
         self.order = FlightOrder(self.state, line.now)
         """Has a vehicle that is watched hold its place, go on, or end its flight."""
         self.conformance = Conformance(self.state, self.order)
         """Compares a vehicle that is watched with the forecast of its flight, and what is ordered if it deviates."""
-        self.absence = Absence(line)
+        self.absence = LinkLoss(line)
         """Whether the link to a vehicle that is watched is lost, for how long, and what it does meanwhile."""
         self._numbers = itertools.count(2 * round(1e3 * line.now()), 2)  # not those of the last session
 
@@ -142,7 +142,7 @@ class Vehicle(Partner):
             if self._fast and job.has_checksum and kind == MissionType.MISSION:
                 with suppress(FileRefused, NoAnswer, ReadBackDiffers):  # the ordinary transfer says what is wrong
                     list_id = self._tell(upload_by_file(job, progress))
-            self._holdings[kind] = Holding(job, self._tell(upload(job, progress)) if list_id is None else list_id)
+            self._holdings[kind] = OnboardList(job, self._tell(upload(job, progress)) if list_id is None else list_id)
 
     def download(self, progress: Progress = silent) -> Mission:
         """The mission on the vehicle, with its fence and rally points.
@@ -155,7 +155,7 @@ class Vehicle(Partner):
             items, fenced, rallied = (lists[kind] for kind in LISTS)
             fence, rally = fence_from_wire(fenced), rally_from_wire(rallied)
             mission = from_wire(items, self.autopilot, self.home())
-        self._holdings = {k: Holding(Upload(lists[k], self.autopilot, k, self._checksum_numbers())) for k in LISTS}
+        self._holdings = {k: OnboardList(Upload(lists[k], self.autopilot, k, self._checksum_numbers())) for k in LISTS}
         self._expect(mission)
         return replace(mission, fence=fence, rally=rally, firmware_version=self.firmware_version())
 
@@ -163,7 +163,7 @@ class Vehicle(Partner):
         """The list of MAV_MISSION_TYPE `kind` as it stands on the wire."""
         with self._in_time():
             self._await_ready()
-            return self._hold(unbroken.download(kind, progress, self._checksum_numbers()))
+            return self._hold(consistent_download.download(kind, progress, self._checksum_numbers()))
 
     def clear(self, kind: int = MissionType.MISSION) -> None:
         """Have the vehicle forget a list. 255: all three, one by one, because ArduPilot knows no "all"."""
@@ -268,7 +268,7 @@ class Vehicle(Partner):
         compared = self.conformance.of(self._logbook)
         with self.state.told(), self._in_flight_time(), self._leaving.watched(self._logbook.modes):
             while record is None:
-                lookouts = () if holding is None else (Lookout(holding),)
+                lookouts = () if holding is None else (ListWatcher(holding),)
                 asides: tuple[Aside, ...] = (self.order, compared, *lookouts)
                 try:
                     if is_back:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.channel import serial_ports
 from ipoa_mission.link.connect import open_line
-from ipoa_mission.link.presence import scan
+from ipoa_mission.link.discovery import scan
 from ipoa_mission.studio.flight_answers import Heard, HeardLink
 from ipoa_mission.studio.harness import Answer, Order
 

@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.link.consistent_download import download
 from ipoa_mission.link.conversations import (
     GRACE_S,
     MissionRefused,
@@ -30,7 +31,6 @@ from ipoa_mission.link.messages import (
     Result,
     Text,
 )
-from ipoa_mission.link.unbroken import download
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.link_pair import CLIENT, Air, Fate, Vehicle, items_of
 from tests.refused import refuses

@@ -10,8 +10,8 @@ from ipoa_mission.link.codec import sender_of
 from ipoa_mission.link.conformance import Conformance
 from ipoa_mission.link.connect import _drop_unanswered, connect
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
-from ipoa_mission.link.hold import FlightOrder
-from ipoa_mission.link.reunion import Absence
+from ipoa_mission.link.flight_order import FlightOrder
+from ipoa_mission.link.reconnect import LinkLoss
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.logs.flight_log import LoggedFlight
 from ipoa_mission.simulator.personality import asks_every
@@ -58,9 +58,9 @@ def test_nothing_is_solid_in_a_zone() -> None:
 
 
 def test_the_users_time_ends_the_waiting_for_a_lost_link(monkeypatch: pytest.MonkeyPatch) -> None:
-    absence: Any = Absence(SimpleNamespace(now=lambda: 10.0, reopens=True))
-    monkeypatch.setattr(Absence, "_look", lambda self, tell: None)
-    monkeypatch.setattr(Absence, "_kept", lambda self, *known: None)
+    absence: Any = LinkLoss(SimpleNamespace(now=lambda: 10.0, reopens=True))
+    monkeypatch.setattr(LinkLoss, "_look", lambda self, tell: None)
+    monkeypatch.setattr(LinkLoss, "_kept", lambda self, *known: None)
     with pytest.raises(TimeUp):
         absence.end(NoAnswer("silence"), None, None, print, until_s=5.0)
 

@@ -8,7 +8,7 @@ import pytest
 
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.dialogue import SPECIFIED, Exchange
-from ipoa_mission.link.hold import SHOWN_S, return_to_launch
+from ipoa_mission.link.flight_order import SHOWN_S, return_to_launch
 from ipoa_mission.link.messages import CommandAck, CommandResult, Message
 from ipoa_mission.link.state import NotReady, VehicleState
 from ipoa_mission.link.telemetry import Position

@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import pytest
 
-from ipoa_mission.link import holding as holdings
+from ipoa_mission.link import onboard_list as holdings
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer
-from ipoa_mission.link.holding import LOOK_S, Holding, ReplacedSince, expect_unchanged
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import NO_MISSION, CommandLong, Count, Current, ItemAt, Message, MissionType
+from ipoa_mission.link.onboard_list import LOOK_S, OnboardList, ReplacedSince, expect_unchanged
 from ipoa_mission.link.state import NotReady
 from ipoa_mission.link.telemetry import AutopilotVersion, Position
 from ipoa_mission.link.upload import Replaced, Upload
@@ -82,8 +82,8 @@ def test_a_list_that_another_station_is_just_sending_is_not_flown(has_checksum: 
     """To ArduPilot, that is: PX4 keeps the whole one that it has, by its id, until it has the new one."""
     vehicle = vehicle_of(ARDUPILOT)
     vehicle.upload(suited(vehicle, MISSION))
-    for holding in vehicle._holdings.values():
-        holding.list_id *= has_checksum
+    for onboard_list in vehicle._holdings.values():
+        onboard_list.list_id *= has_checksum
     vehicle.prepare()
     items = to_wire(replace(MISSION, autopilot=ARDUPILOT))
     mock = mock_of(vehicle)
@@ -259,26 +259,26 @@ def test_a_vehicle_that_does_not_tell_what_it_holds_after_a_flight_is_taken_at_i
 # --- what it says ---------------------------------------------------------------------------------------------------
 
 
-def holding(family: Autopilot, list_id: int = 0, count: int = 4) -> Holding:
+def onboard_list(family: Autopilot, list_id: int = 0, count: int = 4) -> OnboardList:
     items: tuple[Item, ...] = items_of(family, count)
-    return Holding(Upload(items, family), list_id)
+    return OnboardList(Upload(items, family), list_id)
 
 
 @pytest.mark.parametrize(
     ("held", "said", "words"),
     [
-        (holding(PX4, 77), Current(0, 4, 2, 0, 77), ""),
-        (holding(PX4, 77), Current(0, 4, 2, 0, 78), "it has the id 78, and ours has 77"),
-        (holding(PX4, 77), Current(0, 4, 2, 0, 0), ""),
-        (holding(PX4), Current(0, 4, 2, 0, 78), ""),
-        (holding(PX4), Current(0, 5, 2), "it has 5 items, and ours has 4"),
-        (holding(PX4), Current(0, 65535, NO_MISSION), "there is none any more"),
-        (holding(ARDUPILOT), Current(0, 3, 2), ""),
-        (holding(ARDUPILOT), Current(0, 0, NO_MISSION), "there is none any more"),
-        (holding(ARDUPILOT), Current(0), ""),  # an old one tells neither
+        (onboard_list(PX4, 77), Current(0, 4, 2, 0, 77), ""),
+        (onboard_list(PX4, 77), Current(0, 4, 2, 0, 78), "it has the id 78, and ours has 77"),
+        (onboard_list(PX4, 77), Current(0, 4, 2, 0, 0), ""),
+        (onboard_list(PX4), Current(0, 4, 2, 0, 78), ""),
+        (onboard_list(PX4), Current(0, 5, 2), "it has 5 items, and ours has 4"),
+        (onboard_list(PX4), Current(0, 65535, NO_MISSION), "there is none any more"),
+        (onboard_list(ARDUPILOT), Current(0, 3, 2), ""),
+        (onboard_list(ARDUPILOT), Current(0, 0, NO_MISSION), "there is none any more"),
+        (onboard_list(ARDUPILOT), Current(0), ""),  # an old one tells neither
     ],
 )
-def test_what_it_says_of_another_mission(held: Holding, said: Current, words: str) -> None:
+def test_what_it_says_of_another_mission(held: OnboardList, said: Current, words: str) -> None:
     held.note(said)
     assert held.changed == words
     assert held.is_told_by(said) is (said.mission_id == 77)
@@ -290,6 +290,6 @@ def test_what_it_says_of_another_mission(held: Holding, said: Current, words: st
 
 
 def test_a_fence_is_not_what_the_current_mission_is_about() -> None:
-    fence = Holding(Upload((), PX4, MissionType.FENCE))
+    fence = OnboardList(Upload((), PX4, MissionType.FENCE))
     fence.note(Current(0, 9, 2))
     expect_unchanged([fence])

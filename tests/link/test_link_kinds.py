@@ -10,10 +10,10 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.link.codec import Codec, frames
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import wait
+from ipoa_mission.link.discovery import scan
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Count, Heartbeat, Message
-from ipoa_mission.link.presence import scan
 from ipoa_mission.link.state import NotFlown
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.items import Mission, takeoff, waypoint

@@ -6,11 +6,11 @@ import pytest
 
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
-from ipoa_mission.link.hold import SAYINGS, FlightOrder
-from ipoa_mission.link.leaving import SETTLED_S, Leaving
+from ipoa_mission.link.flight_order import SAYINGS, FlightOrder
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import CommandAck, CommandLong, CommandResult, Heartbeat, Message, Text
+from ipoa_mission.link.mode_watch import SETTLED_S, ModeWatch
 from ipoa_mission.link.state import ON_GROUND, VehicleState
 from ipoa_mission.link.telemetry import ExtendedState, Position
 from ipoa_mission.link.vehicle import Vehicle
@@ -102,13 +102,13 @@ def test_one_that_is_sent_home_ends_its_flight_with_the_mode_that_it_left_for(
     assert f"in {family.modes.name(family.modes.returning)}" in record.why_not
 
 
-def leaving(family: Autopilot, landed: int = IN_AIR) -> tuple[VehicleState, Leaving]:
+def leaving(family: Autopilot, landed: int = IN_AIR) -> tuple[VehicleState, ModeWatch]:
     state = VehicleState(family)
     state.note(ExtendedState(landed))
-    return state, Leaving(state)
+    return state, ModeWatch(state)
 
 
-def heard(state: VehicleState, leaving: Leaving, *messages: tuple[float, Message]) -> str:
+def heard(state: VehicleState, leaving: ModeWatch, *messages: tuple[float, Message]) -> str:
     with leaving.watched(frozenset({state.autopilot.modes.mission})):
         for now, message in messages:
             state.note(message)

@@ -12,10 +12,10 @@ from ipoa_mission.link.channel import LinkDown, UdpChannel, open_channel
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
 from ipoa_mission.link.connect import connect, meet, open_line
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer
+from ipoa_mission.link.discovery import VERSIONS_S, scan, versions_of
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import CommandLong, CommandResult, Heartbeat, MissionType, Text
-from ipoa_mission.link.presence import VERSIONS_S, scan, versions_of
 from ipoa_mission.link.routes import CLAIM_S, MOST_PEERS, Routes
 from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.tlog import TlogWriter, read_tlog

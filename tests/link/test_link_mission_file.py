@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
+from ipoa_mission.link.consistent_download import KeepsChanging
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, TimeUp
 from ipoa_mission.link.file_transfer import (
     MISSION_FILE,
@@ -21,13 +22,12 @@ from ipoa_mission.link.file_transfer import (
     read_file,
     write_file,
 )
-from ipoa_mission.link.holding import prove
 from ipoa_mission.link.line import Line, converse
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, unpack
 from ipoa_mission.link.messages import CommandResult, FileTransfer, ItemAt, Message, MissionType
 from ipoa_mission.link.mission_file import pack_mission, unpack_mission, upload_by_file
-from ipoa_mission.link.unbroken import Unsettled
+from ipoa_mission.link.onboard_list import prove
 from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Upload
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.firmware import compare
@@ -224,7 +224,7 @@ def test_a_list_that_is_changed_each_time_that_it_is_read_is_unsettled(fast: boo
     when_asked(mock, Opcode.CALC_FILE_CRC32, lambda number: setattr(mock.flight, "home", homes[number]))
     with refuses("unsettled"):
         vehicle.upload_items(items, MissionType.MISSION)
-    with pytest.raises(Unsettled):
+    with pytest.raises(KeepsChanging):
         vehicle.download_items(MissionType.MISSION)
 
 

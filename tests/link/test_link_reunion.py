@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from ipoa_mission.link import reunion
+from ipoa_mission.link import reconnect
 from ipoa_mission.link.channel import LinkDown, Peer
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
@@ -17,9 +17,9 @@ from ipoa_mission.link.interrupt import Interrupt
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import CommandLong, Heartbeat, Message, MissionType
-from ipoa_mission.link.reunion import GONE_S, SILENT_S
-from ipoa_mission.link.set_up import without_station
+from ipoa_mission.link.reconnect import GONE_S, SILENT_S
 from ipoa_mission.link.telemetry import Position
+from ipoa_mission.link.vehicle_setup import without_station
 from ipoa_mission.mission.commands import Command, VehicleCommand
 from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
@@ -96,7 +96,7 @@ class Flight:
         self.station = Heard(Mock(family, HOME))
         self.air = Air(self.station)
         self.line = Line(self.air, Codec(245, 190), again=self.air.again if opens else None)
-        monkeypatch.setattr(reunion, "time", SimpleNamespace(sleep=self.air.rest))
+        monkeypatch.setattr(reconnect, "time", SimpleNamespace(sleep=self.air.rest))
         self.vehicle = meet(self.line)
         self.vehicle.upload(suited(self.vehicle, MISSION))
         self.vehicle.absence.meanwhile = without_station(self.vehicle)

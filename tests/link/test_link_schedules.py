@@ -7,10 +7,10 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.link.consistent_download import download
 from ipoa_mission.link.conversations import offer
 from ipoa_mission.link.dialogue import Cancelled
 from ipoa_mission.link.messages import Current, Message, MissionType
-from ipoa_mission.link.unbroken import download
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.firmware import compare, home_item
 from ipoa_mission.vehicles.autopilot import Autopilot, registered

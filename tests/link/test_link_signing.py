@@ -11,11 +11,11 @@ import pytest
 
 from ipoa_mission.link.codec import EVERYONE, Codec
 from ipoa_mission.link.connect import meet
-from ipoa_mission.link.deafness import CAUSE_S, DOUBTED_S
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Heartbeat, MissionType, Text
+from ipoa_mission.link.no_reply import CAUSE_S, DOUBTED_S
 from ipoa_mission.link.signing import (
     EPOCH_2015_S,
     RESERVE_TICKS,

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from ipoa_mission.link.set_up import without_station
+from ipoa_mission.link.vehicle_setup import without_station
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.parameters import Parameters
 

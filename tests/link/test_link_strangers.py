@@ -7,15 +7,15 @@ from pathlib import Path
 import pytest
 from pymavlink.dialects.v20 import ardupilotmega as dialect
 
-from ipoa_mission.link import reunion
+from ipoa_mission.link import reconnect
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import EVERYONE, Codec, Target
 from ipoa_mission.link.connect import connect, meet
-from ipoa_mission.link.deafness import CAUSE_S
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Ack, Count, Heartbeat, MavAutopilot, Message, MissionType, Ping, Request, Result
+from ipoa_mission.link.no_reply import CAUSE_S
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.mission.items import Mission, takeoff, waypoint
@@ -369,7 +369,7 @@ def test_a_vehicle_that_answers_in_mavlink_1_is_spoken_to_as_any_other() -> None
 def test_a_connection_that_is_closed_in_flight_for_good_tells_when_the_vehicle_was_heard_last(
     run_mock: Callable[..., object], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(reunion, "GONE_S", 1.5)
+    monkeypatch.setattr(reconnect, "GONE_S", 1.5)
     with run_mock(PX4, 20.0, "tcpin") as running:  # type: ignore[attr-defined]
         vehicle = connect(f"tcp:127.0.0.1:{running.port}")
         vehicle.upload(suited(vehicle, MISSION))

@@ -3,6 +3,7 @@
 import pytest
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.link.consistent_download import download
 from ipoa_mission.link.dialogue import Cancelled, NoAnswer, TimeUp
 from ipoa_mission.link.messages import (
     Ack,
@@ -14,7 +15,6 @@ from ipoa_mission.link.messages import (
     RequestList,
     Result,
 )
-from ipoa_mission.link.unbroken import download
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.firmware import compare
 from ipoa_mission.mission.items import Item

@@ -125,7 +125,7 @@ def test_a_mission_that_is_found_unflyable_is_not_blamed_where_the_vehicle_has_n
 def test_an_arducopter_that_never_ends_its_start_up_is_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
     vehicle = met(Autopilot.ARDUPILOT)
     monkeypatch.setattr(verbs, "STARTUP_S", 2.0)
-    monkeypatch.setattr("ipoa_mission.link.presence.autopilots_in", lambda heard: {})
+    monkeypatch.setattr("ipoa_mission.link.discovery.autopilots_in", lambda heard: {})
     vehicle.state.booted = False
     with refuses("not-started-up", kind=NoAnswer):
         vehicle.download()

@@ -27,6 +27,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, Target, frames
+from ipoa_mission.link.consistent_download import download
 from ipoa_mission.link.conversations import clear
 from ipoa_mission.link.departure import Departure, depart, prepare
 from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, TimeUp
@@ -38,7 +39,6 @@ from ipoa_mission.link.orders import parameters, set_current
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.tlog import TlogWriter, read_tlog
-from ipoa_mission.link.unbroken import download
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock

@@ -21,11 +21,11 @@ from typing import Any
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.codec import EVERYONE, Target
+from ipoa_mission.link.consistent_download import download
 from ipoa_mission.link.conversations import clear, offer
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange
 from ipoa_mission.link.messages import Ack, Current, Message, MissionType
 from ipoa_mission.link.mission_file import upload_by_file
-from ipoa_mission.link.unbroken import download
 from ipoa_mission.link.upload import Upload, upload
 from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint

@@ -6,12 +6,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.link.consistent_download import KeepsChanging, read_consistent
 from ipoa_mission.link.conversations import MissionRefused, list_name, open_list
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Remark, until
 from ipoa_mission.link.file_transfer import checksum_in, checksum_question, list_checksum
 from ipoa_mission.link.messages import NO_MISSION, Current, Message, MissionType
 from ipoa_mission.link.state import NotReady, VehicleState
-from ipoa_mission.link.unbroken import Unsettled, read_unbroken
 from ipoa_mission.link.upload import Replaced, Upload
 
 log = logging.getLogger(__name__)
@@ -21,7 +21,7 @@ LOOK_S = 10.0  # between two looks in flight, on the vehicle's clock
 
 
 @dataclass
-class Holding:
+class OnboardList:
     """A list that a vehicle was seen to hold, and its id or checksum there (0: neither is known).
 
     `changed`: what it has since said of another list, in words; `is_told`: the user knows.
@@ -66,11 +66,11 @@ class Holding:
 class ReplacedSince(MissionError):
     """The vehicle holds another list than that which it was proved to hold before it was armed."""
 
-    def __init__(self, holding: Holding) -> None:
+    def __init__(self, holding: OnboardList) -> None:
         super().__init__(f"the {list_name(holding.job.kind)} on the vehicle is no longer ours: {holding.changed}")
 
 
-def prove(holdings: Iterable[Holding], state: VehicleState) -> Dialogue[None]:
+def prove(holdings: Iterable[OnboardList], state: VehicleState) -> Dialogue[None]:
     """See that the vehicle holds each of these lists now: by the id or the checksum that it gave, else item by item.
 
     Raises:
@@ -83,7 +83,7 @@ def prove(holdings: Iterable[Holding], state: VehicleState) -> Dialogue[None]:
         holding.changed, holding.is_told = "", False
 
 
-def _is_named(holding: Holding, state: VehicleState) -> Dialogue[bool]:
+def _is_named(holding: OnboardList, state: VehicleState) -> Dialogue[bool]:
     """Whether the vehicle gives its list the same id, or the same checksum, as when it was seen."""
     if (numbers := holding.job.numbers) is not None:
         try:
@@ -96,7 +96,7 @@ def _is_named(holding: Holding, state: VehicleState) -> Dialogue[bool]:
     return holding.is_told_by(state.current)
 
 
-def read_again(holding: Holding, state: VehicleState) -> Dialogue[None]:
+def read_again(holding: OnboardList, state: VehicleState) -> Dialogue[None]:
     """Look once more, after a flight, at a list without an id: one of the same length may have come in its place."""
     if holding.is_watched or holding.changed:
         return
@@ -106,13 +106,13 @@ def read_again(holding: Holding, state: VehicleState) -> Dialogue[None]:
         holding.changed = f"when it was read after the flight, {replaced.difference}"
 
 
-class Lookout:
+class ListWatcher:
     """In flight, now and then, looks whether a list is still ours that the vehicle gives no id, but a checksum.
 
     Arming moves home, and home is summed up too: another checksum is no other list until the list has been read.
     """
 
-    def __init__(self, holding: Holding) -> None:
+    def __init__(self, holding: OnboardList) -> None:
         self._holding = holding
         self._due_s = -math.inf
         self._asked: set[int] = set()
@@ -140,7 +140,7 @@ class Lookout:
             return
 
 
-def expect_unchanged(holdings: Iterable[Holding]) -> None:
+def expect_unchanged(holdings: Iterable[OnboardList]) -> None:
     """Raise ReplacedSince where the vehicle has spoken of another list since it was proved to hold ours."""
     for holding in holdings:
         if holding.changed:
@@ -150,8 +150,8 @@ def expect_unchanged(holdings: Iterable[Holding]) -> None:
 def _read_again(job: Upload) -> Dialogue[int]:
     """Read a list once more, and see that it is ours; its checksum, if it has one."""
     try:
-        stored, checksum = yield from read_unbroken(job.kind, job.numbers)
-    except (MissionRefused, NoAnswer, Unsettled) as nothing:
+        stored, checksum = yield from read_consistent(job.kind, job.numbers)
+    except (MissionRefused, NoAnswer, KeepsChanging) as nothing:
         raise _unknown(job, nothing) from None
     if (difference := job.difference(stored)) is not None:
         raise Replaced(job.kind, difference)

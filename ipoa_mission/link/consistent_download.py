@@ -13,7 +13,7 @@ from ipoa_mission.progress import Progress, silent
 READINGS = 5  # of a list that is changed, or seems to be, each time that it is read
 
 
-class Unsettled(MissionError):
+class KeepsChanging(MissionError):
     """The vehicle holds what it was sent, and keeps speaking of another list."""
 
     def __init__(self, kind: int) -> None:
@@ -23,7 +23,7 @@ class Unsettled(MissionError):
         )
 
 
-def read_unbroken(
+def read_consistent(
     kind: int, numbers: Iterator[int] | None, progress: Progress = silent
 ) -> Dialogue[tuple[list[Item | bytes], int]]:
     """The list that the vehicle holds, and its checksum, which was the same before it was read (0: it makes none).
@@ -43,14 +43,14 @@ def read_unbroken(
         if after == before:
             return stored, after
         before = after
-    raise Unsettled(kind)
+    raise KeepsChanging(kind)
 
 
 def download(
     kind: int, progress: Progress = silent, numbers: Iterator[int] | None = None
 ) -> Dialogue[tuple[Item, ...]]:
-    """Read the list that the vehicle holds, as it stands on the wire; raises as `read_unbroken` does."""
-    stored, _ = yield from read_unbroken(kind, numbers, progress)
+    """Read the list that the vehicle holds, as it stands on the wire; raises as `read_consistent` does."""
+    stored, _ = yield from read_consistent(kind, numbers, progress)
     return tuple(one if isinstance(one, Item) else unpack_items(one)[0] for one in stored)
 
 

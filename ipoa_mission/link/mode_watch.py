@@ -21,7 +21,7 @@ HELD = "a pilot or a ground station can take it over; or stop watching by Ctrl-C
 
 
 @dataclass
-class Leaving:
+class ModeWatch:
     """Hears a vehicle, and says while it is watched that it leaves its mission or goes on with it.
 
     `words`: how it has left it; nothing if it has not. `was_away`: what it has said of that may not have been heard.

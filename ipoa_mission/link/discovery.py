@@ -27,7 +27,7 @@ ABOUT = (
 
 
 @dataclass(frozen=True)
-class Found:
+class FoundVehicle:
     """An autopilot that was heard on a link."""
 
     system: int
@@ -36,9 +36,9 @@ class Found:
     is_ready: bool
 
 
-def scan(line: Line, seconds: float = 3.0) -> tuple[Found, ...]:
+def scan(line: Line, seconds: float = 3.0) -> tuple[FoundVehicle, ...]:
     """The autopilots that are heard within so many seconds, by system id."""
-    autopilots: dict[int, Found] = {}
+    autopilots: dict[int, FoundVehicle] = {}
     until = line.now() + seconds
     while line.now() < until:
         autopilots |= autopilots_in(line.receive(until))
@@ -76,10 +76,10 @@ def await_booted(line: Carrier, system: int, state: VehicleState, until: float) 
             state.booted |= heard.system == system and heard.is_ready
 
 
-def autopilots_in(heard: Iterable[Heard]) -> dict[int, Found]:
+def autopilots_in(heard: Iterable[Heard]) -> dict[int, FoundVehicle]:
     """The autopilots whose heartbeats are among what was heard, by system id."""
     return {
-        one.system: Found(one.system, Kind(beat.autopilot, beat.type), beat.armed, beat.system_status >= STANDBY)
+        one.system: FoundVehicle(one.system, Kind(beat.autopilot, beat.type), beat.armed, beat.system_status >= STANDBY)
         for one in heard
         if isinstance(beat := one.message, Heartbeat)
         and one.component == AUTOPILOT_COMPONENT

@@ -16,11 +16,11 @@ from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.codec import Heard, Target
 from ipoa_mission.link.conversations import noting
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Patience, Silence, TimeUp, until
-from ipoa_mission.link.holding import Holding, prove
+from ipoa_mission.link.discovery import autopilots_in
 from ipoa_mission.link.interrupt import Interrupt, noted_interrupts
 from ipoa_mission.link.line import NOTICE_S, Carrier, converse
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Current, Heartbeat, Message
-from ipoa_mission.link.presence import autopilots_in
+from ipoa_mission.link.onboard_list import OnboardList, prove
 from ipoa_mission.link.state import NotReady, VehicleState
 from ipoa_mission.link.telemetry import AutopilotVersion, Position
 from ipoa_mission.link.upload import Replaced
@@ -33,14 +33,14 @@ SHOWN_S = 2.0  # how long one waits for where the vehicle is, and at which item
 EARLIER_S = 1.0  # a clock that is so much behind what it was has begun anew
 
 
-class Unlike(MissionError):
+class NotTheSameVehicle(MissionError):
     """Who is heard on the link again is not the vehicle that was lost, or not as it was: it is told nothing."""
 
     def __init__(self, system: int, lost_s: float, why: str) -> None:
         super().__init__(f"after {lost_s:.0f} s vehicle {system} is heard again, but {why}: it is told nothing")
 
 
-class Another(MissionError):
+class IdentityChanged(MissionError):
     """It is another vehicle, or has become one; the message says by what."""
 
 
@@ -52,10 +52,10 @@ class KnownVehicle:
     state: VehicleState
     clock_s: float
     about: AutopilotVersion | None
-    holding: Holding | None
+    holding: OnboardList | None
 
 
-class Absence:
+class LinkLoss:
     """Whether a vehicle that is watched is away, for how long [s], and what is known of that in `words`.
 
     `seconds` is None and `words` are empty while it is heard. `meanwhile`: what it does without its ground station.
@@ -149,8 +149,8 @@ class Absence:
             self._why = f"it was heard, but {unknown}"
         except TimeUp:
             return None
-        except (Another, Replaced) as other:
-            raise Unlike(known.system, self._line.now() - self._since_s, str(other)) from None
+        except (IdentityChanged, Replaced) as other:
+            raise NotTheSameVehicle(known.system, self._line.now() - self._since_s, str(other)) from None
         return None
 
     def _heard(self) -> list[Heard]:
@@ -188,10 +188,10 @@ def recognize(stranger: VehicleState, known: KnownVehicle) -> Dialogue[None]:
     stranger.expect_flown()
     clock = yield from orders.clock()
     if clock is not None and clock.boot_s < known.clock_s - EARLIER_S:
-        raise Another(f"its clock has begun anew, {clock.boot_s:.0f} s ago: it was restarted; {stranger}")
+        raise IdentityChanged(f"its clock has begun anew, {clock.boot_s:.0f} s ago: it was restarted; {stranger}")
     before, about = known.about, (yield from orders.about())
     if before and about and (before.uid, before.flight_sw_version) != (about.uid, about.flight_sw_version):
-        raise Another("by its AUTOPILOT_VERSION it is another one")
+        raise IdentityChanged("by its AUTOPILOT_VERSION it is another one")
     if known.holding is not None:
         yield from prove([known.holding], stranger)
     yield from until(lambda: stranger.heard >= {Current, Position}, SHOWN_S)

@@ -8,9 +8,9 @@ from typing import Any, Self, TypeVar
 from ipoa_mission.link import conversations, orders
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Patience, Tempo
+from ipoa_mission.link.discovery import FoundVehicle
 from ipoa_mission.link.line import Carrier, converse
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Message
-from ipoa_mission.link.presence import Found
 from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.vehicles.version import Version
@@ -18,11 +18,11 @@ from ipoa_mission.vehicles.version import Version
 T = TypeVar("T")
 
 
-class Partner:
+class RemoteVehicle:
     """One vehicle on a line, with which dialogues are held."""
 
     def __init__(
-        self, line: Carrier, heard: Found, patience: Patience = SPECIFIED, round_trip_s: float | None = None
+        self, line: Carrier, heard: FoundVehicle, patience: Patience = SPECIFIED, round_trip_s: float | None = None
     ) -> None:
         self.line = line
         self.system = heard.system
@@ -53,13 +53,13 @@ class Partner:
         Raises:
             BadInput: it is none, or of a dialect that `connect` was not given.
         """
-        from ipoa_mission.link.borrowed import own_line, payload_of
+        from ipoa_mission.link.mavutil_channel import own_line, payload_of
 
         own_line(self.line).say(*payload_of(message))
 
     def messages(self, seconds: float, *names: str) -> list[Any]:
         """What is heard from the vehicle in so many `seconds`, as pymavlink's messages; `names`: only those."""
-        from ipoa_mission.link.borrowed import messages_from, own_line
+        from ipoa_mission.link.mavutil_channel import messages_from, own_line
 
         return messages_from(own_line(self.line), self.system, seconds, names, self._overhear)
 
