@@ -20,11 +20,11 @@ from ipoa_mission.cli import (
     learning,
     linking,
     mocking,
+    output,
     planning,
     reproducing,
     showing,
     studying,
-    telling,
     verbosity,
 )
 from ipoa_mission.cli.groups import grouped
@@ -82,22 +82,22 @@ def _take_shell(words: list[str]) -> None:
 
 def main() -> None:
     """Run the command line; a mistake of the user is told in words, without a traceback."""
-    telling.speak_anywhere()
+    output.speak_anywhere()
     _take_shell(sys.argv[1:])
     try:
         command()(prog_name="ipoa-mission")
     except MissionError as error:
-        telling.tell_error(error, as_json="--json" in sys.argv[1:])
+        output.tell_error(error, as_json="--json" in sys.argv[1:])
         sys.exit(error.exit_code)
     except OSError as error:
         if error.errno != errno.ENOSPC:
             raise
-        telling.fall_silent()
-        telling.tell_error(MissionError(f"not all could be written: {error.strerror}", code="unwritable"))
+        output.fall_silent()
+        output.tell_error(MissionError(f"not all could be written: {error.strerror}", code="unwritable"))
         sys.exit(MissionError.exit_code)
     except SystemExit as ended:
         if ended.code == Interrupted.exit_code:  # Typer ends so, without a word
-            telling.tell_error(Interrupted("stopped: nothing was done"), as_json="--json" in sys.argv[1:])
+            output.tell_error(Interrupted("stopped: nothing was done"), as_json="--json" in sys.argv[1:])
         raise
 
 

@@ -10,8 +10,8 @@ from ipoa_mission.checks.sound import promise_if_flown
 from ipoa_mission.checks.unsafe import strictly
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.cli.options import expect_mission
+from ipoa_mission.cli.output import notes
 from ipoa_mission.cli.reading import read_given
-from ipoa_mission.cli.telling import notes
 from ipoa_mission.errors import Unreadable
 from ipoa_mission.files import MISSIONS
 from ipoa_mission.finding import Finding, Severity

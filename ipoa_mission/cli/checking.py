@@ -16,7 +16,7 @@ from ipoa_mission.cli.options import (
     ScenarioOption,
     expect_world_of,
 )
-from ipoa_mission.cli.telling import notes, picked, tell, tell_json, tell_table
+from ipoa_mission.cli.output import notes, picked, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput, OptionConflict
 from ipoa_mission.files import write_atomically
 

@@ -10,7 +10,7 @@ import typer
 from ipoa_mission.centimeters import down
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.cli.options import ForceOption, JsonOption, LogSystemOption, ScenarioOption, expect_mission
-from ipoa_mission.cli.telling import notes, picked, tell, tell_json, tell_table
+from ipoa_mission.cli.output import notes, picked, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput, LogUseless, MissionError, OptionConflict
 from ipoa_mission.vehicles.autopilot import Autopilot
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ipoa_mission.cli.options import ForceOption, JsonOption
+from ipoa_mission.cli.output import notes, tell, tell_json
 from ipoa_mission.cli.overwriting import expect_free
-from ipoa_mission.cli.telling import notes, tell, tell_json
 from ipoa_mission.errors import BadInput, WrongSuffix
 from ipoa_mission.files import write_atomically
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
 
-from ipoa_mission.cli.telling import picked, tell, tell_table
+from ipoa_mission.cli.output import picked, tell, tell_table
 from ipoa_mission.forecast.endings import EndingRow, bars_of
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.vehicles.failsafe import Failsafe

@@ -6,8 +6,8 @@ from typing import Any
 
 from ipoa_mission.centimeters import down
 from ipoa_mission.cli.checking import estimate_as_json, route_in_words
-from ipoa_mission.cli.job import Job
-from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
+from ipoa_mission.cli.mission_source import Job
+from ipoa_mission.cli.output import notes, tell, tell_json, tell_table
 from ipoa_mission.flight.summary import passed_over_as_json
 from ipoa_mission.forecast.energy import ReserveNow
 from ipoa_mission.forecast.timing.estimate import Estimate

@@ -20,14 +20,14 @@ from ipoa_mission.cli.options import (
     SeedOption,
     or_packed,
 )
+from ipoa_mission.cli.output import progress_bar, shown
 from ipoa_mission.cli.overwriting import expect_folder
-from ipoa_mission.cli.telling import progress_bar, shown
 from ipoa_mission.cli.vehicles import connect_to, states_firmware
 from ipoa_mission.errors import OptionConflict
 from ipoa_mission.files import in_folder
 
 if TYPE_CHECKING:
-    from ipoa_mission.cli.job import Job
+    from ipoa_mission.cli.mission_source import Job
     from ipoa_mission.cli.surveying import Pilot, Piloted
     from ipoa_mission.flight.flight import Flight
     from ipoa_mission.link.logbook import FlightRecord
@@ -65,7 +65,7 @@ def fly(
     Example: `ipoa-mission fly missions/campus.toml --out out --report`
     """
     from ipoa_mission.cli.flown import next_steps, tell_flown, tell_flown_as_json
-    from ipoa_mission.cli.job import adapt_scenario, plan, planned, read_job
+    from ipoa_mission.cli.mission_source import adapt_scenario, plan, planned, read_job
     from ipoa_mission.cli.overwriting import expect_log, expect_plans
     from ipoa_mission.cli.surveying import EACH_BY_ITSELF, expect_flyable, fly_survey, plan_here, write_survey
     from ipoa_mission.files import unused
@@ -146,7 +146,7 @@ def _fly_there(
     as_json: bool,
 ) -> "Piloted":
     """A flight on a vehicle; the job as this vehicle's firmware flies it."""
-    from ipoa_mission.cli.job import read_job
+    from ipoa_mission.cli.mission_source import read_job
     from ipoa_mission.cli.real_flight import begun_with, fly_there, no_flight_yet, tell_deviation
 
     begin = on_vehicle.begin

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ipoa_mission.cli.options import ForceOption, JsonOption, LogSystemOption
-from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
+from ipoa_mission.cli.output import notes, tell, tell_json, tell_table
 from ipoa_mission.errors import BadInput, LogUseless, MissionError, OptionConflict
 from ipoa_mission.files import MISSIONS
 

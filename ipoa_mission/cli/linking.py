@@ -16,8 +16,8 @@ from ipoa_mission.cli.options import (
     LinkOption,
     UnmeasuredVersionOption,
 )
+from ipoa_mission.cli.output import notes, progress_bar, tell, tell_json
 from ipoa_mission.cli.overwriting import expect_free
-from ipoa_mission.cli.telling import notes, progress_bar, tell, tell_json
 from ipoa_mission.cli.vehicles import connect_to, stages_shown, states_firmware
 from ipoa_mission.errors import WrongSuffix
 from ipoa_mission.files import MISSIONS

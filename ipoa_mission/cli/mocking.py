@@ -18,7 +18,7 @@ from ipoa_mission.cli.options import (
     link_option,
     read_parameter_options,
 )
-from ipoa_mission.cli.telling import tell, tell_json
+from ipoa_mission.cli.output import tell, tell_json
 from ipoa_mission.vehicles.autopilot import Autopilot
 
 
@@ -71,8 +71,8 @@ def mock(
 
     Example: `ipoa-mission mock --scenario campus --link tcpin:127.0.0.1:5760 --speedup 10`
     """
+    from ipoa_mission.cli.mock_place import stands
     from ipoa_mission.cli.signing import signer_of
-    from ipoa_mission.cli.standing import stands
     from ipoa_mission.link.address import parse_address
     from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
     from ipoa_mission.simulator.server import serve

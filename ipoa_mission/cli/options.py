@@ -202,7 +202,7 @@ def read_parameter_options(given: list[str] | None, file: Path | None) -> dict[s
     """
     parameters: dict[str, float] = {}
     if file is not None:
-        from ipoa_mission.cli.telling import notes, shown
+        from ipoa_mission.cli.output import notes, shown
         from ipoa_mission.mission.parameter_file import read_parameter_file
 
         read = read_parameter_file(file)

@@ -7,8 +7,8 @@ import typer
 
 from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
 from ipoa_mission.cli.options import ForceOption, IgnoreOption, JsonOption, OutOption, ReportOption, ScenarioOrNone
+from ipoa_mission.cli.output import tell_json
 from ipoa_mission.cli.surveying import SurveyOptions, plan_here, tell_survey, write_survey
-from ipoa_mission.cli.telling import tell_json
 from ipoa_mission.errors import OptionConflict
 
 if TYPE_CHECKING:
@@ -40,8 +40,8 @@ def plan(
 
     Example: `ipoa-mission plan missions/campus.toml --out out --seed 7`
     """
-    from ipoa_mission.cli.job import adapt_scenario, plan_parts
-    from ipoa_mission.cli.job import plan as plan_it
+    from ipoa_mission.cli.mission_source import adapt_scenario, plan_parts
+    from ipoa_mission.cli.mission_source import plan as plan_it
     from ipoa_mission.cli.overwriting import expect_folder, expect_plans
     from ipoa_mission.cli.summary import tell_planned
 

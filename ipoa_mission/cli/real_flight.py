@@ -9,8 +9,8 @@ from functools import partial
 
 from ipoa_mission.checks.start import begun_at
 from ipoa_mission.cli.flown import flight_as_json
-from ipoa_mission.cli.job import Job
-from ipoa_mission.cli.telling import tell_json
+from ipoa_mission.cli.mission_source import Job
+from ipoa_mission.cli.output import tell_json
 from ipoa_mission.cli.vehicles import stages_shown
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.procedure import Stage, fly_forecast

@@ -7,7 +7,7 @@ import typer
 
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.options import JsonOption
-from ipoa_mission.cli.telling import progress_bar, tell, tell_json
+from ipoa_mission.cli.output import progress_bar, tell, tell_json
 from ipoa_mission.files import make_folder
 
 

@@ -18,7 +18,7 @@ from ipoa_mission.cli.options import (
     ScenarioOption,
     expect_world_of,
 )
-from ipoa_mission.cli.telling import notes, tell, tell_json, tell_table
+from ipoa_mission.cli.output import notes, tell, tell_json, tell_table
 from ipoa_mission.errors import OptionConflict, WrongSuffix
 from ipoa_mission.files import MISSIONS, write_atomically
 

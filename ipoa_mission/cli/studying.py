@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from ipoa_mission.cli.options import JsonOption, ScenarioOption, SeedOption, or_packed
-from ipoa_mission.cli.telling import tell, tell_json
+from ipoa_mission.cli.output import tell, tell_json
 from ipoa_mission.errors import BadInput, MissionError
 
 LIBRARIES = ("starlette", "uvicorn", "websockets", "tomlkit")  # beyond what the package itself needs

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from ipoa_mission.cli.telling import tell, tell_table
+from ipoa_mission.cli.output import tell, tell_table
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.forecast.energy import budget_of
 from ipoa_mission.forecast.forecast import Forecast

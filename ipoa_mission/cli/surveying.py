@@ -10,13 +10,13 @@ import typer
 from ipoa_mission.cli.groups import FlownByOptions, LinkOptions, SearchOptions
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.options import LogSystemOption
-from ipoa_mission.cli.telling import notes, progress_bar, tell, tell_json, tell_table
+from ipoa_mission.cli.output import notes, progress_bar, tell, tell_json, tell_table
 from ipoa_mission.errors import NothingThere, OptionConflict
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from ipoa_mission.cli.job import Job
+    from ipoa_mission.cli.mission_source import Job
     from ipoa_mission.flight.survey import Flown, Survey
     from ipoa_mission.link.logbook import FlightRecord
     from ipoa_mission.scenario import Scenario
@@ -242,7 +242,7 @@ def fly_survey(
     is the last.
     """
     from ipoa_mission.cli.flown import flight_as_json, next_steps, tell_flown
-    from ipoa_mission.cli.job import Job
+    from ipoa_mission.cli.mission_source import Job
     from ipoa_mission.files import unused
     from ipoa_mission.flight.survey import survey_as_json
 

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from ipoa_mission.cli.groups import LinkOptions
 from ipoa_mission.cli.interrupting import left_behind
 from ipoa_mission.cli.options import Backend
+from ipoa_mission.cli.output import progress_bar
 from ipoa_mission.cli.overwriting import expect_log
-from ipoa_mission.cli.telling import progress_bar
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.vehicles.autopilot import Autopilot
 

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from ipoa_mission.cli.telling import shown, tell
+from ipoa_mission.cli.output import shown, tell
 
 LEVELS = (logging.WARNING, logging.INFO, logging.DEBUG)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from ipoa_mission.checks.start import NotAtStart, begun_at, check_start
 from ipoa_mission.errors import MissionError
-from ipoa_mission.flight.boarding import await_home, expect_charge, expect_fit, expect_slow_landing
+from ipoa_mission.flight.preflight import await_home, expect_charge, expect_fit, expect_slow_landing
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.logbook import FlightRecord

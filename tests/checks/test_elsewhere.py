@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.positions import home_elsewhere, refusals
-from ipoa_mission.flight.boarding import expect_fit
+from ipoa_mission.flight.preflight import expect_fit
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
 from ipoa_mission.report.exports import write_export

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission import Autopilot, Geodetic, read_mission, read_scenario
-from ipoa_mission.cli.standing import ZURICH, stands
+from ipoa_mission.cli.mock_place import ZURICH, stands
 from ipoa_mission.mission.landing_ground import landing_height
 from ipoa_mission.world.ground import LEVEL
 from tests.refused import refuses

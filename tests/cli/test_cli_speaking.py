@@ -15,8 +15,8 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.cli import telling
-from ipoa_mission.cli.telling import progress_bar
+from ipoa_mission.cli import output
+from ipoa_mission.cli.output import progress_bar
 from ipoa_mission.cli.verbosity import listen_to_log
 from ipoa_mission.errors import MissionError
 from ipoa_mission.mission.files import read_mission
@@ -298,9 +298,9 @@ OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202e]")
 def test_control_characters_of_a_result_a_table_an_error_and_the_log_are_shown(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    telling.tell(WICKED, "\ta tab")
-    telling.tell_table(WICKED, ["words", "n"], [(WICKED, "1")])
-    telling.tell_error(MissionError(f"the vehicle says {WICKED}", hint=WICKED))
+    output.tell(WICKED, "\ta tab")
+    output.tell_table(WICKED, ["words", "n"], [(WICKED, "1")])
+    output.tell_error(MissionError(f"the vehicle says {WICKED}", hint=WICKED))
     for level in (logging.WARNING, logging.DEBUG):
         listen_to_log(level)
         logging.getLogger("ipoa_mission.link").warning("%s", WICKED)
@@ -312,7 +312,7 @@ def test_control_characters_of_a_result_a_table_an_error_and_the_log_are_shown(
 
 
 def test_control_characters_in_json_are_escaped_and_read_back_the_same(capsys: pytest.CaptureFixture[str]) -> None:
-    telling.tell_json({"name": WICKED, "town": "Zürich"})
+    output.tell_json({"name": WICKED, "town": "Zürich"})
     said = capsys.readouterr().out
     assert not OBEYED.search(said)
     assert "Zürich" in said
@@ -321,7 +321,7 @@ def test_control_characters_in_json_are_escaped_and_read_back_the_same(capsys: p
 
 def test_a_bar_shows_what_a_terminal_would_obey(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = stderr_as_terminal(monkeypatch)
-    with telling.progress_bar("flying") as show:
+    with output.progress_bar("flying") as show:
         show(0.5, "\x1b]0;owned\x07[red]")
     assert r"\x1b]0;owned\x07[red]" in terminal.getvalue()
     assert "\x07" not in terminal.getvalue()
@@ -353,7 +353,7 @@ def test_no_figure_of_a_table_is_cut_however_narrow_the_terminal(
 ) -> None:
     monkeypatch.setenv("COLUMNS", str(columns))
     row = ("12", "NAV_RETURN_TO_LAUNCH", "1234.5", "321", "+123.4", "6543.2", "leg of the first of three passes")
-    telling.tell_table("", ["item", "command", "leg\nm", "hdg\n°", "climb\nm", "done\ns", ""], [row])
+    output.tell_table("", ["item", "command", "leg\nm", "hdg\n°", "climb\nm", "done\ns", ""], [row])
     words = capsys.readouterr().out.split()
     assert set(row) - {row[1], row[-1]} <= set(words)
     assert row[1] in words or columns < 80  # a name is folded where it must be

@@ -11,7 +11,7 @@ import pytest
 
 from ipoa_mission import Forecast, read_mission, read_scenario
 from ipoa_mission.cli.real_flight import ToldEndings
-from ipoa_mission.flight.boarding import expect_charge
+from ipoa_mission.flight.preflight import expect_charge
 from ipoa_mission.forecast.endings import Endings
 from ipoa_mission.forecast.endings_now import EndingsNow
 from ipoa_mission.forecast.energy import ReserveNow, budget_of

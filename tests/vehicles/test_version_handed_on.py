@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.cli.standing import stands
+from ipoa_mission.cli.mock_place import stands
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.simulator.conditions import Conditions

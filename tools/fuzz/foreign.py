@@ -88,7 +88,7 @@ def _reader(read: Callable[[], None]) -> Callable[[], None]:
     """A reader as a verb that tells a mistake in words."""
 
     def run() -> None:
-        from ipoa_mission.cli.telling import tell_error
+        from ipoa_mission.cli.output import tell_error
         from ipoa_mission.errors import MissionError
 
         try:

@@ -10,8 +10,8 @@ from ipoa_mission.checks.positions import refuse_unsound
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
 from ipoa_mission.cli.interrupting import left_behind
+from ipoa_mission.cli.output import progress_bar
 from ipoa_mission.cli.reading import read_given
-from ipoa_mission.cli.telling import progress_bar
 from ipoa_mission.flight.flight import Flight, plan_flight, plan_for_batteries
 from ipoa_mission.forecast.energy import ReserveNow
 from ipoa_mission.forecast.forecast import Forecast
