@@ -13,7 +13,7 @@ from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, Patience
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import Ack, Heartbeat, Message, MissionType
 from ipoa_mission.mission.items import Item, takeoff, waypoint
-from ipoa_mission.simulator.personality import personality
+from ipoa_mission.simulator.mock_profile import mock_profile
 from ipoa_mission.simulator.transfers import MissionService
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
@@ -49,7 +49,7 @@ class Vehicle:
         self.said: list[tuple[Message, Target]] = []
         self.changed: list[int] = []
         self.transfers = MissionService(
-            personality(autopilot, PX4_117.get(autopilot)),
+            mock_profile(autopilot, PX4_117.get(autopilot)),
             lambda: HOME,
             lambda message, to: self.said.append((message, to)),
             self.changed.append,

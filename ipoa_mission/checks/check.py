@@ -15,7 +15,7 @@ from ipoa_mission.checks.way import check_way
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.rules import expect_ignorable
-from ipoa_mission.vehicles.kinds import NO_AIRCRAFT
+from ipoa_mission.vehicles.mav_types import NO_AIRCRAFT
 
 if TYPE_CHECKING:
     from ipoa_mission.forecast.forecast import Forecast

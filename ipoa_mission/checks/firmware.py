@@ -24,7 +24,7 @@ from ipoa_mission.mission.firmware import to_wire, values_of
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.firmware import Firmware
-from ipoa_mission.vehicles.kinds import NO_AIRCRAFT
+from ipoa_mission.vehicles.mav_types import NO_AIRCRAFT
 from ipoa_mission.vehicles.parameters import SINGLE_MAX
 from ipoa_mission.vehicles.refusal import param_name
 from ipoa_mission.vehicles.version import Version

@@ -11,7 +11,7 @@ from ipoa_mission.forecast.itinerary.jumps import jump_target, tagged
 from ipoa_mission.forecast.itinerary.program import Steps, program_of
 from ipoa_mission.mission.commands import JUMPS, Command
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.vehicles.jump_habits import JumpHabits
+from ipoa_mission.vehicles.jump_profile import JumpProfile
 
 
 def check_jumps(mission: Mission) -> Iterator[Finding]:
@@ -48,7 +48,7 @@ def _target(mission: Mission, at: Numbered) -> Iterator[Finding]:
         yield at.error("jump-target", "param1: expected another item, not the jump itself")
 
 
-def _repeats(mission: Mission, at: Numbered, habits: JumpHabits) -> Iterator[Finding]:
+def _repeats(mission: Mission, at: Numbered, habits: JumpProfile) -> Iterator[Finding]:
     asked, most = at.item.params[1], habits.most_repeats
     if asked == -1:
         words = f"param2: {asked:g} repeats never end: the mission flies until someone ends it"
@@ -67,7 +67,7 @@ def _tags(mission: Mission) -> Iterator[Finding]:
                 yield at.warning("jump-tag-twice", f"item {first} has the tag {tag:g} too: jumps lead there")
 
 
-def _too_many(mission: Mission, count: int, habits: JumpHabits) -> Iterator[Finding]:
+def _too_many(mission: Mission, count: int, habits: JumpProfile) -> Iterator[Finding]:
     name = mission.autopilot.firmware(mission.firmware_version).name
     words = f"the mission: {count} jumps, and {name} takes"
     if count > habits.most:

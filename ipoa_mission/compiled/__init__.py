@@ -1,7 +1,7 @@
 """Kernels as machine code: compiled when the package was built, or else by numba when they are first needed.
 
 A kernel is one Python function, decorated with `njit`; one that also runs as plain Python is not decorated but handed
-to `sooner`. A wheel carries the machine code of both, which `tools/machine_code` makes: it loads in a millisecond and
+to `jit_if_faster`. A wheel carries the machine code of both, which `tools/machine_code` makes: it loads in a millisecond and
 needs neither numba nor a writable folder. Where the sources (`library.SOURCES`), the system or the CPU differ from
 those that it was made for, numba compiles, as it does in a checkout, and keeps the result until one of these differs.
 """
@@ -51,7 +51,7 @@ def njit(**options: Any) -> Any:
 _digest = lru_cache(maxsize=1)(sources_digest)
 
 
-def sooner(function: Function, fast: bool | None, steps: float) -> Function:
+def jit_if_faster(function: Function, fast: bool | None, steps: float) -> Function:
     """A plain function itself, or compiled if `fast`; None takes whichever is sooner ready with so many steps.
 
     Both speeds say the same, bit for bit, so the choice is one of time only.

@@ -203,7 +203,7 @@ def _compare_fence(mission: Mission, vehicle: Vehicle, there: Geodetic | None, a
         return ()
     wrong = breaches(replace(mission, autopilot=vehicle.autopilot), fence, there or mission.home)
     if wrong and not anyway:
-        raise OutsideOwnFence("\n".join(wrong), hint=vehicle.autopilot.manners.widen_fence)
+        raise OutsideOwnFence("\n".join(wrong), hint=vehicle.autopilot.protocol_profile.widen_fence)
     return wrong
 
 

@@ -149,7 +149,7 @@ def _await_ready(departure: Departure, ready_s: float) -> Dialogue[None]:
                 yield from command(VehicleCommand.RUN_PREARM_CHECKS)
                 yield from wait(LIMITS.again_s)
                 hinders = _hindrance(state)
-                if lasting := departure.autopilot.manners.arming_words.lasting(hinders):
+                if lasting := departure.autopilot.protocol_profile.arming_words.lasting(hinders):
                     words = f"the vehicle cannot be armed: {'; '.join(lasting)}"
                     raise NotReady(words, hint=str(state), code="arming-refused")
             else:
@@ -191,7 +191,7 @@ def depart(departure: Departure) -> Dialogue[None]:
         CommandRefused, NoAnswer, Cancelled, TimeUp: with the vehicle's state as the hint; it was disarmed again if it
             said that it was still on the ground.
     """
-    state, reasons = departure.state, departure.autopilot.manners.arming_words
+    state, reasons = departure.state, departure.autopilot.protocol_profile.arming_words
     may_be_armed, attempt = False, 0
     try:
         while True:
@@ -221,7 +221,7 @@ def depart(departure: Departure) -> Dialogue[None]:
 
 def _begin(departure: Departure) -> Dialogue[None]:
     state = departure.state
-    if departure.autopilot.manners.starts_by_command:
+    if departure.autopilot.protocol_profile.starts_by_command:
         if departure.climb > 0.0:
             yield from _order("take off", Command.NAV_TAKEOFF, *(0.0,) * 6, departure.climb)
             yield from until(lambda: _height(state) > departure.climb - LIMITS.climbed_below, LIMITS.climb_s)

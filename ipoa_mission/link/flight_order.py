@@ -31,7 +31,7 @@ def pause(state: VehicleState) -> Dialogue[None]:
         NotReady: it does not fly, or will not stop.
     """
     yield from _expect_flying(state)
-    if state.autopilot.manners.pauses_in_mission:
+    if state.autopilot.protocol_profile.pauses_in_mission:
         result, _ = yield from command(Command.DO_PAUSE_CONTINUE, 0.0)
         if result == CommandResult.ACCEPTED:
             yield from until(lambda: state.custom_mode is not None, SHOWN_S)
@@ -47,7 +47,7 @@ def resume(state: VehicleState) -> Dialogue[None]:
     """
     yield from _expect_flying(state)
     yield from _enter(state, state.autopilot.modes.mission)
-    if state.autopilot.manners.pauses_in_mission:
+    if state.autopilot.protocol_profile.pauses_in_mission:
         yield from command(
             Command.DO_PAUSE_CONTINUE, 1.0
         )  # one that is not paused has nothing to go on with, and says so
@@ -99,7 +99,7 @@ class FlightOrder:
         state, brake = self._state, self._change(self._state.autopilot.modes.hold)
         if self.is_paused or any(step.pauses for step in self._steps):
             return  # it is told so already, and would refuse to be so twice
-        if state.autopilot.manners.pauses_in_mission and state.custom_mode == state.autopilot.modes.mission:
+        if state.autopilot.protocol_profile.pauses_in_mission and state.custom_mode == state.autopilot.modes.mission:
             self._take(_Step("pause", order(Command.DO_PAUSE_CONTINUE, 0.0), pauses=True, otherwise=brake))
         else:
             self._take(brake)

@@ -43,7 +43,7 @@ from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, count, silent
 from ipoa_mission.vehicles.autopilot import default_autopilot, registered
 from ipoa_mission.vehicles.kind import Kind
-from ipoa_mission.vehicles.kinds import QUADROTOR
+from ipoa_mission.vehicles.mav_types import QUADROTOR
 
 PRESENCE_S = 10.0
 POLL_S = 0.05
@@ -236,7 +236,7 @@ class MavsdkVehicle(Vehicle):
             count(progress, len(items), len(items))
             if interrupt.take():
                 raise Cancelled(f"cancelled too late: the vehicle holds the whole new {name}", holds="new")
-        if self.autopilot.manners.judges_later and kind == MissionType.MISSION and items:
+        if self.autopilot.protocol_profile.judges_later and kind == MissionType.MISSION and items:
             self._expect_flyable()
             again = compare(items, self.download_items(kind), self.autopilot)
             if again is not None:
@@ -261,7 +261,12 @@ class MavsdkVehicle(Vehicle):
         begin(list(rows), lambda result, _: results.put(result))
         was_cancelled = False
         while True:
-            if interrupt.is_pending and not was_cancelled and self.autopilot.manners.judges_later and kind == 0:
+            if (
+                interrupt.is_pending
+                and not was_cancelled
+                and self.autopilot.protocol_profile.judges_later
+                and kind == 0
+            ):
                 was_cancelled = True
                 raw.cancel_mission_upload()
             try:

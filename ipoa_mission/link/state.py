@@ -9,7 +9,7 @@ from ipoa_mission.link.messages import STANDBY, WARNING, Current, Heartbeat, Mav
 from ipoa_mission.link.telemetry import BatteryStatus, ExtendedState, Position, SystemStatus
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.kind import Kind
-from ipoa_mission.vehicles.kinds import with_article
+from ipoa_mission.vehicles.mav_types import with_article
 
 ON_GROUND = 1  # MAV_LANDED_STATE
 #: MAV_SYS_STATUS_PREARM_CHECK: the vehicle could be armed in its present mode.

@@ -97,12 +97,12 @@ class Upload:
     @property
     def truncates(self) -> bool:
         """Whether the vehicle forgets its old list as soon as a transfer begins (ArduPilot; its fence is atomic)."""
-        return self.autopilot.manners.forgets_at_count and self.kind != MissionType.FENCE
+        return self.autopilot.protocol_profile.forgets_at_count and self.kind != MissionType.FENCE
 
     @property
     def is_judged(self) -> bool:
         """Whether the vehicle tells after the Ack that it cannot fly this."""
-        return self.autopilot.manners.judges_later and self.kind == MissionType.MISSION and len(self.items) > 0
+        return self.autopilot.protocol_profile.judges_later and self.kind == MissionType.MISSION and len(self.items) > 0
 
     def difference(self, stored: Sequence[Item | bytes]) -> Difference | None:
         """What is not as it was sent. An empty list is empty, although ArduPilot may answer with its home alone."""

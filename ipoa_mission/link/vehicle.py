@@ -378,7 +378,7 @@ class Vehicle(RemoteVehicle):
 
     def _checksum_numbers(self) -> Iterator[int] | None:
         """Numbers for questions, where the vehicle keeps its lists as files, of which it makes a checksum."""
-        has = self.autopilot.manners.takes_mission_file and self._told().capabilities & orders.FILE_TRANSFER
+        has = self.autopilot.protocol_profile.takes_mission_file and self._told().capabilities & orders.FILE_TRANSFER
         return self._numbers if has else None
 
     def _expect(self, mission: Mission) -> None:
@@ -387,5 +387,5 @@ class Vehicle(RemoteVehicle):
         self._logbook.armed = armed
 
     def _await_ready(self) -> None:
-        if self.autopilot.manners.boots_slowly:
+        if self.autopilot.protocol_profile.boots_slowly:
             await_booted(self.line, self.system, self.state, min(self.line.now() + STARTUP_S, self._until))

@@ -82,6 +82,6 @@ def idle_fence(vehicle: HasParameters, mission: Mission) -> str | None:
     switch = vehicle.autopilot.book.fence_switch
     if vehicle.parameters([switch]).get(switch, 1.0) != 0.0:
         return None
-    bits = vehicle.autopilot.manners.limits_are_bits
+    bits = vehicle.autopilot.protocol_profile.limits_are_bits
     more = f"; {bits} says what it puts into force: 4 is this fence alone" if bits else ""
     return f"the fence does nothing on this vehicle: its {switch} is 0{more}"

@@ -13,7 +13,7 @@ from ipoa_mission.link.telemetry import Position, SystemTime
 from ipoa_mission.logs.measured import Measured
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.kinds import QUADROTOR
+from ipoa_mission.vehicles.mav_types import QUADROTOR
 from ipoa_mission.vehicles.version import Version
 
 #: What ArduPilot says when an item begins: "Mission: 4 WP".

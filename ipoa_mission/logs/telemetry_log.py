@@ -47,7 +47,7 @@ from ipoa_mission.logs.vehicle_clock import growing, unwrapped, vehicle_time, ve
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.kind import Kind
-from ipoa_mission.vehicles.kinds import with_article
+from ipoa_mission.vehicles.mav_types import with_article
 
 ARMING = ("Arming motors", "Armed by", "ARMED by")
 DISARMING = ("Disarming motors", "Disarmed by", "DISARMED by")
@@ -168,7 +168,7 @@ def _note_vehicle(gathered: _Gathered, number: int, message: Message, autopilot:
         case Text(_, text):
             if text.startswith((*ARMING, *DISARMING)) and not gathered.changes:  # else an echo of what was told
                 _tell_of(gathered, number, text.startswith(ARMING))
-            if autopilot.manners.tells_items and (begun := item_begun(text)):
+            if autopilot.protocol_profile.tells_items and (begun := item_begun(text)):
                 gathered.said.append((number, begun))
         case AutopilotVersion(_, version):
             gathered.version = version_name(version)

@@ -9,9 +9,9 @@ from dataclasses import dataclass, field, replace
 
 from ipoa_mission.mission.commands import FLOWN_TO, TO_THE_GROUND, Command, Frame, plain_frame
 from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot
-from ipoa_mission.vehicles.kinds import MULTICOPTERS, QUADROTOR, class_name, with_article
 from ipoa_mission.vehicles.known_parameters import expect_own
 from ipoa_mission.vehicles.learned import LearnedVehicle
+from ipoa_mission.vehicles.mav_types import MULTICOPTERS, QUADROTOR, class_name, with_article
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic

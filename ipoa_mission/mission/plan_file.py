@@ -25,7 +25,7 @@ from ipoa_mission.mission.parameter_file import write_with_parameters
 from ipoa_mission.mission.plan_keys import findings_of_keys
 from ipoa_mission.mission.structure_scan import lay_out
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.kinds import QUADROTOR
+from ipoa_mission.vehicles.mav_types import QUADROTOR
 from ipoa_mission.world.frame import Geodetic
 
 MIXED, RELATIVE, AMSL, TERRAIN = 0, 1, 2, 4  # QGroundControl's altitude modes

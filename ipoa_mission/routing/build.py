@@ -22,7 +22,7 @@ from ipoa_mission.routing.repairs import raise_way_home, slow_landings
 from ipoa_mission.routing.route import NoRoute, Route
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.places import FenceSection
-from ipoa_mission.vehicles.guidance import WaypointDefaults
+from ipoa_mission.vehicles.guidance_profile import WaypointDefaults
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 #: A take-off below this height above home is refused: PX4's own least take-off altitude (MIS_TAKEOFF_ALT).

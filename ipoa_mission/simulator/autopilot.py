@@ -17,8 +17,8 @@ from ipoa_mission.simulator.conditions import USUAL, Conditions
 from ipoa_mission.simulator.file_service import FileService
 from ipoa_mission.simulator.flight import FlightMode, SimulatedFlight
 from ipoa_mission.simulator.judgement import infeasibility
-from ipoa_mission.simulator.parameters import ParameterTable
-from ipoa_mission.simulator.personality import personality
+from ipoa_mission.simulator.mock_profile import mock_profile
+from ipoa_mission.simulator.parameters import ParameterServer
 from ipoa_mission.simulator.transfers import MissionService
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.parameters import Parameters
@@ -53,12 +53,12 @@ class BuiltInAutopilot(Commander):
         `seed` picks the errors of the sensors it flies by. The item of number `nak_at` is refused; such a vehicle takes
         no mission as a file, in which no item can be refused. The firmware's version is that of the `conditions`.
         """
-        habits = personality(family, conditions.version)
-        self.table = ParameterTable(family, parameters or {}, conditions.version)
+        habits = mock_profile(family, conditions.version)
+        self.table = ParameterServer(family, parameters or {}, conditions.version)
         flight = SimulatedFlight(family, home, self.table.values, conditions, seed=seed)
         transfers = MissionService(habits, lambda: flight.home, self._say, self._listed, nak_at)
         super().__init__(habits, flight, transfers, self.table.values, 0.0 if cold else -math.inf)
-        takes_file = habits.autopilot.manners.takes_mission_file and nak_at is None
+        takes_file = habits.autopilot.protocol_profile.takes_mission_file and nak_at is None
         limit = habits.limits[MissionType.MISSION]
         self._files = FileService(takes_file, limit, transfers.listed, transfers.replace)
         self._schedule = streams.Schedule(habits.streams, habits.fixed_streams)
@@ -140,7 +140,7 @@ class BuiltInAutopilot(Commander):
             return
         items = self.transfers.listed(MissionType.MISSION)[self._first :]
         self._unflyable = None
-        if self.habits.autopilot.manners.judges_later and items:
+        if self.habits.autopilot.protocol_profile.judges_later and items:
             self._unflyable = infeasibility(self.habits.firmware, items, self.flight.home, self.table.values)
         if self._unflyable:
             self._text(CRITICAL, f"{self._unflyable.words}\t")  # the tab: an event says the same

@@ -232,7 +232,7 @@ class Commander(Reporting):
 
     def pause(self, goes_on: float) -> CommandResult:
         """Command 193: ArduPilot's alone, which stays in AUTO, and stops there only on its way to a waypoint."""
-        if not self.habits.autopilot.manners.pauses_in_mission:
+        if not self.habits.autopilot.protocol_profile.pauses_in_mission:
             return UNSUPPORTED
         if goes_on >= 0.5:
             if self.mode != self._mission_mode or self.flight.mission_state is not MissionState.PAUSED:

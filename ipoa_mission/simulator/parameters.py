@@ -13,7 +13,7 @@ from ipoa_mission.vehicles.version import Version
 BY_NAME = 65535
 
 
-class ParameterTable:
+class ParameterServer:
     """The values, and the answers to those who ask for them."""
 
     def __init__(self, autopilot: Autopilot, given: Mapping[str, float], version: Version | None = None) -> None:
@@ -44,7 +44,7 @@ class ParameterTable:
     def _set(self, name: str, value: float, kind: int) -> None:
         """One of another type is taken for a number, or not at all."""
         own = self._types.get(name, REAL32)
-        if name not in self.values or (self._autopilot.manners.keeps_types and kind != own):
+        if name not in self.values or (self._autopilot.protocol_profile.keeps_types and kind != own):
             return
         number = parameter_value(ParamValue(name, value, own, 0, 0), self._autopilot)
         if math.isfinite(number):
@@ -53,7 +53,7 @@ class ParameterTable:
     def _named(self, name: str, names: list[str]) -> list[ParamValue]:
         if name not in self.values:
             return []
-        index = BY_NAME if self._autopilot.manners.parameters_by_name else names.index(name)
+        index = BY_NAME if self._autopilot.protocol_profile.parameters_by_name else names.index(name)
         return [self._value(name, index, len(names))]
 
     def _value(self, name: str, index: int, count: int) -> ParamValue:

@@ -12,9 +12,9 @@ from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator import streams
 from ipoa_mission.simulator.flight import FlightMode, MissionState, SimulatedFlight
 from ipoa_mission.simulator.judgement import Infeasible
-from ipoa_mission.simulator.personality import Personality
+from ipoa_mission.simulator.mock_profile import MockProfile
 from ipoa_mission.simulator.transfers import MissionService
-from ipoa_mission.vehicles.kinds import QUADROTOR
+from ipoa_mission.vehicles.mav_types import QUADROTOR
 from ipoa_mission.vehicles.parameters import Parameters
 
 #: What ArduCopter calls the items of a mission when it tells that it begins one.
@@ -58,7 +58,7 @@ class Reporting:
 
     def __init__(
         self,
-        habits: Personality,
+        habits: MockProfile,
         flight: SimulatedFlight,
         transfers: MissionService,
         parameters: Parameters,

@@ -1,6 +1,6 @@
 """The mission service of the built-in autopilot: the client's own `offer` and `fetch`, with a firmware's habits.
 
-Where nothing else is said, a habit was measured (see `personality`); the rest is how the firmware's code reads.
+Where nothing else is said, a habit was measured (see `mock_profile`); the rest is how the firmware's code reads.
 """
 
 import math
@@ -33,7 +33,7 @@ from ipoa_mission.mission.fence_items import fence_from_wire
 from ipoa_mission.mission.firmware import home_item
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator.judgement import judge
-from ipoa_mission.simulator.personality import Answer, Personality
+from ipoa_mission.simulator.mock_profile import Answer, MockProfile
 from ipoa_mission.simulator.store import Store
 from ipoa_mission.world.frame import Geodetic
 
@@ -61,7 +61,7 @@ class MissionService:
 
     def __init__(
         self,
-        personality: Personality,
+        mock_profile: MockProfile,
         home: Callable[[], Geodetic],
         say: Callable[[Message, Target], None],
         changed: Callable[[int], None],
@@ -69,10 +69,10 @@ class MissionService:
     ) -> None:
         self.booted = False
         self.stores = {
-            kind: Store(personality.autopilot, personality.firmware.version, kind in personality.truncating)
+            kind: Store(mock_profile.autopilot, mock_profile.firmware.version, kind in mock_profile.truncating)
             for kind in KINDS
         }
-        self._habits = personality
+        self._habits = mock_profile
         self._home = home
         self._say = say
         self._changed = changed
@@ -199,7 +199,9 @@ class MissionService:
             self._open(kind, client, first, last + 1, now)
 
     def _open(self, kind: int, client: Target, first: int, count: int, now: float) -> None:
-        dialogue = fetch(count, kind, self._taker(kind, count), self._habits.manners, ItemsRead(kind, count, at=first))
+        dialogue = fetch(
+            count, kind, self._taker(kind, count), self._habits.protocol_profile, ItemsRead(kind, count, at=first)
+        )
         incoming = Incoming(client, kind, count, 0, Exchange(dialogue, now, self._habits.patience))
         self._incoming[self._slot(kind)] = incoming
         self._flush(incoming)

@@ -16,11 +16,11 @@ from ipoa_mission.vehicles.circle import FlownCircle
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.failsafe import Failsafe, FailsafeRule, StationLoss
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables
-from ipoa_mission.vehicles.guidance import GuidanceHabits, WaypointDefaults
-from ipoa_mission.vehicles.manners import Manners
+from ipoa_mission.vehicles.guidance_profile import GuidanceProfile, WaypointDefaults
 from ipoa_mission.vehicles.modes import Modes
 from ipoa_mission.vehicles.own_fence import OwnFence
-from ipoa_mission.vehicles.parameters import ParameterBook, Parameters
+from ipoa_mission.vehicles.parameters import Parameters, ParameterTable
+from ipoa_mission.vehicles.protocol_profile import ProtocolProfile
 from ipoa_mission.vehicles.refusal import Refusals
 from ipoa_mission.vehicles.returning import MissionLanding, OverTerrain, Place, ReturnBy, ReturnRoute
 from ipoa_mission.vehicles.slow_landing import SlowedBy, SlowStretch
@@ -58,12 +58,12 @@ class Autopilot(ABC):
     measured: ClassVar[tuple[Version, ...]]
     """The versions on which flights kept what is promised, oldest first; where none is named, the last is meant."""
     modes: ClassVar[Modes]
-    book: ClassVar[ParameterBook]
+    book: ClassVar[ParameterTable]
     tables: ClassVar[FirmwareTables]
-    guidance: ClassVar[GuidanceHabits]
+    guidance: ClassVar[GuidanceProfile]
     way_known: ClassVar[WayKnown] = WayKnown()
     """Which commands of a mission its model knows the way of."""
-    manners: ClassVar[Manners]
+    protocol_profile: ClassVar[ProtocolProfile]
     refusals: ClassVar[Refusals]
     """What it says to each item of a list that is uploaded to it."""
     slowed_by: ClassVar[SlowedBy]

@@ -20,7 +20,7 @@ from typing import Any
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.mission.commands import Command, Frame
-from ipoa_mission.vehicles.jump_habits import JumpHabits
+from ipoa_mission.vehicles.jump_profile import JumpProfile
 from ipoa_mission.vehicles.version import Version
 
 NO_VERSION = Version(0, 0)
@@ -46,7 +46,7 @@ class Firmware:
     nan_holds: bool = False  # a hold of NaN is one for ever
     photo_looks_s: float = 0.02  # so often it is looked whether the vehicle is far enough on for the next photo [s]
     frame_2_is_amsl: bool = False  # of an item that needs a place
-    jumps: JumpHabits = field(default_factory=JumpHabits)
+    jumps: JumpProfile = field(default_factory=JumpProfile)
     version: Version = NO_VERSION  # of the table: major and minor
     commit: str = ""  # of the source that was read, and its day
     date: str = ""

@@ -29,7 +29,7 @@ class Quantity:
 
 
 @dataclass(frozen=True)
-class ParameterBook:
+class ParameterTable:
     """What is known of an autopilot's parameters, by the older of their names.
 
     `moving` are the defaults of what moves a mission, `others` of what ground stations look for besides, `set_up` of

@@ -7,7 +7,7 @@ the height over home is what counts here: it is what every vehicle has.
 import math
 from dataclasses import dataclass
 
-from ipoa_mission.vehicles.parameters import ParameterBook, Parameters
+from ipoa_mission.vehicles.parameters import Parameters, ParameterTable
 
 FASTER = 0.05  # a touchdown faster than the landing speed by less than this is none [m/s]
 SLOWEST = 0.05  # [m/s]
@@ -28,7 +28,7 @@ class SlowedBy:
     decided_by: tuple[str, ...]
     spared_by: str = ""
 
-    def raised(self, book: ParameterBook, parameters: Parameters, ground: float) -> Parameters:
+    def raised(self, book: ParameterTable, parameters: Parameters, ground: float) -> Parameters:
         """What lets it slow down as high above ground so high above home [m] as these parameters do above home.
 
         No parameter goes beyond what its firmware documents.

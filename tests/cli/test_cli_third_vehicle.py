@@ -28,17 +28,17 @@ from ipoa_mission.mission.commands import FLOWN_TO, Command
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.simulator.conditions import SimulatedVehicle
 from ipoa_mission.simulator.flight import Pilots
-from ipoa_mission.simulator.personality import Personality
+from ipoa_mission.simulator.mock_profile import MockProfile
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
 from ipoa_mission.vehicles import autopilot as register
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables
-from ipoa_mission.vehicles.guidance import GuidanceHabits
-from ipoa_mission.vehicles.kinds import QUADROTOR
-from ipoa_mission.vehicles.manners import Manners
+from ipoa_mission.vehicles.guidance_profile import GuidanceProfile
+from ipoa_mission.vehicles.mav_types import QUADROTOR
 from ipoa_mission.vehicles.modes import Modes
 from ipoa_mission.vehicles.own_fence import OwnFence
-from ipoa_mission.vehicles.parameters import ParameterBook, Parameters, Quantity
+from ipoa_mission.vehicles.parameters import Parameters, ParameterTable, Quantity
+from ipoa_mission.vehicles.protocol_profile import ProtocolProfile
 from ipoa_mission.vehicles.refusal import Refusals, Refused
 from ipoa_mission.vehicles.returning import Place
 from ipoa_mission.vehicles.slow_landing import SlowedBy, SlowStretch
@@ -204,7 +204,7 @@ class Toy(Autopilot):
     mav_autopilot, mav_types = 9, frozenset({QUADROTOR})
     measured = (Version(1, 0),)
     modes = MODES
-    book = ParameterBook(
+    book = ParameterTable(
         moving={"TOY_SPEED": SPEED, "TOY_UP": SPEED, "TOY_DOWN": SPEED, "TOY_RTL": 10.0, "TOY_WAIT": 0.0},
         others={"TOY_ID": 1.0, "TOY_FENCE": 0.0},
         set_up={},
@@ -219,8 +219,8 @@ class Toy(Autopilot):
         surely_there=(("TOY_ID",),),
     )
     tables = FirmwareTables(HABITS, Path(__file__).with_name("no_tables.json"))
-    guidance = GuidanceHabits(flown_on_into=frozenset())
-    manners = Manners(starts_by_command=True)
+    guidance = GuidanceProfile(flown_on_into=frozenset())
+    protocol_profile = ProtocolProfile(starts_by_command=True)
     refusals = Refusals(
         lambda firmware, command, *_: None if firmware.takes(command) else Refused("UNSUPPORTED"),
         lambda *_: Refused("UNSUPPORTED"),
@@ -286,7 +286,7 @@ def toy(monkeypatch: pytest.MonkeyPatch) -> Autopilot:
     """The third vehicle, registered for as long as a test lasts."""
     vehicle = Toy()
     spoken = replace(  # what it says on a link is as PX4 says it, with its own numbers
-        Autopilot.PX4.part(Personality),
+        Autopilot.PX4.part(MockProfile),
         autopilot=vehicle,
         modes={FlightMode.HOLD: 1, FlightMode.MISSION: 2, FlightMode.RETURN: 3, FlightMode.LAND: 4},
         first_mode=1,
@@ -295,7 +295,7 @@ def toy(monkeypatch: pytest.MonkeyPatch) -> Autopilot:
         takeoff_mode=None,
         disarm_delay="TOY_WAIT",
     )
-    monkeypatch.setattr(Toy, "parts", {**Toy.parts, "Personality": spoken})
+    monkeypatch.setattr(Toy, "parts", {**Toy.parts, "MockProfile": spoken})
     monkeypatch.setitem(register._REGISTERED, vehicle.name, vehicle)
     return vehicle
 

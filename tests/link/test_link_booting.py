@@ -177,7 +177,7 @@ BEGINS = {ARDUPILOT: ("PreArm: ", "Arm: "), PX4: ("Arming denied: ", "Preflight 
 
 @pytest.mark.parametrize("autopilot", registered())
 def test_the_reasons_of_the_firmware_s_sources_are_told_apart(autopilot: Autopilot) -> None:
-    words = autopilot.manners.arming_words
+    words = autopilot.protocol_profile.arming_words
     for begin in BEGINS[autopilot]:
         passing, staying = (
             [begin + " ".join(one.split()) for one in listed[autopilot].split(";")] for listed in (PASSES, STAYS)

@@ -14,7 +14,7 @@ from ipoa_mission.link.flight_order import FlightOrder
 from ipoa_mission.link.reconnect import LinkLoss
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.logs.flight_log import LoggedFlight
-from ipoa_mission.simulator.personality import asks_every
+from ipoa_mission.simulator.mock_profile import asks_every
 from ipoa_mission.world.frame import Geodetic, why_so_far
 from ipoa_mission.world.obstacles.cylinder import RoundZone
 

@@ -21,7 +21,7 @@ from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.kind import Kind
-from ipoa_mission.vehicles.kinds import MULTICOPTERS
+from ipoa_mission.vehicles.mav_types import MULTICOPTERS
 from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 

@@ -19,7 +19,7 @@ from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.kinds import QUADROTOR
+from ipoa_mission.vehicles.mav_types import QUADROTOR
 from ipoa_mission.world.frame import Geodetic
 from tests.examples import some
 from tests.held import waypoint
@@ -186,7 +186,7 @@ def test_one_that_is_watched_holds_its_place_and_goes_on_when_it_is_ordered(fami
     record = vehicle.watch()
     assert record.completed
     assert vehicle.order.words == ""
-    assert all(paused) is (family.manners.pauses_in_mission and not climbs)
+    assert all(paused) is (family.protocol_profile.pauses_in_mission and not climbs)
     rested = next(one for one in places if one.time_s - places[0].time_s > 10.0)
     assert abs(rested.height - held[0].height) < 1.0
     assert abs(rested.latitude_deg - held[0].latitude_deg) * 111e3 < 1.0

@@ -231,7 +231,7 @@ def stranger(chance: random.Random, autopilot: Autopilot, ours: int, radio: Radi
 
 def _numbers(autopilot: Autopilot, first: int) -> Iterator[int] | None:
     """Of questions for a checksum, where the autopilot makes one."""
-    return counting(first, 2) if autopilot.manners.takes_mission_file else None
+    return counting(first, 2) if autopilot.protocol_profile.takes_mission_file else None
 
 
 def schedule(seed: int) -> tuple[Ending, str]:

@@ -29,7 +29,7 @@ from ipoa_mission.mission.commands import (
 )
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.jump_habits import JumpHabits
+from ipoa_mission.vehicles.jump_profile import JumpProfile
 from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
@@ -116,7 +116,7 @@ class Program:
     frame: LocalFrame
     autopilot: Autopilot
     first: int = 1
-    jumping: JumpHabits | None = None
+    jumping: JumpProfile | None = None
     """How jumps are followed; None: as by the version of the firmware."""
     version: Version | None = None
     """Of the firmware; None: the newest measured."""
@@ -180,7 +180,7 @@ class Program:
         return None
 
     @cached_property
-    def habits(self) -> JumpHabits:
+    def habits(self) -> JumpProfile:
         """How jumps are followed."""
         return self.jumping or self.autopilot.firmware(self.version).jumps
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import GRAVITY
-from ipoa_mission.vehicles.arducopter.book import BOOK
+from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE
 from ipoa_mission.vehicles.arducopter.returning import CopterReturn
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.version import Version
@@ -88,7 +88,7 @@ def copter_limits(parameters: Parameters, version: Version | None = None) -> Cop
     Raises:
         BadInput: a parameter that must be positive is not.
     """
-    p = BOOK.complete(parameters)
+    p = PARAMETER_TABLE.complete(parameters)
     for name in POSITIVE:
         if not p[name] > 0:
             raise BadInput(f"expected more than 0, not {p[name]:g}", place=name)

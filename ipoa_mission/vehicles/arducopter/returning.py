@@ -9,8 +9,8 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from ipoa_mission.vehicles.arducopter.book import BOOK
 from ipoa_mission.vehicles.arducopter.own_fence import is_within, return_ceiling
+from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.returning import HOME, OverTerrain, Place, level_distance
 
@@ -30,7 +30,7 @@ class CopterReturn(NamedTuple):
     @classmethod
     def of(cls, parameters: Parameters) -> "CopterReturn":
         """By these parameters, by their older names; what is not given has ArduCopter's default."""
-        p = {**BOOK.moving, **parameters}
+        p = {**PARAMETER_TABLE.moving, **parameters}
         climb = max(p["RTL_CLIMB_MIN"] / 100, 0.0)
         return cls(p["RTL_ALT"] / 100, climb, p["RTL_CONE_SLOPE"], return_ceiling(p))
 

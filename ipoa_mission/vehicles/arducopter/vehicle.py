@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, ClassVar
 
 from ipoa_mission.mission.commands import WAYPOINTS, Command
 from ipoa_mission.vehicles.arducopter import failsafes, returning
-from ipoa_mission.vehicles.arducopter.book import BOOK
 from ipoa_mission.vehicles.arducopter.own_fence import MAY_BE_ON, limits_on
+from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE
 from ipoa_mission.vehicles.arducopter.refusal import REFUSALS
 from ipoa_mission.vehicles.arducopter.way_known import WAY_KNOWN
 from ipoa_mission.vehicles.arming import ArmingWords
@@ -17,13 +17,13 @@ from ipoa_mission.vehicles.circle import FlownCircle
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.failsafe import Failsafe
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables, rows
-from ipoa_mission.vehicles.guidance import GuidanceHabits
-from ipoa_mission.vehicles.jump_habits import JumpHabits
-from ipoa_mission.vehicles.kinds import MULTICOPTERS
-from ipoa_mission.vehicles.manners import Manners
+from ipoa_mission.vehicles.guidance_profile import GuidanceProfile
+from ipoa_mission.vehicles.jump_profile import JumpProfile
+from ipoa_mission.vehicles.mav_types import MULTICOPTERS
 from ipoa_mission.vehicles.modes import Modes
 from ipoa_mission.vehicles.own_fence import OwnFence
 from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.protocol_profile import ProtocolProfile
 from ipoa_mission.vehicles.returning import OverTerrain, Place
 from ipoa_mission.vehicles.slow_landing import SLOWEST, SlowedBy, SlowStretch
 from ipoa_mission.vehicles.version import Version
@@ -54,7 +54,7 @@ HABITS = Firmware(
     longest_hold=65_535.0,
     holds_whole_seconds=True,
     frame_2_is_amsl=True,
-    jumps=JumpHabits(
+    jumps=JumpProfile(
         most=100,
         most_small=15,  # below 500 kB of memory
         at_once=64,
@@ -113,9 +113,9 @@ class ArduCopter(Autopilot):
     mav_types = MULTICOPTERS
     measured = (Version(4, 7, 0, "dev"), Version(4, 8, 0, "dev"))  # docs/lab/flown.md
     modes = MODES
-    book = BOOK
+    book = PARAMETER_TABLE
     tables = FirmwareTables(HABITS, Path(__file__).with_name("firmware_tables.json"))
-    guidance = GuidanceHabits(
+    guidance = GuidanceProfile(
         flown_on_into=frozenset(
             {*WAYPOINTS, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TIME, Command.NAV_PAYLOAD_PLACE}
         ),
@@ -136,7 +136,7 @@ class ArduCopter(Autopilot):
         brakes_after=0.1,
     )
     way_known = WAY_KNOWN
-    manners = Manners(
+    protocol_profile = ProtocolProfile(
         forgets_at_count=True,
         starts_by_command=True,
         pauses_in_mission=True,
@@ -161,7 +161,7 @@ class ArduCopter(Autopilot):
         "FlightModel": "ipoa_mission.vehicles.arducopter.flight_model:MODEL",
         "LogFormat": "ipoa_mission.vehicles.arducopter.log:FORMAT",
         "DeviationLaw": "ipoa_mission.vehicles.arducopter.tube:LAW",
-        "Personality": "ipoa_mission.vehicles.arducopter.personality:PERSONALITY",
+        "MockProfile": "ipoa_mission.vehicles.arducopter.mock_profile:MOCK_PROFILE",
         "Pilots": "ipoa_mission.vehicles.arducopter.pilot:PILOTS",
     }
     own_fence_by = (*MAY_BE_ON, "FENCE_TYPE", "FENCE_ACTION", "FENCE_RADIUS", "FENCE_ALT_MAX", "FENCE_ALT_MIN")
@@ -195,7 +195,7 @@ class ArduCopter(Autopilot):
             return super().braking_way(parameters, velocity, accel, ending)
         from ipoa_mission.vehicles.arducopter import braking
 
-        p = BOOK.complete(parameters)
+        p = PARAMETER_TABLE.complete(parameters)
         if ending is Ending.HOLD:
             return braking.Shaping(braking.BRAKES_WITH, p["PSC_JERK_XY"]).way(velocity, 0.0 * accel)
         asked = velocity + braking.LAND_LEADS * accel
@@ -222,7 +222,7 @@ class ArduCopter(Autopilot):
         >>> ArduCopter().slow_stretch({}).touchdown(12.0)
         1.5
         """
-        p = BOOK.complete(parameters)
+        p = PARAMETER_TABLE.complete(parameters)
         if p["RNGFND1_TYPE"] > 0:
             return None
         low = max(p["LAND_ALT_LOW"] / 100, 1.0)

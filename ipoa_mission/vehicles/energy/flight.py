@@ -108,8 +108,8 @@ class Consumption:
         """The same of a flight that may last so long [s]: as unsure as its power and its time are together."""
         lasts, taken = float(self.times[-1] - self.times[0]), self.between
         below, above = 1.0 - taken.low / taken.likely, taken.high / taken.likely - 1.0
-        sooner, later = max(1.0 - least_s / lasts, 0.0), max(most_s / lasts - 1.0, 0.0)
-        low = max(1.0 - np.hypot(below, sooner), 0.0) / max(1.0 - below, 1e-9)
+        jit_if_faster, later = max(1.0 - least_s / lasts, 0.0), max(most_s / lasts - 1.0, 0.0)
+        low = max(1.0 - np.hypot(below, jit_if_faster), 0.0) / max(1.0 - below, 1e-9)
         return self.widened(low, (1.0 + np.hypot(above, later)) / (1.0 + above))
 
     def left(self, battery: Battery) -> float:

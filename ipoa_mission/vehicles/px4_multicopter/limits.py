@@ -10,7 +10,7 @@ from typing import NamedTuple
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.px4_multicopter.book import DEFAULTS, MEASURED, SINCE_SPLIT, SPLITS_AXES
+from ipoa_mission.vehicles.px4_multicopter.parameter_table import DEFAULTS, MEASURED, SINCE_SPLIT, SPLITS_AXES
 from ipoa_mission.vehicles.version import Version
 
 BRAKES_LATE = 0.6  # where it lands or holds it reckons so long with the speed that it has [s]

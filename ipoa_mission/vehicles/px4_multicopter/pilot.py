@@ -11,7 +11,7 @@ from ipoa_mission.simulator.flight import Pilots
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import SIH_SENSES, airframe_of
-from ipoa_mission.vehicles.px4_multicopter.dynamics.body import carried
+from ipoa_mission.vehicles.px4_multicopter.dynamics.body import integrate
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
     law,
     leg,
@@ -21,7 +21,7 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
     way_home,
     waypoint,
 )
-from ipoa_mission.vehicles.px4_multicopter.dynamics.senses import no_errors
+from ipoa_mission.vehicles.px4_multicopter.dynamics.sensor_errors import no_errors
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Order
 from ipoa_mission.vehicles.px4_multicopter.dynamics.step import at_rest, begun, is_over, step
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits, px4_limits
@@ -147,7 +147,7 @@ class PX4Pilot:
         """No thrust: on the ground it stays there, above it it falls."""
         state, place = self._state, self._state.body.place
         if place.up > (ground := self._ground.at(place.east, place.north)):
-            state = state._replace(body=carried(state, NO_THRUST, self._law, stands=False), time=self._now.time_s)
+            state = state._replace(body=integrate(state, NO_THRUST, self._law, stands=False), time=self._now.time_s)
         elif not state.body.on_ground or state.contact.stands:
             state = at_rest(place._replace(up=ground), self._now.time_s, state.nose.yaw, state.errors, True)
         self._state = state

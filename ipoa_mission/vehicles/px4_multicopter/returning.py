@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 from ipoa_mission.vehicles.failsafe import Series
 from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.px4_multicopter.book import SINCE_SPLIT
+from ipoa_mission.vehicles.px4_multicopter.parameter_table import SINCE_SPLIT
 from ipoa_mission.vehicles.returning import (
     HOME,
     MissionLanding,

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ipoa_mission.compiled import sooner
+from ipoa_mission.compiled import jit_if_faster
 from ipoa_mission.compiled.records import records
 from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, flying_already
@@ -25,8 +25,7 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.parameters import Parameters
-from ipoa_mission.vehicles.px4_multicopter.book import LEAST_HOLD
-from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import KNOWS, SIH, SIH_SENSES, Airframe, Senses
+from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import KNOWS, SIH, SIH_SENSES, Airframe, SensorModel
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import fly
 from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
     FLOWN_TO,
@@ -40,6 +39,7 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.navigator import (
 from ipoa_mission.vehicles.px4_multicopter.dynamics.speeds import speed_to
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Law, Level, Order
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
+from ipoa_mission.vehicles.px4_multicopter.parameter_table import LEAST_HOLD
 from ipoa_mission.vehicles.version import Version
 from ipoa_mission.wind import CALM, Wind
 
@@ -77,7 +77,7 @@ def fly_px4(
     wind: Wind = CALM,
     fast: bool | None = None,
     airframe: Airframe = SIH,
-    senses: Senses = SIH_SENSES,
+    senses: SensorModel = SIH_SENSES,
     version: Version | None = None,
 ) -> Prediction:
     """Fly the itinerary as PX4 does; `fast` is as in `estimate`. One that `KNOWS` where it is is flown only once.
@@ -194,7 +194,7 @@ class Flights:
 
     def __init__(
         self, route: Itinerary, parameters: Parameters, wind: Wind = CALM, airframe: Airframe = SIH,
-        senses: Senses = SIH_SENSES, version: Version | None = None,
+        senses: SensorModel = SIH_SENSES, version: Version | None = None,
     ) -> None:  # fmt: skip
         limits = px4_limits(parameters, version)
         self.limits = limits._replace(spool_up=max(limits.spool_up + airframe.lift_delay, 0.0))
@@ -249,7 +249,7 @@ class Flights:
     ) -> Callable[[int], FlownOnce]:
         """The same by order; raises as `prepared` does. With noise samples are noted if they are to be `sampled`."""
         orders, height = self.orders, flying_already(self.route) or 0.0
-        machine, laws = sooner(fly, fast, steps), [self.quiet._replace(noisy=noisy)]
+        machine, laws = jit_if_faster(fly, fast, steps), [self.quiet._replace(noisy=noisy)]
         asked: Any = orders
         if machine is not fly:
             asked, laws = records(orders, Order), records(laws, Law)

@@ -12,15 +12,22 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.ending import Ending
 from ipoa_mission.vehicles.failsafe import Failsafe
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables, rows
-from ipoa_mission.vehicles.guidance import GuidanceHabits, WaypointDefaults
-from ipoa_mission.vehicles.jump_habits import JumpHabits
-from ipoa_mission.vehicles.kinds import MULTICOPTERS
-from ipoa_mission.vehicles.manners import Manners
+from ipoa_mission.vehicles.guidance_profile import GuidanceProfile, WaypointDefaults
+from ipoa_mission.vehicles.jump_profile import JumpProfile
+from ipoa_mission.vehicles.mav_types import MULTICOPTERS
 from ipoa_mission.vehicles.modes import Modes, mode_number
 from ipoa_mission.vehicles.own_fence import FenceLimit, OwnFence
 from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.protocol_profile import ProtocolProfile
 from ipoa_mission.vehicles.px4_multicopter import failsafes, returning
-from ipoa_mission.vehicles.px4_multicopter.book import BOOK, DEFAULTS, LEAST_HOLD, MEASURED, SINCE_SPLIT, SPLITS_AXES
+from ipoa_mission.vehicles.px4_multicopter.parameter_table import (
+    DEFAULTS,
+    LEAST_HOLD,
+    MEASURED,
+    PARAMETER_TABLE,
+    SINCE_SPLIT,
+    SPLITS_AXES,
+)
 from ipoa_mission.vehicles.px4_multicopter.refusal import REFUSALS
 from ipoa_mission.vehicles.px4_multicopter.way_known import WAY_KNOWN
 from ipoa_mission.vehicles.returning import MissionLanding, Place, ReturnRoute
@@ -53,7 +60,7 @@ HABITS = Firmware(
     highest_altitude=math.inf,
     nan_holds=True,
     photo_looks_s=0.05,  # camera_trigger's poll
-    jumps=JumpHabits(at_once=9),
+    jumps=JumpProfile(at_once=9),
 )
 
 MODES = Modes(
@@ -98,9 +105,9 @@ class Px4Multicopter(Autopilot):
     mav_types = MULTICOPTERS
     measured = MEASURED
     modes = MODES
-    book = BOOK
+    book = PARAMETER_TABLE
     tables = FirmwareTables(HABITS, Path(__file__).with_name("firmware_tables.json"))
-    guidance = GuidanceHabits(
+    guidance = GuidanceProfile(
         flown_on_into=FLOWN_TO - {Command.NAV_LOITER_TURNS, Command.NAV_PAYLOAD_PLACE},
         least_takeoff=("NAV_MC_ALT_RAD", 1.0),
         takes_radius=True,
@@ -110,7 +117,7 @@ class Px4Multicopter(Autopilot):
         brakes_after=0.6,
     )
     way_known = WAY_KNOWN
-    manners = Manners(
+    protocol_profile = ProtocolProfile(
         judges_later=True,
         arming_words=ARMING_WORDS,
         keeps_types=True,
@@ -127,7 +134,7 @@ class Px4Multicopter(Autopilot):
         "FlightModel": "ipoa_mission.vehicles.px4_multicopter.flight_model:MODEL",
         "LogFormat": "ipoa_mission.vehicles.px4_multicopter.log:FORMAT",
         "DeviationLaw": "ipoa_mission.vehicles.px4_multicopter.tube:LAW",
-        "Personality": "ipoa_mission.vehicles.px4_multicopter.personality:PERSONALITY",
+        "MockProfile": "ipoa_mission.vehicles.px4_multicopter.mock_profile:MOCK_PROFILE",
         "Pilots": "ipoa_mission.vehicles.px4_multicopter.pilot:PILOTS",
     }
     own_fence_by = ("GF_ACTION", "GF_MAX_HOR_DIST", "GF_MAX_VER_DIST")
@@ -170,7 +177,7 @@ class Px4Multicopter(Autopilot):
         >>> Px4Multicopter().slowed({}, 12.0)
         {'MPC_LAND_ALT1': 22.0, 'MPC_LAND_ALT2': 17.0}
         """
-        p = BOOK.complete(parameters)
+        p = PARAMETER_TABLE.complete(parameters)
         descent = min(p["MPC_Z_V_AUTO_DN"], p["MPC_Z_VEL_MAX_DN"])
         low = p["MPC_LAND_ALT2"]
         return SlowStretch(max(p["MPC_LAND_SPEED"], SLOWEST), descent, max(p["MPC_LAND_ALT1"], low), low)

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ipoa_mission.compiled import sooner
+from ipoa_mission.compiled import jit_if_faster
 from ipoa_mission.compiled.records import records
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.itinerary.copter_arc import turn_of
@@ -106,7 +106,7 @@ class Copter:
         self.limits, self._tuning, self._wind, self._ground = limits, tuning(limits, airframe, wind), wind, ground
         self._slowest = SLOWEST if wind.speed > 0 else math.inf
         self.speeds = MotionLimits(limits.speed, limits.climb, limits.descent)
-        self._fly_leg = sooner(fly_leg, fast, 0.0)
+        self._fly_leg = jit_if_faster(fly_leg, fast, 0.0)
         self.state = _at_rest(here, 0.0)
         self._records: dict[int, tuple[CopterLeg, Any]] = {}
         self.this, self.following, self._before = hold_leg(here, 0.0), NO_LEG, NO_LEG

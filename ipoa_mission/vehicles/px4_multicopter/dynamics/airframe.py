@@ -30,7 +30,7 @@ class Airframe(NamedTuple):
         return self.drag * through_air
 
 
-class Senses(NamedTuple):
+class SensorModel(NamedTuple):
     """How well a vehicle knows where it is, as far as its guidance notices.
 
     A satellite height comes every `every` s with a standard deviation of `height_noise` m. The speed that is estimated
@@ -48,9 +48,9 @@ class Senses(NamedTuple):
 
 #: PX4's SIH quadrotor (1 kg, drag 1 N s/m): at 45 degrees of lean its drag allows 9.8 m/s level.
 SIH = Airframe(drag=1.0, lag=0.06)
-SIH_SENSES = Senses(every=0.125, height_noise=0.5, drift=0.2, drift_up=0.13, drift_lasts=4.5, sees_ground=True)
+SIH_SENSES = SensorModel(every=0.125, height_noise=0.5, drift=0.2, drift_up=0.13, drift_lasts=4.5, sees_ground=True)
 #: A vehicle that knows exactly where it is, and sees no ground.
-KNOWS = Senses(every=math.inf, height_noise=0.0, drift=0.0, drift_up=0.0, drift_lasts=1.0, sees_ground=False)
+KNOWS = SensorModel(every=math.inf, height_noise=0.0, drift=0.0, drift_up=0.0, drift_lasts=1.0, sees_ground=False)
 
 
 def airframe_of(vehicle: LearnedVehicle | None) -> Airframe:

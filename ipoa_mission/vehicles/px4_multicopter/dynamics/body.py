@@ -22,7 +22,7 @@ def wind_at(height: float, law: Law) -> tuple[float, float]:
     return low.east + share * (high.east - low.east), low.north + share * (high.north - low.north)
 
 
-def carried(state: State, asked: Enu, law: Law, stands: bool) -> Body:
+def integrate(state: State, asked: Enu, law: Law, stands: bool) -> Body:
     """The vehicle a step later, `asked` for a lean and a thrust.
 
     Where it has come to stand after a flight its place stays, and what is believed of its speed is wrong.

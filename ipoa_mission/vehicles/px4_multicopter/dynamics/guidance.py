@@ -112,7 +112,7 @@ def climb_limits(rising: bool, low: bool, limits: Px4Limits) -> Climb:
     return Climb(limits.climb, limits.accel_up)
 
 
-def wanted_velocity(state: State, order: Order, law: Law, guidance: Guidance) -> tuple[Enu, Guidance]:
+def velocity_setpoint(state: State, order: Order, law: Law, guidance: Guidance) -> tuple[Enu, Guidance]:
     """The velocity to aim for, before jerk limits it, and what the guidance keeps in mind.
 
     In a turn the speed may not rise, and the aim is a point ahead on the leg.

@@ -2,7 +2,7 @@
 
 import math
 
-from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Nose, Order, State
+from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Order, State, Yaw
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 
 
@@ -22,12 +22,12 @@ def heading_error(state: State, order: Order) -> float:
     return 0.0 if math.isnan(error) else error - 2.0 * math.pi * math.floor(error / (2.0 * math.pi) + 0.5)
 
 
-def turned(state: State, order: Order, limits: Px4Limits, dt: float) -> Nose:
+def turned(state: State, order: Order, limits: Px4Limits, dt: float) -> Yaw:
     """The nose a step later: it turns so fast that it can still brake."""
     nose = state.nose
     if math.isnan(nose.yaw):
-        return Nose(heading_wanted(state, order), 0.0)
+        return Yaw(heading_wanted(state, order), 0.0)
     error, accel = heading_error(state, order), limits.yaw_accel
     most = min(limits.yaw_rate, math.sqrt(2.0 * accel * abs(error)), abs(error) / dt)
     rate = nose.rate + min(max(math.copysign(most, error) - nose.rate, -accel * dt), accel * dt)
-    return Nose(nose.yaw + rate * dt, rate)
+    return Yaw(nose.yaw + rate * dt, rate)

@@ -9,7 +9,7 @@ from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary, flying
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.mission.commands import HOLDING, LAST_NAV, Command, Frame, plain_frame
 from ipoa_mission.mission.items import Item
-from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, Senses
+from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, SensorModel
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import GO, LAND, TAKE_OFF, Enu, Law, Level, Order
 from ipoa_mission.vehicles.px4_multicopter.limits import BRAKES_LATE, Px4Limits
 from ipoa_mission.wind import MOST_LEVELS, Wind, WindLevel
@@ -18,7 +18,7 @@ FLOWN_TO = HOLDING | {Command.NAV_LOITER_TO_ALT}
 ANYWHERE = 1e9  # a radius that everything is within [m]
 
 
-def law(limits: Px4Limits, airframe: Airframe, senses: Senses, wind: Wind, dt: float) -> Law:
+def law(limits: Px4Limits, airframe: Airframe, senses: SensorModel, wind: Wind, dt: float) -> Law:
     """What holds for a noisy flight in steps of `dt` s."""
     leaning, turning = (-math.expm1(-dt / lag) for lag in (limits.lean_lag, airframe.lag))
     senses = senses._replace(sees_ground=senses.sees_ground and limits.has_range_finder)

@@ -7,7 +7,7 @@ change in a flight, `Order` and `Law`, goes to compiled code as numpy records of
 import math
 from typing import Annotated, NamedTuple
 
-from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, Senses
+from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, SensorModel
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 from ipoa_mission.wind import WindLevel
 
@@ -59,7 +59,7 @@ class Law(NamedTuple):
 
     limits: Px4Limits
     airframe: Airframe
-    senses: Senses
+    senses: SensorModel
     wind_east: float
     wind_north: float
     wind_exponent: float
@@ -132,7 +132,7 @@ class Body(NamedTuple):
     airborne_since: float
 
 
-class Nose(NamedTuple):
+class Yaw(NamedTuple):
     """Where it points, clockwise from north [rad], NaN where nobody knows; and how fast that changes."""
 
     yaw: float
@@ -168,7 +168,7 @@ class State(NamedTuple):
 
     time: float
     body: Body
-    nose: Nose
+    nose: Yaw
     trajectory: Trajectory
     guidance: Guidance
     control: Control

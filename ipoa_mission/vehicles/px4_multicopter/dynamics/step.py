@@ -2,17 +2,17 @@
 
 import math
 
-from ipoa_mission.vehicles.px4_multicopter.dynamics.body import carried
+from ipoa_mission.vehicles.px4_multicopter.dynamics.body import integrate
 from ipoa_mission.vehicles.px4_multicopter.dynamics.control import controlled, hover_learned
 from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import (
     climb_limits,
     guided,
     is_low_take_off,
-    wanted_velocity,
+    velocity_setpoint,
 )
 from ipoa_mission.vehicles.px4_multicopter.dynamics.heading import heading_error, turned
 from ipoa_mission.vehicles.px4_multicopter.dynamics.landing import felt, stands
-from ipoa_mission.vehicles.px4_multicopter.dynamics.senses import NOTICED_S, erring
+from ipoa_mission.vehicles.px4_multicopter.dynamics.sensor_errors import NOTICED_S, add_sensor_errors
 from ipoa_mission.vehicles.px4_multicopter.dynamics.smoothing import smoothed
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     LAND,
@@ -30,10 +30,10 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
     Guidance,
     Law,
     Level,
-    Nose,
     Order,
     State,
     Trajectory,
+    Yaw,
     of,
 )
 from ipoa_mission.vehicles.px4_multicopter.limits import STAGES
@@ -46,13 +46,13 @@ GROUND_SINK = 0.7  # the trajectory's speed downwards until a take-off begins [m
 def step(state: State, order: Order, law: Law) -> State:
     """The state `law.dt` later; `reached` and `been_there` say how far the order is."""
     limits, standing = law.limits, stands(state, order)
-    velocity, guidance = wanted_velocity(state, order, law, guided(state, order, limits))
-    trajectory = led(state, order, law, velocity)
+    velocity, guidance = velocity_setpoint(state, order, law, guided(state, order, limits))
+    trajectory = track_setpoint(state, order, law, velocity)
     asked, control = controlled(state, trajectory, order, law)
     if not (standing or state.body.on_ground):
         control = hover_learned(control, state.body, law, state.time)
-    body = carried(state, asked, law, standing)
-    errors = erring(state, law)
+    body = integrate(state, asked, law, standing)
+    errors = add_sensor_errors(state, law)
     if errors.told != state.errors.told:
         guidance = Guidance(UNKNOWN, guidance.anchor, guidance.held, guidance.rising)
     contact = felt(state, body, asked.up, law) if order.kind == LAND else state.contact
@@ -65,7 +65,7 @@ def step(state: State, order: Order, law: Law) -> State:
     return State(time, body, nose, trajectory, guidance, control, errors, contact, state.begun, reached, there)
 
 
-def led(state: State, order: Order, law: Law, velocity: Enu) -> Trajectory:
+def track_setpoint(state: State, order: Order, law: Law, velocity: Enu) -> Trajectory:
     """The trajectory a step later; its time is stretched where the vehicle lags."""
     limits, at, was = law.limits, state.body.place, state.trajectory
     low = is_low_take_off(state, order, limits)
@@ -128,7 +128,7 @@ def at_rest(place: Enu, time: float, yaw: float, errors: Errors, on_ground: bool
     body = Body(place, ZERO, Level(0.0, 0.0), Level(0.0, 0.0), ZERO, on_ground, time)
     trajectory = Trajectory(Axis(place.east, 0.0, 0.0), Axis(place.north, 0.0, 0.0), Axis(place.up, 0.0, 0.0))
     return State(
-        time, body, Nose(yaw, 0.0), trajectory, Guidance(ON_LINE, place, 0.0, True), Control(ZERO, 1.0, 0.0), errors,
+        time, body, Yaw(yaw, 0.0), trajectory, Guidance(ON_LINE, place, 0.0, True), Control(ZERO, 1.0, 0.0), errors,
         Contact(False, False, 0, time), time, NOT_YET, False,
     )  # fmt: skip
 

@@ -45,11 +45,11 @@ class StartUp:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Personality:
+class MockProfile:
     """One firmware's habits; what is left out it does not have, or does not do."""
 
     autopilot: Autopilot
-    manners: RequestStyle  # how it fetches
+    protocol_profile: RequestStyle  # how it fetches
     patience: Patience  # when it asks again, and when it gives up
     timeout_result: int | None = None  # the Ack that ends a transfer which timed out
     timeout_text: str
@@ -134,6 +134,6 @@ def asks_every(seconds: float, give_up_s: float) -> Patience:
     return Patience(seconds, seconds, retries, retries, retries, adapt=False, echo_s=0.0)
 
 
-def personality(autopilot: Autopilot, version: Version | None = None) -> Personality:
+def mock_profile(autopilot: Autopilot, version: Version | None = None) -> MockProfile:
     """The habits of a version: what it takes by its own tables, all else as measured; None: the newest measured."""
-    return replace(autopilot.part(Personality), version=version or autopilot.newest)
+    return replace(autopilot.part(MockProfile), version=version or autopilot.newest)

@@ -6,7 +6,7 @@ from ipoa_mission.vehicles.arming import UNTOLD, ArmingWords
 
 
 @dataclass(frozen=True)
-class Manners:
+class ProtocolProfile:
     """What one autopilot does on a link that another does not."""
 
     forgets_at_count: bool = False

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class JumpHabits:
+class JumpProfile:
     """Counters and bounds of DO_JUMP and DO_JUMP_TAG."""
 
     most: int = 65_535

@@ -13,7 +13,7 @@ class WaypointDefaults(NamedTuple):
 
 
 @dataclass(frozen=True)
-class GuidanceHabits:
+class GuidanceProfile:
     """The habits of one autopilot's mission mode."""
 
     flown_on_into: Set[int]

@@ -13,8 +13,8 @@ from ipoa_mission.vehicles.parameters import (
     INT32,
     REAL32,
     Declared,
-    ParameterBook,
     Parameters,
+    ParameterTable,
     Quantity,
     declared,
 )
@@ -161,7 +161,7 @@ UNITS = {
     "RTL_LOIT_TIME": 0.001,
 }
 
-BOOK = ParameterBook(
+PARAMETER_TABLE = ParameterTable(
     moving=DEFAULTS,
     others=OTHERS,
     set_up=SET_UP,

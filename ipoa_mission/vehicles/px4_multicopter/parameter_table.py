@@ -10,8 +10,8 @@ from ipoa_mission.vehicles.parameters import (
     INT32,
     REAL32,
     Declared,
-    ParameterBook,
     Parameters,
+    ParameterTable,
     Quantity,
     declared,
 )
@@ -159,7 +159,7 @@ UNITS = dict.fromkeys(
     1.0,
 )
 
-BOOK = ParameterBook(
+PARAMETER_TABLE = ParameterTable(
     moving=DEFAULTS,
     others=OTHERS,
     set_up=SET_UP,

@@ -2,14 +2,14 @@
 
 from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.messages import CommandResult, MissionType
-from ipoa_mission.simulator.personality import BYTEWISE, SPOKEN, Answer, Personality, StartUp, asks_every
+from ipoa_mission.simulator.mock_profile import BYTEWISE, SPOKEN, Answer, MockProfile, StartUp, asks_every
 from ipoa_mission.simulator.situation import FlightMode
 from ipoa_mission.vehicles.modes import mode_number
 from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
 
-PERSONALITY = Personality(
+MOCK_PROFILE = MockProfile(
     autopilot=PX4_MULTICOPTER,
-    manners=RequestStyle(),
+    protocol_profile=RequestStyle(),
     patience=asks_every(0.25, 5.0),
     timeout_text="Operation timeout",
     count_from_stranger=Answer.ERROR,

@@ -33,7 +33,7 @@ def no_errors(seed_1: float, seed_2: float) -> Errors:
     return Errors(seed_1, seed_2, 0.0, 0.0, 0.0, NOT_YET, ZERO)
 
 
-def erring(state: State, law: Law) -> Errors:
+def add_sensor_errors(state: State, law: Law) -> Errors:
     """The errors a step later."""
     was, time = state.errors, state.time + law.dt
     if not law.noisy:

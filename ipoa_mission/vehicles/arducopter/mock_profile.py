@@ -2,20 +2,20 @@
 
 from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.messages import CommandResult, MissionType, Result
-from ipoa_mission.simulator.personality import (
+from ipoa_mission.simulator.mock_profile import (
     FTP,
     SPOKEN,
     Answer,
-    Personality,
+    MockProfile,
     StartUp,
     asks_every,
 )
 from ipoa_mission.simulator.situation import FlightMode
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 
-PERSONALITY = Personality(
+MOCK_PROFILE = MockProfile(
     autopilot=ARDUCOPTER,
-    manners=RequestStyle(legacy=True, rebukes=True),
+    protocol_profile=RequestStyle(legacy=True, rebukes=True),
     patience=asks_every(1.0, 8.0),
     timeout_result=Result.OPERATION_CANCELLED,
     timeout_text="Mission upload timeout",
