@@ -33,7 +33,7 @@ SOURCES = (
     "survey/_*.py",
     "survey/clock.py",
     "planning/banded.py",
-    "planning/chart.py",
+    "planning/obstacle_grid.py",
     "routing/_*.py",
     "world/_*.py",
     "world/obstacles/_*.py",

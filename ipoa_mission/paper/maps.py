@@ -11,7 +11,7 @@ from ipoa_mission.files import packed
 from ipoa_mission.geometry import polyline_length, turning_angles
 from ipoa_mission.optimize.search import Optimum
 from ipoa_mission.paper.problem import Measures, Problem
-from ipoa_mission.planning.problem import encode, pose
+from ipoa_mission.planning.problem import encode, prepare
 from ipoa_mission.planning.proof import TOUCHING, prove_curve
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.scenario import Scenario, read_scenario
@@ -68,7 +68,7 @@ def path_problem(scenario: Scenario) -> Problem:
     def measure(optimum: Optimum) -> Measures:
         return measures_of(encoding.curve(optimum.x), scenario) | {"iterations": iterations_to_converge(optimum)}
 
-    return Problem(pose(scenario).costs(encoding), encoding.box, measure)
+    return Problem(prepare(scenario).costs(encoding), encoding.box, measure)
 
 
 def measures_of(curve: Spline, scenario: Scenario) -> Measures:

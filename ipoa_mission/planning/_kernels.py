@@ -1,6 +1,6 @@
 """What must be fast, compiled: the cost of many candidate paths, and how much room there is at many places.
 
-Each has a plain NumPy twin that the tests hold it against. Obstacles, ground and weights come as `Chart` and `Rules`.
+Each has a plain NumPy twin that the tests hold it against. Obstacles, ground and weights come as `ObstacleGrid` and `Rules`.
 """
 
 # mypy: disable-error-code="no-untyped-def,misc"
@@ -11,7 +11,7 @@ import numpy as np
 
 from ipoa_mission.compiled import njit
 from ipoa_mission.planning._places import FAST, _cell, _distance, _ground, _least_height, _look
-from ipoa_mission.planning.chart import FENCE, LEAST, STEEP
+from ipoa_mission.planning.obstacle_grid import FENCE, LEAST, STEEP
 
 
 def _arctangent(terms: int) -> tuple[float, ...]:

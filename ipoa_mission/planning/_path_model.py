@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.compiled import njit
 from ipoa_mission.planning._places import _cell, _distance, _ground, _least_height
-from ipoa_mission.planning.chart import FENCE, LEAST, LEVER
+from ipoa_mission.planning.obstacle_grid import FENCE, LEAST, LEVER
 
 EE, NE, NN, UE, UN, UU = range(6)  # of a symmetric matrix: by east twice, by north and east, ...
 

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from ipoa_mission.compiled import njit
-from ipoa_mission.planning.chart import FENCE, LEAST
+from ipoa_mission.planning.obstacle_grid import FENCE, LEAST
 from ipoa_mission.world.obstacles.obstacle import CYLINDER, SPHERE
 
 FAST = {"reassoc", "contract", "arcp", "nsz"}  # lets sums be vectorised

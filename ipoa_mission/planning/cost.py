@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ipoa_mission.geometry import Points, Vector, climb_angles, leg_lengths, turning_angles
-from ipoa_mission.planning.chart import LEAST, STEEP, Rules
+from ipoa_mission.planning.obstacle_grid import LEAST, STEEP, Rules
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.spline import Spline
 

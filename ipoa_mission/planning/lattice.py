@@ -16,9 +16,9 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector, arc_lengths
-from ipoa_mission.planning.chart import STEEP, Nodes
 from ipoa_mission.planning.gaps import gap_places
-from ipoa_mission.planning.problem import PreparedProblem, Trail, follow
+from ipoa_mission.planning.obstacle_grid import STEEP, Nodes
+from ipoa_mission.planning.problem import Candidate, PreparedProblem, follow
 from ipoa_mission.planning.strategy import USUAL, LatticeStrategy
 from ipoa_mission.planning.winding import lift, wind
 
@@ -81,7 +81,7 @@ class Guess:
     shares: Vector | None
     inner: int
 
-    def trail(self, problem: PreparedProblem, closer: int = 1) -> Trail:
+    def trail(self, problem: PreparedProblem, closer: int = 1) -> Candidate:
         """A curve that follows it with so many times the control points."""
         inner = self.inner if self.shares is None else round(float(self.shares.sum()))
         return follow(self.guide, min(closer * inner, MAX_CONTROL_POINTS), problem.task, self.shares)

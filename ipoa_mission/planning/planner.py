@@ -13,13 +13,13 @@ from threadpoolctl import threadpool_limits
 
 from ipoa_mission.optimize.search import Optimizer
 from ipoa_mission.planning.cost import CostTerms, curve_cost, even_cost
-from ipoa_mission.planning.kick import kicked
 from ipoa_mission.planning.lattice import guesses
 from ipoa_mission.planning.obstruction import NoPath, blockage, not_found, refuse_closed, refuse_places
 from ipoa_mission.planning.path_problem import PathTask
+from ipoa_mission.planning.perturb import perturbed
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.polish import FIRM, ROUGH, polish, settle
-from ipoa_mission.planning.problem import UNSAFE, PreparedProblem, Trail, follow, pose, refine
+from ipoa_mission.planning.problem import UNSAFE, Candidate, PreparedProblem, follow, prepare, refine
 from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.search import Searcher, optimizer_of
 from ipoa_mission.planning.spline import Spline
@@ -28,7 +28,7 @@ from ipoa_mission.progress import Progress, silent
 
 __all__ = ["NoPath", "move_aside", "plan_path"]
 
-Settled: TypeAlias = tuple[Trail, Proof, CostTerms]
+Settled: TypeAlias = tuple[Candidate, Proof, CostTerms]
 
 
 def plan_path(
@@ -63,7 +63,7 @@ def plan_path(
         >>> plan.proof.holds, plan.optimizer
         (True, 'ipoa')
     """
-    problem, planning = pose(task), task.planning
+    problem, planning = prepare(task), task.planning
     refuse_places(problem)
     refuse_closed(problem)
     as_printed = planning.planner == "paper" or not planning.polish
@@ -86,9 +86,9 @@ def move_aside(plan: Plan, task: PathTask) -> Spline | None:
 
     None if it cannot where it is: another way round may.
     """
-    problem = pose(task)
+    problem = prepare(task)
     with threadpool_limits(1, "blas"):
-        near = polish(Trail(plan.curve, plan.via_at), problem, FIRM)
+        near = polish(Candidate(plan.curve, plan.via_at), problem, FIRM)
         trail, proof = settle(near, problem, enough=1e-5, finer=1, attempts=2)
     return trail.curve if proof.holds else None
 
@@ -121,7 +121,7 @@ def _search_passages(searcher: Searcher, progress: Progress) -> list[Settled]:
     return proved
 
 
-def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> list[Trail]:
+def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> list[Candidate]:
     """The best few curves, of those that a guess, or a search round one, was polished to."""
     problem, strategy = searcher.problem, searcher.strategy
     straight, *ways = guesses(problem, coarsest, strategy.lattice)
@@ -146,12 +146,12 @@ def _find_passages(searcher: Searcher, coarsest: int, progress: Progress) -> lis
     return sorted(polished, key=problem.cost)[: strategy.max_improved]
 
 
-def _approach(trail: Trail, problem: PreparedProblem) -> Trail:
+def _approach(trail: Candidate, problem: PreparedProblem) -> Candidate:
     """A guess polished roughly; where climbs are limited until it keeps all limits, for what is cut must be climbed."""
     return settle(trail, problem, 5e-6, ROUGH, finer=1)[0] if problem.climbs_limited else polish(trail, problem)
 
 
-def _improve(trails: list[Trail], searcher: Searcher, progress: Progress) -> list[Trail]:
+def _improve(trails: list[Candidate], searcher: Searcher, progress: Progress) -> list[Candidate]:
     """These curves with twice the control points and what became of them piece by piece, the best first."""
     problem, rng, strategy = searcher.problem, searcher.rng, searcher.strategy
     improved = [(problem.cost(trail), trail) for trail in (_finer(trail, strategy) for trail in trails)]
@@ -166,10 +166,10 @@ def _improve(trails: list[Trail], searcher: Searcher, progress: Progress) -> lis
         improved.append((problem.cost(better), better))
         improved.sort(key=lambda pair: pair[0])
     trails = [trail for _, trail in improved]
-    return [*kicked(trails[0], problem, strategy), *trails]
+    return [*perturbed(trails[0], problem, strategy), *trails]
 
 
-def _settle(trail: Trail, searcher: Searcher, enough: float = 1e-7) -> Settled:
+def _settle(trail: Candidate, searcher: Searcher, enough: float = 1e-7) -> Settled:
     """The curve settled; if control points that piled up hide a loop of it, once more with them evenly apart."""
     problem, task = searcher.problem, searcher.problem.task
     settled, proof = settle(trail, problem, enough)
@@ -183,5 +183,5 @@ def _settle(trail: Trail, searcher: Searcher, enough: float = 1e-7) -> Settled:
     return (even, even_proof, even_terms) if is_better else (settled, proof, cost)
 
 
-def _finer(trail: Trail, strategy: SearchStrategy) -> Trail:
+def _finer(trail: Candidate, strategy: SearchStrategy) -> Candidate:
     return refine(trail) if len(trail.curve.control) < strategy.enough_control_points else trail

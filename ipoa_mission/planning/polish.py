@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ipoa_mission.geometry import Points, Vector, leg_lengths
-from ipoa_mission.planning.chart import Soft, Spans
-from ipoa_mission.planning.problem import ALL, Matrix, PreparedProblem, Trail, freedom
+from ipoa_mission.planning.obstacle_grid import Soft, Spans
+from ipoa_mission.planning.problem import ALL, Candidate, Matrix, PreparedProblem, null_space
 from ipoa_mission.planning.proof import Check, Proof, prove_curve
 from ipoa_mission.planning.spline import Spline, even_basis
 
@@ -40,14 +40,14 @@ FINE = (HARD, HARDER, HARDEST, SHARPEST)
 
 
 def polish(
-    trail: Trail,
+    trail: Candidate,
     problem: PreparedProblem,
     stages: Sequence[Soft] = ROUGH,
     steps: int = 8,
     part: slice = ALL,
     finer: int = 1,
     enough: float = 5e-6,
-) -> Trail:
+) -> Candidate:
     """The curve after at most `steps` Gauss-Newton steps at each stage, or until one gains less than `enough`, a share.
 
     All stages but the last are content with `ROUGHLY`.
@@ -60,17 +60,17 @@ def polish(
     for k, soft in enumerate(stages, 1):
         good = enough if k == len(stages) else max(enough, EARLY_GAIN)
         control, signs = _descend(control, signs, problem, bench, soft.scaled(problem.scale), steps, good)
-    return Trail(Spline(control), trail.via_at)
+    return Candidate(Spline(control), trail.via_at)
 
 
 def settle(
-    trail: Trail,
+    trail: Candidate,
     problem: PreparedProblem,
     enough: float = 1e-7,
     stages: Sequence[Soft] = FINE,
     finer: int = 2,
     attempts: int = ATTEMPTS,
-) -> tuple[Trail, Proof]:
+) -> tuple[Candidate, Proof]:
     """The curve polished until its proof holds, or as near to that as it comes; or as it was, if only that holds.
 
     Where the curve comes too close between nodes, or the ground is not quite what the chart has, the polish is told
@@ -147,7 +147,7 @@ class _Bench:
         return self.spread.reduced(gradient, band)
 
 
-def _prepare(trail: Trail, problem: PreparedProblem, part: slice, nodes: int) -> _Bench:
+def _prepare(trail: Candidate, problem: PreparedProblem, part: slice, nodes: int) -> _Bench:
     n = len(trail.curve.control)
     varied = np.arange(1, n - 1)[part]
     low, high = max(int(varied[0]) - FELT_AWAY, 0), min(int(varied[-1]) + FELT_AWAY + 1, n)
@@ -158,7 +158,7 @@ def _prepare(trail: Trail, problem: PreparedProblem, part: slice, nodes: int) ->
     if len(trail.via_at):
         from ipoa_mission.planning.spread import spread_of
 
-        spread = spread_of(freedom(trail, problem.task, part)[low:high], BAND)
+        spread = spread_of(null_space(trail, problem.task, part)[low:high], BAND)
     look = even_basis(n, nodes)[seen]
     even = float(leg_lengths(look @ trail.curve.control).mean())
     return _Bench(slice(low, high), look, spans, even, free, spread)

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.optimize.search import Box, Candidates, Costs
-from ipoa_mission.planning.chart import STEEP, Chart, Rules, chart_of
 from ipoa_mission.planning.cost import rules_of
+from ipoa_mission.planning.obstacle_grid import STEEP, ObstacleGrid, Rules, obstacle_grid_of
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.spline import DEGREE, Spline, basis, even_basis
 from ipoa_mission.scenario.limits import Limits
@@ -32,7 +32,7 @@ FULL_SIZE = 50.0  # on a shorter way over all places, what is given in meters is
 
 
 @dataclass(frozen=True, eq=False)
-class Trail:
+class Candidate:
     """A curve, and the parameters (k,) at which it passes the via points."""
 
     curve: Spline
@@ -59,7 +59,7 @@ class PreparedProblem:
 
     task: PathTask
     limits: Limits
-    chart: Chart
+    chart: ObstacleGrid
     rules: Rules
     nodes: int
 
@@ -96,7 +96,7 @@ class PreparedProblem:
 
         return survey(np.ascontiguousarray(points), self.chart, self.rules)  # type: ignore[no-any-return]
 
-    def cost(self, trail: Trail) -> float:
+    def cost(self, trail: Candidate) -> float:
         """The cost of one curve, looked at closely, forgiven a limit broken a little: to compare rough curves by."""
         from ipoa_mission.planning._kernels import path_costs
 
@@ -119,14 +119,14 @@ class PreparedProblem:
         return float(path_costs(np.ascontiguousarray(nodes.T)[None], chart, rules)[0])
 
 
-def pose(task: PathTask) -> PreparedProblem:
+def prepare(task: PathTask) -> PreparedProblem:
     """The problem that a task poses, made ready."""
     limits, rules = task.limits, rules_of(task)
     reach = max(limits.obstacle_distance, rules.d_safe + rules.radius) + 0.5
-    return PreparedProblem(task, limits, chart_of(task.airspace, limits, reach), rules, _nodes(task))
+    return PreparedProblem(task, limits, obstacle_grid_of(task.airspace, limits, reach), rules, _nodes(task))
 
 
-def follow(guide: Points, inner: int, task: PathTask, shares: Vector | None = None) -> Trail:
+def follow(guide: Points, inner: int, task: PathTask, shares: Vector | None = None) -> Candidate:
     """A curve with `inner` control points between its ends that follows a polyline (k, 3) over all via points.
 
     They are evenly apart along it, or as many on each leg as its share (k-1,) of the sum.
@@ -139,21 +139,21 @@ def follow(guide: Points, inner: int, task: PathTask, shares: Vector | None = No
     reached = np.concatenate([[0.0], np.cumsum(legs) / legs.sum()])
     progress = np.interp(traveled, traveled[stops], reached)
     control = np.column_stack([np.interp(_greville(inner + 2), progress, guide[:, k]) for k in range(3)])
-    return pinned(Trail(Spline(control), reached[1:-1]), task)
+    return pinned(Candidate(Spline(control), reached[1:-1]), task)
 
 
-def pinned(trail: Trail, task: PathTask) -> Trail:
+def pinned(trail: Candidate, task: PathTask) -> Candidate:
     """The curve put right so that it passes the via points exactly: the control point nearest to each gives way."""
     lift, project, _ = _pins(trail, task)
-    return Trail(Spline(lift + project @ trail.curve.control), trail.via_at)
+    return Candidate(Spline(lift + project @ trail.curve.control), trail.via_at)
 
 
-def refine(trail: Trail) -> Trail:
+def refine(trail: Candidate) -> Candidate:
     """The same curve with twice as many spans."""
-    return Trail(trail.curve.refined(), trail.via_at)
+    return Candidate(trail.curve.refined(), trail.via_at)
 
 
-def freedom(trail: Trail, task: PathTask, part: slice = ALL) -> Matrix:
+def null_space(trail: Candidate, task: PathTask, part: slice = ALL) -> Matrix:
     """How a part of the inner control points may move if ends and via points stay: a basis of those ways, (n, f)."""
     _, project, moved = _pins(trail, task)
     varied = np.setdiff1d(np.arange(1, len(project) - 1)[part], moved)
@@ -165,7 +165,7 @@ def encode(name: str, guide: Points, inner: int, spread: float, task: PathTask) 
     return surround(name, follow(guide, inner, task), spread, task)
 
 
-def surround(name: str, around: Trail, spread: float, task: PathTask, part: slice = ALL) -> Encoding:
+def surround(name: str, around: Candidate, spread: float, task: PathTask, part: slice = ALL) -> Encoding:
     """The search space `name`, `spread` [m] wide in each direction round a curve, or round a part of it.
 
     `absolute` varies the control points themselves within the bounds, and has no use for the curve; `chord` varies
@@ -192,7 +192,7 @@ def surround(name: str, around: Trail, spread: float, task: PathTask, part: slic
     return Encoding(lift + project @ origin, matrix, box, around.via_at)
 
 
-def _pins(trail: Trail, task: PathTask) -> tuple[Points, Matrix, NDArray[np.intp]]:
+def _pins(trail: Candidate, task: PathTask) -> tuple[Points, Matrix, NDArray[np.intp]]:
     """The map control -> lift + project @ control that puts via points right, and which control points give way."""
     n, via = len(trail.curve.control), task.places[1:-1]
     if not len(via):

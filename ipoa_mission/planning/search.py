@@ -9,7 +9,7 @@ from ipoa_mission.geometry import polyline_length
 from ipoa_mission.optimize.registry import build_optimizer, optimizer_class
 from ipoa_mission.optimize.search import Optimizer, minimize
 from ipoa_mission.planning.path_problem import PathTask
-from ipoa_mission.planning.problem import ALL, PreparedProblem, Trail, surround
+from ipoa_mission.planning.problem import ALL, Candidate, PreparedProblem, surround
 from ipoa_mission.planning.strategy import SearchStrategy
 from ipoa_mission.progress import Progress, silent
 
@@ -30,11 +30,11 @@ class Searcher:
 
     def search(
         self,
-        around: Trail,
+        around: Candidate,
         width: float,
         part: slice = ALL,
         progress: Progress = silent,
-    ) -> Trail:
+    ) -> Candidate:
         """The best curve found round one, or round a part of its inner control points.
 
         `width` is how far the search goes, as a share of the length of what is varied; `progress` is `minimize`'s.
@@ -45,7 +45,7 @@ class Searcher:
         optimum = minimize(self.problem.costs(encoding), encoding.box, self.optimizer, self.rng, progress=progress)
         spent, best = (self.spent[-1], self.best[-1]) if self.spent else (0, np.inf)
         self.spent += [spent + int(evaluations) for evaluations in optimum.evaluations]
-        trail = Trail(encoding.curve(optimum.x), around.via_at)
+        trail = Candidate(encoding.curve(optimum.x), around.via_at)
         if part == ALL:
             self.best += [min(best, float(cost)) for cost in optimum.history]
         else:  # these are costs of a part

@@ -11,7 +11,7 @@ from ipoa_mission.planning.lattice import Guess, lay, ways
 from ipoa_mission.planning.obstruction import refuse_places
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.polish import polish, settle
-from ipoa_mission.planning.problem import PreparedProblem, pose
+from ipoa_mission.planning.problem import PreparedProblem, prepare
 from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.spline import Spline
 
@@ -39,7 +39,7 @@ def sketch_path(task: PathTask) -> Sketch:
         NoPath: a given place breaks a limit.
         BadInput: start and goal are the same place.
     """
-    problem = pose(task)
+    problem = prepare(task)
     refuse_places(problem)
     with threadpool_limits(1, "blas"):
         trails = [polish(guess.trail(problem), problem) for guess in _guesses(problem)]

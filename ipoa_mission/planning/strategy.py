@@ -39,7 +39,7 @@ class SearchStrategy:
     max_rounds: int = 40
     piece: int = 10  # control points that are then varied at a time
     piece_width: float = 0.12
-    kick: float = 0.08  # share of its length that a piece is then bent aside by, both ways,
+    perturb: float = 0.08  # share of its length that a piece is then bent aside by, both ways,
     kicked_control_points: int = 60  # of curves with so many
     least_gain: float = 1e-4  # of the cost, that such a bend must save
     enough_control_points: int = 150

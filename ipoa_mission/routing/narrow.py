@@ -11,7 +11,7 @@ from ipoa_mission.forecast.tube.law import DeviationLaw
 from ipoa_mission.forecast.tube.measured import law_of
 from ipoa_mission.forecast.tube.places import tight_places
 from ipoa_mission.planning.plan_view import CLOSE, Closure, closure
-from ipoa_mission.planning.problem import pose
+from ipoa_mission.planning.problem import prepare
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.limits import place_names
 
@@ -55,7 +55,7 @@ def expect_wide(scenario: Scenario) -> None:
     more = least_reach(law, chance)
     wider = scenario.model_copy(update={"safety_distance": scenario.safety_distance + more})
     names = place_names(scenario.places)
-    problem = pose(wider)
+    problem = prepare(wider)
     for places, (a, b) in zip(pairwise(names), pairwise(scenario.places), strict=True):
         gap = closure(problem, a, b)
         if gap is not None and gap.needed - 2 * more < gap.width < gap.needed - CLOSE:

@@ -26,14 +26,14 @@ from ipoa_mission.survey.assembly import assemble_survey
 from ipoa_mission.survey.laying import lay_lines, leg_times, way_over
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.split import fewest_parts, part_of, parts_of_equal_length
-from ipoa_mission.survey.starting import Toll, by_start, nearest_areas, nearest_parts, quickest_parts
+from ipoa_mission.survey.starting import RouteCost, by_start, nearest_areas, nearest_parts, quickest_parts
 from ipoa_mission.survey.tour import Sortie, Swath, Tour
 from ipoa_mission.vehicles.energy.flight import NotEnoughBattery
 
 FEW = 3  # start places of which every set is looked at
 MANY = 10  # of which no set but all of them is
 PERHAPS = 1.5  # times as many lines as a flight seems to fly are tried at once
-NEVER = Toll(np.inf, np.inf)
+NEVER = RouteCost(np.inf, np.inf)
 BARELY = float(np.nextafter(1.0, 2.0))
 
 
@@ -72,15 +72,15 @@ class FlightMaker:
         self._longest[tour.swaths[0]] = tour, forecast
         return True
 
-    def tried(self, part: Sortie) -> Toll:
+    def tried(self, part: Sortie) -> RouteCost:
         """Whether the vehicle takes so many items, and comes home with its reserve."""
         forecast = self._taken(part)
         if forecast is None:
             return NEVER
         budget, seconds = budget_of(forecast), forecast.estimate.total_s
         if refusal_of(forecast) is not None:
-            return Toll(BARELY if budget is None else max(budget.share, BARELY), seconds)
-        return Toll(0.0 if budget is None else min(budget.share, 1.0), seconds)
+            return RouteCost(BARELY if budget is None else max(budget.share, BARELY), seconds)
+        return RouteCost(0.0 if budget is None else min(budget.share, 1.0), seconds)
 
     @property
     def most_lines(self) -> int:
@@ -204,7 +204,7 @@ def _lines_at_once(tour: Tour, make: FlightMaker) -> float:
 def _from_starts(tours: Sequence[Tour], make: FlightMaker, starts: Points) -> tuple[Tour, tuple[Sortie, ...]]:
     """With a battery all cuts and start places are compared; without one each place has what is nearest to it."""
 
-    def tried(part: Sortie) -> Toll:
+    def tried(part: Sortie) -> RouteCost:
         try:
             return make.tried(part)
         except (NoPath, NoRoute):  # another place may have one

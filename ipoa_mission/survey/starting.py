@@ -20,7 +20,7 @@ NEARLY = 1.002  # times what seemed to be the least time of all is as good
 SLIVER = 1e-3  # of a spacing squared: what is smaller is no part of the area [m^2]
 
 
-class Toll(NamedTuple):
+class RouteCost(NamedTuple):
     """What one flight takes: as a share of what it may take (1 and less can be flown), and its seconds."""
 
     share: float
@@ -32,7 +32,7 @@ class Toll(NamedTuple):
         return self.share <= 1.0
 
 
-Try = Callable[[Sortie], Toll]
+Try = Callable[[Sortie], RouteCost]
 
 
 def nearest_areas(area: Area, starts: Points, spacing: float) -> list[Area | None]:
@@ -78,9 +78,9 @@ def quickest_parts(
     fit it is returned. None where it would take more than `most` seconds. As clock and trials differ, a little less may
     be possible: of 41,000 random cases up to 6 lines and 2 places 2.3 % in the worst, and more than 0.2 % in 0.4 %.
     """
-    known = dict[Any, Toll]()
+    known = dict[Any, RouteCost]()
 
-    def once(part: Sortie) -> Toll:
+    def once(part: Sortie) -> RouteCost:
         key = part.tour.swaths, part.start
         if key not in known:
             known[key] = tried(part)
@@ -108,7 +108,7 @@ class _Looks:
 
     def __init__(self, tour: Tour, starts: Points, times: LegTimes, tried: Try) -> None:
         self.tour, self._tried = tour, tried
-        self._known = dict[tuple[int, int, int], Toll]()
+        self._known = dict[tuple[int, int, int], RouteCost]()
         begins, ends = (np.array([getattr(s, key) for s in tour.swaths]) for key in ("begin", "end"))
         there, back = (np.linalg.norm(each[None] - starts[:, None], axis=2) / times.speed for each in (begins, ends))
         self._seconds = there[:, :, None] + _within(tour, times)[None] + back[:, None, :]  # (start, first, last)
@@ -124,7 +124,7 @@ class _Looks:
                 self._seconds[start, nearest, nearest] = trial.seconds
             self.look(0, count, start)
 
-    def look(self, first: int, last: int, start: int) -> Toll:
+    def look(self, first: int, last: int, start: int) -> RouteCost:
         """Try a flight, and remember what follows for those that fly more or about as much."""
         key = first, last, start
         if key not in self._known:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission import Airspace, Bounds, Limits, PathProblem, plan_path
-from ipoa_mission.planning.problem import pose
+from ipoa_mission.planning.problem import prepare
 from ipoa_mission.planning.strategy import LatticeStrategy
 from ipoa_mission.planning.winding import LIFT_SLOPE_SHARE, lift
 from ipoa_mission.world.terrain import Grid
@@ -38,7 +38,7 @@ def test_every_seed_goes_the_same_detour_down_from_a_ridge() -> None:
 
 
 def test_a_lifted_way_climbs_and_descends_as_it_may_and_is_no_lower() -> None:
-    problem = pose(behind_ridges())
+    problem = prepare(behind_ridges())
     start, goal = problem.task.places
     way = np.array([start, (250.0, 250.0, 60.0), (250.0, 250.0, 290.0), (450.0, 450.0, 290.0), goal])
     way[-2:, :2] = (1900.0, 600.0), (1200.0, 1300.0)
@@ -55,7 +55,7 @@ def test_a_lifted_way_climbs_and_descends_as_it_may_and_is_no_lower() -> None:
 
 @pytest.mark.parametrize(("distance", "long"), [(1100.0, False), (300.0, True)])
 def test_a_descent_that_is_too_short_for_its_height_needs_a_detour(distance: float, long: bool) -> None:
-    problem = pose(behind_ridges())
+    problem = prepare(behind_ridges())
     start, goal = problem.task.places
     height = 250.0
     crest = np.array([goal[0] - distance, goal[1], height])

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from ipoa_mission.geometry import climb_angles, turning_angles
-from ipoa_mission.planning.chart import Nodes, Soft, chart_of
+from ipoa_mission.planning.obstacle_grid import Nodes, Soft, obstacle_grid_of
 from ipoa_mission.planning.polish import _windows
-from ipoa_mission.planning.problem import PreparedProblem, pose
+from ipoa_mission.planning.problem import PreparedProblem, prepare
 from ipoa_mission.planning.spline import even_basis
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
@@ -40,7 +40,7 @@ def fenced(problem: PreparedProblem) -> tuple[Airspace, PreparedProblem]:
     area = Polygon(((-45.0, -95.0), (145.0, -80.0), (140.0, 90.0), (60.0, 30.0), (-40.0, 95.0)))
     airspace = problem.task.airspace
     airspace = Airspace(replace(airspace.bounds, footprint=area), airspace.terrain, airspace.obstacles)
-    return airspace, replace(problem, chart=chart_of(airspace, problem.limits, problem.chart.reach))
+    return airspace, replace(problem, chart=obstacle_grid_of(airspace, problem.limits, problem.chart.reach))
 
 
 @pytest.mark.parametrize("per_node", [False, True])
@@ -51,12 +51,12 @@ def test_path_costs_are_those_of_the_twin(town: Town, per_node: bool, limited: b
 
     feasible = 0
     for seed in range(8):
-        problem = pose(town(seed))
+        problem = prepare(town(seed))
         airspace, problem = fenced(problem) if fence else (problem.task.airspace, problem)
         rules = problem.rules._replace(per_node=per_node)
         rules = rules if limited else rules._replace(clearance=0.1, height=0.1, **LIMITLESS)
         limits = problem.limits if limited else replace(problem.limits, height_above_ground=0.1, low_zones=())
-        chart = chart_of(airspace, limits, problem.chart.reach)
+        chart = obstacle_grid_of(airspace, limits, problem.chart.reach)
         paths = np.ascontiguousarray((even_basis(9, 100) @ curves(seed, 30)).transpose(0, 2, 1))
         found, expected = path_costs(paths, chart, rules), twins.path_costs(paths, airspace, rules, limits)
         np.testing.assert_allclose(found, expected, rtol=1e-7)
@@ -91,7 +91,7 @@ def value(problem: PreparedProblem, airspace: Airspace, control: np.ndarray, eve
 @pytest.mark.parametrize("fence", some(1, [True, False]))
 def test_the_model_has_the_value_of_the_twin_and_its_derivative(town: Town, fence: bool, per_node: bool) -> None:
     for seed in range(2):
-        problem = pose(town(seed))
+        problem = prepare(town(seed))
         airspace, problem = fenced(problem) if fence else (problem.task.airspace, problem)
         problem = replace(problem, rules=problem.rules._replace(per_node=per_node))
         for control in curves(seed, 2):
@@ -114,7 +114,7 @@ def in_the_open(problem: PreparedProblem, **rules: Any) -> PreparedProblem:
     airspace = Airspace(problem.task.airspace.bounds, problem.task.airspace.terrain, ())
     limits = replace(problem.limits, height_above_ground=-100.0, low_zones=())
     free = problem.rules._replace(height=-100.0, **LIMITLESS, **rules)
-    return replace(problem, rules=free, chart=chart_of(airspace, limits, 1.0))
+    return replace(problem, rules=free, chart=obstacle_grid_of(airspace, limits, 1.0))
 
 
 @pytest.mark.parametrize(
@@ -122,7 +122,7 @@ def in_the_open(problem: PreparedProblem, **rules: Any) -> PreparedProblem:
 )
 def test_the_models_curvature_is_exact_where_it_leaves_nothing_out(town: Town, length: float, soft: Soft) -> None:
     """Length alone, or the walls of the bounds alone: the Hessian is the derivative of the gradient."""
-    problem = in_the_open(pose(town(1)), length=length, turning=0.0, climbing=0.0)
+    problem = in_the_open(prepare(town(1)), length=length, turning=0.0, climbing=0.0)
     rng = np.random.default_rng(2)
     control = np.linspace((0.0, 0.0, 40.0), (100.0, 0.0, 50.0), 9) + rng.normal(size=(9, 3))
     hessian = model(problem, control, soft, even=1.5)[2]
@@ -134,7 +134,7 @@ def test_the_models_curvature_is_exact_where_it_leaves_nothing_out(town: Town, l
 
 def test_the_models_curvature_of_bends_is_that_of_weighted_squares(town: Town) -> None:
     """Each angle's derivatives by the control points, here found by differences, times themselves (Gauss-Newton)."""
-    problem, soft = in_the_open(pose(town(1)), length=0.0), SOFT._replace(evenness=0.0)
+    problem, soft = in_the_open(prepare(town(1)), length=0.0), SOFT._replace(evenness=0.0)
     control = np.linspace((0.0, 0.0, 40.0), (100.0, 0.0, 50.0), 9) + np.random.default_rng(2).normal(size=(9, 3))
     signs = np.random.default_rng(0).uniform(-1, 1, (60, 2))[1:-1]  # as in `model`
 
@@ -155,7 +155,7 @@ def test_the_survey_is_that_of_the_twin(town: Town) -> None:
     from ipoa_mission.planning._kernels import survey
 
     for seed in range(4):
-        problem = pose(town(seed))
+        problem = prepare(town(seed))
         for airspace, posed in ((problem.task.airspace, problem), fenced(problem)):
             points = np.random.default_rng(seed).uniform((-60, -110, -5), (160, 110, 110), (3000, 3))
             slack, threat = survey(points, posed.chart, posed.rules)
@@ -167,7 +167,7 @@ def test_the_survey_is_that_of_the_twin(town: Town) -> None:
 def test_costs_spread_over_a_lattice_as_in_the_twin(scenario: Make) -> None:
     from ipoa_mission.planning._dijkstra import spread
 
-    anywhere = pose(scenario())
+    anywhere = prepare(scenario())
     rng = np.random.default_rng(5)
     every = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1
     for _ in range(10):
@@ -191,7 +191,7 @@ def test_no_step_leads_through_what_is_between_two_nodes(scenario: Make) -> None
     from ipoa_mission.planning._dijkstra import spread
 
     wall = {"kind": "box", "east": 50, "north": 0, "width": 0.2, "depth": 20, "height": 99, "base": 0.0}
-    problem = pose(scenario(obstacles=[wall], vehicle={"radius": 0.1}, safety_distance=0.1))
+    problem = prepare(scenario(obstacles=[wall], vehicle={"radius": 0.1}, safety_distance=0.1))
     places = np.array([(40.0, north, 20.0) for north in (0.0, 15.0)] + [(60.0, north, 20.0) for north in (0.0, 15.0)])
     price, steps = np.ones((2, 2, 1)), np.array([(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0)])
     lengths = np.array([20.0, 20.0, 15.0, 15.0])
@@ -204,7 +204,7 @@ def test_no_step_leads_through_what_is_between_two_nodes(scenario: Make) -> None
 def test_no_place_is_looked_up_outside_the_chart(town: Town, spot: tuple[float, float]) -> None:
     from ipoa_mission.planning._places import _cell, _on_map
 
-    chart = pose(town(0)).chart
+    chart = prepare(town(0)).chart
     assert 0 <= _cell(chart.cells, *spot) < chart.cells.rows * chart.cells.columns
     column, row = _on_map(chart.ground, *spot)
     assert 0 <= column <= chart.ground.columns - 1

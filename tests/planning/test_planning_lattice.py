@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.planning.lattice import _mended, guesses, lay, ways
-from ipoa_mission.planning.problem import pose
+from ipoa_mission.planning.problem import prepare
 from ipoa_mission.planning.strategy import LatticeStrategy
 from ipoa_mission.planning.winding import wind
 from tests.examples import some
@@ -15,7 +15,7 @@ FULL = {"kind": "box", "east": 50, "north": 0, "width": 6, "height": 120, "base"
 
 
 def test_a_pillar_is_passed_on_both_sides(scenario: Make) -> None:
-    problem = pose(scenario(obstacles=[PILLAR]))
+    problem = prepare(scenario(obstacles=[PILLAR]))
     found = ways(lay(problem), problem, 8)
     sides = [np.sign(way[np.argmin(np.abs(way[:, 0] - 50)), 1]) for way in found]
     assert {-1.0, 1.0} <= set(sides)
@@ -25,7 +25,7 @@ def test_a_pillar_is_passed_on_both_sides(scenario: Make) -> None:
 
 
 def test_the_cheapest_way_comes_first(scenario: Make) -> None:
-    problem = pose(scenario(obstacles=[PILLAR | {"north": 8}], cost={"omega": (1, 0, 0)}))
+    problem = prepare(scenario(obstacles=[PILLAR | {"north": 8}], cost={"omega": (1, 0, 0)}))
     found = ways(lay(problem), problem, 8)
     lengths = [np.linalg.norm(np.diff(way, axis=0), axis=1).sum() for way in found]
     assert np.argmin(lengths) == 0
@@ -33,7 +33,7 @@ def test_the_cheapest_way_comes_first(scenario: Make) -> None:
 
 
 def test_every_way_passes_all_via_points(scenario: Make) -> None:
-    problem = pose(scenario(obstacles=[PILLAR], via=[(50, 60, 30), (80, -40, 30)]))
+    problem = prepare(scenario(obstacles=[PILLAR], via=[(50, 60, 30), (80, -40, 30)]))
     found = ways(lay(problem), problem, 8)
     assert len(found) > 1
     for way in found:
@@ -42,7 +42,7 @@ def test_every_way_passes_all_via_points(scenario: Make) -> None:
 
 
 def test_a_wall_from_bound_to_bound_leaves_no_way(scenario: Make) -> None:
-    problem = pose(scenario(obstacles=[FULL | {"name": "wall", "depth": 300}]))
+    problem = prepare(scenario(obstacles=[FULL | {"name": "wall", "depth": 300}]))
     thin = LatticeStrategy(nodes=20_000)
     assert ways(lay(problem, strategy=thin), problem, 8) == []
     assert len(guesses(problem, 0, thin)) == 1  # the straight one
@@ -55,7 +55,7 @@ def test_a_door_between_two_nodes_is_found(scenario: Make, aside: float) -> None
         FULL | {"name": "left", "north": aside + 60.875, "depth": 120},
         FULL | {"name": "right", "north": aside - 60.875, "depth": 120},
     ]
-    problem = pose(scenario(obstacles=walls, vehicle={"radius": 0.3}, safety_distance=0.5))
+    problem = prepare(scenario(obstacles=walls, vehicle={"radius": 0.3}, safety_distance=0.5))
     way = ways(lay(problem), problem, 8)[0]
     door = way[np.argmin(np.abs(way[:, 0] - 50))]
     assert door[1] == pytest.approx(aside, abs=0.075)
@@ -63,7 +63,7 @@ def test_a_door_between_two_nodes_is_found(scenario: Make, aside: float) -> None
 
 def test_beside_a_way_through_a_gap_that_is_too_narrow_there_are_ways_that_do_without_it(scenario: Make) -> None:
     pillars = [PILLAR | {"name": f"{side}", "radius": 12, "north": 12.95 * side} for side in (-1, 1)]  # 0.1 m short
-    problem = pose(scenario(obstacles=pillars, vehicle={"radius": 0.5}, safety_distance=0.5))
+    problem = prepare(scenario(obstacles=pillars, vehicle={"radius": 0.5}, safety_distance=0.5))
     lattice, (start, goal) = lay(problem), problem.task.places
     before, after = (lattice.places[np.argmin(((lattice.places - (e, 0, 20)) ** 2).sum(axis=1))] for e in (44, 56))
     first, *others = _mended([np.array([start, before, after, goal])], lattice, problem)
@@ -80,7 +80,7 @@ def test_ways_climb_no_steeper_than_allowed_and_in_loops_where_that_is_not_enoug
 ) -> None:
     limits = {"max_climb_angle_deg": climb, "max_descent_angle_deg": descent}
     low_wall = FULL | {"name": "wall", "depth": 300, "height": 50}
-    problem = pose(scenario(obstacles=[low_wall], planning=limits))
+    problem = prepare(scenario(obstacles=[low_wall], planning=limits))
     lattice = lay(problem)
     way = ways(lattice, problem, 1)[0]
     guide, shares = wind(way, 8, problem, lattice.spacing[2])
@@ -96,7 +96,7 @@ def test_ways_climb_no_steeper_than_allowed_and_in_loops_where_that_is_not_enoug
 
 @pytest.mark.parametrize("fineness", [1.0, 2.0])
 def test_a_lattice_covers_the_bounds_in_even_steps(scenario: Make, fineness: float) -> None:
-    lattice = lay(pose(scenario(obstacles=[PILLAR])), fineness)
+    lattice = lay(prepare(scenario(obstacles=[PILLAR])), fineness)
     far = lattice.corner + lattice.spacing * (np.array(lattice.slack.shape) - 1)
     np.testing.assert_allclose(lattice.corner[:2], (-50, -100))
     np.testing.assert_allclose(far[:2], (150, 100))

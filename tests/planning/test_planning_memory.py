@@ -6,7 +6,7 @@ import numpy as np
 
 from ipoa_mission import Airspace, Bounds, Limits, PathProblem
 from ipoa_mission.planning.lattice import lay
-from ipoa_mission.planning.problem import pose
+from ipoa_mission.planning.problem import prepare
 from ipoa_mission.world.obstacles import Cylinder
 from ipoa_mission.world.terrain import Flat
 
@@ -21,7 +21,7 @@ def test_a_lattice_among_thousands_of_gaps_is_laid_in_little_memory() -> None:
     )
     airspace = Airspace(Bounds((-50.0, -50.0, 0.0), (SIDE + 50.0, SIDE + 50.0, 60.0)), Flat(), masts)
     ends = np.array([[-40.0, -40.0, 30.0], [SIDE + 40.0, SIDE + 40.0, 30.0]])
-    problem = pose(PathProblem(airspace, Limits(obstacle_distance=2.6, height_above_ground=5.0), ends))
+    problem = prepare(PathProblem(airspace, Limits(obstacle_distance=2.6, height_above_ground=5.0), ends))
     tracemalloc.start()
     lattice = lay(problem)
     most = tracemalloc.get_traced_memory()[1] / 2**20

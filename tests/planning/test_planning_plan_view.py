@@ -7,7 +7,7 @@ import shapely
 from ipoa_mission.geometry import Vector
 from ipoa_mission.planning.obstruction import NoPath, refuse_closed
 from ipoa_mission.planning.plan_view import closure
-from ipoa_mission.planning.problem import pose
+from ipoa_mission.planning.problem import prepare
 from tests.planning.conftest import Make
 from tests.refused import refuses
 
@@ -33,7 +33,7 @@ def test_it_is_closed_where_the_narrowest_gap_is_too_narrow(scenario: Make, seed
     rng = np.random.default_rng(seed)
     gaps = 3.0 * rng.choice([0.5, 0.9, 0.99, 1.01, 1.1, 2.0], rng.integers(1, 3))
     job = scenario(obstacles=walls(gaps, rng))
-    found = closure(pose(job), job.start_point, job.goal_point)
+    found = closure(prepare(job), job.start_point, job.goal_point)
     assert (found is not None) == (gaps.min() < 3)
     if found is not None:
         narrowest = int(np.argmin(gaps))
@@ -49,10 +49,10 @@ def test_masts_and_the_bounds_leave_gaps_too(scenario: Make) -> None:
     masts = [{"kind": "cylinder", "name": f"{k}", "east": 50, "north": n, "radius": 20, "height": 150, "base": 0.0}
              for k, n in enumerate((-79.0, -36.4, 6.2, 78.9))]  # fmt: skip
     job = scenario(obstacles=masts)
-    found = closure(pose(job), job.start_point, job.goal_point)
+    found = closure(prepare(job), job.start_point, job.goal_point)
     assert found is None  # 32.7 m are left between the last two
     job = scenario(obstacles=[*masts, {**masts[0], "name": "last", "north": 42.5, "radius": 14.5}])
-    found = closure(pose(job), job.start_point, job.goal_point)
+    found = closure(prepare(job), job.start_point, job.goal_point)
     assert found is not None
     assert found.names == ("0", "1")
     assert found.width == pytest.approx(2.6)
@@ -61,7 +61,7 @@ def test_masts_and_the_bounds_leave_gaps_too(scenario: Make) -> None:
 def test_what_can_be_flown_over_closes_nothing(scenario: Make) -> None:
     low = [wall | {"height": 97.0} for wall in walls(np.array([0.1]), np.random.default_rng(0))]
     job = scenario(obstacles=low)  # 1.5 m are required, the bounds leave 3
-    refuse_closed(pose(job))
+    refuse_closed(prepare(job))
 
 
 def test_all_that_stands_round_an_end_is_named(scenario: Make) -> None:
@@ -72,4 +72,4 @@ def test_all_that_stands_round_an_end_is_named(scenario: Make) -> None:
         for name, (e, n, width, depth) in sides.items()
     ]
     with refuses("walled-off", "", "west, east, south", "east 82.0, north 0.0", kind=NoPath):
-        refuse_closed(pose(scenario(obstacles=ring)))
+        refuse_closed(prepare(scenario(obstacles=ring)))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ipoa_mission.planning.problem import encode, follow, freedom, pinned, pose, refine, surround
+from ipoa_mission.planning.problem import encode, follow, null_space, pinned, prepare, refine, surround
 from ipoa_mission.planning.spread import spread_of
 from tests.planning.conftest import Make, Place
 
@@ -66,7 +66,7 @@ def test_every_candidate_passes_the_via_points_in_order(scenario: Make, name: st
 def test_freedom_moves_everything_but_ends_and_via_points(scenario: Make) -> None:
     job = scenario(via=[(30, 40, 25), (60, -30, 30)])
     trail = follow(job.places, 15, job)
-    free = freedom(trail, job)
+    free = null_space(trail, job)
     assert np.linalg.matrix_rank(free) == free.shape[1] == 13
     np.testing.assert_array_equal(free[[0, -1]], 0.0)
     moved = trail.curve.control + free @ np.random.default_rng(2).normal(size=(13, 3))
@@ -78,7 +78,7 @@ def test_freedom_moves_everything_but_ends_and_via_points(scenario: Make) -> Non
 @pytest.mark.parametrize("via", [[(30, 40, 25), (60, -30, 30)], []])
 def test_a_band_by_what_is_free_is_that_of_the_whole_matrix(scenario: Make, via: list[Place]) -> None:
     job = scenario(via=via)
-    free = freedom(follow(job.places, 15, job), job)
+    free = null_space(follow(job.places, 15, job), job)
     size, reach = 3 * len(free), 7
     rng = np.random.default_rng(3)
     band, gradient = rng.normal(size=(reach + 1, size)), rng.normal(size=size)
@@ -107,10 +107,10 @@ def test_a_way_straight_up_has_axes_too(scenario: Make, goal: Place) -> None:
     job = scenario(goal=goal)
     encoding = encode("sine", job.places, 8, 10.0, job)
     assert np.linalg.matrix_rank(encoding.matrix.reshape(16, -1)) == 16
-    assert np.isfinite(pose(job).costs(encoding)(encoding.box.sample(10, np.random.default_rng(0)))).all()
+    assert np.isfinite(prepare(job).costs(encoding)(encoding.box.sample(10, np.random.default_rng(0)))).all()
 
 
 def test_the_search_looks_closely_enough_not_to_jump_over_what_is_near(scenario: Make) -> None:
     long_way = scenario(start=(-45, -95, 20), goal=(145, 95, 20), safety_distance=0.5, vehicle={"radius": 0.5})
-    assert pose(long_way).nodes >= np.linalg.norm(long_way.goal_point - long_way.start_point) / 2.0 - 1
-    assert pose(scenario(planning={"planner": "paper"})).nodes == 100
+    assert prepare(long_way).nodes >= np.linalg.norm(long_way.goal_point - long_way.start_point) / 2.0 - 1
+    assert prepare(scenario(planning={"planner": "paper"})).nodes == 100

@@ -24,7 +24,7 @@ from ipoa_mission.scenario.other_home import at_start
 from ipoa_mission.survey.flights import _sets
 from ipoa_mission.survey.plan import rest_of
 from ipoa_mission.survey.split import part_of
-from ipoa_mission.survey.starting import Toll, nearest_areas, quickest_parts
+from ipoa_mission.survey.starting import RouteCost, nearest_areas, quickest_parts
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Sortie, Tour
 from ipoa_mission.vehicles.autopilot import Autopilot
@@ -94,10 +94,10 @@ CLOCK = LegTimes.of(Mission(Geodetic(47.4, 8.5, 488.0), (), Autopilot.ARDUPILOT)
 def fake(limit_s: float, starts: Points) -> Any:
     """A vehicle that takes 30 s besides its way, on a battery for so many seconds."""
 
-    def tried(part: Sortie) -> Toll:
+    def tried(part: Sortie) -> RouteCost:
         there, back = (np.linalg.norm(part.tour.path[at] - starts[part.start]) for at in (0, -1))
         seconds = float(there + back) / CLOCK.speed + CLOCK.seconds(part.tour.path) + 30.0
-        return Toll(seconds / limit_s, seconds)
+        return RouteCost(seconds / limit_s, seconds)
 
     return tried
 

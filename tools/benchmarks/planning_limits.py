@@ -63,12 +63,12 @@ SCENES: dict[str, tuple[Callable[[], PathProblem], int]] = {
 
 def measure(scene: str) -> str:
     """A row of the table, planned in this process."""
-    pose, seeds = SCENES[scene]
+    prepare, seeds = SCENES[scene]
     plan_path(town(5, 300.0))
     costs, seconds = list[float](), list[float]()
     for seed in range(seeds):
         started = time.process_time()
-        costs.append(plan_path(pose(), seed=seed).cost.total)
+        costs.append(plan_path(prepare(), seed=seed).cost.total)
         seconds.append(time.process_time() - started)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     apart = f"{100 * (max(costs) / min(costs) - 1):.2f} %" if seeds > 1 else ""

@@ -8,7 +8,7 @@ import numpy as np
 
 from ipoa_mission.compiled import compiled
 from ipoa_mission.compiled.records import records
-from ipoa_mission.planning.chart import Chart, Nodes, Raster, Rules, Soft, Spans
+from ipoa_mission.planning.obstacle_grid import Nodes, ObstacleGrid, Raster, Rules, Soft, Spans
 from ipoa_mission.survey.clock import Clock
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR
 from ipoa_mission.vehicles.arducopter.dynamics.motion import NO_LEG, CopterLeg, State, tuning
@@ -59,7 +59,7 @@ def kernels() -> Iterator[Kernel]:
     raster = Raster(0.0, 0.0, 1.0, 2, 2)
     lists, kinds = (_numbers(1, np.int32),) * 2, _numbers(1, np.int8)
     low_zones = _numbers(2)
-    chart = Chart(
+    chart = ObstacleGrid(
         raster, *lists, _numbers(1), _numbers(2), kinds, _numbers(2), _numbers(2), raster, _numbers(2),
         _numbers(1), _numbers(1), 1.0, low_zones,
     )  # fmt: skip

@@ -23,7 +23,7 @@ class MPOA:
     population: Members = 30
     iterations: Count = 1000
     radius: Amount = 0.2  # R of (16)
-    freedom: Amount = 1.0  # a, the scale of the Cauchy distribution
+    null_space: Amount = 1.0  # a, the scale of the Cauchy distribution
     vigilant: Fraction = 0.2  # SD
     rand: Literal["pelican", "dimension"] = "pelican"  # as in POA
 
@@ -41,7 +41,7 @@ class MPOA:
             x, f = keep_better(x, f, trial, (yield trial))
 
             # Cauchy mutation (inferred)
-            trial = box.clip(x + x * self.freedom * rng.standard_cauchy((n, d)))
+            trial = box.clip(x + x * self.null_space * rng.standard_cauchy((n, d)))
             x, f = keep_better(x, f, trial, (yield trial))
 
             # The vigilant (inferred: the sparrows' rule)

@@ -124,7 +124,7 @@ class Obstacle(ABC):
 
 
 class ChartRow(NamedTuple):
-    """An elementary body as the planner's kernels have it: see `planning.chart.Chart` for what the numbers are.
+    """An elementary body as the planner's kernels have it: see `planning.chart.ObstacleGrid` for what the numbers are.
 
     Where there are `edges` (m, 4), of east, north, east, north, the first two numbers say which they are on the chart.
     """

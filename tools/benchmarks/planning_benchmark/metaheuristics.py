@@ -13,8 +13,8 @@ import numpy as np
 from ipoa_mission.errors import MissionError
 from ipoa_mission.optimize.registry import build_optimizer
 from ipoa_mission.optimize.search import minimize
-from ipoa_mission.planning.chart import LEAST
-from ipoa_mission.planning.problem import PreparedProblem, encode, pose
+from ipoa_mission.planning.obstacle_grid import LEAST
+from ipoa_mission.planning.problem import PreparedProblem, encode, prepare
 from ipoa_mission.planning.spline import Spline, even_basis
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.obstacles.obstacle import CYLINDER, SPHERE
@@ -26,7 +26,7 @@ AGREE = 0.01  # relative: our kernel has the terrain on a fine grid
 
 def search(name: str, scenario: Scenario, seed: int) -> tuple[Spline, float, int]:
     """The curve that the optimizer finds as printed, the seconds of CPU and the number of evaluations."""
-    problem = pose(scenario)
+    problem = prepare(scenario)
     encoding = encode("absolute", scenario.places, scenario.planning.control_points, 0.0, scenario)
     optimizer = build_optimizer(name, {"population": POPULATION, "iterations": ITERATIONS})
     started = time.process_time()
@@ -40,7 +40,7 @@ def mealpy_poa(scenario: Scenario, interpreter: str, iterations: int = ITERATION
     Raises:
         MissionError: mealpy cannot be run, or its user's cost is not ours.
     """
-    problem = pose(scenario)
+    problem = prepare(scenario)
     script = Path(__file__).with_name("mealpy_poa.py")
     asked = json.dumps(_as_json(problem) | {"population": POPULATION, "iterations": iterations})
     ran = subprocess.run([interpreter, script], input=asked, capture_output=True, text=True, check=False)

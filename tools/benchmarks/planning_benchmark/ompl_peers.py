@@ -16,7 +16,7 @@ from ompl import base, geometric, util
 
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.cost import FINE, path_cost
-from ipoa_mission.planning.problem import PreparedProblem, pose
+from ipoa_mission.planning.problem import PreparedProblem, prepare
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.scenario import Scenario
 
@@ -37,7 +37,7 @@ util.setLogLevel(util.LogLevel.LOG_NONE)
 
 def best_paths(name: str, scenario: Scenario, seconds: Sequence[float]) -> list[tuple[float, Points] | None]:
     """The cheapest safe polyline (n, 3) with its cost, or None, when each of these times [s of CPU] was spent."""
-    problem = pose(scenario)
+    problem = prepare(scenario)
     found: list[tuple[float, Points] | None] = []
     for inflation in (problem.rules.d_safe + problem.rules.radius, problem.rules.clearance):
         found = list(_after_each(name, _space(problem, inflation + MARGIN), scenario, seconds))

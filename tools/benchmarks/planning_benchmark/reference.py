@@ -19,7 +19,7 @@ from ipoa_mission.optimize.search import Candidates, Costs
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.lattice import lay, ways
 from ipoa_mission.planning.polish import HARDEST, SHARPEST, polish, settle
-from ipoa_mission.planning.problem import Encoding, PreparedProblem, Trail, follow, pose, refine, surround
+from ipoa_mission.planning.problem import Candidate, Encoding, PreparedProblem, follow, prepare, refine, surround
 from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.scenario import Scenario
 
@@ -36,13 +36,13 @@ CLOSER = SHARPEST._replace(reach=0.01, wall=3e-5, stiffness=1e6)
 SHARP = (HARDEST, SHARPEST, CLOSER, CLOSER._replace(reach=0.003, wall=3e-6))
 
 
-def reference(scenario: Scenario, seed: int, starts: int, given: list[Points]) -> tuple[float, Trail]:
+def reference(scenario: Scenario, seed: int, starts: int, given: list[Points]) -> tuple[float, Candidate]:
     """The best proved path of `starts` searches, and of the polylines given, polished; its cost and itself."""
     rng = np.random.default_rng(seed)
     close = scenario.planning.model_copy(update={"samples": max(scenario.planning.samples, 200)})
-    problem = pose(scenario.model_copy(update={"planning": close}))
+    problem = prepare(scenario.model_copy(update={"planning": close}))
     stretch = problem.task.planning.control_points
-    rough: list[Trail] = []
+    rough: list[Candidate] = []
     for k, guide in enumerate(_guides(problem, starts, rng)):
         inner = int(INNER[k % len(INNER)] * max(1.0, polyline_length(guide) / (12.5 * stretch) / 2))
         rough += _search(problem, guide, min(inner, 60), rng)
@@ -71,14 +71,14 @@ def _guides(problem: PreparedProblem, count: int, rng: np.random.Generator) -> I
                     return
 
 
-def _search(problem: PreparedProblem, guide: Points, inner: int, rng: np.random.Generator) -> list[Trail]:
+def _search(problem: PreparedProblem, guide: Points, inner: int, rng: np.random.Generator) -> list[Candidate]:
     trail = follow(guide, inner, problem.task)
     encoding = surround("sine", trail, 0.25 * polyline_length(guide), problem.task)
-    sought = Trail(encoding.curve(_cma(problem.costs(encoding), encoding, 0.03, 4000, rng)), trail.via_at)
+    sought = Candidate(encoding.curve(_cma(problem.costs(encoding), encoding, 0.03, 4000, rng)), trail.via_at)
     return [polish(each, problem) for each in (trail, sought)]
 
 
-def _finish(trail: Trail, problem: PreparedProblem, rng: np.random.Generator) -> tuple[float, Trail]:
+def _finish(trail: Candidate, problem: PreparedProblem, rng: np.random.Generator) -> tuple[float, Candidate]:
     """Settled, sharpened and twice doubled, every control point varied once; the best proved curve on the way."""
     found = [settle(trail, problem)[0]]
     found.append(_vary(found[0], problem, rng))
@@ -95,9 +95,9 @@ def _finish(trail: Trail, problem: PreparedProblem, rng: np.random.Generator) ->
     return min(zip(costs, proved, strict=True), key=lambda each: each[0], default=(np.inf, trail))
 
 
-def _vary(trail: Trail, problem: PreparedProblem, rng: np.random.Generator) -> Trail:
+def _vary(trail: Candidate, problem: PreparedProblem, rng: np.random.Generator) -> Candidate:
     encoding = surround("chord", trail, 1.0, problem.task)
-    return Trail(encoding.curve(_cma(problem.costs(encoding), encoding, 0.01, 10_000, rng)), trail.via_at)
+    return Candidate(encoding.curve(_cma(problem.costs(encoding), encoding, 0.01, 10_000, rng)), trail.via_at)
 
 
 def _cma(
@@ -120,8 +120,8 @@ def _cma(
     return best
 
 
-def _distinct(trails: list[Trail]) -> list[Trail]:
-    kept: list[Trail] = []
+def _distinct(trails: list[Candidate]) -> list[Candidate]:
+    kept: list[Candidate] = []
     for trail in trails:
         points = trail.curve.sample(50)
         if all(_gap(points, other.curve.sample(50)) > APART / 4 * trail.curve.length for other in kept):

@@ -37,7 +37,7 @@ class Raster(NamedTuple):
     columns: int
 
 
-class Chart(NamedTuple):
+class ObstacleGrid(NamedTuple):
     """An airspace for kernels. `shape` rows: sphere east, north, up, radius; cylinder east, north, radius, base, top;
     prism or fence first edge, end of edges, nothing, base, top. Edges: east, north, east, north.
     """
@@ -116,7 +116,7 @@ class Soft(NamedTuple):
         )
 
 
-def chart_of(airspace: "Airspace", limits: "Limits", reach: float) -> Chart:
+def obstacle_grid_of(airspace: "Airspace", limits: "Limits", reach: float) -> ObstacleGrid:
     """The chart on which obstacles are listed wherever they are within `reach` [m], and ground within that height."""
     lower, upper = np.asarray(airspace.bounds.lower, float), np.asarray(airspace.bounds.upper, float)
     size = upper[:2] - lower[:2]
@@ -128,7 +128,7 @@ def chart_of(airspace: "Airspace", limits: "Limits", reach: float) -> Chart:
     kind, shape, edges = _shapes(airspace, parts)
     first, listed = _lists(parts, fenced, lower, cell, int(rows), int(columns), reach)
     concern = np.inf if np.isfinite(limits.ceiling_above_ground) else limits.height_above_ground + reach
-    return Chart(
+    return ObstacleGrid(
         cells=Raster(float(lower[0]), float(lower[1]), 1 / cell, int(rows), int(columns)),
         first=first,
         listed=listed,

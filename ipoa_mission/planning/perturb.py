@@ -5,12 +5,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from ipoa_mission.planning.polish import polish
-from ipoa_mission.planning.problem import PreparedProblem, Trail
+from ipoa_mission.planning.problem import Candidate, PreparedProblem
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.planning.strategy import SearchStrategy
 
 
-def kicked(trail: Trail, problem: PreparedProblem, strategy: SearchStrategy) -> Iterator[Trail]:
+def perturbed(trail: Candidate, problem: PreparedProblem, strategy: SearchStrategy) -> Iterator[Candidate]:
     """A cheaper curve, if there is one: one piece after the other bent to either side and polished again.
 
     Of the pieces of a long curve, random ones miss some; a short one is not looked at. Nor is one through via points,
@@ -22,12 +22,12 @@ def kicked(trail: Trail, problem: PreparedProblem, strategy: SearchStrategy) -> 
     bend = np.sin(np.pi * (np.arange(strategy.piece) + 0.5) / strategy.piece)[:, None]
     for first in range(0, count - strategy.piece + 1, strategy.piece // 2):
         piece = slice(first, first + strategy.piece)
-        for side in (-strategy.kick, strategy.kick):
+        for side in (-strategy.perturb, strategy.perturb):
             control = cheapest.curve.control.copy()
             inner = control[1:-1][piece]
             ahead = np.gradient(inner[:, :2], axis=0)
             inner[:, :2] += side * len(inner) * bend * np.column_stack([-ahead[:, 1], ahead[:, 0]])
-            polished = polish(Trail(Spline(control), trail.via_at), problem, part=piece)
+            polished = polish(Candidate(Spline(control), trail.via_at), problem, part=piece)
             if (again := problem.cost(polished)) < (1 - strategy.least_gain) * cost:
                 cost, cheapest = again, polished
     if cheapest is not trail:
