@@ -19,7 +19,7 @@ GROUND = {"centimeters", "errors", "files", "finding", "rules", "geometry", "pro
 #: Room by room, from the ground up: a room may import those that are named, and all of them stand above it.
 _MISSION = {"mission/commands", "mission/items", "vehicles", "world"}  # what all above a mission know
 _FLOWN = {"forecast/itinerary", "forecast/timing", *_MISSION}
-_PLANNED = {"forecast", "forecast/tube", "planning", "scenario", *_FLOWN}
+_PLANNED = {"forecast", "forecast/deviation", "planning", "scenario", *_FLOWN}
 MAY_IMPORT = {
     "compiled": set(),
     "mission/commands": set(),
@@ -35,8 +35,8 @@ MAY_IMPORT = {
     "mission": _MISSION,
     "scenario": {"vehicles", "vehicles/energy", "world", "maps", "survey/area"},
     "planning": {"compiled", "scenario", "world", "optimize", "vehicles"},
-    "forecast/tube": {"planning", "scenario", *_FLOWN},
-    "forecast": {"forecast/tube", "planning", "scenario", "mission", "vehicles/energy", *_FLOWN},
+    "forecast/deviation": {"planning", "scenario", *_FLOWN},
+    "forecast": {"forecast/deviation", "planning", "scenario", "mission", "vehicles/energy", *_FLOWN},
     "checks": {"mission", *_PLANNED},
     "routing": {"checks", "compiled", "mission", *_PLANNED},
     "survey": {"survey/area", "checks", "compiled", "mission", "routing", "vehicles/energy", *_PLANNED},
@@ -48,7 +48,7 @@ MAY_IMPORT = {
 }
 #: A vehicle's own folder may lean on every room that asks it; nobody but the register looks into it.
 VEHICLES = ("vehicles/arducopter", "vehicles/px4_multicopter")
-_ASKING = {"forecast/timing", "forecast/tube", "simulator", "link", "logs"}
+_ASKING = {"forecast/timing", "forecast/deviation", "simulator", "link", "logs"}
 for vehicle in VEHICLES:
     MAY_IMPORT[vehicle] = {"compiled", "forecast/itinerary", "mission", *_MISSION, *_ASKING}
 _BELOW_THE_REPORT = set(MAY_IMPORT) - {"logs/learn", "simulator", "optimize", "maps", *VEHICLES}

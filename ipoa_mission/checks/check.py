@@ -18,8 +18,8 @@ from ipoa_mission.rules import expect_ignorable
 from ipoa_mission.vehicles.mav_types import NO_AIRCRAFT
 
 if TYPE_CHECKING:
+    from ipoa_mission.forecast.deviation.promise import Promise
     from ipoa_mission.forecast.forecast import Forecast
-    from ipoa_mission.forecast.tube.promise import Promise
     from ipoa_mission.scenario import Scenario
 
 

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 from ipoa_mission.checks.finding import item_of
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.forecast.tube.measured import not_measured
-from ipoa_mission.forecast.tube.promise import Kept, Promise
+from ipoa_mission.forecast.deviation.measured_law import not_measured
+from ipoa_mission.forecast.deviation.promise import Kept, Promise
 from ipoa_mission.mission.items import Mission
 
 NEAR = {"obstacles": "to {}", "ground": "above the ground", "ceiling": "above the ground", "bounds": "inside {}"}

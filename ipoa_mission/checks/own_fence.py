@@ -6,9 +6,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from ipoa_mission.checks.finding import item_of, leg_name
+from ipoa_mission.forecast.deviation.measured_law import law_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.legs import Leg, Phase
-from ipoa_mission.forecast.tube.measured import law_of
 from ipoa_mission.geometry import Vector
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.own_fence import FenceLimit, OwnFence

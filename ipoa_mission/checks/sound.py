@@ -13,7 +13,7 @@ from ipoa_mission.mission.commands import TAKEOFFS
 from ipoa_mission.mission.items import LEFT_OUT
 
 if TYPE_CHECKING:
-    from ipoa_mission.forecast.tube.promise import Promise
+    from ipoa_mission.forecast.deviation.promise import Promise
 
 
 def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | None:

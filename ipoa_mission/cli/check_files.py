@@ -19,7 +19,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.unread import unread_as_json
 
 if TYPE_CHECKING:
-    from ipoa_mission.forecast.tube.promise import Promise
+    from ipoa_mission.forecast.deviation.promise import Promise
     from ipoa_mission.scenario import Scenario
 
 

@@ -5,9 +5,9 @@ from pathlib import Path
 
 from ipoa_mission.cli.output import tell, tell_table
 from ipoa_mission.flight.flight import Flight
+from ipoa_mission.forecast.deviation.promise import Promise
 from ipoa_mission.forecast.energy import budget_of
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.tube.promise import Promise
 from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST
 from ipoa_mission.wind import Wind
 

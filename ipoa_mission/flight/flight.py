@@ -26,11 +26,11 @@ from ipoa_mission.flight.summary import (
     route_summary,
 )
 from ipoa_mission.flight.written import write_files
+from ipoa_mission.forecast.deviation.promise import Promise
 from ipoa_mission.forecast.energy import Budget, budget_of, refusal_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.qgroundcontrol import COUNTS
-from ipoa_mission.forecast.tube.promise import Promise
 from ipoa_mission.mission.about_file import KEY
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import landing_height

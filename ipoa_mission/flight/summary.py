@@ -10,9 +10,9 @@ if TYPE_CHECKING:  # `check` and `estimate` tell some of it, and do without what
     from collections.abc import Iterable
 
     from ipoa_mission.finding import Finding
+    from ipoa_mission.forecast.deviation.promise import Kept, Promise
     from ipoa_mission.forecast.energy import Budget
     from ipoa_mission.forecast.timing.estimate import Estimate
-    from ipoa_mission.forecast.tube.promise import Kept, Promise
     from ipoa_mission.planning.proof import Proof
     from ipoa_mission.routing.assemble import Option
     from ipoa_mission.scenario import Scenario

@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.deviation.kept_limits import deviation_bound_of
+from ipoa_mission.forecast.deviation.law import DeviationLaw
+from ipoa_mission.forecast.deviation.measured_law import law_of
+from ipoa_mission.forecast.deviation.pieces import pieces_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import ItemTime
-from ipoa_mission.forecast.tube.law import DeviationLaw
-from ipoa_mission.forecast.tube.limits import rim_of
-from ipoa_mission.forecast.tube.measured import law_of
-from ipoa_mission.forecast.tube.pieces import pieces_of
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.mission.commands import ENDINGS, FLOWN_TO, TAKEOFFS, Command, Frame, plain_frame
 from ipoa_mission.world.frame import Geodetic
@@ -219,7 +219,7 @@ class ConformanceMonitor:
 
     def _width(self, law: DeviationLaw) -> Vector:
         """Return how far the tube reaches to the side, down and up in a straight flight (3,) [m]."""
-        rim = rim_of(law, self._chance)
+        rim = deviation_bound_of(law, self._chance)
         return np.array([law.beside(self._chance), rim.down, rim.up])
 
     def _corridor(self) -> tuple[Vector, Points, Points]:

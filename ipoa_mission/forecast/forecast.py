@@ -23,9 +23,9 @@ from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import Ground
 
 if TYPE_CHECKING:  # what times a flight, or proves it, is imported where it is asked for
+    from ipoa_mission.forecast.deviation.promise import Promise
     from ipoa_mission.forecast.timing.estimate import Estimate
     from ipoa_mission.forecast.timing.prediction import Prediction
-    from ipoa_mission.forecast.tube.promise import Promise
     from ipoa_mission.planning.proof import Proof
     from ipoa_mission.scenario import Scenario
     from ipoa_mission.vehicles.energy.flight import Consumption
@@ -224,7 +224,7 @@ class Forecast:
     @cached_property
     def promise(self) -> "Promise":
         """What its flights keep of the scenario's limits; raises as `predicted` does, and where its way is unknown."""
-        from ipoa_mission.forecast.tube.promise import PredictedFlight, promise_of
+        from ipoa_mission.forecast.deviation.promise import PredictedFlight, promise_of
 
         for unknown in self.unknown:
             raise MissionError(

@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import rally_places
 from ipoa_mission.forecast.return_routes import WHERE, ReturnRoutes
 from ipoa_mission.forecast.stops import Stops, stops_of
-from ipoa_mission.forecast.tube.room import with_room
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.planning.path_problem import PathTask

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ipoa_mission.forecast.deviation.measured_law import law_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.looks import BRAKES, CLIMBS, EVERY_S, GROUND, RETURNS, EndingLooks, EndingWays
-from ipoa_mission.forecast.tube.measured import law_of
 from ipoa_mission.vehicles.ending import Ending
 
 HEIGHT_STEP, HIGHEST = 5, 500  # return altitudes are of every so many meters, up to [m] above home

@@ -31,7 +31,7 @@ from ipoa_mission.report.panels.planned import limits_table, search_panel
 from ipoa_mission.report.panels.profile import distance_profile, height_profile, profile_legend, speed_profile
 from ipoa_mission.report.panels.strip import endings_strip
 from ipoa_mission.report.scene import page_data
-from ipoa_mission.report.seen import dangers, follow, tube_of
+from ipoa_mission.report.seen import dangers, deviation_bound_seen, follow
 from ipoa_mission.report.stops import stops
 from ipoa_mission.report.ways_home import ways_home
 from ipoa_mission.scenario import Scenario
@@ -93,7 +93,7 @@ def report_html(
     danger = dangers(course, scenario)
     extent = extent_of(places, course.points, *([] if flown is None else [flown.points]))
     comparison = None if flight is None else compare_flight(estimate, flight)
-    tube = tube_of(forecast)
+    tube = deviation_bound_seen(forecast)
     home = ways_home(forecast)
     parts = {
         "title": escape(scenario.name),

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.forecast.tube.limits import Rim
+from ipoa_mission.forecast.deviation.kept_limits import DeviationBound
 from ipoa_mission.geometry import Points, arc_lengths
 from ipoa_mission.report.extent import Extent
 from ipoa_mission.report.ground_mesh import ground_mesh_over
@@ -41,7 +41,7 @@ def page_data(
     course: Seen,
     stops: Sequence[FlownItem],
     flown: Seen | None,
-    tube: Rim,
+    tube: DeviationBound,
     home: Sequence[Mapping[str, Any]] = (),
 ) -> str:
     """JSON that is safe inside an HTML script element."""
@@ -63,7 +63,7 @@ def page_data(
     return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
 
 
-def _hoops(points: Points, tube: Rim) -> list[Any]:
+def _hoops(points: Points, tube: DeviationBound) -> list[Any]:
     """Closed lines round the path, a few meters apart: where flights are."""
     if tube.level <= 0.0:
         return []

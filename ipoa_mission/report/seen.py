@@ -7,10 +7,10 @@ import numpy as np
 import shapely
 
 from ipoa_mission.centimeters import down, falls_short, up
+from ipoa_mission.forecast.deviation.kept_limits import NO_TUBE, DeviationBound, deviation_bound_of
+from ipoa_mission.forecast.deviation.measured_law import law_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.track import Track
-from ipoa_mission.forecast.tube.limits import NO_TUBE, Rim, rim_of
-from ipoa_mission.forecast.tube.measured import law_of
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
@@ -54,11 +54,15 @@ def follow(track: Track, airspace: Airspace, samples: int = SAMPLES) -> Seen:
     )
 
 
-def tube_of(forecast: Forecast) -> Rim:
+def deviation_bound_seen(forecast: Forecast) -> DeviationBound:
     """How far from the predicted path as many flights are as the scenario asks for."""
     scenario = forecast.world
     chance = scenario.safety.chance
-    return NO_TUBE if chance is None else rim_of(law_of(forecast.mission.autopilot, scenario.wind.strongest), chance)
+    return (
+        NO_TUBE
+        if chance is None
+        else deviation_bound_of(law_of(forecast.mission.autopilot, scenario.wind.strongest), chance)
+    )
 
 
 def outline_round(points: Points, level: float) -> list[Points]:

@@ -5,13 +5,13 @@ from functools import cached_property
 
 import numpy as np
 
+from ipoa_mission.forecast.deviation.pieces import pieces_of
+from ipoa_mission.forecast.deviation.promise import Promise, deviation_bound_holds
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.legs import join
 from ipoa_mission.forecast.shortfalls import Shortfall
 from ipoa_mission.forecast.timing.route import kinematics
 from ipoa_mission.forecast.timing.track import Track, thinned
-from ipoa_mission.forecast.tube.pieces import pieces_of
-from ipoa_mission.forecast.tube.promise import Promise, tube_holds
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof, prove
@@ -152,7 +152,7 @@ class Flown:
     def keeps_limits(self) -> bool:
         """Whether the predicted path keeps clearance, ground and bounds, and the tube round it as often as it must."""
         scenario = self.attempt.scenario
-        return tube_holds(pieces_of(self.track), scenario.vehicle.autopilot, scenario)
+        return deviation_bound_holds(pieces_of(self.track), scenario.vehicle.autopilot, scenario)
 
 
 def _flown(attempt: Attempt, forecast: Forecast, sure: bool) -> Flown:

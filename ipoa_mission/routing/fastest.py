@@ -11,7 +11,7 @@ from heapq import heapify, heappop, heappush
 
 import numpy as np
 
-from ipoa_mission.forecast.tube.room import with_room
+from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.geometry import Points, leg_lengths
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.plan import Plan

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ipoa_mission.forecast.deviation.kept_limits import DeviationBound
+from ipoa_mission.forecast.deviation.room import grown, shrunk
 from ipoa_mission.forecast.shortfalls import Shortfall
-from ipoa_mission.forecast.tube.limits import Rim
-from ipoa_mission.forecast.tube.room import grown, shrunk
 from ipoa_mission.geometry import Vector
 from ipoa_mission.planning.path_problem import PathProblem, PathTask, problem_of
 from ipoa_mission.routing.attempt import Attempt
@@ -19,7 +19,7 @@ MORE = 1.15  # times what is missing
 A_LITTLE = 0.03  # and so much [m]
 AS_NEAR = 0.3  # an obstacle is moved away from that is farther than the nearest by what is missing and so much [m]
 LOOK_EVERY = 0.5  # along a curve [m]
-EVEN = Rim(1.0, 1.0, 1.0)  # as far up and down as to the sides
+EVEN = DeviationBound(1.0, 1.0, 1.0)  # as far up and down as to the sides
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +73,7 @@ class Needs:
                 strict=True,
             )
         )
-        inside = Rim(self.inside, self.inside, self.inside)
+        inside = DeviationBound(self.inside, self.inside, self.inside)
         bounds = shrunk(air.bounds, scenario.places, inside) if self.inside else air.bounds
         return problem_of(roomy).tightened(self.above, self.below, Airspace(bounds, air.terrain, bodies))
 

@@ -5,11 +5,11 @@ from itertools import pairwise
 
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.deviation.approach import USUAL_CHANCE
+from ipoa_mission.forecast.deviation.law import DeviationLaw
+from ipoa_mission.forecast.deviation.measured_law import law_of
+from ipoa_mission.forecast.deviation.tight_places import tight_places
 from ipoa_mission.forecast.timing.track import STRAY
-from ipoa_mission.forecast.tube.approach import USUAL_CHANCE
-from ipoa_mission.forecast.tube.law import DeviationLaw
-from ipoa_mission.forecast.tube.measured import law_of
-from ipoa_mission.forecast.tube.places import tight_places
 from ipoa_mission.planning.plan_view import CLOSE, Closure, closure
 from ipoa_mission.planning.problem import prepare
 from ipoa_mission.scenario import Scenario

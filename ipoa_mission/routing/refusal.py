@@ -4,7 +4,7 @@ import numpy as np
 
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import Remedy
-from ipoa_mission.forecast.tube.promise import Kept
+from ipoa_mission.forecast.deviation.promise import Kept
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.changes import Looks

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from itertools import islice
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.forecast.tube.room import with_room
+from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.planning.obstruction import NotFound
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.plan import Plan

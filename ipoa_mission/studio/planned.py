@@ -7,6 +7,7 @@ import numpy as np
 
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.flight.flight import Flight
+from ipoa_mission.forecast.deviation.promise import Promise
 from ipoa_mission.forecast.energy import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.legs import item_places
@@ -14,7 +15,6 @@ from ipoa_mission.forecast.itinerary.program import as_flown
 from ipoa_mission.forecast.timing.bound import least_time
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.route import kinematics
-from ipoa_mission.forecast.tube.promise import Promise
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.words import item_words
@@ -79,7 +79,7 @@ def expected(forecast: Forecast, name: str, revision: int, took_s: float) -> ans
     kept = None if promise is None else promise.clearance
     budget = budget_of(forecast) if forecast.energy is not None else None
     left = None if budget is None else budget.left(budget.used.between)
-    rim = None if scenario is None or promise is None else seen.tube_of(forecast)
+    rim = None if scenario is None or promise is None else seen.deviation_bound_seen(forecast)
     ring = [] if rim is None else seen.outline_round(course.points, rim.level)
     near = () if scenario is None else _near_things(promise, course, scenario)
     return answers.Plan(

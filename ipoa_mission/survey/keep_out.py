@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import shapely
 
-from ipoa_mission.forecast.tube.limits import NO_TUBE, Rim, rim_of
-from ipoa_mission.forecast.tube.measured import law_of
+from ipoa_mission.forecast.deviation.kept_limits import NO_TUBE, DeviationBound, deviation_bound_of
+from ipoa_mission.forecast.deviation.measured_law import law_of
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.outline import wider
 from ipoa_mission.survey.sight import Sight
@@ -26,14 +26,14 @@ CORNERS = 16  # of a quarter of a circle round a corner
 SIMPLER, SIMPLER_M = 0.05, 0.25  # outlines are wider at corners by so much, of the spacing and at most, to have fewer
 
 
-def tube(scenario: Scenario) -> Rim:
+def tube(scenario: Scenario) -> DeviationBound:
     """How far flights lie beside their path where it is straight, at some tight places."""
     chance = scenario.safety.chance
     if chance is None:
         return NO_TUBE
     law = law_of(scenario.vehicle.autopilot, scenario.wind.speed)
-    rim = rim_of(law, chance)
-    return Rim(law.level.distance(chance / TIGHT_PLACES), rim.down, rim.up)
+    rim = deviation_bound_of(law, chance)
+    return DeviationBound(law.level.distance(chance / TIGHT_PLACES), rim.down, rim.up)
 
 
 def keep_out(scenario: Scenario, sight: Sight, growth: Mapping[str, float]) -> Any | None:
@@ -67,7 +67,7 @@ def _grown(body: Obstacle, by: float, most: float) -> Any:
     return wider(body.plan.buffer(by / math.cos(math.pi / 4 / CORNERS), quad_segs=CORNERS), most)
 
 
-def _is_passed(body: Obstacle, sight: Sight, ground: Ground, distance: float, rim: Rim) -> bool:
+def _is_passed(body: Obstacle, sight: Sight, ground: Ground, distance: float, rim: DeviationBound) -> bool:
     (west, south, base), (east, north, top) = body.bounds.tolist()
     reach = max(sight.across, sight.along) / 2 + distance + rim.level
     grid = np.meshgrid(np.linspace(west - reach, east + reach, LOOKS), np.linspace(south - reach, north + reach, LOOKS))

@@ -12,11 +12,11 @@ from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Finding
+from ipoa_mission.forecast.deviation.promise import Kept, Promise
 from ipoa_mission.forecast.energy import shortage_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.looks import EndingWays
 from ipoa_mission.forecast.timing.track import STRAY
-from ipoa_mission.forecast.tube.promise import Kept, Promise
 from ipoa_mission.geometry import Points
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.progress import Progress, silent

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
-from ipoa_mission.forecast.tube.room import with_room
+from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.planning.path_problem import PathProblem, problem_of
 from ipoa_mission.planning.planner import plan_path

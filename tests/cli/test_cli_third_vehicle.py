@@ -15,14 +15,14 @@ from typing import Any, ClassVar, cast
 import numpy as np
 import pytest
 
+from ipoa_mission.forecast.deviation.law import DeviationLaw
+from ipoa_mission.forecast.deviation.quantiles import Quantiles
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.itinerary.program import Program
 from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.forecast.timing.track import Track
-from ipoa_mission.forecast.tube.law import DeviationLaw
-from ipoa_mission.forecast.tube.spread import Quantiles
 from ipoa_mission.geometry import Vector
 from ipoa_mission.mission.commands import FLOWN_TO, Command
 from ipoa_mission.mission.items import Item, Mission

@@ -9,18 +9,18 @@ import numpy as np
 import pytest
 
 from ipoa_mission.flight.flight import plan_flight
-from ipoa_mission.forecast.tube.approach import approaches
-from ipoa_mission.forecast.tube.limits import NO_TUBE, limits_kept, rim_of
-from ipoa_mission.forecast.tube.measured import law_of, not_measured
-from ipoa_mission.forecast.tube.pieces import Pieces
-from ipoa_mission.forecast.tube.room import with_room
+from ipoa_mission.forecast.deviation.approach import approaches
+from ipoa_mission.forecast.deviation.kept_limits import NO_TUBE, deviation_bound_of, limits_kept
+from ipoa_mission.forecast.deviation.measured_law import law_of, not_measured
+from ipoa_mission.forecast.deviation.pieces import Pieces
+from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.planner import NoPath
 from ipoa_mission.progress import silent
 from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.px4_multicopter.tube import LAW as PX4
+from ipoa_mission.vehicles.px4_multicopter.deviation_law import LAW as PX4
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Sphere, box
@@ -121,7 +121,7 @@ def test_what_is_kept_agrees_with_flights_drawn_from_the_law(obstacle: Obstacle)
 def test_limits_lose_the_rim(scenario_of: Callable[[], Scenario]) -> None:
     scenario = scenario_of()
     path = np.array([[0.0, 0.0, 20.0], [100.0, 0.0, 20.0]])
-    rim = rim_of(PX4, 0.01)
+    rim = deviation_bound_of(PX4, 0.01)
     nominal = {check.limit: check.nearest.distance for check in limits_kept(path, scenario, NO_TUBE)}
     kept = {check.limit: check.nearest.distance for check in limits_kept(path, scenario, rim)}
     assert kept["ground"] == pytest.approx(nominal["ground"] - rim.down)
@@ -152,7 +152,7 @@ def test_over_steep_ground_the_path_needs_be_no_higher_than_a_share_of_what_the_
         "terrain": slope,
     }
     scenario = Scenario.model_validate(table)
-    least, rim = scenario.limits.height_above_ground, rim_of(PX4, 0.01)
+    least, rim = scenario.limits.height_above_ground, deviation_bound_of(PX4, 0.01)
     wanted = least + rim.down + 4.0 * rim.level
     assert with_room(scenario, 1.0).limits.height_above_ground == pytest.approx(wanted)
     assert with_room(scenario, 1.0, share=0.5).limits.height_above_ground == pytest.approx((least + 12.0) / 2)

@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ipoa_mission.forecast.deviation.pieces import Pieces, pieces_of
+from ipoa_mission.forecast.deviation.promise import PredictedFlight
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.tube.pieces import Pieces, pieces_of
-from ipoa_mission.forecast.tube.promise import PredictedFlight
 from ipoa_mission.geometry import Points
 from ipoa_mission.scenario import Scenario, read_scenario
 from tools import command_line

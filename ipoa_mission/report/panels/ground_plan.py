@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from contourpy import FillType, LineType, contour_generator
 
-from ipoa_mission.forecast.tube.limits import Rim
+from ipoa_mission.forecast.deviation.kept_limits import DeviationBound
 from ipoa_mission.geometry import Points
 from ipoa_mission.report.extent import Extent
 from ipoa_mission.report.ground_mesh import ground_mesh_over, round_step
@@ -30,7 +30,12 @@ TOOLS = (
 
 
 def ground_plan(
-    scenario: Scenario, extent: Extent, stops: Sequence[FlownItem], course: Seen, flown: Seen | None, tube: Rim
+    scenario: Scenario,
+    extent: Extent,
+    stops: Sequence[FlownItem],
+    course: Seen,
+    flown: Seen | None,
+    tube: DeviationBound,
 ) -> str:
     """The map of `extent` with north up; the tube is drawn as wide as it is to the sides of a straight flight."""
     airspace = scenario.airspace

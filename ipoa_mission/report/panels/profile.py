@@ -7,7 +7,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.forecast.tube.limits import Rim
+from ipoa_mission.forecast.deviation.kept_limits import DeviationBound
 from ipoa_mission.report.chart import Graph, GraphAxis, axis_over
 from ipoa_mission.report.seen import Seen
 from ipoa_mission.report.stops import FlownItem
@@ -25,7 +25,12 @@ def along_axis(course: Seen) -> GraphAxis:
 
 
 def height_profile(
-    course: Seen, airspace: Airspace, required: float, stops: Sequence[FlownItem], flown: Seen | None, tube: Rim
+    course: Seen,
+    airspace: Airspace,
+    required: float,
+    stops: Sequence[FlownItem],
+    flown: Seen | None,
+    tube: DeviationBound,
 ) -> str:
     """Heights over the distance on the ground, with the obstacles under and beside the path."""
     near = list(near_course(course, airspace, required))

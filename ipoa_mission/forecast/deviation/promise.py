@@ -8,15 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.centimeters import down, falls_short, goes_beyond, up
+from ipoa_mission.forecast.deviation.approach import approaches
+from ipoa_mission.forecast.deviation.kept_limits import NO_TUBE, DeviationBound, deviation_bound_of, limits_kept
+from ipoa_mission.forecast.deviation.law import DeviationLaw
+from ipoa_mission.forecast.deviation.measured_law import law_of
+from ipoa_mission.forecast.deviation.pieces import Pieces, pieces_of
+from ipoa_mission.forecast.deviation.tight_places import TightPlace, round_places, runs, tight_places
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.forecast.timing.track import STRAY, thinned
-from ipoa_mission.forecast.tube.approach import approaches
-from ipoa_mission.forecast.tube.law import DeviationLaw
-from ipoa_mission.forecast.tube.limits import NO_TUBE, Rim, limits_kept, rim_of
-from ipoa_mission.forecast.tube.measured import law_of
-from ipoa_mission.forecast.tube.pieces import Pieces, pieces_of
-from ipoa_mission.forecast.tube.places import TightPlace, round_places, runs, tight_places
 from ipoa_mission.mission.commands import ENDINGS, FLOWN_TO, TAKEOFFS, Command
 from ipoa_mission.planning.proof import Check
 from ipoa_mission.scenario import Scenario
@@ -113,7 +113,7 @@ class Promise:
         return tuple(kept for kept in self.broken if not kept.on_the_way)
 
 
-def tube_holds(flown: Pieces, autopilot: Autopilot, scenario: Scenario) -> bool:
+def deviation_bound_holds(flown: Pieces, autopilot: Autopilot, scenario: Scenario) -> bool:
     """Whether flights keep every limit on a path, as often as the scenario asks."""
     chance, law = scenario.safety.chance, law_of(autopilot, scenario.wind.strongest)
     required, airspace = up(scenario.limits.obstacle_distance), scenario.airspace
@@ -142,10 +142,10 @@ def _breaks(check: Check) -> bool:
     return falls_short(check.nearest.distance, check.required)
 
 
-def _rim(law: DeviationLaw, chance: float | None) -> Rim:
+def _rim(law: DeviationLaw, chance: float | None) -> DeviationBound:
     """The rim of the tube, and what the thinned path may be from the predicted one."""
-    rim = NO_TUBE if chance is None else rim_of(law, chance)
-    return Rim(rim.level + STRAY, rim.down + STRAY, rim.up + STRAY)
+    rim = NO_TUBE if chance is None else deviation_bound_of(law, chance)
+    return DeviationBound(rim.level + STRAY, rim.down + STRAY, rim.up + STRAY)
 
 
 def _tight(scenario: Scenario, law: DeviationLaw) -> tuple[TightPlace, ...]:
@@ -238,9 +238,11 @@ class PredictedFlight:
                 to, place = airspace.obstacles[body].name, (east, north, height)
         return Kept("obstacles", required, least, kept, to, self._item(part, place), place, name)
 
-    def _others(self, part: Pieces, rim: Rim) -> Iterator[Kept]:
+    def _others(self, part: Pieces, rim: DeviationBound) -> Iterator[Kept]:
         path = thinned(part.points)
-        nominal = {(c.limit, c.required): c for c in limits_kept(path, self.scenario, Rim(STRAY, STRAY, STRAY))}
+        nominal = {
+            (c.limit, c.required): c for c in limits_kept(path, self.scenario, DeviationBound(STRAY, STRAY, STRAY))
+        }
         for check in limits_kept(path, self.scenario, rim):
             meant = nominal.get((check.limit, check.required), check).nearest.distance
             found = check.nearest

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
-from ipoa_mission.forecast.tube.law import DeviationLaw
+from ipoa_mission.forecast.deviation.law import DeviationLaw
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.path_problem import problem_of
 from ipoa_mission.planning.proof import Check, prove_heights
@@ -32,7 +32,7 @@ BOUNDS = (
 
 
 @dataclass(frozen=True)
-class Rim:
+class DeviationBound:
     """How far the tube reaches to the side, down and up [m]."""
 
     level: float
@@ -40,23 +40,23 @@ class Rim:
     up: float
 
 
-NO_TUBE = Rim(0.0, 0.0, 0.0)
+NO_TUBE = DeviationBound(0.0, 0.0, 0.0)
 
 
-def rim_of(law: DeviationLaw, chance: float) -> Rim:
+def deviation_bound_of(law: DeviationLaw, chance: float) -> DeviationBound:
     """The rim beyond which a flight gets with at most this chance, in a straight flight."""
     heights = (1 - SHARE) * chance
-    return Rim(law.beside(SHARE * chance), law.lowest.distance(heights), law.highest.distance(heights))
+    return DeviationBound(law.beside(SHARE * chance), law.lowest.distance(heights), law.highest.distance(heights))
 
 
-def limits_kept(path: Points, scenario: Scenario, rim: Rim) -> Iterator[Check]:
+def limits_kept(path: Points, scenario: Scenario, rim: DeviationBound) -> Iterator[Check]:
     """Ground, ceiling and bounds, each with the least that the tube round a path (n, 3) keeps."""
     yield from _heights_kept(path, scenario, rim)
     if (bounds := _bounds_kept(path, scenario, rim)) is not None:
         yield bounds
 
 
-def _heights_kept(path: Points, scenario: Scenario, rim: Rim) -> Iterator[Check]:
+def _heights_kept(path: Points, scenario: Scenario, rim: DeviationBound) -> Iterator[Check]:
     """Round a place that lies lower than the tube allows, its own height is what the predicted path must keep."""
     higher, least = problem_of(scenario).tightened(rim.down), scenario.limits.height_above_ground
     sides = _sides(rim.level if scenario.airspace.terrain.steepness > 0 else 0.0)
@@ -68,7 +68,7 @@ def _heights_kept(path: Points, scenario: Scenario, rim: Rim) -> Iterator[Check]
             yield replace(check, nearest=check.nearest.less(rim.down), required=least)
 
 
-def _bounds_kept(path: Points, scenario: Scenario, rim: Rim) -> Check | None:
+def _bounds_kept(path: Points, scenario: Scenario, rim: DeviationBound) -> Check | None:
     bounds = scenario.airspace.bounds
     fixed = np.vstack([np.zeros(3), scenario.places])
     fixed = fixed[_inside(fixed, scenario, rim).min(axis=1) < 0]
@@ -91,7 +91,7 @@ def _bounds_kept(path: Points, scenario: Scenario, rim: Rim) -> Check | None:
     return Check("bounds", Clearance(least, (east, north, up), what), 0.0)
 
 
-def _inside(points: Points, scenario: Scenario, rim: Rim) -> Points:
+def _inside(points: Points, scenario: Scenario, rim: DeviationBound) -> Points:
     """What the tube at points (n, 3) leaves to each side of the box, (n, 6) [m]."""
     bounds = scenario.airspace.bounds
     lower = points - np.asarray(bounds.lower) - np.array([rim.level, rim.level, rim.down])

@@ -8,8 +8,8 @@ import numpy as np
 import shapely
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.forecast.tube.limits import Rim, rim_of
-from ipoa_mission.forecast.tube.measured import law_of
+from ipoa_mission.forecast.deviation.kept_limits import DeviationBound, deviation_bound_of
+from ipoa_mission.forecast.deviation.measured_law import law_of
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.path_problem import PathTask, problem_of
 from ipoa_mission.scenario import Scenario
@@ -29,10 +29,10 @@ def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False, share: 
     if chance is None:
         return scenario
     law = law_of(scenario.vehicle.autopilot, scenario.wind.strongest)
-    rim, level = rim_of(law, chance), law.level.distance(chance / tight)
+    rim, level = deviation_bound_of(law, chance), law.level.distance(chance / tight)
     airspace = scenario.airspace
     growth = np.full(len(airspace.obstacles), level)
-    bodies = grown(scenario, scenario, growth, Rim(level, rim.down, rim.up), keep_gaps)
+    bodies = grown(scenario, scenario, growth, DeviationBound(level, rim.down, rim.up), keep_gaps)
     slope = _usual_slope(airspace) * rim.level
     higher = max(rim.down, min(rim.down + slope, share * _spare_height(scenario)))
     world = Airspace(shrunk(airspace.bounds, scenario.places, rim), airspace.terrain, bodies)
@@ -45,7 +45,9 @@ def _spare_height(scenario: Scenario) -> float:
     return float(heights.min()) - scenario.limits.height_above_ground
 
 
-def grown(roomy: PathTask, task: PathTask, growth: Vector, shape: Rim, keep_gaps: bool) -> tuple[Obstacle, ...]:
+def grown(
+    roomy: PathTask, task: PathTask, growth: Vector, shape: DeviationBound, keep_gaps: bool
+) -> tuple[Obstacle, ...]:
     """The obstacles of a task, each larger by its `growth` (n,) [m] to the sides; up and down in proportion to `shape`.
 
     Where one may not grow, it is as in `roomy`.
@@ -73,7 +75,7 @@ def _keep_gaps_open(growth: Vector, bodies: tuple[Obstacle, ...], distance: floa
         np.minimum.at(growth, bodies_of, spare[open_])
 
 
-def shrunk(bounds: Bounds, fixed: Points, rim: Rim) -> Bounds:
+def shrunk(bounds: Bounds, fixed: Points, rim: DeviationBound) -> Bounds:
     """Bounds that leave the tube inside, but for sides that a given place (k, 3) is nearer to."""
     lower, upper = np.array(bounds.lower), np.array(bounds.upper)
     near = np.array([rim.level, rim.level, rim.down]), np.array([rim.level, rim.level, rim.up])
@@ -85,7 +87,7 @@ def shrunk(bounds: Bounds, fixed: Points, rim: Rim) -> Bounds:
         return bounds
 
 
-def _narrower(footprint: Polygon | None, fixed: Points, rim: Rim) -> Polygon | None:
+def _narrower(footprint: Polygon | None, fixed: Points, rim: DeviationBound) -> Polygon | None:
     """A flight area that leaves the tube inside, if it stays in one piece and the given places in it."""
     if footprint is None:
         return None

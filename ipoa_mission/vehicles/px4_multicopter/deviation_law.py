@@ -4,8 +4,8 @@ Speed does not drive it: a PX4 at 1.5 m/s lies as far beside its path as one at 
 believes of its own position.
 """
 
-from ipoa_mission.forecast.tube.law import DeviationLaw
-from ipoa_mission.forecast.tube.spread import Quantiles
+from ipoa_mission.forecast.deviation.law import DeviationLaw
+from ipoa_mission.forecast.deviation.quantiles import Quantiles
 
 LAW = DeviationLaw(
     level=Quantiles(

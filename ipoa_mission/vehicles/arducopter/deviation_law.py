@@ -1,7 +1,7 @@
 """The tube of ArduCopter as it was measured; docs/lab/kept.md has the flights."""
 
-from ipoa_mission.forecast.tube.law import DeviationLaw
-from ipoa_mission.forecast.tube.spread import Quantiles
+from ipoa_mission.forecast.deviation.law import DeviationLaw
+from ipoa_mission.forecast.deviation.quantiles import Quantiles
 
 LAW = DeviationLaw(
     level=Quantiles((-0.1, 0.0, 0.02, 0.04, 0.06, 0.12, 0.28, 0.5), (1.0, 0.5, 0.2, 0.1, 0.05, 0.01, 0.002, 0.0005)),

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ipoa_mission.forecast.tube.spread import Quantiles
+from ipoa_mission.forecast.deviation.quantiles import Quantiles
 from ipoa_mission.geometry import Vector
 
 A_FEW = 4  # moments that know nothing of each other, for which a flight is near to a limit that is no obstacle

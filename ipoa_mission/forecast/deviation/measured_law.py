@@ -1,6 +1,6 @@
 """What is told of an autopilot's tube: the law of its flights, and in what wind nothing measured stands behind it."""
 
-from ipoa_mission.forecast.tube.law import DeviationLaw
+from ipoa_mission.forecast.deviation.law import DeviationLaw
 from ipoa_mission.vehicles.autopilot import Autopilot
 
 
