@@ -6,11 +6,11 @@ import numpy as np
 
 from ipoa_mission.checks.failsafe_return import in_words
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.forecast.endings import lands_by_choice, to_return_instead, who_lands
+from ipoa_mission.forecast.contingencies import lands_by_choice, to_return_instead, who_lands
+from ipoa_mission.forecast.contingency_paths import GROUND, ContingencyPaths
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.looks import GROUND, EndingWays
 from ipoa_mission.planning.proof import Check
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 
 
 def check_failsafe_landing(forecast: Forecast) -> Iterator[Finding]:
@@ -20,14 +20,14 @@ def check_failsafe_landing(forecast: Forecast) -> Iterator[Finding]:
     """
     if not forecast.mission.items or not lands_by_choice(forecast):
         return
-    ways = forecast.once(EndingWays)
+    ways = forecast.cached(ContingencyPaths)
     if len(ways.stops().times) < 2:
         return
-    looks = ways.looks(Ending.LAND)
+    looks = ways.looks(Contingency.LAND)
     asked = np.flatnonzero(((looks.near < ways.required) & (looks.which != GROUND)).any(axis=(1, 2)))
     if len(asked):
         seqs = np.unique(ways.stops().seqs_at(looks.times[asked]))
         worst = asked[np.argmin(looks.spare[asked])]
-        kept = Check("obstacles", ways.exactly(Ending.LAND, looks, int(worst)), ways.required)
+        kept = Check("obstacles", ways.exactly(Contingency.LAND, looks, int(worst)), ways.required)
         words = f"{in_words(seqs.tolist())}: LAND on the way there, by {who_lands(forecast)}, comes down {kept.words()}"
         yield Finding("land-too-near", Severity.WARNING, int(seqs[0]), words, to_return_instead(forecast))

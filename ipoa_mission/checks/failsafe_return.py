@@ -9,11 +9,11 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ipoa_mission.finding import Finding, Severity
+from ipoa_mission.forecast.contingency_paths import GROUND, RETURNS, ContingencyPaths, ContingencySamples
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.looks import GROUND, RETURNS, EndingLooks, EndingWays
 from ipoa_mission.forecast.shortfalls import at_another_height, shortfalls
 from ipoa_mission.planning.proof import Check, prove_ground
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 
 ROUNDING = 0.02  # [m]
 #: Which legs of a return are told of together, and how; where it comes down is a leg of the mission's own.
@@ -24,13 +24,13 @@ def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
     """A warning where the vehicle, ordered home, would come nearer to something than the scenario allows."""
     if not forecast.mission.items:
         return
-    ways = forecast.once(EndingWays)
+    ways = forecast.cached(ContingencyPaths)
     if len(ways.stops().times) < 2:
         return
     if (why := ways.why_unknown()) is not None:
         yield Finding("return-too-near", Severity.WARNING, None, f"nobody looked where RTL from the way leads: {why}")
         return
-    looks = ways.looks(Ending.RTL)
+    looks = ways.looks(Contingency.RTL)
     begin, end = forecast.promise.flight.way
     asked = ~looks.clear & (looks.times >= begin) & (looks.times <= end)  # its own climb and return are legs
     near = np.where(looks.taken[..., None] & asked[:, None, None], looks.near - ways.required, 0.0)
@@ -46,7 +46,7 @@ def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
             yield Finding("return-too-near", Severity.WARNING, int(seqs[0]), words, hint)
 
 
-def _check(ways: EndingWays, looks: EndingLooks, n: int, legs: range) -> Check:
+def _check(ways: ContingencyPaths, looks: ContingencySamples, n: int, legs: range) -> Check:
     """What some legs of the ways from one look come nearest to breaking."""
     some = [way[legs.start : legs.stop + 1] for way in looks.ways[n][looks.taken[n]]]
     if GROUND in looks.which[n, :, legs.start : legs.stop]:
@@ -56,9 +56,12 @@ def _check(ways: EndingWays, looks: EndingLooks, n: int, legs: range) -> Check:
     return Check("obstacles", min(clearances, key=lambda clearance: clearance.distance), ways.required)
 
 
-def _remedy(ways: EndingWays) -> str | None:
+def _remedy(ways: ContingencyPaths) -> str | None:
     """A return altitude that is allowed, a multiple of five meters, at which the way home is clear from everywhere."""
-    by, short = ways.mission.autopilot.book.return_height, list(shortfalls(ways, Ending.RTL, ways.looks(Ending.RTL)))
+    by, short = (
+        ways.mission.autopilot.book.return_height,
+        list(shortfalls(ways, Contingency.RTL, ways.looks(Contingency.RTL))),
+    )
     higher, left = at_another_height(ways, ways.forecast, short)
     if any(one.part >= RETURNS for one in left):
         return None

@@ -84,7 +84,7 @@ class CheckedFile:
             about |= {"clearance": clearance_as_json(self.promise) or None, "passed_over": passed_over_as_json(world)}
             about["unread"] = unread_as_json(world.unread)
         if self.endings is not None:
-            from ipoa_mission.cli.ending import endings_as_json
+            from ipoa_mission.cli.contingency_output import endings_as_json
 
             about |= endings_as_json(*self.endings)
         if self.forecast.wind.strongest > 0:
@@ -131,9 +131,9 @@ def check_file(file: Path, how: How) -> CheckedFile:
     promise = None if world is None else promise_if_flown(forecast)
     endings: tuple[Any, Any] | None = None
     if how.endings:
-        from ipoa_mission.forecast.endings import Endings, failsafes_of
+        from ipoa_mission.forecast.contingencies import Contingencies, failsafes_of
 
-        endings = ((), ()) if promise is None else (forecast.once(Endings).all_rows(), failsafes_of(forecast))
+        endings = ((), ()) if promise is None else (forecast.cached(Contingencies).all_rows(), failsafes_of(forecast))
     messages = {finding.message for finding in findings}
     remarks = tuple(remark for remark in given.remarks if remark not in messages)
     remarks += () if world is None else tuple(remark for remark in world.remarks if remark not in messages)

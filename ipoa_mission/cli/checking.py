@@ -69,7 +69,7 @@ def check(
         if not as_json and not (is_one and wrong):
             tell(*found[-1].lines())
             if found[-1].endings is not None:
-                from ipoa_mission.cli.ending import tell_endings
+                from ipoa_mission.cli.contingency_output import tell_endings
 
                 tell_endings(*found[-1].endings)
             tell(found[-1].counts())

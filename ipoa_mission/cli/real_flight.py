@@ -15,7 +15,7 @@ from ipoa_mission.cli.vehicles import stages_shown
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.procedure import Stage, fly_forecast
 from ipoa_mission.forecast.conformance import Deviation
-from ipoa_mission.forecast.endings_now import EndingsNow
+from ipoa_mission.forecast.contingencies_now import ContingenciesNow
 from ipoa_mission.forecast.energy import ReserveNow, budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.logbook import FlightRecord
@@ -68,7 +68,7 @@ def fly_there(
     Raises:
         MissionError: it did not come to a flight, or the vehicle was lost; `known` has what is known of it.
     """
-    remarks, known = list[str](), list[EndingsNow]()
+    remarks, known = list[str](), list[ContingenciesNow]()
     try:
         record = fly_forecast(
             vehicle,
@@ -89,7 +89,7 @@ def fly_there(
 
 @contextmanager
 def _with_endings(
-    forecast: Forecast, vehicle: Vehicle, reserves: list[ReserveNow], known: list[EndingsNow], stage: Stage
+    forecast: Forecast, vehicle: Vehicle, reserves: list[ReserveNow], known: list[ContingenciesNow], stage: Stage
 ) -> Iterator[Progress]:
     """The stages as they are shown, and in flight what an ending would do at this second, as far as it is known.
 
@@ -100,7 +100,7 @@ def _with_endings(
         told = None
         if stage is Stage.READY and forecast.scenario is not None:
             with suppress(MissionError):
-                known.append(EndingsNow(forecast))
+                known.append(ContingenciesNow(forecast))
         if stage is Stage.FLIGHT and known:
             told = ToldEndings(forecast, vehicle, show, reserves, known[0])
             vehicle.overhearing = told.hear
@@ -114,7 +114,12 @@ class ToldEndings:
     """
 
     def __init__(
-        self, forecast: Forecast, vehicle: Vehicle, show: Progress, reserves: list[ReserveNow], endings: EndingsNow
+        self,
+        forecast: Forecast,
+        vehicle: Vehicle,
+        show: Progress,
+        reserves: list[ReserveNow],
+        endings: ContingenciesNow,
     ) -> None:
         self._now, self._frame, self._vehicle, self._show = endings, forecast.frame, vehicle, show
         self._done, self._words, self._told_s = 0.0, "", -math.inf

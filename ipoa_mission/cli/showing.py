@@ -122,11 +122,11 @@ def show(
     tell(f"{once}; {total}", *energy, *notes(remarks))
     if endings:
         from ipoa_mission.checks.sound import promise_if_flown
-        from ipoa_mission.cli.ending import tell_strip
-        from ipoa_mission.forecast.endings import Endings
+        from ipoa_mission.cli.contingency_output import tell_strip
+        from ipoa_mission.forecast.contingencies import Contingencies
 
         is_flown = promise_if_flown(forecast) is not None
-        tell_strip(forecast.once(Endings).all_rows(timed=False) if is_flown else ())
+        tell_strip(forecast.cached(Contingencies).all_rows(timed=False) if is_flown else ())
 
 
 def _detail(row: "Row") -> str:

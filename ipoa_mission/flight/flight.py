@@ -39,8 +39,8 @@ from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import Option, weigh_routes
-from ipoa_mission.routing.endings import planned_returns
 from ipoa_mission.routing.homeward import planned_way_home
+from ipoa_mission.routing.planned_returns import planned_returns
 from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
 from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.routing.slower import slowed_stretches

@@ -22,7 +22,7 @@ from ipoa_mission.mission.about_file import KEY
 from ipoa_mission.mission.landing_ground import landing_height
 from ipoa_mission.mission.waypoints_file import left_out
 from ipoa_mission.progress import Progress, silent
-from ipoa_mission.routing.endings import planned_returns
+from ipoa_mission.routing.planned_returns import planned_returns
 from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.explain import explained

@@ -11,7 +11,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel
 from ipoa_mission.scenario.budget import battery_of, flight_energy
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.vehicles.energy.flight import LIFTED, Battery, Consumption, Interval, NotEnoughBattery, shortage
 
 LOOKS = 12  # at so many times a return is reckoned at first
@@ -194,7 +194,7 @@ class Budget:
     def _short_from(self, time: float) -> NoReturn | None:
         seq = next((item.seq for item in self.forecast.estimate.items if item.done_s >= time), 0)
         try:
-            ended = flown_from(self.forecast, Ending.RTL, time).used
+            ended = flown_from(self.forecast, Contingency.RTL, time).used
         except MissionError as error:
             return NoReturn(time, seq, None, str(error))
         if ended is None or self.battery is None:
@@ -209,7 +209,7 @@ def budget_of(forecast: Forecast) -> Budget | None:
     Raises:
         MissionError: the vehicle has no model, or does not get on.
     """
-    return forecast.once(_budget)
+    return forecast.cached(_budget)
 
 
 def refusal_of(forecast: Forecast) -> NotEnoughBattery | None:
@@ -233,7 +233,7 @@ def _budget(forecast: Forecast) -> Budget | None:
     return None if used is None else Budget(forecast, used, battery_of(forecast.scenario))
 
 
-def flown_from(forecast: Forecast, ending: Ending, time: float) -> Taken:
+def flown_from(forecast: Forecast, ending: Contingency, time: float) -> Taken:
     """How long an RTL or LAND that is ordered at a time takes at least and at most [s], and what it takes.
 
     Raises:

@@ -99,14 +99,14 @@ class Forecast:
             return self
         return Forecast(replace(self.given, firmware_version=version), self.scenario, self.wind, self.left_out)
 
-    def once(self, make: "Callable[[Forecast], Made]", by: "Callable[[Forecast], Made] | None" = None) -> "Made":
+    def cached(self, make: "Callable[[Forecast], Made]", by: "Callable[[Forecast], Made] | None" = None) -> "Made":
         """What `make` makes of it, or `by` the same in less time, made when it is first asked for."""
         if make not in self._made:
             self._made[make] = (by or make)(self)
         made: Made = self._made[make]
         return made
 
-    def forget(self, make: "Callable[[Forecast], Any]") -> None:
+    def drop(self, make: "Callable[[Forecast], Any]") -> None:
         """Let go of what `make` has made of it, and of the pieces of the tube: large, and hardly asked for again."""
         self._made.pop(make, None)
         if "promise" in self.__dict__:

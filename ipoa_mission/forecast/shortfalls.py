@@ -6,10 +6,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ipoa_mission.forecast.contingency_paths import (
+    BRAKES,
+    CLIMBS,
+    EVERY_S,
+    GROUND,
+    RETURNS,
+    ContingencyPaths,
+    ContingencySamples,
+)
 from ipoa_mission.forecast.deviation.measured_law import law_of
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.looks import BRAKES, CLIMBS, EVERY_S, GROUND, RETURNS, EndingLooks, EndingWays
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 
 HEIGHT_STEP, HIGHEST = 5, 500  # return altitudes are of every so many meters, up to [m] above home
 MOST_TRIES = 8  # return altitudes
@@ -25,7 +33,7 @@ class Shortfall:
     `part` is the leg of its way; `overhead`: what is too near hangs over the vehicle as it climbs. The ground is "".
     """
 
-    ending: Ending
+    ending: Contingency
     time: float
     body: str
     missing: float
@@ -35,14 +43,16 @@ class Shortfall:
     @property
     def comes_down(self) -> bool:
         """Whether it lands on it, or too near to it."""
-        return self.ending is Ending.LAND and self.part > BRAKES
+        return self.ending is Contingency.LAND and self.part > BRAKES
 
 
-def returning(ways: EndingWays) -> list[Shortfall]:
+def returning(ways: ContingencyPaths) -> list[Shortfall]:
     """What RTL comes too near to; at first from few times, since one that is not clear is enough."""
     begin, end = ways.in_air
-    few = ways.at(Ending.RTL, np.linspace(begin, end, max(2, round((end - begin) / (2 * EVERY_S)))))
-    return list(shortfalls(ways, Ending.RTL, few)) or list(shortfalls(ways, Ending.RTL, ways.looks(Ending.RTL)))
+    few = ways.at(Contingency.RTL, np.linspace(begin, end, max(2, round((end - begin) / (2 * EVERY_S)))))
+    return list(shortfalls(ways, Contingency.RTL, few)) or list(
+        shortfalls(ways, Contingency.RTL, ways.looks(Contingency.RTL))
+    )
 
 
 def highest_return(forecast: Forecast) -> float:
@@ -68,7 +78,9 @@ def return_altitude(forecast: Forecast) -> float:
     return max(mission.autopilot.return_height(values, 0.0, FAR, up) for up in ups)
 
 
-def at_another_height(ways: EndingWays, forecast: Forecast, short: list[Shortfall]) -> tuple[Forecast, list[Shortfall]]:
+def at_another_height(
+    ways: ContingencyPaths, forecast: Forecast, short: list[Shortfall]
+) -> tuple[Forecast, list[Shortfall]]:
     """The lowest return altitude of those tried at which RTL is clear, else that which leaves the least to the path.
 
     None is higher than what is allowed; one that is, comes down.
@@ -100,7 +112,7 @@ def _merit(settled: tuple[Forecast, list[Shortfall]]) -> tuple[float, float]:
     return sum(one.missing for one in left if one.part >= RETURNS), sum(one.missing for one in left)
 
 
-def _heights(ways: EndingWays, short: list[Shortfall], now: float) -> Iterator[float]:
+def _heights(ways: ContingencyPaths, short: list[Shortfall], now: float) -> Iterator[float]:
     """Heights, of every five meters, over what is in the way, and under what hangs over it."""
     bodies = {body.name: body.bounds[:, 2] for body in ways.roomy.airspace.obstacles}
     required = ways.required + SAG
@@ -115,7 +127,7 @@ def _heights(ways: EndingWays, short: list[Shortfall], now: float) -> Iterator[f
         yield float(HEIGHT_STEP * math.ceil(min(over) / HEIGHT_STEP))
 
 
-def shortfalls(ways: EndingWays, ending: Ending, looks: EndingLooks) -> Iterator[Shortfall]:
+def shortfalls(ways: ContingencyPaths, ending: Contingency, looks: ContingencySamples) -> Iterator[Shortfall]:
     """What is too near, of each body and each leg of the ways to it the worst."""
     short = np.where(looks.taken[..., None] & ~looks.clear[:, None, None], looks.near - ways.required, 0.0)
     where = np.argwhere(short < 0.0)

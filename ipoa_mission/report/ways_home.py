@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from ipoa_mission.forecast.endings import Endings, endings_of
+from ipoa_mission.forecast.contingencies import Contingencies, contingencies_of
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 
 MOST = 150  # ways that a page holds: a flight of ten minutes has one for each four seconds
 CENTIMETERS = 2
@@ -18,12 +18,12 @@ def ways_home(forecast: Forecast) -> list[dict[str, Any]]:
     None where the vehicle has no such ending, or nobody knows where it leads. Of several ways that a return may take
     the first is shown.
     """
-    if forecast.promise_if_known is None or Ending.RTL not in endings_of(forecast):
+    if forecast.promise_if_known is None or Contingency.RTL not in contingencies_of(forecast):
         return []
-    endings = forecast.once(Endings)
+    endings = forecast.cached(Contingencies)
     if endings.ways.why_unknown() is not None:
         return []
-    looks = endings.looks(Ending.RTL)
+    looks = endings.looks(Contingency.RTL)
     shown = np.unique(np.linspace(0, len(looks.times) - 1, min(MOST, len(looks.times))).round().astype(int))
     return [
         {

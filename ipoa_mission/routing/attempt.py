@@ -16,7 +16,7 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof, prove
 from ipoa_mission.routing.build import build_mission, draft_mission, items_of_waypoints
-from ipoa_mission.routing.endings import settled
+from ipoa_mission.routing.planned_returns import settled
 from ipoa_mission.routing.resample import deviation
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario

@@ -5,11 +5,11 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from ipoa_mission.forecast.contingency_paths import GOAL_DOUBT, SEEN, ContingencyPaths
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.looks import GOAL_DOUBT, SEEN, EndingWays
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.commands import Command
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.world.frame import Geodetic
 
 MOST = 4  # rally points
@@ -20,7 +20,7 @@ SAMPLED = 60  # moments of the flight from which candidates are weighed
 APART = 12.0  # from home and from each other at least [m]: PX4 passes over those within 10 m of home
 
 
-def rally_sets(ways: EndingWays) -> Iterator[tuple[Geodetic, ...]]:
+def rally_sets(ways: ContingencyPaths) -> Iterator[tuple[Geodetic, ...]]:
     """One rally point, then one more, each the one that makes most returns clear; to be proved by who asks."""
     forecast = ways.forecast
     places = _with_room(ways, _places(forecast))
@@ -29,7 +29,7 @@ def rally_sets(ways: EndingWays) -> Iterator[tuple[Geodetic, ...]]:
     begin, end = ways.in_air
     times = np.linspace(begin, end, SAMPLED)
     stands = ways.stops().at(times)[1]
-    height = ways.at(Ending.RTL, times).ways[:, 0, 3, 2]
+    height = ways.at(Contingency.RTL, times).ways[:, 0, 3, 2]
     home = np.zeros(3)
     goals = np.vstack([home, places])
     clear = _clear(ways, stands, height, goals)
@@ -57,7 +57,7 @@ def _served(clear: NDArray[np.bool_], away: NDArray[np.float64], chosen: list[in
     return int((clear[:, chosen] | ~near).all(axis=1).sum())
 
 
-def _clear(ways: EndingWays, stands: Points, height: NDArray[np.float64], goals: Points) -> NDArray[np.bool_]:
+def _clear(ways: ContingencyPaths, stands: Points, height: NDArray[np.float64], goals: Points) -> NDArray[np.bool_]:
     """Whether level ways at these heights lead clear from over each place (n, 3) to over each goal (m, 3), (n, m)."""
     starts = np.repeat(np.column_stack([stands[:, :2], height]), len(goals), axis=0)
     ends = np.column_stack([np.tile(goals[:, :2], (len(stands), 1)), starts[:, 2]])
@@ -84,7 +84,7 @@ def _places(forecast: Forecast) -> Points:
     return np.column_stack([level, forecast.world.airspace.ground(level)])
 
 
-def _with_room(ways: EndingWays, places: Points) -> Points:
+def _with_room(ways: ContingencyPaths, places: Points) -> Points:
     """Those within the bounds with nothing over them or beside them as one comes down."""
     if not len(places):
         return places

@@ -8,8 +8,8 @@ from ipoa_mission.forecast.deviation.promise import Kept
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.changes import Looks
-from ipoa_mission.routing.endings import or_else, why_not_planned
 from ipoa_mission.routing.narrow import Narrow
+from ipoa_mission.routing.planned_returns import or_else, why_not_planned
 from ipoa_mission.scenario.limits import place_names
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle

@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, TypeAdapter
 
-from ipoa_mission.studio.ending_answers import StripOfEndings
+from ipoa_mission.studio.contingency_answers import StripOfEndings
 from ipoa_mission.studio.flight_answers import Heard, Landed, Loaded, Replay, Seen, State
 from ipoa_mission.studio.lobby_answers import Beginning, Elsewhere
 from ipoa_mission.studio.mission_answers import Checked, OpenMission

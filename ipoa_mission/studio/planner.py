@@ -26,8 +26,8 @@ from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.scenario.read import parse_toml, scenario_of
 from ipoa_mission.studio.answers import Progress, Sketch, Trouble, Written
 from ipoa_mission.studio.area_view import area_of
+from ipoa_mission.studio.contingency_strip import strips_of
 from ipoa_mission.studio.edits import apply_changes
-from ipoa_mission.studio.ending_strip import strips_of
 from ipoa_mission.studio.handed import HandedOver, mission_over, planned_over, survey_over
 from ipoa_mission.studio.harness import Answer, Job, Order, Subject, work
 from ipoa_mission.studio.judged import checked, mission_world, opened

@@ -12,7 +12,7 @@ import numpy as np
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.procedure import Stage
-from ipoa_mission.forecast.endings_now import EndingsNow
+from ipoa_mission.forecast.contingencies_now import ContingenciesNow
 from ipoa_mission.forecast.energy import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.logbook import FlightRecord
@@ -22,14 +22,14 @@ from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.studio.flight_answers import OrderThen, Reserve, Seen, State
 from ipoa_mission.studio.harness import Answer, Order
 from ipoa_mission.studio.vocabulary import InFlight
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.world.frame import Geodetic
 
 SEEN_EVERY_S = 0.2  # the vehicle's place is told no more often than this, by its own clock
 THEN_EVERY_S = 1.0  # what an order would do, no more often than this
 AWAY = 10.0  # so far from where it was to be nobody has looked at what an order would do [m]
 SAID = 6  # words of the vehicle that are kept
-ORDERED: dict[InFlight, Ending] = {"hold": Ending.HOLD, "rtl": Ending.RTL, "land": Ending.LAND}
+ORDERED: dict[InFlight, Contingency] = {"hold": Contingency.HOLD, "rtl": Contingency.RTL, "land": Contingency.LAND}
 OBEYED = {"rtl": "it returns, as ordered", "land": "it lands, as ordered"}
 NO_WORLD = "no scenario says what stands here"
 ELSEWHERE = "it is off its planned way: what an order does from here is not forecast"
@@ -52,11 +52,11 @@ class Watch:
     ) -> None:
         self._forecast, self._vehicle, self._answer = forecast, vehicle, answer
         self._speedup, self._beside = speedup, beside
-        self._endings: EndingsNow | None = None
+        self._endings: ContingenciesNow | None = None
         self._unknown = NO_WORLD if forecast.scenario is None else NO_MODEL
         if forecast.scenario is not None:
             with suppress(MissionError):
-                self._endings = EndingsNow(forecast, tuple(ORDERED.values()))
+                self._endings = ContingenciesNow(forecast, tuple(ORDERED.values()))
         self._budget = None if forecast.scenario is None else budget_of(forecast)
         self._expected = {item.seq - 1: item.done_s for item in forecast.estimate.items}
         self._then: tuple[tuple[OrderThen, ...], Reserve | None] = ((), None)
@@ -171,7 +171,7 @@ class Watch:
         if unknown:
             place = self._forecast.frame.local(Geodetic(at.latitude_deg, at.longitude_deg, at.altitude))
             velocity = np.array([at.velocity[1], at.velocity[0]])
-            here = (Ending.HOLD, Ending.LAND)
+            here = (Contingency.HOLD, Contingency.LAND)
             told = {ending: (self._endings.from_here(ending, place, velocity), None) for ending in here}
         for what in offered:
             if ORDERED[what] not in told:

@@ -16,7 +16,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.planning.proof import prove
-from ipoa_mission.routing.endings import or_else, settled, why_not_planned
+from ipoa_mission.routing.planned_returns import or_else, settled, why_not_planned
 from ipoa_mission.routing.route import NoRoute
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.other_home import at_start, between

@@ -12,10 +12,10 @@ from ipoa_mission.checks.check import check
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Finding
+from ipoa_mission.forecast.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.deviation.promise import Kept, Promise
 from ipoa_mission.forecast.energy import shortage_of
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.looks import EndingWays
 from ipoa_mission.forecast.timing.track import STRAY
 from ipoa_mission.geometry import Points
 from ipoa_mission.planning.obstruction import NoPath
@@ -174,7 +174,7 @@ def _too_near(forecasts: Sequence[Forecast]) -> list[tuple[Kept, Promise]]:
     near = list[tuple[Kept, Promise]]()
     for forecast in forecasts:
         near += [(kept, forecast.promise) for kept in forecast.promise.forbidding]
-        forecast.forget(EndingWays)
+        forecast.drop(ContingencyPaths)
     return near
 
 
@@ -217,7 +217,7 @@ def _checked(parts: Sequence[Sortie], forecasts: Sequence[Forecast]) -> tuple[Su
     flights = list[SurveyFlight]()
     for part, forecast in zip(parts, map(returning, forecasts), strict=True):
         findings = refuse_errors(check(forecast))
-        forecast.forget(EndingWays)  # of many hours they are large
+        forecast.drop(ContingencyPaths)  # of many hours they are large
         if (short := shortage_of(forecast)) is not None:
             raise short
         flights.append(SurveyFlight(part.tour, forecast, findings, part.start))

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from ipoa_mission.errors import NotModeled
 from ipoa_mission.vehicles.circle import FlownCircle
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.vehicles.failsafe import Failsafe, FailsafeRule, StationLoss
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables
 from ipoa_mission.vehicles.guidance_profile import GuidanceProfile, WaypointDefaults
@@ -129,11 +129,11 @@ class Autopilot(ABC):
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
         """The way straight on to a stop from `speed` (n,) [m/s], gaining `accel` (n,) [m/s^2], (n,) [m]."""
 
-    def flies_on(self, ending: Ending) -> float:
+    def flies_on(self, ending: Contingency) -> float:
         """For how long it flies on as before once an ending is ordered [s]; it lands and holds at once."""
-        return 0.0 if ending in (Ending.LAND, Ending.HOLD) else self.guidance.brakes_after
+        return 0.0 if ending in (Contingency.LAND, Contingency.HOLD) else self.guidance.brakes_after
 
-    def braking_way(self, parameters: Parameters, velocity: "Points", accel: "Points", ending: Ending) -> "Points":
+    def braking_way(self, parameters: Parameters, velocity: "Points", accel: "Points", ending: Contingency) -> "Points":
         """From where it then begins to brake to where that brings it, level, by velocity and acceleration, (n, 2)."""
         import numpy as np
 

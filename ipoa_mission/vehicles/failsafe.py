@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
-from ipoa_mission.vehicles.ending import Ending, FlightStage
+from ipoa_mission.vehicles.contingency import Contingency, FlightStage
 from ipoa_mission.vehicles.parameters import Parameters
 
 Series = tuple[int, int]
@@ -20,23 +20,23 @@ class FailsafeAction:
     `after_s`: for so long it first brakes and holds [s]. `since`: the first series that knows the value.
     """
 
-    ending: Ending
-    otherwise: tuple[Ending, ...] = ()
+    ending: Contingency
+    otherwise: tuple[Contingency, ...] = ()
     words: str = ""
     after_s: float = 0.0
     since: Series = (0, 0)
 
     def in_place(self) -> "FailsafeAction":
         """What is done where the ending is not to be had; nothing where nothing else is tried."""
-        first, *rest = self.otherwise or (Ending.CONTINUE,)
+        first, *rest = self.otherwise or (Contingency.CONTINUE,)
         return replace(self, ending=first, otherwise=tuple(rest), after_s=0.0)
 
     def __str__(self) -> str:
         return " or ".join((self.ending, *self.otherwise)) + (f" ({self.words})" if self.words else "")
 
 
-GOES_ON = FailsafeAction(Ending.CONTINUE)
-NO_NUMBER = FailsafeAction(Ending.UNKNOWN, words="the value is no number")
+GOES_ON = FailsafeAction(Contingency.CONTINUE)
+NO_NUMBER = FailsafeAction(Contingency.UNKNOWN, words="the value is no number")
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class FailsafeRule:
 
     def returns_at(self, series: Series) -> int | None:
         """The first value of the parameter at which the vehicle returns; None where it has none."""
-        values = (value for value, one in self.answers.items() if one.ending is Ending.RTL and one.since <= series)
+        values = (value for value, one in self.answers.items() if one.ending is Contingency.RTL and one.since <= series)
         return next(values, None)
 
 
@@ -98,7 +98,7 @@ class Failsafe:
     @property
     def lands_by_choice(self) -> bool:
         """Whether it lands where it is on the route, though with another value of its parameter it would return."""
-        return self.route.ending is Ending.LAND and self.returns_at is not None
+        return self.route.ending is Contingency.LAND and self.returns_at is not None
 
     def at(self, stage: FlightStage) -> FailsafeAction:
         """What follows in this stage of a mission."""
@@ -125,7 +125,7 @@ class StationLoss:
         if lost is None or lost.parameter not in parameters:
             return ""
         by = f"{lost.parameter} {lost.value:g}"
-        if lost.route.ending is Ending.CONTINUE:
+        if lost.route.ending is Contingency.CONTINUE:
             also = f", {lost.route.words}" if lost.route.words else ""
             return f"without its ground station the vehicle goes on ({by}{also})"
         first = next((int(parameters[name]) for name in self.heeds if name in parameters), station)
@@ -135,6 +135,6 @@ class StationLoss:
         return f"{seconds:g} s without its ground station lead to {lost.route} ({by})"
 
 
-def ordered(*endings: Ending) -> tuple[FailsafeRule, ...]:
+def ordered(*endings: Contingency) -> tuple[FailsafeRule, ...]:
     """A rule of each that can be ordered by hand."""
     return tuple(FailsafeRule(BY_HAND, "", math.nan, {}, FailsafeAction(ending)) for ending in endings)

@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 from ipoa_mission.checks.failsafe_return import check_failsafe_return
+from ipoa_mission.forecast.contingency_paths import RETURNS, ContingencyPaths
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.looks import RETURNS, EndingWays
-from ipoa_mission.forecast.stops import Stops
+from ipoa_mission.forecast.stopping_points import StoppingPoints
 from ipoa_mission.mission.items import land
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.routing.build import build_mission
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 
 FLOWN = list(csv.DictReader(Path(__file__).with_name("braked.csv").read_text().splitlines()))
 ROUND_THE_HALL = np.array([(0.0, 0.0, 20.0), (0.0, -40.0, 20.0), (100.0, -40.0, 20.0), (100.0, 0.0, 20.0)])
@@ -96,8 +96,8 @@ def test_items_from_which_it_is_not_clear_are_those_from_which_single_ways_are_n
     autopilot: Autopilot, height: float
 ) -> None:
     scenario = nominal(scene(autopilot, HALL.replace("45.0", str(height)), BALL.replace("50.0", "80.0")))
-    ways = EndingWays(flight_in(scenario))
-    looks = ways.looks(Ending.RTL)
+    ways = ContingencyPaths(flight_in(scenario))
+    looks = ways.looks(Contingency.RTL)
     single = [
         any(c.slack < -0.02 for way in ways_of for c in prove(way[:5], scenario).checks if c.limit == "obstacles")
         for ways_of in looks.ways
@@ -125,10 +125,10 @@ def test_a_hill_in_the_way_home_counts_as_well(autopilot: Autopilot) -> None:
 def test_px4_may_turn_home_anywhere_between_where_it_stood_and_where_it_was_ordered(autopilot: Autopilot) -> None:
     """The hall is beside the way home from where the vehicle stands, and in that from halfway back."""
     scenario = scene(autopilot, HALL)
-    ways = EndingWays(flight_in(scenario))
+    ways = ContingencyPaths(flight_in(scenario))
     places, stands = (np.array([[100.0, y, 20.0], [100.0, y - 0.1, 20.0]]) for y in (-20.0, -60.0))
-    ways._stops[Ending.RTL] = Stops(np.arange(2.0), places, stands, np.array([4, 4]))
-    returns = ways.at(Ending.RTL, np.arange(2.0)).near[:, :, RETURNS].min()
+    ways._stops[Contingency.RTL] = StoppingPoints(np.arange(2.0), places, stands, np.array([4, 4]))
+    returns = ways.at(Contingency.RTL, np.arange(2.0)).near[:, :, RETURNS].min()
     assert (returns < scenario.limits.obstacle_distance) == (autopilot is Autopilot.PX4)
 
 

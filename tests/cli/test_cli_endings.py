@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.cli.ending import CELLS, bar_of
-from ipoa_mission.forecast.endings import EndingRow, Endings
+from ipoa_mission.cli.contingency_output import CELLS, bar_of
+from ipoa_mission.forecast.contingencies import Contingencies, ContingencyRow
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.scenario import read_scenario
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 from tests.cli.conftest import Run
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -22,9 +22,9 @@ SITL = f"{MISSIONS}/sitl.plan --scenario {MISSIONS}/sitl.toml"
 
 
 def test_bars_and_words_are_the_rows_of_the_forecast(run: Run) -> None:
-    rows = Endings(Forecast(read_mission(MISSIONS / "sitl.plan"), read_scenario(MISSIONS / "sitl.toml"))).all_rows(
-        timed=False
-    )
+    rows = Contingencies(
+        Forecast(read_mission(MISSIONS / "sitl.plan"), read_scenario(MISSIONS / "sitl.toml"))
+    ).all_rows(timed=False)
     told, plain = run(f"show {SITL} --endings"), run(f"show {SITL}")
     assert (told.code, told.err) == (0, "")
     assert told.out.startswith(plain.out)
@@ -46,7 +46,7 @@ def test_bars_and_words_are_the_rows_of_the_forecast(run: Run) -> None:
 @pytest.mark.parametrize(("grade", "sign"), [(Grade.WOULD, "#"), (Grade.MAY, "+")])
 @pytest.mark.parametrize("begin", [0.0, 3.3, 47.7])
 def test_a_moment_that_is_not_clear_is_never_lost_in_a_bar(begin: float, grade: Grade, sign: str) -> None:
-    whole = EndingRow(Ending.LAND, 0.0, begin, Grade.CLEAR, 3.0, 2.5, "mast", "here")
+    whole = ContingencyRow(Contingency.LAND, 0.0, begin, Grade.CLEAR, 3.0, 2.5, "mast", "here")
     short = replace(whole, from_s=begin, to_s=begin + 0.01, grade=grade)
     bar = bar_of((whole, short, replace(whole, from_s=begin + 0.01, to_s=50.0)))
     assert bar.index(sign) == max(0, math.ceil(begin) - 1)

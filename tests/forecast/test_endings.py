@@ -16,14 +16,14 @@ from typer.testing import CliRunner
 from ipoa_mission import Forecast, plan_flight, read_mission, read_scenario
 from ipoa_mission.cli.app import app
 from ipoa_mission.errors import BadInput
-from ipoa_mission.forecast.endings import LOOKED_AT, EndingRow, Endings, endings_of
+from ipoa_mission.forecast.contingencies import LOOKED_AT, Contingencies, ContingencyRow, contingencies_of
+from ipoa_mission.forecast.contingency_paths import SEEN, ContingencyPaths
 from ipoa_mission.forecast.grades import Grade
-from ipoa_mission.forecast.looks import SEEN, EndingWays
 from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import FenceCircle, Item
 from ipoa_mission.vehicles.arducopter.braking import Shaping
 from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.vehicles.version import Version
 from tests.examples import examples
 
@@ -36,24 +36,24 @@ def forecast_of(name: str, **parameters: float) -> Forecast:
 
 
 @pytest.fixture(scope="module")
-def campus() -> Endings:
-    return Endings(forecast_of("campus"))
+def campus() -> Contingencies:
+    return Contingencies(forecast_of("campus"))
 
 
 @pytest.fixture(scope="module")
-def sitl() -> Endings:
-    return Endings(forecast_of("sitl", RTL_RETURN_ALT=30.0))  # as PX4 has it, not as was planned
+def sitl() -> Contingencies:
+    return Contingencies(forecast_of("sitl", RTL_RETURN_ALT=30.0))  # as PX4 has it, not as was planned
 
 
 @pytest.fixture(scope="module")
-def rows(campus: Endings) -> dict[Ending, tuple[EndingRow, ...]]:
+def rows(campus: Contingencies) -> dict[Contingency, tuple[ContingencyRow, ...]]:
     """The rows of the first example, worked out once for all who look into them."""
     return {ending: campus.rows(ending, timed=False) for ending in LOOKED_AT}
 
 
 @pytest.mark.parametrize("ending", LOOKED_AT)
 def test_every_second_in_the_air_is_in_some_row(
-    campus: Endings, rows: dict[Ending, tuple[EndingRow, ...]], ending: Ending
+    campus: Contingencies, rows: dict[Contingency, tuple[ContingencyRow, ...]], ending: Contingency
 ) -> None:
     told = rows[ending]
     assert all(one.to_s == other.from_s for one, other in pairwise(told))
@@ -61,8 +61,8 @@ def test_every_second_in_the_air_is_in_some_row(
     assert campus.forecast.estimate.total_s - told[-1].to_s < 6.0
 
 
-def test_the_first_example_comes_home_clear_from_every_second(campus: Endings) -> None:
-    (row,) = campus.rows(Ending.RTL)
+def test_the_first_example_comes_home_clear_from_every_second(campus: Contingencies) -> None:
+    (row,) = campus.rows(Contingency.RTL)
     assert row.clear
     assert row.goal == "home"
     assert row.duration_s is not None
@@ -75,61 +75,64 @@ def test_the_first_example_comes_home_clear_from_every_second(campus: Endings) -
 def test_a_flight_that_is_in_the_air_for_one_moment_has_its_endings_too() -> None:
     forecast = forecast_of("campus")
     grounded = replace(forecast.given, items=forecast.given.items[-1:])
-    rows = Endings(Forecast(grounded, forecast.scenario)).all_rows()
+    rows = Contingencies(Forecast(grounded, forecast.scenario)).all_rows()
     assert {row.ending for row in rows} == set(LOOKED_AT)
     assert len({time for row in rows for time in (row.from_s, row.to_s)}) == 1
 
 
-def test_land_where_it_is_may_be_on_a_roof(rows: dict[Ending, tuple[EndingRow, ...]]) -> None:
-    (over,) = (row for row in rows[Ending.LAND] if row.grade is Grade.WOULD)
+def test_land_where_it_is_may_be_on_a_roof(rows: dict[Contingency, tuple[ContingencyRow, ...]]) -> None:
+    (over,) = (row for row in rows[Contingency.LAND] if row.grade is Grade.WOULD)
     assert over.to == "auditorium"
     assert over.least_m < 0.0
 
 
-def test_a_return_through_a_mast_is_told_and_a_higher_one_is_clear(sitl: Endings) -> None:
-    row = next(row for row in sitl.rows(Ending.RTL, timed=False) if not row.clear)
+def test_a_return_through_a_mast_is_told_and_a_higher_one_is_clear(sitl: Contingencies) -> None:
+    row = next(row for row in sitl.rows(Contingency.RTL, timed=False) if not row.clear)
     assert (row.to, row.goal) == ("mast", "home")
-    high = Endings(forecast_of("sitl", RTL_RETURN_ALT=80.0))
-    unclear = [row for row in high.rows(Ending.RTL, timed=False) if not row.clear]
+    high = Contingencies(forecast_of("sitl", RTL_RETURN_ALT=80.0))
+    unclear = [row for row in high.rows(Contingency.RTL, timed=False) if not row.clear]
     # Where it brakes at a corner no height helps; and the flight may be early or late by two seconds.
     assert all(row.to_s - row.from_s < 3.0 + 2 * 2.5 for row in unclear)
 
 
-@pytest.mark.parametrize("ending", [Ending.RTL, Ending.LAND, Ending.SMART_RTL, Ending.HOLD])
-def test_one_second_is_told_of_as_its_row_is(sitl: Endings, ending: Ending) -> None:
+@pytest.mark.parametrize("ending", [Contingency.RTL, Contingency.LAND, Contingency.SMART_RTL, Contingency.HOLD])
+def test_one_second_is_told_of_as_its_row_is(sitl: Contingencies, ending: Contingency) -> None:
     for row in sitl.rows(ending, timed=False):
         one = sitl.at(ending, (row.from_s + row.to_s) / 2, timed=False)
         assert (one.grade, one.goal) == (row.grade, row.goal)
         assert one.least_m >= row.least_m - 0.01 or not row.clear  # times nearer than `NEAREST_S` are not looked at
 
 
-def test_what_is_not_clear_is_told_of_for_as_long_as_the_flight_may_be_late(campus: Endings) -> None:
-    unclear = [row for row in campus.rows(Ending.LAND, timed=False) if not row.clear]
+def test_what_is_not_clear_is_told_of_for_as_long_as_the_flight_may_be_late(campus: Contingencies) -> None:
+    unclear = [row for row in campus.rows(Contingency.LAND, timed=False) if not row.clear]
     assert [row.grade for row in unclear] == [Grade.MAY, Grade.WOULD, Grade.MAY]
-    found = campus.ways.looks(Ending.LAND)
+    found = campus.ways.looks(Contingency.LAND)
     looks = found.times[~found.clear]
     assert looks[0] - unclear[0].from_s >= 0.6
     assert unclear[-1].to_s - looks[-1] >= 0.6
     assert unclear[1].from_s == pytest.approx(looks[0], abs=0.5)
 
 
-def test_brake_flies_on_farther_than_a_return_does(campus: Endings) -> None:
+def test_brake_flies_on_farther_than_a_return_does(campus: Contingencies) -> None:
     """As read in ArduCopter's source, and flown: at 6 m/s 10.7 m against 8.2."""
     autopilot, level = campus.mission.autopilot, np.array([[5.9, 0.0]])
-    ways = [autopilot.braking_way({}, level, 0.0 * level, one)[0, 0] for one in (Ending.HOLD, Ending.RTL, Ending.LAND)]
+    ways = [
+        autopilot.braking_way({}, level, 0.0 * level, one)[0, 0]
+        for one in (Contingency.HOLD, Contingency.RTL, Contingency.LAND)
+    ]
     assert ways == pytest.approx([10.7, 8.2, 8.9], abs=0.25)
 
 
 @settings(max_examples=examples(20))
-@given(share=st.floats(0.0, 1.0), ending=st.sampled_from([Ending.RTL, Ending.LAND, Ending.HOLD]))
+@given(share=st.floats(0.0, 1.0), ending=st.sampled_from([Contingency.RTL, Contingency.LAND, Contingency.HOLD]))
 def test_what_is_told_to_be_clear_keeps_its_distance_by_another_geometry(
-    campus: Endings, rows: dict[Ending, tuple[EndingRow, ...]], share: float, ending: Ending
+    campus: Contingencies, rows: dict[Contingency, tuple[ContingencyRow, ...]], share: float, ending: Contingency
 ) -> None:
     times = campus.ways.stops(ending).times
     time = float(times[0] + share * (times[-1] - times[0]))
     row = next(row for row in rows[ending] if row.from_s <= time <= row.to_s)
     place, stand = (point[0] for point in campus.ways.stops(ending).at(np.array([time])))
-    way = {Ending.HOLD: [place, stand], Ending.LAND: [place, stand, np.array([*stand[:2], 0.0])]}.get(
+    way = {Contingency.HOLD: [place, stand], Contingency.LAND: [place, stand, np.array([*stand[:2], 0.0])]}.get(
         ending, [place, *campus.forecast.returns_from(stand[None])[0, 0]]
     )
     dense = np.vstack([np.linspace(a, b, 400) for a, b in pairwise(way)])
@@ -140,7 +143,7 @@ def test_what_is_told_to_be_clear_keeps_its_distance_by_another_geometry(
 @pytest.mark.parametrize("kind", [1.0, 3.0])
 def test_a_return_to_the_landing_is_not_called_clear(kind: float) -> None:
     """PX4 1.17 sinks all the way there: one that was flown went through a hangar."""
-    (row,) = Endings(forecast_of("sitl", RTL_TYPE=kind)).rows(Ending.RTL)
+    (row,) = Contingencies(forecast_of("sitl", RTL_TYPE=kind)).rows(Contingency.RTL)
     assert (row.clear, row.goal) == (False, "unknown")
     assert "sinks" in row.keeps
 
@@ -153,7 +156,7 @@ def test_a_return_round_fences_is_not_called_clear(parameters: dict[str, float])
     round_all = FenceCircle((home.latitude_deg, home.longitude_deg), 2000.0)
     held = (replace(one, params=(0.1, *one.params[1:])) for one in forecast.given.items)  # or 1.19 passes them
     fenced = replace(forecast.given, items=tuple(held), fence=(round_all,), firmware_version=Version(1, 19))
-    (row,) = Endings(Forecast(fenced, forecast.scenario)).rows(Ending.RTL)
+    (row,) = Contingencies(Forecast(fenced, forecast.scenario)).rows(Contingency.RTL)
     assert not row.clear
     assert math.isnan(row.least_m)
     assert row.goal == "unknown"
@@ -166,9 +169,9 @@ def test_a_return_round_fences_is_not_called_clear(parameters: dict[str, float])
         (4.0, "home", "the landing along the mission"),
     ],
 )
-def test_a_return_leads_along_the_mission_by_its_type(sitl: Endings, kind: float, first: str, last: str) -> None:
-    typed = Endings(forecast_of("sitl", RTL_TYPE=kind))
-    rows = typed.rows(Ending.RTL)
+def test_a_return_leads_along_the_mission_by_its_type(sitl: Contingencies, kind: float, first: str, last: str) -> None:
+    typed = Contingencies(forecast_of("sitl", RTL_TYPE=kind))
+    rows = typed.rows(Contingency.RTL)
     assert (rows[0].goal, rows[-1].goal) == (first, last)
     landing = typed.forecast.estimate.track.points[-1, :2]
     assert rows[-1].lands == pytest.approx(tuple(landing), abs=1.0)
@@ -176,7 +179,7 @@ def test_a_return_leads_along_the_mission_by_its_type(sitl: Endings, kind: float
 
 
 @pytest.mark.parametrize("kind", [0.0, 2.0, 4.0])
-def test_a_mission_that_ends_in_a_return_is_flown_by_its_type(sitl: Endings, kind: float) -> None:
+def test_a_mission_that_ends_in_a_return_is_flown_by_its_type(sitl: Contingencies, kind: float) -> None:
     """Back along the mission it comes to every waypoint once more, and down over home."""
     out = sitl.forecast.given
     items = (*out.items[:-1], Item(Command.NAV_RETURN_TO_LAUNCH, Frame.MISSION))
@@ -197,10 +200,10 @@ def test_a_mission_that_ends_in_a_return_is_flown_by_its_type(sitl: Endings, kin
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.8])
 def test_back_along_the_mission_it_keeps_what_the_way_out_kept(share: float) -> None:
     """By dense points of the way from waypoint to waypoint, which the forecast does not look at."""
-    back = Endings(forecast_of("sitl", RTL_TYPE=4.0))
+    back = Contingencies(forecast_of("sitl", RTL_TYPE=4.0))
     begin, end = back.ways.in_air
     time = begin + share * (end - begin)
-    looks = back.ways.at(Ending.RTL, np.array([time]))
+    looks = back.ways.at(Contingency.RTL, np.array([time]))
     way = looks.ways[0][looks.taken[0]][0]
     dense = np.vstack([np.linspace(a, b, 400) for a, b in pairwise(way)])
     nearest = back.ways.roomy.airspace.obstacle_distance(dense).min()
@@ -210,8 +213,8 @@ def test_back_along_the_mission_it_keeps_what_the_way_out_kept(share: float) -> 
 
 
 def test_over_a_hill_a_return_keeps_its_height_over_the_ground() -> None:
-    over = Endings(forecast_of("campus", RTL_ALT_TYPE=1.0))
-    looks = over.ways.at(Ending.RTL, np.array([sum(over.ways.in_air) / 2]))
+    over = Contingencies(forecast_of("campus", RTL_ALT_TYPE=1.0))
+    looks = over.ways.at(Contingency.RTL, np.array([sum(over.ways.in_air) / 2]))
     ways = looks.ways[0][looks.taken[0]][:, 3:-1]
     ground = over.forecast.world.airspace.ground(ways.reshape(-1, 3)).reshape(ways.shape[:2])
     assert np.ptp(ground[0]) > 1.0
@@ -221,16 +224,18 @@ def test_over_a_hill_a_return_keeps_its_height_over_the_ground() -> None:
     assert np.diff(np.sort(above[:, 0])).max() <= 2 * over.ways.required
     sunk = looks.ways.copy()
     sunk[0, ~looks.taken[0], :, 2] -= 100.0
-    low, same = (over.ways.lowest(Ending.RTL, one, 0).nearest.distance for one in (looks, replace(looks, ways=sunk)))
+    low, same = (
+        over.ways.lowest(Contingency.RTL, one, 0).nearest.distance for one in (looks, replace(looks, ways=sunk))
+    )
     assert same == low > 0.0  # a way that is not taken does not count
     level = {"RNGFND1_TYPE": 1.0}  # which may not see the ground: then it is as if it were over home
-    seeing = Endings(forecast_of("campus", RTL_ALT_TYPE=1.0, **level))
-    assert seeing.ways.at(Ending.RTL, np.array([20.0])).taken.sum() == looks.taken.sum() + 1
+    seeing = Contingencies(forecast_of("campus", RTL_ALT_TYPE=1.0, **level))
+    assert seeing.ways.at(Contingency.RTL, np.array([20.0])).taken.sum() == looks.taken.sum() + 1
 
 
 def test_who_waits_for_ever_lands_at_no_time() -> None:
     for endings in (forecast_of("sitl", RTL_LAND_DELAY=-1.0), forecast_of("campus", RTL_ALT_FINAL=500.0)):
-        assert all(row.duration_s is None for row in Endings(endings).rows(Ending.RTL))
+        assert all(row.duration_s is None for row in Contingencies(endings).rows(Contingency.RTL))
 
 
 def test_a_return_altitude_is_planned_for_a_clear_return(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -242,7 +247,7 @@ def test_a_return_altitude_is_planned_for_a_clear_return(tmp_path: Path, monkeyp
     flight = plan_flight(read_scenario(tmp_path / "planned.toml"), seed=0)
     assert flight.mission.parameters["RTL_ALT"] > 3000.0
     assert any("RTL is clear from every second" in remark for remark in flight.remarks)
-    assert all(row.clear for row in Endings(flight.forecast).rows(Ending.RTL, timed=False))
+    assert all(row.clear for row in Contingencies(flight.forecast).rows(Contingency.RTL, timed=False))
 
 
 @pytest.mark.parametrize(
@@ -257,13 +262,13 @@ def test_a_return_altitude_is_planned_for_a_clear_return(tmp_path: Path, monkeyp
 def test_an_ending_that_the_vehicle_does_not_have_is_not_listed(
     name: str, parameters: dict[str, float], endings: str
 ) -> None:
-    assert endings_of(forecast_of(name, **parameters)) == tuple(map(Ending, endings.split()))
+    assert contingencies_of(forecast_of(name, **parameters)) == tuple(map(Contingency, endings.split()))
 
 
 def test_a_vehicle_of_whose_failsafes_nothing_is_known_has_what_all_have(monkeypatch: pytest.MonkeyPatch) -> None:
     forecast = forecast_of("campus")
     monkeypatch.setattr(type(forecast.mission.autopilot), "failsafes", Autopilot.failsafes)
-    assert endings_of(forecast) == (Ending.RTL, Ending.LAND, Ending.HOLD)
+    assert contingencies_of(forecast) == (Contingency.RTL, Contingency.LAND, Contingency.HOLD)
 
 
 def test_check_tells_endings_and_what_leads_to_them() -> None:
@@ -293,7 +298,7 @@ def test_check_tells_endings_and_what_leads_to_them() -> None:
     ],
 )
 def test_a_row_says_in_words_what_is_in_the_way_and_where_it_leads(changed: dict[str, Any], words: str) -> None:
-    row = EndingRow(Ending.RTL, 3.0, 4.5, Grade.CLEAR, 2.478, 2.494, "mast", "home")
+    row = ContingencyRow(Contingency.RTL, 3.0, 4.5, Grade.CLEAR, 2.478, 2.494, "mast", "home")
     assert str(replace(row, **changed)).endswith(words)
 
 
@@ -302,14 +307,14 @@ def test_endings_depend_on_a_world() -> None:
     assert isinstance(ended.exception, BadInput)
 
 
-@pytest.mark.parametrize("ending", [Ending.RTL, Ending.LAND])
+@pytest.mark.parametrize("ending", [Contingency.RTL, Contingency.LAND])
 def test_looks_at_a_few_times_at_once_are_those_at_all(
-    sitl: Endings, ending: Ending, monkeypatch: pytest.MonkeyPatch
+    sitl: Contingencies, ending: Contingency, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     times = np.linspace(*sitl.ways.in_air, 50)
     whole = sitl.ways.at(ending, times)
-    monkeypatch.setattr("ipoa_mission.forecast.looks.AT_ONCE", 7)
-    parts = EndingWays(sitl.forecast).at(ending, times)
+    monkeypatch.setattr("ipoa_mission.forecast.contingency_paths.AT_ONCE", 7)
+    parts = ContingencyPaths(sitl.forecast).at(ending, times)
     for name in ("times", "ways", "taken", "near", "which", "spare"):
         assert np.array_equal(getattr(parts, name), getattr(whole, name))
 

@@ -12,12 +12,12 @@ import pytest
 from ipoa_mission import Forecast, read_mission, read_scenario
 from ipoa_mission.cli.real_flight import ToldEndings
 from ipoa_mission.flight.preflight import expect_charge
-from ipoa_mission.forecast.endings import Endings
-from ipoa_mission.forecast.endings_now import EndingsNow
+from ipoa_mission.forecast.contingencies import Contingencies
+from ipoa_mission.forecast.contingencies_now import ContingenciesNow
 from ipoa_mission.forecast.energy import ReserveNow, budget_of
 from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.telemetry import BatteryStatus, Position, SystemStatus
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 from tests.examples import some
 from tests.refused import refuses
 
@@ -44,14 +44,14 @@ def forecast(tmp_path_factory: pytest.TempPathFactory) -> Forecast:
 
 @pytest.mark.parametrize(("late", "share"), some(2, [(-5.0, 0.1), (5.0, 0.9), (0.0, 0.45), (5.0, 0.1), (-5.0, 0.9)]))
 def test_it_is_told_for_where_the_vehicle_is_though_it_is_late(forecast: Forecast, late: float, share: float) -> None:
-    endings, now = Endings(forecast), EndingsNow(forecast)
+    endings, now = Contingencies(forecast), ContingenciesNow(forecast)
     begin, end = endings.in_air
     time = begin + share * (end - begin)
     place = endings.stops().at(np.array([time]))[0][0]
     found, aside = now.time_at(place, time + late)
     assert aside < 1.0
     told = {row.ending: (row, seconds) for row, seconds in now.at(found)}
-    assert set(told) == {Ending.RTL, Ending.LAND}
+    assert set(told) == {Contingency.RTL, Contingency.LAND}
     for ending, (row, seconds) in told.items():
         assert row.from_s - 0.3 <= time <= row.to_s + 0.3
         lasts = endings.lasts(ending, time)
@@ -62,19 +62,22 @@ def test_it_is_told_for_where_the_vehicle_is_though_it_is_late(forecast: Forecas
 def test_how_long_it_takes_is_told_also_where_that_jumps() -> None:
     """A few seconds later the same flight climbs by 45 m before it returns: 37 s become 98."""
     forecast = Forecast(read_mission(MISSIONS / "campus.plan"), read_scenario(MISSIONS / "campus.toml"))
-    endings, now = forecast.once(Endings), EndingsNow(forecast)
+    endings, now = forecast.cached(Contingencies), ContingenciesNow(forecast)
     took = []
     for time in np.linspace(12.0, 26.0, 29):
-        lasts = endings.lasts(Ending.RTL, float(time))
+        lasts = endings.lasts(Contingency.RTL, float(time))
         assert lasts is not None
-        ((_, seconds),) = [told for told in now.at(float(time)) if told[0].ending is Ending.RTL]
+        ((_, seconds),) = [told for told in now.at(float(time)) if told[0].ending is Contingency.RTL]
         took.append(sum(lasts) / 2)
         assert seconds == pytest.approx(took[-1], abs=6.0)
     assert max(took) - min(took) > 40.0
 
 
 def test_one_that_is_held_for_long_is_looked_for_where_it_is(forecast: Forecast) -> None:
-    endings, now = Endings(forecast), EndingsNow(forecast, (Ending.HOLD, Ending.RTL, Ending.LAND))
+    endings, now = (
+        Contingencies(forecast),
+        ContingenciesNow(forecast, (Contingency.HOLD, Contingency.RTL, Contingency.LAND)),
+    )
     begin, end = endings.in_air
     times = np.arange(begin + 5.0, end - 5.0)
     held_s, at = 60.0, len(times) // 2
@@ -86,19 +89,19 @@ def test_one_that_is_held_for_long_is_looked_for_where_it_is(forecast: Forecast)
         assert aside < 1.0
     assert now.time_at(endings.stops().places[-1] + 300.0, clock[-1])[1] > 300.0  # it has been sent elsewhere
     assert [(row.ending, seconds is None) for row, seconds in now.at(float(times[at]))] == [
-        (Ending.HOLD, True),
-        (Ending.RTL, False),
-        (Ending.LAND, False),
+        (Contingency.HOLD, True),
+        (Contingency.RTL, False),
+        (Contingency.LAND, False),
     ]
 
 
 def test_the_command_line_tells_it_beside_what_is_done(forecast: Forecast) -> None:
-    endings, told, reserves = Endings(forecast), list[str](), list[ReserveNow]()
+    endings, told, reserves = Contingencies(forecast), list[str](), list[ReserveNow]()
     time = sum(endings.in_air) / 2
     there = forecast.frame.geodetic(endings.stops().at(np.array([time]))[0][0])
     record = SimpleNamespace(path=[SimpleNamespace(time_s=time)])
     vehicle: Any = SimpleNamespace(record=lambda: record, state=SimpleNamespace(in_air=True, battery_left=None))
-    teller = ToldEndings(forecast, vehicle, lambda _, words: told.append(words), reserves, EndingsNow(forecast))
+    teller = ToldEndings(forecast, vehicle, lambda _, words: told.append(words), reserves, ContingenciesNow(forecast))
     teller.show(0.5, "item 3 of 6")
     at = (there.latitude_deg, there.longitude_deg, there.altitude, 20.0)
     for later, left in ((0.0, None), (0.4, 0.8), (1.2, 0.8), (2.4, 0.8), (3.6, 0.2)):  # by the vehicle's clock

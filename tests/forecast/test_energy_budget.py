@@ -12,7 +12,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission, change_speed, land, takeoff, waypoint
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
 from ipoa_mission.wind import CALM, Wind
 
@@ -107,7 +107,7 @@ def test_a_return_takes_what_remains_of_a_flight_and_no_return_is_where_it_does_
 
 
 def _return(time: float) -> float:
-    used = flown_from(budget().forecast, Ending.RTL, time).used
+    used = flown_from(budget().forecast, Contingency.RTL, time).used
     assert used is not None
     return used.energy_wh
 

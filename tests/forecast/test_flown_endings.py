@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 
 from ipoa_mission import Forecast, read_mission, read_scenario
-from ipoa_mission.forecast.endings import Endings
+from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel
 from ipoa_mission.vehicles.autopilot import autopilot_named
-from ipoa_mission.vehicles.ending import Ending, FlightStage
+from ipoa_mission.vehicles.contingency import Contingency, FlightStage
 from ipoa_mission.vehicles.version import Version
 
 Row = dict[str, str]
@@ -36,20 +36,20 @@ LIKELY, FALSE_ALARMS = 20, 0.1  # so many are called not clear at least; so many
 SHORT = 10.0  # of shorter endings no share is counted [s]
 #: By which share times are off, in the median and in nine of ten.
 TIMES = {
-    ("ardupilot", Ending.RTL): (0.015, 0.03),
-    ("ardupilot", Ending.LAND): (0.01, 0.04),
-    ("px4", Ending.RTL): (0.025, 0.10),
-    ("px4", Ending.LAND): (0.07, 0.17),
+    ("ardupilot", Contingency.RTL): (0.015, 0.03),
+    ("ardupilot", Contingency.LAND): (0.01, 0.04),
+    ("px4", Contingency.RTL): (0.025, 0.10),
+    ("px4", Contingency.LAND): (0.07, 0.17),
 }
 WITHIN = 0.86  # the interval of nine in ten
 #: PX4's from this number on were flown later, with no look at how long they last: they are held against the interval.
 LATER, WITHIN_LATER = 1000, 0.8
 #: The same until the ground is touched, in the median; so many orders of each say it. Then it stands for so long.
 TOUCHES = [
-    ("ardupilot", Ending.RTL, 0.015),
-    ("ardupilot", Ending.LAND, 0.015),
-    ("px4", Ending.RTL, 0.03),
-    ("px4", Ending.LAND, 0.05),
+    ("ardupilot", Contingency.RTL, 0.015),
+    ("ardupilot", Contingency.LAND, 0.015),
+    ("px4", Contingency.RTL, 0.03),
+    ("px4", Contingency.LAND, 0.05),
 ]
 LEAST_TOUCHES, LEAST_STANDING = 9, 1.0  # the second in [s]
 OFF = {"ardupilot": (0.04, 1.5), "px4": (0.12, 6.0)}  # the most that one flight is, share or seconds
@@ -62,7 +62,7 @@ def flown(autopilot: str) -> list[Row]:
 def by_obstacles(autopilot: str) -> Iterator[tuple[Row, bool, bool]]:
     """Rows in which obstacles decide, whether they were called clear, and whether they kept what is required."""
     for row in flown(autopilot):
-        if row["ending"] in list(Ending) and math.isfinite(float(row["least"])) and row["to"] != "the ground":
+        if row["ending"] in list(Contingency) and math.isfinite(float(row["least"])) and row["to"] != "the ground":
             kept = float(row["flown_least"]) >= float(row["required"])
             yield row, row["clear"] == "True", kept
 
@@ -94,21 +94,21 @@ def test_what_is_not_clear_comes_nearer_and_most_of_what_comes_nearer_is_not_cle
 @pytest.mark.parametrize("autopilot", AUTOPILOTS)
 def test_no_planned_return_came_nearer_than_required(autopilot: str) -> None:
     planned = [(row, kept) for row, _, kept in by_obstacles(autopilot) if row["planned"] == "returns"]
-    returns = [(row, kept) for row, kept in planned if row["ending"] != Ending.LAND]
+    returns = [(row, kept) for row, kept in planned if row["ending"] != Contingency.LAND]
     assert len(returns) >= LEAST_PLANNED
     assert all(row["clear"] == "True" for row, _ in returns)
     assert [row["number"] for row, kept in returns if not kept] == []
 
 
-def timed(autopilot: str, ending: Ending) -> list[Row]:
+def timed(autopilot: str, ending: Contingency) -> list[Row]:
     """What was ordered, and of which a time was forecast."""
     ordered = (row for row in flown(autopilot) if row["ending"] == row["did"] == ending and not row["trigger"])
     return [row for row in ordered if math.isfinite(float(row["expected_s"]))]
 
 
 @pytest.mark.parametrize("autopilot", AUTOPILOTS)
-@pytest.mark.parametrize("ending", [Ending.RTL, Ending.LAND])
-def test_endings_last_as_long_as_expected(autopilot: str, ending: Ending) -> None:
+@pytest.mark.parametrize("ending", [Contingency.RTL, Contingency.LAND])
+def test_endings_last_as_long_as_expected(autopilot: str, ending: Contingency) -> None:
     rows = [row for row in timed(autopilot, ending) if int(row["number"]) < LATER]
     lasted, expected = (np.array([float(row[name]) for row in rows]) for name in ("flown_s", "expected_s"))
     off = np.abs(expected / lasted - 1.0)[lasted > SHORT]
@@ -118,8 +118,8 @@ def test_endings_last_as_long_as_expected(autopilot: str, ending: Ending) -> Non
 
 
 @pytest.mark.parametrize("autopilot", AUTOPILOTS)
-@pytest.mark.parametrize("ending", [Ending.RTL, Ending.LAND])
-def test_endings_last_as_long_as_their_intervals_say(autopilot: str, ending: Ending) -> None:
+@pytest.mark.parametrize("ending", [Contingency.RTL, Contingency.LAND])
+def test_endings_last_as_long_as_their_intervals_say(autopilot: str, ending: Contingency) -> None:
     rows = timed(autopilot, ending)
     within = [float(row["low_s"]) <= float(row["flown_s"]) <= float(row["high_s"]) for row in rows]
     later = [one for row, one in zip(rows, within, strict=True) if int(row["number"]) >= LATER]
@@ -128,7 +128,7 @@ def test_endings_last_as_long_as_their_intervals_say(autopilot: str, ending: End
 
 
 @pytest.mark.parametrize(("autopilot", "ending", "median"), TOUCHES)
-def test_the_ground_is_touched_when_it_was_forecast(autopilot: str, ending: Ending, median: float) -> None:
+def test_the_ground_is_touched_when_it_was_forecast(autopilot: str, ending: Contingency, median: float) -> None:
     """How long PX4 then stands there is its own affair: until it has disarmed the forecast is farther off."""
     rows = [row for row in timed(autopilot, ending) if math.isfinite(float(row["touched_s"]))]
     names = ("touch_low_s", "touch_expected_s", "touch_high_s", "touched_s", "flown_s")
@@ -151,12 +151,14 @@ def said_of(row: Row) -> str:
     if BOTH_AT_ONCE in route.words:  # so it was made to fall
         said = autopilot.failsafes({**parameters, "BATT_LOW_VOLT": 0.0}, version)
         route = next(one for one in said if one.cause == cause).at(stage)
-    if route.ending is Ending.LAND_START:  # none of the missions has one
+    if route.ending is Contingency.LAND_START:  # none of the missions has one
         return str(route.otherwise[0])
-    if route.ending is Ending.UNKNOWN:
+    if route.ending is Contingency.UNKNOWN:
         known = (does for words, does in HAS_NO_ENDING.items() if route.words.startswith(words))
         return next(known, None) or f"unknown or {route.otherwise[0]}"
-    may_land = route.words == FAR_OUTSIDE or (route.ending is Ending.CONTINUE and Ending.LAND in route.otherwise)
+    may_land = route.words == FAR_OUTSIDE or (
+        route.ending is Contingency.CONTINUE and Contingency.LAND in route.otherwise
+    )
     return f"{route.ending} or land" if may_land else str(route.ending)
 
 
@@ -179,11 +181,11 @@ def test_so_many_causes_were_made(autopilot: str, least: int) -> None:
 
 
 @cache
-def endings_of(mission: str) -> Endings:
+def contingencies_of(mission: str) -> Contingencies:
     path = MISSIONS / f"{mission}.plan"
     scenario = read_scenario(path.with_suffix(".toml"))
     flown = read_mission(path, scenario.vehicle.autopilot)
-    return Endings(Forecast(replace(flown, firmware_version=FLOWN_ON[str(flown.autopilot)]), scenario))
+    return Contingencies(Forecast(replace(flown, firmware_version=FLOWN_ON[str(flown.autopilot)]), scenario))
 
 
 def ordered_here() -> list[Row]:
@@ -193,7 +195,7 @@ def ordered_here() -> list[Row]:
 
 @pytest.mark.parametrize("row", ordered_here(), ids=lambda row: f"{row['mission']}-{row['number']}-{row['ending']}")
 def test_the_model_still_foretells_what_was_flown(row: Row) -> None:
-    endings, ending, second = endings_of(row["mission"]), Ending(row["ending"]), float(row["second"])
+    endings, ending, second = contingencies_of(row["mission"]), Contingency(row["ending"]), float(row["second"])
     second = float(np.clip(second, *endings.in_air))
     told = endings.at(ending, second, timed=False)
     if float(row["flown_least"]) < float(row["required"]):
@@ -201,7 +203,7 @@ def test_the_model_still_foretells_what_was_flown(row: Row) -> None:
     elif row["clear"] == "True":
         assert told.clear
     assert told.grade.name.lower() == (row["grade"] or told.grade.name.lower())
-    if ending in (Ending.RTL, Ending.LAND) and row["did"] == ending:
+    if ending in (Contingency.RTL, Contingency.LAND) and row["did"] == ending:
         mission, forecast = endings.mission, endings.forecast
         model, order = mission.autopilot.part(FlightModel), BrokenOff(second, ending)
         found = model.broken_off(forecast.itinerary, mission, forecast.wind, None, order)

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from ipoa_mission import read_mission, read_scenario
+from ipoa_mission.forecast.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.looks import EndingWays
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 
@@ -23,5 +23,5 @@ def test_a_return_keeps_the_same_whichever_autopilot_the_scenario_names(flies: A
         scenario.model_copy(update={"vehicle": scenario.vehicle.model_copy(update={"autopilot": one})})
         for one in (Autopilot.PX4, Autopilot.ARDUPILOT)
     ]
-    one, other = (Forecast(mission, world).once(EndingWays).looks(Ending.RTL) for world in worlds)
+    one, other = (Forecast(mission, world).cached(ContingencyPaths).looks(Contingency.RTL) for world in worlds)
     assert np.array_equal(one.spare, other.spare)

@@ -7,7 +7,7 @@ from html import unescape
 import numpy as np
 import pytest
 
-from ipoa_mission.forecast.endings import Endings
+from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.report.page import report_html
@@ -34,7 +34,7 @@ def strip_of(forecast: Forecast) -> tuple[Seen, list[tuple[str, ...]]]:
 @pytest.mark.parametrize("name", some(2, ["campus.toml", "sitl.toml", "downtown.toml"]))
 def test_the_bars_are_the_rows_of_the_forecast(forecast: Foreseen, name: str) -> None:
     _, ways = strip_of(forecast(name))
-    rows = {str(row): row for row in Endings(forecast(name)).all_rows(timed=False)}
+    rows = {str(row): row for row in Contingencies(forecast(name)).all_rows(timed=False)}
     assert sorted(unescape(title) for _, _, title, *_ in ways) == sorted(rows)
     for look, label, title, ending, begin, end, keeps, *_, words in ways:
         row = rows[unescape(title)]
@@ -55,7 +55,7 @@ def test_bars_lie_under_the_profile_where_the_vehicle_is_then(forecast: Foreseen
 
 
 def test_what_is_not_clear_stands_below_in_words(forecast: Foreseen) -> None:
-    unclear = [str(row) for row in Endings(forecast("sitl.toml")).all_rows(timed=False) if not row.clear]
+    unclear = [str(row) for row in Contingencies(forecast("sitl.toml")).all_rows(timed=False) if not row.clear]
     (listed,) = re.findall(r'<ul class="ways-not-clear">(.*?)</ul>', report_html(forecast("sitl.toml")))
     assert [unescape(line) for line in re.findall("<li>(.*?)</li>", listed)] == unclear != []
 

@@ -8,17 +8,17 @@ import pytest
 from ipoa_mission import plan_flight, read_mission
 from ipoa_mission.checks.check import check
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.forecast.endings import Endings
+from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.shortfalls import highest_return
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 from tests.examples import some
 from tests.quick_search import search_quickly
 
-PLANNED = (Ending.RTL, Ending.SMART_RTL, Ending.HOLD)
+PLANNED = (Contingency.RTL, Contingency.SMART_RTL, Contingency.HOLD)
 OF_RETURNS = {"return-too-near", "land-too-near", "outside-fence"}
 FENCE = "[[fence]]\ninclusion = false\npolygon = [[{0}, {1}], [{2}, {1}], [{2}, {3}], [{0}, {3}]]"
 
@@ -77,6 +77,6 @@ def test_what_is_planned_is_clear_by_the_check(
     told = check(forecast)
     own = {n for n, item in enumerate(forecast.mission.items, 1) if item.command == Command.NAV_RETURN_TO_LAUNCH}
     assert not [one for one in told if one.code in OF_RETURNS or (one.code == "leg-too-near" and one.seq in own)]
-    assert all(row.clear for ending in PLANNED for row in forecast.once(Endings).rows(ending, timed=False))
+    assert all(row.clear for ending in PLANNED for row in forecast.cached(Contingencies).rows(ending, timed=False))
     if scenario.geofence:
         assert all(leg.points[:, 2].max() <= highest_return(forecast) + 0.1 for leg in forecast.ways_home)

@@ -9,17 +9,17 @@ import shapely
 
 from ipoa_mission import plan_flight
 from ipoa_mission.flight.flight import Flight
-from ipoa_mission.forecast.endings import Endings
-from ipoa_mission.forecast.looks import RETURNS, EndingWays
+from ipoa_mission.forecast.contingencies import Contingencies
+from ipoa_mission.forecast.contingency_paths import RETURNS, ContingencyPaths
 from ipoa_mission.scenario import Scenario, parse_scenario, read_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 from tests.examples import vehicles
 from tests.quick_search import search_quickly
 from tests.refused import refuses
 
 MISSIONS = Path(__file__).parents[2] / "missions"
-PLANNED = (Ending.RTL, Ending.HOLD, Ending.SMART_RTL)
+PLANNED = (Contingency.RTL, Contingency.HOLD, Contingency.SMART_RTL)
 SLAB = 'kind = "box"\nname = "roof"\neast = 80.0\nnorth = 0.0\nbase = 40.0\nwidth = 40.0\ndepth = 40.0\nheight = 20.0'
 BALLOON = 'kind = "sphere"\nname = "balloon"\neast = 50.0\nnorth = 1.0\nup = 30.0\nradius = 8.0'
 WALL = 'kind = "box"\nname = "wall"\neast = 45.0\nnorth = 0.0\nwidth = 4.0\ndepth = 60.0\nheight = 90.0'
@@ -64,9 +64,9 @@ def towers(autopilot: Autopilot, seed: int) -> Scenario:
 
 def kept_by_dense_sampling(flight: Flight) -> float:
     """The least that returns from many seconds keep, looked at every few centimeters."""
-    ways = Endings(flight.forecast).ways
+    ways = Contingencies(flight.forecast).ways
     begin, end = ways.in_air
-    looks = ways.at(Ending.RTL, np.sort(np.random.default_rng(1).uniform(begin, end, 40)))
+    looks = ways.at(Contingency.RTL, np.sort(np.random.default_rng(1).uniform(begin, end, 40)))
     legs = [np.linspace(a, b, 150) for n, k in np.argwhere(looks.taken) for a, b in pairwise(looks.ways[n, k, :5])]
     return float(flight.scenario.airspace.obstacle_distance(np.vstack(legs)).min())
 
@@ -75,9 +75,9 @@ def kept_by_dense_sampling(flight: Flight) -> float:
 @pytest.mark.parametrize("seed", [1, pytest.param(4, marks=pytest.mark.long)])
 def test_among_towers_every_return_keeps_its_distance_by_another_geometry(autopilot: Autopilot, seed: int) -> None:
     flight = plan_flight(towers(autopilot, seed), seed=0)
-    assert all(row.clear for ending in PLANNED for row in Endings(flight.forecast).rows(ending, timed=False))
+    assert all(row.clear for ending in PLANNED for row in Contingencies(flight.forecast).rows(ending, timed=False))
     assert kept_by_dense_sampling(flight) >= flight.scenario.limits.obstacle_distance
-    lands = [row for row in Endings(flight.forecast).rows(Ending.LAND, timed=False) if not row.clear]
+    lands = [row for row in Contingencies(flight.forecast).rows(Contingency.LAND, timed=False) if not row.clear]
     told = [remark for remark in flight.remarks if remark.startswith("a failsafe that lands")]
     assert len(told) == bool(lands)
     assert all(row.to in told[0] or "more" in told[0] for row in lands)
@@ -87,7 +87,7 @@ def test_among_towers_every_return_keeps_its_distance_by_another_geometry(autopi
 def test_a_path_is_not_laid_under_what_hangs_over_it(autopilot: Autopilot) -> None:
     """RTL climbs: under a balloon it is laid aside, or so low a return is chosen that it does not come to it."""
     flight = plan_flight(scene(autopilot, BALLOON), seed=0)
-    assert all(row.clear for row in Endings(flight.forecast).rows(Ending.RTL, timed=False))
+    assert all(row.clear for row in Contingencies(flight.forecast).rows(Contingency.RTL, timed=False))
     assert kept_by_dense_sampling(flight) >= flight.scenario.limits.obstacle_distance
 
 
@@ -96,7 +96,7 @@ def test_where_no_altitude_within_the_bounds_helps_rally_points_are_planned(auto
     flight = plan_flight(scene(autopilot, WALL, top=70.0), seed=0)
     assert 1 <= len(flight.mission.rally) <= 2
     assert any("rally points" in remark for remark in flight.remarks)
-    assert all(row.clear for row in Endings(flight.forecast).rows(Ending.RTL, timed=False))
+    assert all(row.clear for row in Contingencies(flight.forecast).rows(Contingency.RTL, timed=False))
 
 
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
@@ -115,7 +115,7 @@ def test_a_way_home_that_no_altitude_clears_is_planned_as_the_way_out_is(autopil
     highest = {"px4": "RTL_RETURN_ALT = 30", "ardupilot": "RTL_ALT = 3000"}[str(autopilot)]
     flight = plan_flight(scene(autopilot, WALL, parameters=highest, top=70.0, ending="rtl"), seed=0)
     assert any("way home is planned" in remark for remark in flight.remarks)
-    assert all(row.clear for row in Endings(flight.forecast).rows(Ending.RTL, timed=False))
+    assert all(row.clear for row in Contingencies(flight.forecast).rows(Contingency.RTL, timed=False))
     assert flight.proof.holds
 
 
@@ -126,7 +126,7 @@ def test_a_return_leads_round_a_fence_that_has_no_top(autopilot: Autopilot) -> N
     fence = {"inclusion": False, "polygon": [[40, -30], [40, 8], [75, 8], [75, -30]]}
     scenario = Scenario.from_dict(text | {"fence": [fence]})
     flight = plan_flight(scenario, seed=0)
-    looks = EndingWays(flight.forecast).looks(Ending.RTL)
+    looks = ContingencyPaths(flight.forecast).looks(Contingency.RTL)
     keep_out = shapely.Polygon(fence["polygon"])
     for n, k in np.argwhere(looks.taken):
         way = looks.ways[n, k]
@@ -168,7 +168,7 @@ def test_a_corner_from_which_it_would_brake_into_something_is_laid_farther_away(
     warned, planned = (plan_flight(replaced(fast, returns), seed=7) for returns in ("warn", "planned"))
     brakes, stays = (
         np.where(looks.taken[..., None], looks.near, np.inf)[:, :, :RETURNS].min()
-        for looks in (EndingWays(flight.forecast).looks(Ending.RTL) for flight in (warned, planned))
+        for looks in (ContingencyPaths(flight.forecast).looks(Contingency.RTL) for flight in (warned, planned))
     )
     assert brakes < warned.scenario.limits.obstacle_distance <= stays
     assert planned.estimate.total_s < 1.06 * warned.estimate.total_s

@@ -8,10 +8,10 @@ import pytest
 
 from ipoa_mission import check_mission, plan_flight
 from ipoa_mission.flight.flight import Flight
-from ipoa_mission.forecast.endings import Endings
+from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 from tests.examples import some, vehicles
 from tests.quick_search import search_quickly
 from tests.refused import refuses
@@ -50,8 +50,8 @@ def over_a_roof(autopilot: Autopilot, parameters: str, wide: float = 40.0, retur
 
 def least_of_landings(flight: Flight) -> float:
     """What landings from many seconds keep of the roof, looked at every few centimeters."""
-    ways = Endings(flight.forecast).ways
-    looks = ways.at(Ending.LAND, np.linspace(*ways.in_air, 60))
+    ways = Contingencies(flight.forecast).ways
+    looks = ways.at(Contingency.LAND, np.linspace(*ways.in_air, 60))
     legs = [np.linspace(a, b, 200) for way in looks.ways[:, 0] for a, b in pairwise(way)]
     return float(flight.scenario.airspace.obstacle_distance(np.vstack(legs)).min())
 

@@ -9,14 +9,14 @@ import pytest
 pytest.importorskip("tomlkit")
 
 from ipoa_mission import Forecast, read_mission, read_scenario
-from ipoa_mission.forecast.endings import Endings
+from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.forecast.energy import budget_of
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.report.page import report_html
-from ipoa_mission.studio.ending_answers import StripCost, StripOfEndings
-from ipoa_mission.studio.ending_strip import strips_of
+from ipoa_mission.studio.contingency_answers import StripCost, StripOfEndings
+from ipoa_mission.studio.contingency_strip import strips_of
 from ipoa_mission.studio.planned import course_of
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 from tests.forecast.test_endings_now import BATTERY
 
 MISSIONS = Path(__file__).parents[2] / "missions"
@@ -39,7 +39,7 @@ def test_the_strip_has_the_rows_of_the_forecast_as_the_report_has(
 ) -> None:
     strip, page, course = strips[0], report_html(forecast), course_of(forecast)
     assert [(one.kind, one.revision, one.flight) for one in strips] == [("endings", 7, 2)] * 2
-    rows = Endings(forecast).all_rows(timed=False)
+    rows = Contingencies(forecast).all_rows(timed=False)
     stretches = [(bar.ending, one) for bar in strip.bars for one in bar.stretches]
     assert len(stretches) == len(rows) > len(strip.bars) == 3
     for (ending, one), row in zip(stretches, rows, strict=True):
@@ -59,11 +59,11 @@ def between(costs: tuple[StripCost, ...], time: float) -> list[float]:
     return [float(np.interp(time, [one.at_s for one in costs], column)) for column in zip(*shares, strict=True)]
 
 
-@pytest.mark.parametrize("ending", [Ending.RTL, Ending.LAND])
+@pytest.mark.parametrize("ending", [Contingency.RTL, Contingency.LAND])
 def test_what_an_ending_takes_lies_between_what_it_takes_before_and_after(
-    forecast: Forecast, strips: tuple[StripOfEndings, ...], ending: Ending
+    forecast: Forecast, strips: tuple[StripOfEndings, ...], ending: Contingency
 ) -> None:
-    endings, budget = Endings(forecast), budget_of(forecast)
+    endings, budget = Contingencies(forecast), budget_of(forecast)
     assert budget is not None
     assert not any(bar.costs for bar in strips[0].bars)
     assert strips[1].reserve == 0.25

@@ -22,11 +22,11 @@ import pytest
 from ipoa_mission import Forecast, read_mission
 from ipoa_mission.errors import MissionError
 from ipoa_mission.files import write_atomically
-from ipoa_mission.forecast.endings import Endings, endings_of
+from ipoa_mission.forecast.contingencies import Contingencies, contingencies_of
 from ipoa_mission.forecast.grades import Grade
-from ipoa_mission.report.ending_bars import LOOK
+from ipoa_mission.report.contingency_bars import LOOK
 from ipoa_mission.scenario import parse_scenario
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 from tests.forecast.test_endings_now import BATTERY
 from tests.studio.conftest import MEADOW
 from tests.studio.pointing import PATIENCE_S, Hand, feature, found, settled, stroke
@@ -410,18 +410,18 @@ def test_the_strip_says_what_each_ending_would_do_at_this_second(page: Any, addr
     page.get_by_role("button", name="Mission files").click()
     page.get_by_text("written: meadow.plan").wait_for()
     scenario = parse_scenario(text, address[1])
-    endings = Endings(Forecast(read_mission(address[1].parent / "meadow.plan"), scenario))
+    endings = Contingencies(Forecast(read_mission(address[1].parent / "meadow.plan"), scenario))
     moment, then = page.get_by_label("Moment of the flight"), page.locator(".strip .then")
     for at in (120, 250, 380):
         moment.fill(str(at))
         until(page, f"document.querySelector('.strip .row').ariaValueNow === '{at}'")
         time = float(page.locator(".slider output").inner_text().split(" s")[0])
-        for ending in endings_of(endings.forecast):
+        for ending in contingencies_of(endings.forecast):
             told = page.locator(f".strip [data-ending={ending}]").get_attribute("aria-valuetext")
             row = next(row for row in endings.rows(ending, timed=False) if time < row.to_s)
             assert told.startswith(f"at {time:.1f} s {row.in_full}")
             taken = re.search(r"; takes (\d+)(?: to (\d+))? s and [\d.]+ to [\d.]+ Wh, lands with [\d.]+ %", told)
-            assert (taken is None) == (ending in (Ending.SMART_RTL, Ending.HOLD))
+            assert (taken is None) == (ending in (Contingency.SMART_RTL, Contingency.HOLD))
             if taken:
                 low, high = endings.lasts(ending, time) or (0.0, 0.0)
                 seconds = float(taken[1]), float(taken[2] or taken[1])
@@ -431,7 +431,7 @@ def test_the_strip_says_what_each_ending_would_do_at_this_second(page: Any, addr
     assert then.inner_text() == f"land {land.get_attribute('aria-valuetext')}"
     page.keyboard.press("Home")
     until(page, "document.querySelector('.strip .then').textContent.endsWith('it is on the ground')")
-    rows = endings.rows(Ending.LAND, timed=False)
+    rows = endings.rows(Contingency.LAND, timed=False)
     assert Grade.WOULD in {row.grade for row in rows}
     for row in rows:  # a key leads to where it is in the air, and on to where that changes
         page.keyboard.press("PageUp")

@@ -11,7 +11,7 @@ import shapely
 
 from ipoa_mission import plan_survey
 from ipoa_mission.errors import MissionError
-from ipoa_mission.forecast.endings import Endings
+from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.scenario import Scenario, parse_scenario
 from tests.studio.conftest import HOST, MEADOW, TOKEN, Studio
 
@@ -278,7 +278,7 @@ def test_a_survey_is_laid_planned_dragged_and_written_as_plan_writes_it(studio: 
     assert len({part["plan"]["proof"] for part in planned["flights"]}) == 2
     for strip, forecast in zip(strips, survey.flights, strict=True):
         words = [one["words"] for bar in strip["bars"] for one in bar["stretches"]]
-        assert words == [row.in_full for row in Endings(forecast).all_rows(timed=False)]
+        assert words == [row.in_full for row in Contingencies(forecast).all_rows(timed=False)]
     survey.write(tmp_path)
     for file in sorted(one.name for one in tmp_path.iterdir()):
         assert file in written

@@ -11,7 +11,7 @@ import re
 import pytest
 
 from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.ending import Ending, FlightStage
+from ipoa_mission.vehicles.contingency import Contingency, FlightStage
 from ipoa_mission.vehicles.failsafe import Failsafe
 from ipoa_mission.vehicles.known_parameters import expect_known
 from ipoa_mission.vehicles.parameters import Parameters
@@ -66,16 +66,16 @@ OF_MAIN = OF_118 | {
 }
 OF_VERSIONS = [(AP, None, DOCUMENTED), (PX4, OLD, OF_117), (PX4, NEW, OF_118), (PX4, MAIN, OF_MAIN)]
 WORDS = {
-    r"None|Disabled|Warn|Error|Report": Ending.CONTINUE,
-    r"SmartRTL": Ending.SMART_RTL,
-    r"DO_LAND_START": Ending.LAND_START,
-    r"\bRTL|Return": Ending.RTL,
-    r"Switch to Land|Descend": Ending.UNKNOWN,  # without a position it drifts: docs/returns.csv
-    r"Land": Ending.LAND,
-    r"Terminate|Disarm": Ending.TERMINATE,
-    r"Brake|Hold mode": Ending.HOLD,
-    r"AltHold|Climb|Move|Hover": Ending.UNKNOWN,  # LOITER obeys the sticks: docs/returns.csv
-    r"Enabled": Ending.TERMINATE,  # that it is looked for
+    r"None|Disabled|Warn|Error|Report": Contingency.CONTINUE,
+    r"SmartRTL": Contingency.SMART_RTL,
+    r"DO_LAND_START": Contingency.LAND_START,
+    r"\bRTL|Return": Contingency.RTL,
+    r"Switch to Land|Descend": Contingency.UNKNOWN,  # without a position it drifts: docs/returns.csv
+    r"Land": Contingency.LAND,
+    r"Terminate|Disarm": Contingency.TERMINATE,
+    r"Brake|Hold mode": Contingency.HOLD,
+    r"AltHold|Climb|Move|Hover": Contingency.UNKNOWN,  # LOITER obeys the sticks: docs/returns.csv
+    r"Enabled": Contingency.TERMINATE,  # that it is looked for
 }
 LOOKED_FOR = {
     **{"BATT_CRT_VOLT": 10.0, "BATT_LOW_VOLT": 10.5, "FENCE_ENABLE": 1.0, "BATT_FS_LOW_ACT": 0.0},
@@ -83,7 +83,7 @@ LOOKED_FOR = {
 }
 
 
-def documented(values: str) -> list[tuple[float, tuple[Ending, ...]]]:
+def documented(values: str) -> list[tuple[float, tuple[Contingency, ...]]]:
     """Each value, and the endings that its words name in order."""
     pairs = (one.split(":", 1) for one in values.split(","))
     return [
@@ -121,14 +121,14 @@ def test_who_lands_by_choice_returns_with_the_value_that_is_named(
     """The choice is there where the documented values of a parameter have a return as well."""
     for name, values in table.items():
         given = LOOKED_FOR | ({"BATT_LOW_VOLT": 0.0} if name == "BATT_FS_CRT_ACT" else {})
-        returns = [value for value, (first, *_) in documented(values) if first is Ending.RTL]
+        returns = [value for value, (first, *_) in documented(values) if first is Contingency.RTL]
         for value, _ in documented(values):
             found = by(name, given | {name: value}, autopilot, version)
-            assert found.lands_by_choice == (found.route.ending is Ending.LAND and bool(returns)), (name, value)
+            assert found.lands_by_choice == (found.route.ending is Contingency.LAND and bool(returns)), (name, value)
             if found.lands_by_choice:
                 assert found.returns_at in returns
                 there = by(name, given | {name: float(returns[0])}, autopilot, version)
-                assert there.route.ending is Ending.RTL
+                assert there.route.ending is Contingency.RTL
 
 
 @pytest.mark.parametrize(("autopilot", "table"), [(AP, DOCUMENTED), (PX4, OF_MAIN)])
@@ -152,7 +152,7 @@ def test_px4_takes_a_battery_by_its_stage(value: float, critical: str, emergency
 
 def test_a_value_of_a_later_version_is_no_value_of_an_earlier_one() -> None:
     for earlier in (OLD, NEW):
-        assert by("COM_LOW_BAT_ACT", {"COM_LOW_BAT_ACT": 4.0}, PX4, earlier).route.ending is Ending.CONTINUE
+        assert by("COM_LOW_BAT_ACT", {"COM_LOW_BAT_ACT": 4.0}, PX4, earlier).route.ending is Contingency.CONTINUE
         assert {one.parameter for one in PX4.failsafes({}, earlier)}.isdisjoint({"COM_TRAFF_AVOID", "COM_POS_FS_ACT"})
     assert all(one.parameter != "COM_PARACHUTE" for one in PX4.failsafes({}, OLD))
     assert all(one.parameter != "COM_IMB_PROP_ACT" for one in PX4.failsafes({}, NEW))
@@ -164,10 +164,10 @@ def test_any_value_of_any_parameter_has_an_answer_at_every_stage(autopilot: Auto
     given = LOOKED_FOR | {rule.parameter: value for rule in autopilot.failsafe_rules if rule.parameter}
     for one in autopilot.failsafes(given):
         for stage in FlightStage:
-            assert one.at(stage).ending in Ending
-            assert (one.at(stage).ending is Ending.UNKNOWN) <= bool(one.at(stage).words)
+            assert one.at(stage).ending in Contingency
+            assert (one.at(stage).ending is Contingency.UNKNOWN) <= bool(one.at(stage).words)
         if one.parameter and not math.isfinite(value):
-            assert one.route.ending is Ending.UNKNOWN
+            assert one.route.ending is Contingency.UNKNOWN
 
 
 @pytest.mark.parametrize(
@@ -196,14 +196,14 @@ def test_a_critical_battery_that_is_less_urgent_than_a_low_one_changes_nothing()
         assert found.ending == then
         assert ("left out" in found.words) == ((low, critical) in {(1, 2), (0, 7), (4, 3)})
     unwatched = base | {"BATT_LOW_VOLT": 0.0, "BATT_FS_CRT_ACT": 7}
-    assert by("BATT_FS_CRT_ACT", unwatched).route.ending is Ending.HOLD
+    assert by("BATT_FS_CRT_ACT", unwatched).route.ending is Contingency.HOLD
 
 
 def test_what_is_not_looked_for_is_said_so() -> None:
     assert "FENCE_ENABLE" in by("FENCE_ACTION", {}).route.words
-    assert by("FENCE_ACTION", {"FENCE_AUTOENABLE": 3.0}).route.ending is Ending.RTL
+    assert by("FENCE_ACTION", {"FENCE_AUTOENABLE": 3.0}).route.ending is Contingency.RTL
     assert "BATT_CRT_VOLT" in by("BATT_FS_CRT_ACT", {"BATT_FS_CRT_ACT": 1.0}).route.words
-    assert by("NAV_RCL_ACT", {"COM_RC_IN_MODE": 4.0}, PX4).route.ending is Ending.CONTINUE
+    assert by("NAV_RCL_ACT", {"COM_RC_IN_MODE": 4.0}, PX4).route.ending is Contingency.CONTINUE
 
 
 def test_a_second_battery_has_failsafes_of_its_own() -> None:
@@ -221,17 +221,23 @@ def test_a_second_battery_has_failsafes_of_its_own() -> None:
 
 def test_smart_rtl_without_points_is_what_stands_behind_it() -> None:
     none = {"SRTL_POINTS": 0.0, "FS_THR_ENABLE": 4.0, "FS_GCS_ENABLE": 4.0}
-    assert by("FS_THR_ENABLE", none).route.ending is Ending.RTL
-    assert (by("FS_GCS_ENABLE", none).route.ending, by("FS_GCS_ENABLE", none).route.after_s) == (Ending.LAND, 4.0)
-    assert Ending.SMART_RTL not in {one.route.ending for one in AP.failsafes(none)}
+    assert by("FS_THR_ENABLE", none).route.ending is Contingency.RTL
+    assert (by("FS_GCS_ENABLE", none).route.ending, by("FS_GCS_ENABLE", none).route.after_s) == (Contingency.LAND, 4.0)
+    assert Contingency.SMART_RTL not in {one.route.ending for one in AP.failsafes(none)}
 
 
 def test_px4_excepts_modes_of_a_lost_link() -> None:
     both = {"COM_RCL_EXCEPT": 3.0, "COM_DLL_EXCEPT": 1.0, "NAV_RCL_ACT": 3.0, "NAV_DLL_ACT": 1.0}
     old, new = (by("NAV_RCL_ACT", both, PX4, version) for version in (OLD, NEW))
-    assert (old.at(FlightStage.ROUTE).ending, old.at(FlightStage.RETURN).ending) == (Ending.CONTINUE, Ending.LAND)
-    assert (new.at(FlightStage.ROUTE).ending, new.at(FlightStage.RETURN).ending) == (Ending.CONTINUE, Ending.CONTINUE)
-    assert by("NAV_DLL_ACT", both, PX4, OLD).at(FlightStage.RETURN).ending is Ending.HOLD
+    assert (old.at(FlightStage.ROUTE).ending, old.at(FlightStage.RETURN).ending) == (
+        Contingency.CONTINUE,
+        Contingency.LAND,
+    )
+    assert (new.at(FlightStage.ROUTE).ending, new.at(FlightStage.RETURN).ending) == (
+        Contingency.CONTINUE,
+        Contingency.CONTINUE,
+    )
+    assert by("NAV_DLL_ACT", both, PX4, OLD).at(FlightStage.RETURN).ending is Contingency.HOLD
 
 
 def test_how_long_it_holds_first() -> None:
@@ -256,11 +262,11 @@ def test_the_page_is_as_the_tables() -> None:
 def test_home_by_dead_reckoning_is_not_known() -> None:
     """Of two that were flown so both went through something that RTL keeps clear of."""
     for value in (2.0, 3.0, 4.0, 6.0):
-        assert by("FS_DR_ENABLE", {"FS_DR_ENABLE": value}).route.ending is Ending.UNKNOWN
+        assert by("FS_DR_ENABLE", {"FS_DR_ENABLE": value}).route.ending is Contingency.UNKNOWN
 
 
 def test_a_landing_has_no_floor() -> None:
     fenced = {"FENCE_ENABLE": 1.0, "FENCE_TYPE": 8.0}
-    assert by("FENCE_ACTION", fenced).at(FlightStage.ROUTE).ending is Ending.RTL
-    assert by("FENCE_ACTION", fenced).at(FlightStage.LANDING).ending is Ending.CONTINUE
+    assert by("FENCE_ACTION", fenced).at(FlightStage.ROUTE).ending is Contingency.RTL
+    assert by("FENCE_ACTION", fenced).at(FlightStage.LANDING).ending is Contingency.CONTINUE
     assert FlightStage.LANDING not in by("FENCE_ACTION", fenced | {"FENCE_TYPE": 15.0}).differs

@@ -25,7 +25,7 @@ from pathlib import Path
 from typing import Any
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.forecast.endings import Endings
+from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.codec import Target
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, CommandAck, CommandLong, Heartbeat, Message, ParamSet
@@ -35,13 +35,13 @@ from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame, VehicleComma
 from ipoa_mission.mission.files import read_mission
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 from tools import command_line
 from tools.fly.causes import TRIGGERS, Trigger
 from tools.fly.ended_flight import flight_from
 from tools.fly.simulators import connected, load, newest_log, set_up, simulation
 
-WEIGHTS = {Ending.RTL: 5, Ending.LAND: 3, Ending.SMART_RTL: 2, Ending.HOLD: 2}
+WEIGHTS = {Contingency.RTL: 5, Contingency.LAND: 3, Contingency.SMART_RTL: 2, Contingency.HOLD: 2}
 HOLDS_S = 20.0  # a hold is watched for so long
 PATIENCE_S = 500.0  # after the order, by the vehicle's clock
 UNHEARD_S = 90.0  # a silence, or a failsafe that does nothing, is waited for so long
@@ -73,7 +73,7 @@ class Over(Exception):
 
 def orders(spans: dict[str, tuple[float, float]], autopilot: Autopilot, given: argparse.Namespace) -> Iterator[Order]:
     """By the seed: to each mission as many as to any other."""
-    flown = dict(WEIGHTS) if "SMART_RTL" in autopilot.modes.names.values() else WEIGHTS | {Ending.SMART_RTL: 0}
+    flown = dict(WEIGHTS) if "SMART_RTL" in autopilot.modes.names.values() else WEIGHTS | {Contingency.SMART_RTL: 0}
     names = sorted(spans)
     for number in _numbers(given, len(TRIGGERS[autopilot])):
         chance = random.Random(f"{given.seed}-{number}")
@@ -127,7 +127,7 @@ class Breaker:
     def _patience(self) -> float:
         holding = self.vehicle.state.custom_mode == self.vehicle.autopilot.modes.hold
         flying_on = self.vehicle.state.custom_mode == self.vehicle.autopilot.modes.mission
-        if self.order.ending == Ending.HOLD:
+        if self.order.ending == Contingency.HOLD:
             return HOLDS_S
         if flying_on or (holding and self.trigger is not None):
             return UNHEARD_S + HOLDS_S
@@ -138,11 +138,11 @@ class Breaker:
         if trigger is None:
             own = {name: number for number, name in modes.names.items()}
             mode = {
-                Ending.RTL: modes.returning,
-                Ending.LAND: min(modes.lands),
-                Ending.HOLD: modes.hold,
-                Ending.SMART_RTL: own.get("SMART_RTL", 0),
-            }[Ending(self.order.ending)]
+                Contingency.RTL: modes.returning,
+                Contingency.LAND: min(modes.lands),
+                Contingency.HOLD: modes.hold,
+                Contingency.SMART_RTL: own.get("SMART_RTL", 0),
+            }[Contingency(self.order.ending)]
             numbers = (1.0, *map(float, modes.numbers(mode)), 0.0, 0.0, 0.0, 0.0, 0.0)[:7]
             self._say(CommandLong(VehicleCommand.DO_SET_MODE, numbers))  # type: ignore[arg-type]
             return
@@ -260,7 +260,7 @@ def main(arguments: list[str]) -> None:
             forecasts[path.stem] = Forecast(read_mission(path, autopilot), scenario)
     spans = {}
     for name, forecast in forecasts.items():
-        spans[name] = Endings(forecast).in_air
+        spans[name] = Contingencies(forecast).in_air
     for order in orders(spans, autopilot, given):
         if (given.out / order.name / "order.json").exists():
             continue

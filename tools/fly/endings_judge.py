@@ -19,7 +19,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.forecast.endings import EndingRow, Endings
+from ipoa_mission.forecast.contingencies import Contingencies, ContingencyRow
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.forecast.itinerary.itinerary import itinerary
@@ -30,7 +30,7 @@ from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
-from ipoa_mission.vehicles.ending import Ending, FlightStage
+from ipoa_mission.vehicles.contingency import Contingency, FlightStage
 from ipoa_mission.world.ground import LEVEL
 from ipoa_mission.world.obstacles.cylinder import Cylinder
 from ipoa_mission.world.obstacles.prism import Prism
@@ -140,7 +140,7 @@ class Foretold:
         self.name, self.scenario = path.stem, read_scenario(path.with_suffix(".toml"))
         autopilot = self.scenario.vehicle.autopilot
         mission = read_mission(path, autopilot).with_parameters(others)
-        self.endings = Endings(Forecast(mission, self.scenario))
+        self.endings = Contingencies(Forecast(mission, self.scenario))
         self.level = bool(self.scenario.ground.is_level)
         self.over_level_ground = itinerary(self.endings.mission, LEVEL)
 
@@ -155,16 +155,16 @@ class Foretold:
         command = mission.items[int(stops.seqs_at(np.array([time]))[0]) - 1].command
         return STAGES.get(command, FlightStage.ROUTE)
 
-    def row(self, ending: Ending, time: float) -> EndingRow:
+    def row(self, ending: Contingency, time: float) -> ContingencyRow:
         """What was forecast of that second."""
         return self.endings.at(ending, float(np.clip(time, *self.endings.in_air)), timed=False)
 
-    def timed(self, ending: Ending, time: float) -> tuple[Between, Between]:
+    def timed(self, ending: Contingency, time: float) -> tuple[Between, Between]:
         """How long the ending was to last from that time, over level ground, and until it touched the ground."""
         forecast = self.endings.forecast
         model = forecast.mission.autopilot.part(FlightModel)
         order = BrokenOff(float(np.clip(time, *self.endings.in_air)), ending)
-        if ending not in (Ending.RTL, Ending.LAND):
+        if ending not in (Contingency.RTL, Contingency.LAND):
             return NOT_TOLD, NOT_TOLD
         try:
             found = model.broken_off(self.over_level_ground, forecast.mission, forecast.wind, None, order)
@@ -194,13 +194,13 @@ def asked(order: Mapping[str, Any], away: float, mission: Mission, stage: Flight
         said = mission.autopilot.failsafes({**mission.parameters, **before, "BATT_LOW_VOLT": 0.0})
         route = next(one for one in said if one.cause == order["cause"]).at(stage)
     ending = str(route.ending)
-    if ending == Ending.LAND_START:  # none of these missions has one
+    if ending == Contingency.LAND_START:  # none of these missions has one
         ending = str(route.otherwise[0])
-    if ending == Ending.UNKNOWN:
+    if ending == Contingency.UNKNOWN:
         ending = next((does for words, does in HAS_NO_ENDING.items() if route.words.startswith(words)), ending)
     radius = TRIGGERS[mission.autopilot][order["trigger"]].then.get("FENCE_RADIUS", math.inf)
     if FAR_OUTSIDE in route.words and away - radius > FAR_M:
-        ending = str(Ending.LAND)
+        ending = str(Contingency.LAND)
     return ending, f"{order['cause']} ({', '.join(f'{name} {value:g}' for name, value in before.items())})"
 
 
@@ -230,9 +230,9 @@ def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> 
         stage=str(stage),
         planned=foretold.planned,
     )
-    if ending not in (Ending.RTL, Ending.LAND, Ending.SMART_RTL, Ending.HOLD):
+    if ending not in (Contingency.RTL, Contingency.LAND, Contingency.SMART_RTL, Contingency.HOLD):
         return judged
-    kind, place, stops = Ending(ending), flight.place(second), foretold.endings.stops(Ending(ending))
+    kind, place, stops = Contingency(ending), flight.place(second), foretold.endings.stops(Contingency(ending))
     row, ((low, expected, high), touches) = foretold.row(kind, second), foretold.timed(kind, second)
     begin, end = foretold.endings.in_air
     stand = stops.at(np.clip([foretold.time_at(place, second)], begin, end))[1][0]
@@ -326,7 +326,7 @@ def summary(judged: list[Judged]) -> Iterator[str]:
     for grade in Grade:
         own = [one.flown_least < one.required for one in known if one.grade == grade.name.lower()]
         yield f"{grade}: {len(own)}, of these nearer than required {sum(own)}"
-    planned = [one for one in known if one.planned == "returns" and one.ending != Ending.LAND]
+    planned = [one for one in known if one.planned == "returns" and one.ending != Contingency.LAND]
     yield f"of planned returns: {len(planned)}, nearer {sum(one.flown_least < one.required for one in planned)}"
     for name in ("rtl", "land"):
         timed = [one for one in judged if one.did == name and not one.trigger and one.ending == name]

@@ -41,7 +41,7 @@ LONGEST_S = 1800.0  # of virtual time
 TOLD_AGAIN_S = 1.2  # within this time a vehicle speaks of its mission again
 
 
-class Ending(StrEnum):
+class Contingency(StrEnum):
     """What became of an upload."""
 
     EXACT = "exact"
@@ -234,7 +234,7 @@ def _numbers(autopilot: Autopilot, first: int) -> Iterator[int] | None:
     return counting(first, 2) if autopilot.protocol_profile.takes_mission_file else None
 
 
-def schedule(seed: int) -> tuple[Ending, str]:
+def schedule(seed: int) -> tuple[Contingency, str]:
     """How the upload of this schedule ends, and in which words."""
     chance = random.Random(seed)
     autopilot, count = chance.choice(list(registered())), chance.randrange(3, 9)
@@ -248,15 +248,15 @@ def schedule(seed: int) -> tuple[Ending, str]:
     try:
         world.run(ours, others)
     except MissionError as error:
-        return Ending.ERROR, str(error)
+        return Contingency.ERROR, str(error)
     if ours.exchange is None or not ours.exchange.finished:
-        return Ending.HANG, f"{autopilot}: no end after {world.now:.0f} s"
+        return Contingency.HANG, f"{autopilot}: no end after {world.now:.0f} s"
     if world.changed_s is None:
-        return Ending.EXACT, ""
+        return Contingency.EXACT, ""
     age = world.now - world.changed_s
     words = f"{autopilot}: replaced {age:.3f} s before the end, {radio}"
     is_unknowable = age <= radio.news_s and not world.was_told
-    return (Ending.UNKNOWABLE if is_unknowable else Ending.FALSE), words
+    return (Contingency.UNKNOWABLE if is_unknowable else Contingency.FALSE), words
 
 
 def main() -> int:
@@ -265,16 +265,17 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args()
-    endings, begun = Counter[Ending](), time.process_time()
+    endings, begun = Counter[Contingency](), time.process_time()
     for seed in range(arguments.seed, arguments.seed + arguments.count):
         ending, words = schedule(seed)
         endings[ending] += 1
-        if ending in (Ending.FALSE, Ending.HANG):
+        if ending in (Contingency.FALSE, Contingency.HANG):
             print(f"seed {seed}: {ending}: {words}", flush=True)
     print(
-        ", ".join(f"{ending} {endings[ending]}" for ending in Ending), f"in {time.process_time() - begun:.0f} s of CPU"
+        ", ".join(f"{ending} {endings[ending]}" for ending in Contingency),
+        f"in {time.process_time() - begun:.0f} s of CPU",
     )
-    return 1 if endings[Ending.FALSE] or endings[Ending.HANG] else 0
+    return 1 if endings[Contingency.FALSE] or endings[Contingency.HANG] else 0
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ from ipoa_mission.forecast.timing.bound import Kinematics
 from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.wind import CALM, Wind
 
@@ -31,7 +31,7 @@ class BrokenOff:
     """A flight is ended otherwise than its mission says, from a `time` on [s after arming]: by an RTL or a LAND."""
 
     time: float
-    ending: Ending
+    ending: Contingency
 
 
 class FlightModel(ABC):

@@ -5,10 +5,10 @@ from html import escape
 
 import numpy as np
 
-from ipoa_mission.forecast.endings import EndingBar, EndingRow
+from ipoa_mission.forecast.contingencies import ContingencyBar, ContingencyRow
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.report.chart import GraphAxis
-from ipoa_mission.report.ending_bars import EndingStretch, ending_bars, stretches
+from ipoa_mission.report.contingency_bars import ContingencyStretch, ending_bars, stretches
 from ipoa_mission.report.panels.profile import NARROWEST, along_axis
 from ipoa_mission.report.seen import Seen
 
@@ -34,12 +34,12 @@ def endings_strip(forecast: Forecast, course: Seen) -> str:
     )
 
 
-def _bar(bar: EndingBar, course: Seen, axis: GraphAxis) -> str:
+def _bar(bar: ContingencyBar, course: Seen, axis: GraphAxis) -> str:
     ways = "".join(_way(stretch, axis) for stretch in stretches(bar, course))
     return f'<div class="ending"><b>{bar.ending}</b> {escape(bar.leads)}<div class="ways">{ways}</div></div>'
 
 
-def _way(stretch: EndingStretch, axis: GraphAxis) -> str:
+def _way(stretch: ContingencyStretch, axis: GraphAxis) -> str:
     row, look = stretch.row, stretch.look
     begin, end = axis.place(np.array([stretch.begins, stretch.ends])).tolist()
     wide, words = max(end - begin, NARROWEST), escape(str(row))
@@ -51,6 +51,6 @@ def _way(stretch: EndingStretch, axis: GraphAxis) -> str:
     )
 
 
-def _in_words(rows: Iterable[EndingRow]) -> str:
+def _in_words(rows: Iterable[ContingencyRow]) -> str:
     lines = "".join(f"<li>{escape(str(row))}</li>" for row in rows if not row.clear)
     return f'<ul class="ways-not-clear">{lines}</ul>' if lines else '<p class="note">Every ending is clear.</p>'

@@ -10,7 +10,7 @@ import math
 from dataclasses import replace
 
 from ipoa_mission.vehicles.arducopter.own_fence import FLOOR_BIT, MAY_BE_ON
-from ipoa_mission.vehicles.ending import Ending, FlightStage
+from ipoa_mission.vehicles.contingency import Contingency, FlightStage
 from ipoa_mission.vehicles.failsafe import (
     BY_HAND,
     GOES_ON,
@@ -25,37 +25,43 @@ from ipoa_mission.vehicles.failsafe import (
 from ipoa_mission.vehicles.parameters import Parameters
 
 LAND_PAUSE = 4.0  # LAND_WITH_DELAY_MS [s]
-LANDS = FailsafeAction(Ending.LAND, after_s=LAND_PAUSE)
-RETURNS = FailsafeAction(Ending.RTL, (Ending.LAND,))
-SMART = FailsafeAction(Ending.SMART_RTL, (Ending.RTL, Ending.LAND))
-SMART_OR_LANDS = FailsafeAction(Ending.SMART_RTL, (Ending.LAND,))
-LAND_START = FailsafeAction(Ending.LAND_START, (Ending.RTL, Ending.LAND), "by DO_RETURN_PATH_START or DO_LAND_START")
-BRAKES = FailsafeAction(Ending.HOLD, (Ending.LAND,))
-STOPS = FailsafeAction(Ending.TERMINATE)
+LANDS = FailsafeAction(Contingency.LAND, after_s=LAND_PAUSE)
+RETURNS = FailsafeAction(Contingency.RTL, (Contingency.LAND,))
+SMART = FailsafeAction(Contingency.SMART_RTL, (Contingency.RTL, Contingency.LAND))
+SMART_OR_LANDS = FailsafeAction(Contingency.SMART_RTL, (Contingency.LAND,))
+LAND_START = FailsafeAction(
+    Contingency.LAND_START, (Contingency.RTL, Contingency.LAND), "by DO_RETURN_PATH_START or DO_LAND_START"
+)
+BRAKES = FailsafeAction(Contingency.HOLD, (Contingency.LAND,))
+STOPS = FailsafeAction(Contingency.TERMINATE)
 
 ACTIONS = {0: GOES_ON, 1: LANDS, 2: RETURNS, 3: SMART, 4: SMART_OR_LANDS, 5: STOPS, 6: LAND_START, 7: BRAKES}
 RADIO = {0: GOES_ON, 1: RETURNS, 2: RETURNS, 3: LANDS, 4: SMART, 5: SMART_OR_LANDS, 6: LAND_START, 7: BRAKES}
 STATION = {0: GOES_ON, 1: RETURNS, 2: RETURNS, 3: SMART, 4: SMART_OR_LANDS, 5: LANDS, 6: LAND_START, 7: BRAKES}
-NO_POSITION = FailsafeAction(Ending.UNKNOWN, (Ending.LAND,), "without a position it drifts as it lands")
+NO_POSITION = FailsafeAction(Contingency.UNKNOWN, (Contingency.LAND,), "without a position it drifts as it lands")
 ESTIMATE = {
     0: GOES_ON,
     1: NO_POSITION,
-    2: FailsafeAction(Ending.UNKNOWN, (Ending.LAND,), "ALT_HOLD: keeps its height, drifts, waits for the sticks"),
+    2: FailsafeAction(
+        Contingency.UNKNOWN, (Contingency.LAND,), "ALT_HOLD: keeps its height, drifts, waits for the sticks"
+    ),
     3: NO_POSITION,
 }
 DRIFTS = "by dead reckoning it drifts"
 RECKONS = {
     0: GOES_ON,
-    1: FailsafeAction(Ending.UNKNOWN, (Ending.LAND,), f"{DRIFTS} as it lands"),
-    **dict.fromkeys((2, 3, 4, 6), FailsafeAction(Ending.UNKNOWN, (Ending.LAND,), f"{DRIFTS} on its way home")),
+    1: FailsafeAction(Contingency.UNKNOWN, (Contingency.LAND,), f"{DRIFTS} as it lands"),
+    **dict.fromkeys(
+        (2, 3, 4, 6), FailsafeAction(Contingency.UNKNOWN, (Contingency.LAND,), f"{DRIFTS} on its way home")
+    ),
     5: STOPS,
-    7: FailsafeAction(Ending.UNKNOWN, (Ending.LAND,), f"{DRIFTS} as it holds"),
+    7: FailsafeAction(Contingency.UNKNOWN, (Contingency.LAND,), f"{DRIFTS} as it holds"),
 }
 OUTSIDE = "100 m outside it lands"
 FENCE = {
     0: GOES_ON,
     1: replace(RETURNS, words=OUTSIDE),
-    2: FailsafeAction(Ending.LAND),
+    2: FailsafeAction(Contingency.LAND),
     3: replace(SMART, words=OUTSIDE),
     4: replace(BRAKES, words=OUTSIDE),
     5: replace(SMART_OR_LANDS, words=OUTSIDE),
@@ -63,9 +69,9 @@ FENCE = {
 UNTIL_IT_IS_GONE = "until it is gone, then by AVD_F_RCVRY"
 TRAFFIC = {
     **dict.fromkeys((0, 1), GOES_ON),
-    **dict.fromkeys((2, 3, 4), FailsafeAction(Ending.UNKNOWN, words=f"flies aside {UNTIL_IT_IS_GONE}")),
-    5: FailsafeAction(Ending.RTL, words=UNTIL_IT_IS_GONE),
-    6: FailsafeAction(Ending.UNKNOWN, words=f"LOITER {UNTIL_IT_IS_GONE}: a low throttle stick brings it down"),
+    **dict.fromkeys((2, 3, 4), FailsafeAction(Contingency.UNKNOWN, words=f"flies aside {UNTIL_IT_IS_GONE}")),
+    5: FailsafeAction(Contingency.RTL, words=UNTIL_IT_IS_GONE),
+    6: FailsafeAction(Contingency.UNKNOWN, words=f"LOITER {UNTIL_IT_IS_GONE}: a low throttle stick brings it down"),
 }
 SHAKEN = "as FS_EKF_ACTION says where its position is lost for it"
 LOW, CRITICAL, BREACH, TERRAIN = "low battery", "critical battery", "fence breached", "terrain data missing"
@@ -83,10 +89,17 @@ RULES = (
     FailsafeRule("parachute", "", math.nan, {}, STOPS, {"CHUTE_ENABLED": 0.0}),
     FailsafeRule("out of control", "FS_CRASH_CHECK", 1.0, {0: GOES_ON}, STOPS),
     FailsafeRule("thrust lost", "", math.nan, {}, replace(GOES_ON, words="gives all the thrust that is left")),
-    FailsafeRule("vibration", "", math.nan, {}, replace(GOES_ON, otherwise=(Ending.LAND,), words=SHAKEN)),
+    FailsafeRule("vibration", "", math.nan, {}, replace(GOES_ON, otherwise=(Contingency.LAND,), words=SHAKEN)),
     FailsafeRule("satellite position jumps", "", math.nan, {}, GOES_ON),
     FailsafeRule("compasses lost", "", math.nan, {}, GOES_ON),
-    *ordered(Ending.RTL, Ending.LAND, Ending.HOLD, Ending.SMART_RTL, Ending.LAND_START, Ending.TERMINATE),
+    *ordered(
+        Contingency.RTL,
+        Contingency.LAND,
+        Contingency.HOLD,
+        Contingency.SMART_RTL,
+        Contingency.LAND_START,
+        Contingency.TERMINATE,
+    ),
 )
 
 #: The bit of FS_OPTIONS by which a mission goes on, which no other cause has; and the one by which a landing does.
@@ -131,13 +144,13 @@ def _of(rule: FailsafeRule, battery: str) -> FailsafeRule:
 def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Failsafe:
     answer = _with_a_path(rule.answer(parameters, series), parameters, rule.cause not in {BREACH, BY_HAND})
     options, landing = int(parameters.get("FS_OPTIONS", OPTIONS)), answer
-    if answer.ending is not Ending.CONTINUE and rule.cause != BY_HAND:
+    if answer.ending is not Contingency.CONTINUE and rule.cause != BY_HAND:
         if options & GOES_ON_BY.get(rule.parameter, 0):
             answer = landing = replace(GOES_ON, words="by FS_OPTIONS")
         acts = _first(rule.parameter) in LANDINGS_GO_ON
         landing = replace(LANDS, words="by FS_OPTIONS") if acts and options & LANDS_ON else landing
     has_only_a_floor = rule.cause == BREACH and int(parameters.get("FENCE_TYPE", 7.0)) == FLOOR_BIT
-    if has_only_a_floor and answer.ending is not Ending.CONTINUE:
+    if has_only_a_floor and answer.ending is not Contingency.CONTINUE:
         landing = replace(GOES_ON, words="a landing switches FENCE_ALT_MIN off")
     if rule.cause == TERRAIN:
         landing = replace(GOES_ON, words="a landing needs none")
@@ -154,10 +167,10 @@ def _first(name: str) -> str:
 def _with_a_path(answer: FailsafeAction, parameters: Parameters, pauses: bool) -> FailsafeAction:
     """SmartRTL keeps no path where it has no points or no accuracy."""
     keeps = parameters.get("SRTL_POINTS", 300.0) > 0.0 and parameters.get("SRTL_ACCURACY", 2.0) > 0.0
-    if answer.ending is not Ending.SMART_RTL or keeps:
+    if answer.ending is not Contingency.SMART_RTL or keeps:
         return answer
     instead = replace(answer.in_place(), words="SmartRTL is switched off")
-    return replace(instead, after_s=LAND_PAUSE) if instead.ending is Ending.LAND and pauses else instead
+    return replace(instead, after_s=LAND_PAUSE) if instead.ending is Contingency.LAND and pauses else instead
 
 
 def _with_its_urgency(one: Failsafe, parameters: Parameters, series: Series) -> Failsafe:

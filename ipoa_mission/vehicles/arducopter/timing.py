@@ -38,7 +38,7 @@ from ipoa_mission.vehicles.arducopter.limits import (
     CopterLimits,
 )
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.wind import CALM, Wind
 
 NOWHERE = (math.nan,) * 3
@@ -114,7 +114,7 @@ def break_off(
             break
         flight.visit(n)
     flight.until, copter = math.inf, flight.copter
-    returns = order.ending is Ending.RTL
+    returns = order.ending is Contingency.RTL
     if returns and copter.limits.rtl_final > 0.0:
         words = "with an RTL_ALT_FINAL above 0 it waits over its goal, and does not land"
         raise MissionError(words, code="endless-flight")

@@ -14,7 +14,7 @@ from ipoa_mission.vehicles.arducopter.way_known import WAY_KNOWN
 from ipoa_mission.vehicles.arming import ArmingWords
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.circle import FlownCircle
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.vehicles.failsafe import Failsafe
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables, rows
 from ipoa_mission.vehicles.guidance_profile import GuidanceProfile
@@ -184,19 +184,19 @@ class ArduCopter(Autopilot):
         near = limits.accel / limits.p_position**2
         return np.where(speed <= near, speed / limits.p_position, near / 2 + speed**2 / (2 * limits.accel))
 
-    def braking_way(self, parameters: Parameters, velocity: "Points", accel: "Points", ending: Ending) -> "Points":
+    def braking_way(self, parameters: Parameters, velocity: "Points", accel: "Points", ending: Contingency) -> "Points":
         """Shaped where it lands or brakes, else to its stopping point.
 
         >>> import numpy as np
-        >>> ArduCopter().braking_way({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Ending.HOLD).round(1)
+        >>> ArduCopter().braking_way({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
         array([[11.,  0.]])
         """
-        if ending not in (Ending.LAND, Ending.HOLD):
+        if ending not in (Contingency.LAND, Contingency.HOLD):
             return super().braking_way(parameters, velocity, accel, ending)
         from ipoa_mission.vehicles.arducopter import braking
 
         p = PARAMETER_TABLE.complete(parameters)
-        if ending is Ending.HOLD:
+        if ending is Contingency.HOLD:
             return braking.Shaping(braking.BRAKES_WITH, p["PSC_JERK_XY"]).way(velocity, 0.0 * accel)
         asked = velocity + braking.LAND_LEADS * accel
         return braking.Shaping(p["WPNAV_ACCEL"] / 100, p["PSC_JERK_XY"]).way(asked, accel)

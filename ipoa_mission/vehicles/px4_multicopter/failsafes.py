@@ -9,7 +9,7 @@ what happens in the first seconds after arming.
 import math
 from dataclasses import replace
 
-from ipoa_mission.vehicles.ending import Ending, FlightStage
+from ipoa_mission.vehicles.contingency import Contingency, FlightStage
 from ipoa_mission.vehicles.failsafe import (
     BY_HAND,
     GOES_ON,
@@ -24,12 +24,14 @@ from ipoa_mission.vehicles.failsafe import (
 from ipoa_mission.vehicles.parameters import Parameters
 
 V1_18, V1_19 = (1, 18), (1, 19)
-FALLS = FailsafeAction(Ending.TERMINATE)
-LANDS = FailsafeAction(Ending.LAND, (Ending.TERMINATE,))
-RETURNS = FailsafeAction(Ending.RTL, (Ending.LAND, Ending.TERMINATE))
-HOLDS = FailsafeAction(Ending.HOLD, (Ending.RTL, Ending.LAND, Ending.TERMINATE))
+FALLS = FailsafeAction(Contingency.TERMINATE)
+LANDS = FailsafeAction(Contingency.LAND, (Contingency.TERMINATE,))
+RETURNS = FailsafeAction(Contingency.RTL, (Contingency.LAND, Contingency.TERMINATE))
+HOLDS = FailsafeAction(Contingency.HOLD, (Contingency.RTL, Contingency.LAND, Contingency.TERMINATE))
 FALLS_WITHOUT = replace(FALLS, words="lands while it still has a local position")
-DRIFTS = FailsafeAction(Ending.UNKNOWN, (Ending.LAND, Ending.TERMINATE), "without a position it drifts as it descends")
+DRIFTS = FailsafeAction(
+    Contingency.UNKNOWN, (Contingency.LAND, Contingency.TERMINATE), "without a position it drifts as it descends"
+)
 
 
 def new(answer: FailsafeAction, since: Series) -> FailsafeAction:
@@ -77,7 +79,7 @@ RULES = (
     FailsafeRule("traffic receiver lost", "COM_TRAFF_AVOID", 0.0, HEALTH, GOES_ON, since=V1_19),
     FailsafeRule("traffic near", "NAV_TRAFF_AVOID", 1.0, {**TRAFFIC, 4: NO_HOLD}, GOES_ON, until=V1_19),
     FailsafeRule("traffic near", "NAV_TRAFF_AVOID", 1.0, TRAFFIC, GOES_ON, since=V1_19),
-    *ordered(Ending.RTL, Ending.LAND, Ending.HOLD, Ending.TERMINATE),
+    *ordered(Contingency.RTL, Contingency.LAND, Contingency.HOLD, Contingency.TERMINATE),
 )  # fmt: skip
 
 #: The parameter whose bits say in which modes a lost link counts for nothing: 1 in a mission, 2 (1.18) in a return.
@@ -109,7 +111,7 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
     if rule.parameter == "NAV_RCL_ACT" and parameters.get(RADIO_SOURCE) == NO_RADIO:
         answer = replace(GOES_ON, words=f"not looked for: {RADIO_SOURCE} is 4")
     returning = answer
-    if rule.parameter in EXCEPT and answer.ending is not Ending.CONTINUE:
+    if rule.parameter in EXCEPT and answer.ending is not Contingency.CONTINUE:
         excepted, words = int(parameters.get(EXCEPT[rule.parameter], 0.0)), f"by {EXCEPT[rule.parameter]}"
         if excepted & IN_MISSION:
             answer = replace(GOES_ON, words=words)
@@ -117,7 +119,7 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
             returning = replace(GOES_ON, words=words)
     if rule.cause == ACCURACY:
         returning = replace(GOES_ON, words="counts only in a mission or a hold")
-    if returning.ending is Ending.RTL and rule.cause != BY_HAND:
+    if returning.ending is Contingency.RTL and rule.cause != BY_HAND:
         returning = replace(GOES_ON, words="it is returning already")
     differs = {} if returning == answer else {FlightStage.RETURN: returning}
     returns_at = rule.returns_at(series)
@@ -127,5 +129,5 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
 def _later(rule: FailsafeRule, answer: FailsafeAction, parameters: Parameters) -> FailsafeAction:
     """It first holds for the user to see what is coming."""
     delay = parameters.get(DELAY, 5.0)
-    waits = answer.ending in {Ending.RTL, Ending.LAND} and rule.cause not in AT_ONCE
+    waits = answer.ending in {Contingency.RTL, Contingency.LAND} and rule.cause not in AT_ONCE
     return replace(answer, after_s=delay) if waits and delay > LEAST_DELAY else answer

@@ -23,7 +23,7 @@ from ipoa_mission.forecast.timing.reasons import corner_deg, slow_because
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.commands import Command
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import KNOWS, SIH, SIH_SENSES, Airframe, SensorModel
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import fly
@@ -131,7 +131,7 @@ def break_off(
         BadInput, MissionError: as `fly_px4` does; or what is ordered has no end.
     """
     flights = Flights(route, parameters, wind, airframe, version=version)
-    if order.ending is Ending.RTL:
+    if order.ending is Contingency.RTL:
         if flights.limits.land_delay < 0.0:
             raise MissionError("with an RTL_LAND_DELAY below 0 it waits over its goal for ever", code="endless-flight")
         if parameters.get("RTL_TYPE", 0.0) in ALONG_MISSION:
@@ -221,7 +221,9 @@ class Flights:
 
         return once
 
-    def broken_off(self, ending: Ending, time: float, seed: int | None, fast: bool | None) -> tuple[FlownOnce, int]:
+    def broken_off(
+        self, ending: Contingency, time: float, seed: int | None, fast: bool | None
+    ) -> tuple[FlownOnce, int]:
         """Flown up to a time [s] with the noise of a seed, or without any, and then what is ordered, as `flown`.
 
         And how many orders were begun until then.
@@ -234,10 +236,10 @@ class Flights:
         )
         return self.flown(seed is not None, fast, RUNS.most * time / STEP)(seed or 0), begun
 
-    def ending(self, ending: Ending, at: Vector) -> list[Order]:
+    def ending(self, ending: Contingency, at: Vector) -> list[Order]:
         """The orders of an RTL or a LAND from one sample (7,) of a flight."""
         here, speed, ground = Enu(*map(float, at[1:4])), Level(float(at[4]), float(at[5])), self.route.ground
-        if ending is Ending.RTL:
+        if ending is Contingency.RTL:
             goal = Enu(*self.route.goal_of_return((here.east, here.north, here.up)))
             return way_home(here, self.limits, goal._replace(up=ground.at(goal.east, goal.north)), goal.up)
         stop = stopping_place(here, speed, self.limits)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 from ipoa_mission.mission.commands import FLOWN_TO, Command
 from ipoa_mission.vehicles.arming import ArmingWords
 from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.vehicles.failsafe import Failsafe
 from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables, rows
 from ipoa_mission.vehicles.guidance_profile import GuidanceProfile, WaypointDefaults
@@ -155,14 +155,14 @@ class Px4Multicopter(Autopilot):
         turning = turns * (speed + turns * (gains / 2 - limits.jerk * turns / 6))
         return np.asarray(turning + slowed**2 / (2 * brakes))
 
-    def braking_way(self, parameters: Parameters, velocity: "Points", accel: "Points", ending: Ending) -> "Points":
+    def braking_way(self, parameters: Parameters, velocity: "Points", accel: "Points", ending: Contingency) -> "Points":
         """Straight on to where its navigator puts LAND and hold (preproject_stop_point).
 
         >>> import numpy as np
-        >>> Px4Multicopter().braking_way({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Ending.HOLD).round(1)
+        >>> Px4Multicopter().braking_way({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
         array([[9.6, 0. ]])
         """
-        if ending not in (Ending.LAND, Ending.HOLD):
+        if ending not in (Contingency.LAND, Contingency.HOLD):
             return super().braking_way(parameters, velocity, accel, ending)
         import numpy as np
 

@@ -3,7 +3,7 @@
 from enum import StrEnum
 
 
-class Ending(StrEnum):
+class Contingency(StrEnum):
     """What a vehicle does instead of flying on with its mission."""
 
     RTL = "rtl"

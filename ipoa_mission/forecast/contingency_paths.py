@@ -19,12 +19,12 @@ from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.itinerary import rally_places
 from ipoa_mission.forecast.return_routes import WHERE, ReturnRoutes
-from ipoa_mission.forecast.stops import Stops, stops_of
+from ipoa_mission.forecast.stopping_points import StoppingPoints, stopping_points_of
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.proof import Check, prove_ground
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.vehicles.returning import ReturnBy
 from ipoa_mission.world.airspace import NOTHING_NEAR, ROUNDING, Clearance
 
@@ -44,7 +44,7 @@ GROUND = -2  # the number of the ground, beside those of obstacles; -1 is nothin
 
 
 @dataclass(frozen=True, eq=False)
-class EndingLooks:
+class ContingencySamples:
     """One ending, ordered at each of `times` (n,) [s after arming].
 
     Attributes:
@@ -95,7 +95,7 @@ class EndingLooks:
         return np.asarray(((self.near.min(axis=2) < required) | ~self.taken).all(axis=1))
 
     @classmethod
-    def following(cls, parts: "Iterable[EndingLooks]", count: int) -> "EndingLooks":
+    def following(cls, parts: "Iterable[ContingencySamples]", count: int) -> "ContingencySamples":
         """Parts one after the other, of so many times in all; each is let go of as the next one is looked at."""
         whole, begin = dict[str, NDArray[Any]](), 0
         for part in parts:
@@ -107,15 +107,15 @@ class EndingLooks:
         return cls(**whole)
 
     @classmethod
-    def merged(cls, looks: "Sequence[EndingLooks]") -> "EndingLooks":
+    def merged(cls, looks: "Sequence[ContingencySamples]") -> "ContingencySamples":
         """All of them, in the order of their times."""
         order = np.argsort(np.concatenate([some.times for some in looks]), kind="stable")
         taken = slice(None) if (np.diff(order) == 1).all() else order  # all of them as they are, or copied
         return cls(**{f.name: np.concatenate([getattr(one, f.name) for one in looks])[taken] for f in fields(cls)})
 
 
-class EndingWays:
-    """Where the endings of one forecast's flight lead, in the world of its scenario: `forecast.once(EndingWays)`.
+class ContingencyPaths:
+    """Where the endings of one forecast's flight lead, in the world of its scenario: `forecast.cached(ContingencyPaths)`.
 
     Times are those of the flight that is sure where it is.
     """
@@ -125,18 +125,18 @@ class EndingWays:
         self.required = forecast.world.limits.obstacle_distance
         self.rally = rally_places(self.mission)
         self.routes = ReturnRoutes(forecast, self.rally)
-        self._stops, self._looks = dict[Ending, Stops](), dict[Ending, EndingLooks]()
+        self._stops, self._looks = dict[Contingency, StoppingPoints](), dict[Contingency, ContingencySamples]()
 
-    def returning(self, forecast: Forecast) -> "EndingWays":
+    def returning(self, forecast: Forecast) -> "ContingencyPaths":
         """The same of a forecast in this world that differs in its return altitude or rally points only."""
-        return forecast.once(EndingWays, self._of_another)
+        return forecast.cached(ContingencyPaths, self._of_another)
 
-    def _of_another(self, forecast: Forecast) -> "EndingWays":
-        other = EndingWays(forecast)
+    def _of_another(self, forecast: Forecast) -> "ContingencyPaths":
+        other = ContingencyPaths(forecast)
         other.__dict__["roomy"] = self.roomy
         if not any(item.command == Command.NAV_RETURN_TO_LAUNCH for item in self.mission.items):
             other.__dict__["in_air"], other._stops = self.in_air, self._stops  # it is flown as before
-            other._looks = {ending: looks for ending, looks in self._looks.items() if ending is not Ending.RTL}
+            other._looks = {ending: looks for ending, looks in self._looks.items() if ending is not Contingency.RTL}
         return other
 
     @cached_property
@@ -145,9 +145,9 @@ class EndingWays:
         return with_room(self.forecast.world, TIGHT_PLACES)
 
     @cached_property
-    def as_flown(self) -> "EndingWays":
+    def as_flown(self) -> "ContingencyPaths":
         """The same with no room for the tube: how near the predicted ways themselves come."""
-        other = EndingWays(self.forecast)
+        other = ContingencyPaths(self.forecast)
         other.__dict__ |= {"roomy": self.forecast.world, "in_air": self.in_air, "routes": self.routes}
         other._stops = self._stops
         return other
@@ -159,10 +159,10 @@ class EndingWays:
         lifted = track.times[track.points[:, 2] > track.points[0, 2] + LIFTED]
         return (float(lifted[0]), float(lifted[-1])) if len(lifted) else (0.0, 0.0)
 
-    def stops(self, ending: Ending = Ending.RTL) -> Stops:
+    def stops(self, ending: Contingency = Contingency.RTL) -> StoppingPoints:
         """Where it comes to a stand, from every moment at which it is in the air."""
         if ending not in self._stops:
-            self._stops[ending] = stops_of(self.forecast, *self.in_air, ending)
+            self._stops[ending] = stopping_points_of(self.forecast, *self.in_air, ending)
         return self._stops[ending]
 
     def why_unknown(self) -> str | None:
@@ -174,7 +174,7 @@ class EndingWays:
             return "returns round fences are not modeled"
         return None
 
-    def looks(self, ending: Ending, between: tuple[float, float] | None = None) -> EndingLooks:
+    def looks(self, ending: Contingency, between: tuple[float, float] | None = None) -> ContingencySamples:
         """At an ending from so many times in the air, or between two of these, that nothing is missed."""
         if between is None:
             if ending not in self._looks:
@@ -183,36 +183,36 @@ class EndingWays:
         begin, end = between
         looks = self.at(ending, np.linspace(begin, end, max(2, round((end - begin) / EVERY_S) + 1)))
         while len(times := looks.gaps()):
-            looks = EndingLooks.merged([looks, self.at(ending, times)])
+            looks = ContingencySamples.merged([looks, self.at(ending, times)])
         return looks
 
-    def at(self, ending: Ending, times: Vector) -> EndingLooks:
+    def at(self, ending: Contingency, times: Vector) -> ContingencySamples:
         """At an ending from these times (n,), in their order."""
         some = np.array_split(times, math.ceil(len(times) / AT_ONCE) or 1)
-        return EndingLooks.following((self._at(ending, part) for part in some), len(times))
+        return ContingencySamples.following((self._at(ending, part) for part in some), len(times))
 
-    def _at(self, ending: Ending, times: Vector) -> EndingLooks:
+    def _at(self, ending: Contingency, times: Vector) -> ContingencySamples:
         places, stands = self.stops(ending).at(times)
         ways, taken = np.stack([places, stands], axis=1)[:, None], np.ones((len(times), 1), dtype=bool)
-        if ending is Ending.LAND:
+        if ending is Contingency.LAND:
             ways = np.concatenate([ways, self._ground_below(stands)[:, None, None]], axis=2)
-        elif ending is Ending.RTL:
+        elif ending is Contingency.RTL:
             ways, taken = self._returns(places, stands, self.stops(ending).seqs_at(times))
-        elif ending is Ending.SMART_RTL:
+        elif ending is Contingency.SMART_RTL:
             home = np.broadcast_to(self.forecast.promise.flight.pieces.points[0], (len(times), 1, 1, 3))
             ways = np.concatenate([ways, home], axis=2)
         near, which = self._near(ways)
-        if ending is Ending.SMART_RTL:
+        if ending is Contingency.SMART_RTL:
             near[:, 0, 1], which[:, 0, 1] = self._flown_so_far(times)
-        if ending is Ending.RTL:
+        if ending is Contingency.RTL:
             self._note_mission(times, near, which)
         spare = np.where(taken, np.minimum(near.min(axis=2) - self.required, SEEN), SEEN).min(axis=1)
-        looks = EndingLooks(times, ways, taken, near, which, spare)
+        looks = ContingencySamples(times, ways, taken, near, which, spare)
         return self._with_ground(looks, _come_down(ending))
 
-    def exactly(self, ending: Ending, looks: EndingLooks, n: int) -> Clearance:
+    def exactly(self, ending: Contingency, looks: ContingencySamples, n: int) -> Clearance:
         """What one look keeps of an obstacle, to the millimeter, and of which."""
-        if ending is Ending.SMART_RTL:
+        if ending is Contingency.SMART_RTL:
             return self._least_noted(looks, n)
         least = NOTHING_NEAR
         for way in looks.ways[n][looks.taken[n]]:
@@ -220,21 +220,21 @@ class EndingWays:
             least = min(least, found, key=lambda clearance: clearance.distance)
         return least
 
-    def lowest(self, ending: Ending, looks: EndingLooks, n: int) -> Check:
+    def lowest(self, ending: Contingency, looks: ContingencySamples, n: int) -> Check:
         """What one look keeps of the ground on the ways that may be taken, before it comes down."""
         ways = looks.ways[n, looks.taken[n], : _come_down(ending)]
         checks = (check for way in ways for check in prove_ground(way, self.forecast.world))
         return min(checks, key=lambda check: check.slack)
 
-    def _least_noted(self, looks: EndingLooks, n: int) -> Clearance:
+    def _least_noted(self, looks: ContingencySamples, n: int) -> Clearance:
         leg = int(np.argmin(looks.near[n, 0]))
         number, place = int(looks.which[n, 0, leg]), looks.ways[n, 0, leg].tolist()
         name = self.roomy.airspace.obstacles[number].name if number >= 0 else "nothing"
         return Clearance(float(looks.near[n, 0, leg]), (place[0], place[1], place[2]), name, leg)
 
-    def goal(self, ending: Ending, looks: EndingLooks, n: int) -> str:
+    def goal(self, ending: Contingency, looks: ContingencySamples, n: int) -> str:
         """Where one look leads, in words."""
-        if ending in (Ending.LAND, Ending.HOLD):
+        if ending in (Contingency.LAND, Contingency.HOLD):
             return "here"
         names = ["home", *(f"rally point {k}" for k in range(1, len(self.rally) + 1))]
         names += [WHERE[by] for by in self.routes.kinds]
@@ -279,7 +279,7 @@ class EndingWays:
             places = np.repeat(places, 2, axis=0)
         return self._near(np.stack([places[:-1], places[1:]], axis=1)[:, None])
 
-    def _with_ground(self, looks: EndingLooks, end: int) -> EndingLooks:
+    def _with_ground(self, looks: ContingencySamples, end: int) -> ContingencySamples:
         """The looks with what their ways up to place `end` keep of the ground, where that is less."""
         begin, last = self.forecast.promise.flight.way
         near, which, spare = looks.near.copy(), looks.which.copy(), looks.spare.copy()
@@ -352,9 +352,9 @@ class EndingWays:
         return np.column_stack([points[:, :2], np.minimum(ground, points[:, 2])])
 
 
-def _come_down(ending: Ending) -> int:
+def _come_down(ending: Contingency) -> int:
     """Which place of its ways is the first that is on the ground, or no longer braking."""
-    return -1 if ending is Ending.RTL else 2
+    return -1 if ending is Contingency.RTL else 2
 
 
 def _padded(ways: NDArray[np.float64], places: int) -> NDArray[np.float64]:

@@ -11,9 +11,15 @@ from dataclasses import replace
 import numpy as np
 
 from ipoa_mission.checks.unsafe import Unsafe
-from ipoa_mission.forecast.endings import Endings, endings_of, lands_by_choice, to_return_instead, who_lands
+from ipoa_mission.forecast.contingencies import (
+    Contingencies,
+    contingencies_of,
+    lands_by_choice,
+    to_return_instead,
+    who_lands,
+)
+from ipoa_mission.forecast.contingency_paths import RETURNS, ContingencyPaths
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.looks import RETURNS, EndingWays
 from ipoa_mission.forecast.shortfalls import (
     Shortfall,
     at_another_height,
@@ -25,7 +31,7 @@ from ipoa_mission.forecast.shortfalls import (
 from ipoa_mission.routing.rally import rally_sets
 from ipoa_mission.routing.repairs import slow_landings
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 
 NAMED = 3  # things on which it may come down
 
@@ -36,12 +42,12 @@ def settled(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
     Returns:
         The forecast of it, and what is still too near: of each body the worst.
     """
-    ways = forecast.once(EndingWays)
-    braking = list(shortfalls(ways, Ending.HOLD, ways.looks(Ending.HOLD)))
-    if Ending.SMART_RTL in endings_of(forecast):
-        braking += shortfalls(ways, Ending.SMART_RTL, ways.looks(Ending.SMART_RTL))
+    ways = forecast.cached(ContingencyPaths)
+    braking = list(shortfalls(ways, Contingency.HOLD, ways.looks(Contingency.HOLD)))
+    if Contingency.SMART_RTL in contingencies_of(forecast):
+        braking += shortfalls(ways, Contingency.SMART_RTL, ways.looks(Contingency.SMART_RTL))
     if lands_by_choice(forecast):
-        braking += shortfalls(ways, Ending.LAND, ways.looks(Ending.LAND))
+        braking += shortfalls(ways, Contingency.LAND, ways.looks(Contingency.LAND))
     if ways.why_unknown() is not None:
         return forecast, tuple(braking)
     if braking:  # another path it must be, and that is to turn back and climb in the clear as well
@@ -61,7 +67,7 @@ def names_return_altitude(scenario: Scenario) -> bool:
 
 
 def _with_rally_points(
-    ways: EndingWays, forecast: Forecast, short: list[Shortfall]
+    ways: ContingencyPaths, forecast: Forecast, short: list[Shortfall]
 ) -> tuple[Forecast, list[Shortfall]]:
     """The fewest rally points that make RTL clear, and at which it slows down in time; none where they do not."""
     for rally in rally_sets(ways.returning(forecast)):
@@ -78,16 +84,18 @@ def _with_rally_points(
 
 def why_not_planned(forecast: Forecast) -> str:
     """Which stretch of which ending is not clear, in words that go on."""
-    endings = forecast.once(Endings)
-    asked = [ending for ending in endings_of(forecast) if ending is not Ending.LAND or lands_by_choice(forecast)]
+    endings = forecast.cached(Contingencies)
+    asked = [
+        ending for ending in contingencies_of(forecast) if ending is not Contingency.LAND or lands_by_choice(forecast)
+    ]
     rows = [row for ending in asked for row in endings.rows(ending, timed=False) if not row.clear]
     worst = min(rows, key=lambda row: row.least_m - row.required_m)
     when = f"from {worst.from_s:.1f} to {worst.to_s:.1f} s after arming"
-    if worst.ending is Ending.LAND:
+    if worst.ending is Contingency.LAND:
         return f"LAND {when}, by {who_lands(forecast)}, is {worst.keeps}"
-    where = ", where it brakes" if worst.ending is Ending.HOLD else ""
+    where = ", where it brakes" if worst.ending is Contingency.HOLD else ""
     kept = f"keeps {worst.least_m:.2f} m of {worst.to}{where}, {worst.required_m:.2f} m required"
-    order = "SmartRTL" if worst.ending is Ending.SMART_RTL else "RTL"
+    order = "SmartRTL" if worst.ending is Contingency.SMART_RTL else "RTL"
     return f"{order} {when} {kept if math.isfinite(worst.least_m) else worst.to}"
 
 
@@ -110,16 +118,16 @@ def planned_returns(forecast: Forecast) -> Iterator[str]:
         places = (forecast.frame.local(replace(p, altitude=mission.home.altitude)) for p in mission.rally)
         words = "; ".join(f"east {east:.0f}, north {north:.0f} m" for east, north, _ in places)
         yield f"RTL is clear from every second by rally points, at {words}: they are uploaded with the mission"
-    asked = scenario.safety.returns == "planned" and Ending.LAND in endings_of(forecast)
+    asked = scenario.safety.returns == "planned" and Contingency.LAND in contingencies_of(forecast)
     if asked and not lands_by_choice(forecast):
         yield from _lands_on(forecast)
 
 
 def _lands_on(forecast: Forecast) -> Iterator[str]:
     """For how long LAND where it is may come down on something, which is not planned away."""
-    ways = forecast.once(EndingWays)
-    looks = ways.looks(Ending.LAND)
-    names = list(dict.fromkeys(one.body or "the ground" for one in shortfalls(ways, Ending.LAND, looks)))
+    ways = forecast.cached(ContingencyPaths)
+    looks = ways.looks(Contingency.LAND)
+    names = list(dict.fromkeys(one.body or "the ground" for one in shortfalls(ways, Contingency.LAND, looks)))
     if names:
         lasts, whole = np.diff(looks.times), looks.times[-1] - looks.times[0]
         seconds = lasts[~(looks.clear[1:] & looks.clear[:-1])].sum()

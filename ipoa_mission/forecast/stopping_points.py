@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.vehicles.autopilot import STANDS
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 
 LOOK_EVERY_S = 0.2  # between the places at which the vehicle may be when its flight is broken off [s]
 
 
 @dataclass(frozen=True, eq=False)
-class Stops:
+class StoppingPoints:
     """Where the vehicle is (n, 3) at `times` (n,) [s], on its way to items `seqs` (n,), and where it stands then."""
 
     times: Vector
@@ -35,9 +35,9 @@ class Stops:
         return places, stands
 
 
-def stops_of(
-    forecast: Forecast, begin: float | None = None, end: float | None = None, ending: Ending = Ending.RTL
-) -> Stops:
+def stopping_points_of(
+    forecast: Forecast, begin: float | None = None, end: float | None = None, ending: Contingency = Contingency.RTL
+) -> StoppingPoints:
     """From one time to another [s], at the end of which it stands; left out, from the take-off to the last waypoint."""
     mission, flight = forecast.mission, forecast.promise.flight
     autopilot = mission.autopilot
@@ -57,4 +57,6 @@ def stops_of(
         stands[:, 2] += velocity[:, 2] * way / speed
     stands[:, :2] += autopilot.braking_way(mission.parameters, velocity[:, :2], accel, ending)
     seqs = np.array([visit.seq for visit in flight.route.visits])
-    return Stops(times, places, stands, seqs[np.minimum(np.searchsorted(flight.prediction.done, times), len(seqs) - 1)])
+    return StoppingPoints(
+        times, places, stands, seqs[np.minimum(np.searchsorted(flight.prediction.done, times), len(seqs) - 1)]
+    )

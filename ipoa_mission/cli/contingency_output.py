@@ -10,7 +10,7 @@ from itertools import pairwise
 from typing import Any
 
 from ipoa_mission.cli.output import picked, tell, tell_table
-from ipoa_mission.forecast.endings import EndingRow, bars_of
+from ipoa_mission.forecast.contingencies import ContingencyRow, bars_of
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.vehicles.failsafe import Failsafe
 
@@ -21,14 +21,14 @@ CELL = {Grade.CLEAR: "yes", Grade.MAY: "perhaps", Grade.WOULD: "NO", Grade.UNKNO
 NO_ENDINGS = "endings: nothing is known of them, as of the flight"
 
 
-def endings_as_json(rows: tuple[EndingRow, ...], failsafes: tuple[Failsafe, ...]) -> dict[str, Any]:
+def endings_as_json(rows: tuple[ContingencyRow, ...], failsafes: tuple[Failsafe, ...]) -> dict[str, Any]:
     """Both for machines: metres, seconds from arming, watt hours; what nobody knows is null."""
     if not rows:
         return {"endings": None, "failsafes": None}
     return {"endings": [_row(row) for row in rows], "failsafes": [_failsafe(one) for one in failsafes]}
 
 
-def _row(row: EndingRow) -> dict[str, Any]:
+def _row(row: ContingencyRow) -> dict[str, Any]:
     lands = None if row.lands is None else {"east": _rounded(row.lands[0]), "north": _rounded(row.lands[1])}
     return {
         "ending": str(row.ending),
@@ -57,7 +57,7 @@ def _failsafe(failsafe: Failsafe) -> dict[str, Any]:
     }
 
 
-def tell_endings(rows: tuple[EndingRow, ...], failsafes: tuple[Failsafe, ...]) -> None:
+def tell_endings(rows: tuple[ContingencyRow, ...], failsafes: tuple[Failsafe, ...]) -> None:
     """Both as tables."""
     if not rows:
         tell(NO_ENDINGS)
@@ -74,7 +74,7 @@ def tell_endings(rows: tuple[EndingRow, ...], failsafes: tuple[Failsafe, ...]) -
     tell("; ".join(told) or "every ending is clear")
 
 
-def tell_strip(rows: tuple[EndingRow, ...]) -> None:
+def tell_strip(rows: tuple[ContingencyRow, ...]) -> None:
     """A bar of each ending over the time in the air, and in words what is not clear."""
     if not rows:
         tell(NO_ENDINGS)
@@ -91,12 +91,12 @@ def tell_strip(rows: tuple[EndingRow, ...]) -> None:
     tell(*(unclear or ["every ending is clear"]))
 
 
-def bar_of(rows: Sequence[EndingRow]) -> str:
+def bar_of(rows: Sequence[ContingencyRow]) -> str:
     """One ending as characters, each for as much of its time: of the rows that it has a part in, the worst.
 
-    >>> from ipoa_mission.vehicles.ending import Ending
-    >>> clear = EndingRow(Ending.LAND, 0.0, 24.5, Grade.CLEAR, 3.0, 2.5, "mast", "here")
-    >>> unclear = EndingRow(Ending.LAND, 24.5, 50.0, Grade.WOULD, 1.0, 2.5, "mast", "here")
+    >>> from ipoa_mission.vehicles.contingency import Contingency
+    >>> clear = ContingencyRow(Contingency.LAND, 0.0, 24.5, Grade.CLEAR, 3.0, 2.5, "mast", "here")
+    >>> unclear = ContingencyRow(Contingency.LAND, 24.5, 50.0, Grade.WOULD, 1.0, 2.5, "mast", "here")
     >>> bar_of((clear, unclear)).count("-")
     24
     """
@@ -106,7 +106,7 @@ def bar_of(rows: Sequence[EndingRow]) -> str:
     return "".join(next(sign for grade, sign in SIGNS.items() if grade in cell) for cell in cells)
 
 
-def _cells(row: EndingRow) -> tuple[str, ...]:
+def _cells(row: ContingencyRow) -> tuple[str, ...]:
     takes = "" if row.duration_s is None else f"{row.duration_s[0]:.0f} to {row.duration_s[1]:.0f}"
     energy = "" if row.energy_wh is None else f"{row.energy_wh[0]:.1f} to {row.energy_wh[1]:.1f}"
     least = f"{row.least_m:.2f}" if math.isfinite(row.least_m) else ""

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from ipoa_mission.report.ending_bars import GradeLook
+from ipoa_mission.report.contingency_bars import GradeLook
 from ipoa_mission.studio.vocabulary import Number, PageMessage
 
 

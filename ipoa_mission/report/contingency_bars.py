@@ -4,7 +4,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
-from ipoa_mission.forecast.endings import EndingBar, EndingRow, Endings, bars_of
+from ipoa_mission.forecast.contingencies import Contingencies, ContingencyBar, ContingencyRow, bars_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.report.seen import Seen
@@ -19,10 +19,10 @@ LOOK: dict[Grade, GradeLook] = {
 }
 
 
-class EndingStretch(NamedTuple):
+class ContingencyStretch(NamedTuple):
     """A row of an ending, and between which distances over ground [m] the vehicle is then."""
 
-    row: EndingRow
+    row: ContingencyRow
     begins: float
     ends: float
 
@@ -32,14 +32,14 @@ class EndingStretch(NamedTuple):
         return LOOK[self.row.grade]
 
 
-def ending_bars(forecast: Forecast) -> tuple[EndingBar, ...]:
+def ending_bars(forecast: Forecast) -> tuple[ContingencyBar, ...]:
     """A bar for each ending that the vehicle has; none where nobody can say how it will be flown."""
     if forecast.promise_if_known is None:
         return ()
-    return bars_of(forecast.once(Endings).all_rows(timed=False))
+    return bars_of(forecast.cached(Contingencies).all_rows(timed=False))
 
 
-def stretches(bar: EndingBar, course: Seen) -> tuple[EndingStretch, ...]:
+def stretches(bar: ContingencyBar, course: Seen) -> tuple[ContingencyStretch, ...]:
     """Where its rows lie, in the order of their times; on the spot some have no length."""
     edges = np.interp([(row.from_s, row.to_s) for row in bar.rows], course.times, course.along).tolist()
-    return tuple(EndingStretch(row, *between) for row, between in zip(bar.rows, edges, strict=True))
+    return tuple(ContingencyStretch(row, *between) for row, between in zip(bar.rows, edges, strict=True))

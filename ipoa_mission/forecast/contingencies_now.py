@@ -5,34 +5,34 @@ from functools import lru_cache
 
 import numpy as np
 
-from ipoa_mission.forecast.endings import EndingRow, Endings
+from ipoa_mission.forecast.contingencies import Contingencies, ContingencyRow
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.geometry import Vector
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 
 NEAR_S = 12.0  # so much earlier or later than before the vehicle may be where the forecast has it
 LIKELY = 0.2  # of two times at which it comes by a place, one that is likelier by a second may be so far off [m]
 EVERY_S = 10.0  # how long an ending takes is worked out as often, and lies between the two beside a moment
 STEEP, NEAREST_S = 2.5, 1.0  # more often where it changes by so many seconds a second, but no more often than this [s]
 NEAR = 8.0  # what is so much farther than required is nothing near [m]
-TIMED = (Ending.RTL, Ending.LAND)  # the others do not end on the ground
+TIMED = (Contingency.RTL, Contingency.LAND)  # the others do not end on the ground
 
 
-class EndingsNow:
+class ContingenciesNow:
     """The endings of one forecast's flight that can be ordered, to be asked in flight.
 
     Raises:
         MissionError: the vehicle has no model of its flight.
     """
 
-    def __init__(self, forecast: Forecast, ordered: tuple[Ending, ...] = TIMED) -> None:
-        self._endings = forecast.once(Endings)
+    def __init__(self, forecast: Forecast, ordered: tuple[Contingency, ...] = TIMED) -> None:
+        self._endings = forecast.cached(Contingencies)
         self._rows = {one: self._endings.rows(one, timed=False) for one in ordered}
         self._lasts = lru_cache(maxsize=256)(self._endings.lasts)
         self._late_s = 0.0
 
-    def at(self, time: float) -> tuple[tuple[EndingRow, float | None], ...]:
+    def at(self, time: float) -> tuple[tuple[ContingencyRow, float | None], ...]:
         """Of each ending its row and how many seconds it takes, at a time of the forecast [s]."""
         return tuple((row, self._seconds(row, time)) for row in map(self._row, self._rows, (time,) * len(self._rows)))
 
@@ -51,7 +51,7 @@ class EndingsNow:
         self._late_s = time - found
         return found, float(apart[best])
 
-    def from_here(self, ending: Ending, place: Vector, velocity: Vector) -> EndingRow:
+    def from_here(self, ending: Contingency, place: Vector, velocity: Vector) -> ContingencyRow:
         """To hold or to land from where the vehicle is (3,) [m], at its velocity east and north (2,) [m/s]."""
         forecast, ways = self._endings.forecast, self._endings.ways
         autopilot, parameters = forecast.mission.autopilot, forecast.mission.parameters
@@ -59,20 +59,20 @@ class EndingsNow:
         stand[:2] += autopilot.flies_on(ending) * velocity
         stand[:2] += autopilot.braking_way(parameters, velocity[None, :], np.zeros((1, 2)), ending)[0]
         ground = np.array([stand[0], stand[1], float(ways.roomy.airspace.ground(stand[None, :])[0])])
-        path = np.array([place, stand] if ending is Ending.HOLD else [place, stand, ground])
+        path = np.array([place, stand] if ending is Contingency.HOLD else [place, stand, ground])
         near = ways.roomy.airspace.obstacle_clearance(path, within=ways.required + NEAR)
         grade = Grade.CLEAR if near.distance >= ways.required else Grade.WOULD
-        return EndingRow(ending, 0.0, 0.0, grade, near.distance, ways.required, near.what, "here")
+        return ContingencyRow(ending, 0.0, 0.0, grade, near.distance, ways.required, near.what, "here")
 
     def words(self, time: float) -> str:
         """The same in a line: "rtl clear, 2.13 m from mast, 62 s"."""
         told = ((f"{row.ending} {row.keeps}", seconds) for row, seconds in self.at(time))
         return "; ".join(words if seconds is None else f"{words}, {seconds:.0f} s" for words, seconds in told)
 
-    def _row(self, ending: Ending, time: float) -> EndingRow:
+    def _row(self, ending: Contingency, time: float) -> ContingencyRow:
         return next((row for row in self._rows[ending] if time < row.to_s), self._rows[ending][-1])
 
-    def _seconds(self, row: EndingRow, time: float) -> float | None:
+    def _seconds(self, row: ContingencyRow, time: float) -> float | None:
         if row.ending not in TIMED:
             return None
         begin = EVERY_S * math.floor(time / EVERY_S)

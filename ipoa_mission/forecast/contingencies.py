@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import MissionError
+from ipoa_mission.forecast.contingency_paths import GROUND, ContingencyPaths, ContingencySamples
 from ipoa_mission.forecast.energy import Taken, flown_from
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade, clear_at_any_time, graded, share_nearer
-from ipoa_mission.forecast.looks import GROUND, EndingLooks, EndingWays
-from ipoa_mission.forecast.stops import Stops
+from ipoa_mission.forecast.stopping_points import StoppingPoints
 from ipoa_mission.geometry import Vector
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.vehicles.failsafe import Failsafe
 from ipoa_mission.world.airspace import Clearance
 
@@ -33,8 +33,8 @@ LONG = 1e6  # past the last item both clocks go on alike for so long [s]
 TIMED = 3  # looks of a row from which the flight is timed
 WEIGHED_S = 0.25  # between the times that are weighed for how likely it is that one is not clear [s]
 #: What is looked at; the others go on, fall, or lead to where nobody knows.
-LOOKED_AT = (Ending.RTL, Ending.LAND, Ending.SMART_RTL, Ending.HOLD)
-OF_ANY_VEHICLE = frozenset({Ending.RTL, Ending.LAND, Ending.HOLD})  # of whose failsafes nothing is known
+LOOKED_AT = (Contingency.RTL, Contingency.LAND, Contingency.SMART_RTL, Contingency.HOLD)
+OF_ANY_VEHICLE = frozenset({Contingency.RTL, Contingency.LAND, Contingency.HOLD})  # of whose failsafes nothing is known
 
 
 def failsafes_of(forecast: Forecast) -> tuple[Failsafe, ...]:
@@ -60,7 +60,7 @@ def to_return_instead(forecast: Forecast) -> str:
     return f"{words} return{'s' if len(values) == 1 else ''} instead, in the vehicle and under [vehicle.parameters]"
 
 
-def endings_of(forecast: Forecast) -> tuple[Ending, ...]:
+def contingencies_of(forecast: Forecast) -> tuple[Contingency, ...]:
     """The endings that the vehicle has, of those that are looked at: what a failsafe or a pilot's order leads to."""
     failsafes = failsafes_of(forecast)
     actions = [action for one in failsafes for action in (one.route, *one.differs.values())]
@@ -69,7 +69,7 @@ def endings_of(forecast: Forecast) -> tuple[Ending, ...]:
 
 
 @dataclass(frozen=True)
-class EndingRow:
+class ContingencyRow:
     """From `from_s` to `to_s` [s after arming] an ending leads to the same goal, and its `grade` stays the same.
 
     `least_m` is what is kept at least of the nearest thing, `to`, once the tube is taken off: a distance, or where `to`
@@ -79,7 +79,7 @@ class EndingRow:
     `lands`: east and north of home [m], None where it holds, or where the place changes all the time.
     """
 
-    ending: Ending
+    ending: Contingency
     from_s: float
     to_s: float
     grade: Grade
@@ -131,27 +131,27 @@ class EndingRow:
         return f"{self.ending} {self.from_s:.1f} to {self.to_s:.1f} s, {self.leads}: {self.keeps}"
 
 
-class EndingBar(NamedTuple):
+class ContingencyBar(NamedTuple):
     """What a strip shows of one ending: its rows in the order of their times, and to where they lead."""
 
-    ending: Ending
+    ending: Contingency
     leads: str
-    rows: tuple[EndingRow, ...]
+    rows: tuple[ContingencyRow, ...]
 
 
-def bars_of(rows: Iterable[EndingRow]) -> tuple[EndingBar, ...]:
+def bars_of(rows: Iterable[ContingencyRow]) -> tuple[ContingencyBar, ...]:
     """The rows ending by ending."""
-    own: dict[Ending, list[EndingRow]] = {}
+    own: dict[Contingency, list[ContingencyRow]] = {}
     for row in rows:
         own.setdefault(row.ending, []).append(row)
     return tuple(
-        EndingBar(ending, ", ".join(dict.fromkeys(row.leads for row in mine)), tuple(mine))
+        ContingencyBar(ending, ", ".join(dict.fromkeys(row.leads for row in mine)), tuple(mine))
         for ending, mine in own.items()
     )
 
 
-class Endings:
-    """All ways in which one forecast's flight can end, in the world of its scenario: `forecast.once(Endings)`.
+class Contingencies:
+    """All ways in which one forecast's flight can end, in the world of its scenario: `forecast.cached(Contingencies)`.
 
     Times are those of the mean of all its flights, of which some come late to a waypoint, and none early; those of
     `ways` are of the flight that is sure where it is.
@@ -159,8 +159,8 @@ class Endings:
 
     def __init__(self, forecast: Forecast) -> None:
         self.forecast, self.mission = forecast, forecast.mission
-        self.ways = forecast.once(EndingWays)
-        self._rows = dict[Ending, list[tuple[EndingRow, range]]]()
+        self.ways = forecast.cached(ContingencyPaths)
+        self._rows = dict[Contingency, list[tuple[ContingencyRow, range]]]()
 
     @cached_property
     def _clocks(self) -> tuple[Vector, Vector]:
@@ -181,28 +181,28 @@ class Endings:
         begin, end = self._in_mean(np.array(self.ways.in_air))
         return float(begin), float(end)
 
-    def stops(self, ending: Ending = Ending.RTL) -> Stops:
+    def stops(self, ending: Contingency = Contingency.RTL) -> StoppingPoints:
         """As those of `ways`."""
         stops = self.ways.stops(ending)
         return replace(stops, times=self._in_mean(stops.times))
 
-    def looks(self, ending: Ending, between: tuple[float, float] | None = None) -> EndingLooks:
+    def looks(self, ending: Contingency, between: tuple[float, float] | None = None) -> ContingencySamples:
         """As those of `ways`."""
         looks = self.ways.looks(ending, None if between is None else tuple(self._if_sure(np.array(between)).tolist()))
         return replace(looks, times=self._in_mean(looks.times))
 
-    def all_rows(self, timed: bool = True) -> tuple[EndingRow, ...]:
+    def all_rows(self, timed: bool = True) -> tuple[ContingencyRow, ...]:
         """Every ending that the vehicle has, one after the other; as `rows`, and raises as it does."""
-        return tuple(row for ending in endings_of(self.forecast) for row in self.rows(ending, timed))
+        return tuple(row for ending in contingencies_of(self.forecast) for row in self.rows(ending, timed))
 
-    def rows(self, ending: Ending, timed: bool = True) -> tuple[EndingRow, ...]:
+    def rows(self, ending: Contingency, timed: bool = True) -> tuple[ContingencyRow, ...]:
         """One ending, from the first moment in the air to the last; with times and energy if `timed`.
 
         Raises:
             MissionError: the vehicle has no model of its flight.
         """
-        if ending is Ending.RTL and (why := self.ways.why_unknown()) is not None:
-            return (EndingRow(ending, *self.in_air, Grade.UNKNOWN, math.nan, self.ways.required, why, UNKNOWN),)
+        if ending is Contingency.RTL and (why := self.ways.why_unknown()) is not None:
+            return (ContingencyRow(ending, *self.in_air, Grade.UNKNOWN, math.nan, self.ways.required, why, UNKNOWN),)
         looks = self.looks(ending)
         if ending not in self._rows:
             grades = self._grades(ending, looks)
@@ -210,15 +210,15 @@ class Endings:
             self._rows[ending] = [(self._row(ending, looks, run, grades[run.start]), run) for run in runs]
         return tuple(self._timed(row, looks, run) if timed else row for row, run in self._rows[ending])
 
-    def at(self, ending: Ending, time: float, timed: bool = True) -> EndingRow:
+    def at(self, ending: Contingency, time: float, timed: bool = True) -> ContingencyRow:
         """An ending that is ordered at one time in the air [s]; as `rows`, and raises as it does."""
-        if ending is Ending.RTL and (why := self.ways.why_unknown()) is not None:
-            return EndingRow(ending, time, time, Grade.UNKNOWN, math.nan, self.ways.required, why, UNKNOWN)
+        if ending is Contingency.RTL and (why := self.ways.why_unknown()) is not None:
+            return ContingencyRow(ending, time, time, Grade.UNKNOWN, math.nan, self.ways.required, why, UNKNOWN)
         doubt = float(self._doubts(np.array([time]))[0])
         begin, end = np.clip([time - doubt, time + doubt], *self.in_air)
         now = self.ways.at(ending, self._if_sure(np.clip([time], begin, end)))
         both = [self.looks(ending, (begin, end)), replace(now, times=np.clip([time], begin, end))]
-        looks = EndingLooks.merged(both)
+        looks = ContingencySamples.merged(both)
         middle = int(np.searchsorted(looks.times, np.clip(time, begin, end)))
         row = self._row(ending, looks, range(len(looks.times)), self._grades(ending, looks)[middle])
         row = replace(row, from_s=time, to_s=time, goal=self.ways.goal(ending, looks, middle))
@@ -229,7 +229,7 @@ class Endings:
         prediction = self.forecast.expected
         return BEGUN_S + np.interp(times, prediction.done, (prediction.high - prediction.low) / 2)
 
-    def _grades(self, ending: Ending, looks: EndingLooks) -> list[Grade]:
+    def _grades(self, ending: Contingency, looks: ContingencySamples) -> list[Grade]:
         """Of each look (n,), from wherever the vehicle may be then."""
         times, doubts = looks.times, self._doubts(looks.times)
         clear, shares = clear_at_any_time(times, looks.clear, doubts), np.zeros(len(times))
@@ -238,7 +238,7 @@ class Endings:
             shares[~clear] = share_nearer(times[~clear], doubts[~clear], evenly, nearer)
         return graded(clear, shares)
 
-    def _nearer(self, ending: Ending, looks: EndingLooks) -> tuple[Vector, NDArray[np.bool_]]:
+    def _nearer(self, ending: Contingency, looks: ContingencySamples) -> tuple[Vector, NDArray[np.bool_]]:
         """Times (m,), evenly spaced, and whether the ways that are predicted from there come nearer than required."""
         begin, end = looks.times[0], looks.times[-1]
         evenly = np.linspace(begin, end, max(2, round((end - begin) / WEIGHED_S) + 1))
@@ -250,7 +250,7 @@ class Endings:
             nearer[asked] = predicted.all_nearer(self.ways.required)
         return evenly, nearer
 
-    def _row(self, ending: Ending, looks: EndingLooks, run: range, grade: Grade) -> EndingRow:
+    def _row(self, ending: Contingency, looks: ContingencySamples, run: range, grade: Grade) -> ContingencyRow:
         """The row of the looks in a run, as the worst one has it at which the vehicle may be there."""
         seen = run if grade is Grade.CLEAR else self._seen(looks, run)
         worst, near = min(self._nearest(ending, looks, seen), key=lambda found: found[1].distance)
@@ -265,16 +265,16 @@ class Endings:
             east, north, _ = looks.ways[run.start][looks.taken[run.start]][0, -1]
             lands = float(east), float(north)
         until = float(looks.times[min(run.stop, len(looks.times) - 1)])
-        return EndingRow(ending, float(looks.times[run.start]), until, grade, least, required, to, goal, lands)
+        return ContingencyRow(ending, float(looks.times[run.start]), until, grade, least, required, to, goal, lands)
 
-    def _seen(self, looks: EndingLooks, run: range) -> range:
+    def _seen(self, looks: ContingencySamples, run: range) -> range:
         """The looks of a run and those so soon before and after it that the vehicle may be there instead."""
         edges = looks.times[[run.start, run.stop - 1]]
         early, late = edges + np.array([-1.0, 1.0]) * self._doubts(edges)
         begin, end = np.searchsorted(looks.times, early), np.searchsorted(looks.times, late, side="right")
         return range(min(int(begin), run.start), max(int(end), run.stop))
 
-    def _nearest(self, ending: Ending, looks: EndingLooks, run: range) -> list[tuple[int, Clearance]]:
+    def _nearest(self, ending: Contingency, looks: ContingencySamples, run: range) -> list[tuple[int, Clearance]]:
         """The looks of a run that are nearest to something, and how near: one of these is the nearest of all."""
         spare = looks.spare[run.start : run.stop]
         inside = np.flatnonzero(spare <= -self.ways.required)  # how deep is not known yet
@@ -282,9 +282,9 @@ class Endings:
         picked = {*np.argsort(spare, kind="stable")[:NEAREST_FEW].tolist(), *inside[few].tolist()}
         return [(run[n], self.ways.exactly(ending, looks, run[n])) for n in sorted(picked)]
 
-    def _timed(self, row: EndingRow, looks: EndingLooks, run: range) -> EndingRow:
+    def _timed(self, row: ContingencyRow, looks: ContingencySamples, run: range) -> ContingencyRow:
         """The row with how long its flights last, as the vehicle's model flies them, and what they take."""
-        if row.ending not in (Ending.RTL, Ending.LAND):
+        if row.ending not in (Contingency.RTL, Contingency.LAND):
             return row
         picked = {run[round(share * (len(run) - 1))] for share in np.linspace(0.0, 1.0, TIMED)}
         try:
@@ -298,12 +298,12 @@ class Endings:
         takes = (min(one.low for one in used), max(one.high for one in used)) if used else None
         return replace(row, touches_s=touches, duration_s=lasts, energy_wh=takes)
 
-    def lasts(self, ending: Ending, time: float) -> tuple[float, float] | None:
+    def lasts(self, ending: Contingency, time: float) -> tuple[float, float] | None:
         """The least and the most time that an ending takes which is ordered at a time [s]; None where nobody knows."""
         taken = self.takes(ending, time)
         return None if taken is None else taken.lasts
 
-    def takes(self, ending: Ending, time: float) -> Taken | None:
+    def takes(self, ending: Contingency, time: float) -> Taken | None:
         """The same with what it takes of the battery, as `flown_from`."""
         try:
             return flown_from(self.forecast, ending, float(np.clip(time, *self.in_air)))

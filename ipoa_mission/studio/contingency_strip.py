@@ -6,18 +6,18 @@ from itertools import pairwise
 
 import numpy as np
 
-from ipoa_mission.forecast.endings import EndingBar, Endings
-from ipoa_mission.forecast.endings_now import EVERY_S, NEAREST_S, STEEP, TIMED
+from ipoa_mission.forecast.contingencies import Contingencies, ContingencyBar
+from ipoa_mission.forecast.contingencies_now import EVERY_S, NEAREST_S, STEEP, TIMED
 from ipoa_mission.forecast.energy import Budget, Taken, budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade
-from ipoa_mission.report.ending_bars import ending_bars, stretches
+from ipoa_mission.report.contingency_bars import ending_bars, stretches
 from ipoa_mission.report.seen import Seen
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.studio.ending_answers import StripBar, StripCost, StripOfEndings, StripStretch
+from ipoa_mission.studio.contingency_answers import StripBar, StripCost, StripOfEndings, StripStretch
 from ipoa_mission.studio.planned import course_of
 from ipoa_mission.studio.view import without_folders
-from ipoa_mission.vehicles.ending import Ending
+from ipoa_mission.vehicles.contingency import Contingency
 
 EVENLY, MOST = 16, 24  # times of a flight at which it is worked out what an ending takes: at first, and at most
 
@@ -39,7 +39,7 @@ def strips_of(forecast: Forecast, revision: int, flight: int) -> Iterator[StripO
         yield strip.model_copy(update={"bars": tuple(full)})
 
 
-def _bar(bar: EndingBar, course: Seen, scenario: Scenario) -> StripBar:
+def _bar(bar: ContingencyBar, course: Seen, scenario: Scenario) -> StripBar:
     return StripBar(
         ending=bar.ending,
         stretches=tuple(
@@ -57,11 +57,11 @@ def _bar(bar: EndingBar, course: Seen, scenario: Scenario) -> StripBar:
     )
 
 
-def _costs(bar: EndingBar, forecast: Forecast, budget: Budget | None) -> Iterator[StripCost]:
+def _costs(bar: ContingencyBar, forecast: Forecast, budget: Budget | None) -> Iterator[StripCost]:
     """None of an ending that does not land, or of which nobody knows where it leads."""
     if bar.ending not in TIMED or bar.rows[0].grade is Grade.UNKNOWN:
         return
-    for time, ((low, high), used, _) in sorted(_taken(bar.ending, forecast.once(Endings)).items()):
+    for time, ((low, high), used, _) in sorted(_taken(bar.ending, forecast.cached(Contingencies)).items()):
         left = None if budget is None or used is None else budget.left(budget.taken(time, used))
         yield StripCost(
             at_s=round(time, 2),
@@ -73,7 +73,7 @@ def _costs(bar: EndingBar, forecast: Forecast, budget: Budget | None) -> Iterato
         )
 
 
-def _taken(ending: Ending, endings: Endings) -> dict[float, Taken]:
+def _taken(ending: Contingency, endings: Contingencies) -> dict[float, Taken]:
     """What an ending takes at some times, more of them where that jumps, as where a return begins to climb first."""
     begin, end = endings.in_air
     evenly = np.linspace(begin, end, min(EVENLY, 2 + math.floor((end - begin) / EVERY_S))).tolist()
