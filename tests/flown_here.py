@@ -1,7 +1,7 @@
 """The recorded missions flown by the built-in autopilot, for the tests and for the table in the documentation."""
 
 from ipoa_mission.simulator.conditions import Conditions
-from ipoa_mission.simulator.flight import SimulatedFlight
+from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 from tests.recorded_flights import Recorded
 
 

@@ -13,8 +13,8 @@ from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange, Patience
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.messages import Ack, Heartbeat, Message, MissionType
 from ipoa_mission.mission.items import Item, takeoff, waypoint
+from ipoa_mission.simulator.mission_service import MissionService
 from ipoa_mission.simulator.mock_profile import mock_profile
-from ipoa_mission.simulator.transfers import MissionService
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic
 from tests.held import PX4_117

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.mission.commands import WAYPOINTS, Command
-from ipoa_mission.mission.files import read_mission_file
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.mission_io import read_mission_file
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.version import Version

@@ -60,7 +60,7 @@ MAY_IMPORT["cli"] = set(MAY_IMPORT) - set(VEHICLES)
 
 #: Modules that may own a socket, a clock or pymavlink; everything else is pure.
 IMPURE = {
-    "socket": {"link/channel.py", "studio/server.py"},
+    "socket": {"link/channel.py", "studio/web_server.py"},
     "serial": {"link/channel.py"},
     "pymavlink": {"link/definitions.py"},
 }

@@ -1,6 +1,6 @@
 """What readers do not take is counted by kind, and an error where it may limit the flight."""
 
-from ipoa_mission.checks.unread import IGNORE, check_unread
+from ipoa_mission.checks.unread_check import IGNORE, check_unread
 from ipoa_mission.finding import Severity
 from ipoa_mission.unread import Unread, gathered, unread_as_json
 

@@ -7,10 +7,10 @@ one checks first.
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
-from ipoa_mission.checks.firmware import check_firmware, is_too_long
+from ipoa_mission.checks.firmware_check import check_firmware, is_too_long
 from ipoa_mission.checks.positions import check_positions, unsound
 from ipoa_mission.checks.sound import sound_part
-from ipoa_mission.checks.version import check_version
+from ipoa_mission.checks.version_check import check_version
 from ipoa_mission.checks.way import check_way
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.items import Mission
@@ -83,14 +83,14 @@ def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Findi
 
             findings += check_fence(flown)
         if scenario is None and mission.landing_ground is not None:
-            from ipoa_mission.checks.ground import check_landings
+            from ipoa_mission.checks.ground_check import check_landings
 
             findings += check_landings(flown)
         if scenario is not None:  # what looks at a world is imported where there is one
-            from ipoa_mission.checks.energy import check_energy
+            from ipoa_mission.checks.energy_check import check_energy
             from ipoa_mission.checks.failsafe_landing import check_failsafe_landing
             from ipoa_mission.checks.failsafe_return import check_failsafe_return
-            from ipoa_mission.checks.wind import check_wind
+            from ipoa_mission.checks.wind_check import check_wind
 
             is_flown = not unsound(positions) and not is_too_long(mission)
             promise = flown.promise_if_known if is_flown else None
@@ -104,11 +104,11 @@ def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Findi
 
 def _check_world(forecast: "Forecast", promise: "Promise | None") -> Iterator[Finding]:
     """Findings about the legs in a scenario's world, and about what their flights keep there."""
-    from ipoa_mission.checks.airspace import check_airspace
+    from ipoa_mission.checks.airspace_check import check_airspace
     from ipoa_mission.checks.clearance import check_clearance
-    from ipoa_mission.checks.ground import check_ground
+    from ipoa_mission.checks.ground_check import check_ground
     from ipoa_mission.checks.passed_over import check_passed_over
-    from ipoa_mission.checks.unread import check_unread
+    from ipoa_mission.checks.unread_check import check_unread
 
     findings = [*check_airspace(forecast)]
     judged = {finding.seq for finding in findings}

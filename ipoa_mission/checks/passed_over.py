@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from ipoa_mission.checks.finding import item_of
+from ipoa_mission.checks.numbered_finding import item_of
 from ipoa_mission.errors import Remedy
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast

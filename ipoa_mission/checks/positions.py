@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable, Iterator
 
-from ipoa_mission.checks.finding import Numbered, numbered
+from ipoa_mission.checks.numbered_finding import Numbered, numbered
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame, plain_frame

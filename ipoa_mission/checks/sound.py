@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ipoa_mission.checks.firmware import is_too_long
+from ipoa_mission.checks.firmware_check import is_too_long
 from ipoa_mission.checks.positions import refusals, unsound
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast

@@ -8,7 +8,7 @@ import numpy as np
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.jumps import jump_target
+from ipoa_mission.forecast.itinerary.jump_targets import jump_target
 from ipoa_mission.mission.commands import JUMPS
 from ipoa_mission.mission.items import LEFT_OUT, Mission, takeoff
 from ipoa_mission.world.frame import Geodetic, apart
@@ -68,7 +68,7 @@ def check_start(forecast: Forecast, first: int, there: Geodetic) -> tuple[str, .
                 hint="bring it there, or plan from where it stands: `fly SCENARIO` looks at the way",
             )
         return (f"{where}: no scenario tells what is on the way from there",)
-    from ipoa_mission.checks.airspace import check_airspace
+    from ipoa_mission.checks.airspace_check import check_airspace
 
     frame = scenario.frame
     place = frame.local(Geodetic(there.latitude_deg, there.longitude_deg, mission.home.altitude))

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from ipoa_mission.checks.finding import numbered
+from ipoa_mission.checks.numbered_finding import numbered
 from ipoa_mission.finding import Finding
 from ipoa_mission.mission.commands import LAST_NAV, Command
 from ipoa_mission.mission.items import Mission

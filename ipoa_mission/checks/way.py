@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from ipoa_mission.checks.finding import item_of, numbered
+from ipoa_mission.checks.numbered_finding import item_of, numbered
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.copter_circle import circle_turn

@@ -72,14 +72,14 @@ class CheckedFile:
 
     def as_json(self) -> dict[str, Any]:
         """The same for machines."""
-        from ipoa_mission.flight.summary import findings_as_json
+        from ipoa_mission.flight.flight_summary import findings_as_json
 
         rows, remarks = findings_as_json(self.findings), list(self.remarks)
         about: dict[str, Any] = {"ok": not self.errors, "findings": rows, "remarks": remarks}
         if self.forecast is None:
             return about
         if (world := self.forecast.scenario) is not None:
-            from ipoa_mission.flight.summary import clearance_as_json, passed_over_as_json
+            from ipoa_mission.flight.flight_summary import clearance_as_json, passed_over_as_json
 
             about |= {"clearance": clearance_as_json(self.promise) or None, "passed_over": passed_over_as_json(world)}
             about["unread"] = unread_as_json(world.unread)
@@ -96,7 +96,7 @@ class CheckedFile:
         """The same in words, without what endings come to."""
         yield from notes(self.remarks)
         if self.forecast is not None and self.forecast.scenario is not None:
-            from ipoa_mission.cli.summary import wind_words
+            from ipoa_mission.cli.plan_output import wind_words
 
             yield from wind_words(self.forecast.wind)
         for finding in self.findings:
@@ -104,7 +104,7 @@ class CheckedFile:
             if finding.hint:
                 yield f"hint: {finding.hint}"
         if self.promise is not None:
-            from ipoa_mission.cli.summary import promised
+            from ipoa_mission.cli.plan_output import promised
 
             yield from promised(self.promise)
 

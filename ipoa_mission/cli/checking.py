@@ -103,11 +103,11 @@ def estimate(
     Example: `ipoa-mission estimate campus.plan --param WPNAV_ACCEL=500`
     """
     from ipoa_mission.checks.positions import refusals
-    from ipoa_mission.checks.unread import refuse_unread
+    from ipoa_mission.checks.unread_check import refuse_unread
     from ipoa_mission.checks.unsafe import refuse_errors
-    from ipoa_mission.checks.version import check_version
+    from ipoa_mission.checks.version_check import check_version
     from ipoa_mission.cli.reading import read_given, read_world
-    from ipoa_mission.flight.summary import energy_as_json
+    from ipoa_mission.flight.flight_summary import energy_as_json
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.mission.commands import short_name
     from ipoa_mission.unread import unread_as_json
@@ -122,7 +122,7 @@ def estimate(
     refuse_errors(tuple(check_version(asked.autopilot, asked.firmware_version, asked.unmeasured_version)))
     mission, prediction, budget = forecast.mission, forecast.estimate, None
     if forecast.energy is not None:
-        from ipoa_mission.forecast.energy import budget_of
+        from ipoa_mission.forecast.energy_budget import budget_of
 
         budget = budget_of(forecast)
     remarks = remarks_on(given, forecast)
@@ -171,8 +171,8 @@ def remarks_on(given: "Given", forecast: "Forecast") -> tuple[str, ...]:
     Raises:
         MissionError: the mission has no time.
     """
-    from ipoa_mission.checks.firmware import check_firmware
-    from ipoa_mission.checks.version import check_version
+    from ipoa_mission.checks.firmware_check import check_firmware
+    from ipoa_mission.checks.version_check import check_version
     from ipoa_mission.finding import Severity
 
     prediction, world, asked = forecast.estimate, forecast.scenario, forecast.given
@@ -206,7 +206,7 @@ def route_in_words(estimate: "Estimate") -> list[str]:
 
 def estimate_as_json(estimate: "Estimate") -> dict[str, Any]:
     """An estimate for machines; items are numbered as in the file, where home is 0."""
-    from ipoa_mission.flight.summary import route_summary
+    from ipoa_mission.flight.flight_summary import route_summary
     from ipoa_mission.forecast.timing.qgroundcontrol import COUNTS
 
     items = [

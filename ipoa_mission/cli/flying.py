@@ -64,7 +64,7 @@ def fly(
 
     Example: `ipoa-mission fly missions/campus.toml --out out --report`
     """
-    from ipoa_mission.cli.flown import next_steps, tell_flown, tell_flown_as_json
+    from ipoa_mission.cli.flown_output import next_steps, tell_flown, tell_flown_as_json
     from ipoa_mission.cli.mission_source import adapt_scenario, plan, planned, read_job
     from ipoa_mission.cli.overwriting import expect_log, expect_plans
     from ipoa_mission.cli.surveying import EACH_BY_ITSELF, expect_flyable, fly_survey, plan_here, write_survey
@@ -194,7 +194,7 @@ def _expect_together(on_vehicle: FlightOptions, faults: "Faults") -> None:
 
 
 def _write(flight: "Flight", folder: Path, as_json: bool, routes: bool) -> list[Path]:
-    from ipoa_mission.cli.summary import tell_planned
+    from ipoa_mission.cli.plan_output import tell_planned
 
     written = [*flight.write(folder)]
     if not as_json:

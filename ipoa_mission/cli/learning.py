@@ -87,7 +87,7 @@ def learn(
 def _gathered(files: list[Path], system: int | None) -> tuple[list["Evidence"], list[str], str]:
     """All flights that can be learned from, remarks, and the firmware's version."""
     from ipoa_mission.logs.learn.evidence import flights_in
-    from ipoa_mission.mission.files import read_mission
+    from ipoa_mission.mission.mission_io import read_mission
 
     flights: list[Evidence] = []
     remarks: list[str] = []

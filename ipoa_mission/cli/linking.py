@@ -44,7 +44,7 @@ def upload(
     from ipoa_mission.checks.unsafe import refuse_errors
     from ipoa_mission.cli.reading import read_given
     from ipoa_mission.flight.procedure import upload_mission
-    from ipoa_mission.mission.files import read_mission_file
+    from ipoa_mission.mission.mission_io import read_mission_file
 
     flown_by = FlownByOptions(autopilot=autopilot, unmeasured_version=unmeasured_version)
     states = states_firmware(file, autopilot)
@@ -73,7 +73,7 @@ def download(
 
     Example: `ipoa-mission download vehicle.plan --link tcp:127.0.0.1:5760`
     """
-    from ipoa_mission.mission.files import write_mission
+    from ipoa_mission.mission.mission_io import write_mission
 
     if file.suffix.lower() not in MISSIONS:
         raise WrongSuffix(f'expected a name that ends in .plan or .waypoints, not in "{file.suffix}"', place=file)

@@ -71,11 +71,11 @@ def mock(
 
     Example: `ipoa-mission mock --scenario campus --link tcpin:127.0.0.1:5760 --speedup 10`
     """
+    from ipoa_mission.cli.key_option import signer_of
     from ipoa_mission.cli.mock_place import stands
-    from ipoa_mission.cli.signing import signer_of
     from ipoa_mission.link.address import parse_address
-    from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
-    from ipoa_mission.simulator.server import serve
+    from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
+    from ipoa_mission.simulator.mock_server import serve
     from ipoa_mission.vehicles.known_parameters import expect_own
     from ipoa_mission.vehicles.version import Version
 

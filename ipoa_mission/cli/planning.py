@@ -43,7 +43,7 @@ def plan(
     from ipoa_mission.cli.mission_source import adapt_scenario, plan_parts
     from ipoa_mission.cli.mission_source import plan as plan_it
     from ipoa_mission.cli.overwriting import expect_folder, expect_plans
-    from ipoa_mission.cli.summary import tell_planned
+    from ipoa_mission.cli.plan_output import tell_planned
 
     expect_folder(out)
     air = flown_by.air
@@ -78,8 +78,8 @@ def _write_parts(
     whole: "Flight", parts: "tuple[Forecast, ...]", out: Path, report: bool, force: bool, as_json: bool
 ) -> None:
     from ipoa_mission.cli.overwriting import expect_free
-    from ipoa_mission.cli.summary import tell_parts
-    from ipoa_mission.flight.parts import names_of, parts_summary, write_parts
+    from ipoa_mission.cli.plan_output import tell_parts
+    from ipoa_mission.flight.flight_parts import names_of, parts_summary, write_parts
 
     expect_free(names_of(whole, parts, out), force, ask=not as_json)
     summary = parts_summary(whole, parts)

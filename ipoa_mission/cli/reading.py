@@ -9,8 +9,8 @@ from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding
 from ipoa_mission.logs.learn.vehicle_file import read_vehicle
-from ipoa_mission.mission.files import read_by_items, read_mission_file
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.mission_io import read_by_items, read_mission_file
 from ipoa_mission.mission.parameter_file import beside
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 
 from ipoa_mission.checks.start import begun_at
-from ipoa_mission.cli.flown import flight_as_json
+from ipoa_mission.cli.flown_output import flight_as_json
 from ipoa_mission.cli.mission_source import Job
 from ipoa_mission.cli.output import tell_json
 from ipoa_mission.cli.vehicles import stages_shown
@@ -16,7 +16,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.procedure import Stage, fly_forecast
 from ipoa_mission.forecast.conformance import Deviation
 from ipoa_mission.forecast.contingencies_now import ContingenciesNow
-from ipoa_mission.forecast.energy import ReserveNow, budget_of
+from ipoa_mission.forecast.energy_budget import ReserveNow, budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.messages import Message

@@ -52,7 +52,7 @@ def show(
     from dataclasses import asdict
 
     from ipoa_mission.checks.positions import refusals
-    from ipoa_mission.checks.unread import refuse_unread
+    from ipoa_mission.checks.unread_check import refuse_unread
     from ipoa_mission.cli.checking import remarks_on
     from ipoa_mission.cli.reading import read_given, read_world
     from ipoa_mission.errors import MissionError
@@ -81,7 +81,7 @@ def show(
             flown = sum(item.length for item in timed.items)
             done = {item.seq: item.done_s for item in timed.items}
             if forecast.energy is not None:
-                from ipoa_mission.forecast.energy import budget_of
+                from ipoa_mission.forecast.energy_budget import budget_of
 
                 energy = budget.words if (budget := budget_of(forecast)) else []
     except MissionError as error:
@@ -159,7 +159,7 @@ def export(
     from ipoa_mission.cli.overwriting import expect_free
     from ipoa_mission.cli.reading import read_world, taken_for
     from ipoa_mission.forecast.forecast import Forecast
-    from ipoa_mission.mission.files import mission_text, read_by_items, read_mission_file, write_mission
+    from ipoa_mission.mission.mission_io import mission_text, read_by_items, read_mission_file, write_mission
     from ipoa_mission.report.exports import forecast_text
 
     if target == Path("-") and form is None:

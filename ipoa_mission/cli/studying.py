@@ -57,8 +57,8 @@ def studio(
         words = f"the studio needs {', '.join(missing)}"
         raise MissionError(words, hint="pip install 'ipoa-mission[studio]'", code="package-missing")
     from ipoa_mission.studio.bundle import built_page
-    from ipoa_mission.studio.server import serve
     from ipoa_mission.studio.tiles import chosen_tiles
+    from ipoa_mission.studio.web_server import serve
 
     page = built_page((lambda words: None) if as_json else tell)
     file = Path("mission.toml") if file is None and home is not None else file

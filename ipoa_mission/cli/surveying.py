@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from ipoa_mission.cli.mission_source import Job
-    from ipoa_mission.flight.survey import Flown, Survey
+    from ipoa_mission.flight.survey_flight import Flown, Survey
     from ipoa_mission.link.logbook import FlightRecord
     from ipoa_mission.scenario import Scenario
 
@@ -79,8 +79,8 @@ class SurveyOptions:
         Raises:
             BadInput: there is neither scenario nor survey, or what is wrong in them.
         """
-        from ipoa_mission.scenario.read import read_scenario, read_table, scenario_of
-        from ipoa_mission.scenario.survey import USUAL_HEIGHT, USUAL_SPACING
+        from ipoa_mission.scenario.scenario_file import read_scenario, read_table, scenario_of
+        from ipoa_mission.scenario.survey_section import USUAL_HEIGHT, USUAL_SPACING
 
         keys = {"height": "height_above_ground", "gsd": "gsd_cm"}
         options = ("height", "line_spacing", "width", "camera", "gsd")
@@ -115,7 +115,7 @@ def _home_beside(area: Path) -> dict[str, float]:
     """Home where the outline of the first area of a map begins."""
     import shapely
 
-    from ipoa_mission.maps.read import read_features
+    from ipoa_mission.maps.map_reader import read_features
 
     for feature in read_features(area):
         corners = shapely.get_coordinates(feature.shape)
@@ -129,7 +129,7 @@ def plan_here(
     scenario: "Scenario", search: SearchOptions, flown_by: FlownByOptions, flown: "Sequence[Flown]" = ()
 ) -> "Survey":
     """`plan_survey` with a bar that shows how far it is; of what is `flown` by these logs, the rest."""
-    from ipoa_mission.flight.survey import plan_survey
+    from ipoa_mission.flight.survey_flight import plan_survey
 
     with left_behind("nothing was written"), progress_bar("planning") as show:
         return plan_survey(scenario=scenario, wind=flown_by.air, seed=search.seed, flown=flown, progress=show)
@@ -150,7 +150,7 @@ def tell_survey(survey: "Survey", written: list[Path]) -> None:
 def describe(survey: "Survey") -> list[str]:
     """The survey in a few lines."""
     from ipoa_mission.centimeters import down
-    from ipoa_mission.cli.summary import wind_words
+    from ipoa_mission.cli.plan_output import wind_words
 
     plan, first = survey.plan, survey.flights[0].mission
     seen, sight = plan.coverage, plan.sight
@@ -241,10 +241,10 @@ def fly_survey(
     On a vehicle the next one begins when the user says that a charged battery is in. One that was not flown to its end
     is the last.
     """
-    from ipoa_mission.cli.flown import flight_as_json, next_steps, tell_flown
+    from ipoa_mission.cli.flown_output import flight_as_json, next_steps, tell_flown
     from ipoa_mission.cli.mission_source import Job
     from ipoa_mission.files import unused
-    from ipoa_mission.flight.survey import survey_as_json
+    from ipoa_mission.flight.survey_flight import survey_as_json
 
     if not as_json:
         tell_survey(survey, written)

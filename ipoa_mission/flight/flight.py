@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 from threadpoolctl import threadpool_limits
 
 from ipoa_mission.checks.check import check
-from ipoa_mission.checks.unread import expect_plannable
+from ipoa_mission.checks.unread_check import expect_plannable
 from ipoa_mission.checks.unsafe import refuse_errors, refuse_unclear_returns
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import make_folder, write_atomically
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.flight.summary import (
+from ipoa_mission.flight.flight_summary import (
     clearance_as_json,
     energy_as_json,
     findings_as_json,
@@ -27,7 +27,7 @@ from ipoa_mission.flight.summary import (
 )
 from ipoa_mission.flight.written import write_files
 from ipoa_mission.forecast.deviation.promise import Promise
-from ipoa_mission.forecast.energy import Budget, budget_of, refusal_of
+from ipoa_mission.forecast.energy_budget import Budget, budget_of, refusal_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.qgroundcontrol import COUNTS
@@ -39,15 +39,15 @@ from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import Option, weigh_routes
+from ipoa_mission.routing.battery_split import split_flight
 from ipoa_mission.routing.homeward import planned_way_home
 from ipoa_mission.routing.planned_returns import planned_returns
 from ipoa_mission.routing.repairs import climb_for_way_home, slowed_for_ground
 from ipoa_mission.routing.seek import plan_with_room
 from ipoa_mission.routing.slower import slowed_stretches
-from ipoa_mission.routing.split import split_flight
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.unread import unread_as_json
-from ipoa_mission.vehicles.energy.flight import Consumption
+from ipoa_mission.vehicles.energy.consumption import Consumption
 from ipoa_mission.wind import Wind
 
 if TYPE_CHECKING:

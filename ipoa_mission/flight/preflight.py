@@ -5,17 +5,17 @@ import math
 from dataclasses import replace
 
 from ipoa_mission.checks.check import check_mission
-from ipoa_mission.checks.ground import landings, touches_down
-from ipoa_mission.checks.own_fence import breaches
+from ipoa_mission.checks.ground_check import landings, touches_down
+from ipoa_mission.checks.own_fence_check import breaches
 from ipoa_mission.checks.positions import refusals
 from ipoa_mission.checks.unsafe import Unsafe, refuse_errors
-from ipoa_mission.checks.version import NOT_MEASURED, check_aboard
+from ipoa_mission.checks.version_check import NOT_MEASURED, check_aboard
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
-from ipoa_mission.link.state import NotReady
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_setup import own_values
+from ipoa_mission.link.vehicle_state import NotReady
 from ipoa_mission.mission.commands import Frame, plain_frame
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.progress import Progress, silent
@@ -116,7 +116,7 @@ def expect_charge(vehicle: Vehicle, forecast: Forecast, first: int = 0) -> None:
     left = vehicle.state.battery_left
     if forecast.scenario is None or left is None or left >= CHARGED:
         return
-    from ipoa_mission.forecast.energy import budget_of
+    from ipoa_mission.forecast.energy_budget import budget_of
 
     budget = budget_of(forecast)
     if budget is None:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.contingency_paths import GROUND, ContingencyPaths, ContingencySamples
-from ipoa_mission.forecast.energy import Taken, flown_from
+from ipoa_mission.forecast.energy_budget import Taken, flown_from
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade, clear_at_any_time, graded, share_nearer
 from ipoa_mission.forecast.stopping_points import StoppingPoints

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.errors import MissionError, NotModeled
+from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase, flown_legs, join, return_ways
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, itinerary
-from ipoa_mission.forecast.itinerary.legs import Leg, Phase, flown_legs, join, return_ways
 from ipoa_mission.forecast.itinerary.unknown import Unknown, unknown_ways
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Mission
@@ -28,7 +28,7 @@ if TYPE_CHECKING:  # what times a flight, or proves it, is imported where it is 
     from ipoa_mission.forecast.timing.prediction import Prediction
     from ipoa_mission.planning.proof import Proof
     from ipoa_mission.scenario import Scenario
-    from ipoa_mission.vehicles.energy.flight import Consumption
+    from ipoa_mission.vehicles.energy.consumption import Consumption
 
 Made = TypeVar("Made")
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.legs import item_places, triple
+from ipoa_mission.forecast.itinerary.flown_legs import item_places, triple
 from ipoa_mission.forecast.itinerary.program import as_flown
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.commands import FLOWN_TO, Command

@@ -14,9 +14,9 @@ from ipoa_mission.link.mavutil_channel import MavutilChannel
 from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM, Ping
 from ipoa_mission.link.no_reply import DOUBTED_S, SignsOtherwise
 from ipoa_mission.link.signing import Signer
-from ipoa_mission.link.state import NotFlown
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.link.vehicle_state import NotFlown
 
 #: How long to wait for the first heartbeat, and for those of other vehicles after it [s].
 PRESENCE_S, OTHERS_S = 10.0, 1.2

@@ -13,7 +13,7 @@ from pymavlink.dialects import v20 as dialects
 from pymavlink.dialects.v20 import ardupilotmega
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.link.layout import Fields
+from ipoa_mission.link.message_layout import Fields
 
 NOT_USED = ("Empty", "Reserved", "empty", "reserved", "Unused")  # as MAVLink says it of a param
 

@@ -14,8 +14,8 @@ from ipoa_mission.link.flight_order import SHOWN_S, change_mode
 from ipoa_mission.link.messages import CommandLong, CommandResult, Current
 from ipoa_mission.link.onboard_list import OnboardList, expect_unchanged, prove
 from ipoa_mission.link.orders import CommandRefused, command, set_current, stream
-from ipoa_mission.link.state import ON_GROUND, NotReady, VehicleState
 from ipoa_mission.link.telemetry import Position, SystemStatus
+from ipoa_mission.link.vehicle_state import ON_GROUND, NotReady, VehicleState
 from ipoa_mission.mission.commands import Command, VehicleCommand
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.vehicles.autopilot import Autopilot

@@ -9,8 +9,8 @@ from ipoa_mission.link.definitions import message_number
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.line import Carrier, Line
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, STANDBY, CommandLong, Heartbeat, MavAutopilot, Ping
-from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.telemetry import AutopilotVersion
+from ipoa_mission.link.vehicle_state import VehicleState
 from ipoa_mission.mission.commands import VehicleCommand
 from ipoa_mission.vehicles.kind import Kind
 from ipoa_mission.vehicles.version import Version

@@ -10,7 +10,7 @@ from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.dialogue import Dialogue, Pause, Remark, until
 from ipoa_mission.link.messages import CommandAck, CommandLong, CommandResult, Message
 from ipoa_mission.link.orders import CommandRefused, command, mode_order, obeyed, order
-from ipoa_mission.link.state import NotFlown, NotReady, VehicleState
+from ipoa_mission.link.vehicle_state import NotFlown, NotReady, VehicleState
 from ipoa_mission.mission.commands import Command, VehicleCommand
 
 log = logging.getLogger(__name__)

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.wire import GLOBAL_FRAMES, INT32_MAX, LOCAL_SCALE, coordinate, degrees
 from ipoa_mission.mission.commands import SAME_FRAME, Frame
-from ipoa_mission.mission.firmware import Difference, compare
 from ipoa_mission.mission.items import Item
+from ipoa_mission.mission.stored_mission import Difference, compare
 from ipoa_mission.vehicles.autopilot import Autopilot
 
 MOST_ITEMS = 65535

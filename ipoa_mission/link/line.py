@@ -20,8 +20,8 @@ from ipoa_mission.link.item_run import ItemRun
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Heartbeat, MavAutopilot, Message
 from ipoa_mission.link.no_reply import CAUSE_S, SignsOtherwise, SpeaksMavlink1
 from ipoa_mission.link.routes import CLAIM_S, Routes
-from ipoa_mission.link.state import NotFlown
 from ipoa_mission.link.tlog import TlogWriter
+from ipoa_mission.link.vehicle_state import NotFlown
 
 log = logging.getLogger(__name__)
 T = TypeVar("T")

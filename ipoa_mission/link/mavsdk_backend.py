@@ -34,12 +34,12 @@ from ipoa_mission.link.messages import (
     Result,
 )
 from ipoa_mission.link.onboard_list import OnboardList
-from ipoa_mission.link.state import NotFlown
 from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Unflyable, Upload
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.link.vehicle_state import NotFlown
 from ipoa_mission.link.wire import coordinate
-from ipoa_mission.mission.firmware import compare
 from ipoa_mission.mission.items import Item
+from ipoa_mission.mission.stored_mission import compare
 from ipoa_mission.progress import Progress, count, silent
 from ipoa_mission.vehicles.autopilot import default_autopilot, registered
 from ipoa_mission.vehicles.kind import Kind

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from ipoa_mission.link.messages import WARNING, Message, Text
-from ipoa_mission.link.state import VehicleState
+from ipoa_mission.link.vehicle_state import VehicleState
 
 log = logging.getLogger(__name__)
 #: So long in another mode it has left its mission; meanwhile it says why [s].

@@ -11,8 +11,8 @@ from ipoa_mission.link.conversations import MissionRefused, list_name, open_list
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer, Remark, until
 from ipoa_mission.link.file_transfer import checksum_in, checksum_question, list_checksum
 from ipoa_mission.link.messages import NO_MISSION, Current, Message, MissionType
-from ipoa_mission.link.state import NotReady, VehicleState
 from ipoa_mission.link.upload import Replaced, Upload
+from ipoa_mission.link.vehicle_state import NotReady, VehicleState
 
 log = logging.getLogger(__name__)
 NO_TOTAL = 65535  # MISSION_CURRENT.total where there is no mission

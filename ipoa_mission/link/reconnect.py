@@ -21,9 +21,9 @@ from ipoa_mission.link.interrupt import Interrupt, noted_interrupts
 from ipoa_mission.link.line import NOTICE_S, Carrier, converse
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Current, Heartbeat, Message
 from ipoa_mission.link.onboard_list import OnboardList, prove
-from ipoa_mission.link.state import NotReady, VehicleState
 from ipoa_mission.link.telemetry import AutopilotVersion, Position
 from ipoa_mission.link.upload import Replaced
+from ipoa_mission.link.vehicle_state import NotReady, VehicleState
 
 log = logging.getLogger(__name__)
 SILENT_S = 3.0  # so long without a word the link is lost

@@ -11,8 +11,8 @@ from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Patience, Tempo
 from ipoa_mission.link.discovery import FoundVehicle
 from ipoa_mission.link.line import Carrier, converse
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, Message
-from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.telemetry import AutopilotVersion
+from ipoa_mission.link.vehicle_state import VehicleState
 from ipoa_mission.vehicles.version import Version
 
 T = TypeVar("T")

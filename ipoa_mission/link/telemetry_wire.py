@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from ipoa_mission.link import telemetry as t
-from ipoa_mission.link.layout import MessageLayout, Value, plain
+from ipoa_mission.link.message_layout import MessageLayout, Value, plain
 
 
 def saturated(value: float, bits: int = 32) -> int:

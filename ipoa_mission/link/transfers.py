@@ -16,7 +16,7 @@ from ipoa_mission.link.messages import (
     Result,
     WritePartialList,
 )
-from ipoa_mission.link.mission_file import unpack_mission
+from ipoa_mission.link.mission_upload_file import unpack_mission
 from ipoa_mission.mission.items import Item
 
 Items = tuple[Item, ...]

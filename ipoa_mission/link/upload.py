@@ -20,8 +20,8 @@ from ipoa_mission.link.conversations import (
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Pause, Remark, Step, TimeUp, wait
 from ipoa_mission.link.item_payloads import Payloads, first_difference, pack_items
 from ipoa_mission.link.messages import NO_MISSION, WARNING, Ack, Current, Message, MissionType, Request, Result
-from ipoa_mission.mission.firmware import Difference
 from ipoa_mission.mission.items import Item
+from ipoa_mission.mission.stored_mission import Difference
 from ipoa_mission.progress import Progress, count, silent
 from ipoa_mission.vehicles.autopilot import Autopilot
 

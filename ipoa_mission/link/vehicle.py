@@ -14,12 +14,12 @@ from functools import partial
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.checks.start import begun_at, check_start
 from ipoa_mission.checks.unsafe import refuse_errors
-from ipoa_mission.checks.version import check_aboard
+from ipoa_mission.checks.version_check import check_aboard
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link import consistent_download, conversations, orders
 from ipoa_mission.link.channel import LinkDown
-from ipoa_mission.link.conformance import Conformance
+from ipoa_mission.link.conformance_watch import Conformance
 from ipoa_mission.link.departure import (
     LIMITS,
     NEEDED,
@@ -38,17 +38,17 @@ from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.line import Carrier
 from ipoa_mission.link.logbook import Aside, FlightRecord, Logbook, watch
 from ipoa_mission.link.messages import Heartbeat, Message, MissionType
-from ipoa_mission.link.mission_file import upload_by_file
+from ipoa_mission.link.mission_upload_file import upload_by_file
 from ipoa_mission.link.mode_watch import ModeWatch
 from ipoa_mission.link.onboard_list import ListWatcher, OnboardList, ReplacedSince, read_again
 from ipoa_mission.link.reconnect import AGAIN_S, SILENT_S, KnownVehicle, LinkLoss
 from ipoa_mission.link.remote_vehicle import RemoteVehicle
-from ipoa_mission.link.state import NotReady, VehicleState
 from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Upload, upload
+from ipoa_mission.link.vehicle_state import NotReady, VehicleState
 from ipoa_mission.mission.commands import LAST_NAV
 from ipoa_mission.mission.fence_items import fence_from_wire, fence_to_wire, rally_from_wire, rally_to_wire
-from ipoa_mission.mission.firmware import from_wire, to_wire
 from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.mission.stored_mission import from_wire, to_wire
 from ipoa_mission.progress import Progress, count, silent
 from ipoa_mission.world.frame import Geodetic
 

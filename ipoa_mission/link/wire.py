@@ -9,7 +9,7 @@ from typing import Any
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry_wire
-from ipoa_mission.link.layout import Fields, MessageLayout, Value, plain
+from ipoa_mission.link.message_layout import Fields, MessageLayout, Value, plain
 from ipoa_mission.mission.commands import SAME_FRAME, Frame
 from ipoa_mission.mission.items import Item
 

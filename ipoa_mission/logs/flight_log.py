@@ -16,10 +16,10 @@ from ipoa_mission.link.logbook import FlightRecord, Logbook
 from ipoa_mission.link.messages import Current, Heartbeat, Message, ParamValue, Reached
 from ipoa_mission.link.telemetry import HomePosition, Position, SystemTime
 from ipoa_mission.logs.logged import Begun, Held, Log, log_format, told
-from ipoa_mission.logs.measured import Measured
+from ipoa_mission.logs.logged_measurements import Measured
 from ipoa_mission.logs.telemetry_log import read_telemetry_log
-from ipoa_mission.mission.firmware import from_wire, home_item
 from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.mission.stored_mission import from_wire, home_item
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic

@@ -10,7 +10,7 @@ import numpy as np
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.link.messages import ARMED_FLAG, CUSTOM_MODE_FLAG, Current, Heartbeat, Message
 from ipoa_mission.link.telemetry import Position, SystemTime
-from ipoa_mission.logs.measured import Measured
+from ipoa_mission.logs.logged_measurements import Measured
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.vehicles.mav_types import QUADROTOR

@@ -42,7 +42,7 @@ from ipoa_mission.link.telemetry import (
 from ipoa_mission.link.tlog import LostFrames, read_tlog
 from ipoa_mission.link.transfers import Transfers
 from ipoa_mission.logs.logged import Fixes, Held, Log, item_begun, presence, version_name
-from ipoa_mission.logs.measured import Battery, Measured
+from ipoa_mission.logs.logged_measurements import Battery, Measured
 from ipoa_mission.logs.vehicle_clock import growing, unwrapped, vehicle_time, vehicle_times
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.vehicles.autopilot import Autopilot

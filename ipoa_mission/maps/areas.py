@@ -13,10 +13,10 @@ from ipoa_mission.maps.activity import may_be_active, periods_of
 from ipoa_mission.maps.feature import Feature, Mistakes
 from ipoa_mission.maps.geoid import HIGHEST, LOWEST, undulation
 from ipoa_mission.maps.geozones import RADIUS
-from ipoa_mission.maps.heights import radius_of
 from ipoa_mission.maps.kinds import Reason
 from ipoa_mission.maps.passed import FAR, PassedOver, not_read, passed_over
 from ipoa_mission.maps.planar import Whereabouts, polygons_of, to_plane
+from ipoa_mission.maps.tag_heights import radius_of
 from ipoa_mission.maps.zone_limits import VerticalLimit, ZoneLimits, limits_of
 from ipoa_mission.unread import Unread, gathered
 from ipoa_mission.world.frame import LocalFrame

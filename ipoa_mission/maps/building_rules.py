@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from ipoa_mission.maps.defaults import OTHER, TREES, building_height, is_turbine, size_of
-from ipoa_mission.maps.heights import Odd, width_of
 from ipoa_mission.maps.keys import Means, those
 from ipoa_mission.maps.kinds import TALL, WOODS, is_bridge, tagged
 from ipoa_mission.maps.lengths import length_of
+from ipoa_mission.maps.tag_heights import Odd, width_of
 
 WIDE, WIDEST = 0.2, 10.0  # a point of unknown kind has a fifth of its height as radius, up to so much [m]
 

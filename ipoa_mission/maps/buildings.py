@@ -21,7 +21,6 @@ from ipoa_mission.maps.around import Around, Box
 from ipoa_mission.maps.building_rules import BuildingRules, area_height, reach_of, thin_height
 from ipoa_mission.maps.feature import Feature, Mistakes
 from ipoa_mission.maps.geojson import Take
-from ipoa_mission.maps.heights import Odd, foot_of, height_of, is_by_storeys, says_nothing, unread_heights, width_of
 from ipoa_mission.maps.keys import Means, meaning
 from ipoa_mission.maps.kinds import (
     CABLE,
@@ -38,11 +37,12 @@ from ipoa_mission.maps.kinds import (
     why_passed_over,
 )
 from ipoa_mission.maps.lengths import meters
+from ipoa_mission.maps.map_reader import hand_on_features
 from ipoa_mission.maps.naming import called
 from ipoa_mission.maps.passed import FAR, MOST_NAMED, NOT_READ, NOT_UNDERSTOOD, Key, PassedOver, not_read, passed_over
 from ipoa_mission.maps.planar import Whereabouts, clean_polygons, polygons_of, to_plane
-from ipoa_mission.maps.read import hand_on_features
 from ipoa_mission.maps.standing import Standing
+from ipoa_mission.maps.tag_heights import Odd, foot_of, height_of, is_by_storeys, says_nothing, unread_heights, width_of
 from ipoa_mission.maps.wires import Wire, spans, wire_of
 from ipoa_mission.unread import Unread
 from ipoa_mission.world.frame import LocalFrame

@@ -6,10 +6,10 @@ They are above most of their kind, not above all: what is given so is counted in
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from ipoa_mission.maps.heights import WIDEST_ROTOR
 from ipoa_mission.maps.keys import Means, those
 from ipoa_mission.maps.kinds import is_bridge, values_of
 from ipoa_mission.maps.lengths import storeys_of
+from ipoa_mission.maps.tag_heights import WIDEST_ROTOR
 
 
 class Size(NamedTuple):

@@ -11,8 +11,8 @@ from itertools import groupby
 from typing import Any
 
 from ipoa_mission.mission.commands import Command
-from ipoa_mission.mission.document import Node
 from ipoa_mission.mission.items import ComplexItem, Item
+from ipoa_mission.mission.json_node import Node
 
 TRANSECTS, ITEMS = "TransectStyleComplexItem", "Items"
 

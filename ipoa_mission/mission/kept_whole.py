@@ -8,9 +8,9 @@ from typing import Any, TypeAlias
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.mission.commands import Command
-from ipoa_mission.mission.files import mission_text, parse_mission
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_file import MissionFile
+from ipoa_mission.mission.mission_io import mission_text, parse_mission
 
 Table: TypeAlias = dict[str, Any]
 NUMBER = "doJumpId"

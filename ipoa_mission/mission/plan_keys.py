@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterator
 
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.mission.document import Node
+from ipoa_mission.mission.json_node import Node
 from ipoa_mission.unread import Unread, gathered
 
 FENCE, RALLY = "geoFence", "rallyPoints"

@@ -11,10 +11,10 @@ import numpy as np
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.commands import Command, Frame
-from ipoa_mission.mission.document import Node
 from ipoa_mission.mission.items import Item, camera_trigger, waypoint
+from ipoa_mission.mission.json_node import Node
 from ipoa_mission.world.frame import Geodetic
-from ipoa_mission.world.sphere import SphericalPlane
+from ipoa_mission.world.spherical_plane import SphericalPlane
 
 LAYERS_MOST = 200
 LOOK_ASIDE = 90.0  # the camera's yaw from the way to the next waypoint [deg]

@@ -12,11 +12,11 @@ from ipoa_mission.paper import published
 from ipoa_mission.paper.cec2022 import FUNCTIONS
 from ipoa_mission.paper.function_tables import FLOOR, mean_log_error, off_the_print
 from ipoa_mission.paper.map_tables import mean_over_maps
-from ipoa_mission.paper.maps import MAPS
+from ipoa_mission.paper.markdown_table import Table, number
+from ipoa_mission.paper.paper_maps import MAPS
 from ipoa_mission.paper.rows import TrialRow, mean_evaluations, results, runs_of, settings_text
 from ipoa_mission.paper.series import ABLATION, BEYOND, EQUAL
 from ipoa_mission.paper.statistics import Samples, against, counted, places, ranking, told_apart
-from ipoa_mission.paper.tables import Table, number
 
 OURS = BEYOND[0]
 

@@ -11,8 +11,8 @@ from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.optimize.search import Optimum
-from ipoa_mission.paper.maps import paper_scenario, path_problem
-from ipoa_mission.paper.problem import Measures, Problem
+from ipoa_mission.paper.benchmark_problem import Measures, Problem
+from ipoa_mission.paper.paper_maps import paper_scenario, path_problem
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.proof import prove_curve

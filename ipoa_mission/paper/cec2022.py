@@ -7,7 +7,7 @@ import numpy as np
 
 from ipoa_mission.errors import BadInput, UnknownName, imported
 from ipoa_mission.optimize.search import Box, Candidates, Costs
-from ipoa_mission.paper.problem import Problem
+from ipoa_mission.paper.benchmark_problem import Problem
 
 #: F_i* of Table 1: the cost at the optimum of f1 to f12.
 OPTIMA = (300.0, 400.0, 600.0, 800.0, 900.0, 1800.0, 2000.0, 2200.0, 2300.0, 2400.0, 2600.0, 2700.0)

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from ipoa_mission.paper import published
 from ipoa_mission.paper.cec2022 import FUNCTIONS, OPTIMA
+from ipoa_mission.paper.markdown_table import Table, beside_print, factor, number
 from ipoa_mission.paper.rows import TrialRow, mean_evaluations, results, runs_of
 from ipoa_mission.paper.statistics import against, holm, places, rank_sum, ranking
-from ipoa_mission.paper.tables import Table, beside_print, factor, number
 
 FLOOR = 1e-8  # errors below it count as it, as the CEC competitions have it
 _METRICS: dict[str, Callable[[NDArray[np.float64]], float]] = {

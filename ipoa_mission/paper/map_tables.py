@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.paper import published
-from ipoa_mission.paper.maps import MAPS, WEIGHTS
+from ipoa_mission.paper.markdown_table import Table, beside_print, number, per_cent
+from ipoa_mission.paper.paper_maps import MAPS, WEIGHTS
 from ipoa_mission.paper.rows import TrialRow, results, runs_of
 from ipoa_mission.paper.statistics import against, counted, places, ranking
-from ipoa_mission.paper.tables import Table, beside_print, number, per_cent
 
 _MEASURES = {"distance": "Distance [m]", "iterations": "Iterations", "turn": "Turn [°]", "dis_obs": "Dis-obs [m]"}
 

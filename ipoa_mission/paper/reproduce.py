@@ -10,8 +10,9 @@ from ipoa_mission.files import write_atomically
 from ipoa_mission.paper import beyond, figures, function_tables, map_tables
 from ipoa_mission.paper.campus import campus_scenario
 from ipoa_mission.paper.executors import open_executor
-from ipoa_mission.paper.maps import map_scenario
-from ipoa_mission.paper.page import page
+from ipoa_mission.paper.markdown_table import Table
+from ipoa_mission.paper.paper_maps import map_scenario
+from ipoa_mission.paper.reproduction_page import page
 from ipoa_mission.paper.rows import Rows, TrialRow
 from ipoa_mission.paper.runs import measure
 from ipoa_mission.paper.series import (
@@ -26,7 +27,6 @@ from ipoa_mission.paper.series import (
     MAPS_PAPER,
     Series,
 )
-from ipoa_mission.paper.tables import Table
 from ipoa_mission.progress import Progress, silent
 
 

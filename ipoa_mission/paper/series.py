@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ipoa_mission.paper.cec2022 import FUNCTIONS
-from ipoa_mission.paper.maps import INNER, MAPS, WEIGHTS
+from ipoa_mission.paper.paper_maps import INNER, MAPS, WEIGHTS
 from ipoa_mission.paper.published import ALGORITHMS
 from ipoa_mission.paper.rows import Trial, settings_text
 

@@ -16,7 +16,7 @@ import shapely
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector, arc_lengths
-from ipoa_mission.planning.gaps import gap_places
+from ipoa_mission.planning.obstacle_gaps import gap_places
 from ipoa_mission.planning.obstacle_grid import STEEP, Nodes
 from ipoa_mission.planning.problem import Candidate, PreparedProblem, follow
 from ipoa_mission.planning.strategy import USUAL, LatticeStrategy

@@ -16,7 +16,7 @@ from ipoa_mission.world.obstacles.obstacle import PRISM, ChartRow, Part
 from ipoa_mission.world.terrain import Flat, Grid, Terrain
 
 if TYPE_CHECKING:  # what compiles the kernels needs no more than numpy, shapely and pyproj
-    from ipoa_mission.scenario.limits import Limits
+    from ipoa_mission.scenario.path_limits import Limits
     from ipoa_mission.world.airspace import Airspace
 
 FENCE = PRISM + 1  # a kind of row beside those of the parts: the flight area's outline, seen from inside

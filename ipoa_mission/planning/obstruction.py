@@ -11,7 +11,7 @@ from ipoa_mission.planning.lattice import Lattice, lay
 from ipoa_mission.planning.plan_view import closure
 from ipoa_mission.planning.problem import PreparedProblem
 from ipoa_mission.planning.proof import Check, Proof
-from ipoa_mission.scenario.limits import place_names
+from ipoa_mission.scenario.path_limits import place_names
 from ipoa_mission.world.obstacles import Obstacle
 
 ROUNDING, NUDGE, SAME = 1e-6, 1e-4, 0.1  # [m]

@@ -21,7 +21,7 @@ from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.polish import FIRM, ROUGH, polish, settle
 from ipoa_mission.planning.problem import UNSAFE, Candidate, PreparedProblem, follow, prepare, refine
 from ipoa_mission.planning.proof import Proof, prove_curve
-from ipoa_mission.planning.search import Searcher, optimizer_of
+from ipoa_mission.planning.searcher import Searcher, optimizer_of
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.planning.strategy import SearchStrategy, strategy_for
 from ipoa_mission.progress import Progress, silent

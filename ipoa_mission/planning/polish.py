@@ -19,7 +19,7 @@ from ipoa_mission.planning.proof import Check, Proof, prove_curve
 from ipoa_mission.planning.spline import Spline, even_basis
 
 if TYPE_CHECKING:
-    from ipoa_mission.planning.spread import Spread
+    from ipoa_mission.planning.null_space_basis import Spread
 
 NODES_PER_SPAN = 8  # at least, and for a rough polish
 EARLY_GAIN = 1e-5  # a step of an early stage that gains less is its last, as a share of the cost
@@ -156,7 +156,7 @@ def _prepare(trail: Candidate, problem: PreparedProblem, part: slice, nodes: int
     spans = Spans(first[seen] - low, np.ascontiguousarray(window[:, :, seen]))
     free, spread = slice(3 * (int(varied[0]) - low), 3 * (int(varied[-1]) + 1 - low)), None
     if len(trail.via_at):
-        from ipoa_mission.planning.spread import spread_of
+        from ipoa_mission.planning.null_space_basis import spread_of
 
         spread = spread_of(null_space(trail, problem.task, part)[low:high], BAND)
     look = even_basis(n, nodes)[seen]

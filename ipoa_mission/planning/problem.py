@@ -18,7 +18,7 @@ from ipoa_mission.planning.cost import rules_of
 from ipoa_mission.planning.obstacle_grid import STEEP, ObstacleGrid, Rules, obstacle_grid_of
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.spline import DEGREE, Spline, basis, even_basis
-from ipoa_mission.scenario.limits import Limits
+from ipoa_mission.scenario.path_limits import Limits
 
 Matrix: TypeAlias = NDArray[np.float64]
 ALL = slice(None)

@@ -13,7 +13,7 @@ import numpy as np
 from ipoa_mission.geometry import Points, Vector, climb_angles
 from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.spline import Spline
-from ipoa_mission.scenario.limits import Limits
+from ipoa_mission.scenario.path_limits import Limits
 from ipoa_mission.world.airspace import Clearance
 
 CHORD = 5e-4  # how far a curve may be from the chords that stand for it [m]

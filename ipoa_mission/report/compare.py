@@ -15,8 +15,8 @@ from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.logs.flight_log import LoggedFlight
 from ipoa_mission.mission.commands import Command
-from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.stored_mission import compare, to_wire
 from ipoa_mission.vehicles.learned import LearnedVehicle
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.version import Version

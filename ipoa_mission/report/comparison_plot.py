@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 from ipoa_mission.geometry import Points
 from ipoa_mission.report import palette
 from ipoa_mission.report.compare import Comparison
+from ipoa_mission.report.number_format import signed
 from ipoa_mission.report.plots import sheet
-from ipoa_mission.report.words import signed
 
 MOST_LABELS = 30
 

@@ -15,7 +15,7 @@ import numpy as np
 from ipoa_mission.checks.check import check
 from ipoa_mission.files import write_atomically
 from ipoa_mission.finding import Finding
-from ipoa_mission.forecast.energy import budget_of
+from ipoa_mission.forecast.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.commands import WAYPOINTS
@@ -23,13 +23,13 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.report.compare import compare_flight, flown_track
 from ipoa_mission.report.extent import extent_of
-from ipoa_mission.report.panels.flown import done_in_flight, flown_panel
+from ipoa_mission.report.panels.contingency_panel import endings_strip
+from ipoa_mission.report.panels.flown_panel import done_in_flight, flown_panel
 from ipoa_mission.report.panels.ground_plan import ground_plan, legend
 from ipoa_mission.report.panels.headline import figures, verdict, warnings
-from ipoa_mission.report.panels.legs import legs
-from ipoa_mission.report.panels.planned import limits_table, search_panel
+from ipoa_mission.report.panels.legs_panel import legs
+from ipoa_mission.report.panels.planned_panel import limits_table, search_panel
 from ipoa_mission.report.panels.profile import distance_profile, height_profile, profile_legend, speed_profile
-from ipoa_mission.report.panels.strip import endings_strip
 from ipoa_mission.report.scene import page_data
 from ipoa_mission.report.seen import dangers, deviation_bound_seen, follow
 from ipoa_mission.report.stops import stops

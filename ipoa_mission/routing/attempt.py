@@ -8,9 +8,9 @@ import numpy as np
 from ipoa_mission.forecast.deviation.pieces import pieces_of
 from ipoa_mission.forecast.deviation.promise import Promise, deviation_bound_holds
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.legs import join
+from ipoa_mission.forecast.itinerary.flown_legs import join
 from ipoa_mission.forecast.shortfalls import Shortfall
-from ipoa_mission.forecast.timing.route import kinematics
+from ipoa_mission.forecast.timing.route_time import kinematics
 from ipoa_mission.forecast.timing.track import Track, thinned
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.plan import Plan

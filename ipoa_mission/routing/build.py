@@ -21,7 +21,7 @@ from ipoa_mission.planning.proof import prove
 from ipoa_mission.routing.repairs import raise_way_home, slow_landings
 from ipoa_mission.routing.route import NoRoute, Route
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.places import FenceSection
+from ipoa_mission.scenario.place_sections import FenceSection
 from ipoa_mission.vehicles.guidance_profile import WaypointDefaults
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 

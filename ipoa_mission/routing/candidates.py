@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ipoa_mission.forecast.timing.route import kinematics
+from ipoa_mission.forecast.timing.route_time import kinematics
 from ipoa_mission.geometry import leg_lengths
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing.relax import relaxed

@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from ipoa_mission.checks.airspace import broken
+from ipoa_mission.checks.airspace_check import broken
 from ipoa_mission.checks.way_home import clear_in
 from ipoa_mission.errors import MissionError
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.places import Place
+from ipoa_mission.scenario.place_sections import Place
 
 if TYPE_CHECKING:
     from ipoa_mission.routing.attempt import Attempt

@@ -13,7 +13,7 @@ from ipoa_mission.forecast.timing.track import STRAY
 from ipoa_mission.planning.plan_view import CLOSE, Closure, closure
 from ipoa_mission.planning.problem import prepare
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.limits import place_names
+from ipoa_mission.scenario.path_limits import place_names
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
-from ipoa_mission.checks.ground import in_words, landings, touches_down
+from ipoa_mission.checks.ground_check import in_words, landings, touches_down
 from ipoa_mission.checks.unsafe import Unsafe
 from ipoa_mission.checks.way_home import clear_in, heights_above
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.legs import Phase
+from ipoa_mission.forecast.itinerary.flown_legs import Phase
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission, waypoint
 from ipoa_mission.planning.proof import prove

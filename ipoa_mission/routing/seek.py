@@ -21,7 +21,7 @@ from ipoa_mission.routing.changes import Looks
 from ipoa_mission.routing.homeward import WayHomeBlocked, by_way_of_the_goal, expect_way_home
 from ipoa_mission.routing.more_room import Needs, a_little, nothing
 from ipoa_mission.routing.narrow import TooNarrow, expect_wide
-from ipoa_mission.routing.refusal import narrow_refusal, refusal
+from ipoa_mission.routing.route_refusal import narrow_refusal, refusal
 from ipoa_mission.routing.slower import slowed_where_needed
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.obstacles import Obstacle

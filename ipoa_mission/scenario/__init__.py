@@ -1,6 +1,6 @@
 """The one file that a user writes: what is to be flown, where, by what, and how it is judged."""
 
 from ipoa_mission.scenario.model import Scenario
-from ipoa_mission.scenario.read import parse_scenario, read_scenario
+from ipoa_mission.scenario.scenario_file import parse_scenario, read_scenario
 
 __all__ = ["Scenario", "parse_scenario", "read_scenario"]

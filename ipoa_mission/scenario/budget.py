@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.scenario.model import Scenario
+from ipoa_mission.vehicles.energy.consumption import Battery, Consumption, by_curve, consumption, hovering
 from ipoa_mission.vehicles.energy.curve import PowerCurve
-from ipoa_mission.vehicles.energy.flight import Battery, Consumption, by_curve, consumption, hovering
 from ipoa_mission.vehicles.learned import LearnedVehicle
 from ipoa_mission.wind import CALM, Wind
 

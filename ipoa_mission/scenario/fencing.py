@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.errors import BadInput, InvalidRing
-from ipoa_mission.scenario.places import FenceSection
+from ipoa_mission.scenario.place_sections import FenceSection
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.obstacles import Obstacle, RoundZone, Zone
 

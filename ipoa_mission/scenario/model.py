@@ -17,19 +17,26 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.maps.passed import PassedCount, PassedOver
 from ipoa_mission.rules import expect_ignorable
 from ipoa_mission.scenario.explain import explained
-from ipoa_mission.scenario.layout import NO_REACH, Reach
-from ipoa_mission.scenario.limits import Limits, low_zones, without_repeats
-from ipoa_mission.scenario.maps import MapSection
+from ipoa_mission.scenario.map_sections import MapSection
 from ipoa_mission.scenario.obstacles import ObstacleSection
-from ipoa_mission.scenario.places import BoundsSection, FenceSection, FlatTerrain, HomeSection, Place, TerrainSection
+from ipoa_mission.scenario.path_limits import Limits, low_zones, without_repeats
+from ipoa_mission.scenario.place_sections import (
+    BoundsSection,
+    FenceSection,
+    FlatTerrain,
+    HomeSection,
+    Place,
+    TerrainSection,
+)
 from ipoa_mission.scenario.profiles import with_profile
 from ipoa_mission.scenario.safety import SafetySection
 from ipoa_mission.scenario.section import NotNegative, Positive, Section
 from ipoa_mission.scenario.seeking import CostSection, OptimizerSection, PlanningSection
+from ipoa_mission.scenario.site import NO_REACH, Reach
 from ipoa_mission.scenario.surroundings import Surroundings, surroundings_of
-from ipoa_mission.scenario.survey import SurveySection, with_survey
-from ipoa_mission.scenario.vehicle import VehicleSection
-from ipoa_mission.scenario.wind import WindSection
+from ipoa_mission.scenario.survey_section import SurveySection, with_survey
+from ipoa_mission.scenario.vehicle_section import VehicleSection
+from ipoa_mission.scenario.wind_section import WindSection
 from ipoa_mission.survey.area import Area
 from ipoa_mission.unread import Unread
 from ipoa_mission.vehicles.autopilot import Autopilot

@@ -20,9 +20,9 @@ from ipoa_mission.maps.buildings import search_buildings
 from ipoa_mission.maps.feature import Feature
 from ipoa_mission.maps.geojson import Take
 from ipoa_mission.maps.kinds import key_of_height
-from ipoa_mission.maps.read import hand_on_features
+from ipoa_mission.maps.map_reader import hand_on_features
 from ipoa_mission.scenario.profiles import PROFILES
-from ipoa_mission.scenario.read import parse_scenario
+from ipoa_mission.scenario.scenario_file import parse_scenario
 from ipoa_mission.vehicles.autopilot import registered
 from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, why_so_far
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.maps.areas import MapArea
 from ipoa_mission.maps.around import Box
-from ipoa_mission.scenario.maps import NoFlyMap
+from ipoa_mission.scenario.map_sections import NoFlyMap
 from ipoa_mission.unread import Unread
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.obstacles import Obstacle, Zone

@@ -10,7 +10,7 @@ import shapely
 from pydantic import Field, field_validator, model_validator
 
 from ipoa_mission.geometry import Points
-from ipoa_mission.scenario.places import Horizontal, Ring
+from ipoa_mission.scenario.place_sections import Horizontal, Ring
 from ipoa_mission.scenario.section import Positive, Section
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import Ground

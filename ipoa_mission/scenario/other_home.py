@@ -11,9 +11,9 @@ import numpy as np
 
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geometry import Points
-from ipoa_mission.scenario.maps import NoFlyMap
+from ipoa_mission.scenario.map_sections import NoFlyMap
 from ipoa_mission.scenario.model import KEPT, WORLD, Scenario
-from ipoa_mission.scenario.places import (
+from ipoa_mission.scenario.place_sections import (
     BoundsSection,
     FlatTerrain,
     GridTerrain,
@@ -23,7 +23,7 @@ from ipoa_mission.scenario.places import (
     TerrainSection,
 )
 from ipoa_mission.scenario.section import Section
-from ipoa_mission.scenario.survey import SurveySection
+from ipoa_mission.scenario.survey_section import SurveySection
 from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
 from ipoa_mission.world.terrain import Grid
 

@@ -22,10 +22,10 @@ from ipoa_mission.maps.feature import many_objects
 from ipoa_mission.maps.passed import Key, PassedCount, PassedOver, count_passed_over
 from ipoa_mission.maps.standing import Standing, raise_buildings
 from ipoa_mission.scenario.fencing import allowed_area, forbidden
-from ipoa_mission.scenario.layout import Layout
-from ipoa_mission.scenario.maps import BuildingsMap, ElevationTerrain, FlightAreaMap, NoFlyMap
+from ipoa_mission.scenario.map_sections import BuildingsMap, ElevationTerrain, FlightAreaMap, NoFlyMap
 from ipoa_mission.scenario.no_fly import ENDLESS, MARGIN, meets, no_fly_prisms, on_lines, zone_near
-from ipoa_mission.scenario.places import FenceSection, FlatTerrain
+from ipoa_mission.scenario.place_sections import FenceSection, FlatTerrain
+from ipoa_mission.scenario.site import Layout
 from ipoa_mission.unread import Unread, gathered
 from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.ground import LEVEL, Ground

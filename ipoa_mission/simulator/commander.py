@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from ipoa_mission.link.codec import EVERYONE
 from ipoa_mission.link.messages import CRITICAL, INFO, WARNING, CommandResult
 from ipoa_mission.mission.commands import LAST_NAV, MAY_PRECEDE_TAKEOFF, TAKEOFFS, WAYPOINTS, Frame
-from ipoa_mission.simulator.flight import FlightMode, MissionState
 from ipoa_mission.simulator.reporting import Reporting
+from ipoa_mission.simulator.simulated_flight import FlightMode, MissionState
 
 GUIDED = 4  # ArduCopter's mode in which it climbs by command
 MAV_DO_REPOSITION_CHANGE_MODE = 1

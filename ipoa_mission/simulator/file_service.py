@@ -12,7 +12,7 @@ from ipoa_mission.link.file_transfer import LIST_FILES, MISSION_FILE, file_check
 from ipoa_mission.link.item_payloads import PAYLOAD_BYTES
 from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, nak, unpack
 from ipoa_mission.link.messages import FileTransfer, MissionType
-from ipoa_mission.link.mission_file import HEADER, pack_mission, unpack_mission
+from ipoa_mission.link.mission_upload_file import HEADER, pack_mission, unpack_mission
 from ipoa_mission.mission.items import Item
 
 MOST_CLIENTS = 16

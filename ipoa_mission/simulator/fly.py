@@ -12,10 +12,10 @@ from ipoa_mission.link.messages import STATION_COMPONENT, STATION_SYSTEM
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.progress import Progress, silent
-from ipoa_mission.simulator.autopilot import BuiltInAutopilot
+from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.conditions import Conditions
 from ipoa_mission.simulator.faults import BadPipe, Faults
-from ipoa_mission.simulator.server import PERFECT
+from ipoa_mission.simulator.mock_server import PERFECT
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.known_parameters import expect_known
 from ipoa_mission.vehicles.parameters import NO_PARAMETERS, Parameters

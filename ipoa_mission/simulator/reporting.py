@@ -10,10 +10,10 @@ from ipoa_mission.link.messages import INFO, Message, MissionType
 from ipoa_mission.mission.commands import LAST_NAV, WAYPOINTS, Command
 from ipoa_mission.mission.items import Item
 from ipoa_mission.simulator import streams
-from ipoa_mission.simulator.flight import FlightMode, MissionState, SimulatedFlight
 from ipoa_mission.simulator.judgement import Infeasible
+from ipoa_mission.simulator.mission_service import MissionService
 from ipoa_mission.simulator.mock_profile import MockProfile
-from ipoa_mission.simulator.transfers import MissionService
+from ipoa_mission.simulator.simulated_flight import FlightMode, MissionState, SimulatedFlight
 from ipoa_mission.vehicles.mav_types import QUADROTOR
 from ipoa_mission.vehicles.parameters import Parameters
 

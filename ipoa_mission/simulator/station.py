@@ -6,7 +6,7 @@ from ipoa_mission.link.loopback import EPOCH_S
 from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, TRANSFER
 from ipoa_mission.link.routes import Routes
 from ipoa_mission.link.signing import Signer
-from ipoa_mission.simulator.autopilot import BuiltInAutopilot
+from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 
 
 class Station:

@@ -1,7 +1,7 @@
 """One of the three lists that a vehicle keeps: replaced as a whole when a transfer is complete, or item by item."""
 
-from ipoa_mission.mission.firmware import as_stored
 from ipoa_mission.mission.items import Item
+from ipoa_mission.mission.stored_mission import as_stored
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.version import Version
 

@@ -21,7 +21,7 @@ from ipoa_mission.link.telemetry import (
     SystemTime,
 )
 from ipoa_mission.link.telemetry_wire import saturated
-from ipoa_mission.simulator.flight import SimulatedFlight
+from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 
 FASTEST_S, SLOWEST_S = 0.01, 2000.0
 MOST_LISTENERS = 16

@@ -7,7 +7,7 @@ import shapely
 import tomlkit
 
 from ipoa_mission.errors import BadInput, InvalidRing
-from ipoa_mission.scenario.survey import USUAL_HEIGHT, USUAL_SPACING
+from ipoa_mission.scenario.survey_section import USUAL_HEIGHT, USUAL_SPACING
 from ipoa_mission.studio.moves import Move, local_of
 from ipoa_mission.studio.requests import AddCorner, AreaChange, DrawArea, MapArea, OwnArea, PutCorner
 from ipoa_mission.studio.vocabulary import Path

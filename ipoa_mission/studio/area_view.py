@@ -9,7 +9,7 @@ import shapely
 
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.camera import CAMERAS
-from ipoa_mission.scenario.survey import SurveySection
+from ipoa_mission.scenario.survey_section import SurveySection
 from ipoa_mission.studio.area_edits import depth_of, parts_of
 from ipoa_mission.studio.edits import frame_of
 from ipoa_mission.studio.survey_answers import AreaRing, SurveyArea

@@ -8,14 +8,14 @@ import numpy as np
 
 from ipoa_mission.forecast.contingencies import Contingencies, ContingencyBar
 from ipoa_mission.forecast.contingencies_now import EVERY_S, NEAREST_S, STEEP, TIMED
-from ipoa_mission.forecast.energy import Budget, Taken, budget_of
+from ipoa_mission.forecast.energy_budget import Budget, Taken, budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.report.contingency_bars import ending_bars, stretches
 from ipoa_mission.report.seen import Seen
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio.contingency_answers import StripBar, StripCost, StripOfEndings, StripStretch
-from ipoa_mission.studio.planned import course_of
+from ipoa_mission.studio.plan_answers import course_of
 from ipoa_mission.studio.view import without_folders
 from ipoa_mission.vehicles.contingency import Contingency
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ipoa_mission.finding import Finding
 from ipoa_mission.flight.flight import Flight
-from ipoa_mission.flight.survey import Survey
+from ipoa_mission.flight.survey_flight import Survey
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission
 

@@ -5,24 +5,24 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ipoa_mission.checks.firmware import is_too_long
+from ipoa_mission.checks.firmware_check import is_too_long
 from ipoa_mission.checks.positions import refusals
 from ipoa_mission.errors import MissionError
 from ipoa_mission.finding import Finding
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.legs import item_places
-from ipoa_mission.mission.firmware import values_of
+from ipoa_mission.forecast.itinerary.flown_legs import item_places
 from ipoa_mission.mission.item_edits import complex_at
+from ipoa_mission.mission.item_words import item_words
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.mission_file import MissionFile
-from ipoa_mission.mission.words import item_words
+from ipoa_mission.mission.stored_mission import values_of
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.places import FenceSection
+from ipoa_mission.scenario.place_sections import FenceSection
 from ipoa_mission.studio import answers
 from ipoa_mission.studio.dropped import fences_of
 from ipoa_mission.studio.item_fields import kind_of, kinds_of
 from ipoa_mission.studio.mission_answers import Checked, Flaw, MissionItem, OpenMission
-from ipoa_mission.studio.planned import NOWHERE_NEAR
+from ipoa_mission.studio.plan_answers import NOWHERE_NEAR
 from ipoa_mission.studio.view import degree_of, fence_of, on_map, without_folders, world_of
 from ipoa_mission.studio.vocabulary import Number
 from ipoa_mission.vehicles.autopilot import registered

@@ -9,9 +9,8 @@ from typing import Any, Literal, TypeAlias
 from ipoa_mission.errors import MissionError
 from ipoa_mission.files import MISSIONS
 from ipoa_mission.studio.answers import Found, Trouble, Written
-from ipoa_mission.studio.document import Document
 from ipoa_mission.studio.dropped import log_named
-from ipoa_mission.studio.flights import FlightDesk
+from ipoa_mission.studio.flight_desk import FlightDesk
 from ipoa_mission.studio.lobby_answers import Elsewhere
 from ipoa_mission.studio.place import place_of
 from ipoa_mission.studio.processes import Died, Process
@@ -31,6 +30,7 @@ from ipoa_mission.studio.requests import (
     Upload,
     Within,
 )
+from ipoa_mission.studio.scenario_document import Document
 from ipoa_mission.studio.vocabulary import PageMessage
 from ipoa_mission.studio.window import Window
 
@@ -47,7 +47,7 @@ FOLLOWS = (
     *("sketch", "coarse_survey", "plan", "survey", "endings", "checked", "replay"),
     *(f"trouble of {what}" for what in ("scenario", "sketch", "plan")),
 )
-PLANNER = "ipoa_mission.studio.planner"
+PLANNER = "ipoa_mission.studio.plan_worker"
 #: Opens another file, a mission in the world of a scenario: the address of its page, beside this one's.
 OpenFile: TypeAlias = Callable[[Path, Path | None], str]
 

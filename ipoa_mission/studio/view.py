@@ -16,7 +16,7 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.maps.passed import PassedOver
 from ipoa_mission.report.ground_mesh import ground_mesh, round_step
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.places import FenceSection
+from ipoa_mission.scenario.place_sections import FenceSection
 from ipoa_mission.studio.answers import Body, Fence, Heights, Spot, Terrace, World
 from ipoa_mission.studio.edits import frame_of
 from ipoa_mission.studio.vocabulary import LngLat, MapLine, as_on_map

@@ -14,7 +14,7 @@ from ipoa_mission.mission.items import Item, Mission, camera_trigger
 from ipoa_mission.routing.build import build_mission, items_of_waypoints
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.survey.heights import lifted
+from ipoa_mission.survey.line_heights import lifted
 from ipoa_mission.survey.qgc_item import survey_item
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.tour import Tour

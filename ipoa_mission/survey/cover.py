@@ -15,9 +15,9 @@ from ipoa_mission.survey._kernels import NO_WAY
 from ipoa_mission.survey._order import search_order
 from ipoa_mission.survey.area import ARC, Area
 from ipoa_mission.survey.free import FreeSpace, Ways
-from ipoa_mission.survey.gaps import LEFT, Closing, SensedPath
-from ipoa_mission.survey.lines import SHORT, LineAxes, cut, heights, line_over, parts_of, seen_from
+from ipoa_mission.survey.line_gaps import LEFT, Closing, SensedPath
 from ipoa_mission.survey.outline import narrower, wider
+from ipoa_mission.survey.survey_lines import SHORT, LineAxes, cut, heights, line_over, parts_of, seen_from
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Swath, Tour
 from ipoa_mission.world.union import union_of

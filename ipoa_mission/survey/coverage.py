@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.survey.area import ARC, Area
-from ipoa_mission.survey.lines import union_along
+from ipoa_mission.survey.survey_lines import union_along
 from ipoa_mission.survey.tour import Tour
 
 STEP, MOST = 0.1, 20_000  # between places at which it is looked how far a path strays [m], and how many at most

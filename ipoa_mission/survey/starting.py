@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.survey.area import Area
-from ipoa_mission.survey.split import fewest_parts, first_cut, part_of
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Sortie, Swath, Tour
+from ipoa_mission.survey.tour_split import fewest_parts, first_cut, part_of
 
 SURELY = 1.1  # times what a battery holds: a flight that seems to take more is not looked at
 NEARLY = 1.002  # times what seemed to be the least time of all is as good

@@ -15,7 +15,7 @@ from ipoa_mission.errors import NotModeled
 from ipoa_mission.vehicles.circle import FlownCircle
 from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.vehicles.failsafe import Failsafe, FailsafeRule, StationLoss
-from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables
+from ipoa_mission.vehicles.firmware_tables import Firmware, FirmwareTables
 from ipoa_mission.vehicles.guidance_profile import GuidanceProfile, WaypointDefaults
 from ipoa_mission.vehicles.modes import Modes
 from ipoa_mission.vehicles.own_fence import OwnFence

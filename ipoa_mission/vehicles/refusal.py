@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from ipoa_mission.mission.commands import Command
-from ipoa_mission.vehicles.firmware import Firmware
+from ipoa_mission.vehicles.firmware_tables import Firmware
 
 POLYGON = frozenset({Command.NAV_FENCE_POLYGON_VERTEX_INCLUSION, Command.NAV_FENCE_POLYGON_VERTEX_EXCLUSION})
 PARAM_NAMES = ("param1", "param2", "param3", "param4", "latitude", "longitude", "altitude")

@@ -14,7 +14,7 @@ from ipoa_mission.mission.items import Item, Mission, land, takeoff
 from ipoa_mission.report.exports import forecast_text
 from ipoa_mission.report.exports.table import mission_table
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.read import parse_scenario
+from ipoa_mission.scenario.scenario_file import parse_scenario
 from ipoa_mission.world.frame import Geodetic
 from tests.found import found
 from tests.held import waypoint

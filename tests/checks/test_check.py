@@ -12,7 +12,6 @@ from hypothesis import given
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import (
     FenceCircle,
     FencePolygon,
@@ -25,6 +24,7 @@ from ipoa_mission.mission.items import (
     takeoff,
     waypoint,
 )
+from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.forecast.forecast import estimate
-from ipoa_mission.forecast.itinerary.legs import Leg, Phase, flown_legs
+from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase, flown_legs
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Item, Mission, land, return_to_launch, takeoff

@@ -7,7 +7,7 @@ import pytest
 from ipoa_mission.checks.check import check
 from ipoa_mission.finding import Severity
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.scenario import Scenario, parse_scenario, read_scenario
 from ipoa_mission.wind import Wind
 from tests.refused import refuses

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ipoa_mission.checks.own_fence import breaches
+from ipoa_mission.checks.own_fence_check import breaches
 from ipoa_mission.flight.preflight import expect_fit
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint

@@ -13,7 +13,7 @@ from ipoa_mission.mission.commands import JUMPS, Command, Frame
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, spline_waypoint, takeoff, waypoint
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.firmware import Firmware
+from ipoa_mission.vehicles.firmware_tables import Firmware
 from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 

@@ -19,8 +19,8 @@ from ipoa_mission.link.signing import Signer, key_of
 from ipoa_mission.mission.items import Mission, land, takeoff
 from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.scenario import read_scenario
-from ipoa_mission.simulator.autopilot import BuiltInAutopilot
-from ipoa_mission.simulator.server import Server
+from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
+from ipoa_mission.simulator.mock_server import Server
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic

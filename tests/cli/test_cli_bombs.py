@@ -14,8 +14,8 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.logs.flight_log import read_flights
 from ipoa_mission.logs.learn.vehicle_file import read_vehicle
 from ipoa_mission.maps.elevation import ground_altitude
-from ipoa_mission.maps.read import READERS, read_features
-from ipoa_mission.mission.files import read_mission
+from ipoa_mission.maps.map_reader import READERS, read_features
+from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.mission.parameter_file import read_parameters
 from ipoa_mission.scenario import read_scenario
 from tools.fuzz.limited import run_limited

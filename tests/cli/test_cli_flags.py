@@ -14,8 +14,8 @@ import pytest
 
 from ipoa_mission.files import read_text, write_together
 from ipoa_mission.flight.written import not_as_written
-from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.report.exports import EXPORTS
 from ipoa_mission.scenario import read_scenario

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Item
+from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.vehicles.autopilot import Autopilot, registered

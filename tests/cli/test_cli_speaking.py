@@ -19,7 +19,7 @@ from ipoa_mission.cli import output
 from ipoa_mission.cli.output import progress_bar
 from ipoa_mission.cli.verbosity import listen_to_log
 from ipoa_mission.errors import MissionError
-from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.paper import reproduce
 from ipoa_mission.planning import planner
 from tests.cli.conftest import Run, verbs

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.routing.seek import plan_with_room
 from tests.cli.conftest import Run
 from tests.quick_search import once, search_quickly

@@ -27,12 +27,12 @@ from ipoa_mission.geometry import Vector
 from ipoa_mission.mission.commands import FLOWN_TO, Command
 from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.simulator.conditions import SimulatedVehicle
-from ipoa_mission.simulator.flight import Pilots
 from ipoa_mission.simulator.mock_profile import MockProfile
+from ipoa_mission.simulator.simulated_flight import Pilots
 from ipoa_mission.simulator.situation import STEP_S, FlightMode, MissionState, Situation
 from ipoa_mission.vehicles import autopilot as register
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
-from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables
+from ipoa_mission.vehicles.firmware_tables import Firmware, FirmwareTables
 from ipoa_mission.vehicles.guidance_profile import GuidanceProfile
 from ipoa_mission.vehicles.mav_types import QUADROTOR
 from ipoa_mission.vehicles.modes import Modes

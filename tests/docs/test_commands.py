@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.mission_io import read_mission
 from tests.docs.forked import forked
 from tools.generate import tutorial
 

@@ -12,8 +12,8 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.copter_circle import circle_entry, circle_turn, radius_of
 from ipoa_mission.forecast.itinerary.program import Place
 from ipoa_mission.mission.commands import Command, Frame
+from ipoa_mission.mission.item_words import details_of
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
-from ipoa_mission.mission.words import details_of
 from ipoa_mission.report.exports import forecast_text
 from ipoa_mission.vehicles.arducopter.circling import flown_circle
 from ipoa_mission.vehicles.arducopter.dynamics.copter import Copter

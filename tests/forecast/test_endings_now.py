@@ -14,9 +14,9 @@ from ipoa_mission.cli.real_flight import ToldEndings
 from ipoa_mission.flight.preflight import expect_charge
 from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.forecast.contingencies_now import ContingenciesNow
-from ipoa_mission.forecast.energy import ReserveNow, budget_of
-from ipoa_mission.link.state import VehicleState
+from ipoa_mission.forecast.energy_budget import ReserveNow, budget_of
 from ipoa_mission.link.telemetry import BatteryStatus, Position, SystemStatus
+from ipoa_mission.link.vehicle_state import VehicleState
 from ipoa_mission.vehicles.contingency import Contingency
 from tests.examples import some
 from tests.refused import refuses

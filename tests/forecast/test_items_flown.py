@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.commands import Command
-from ipoa_mission.mission.files import read_mission_file
+from ipoa_mission.mission.mission_io import read_mission_file
 from ipoa_mission.simulator.fly import fly
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.version import Version

@@ -12,10 +12,10 @@ from ipoa_mission.forecast.itinerary.itinerary import itinerary
 from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame
 from ipoa_mission.mission.item_edits import without_item
 from ipoa_mission.mission.items import Item, Mission, change_speed, return_to_launch, takeoff, waypoint
-from ipoa_mission.report.exports.lines import lines_of
+from ipoa_mission.report.exports.export_lines import lines_of
 from ipoa_mission.report.exports.table import mission_table
 from ipoa_mission.scenario import parse_scenario
-from ipoa_mission.simulator.flight import SimulatedFlight
+from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic

@@ -15,8 +15,8 @@ from ipoa_mission.link.messages import (
     SetCurrent,
     Text,
 )
-from ipoa_mission.link.state import ON_GROUND, PREARM_CHECK, VehicleState
 from ipoa_mission.link.telemetry import ExtendedState, Position, SystemStatus
+from ipoa_mission.link.vehicle_state import ON_GROUND, PREARM_CHECK, VehicleState
 from ipoa_mission.vehicles.autopilot import Autopilot
 
 PX4, ARDUPILOT = Autopilot.PX4, Autopilot.ARDUPILOT

@@ -14,14 +14,14 @@ from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import CommandLong, Count, ItemAt, Message
 from ipoa_mission.link.orders import CommandRefused
-from ipoa_mission.link.state import NotReady
 from ipoa_mission.link.upload import Replaced
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.link.vehicle_state import NotReady
 from ipoa_mission.mission.commands import Command
-from ipoa_mission.mission.firmware import to_wire
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
+from ipoa_mission.mission.stored_mission import to_wire
 from ipoa_mission.progress import Progress
-from ipoa_mission.simulator.autopilot import BuiltInAutopilot
+from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from ipoa_mission.link.codec import sender_of
-from ipoa_mission.link.conformance import Conformance
+from ipoa_mission.link.conformance_watch import Conformance
 from ipoa_mission.link.connect import _drop_unanswered, connect
 from ipoa_mission.link.dialogue import NoAnswer, TimeUp
 from ipoa_mission.link.flight_order import FlightOrder

@@ -12,7 +12,7 @@ from ipoa_mission.link.messages import (
     Heartbeat,
     Message,
 )
-from ipoa_mission.link.state import NotFlown, NotReady
+from ipoa_mission.link.vehicle_state import NotFlown, NotReady
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.vehicles.kind import Kind
 from tests.link.scripted import (

@@ -13,7 +13,7 @@ from ipoa_mission.link.messages import (
     CommandLong,
     Message,
 )
-from ipoa_mission.link.state import ON_GROUND, NotReady
+from ipoa_mission.link.vehicle_state import ON_GROUND, NotReady
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.examples import examples
 from tests.link.scripted import ARDUPILOT, ARM, PX4, START, Scripted

@@ -10,12 +10,12 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.dialogue import SPECIFIED, Exchange
 from ipoa_mission.link.flight_order import SHOWN_S, return_to_launch
 from ipoa_mission.link.messages import CommandAck, CommandResult, Message
-from ipoa_mission.link.state import NotReady, VehicleState
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.link.vehicle_state import NotReady, VehicleState
 from ipoa_mission.mission.commands import Command, VehicleCommand
-from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.simulator.fly import board
 from ipoa_mission.vehicles.autopilot import Autopilot
 from tests.refused import refuses

@@ -14,13 +14,13 @@ from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import NO_MISSION, CommandLong, Count, Current, ItemAt, Message, MissionType
 from ipoa_mission.link.onboard_list import LOOK_S, OnboardList, ReplacedSince, expect_unchanged
-from ipoa_mission.link.state import NotReady
 from ipoa_mission.link.telemetry import AutopilotVersion, Position
 from ipoa_mission.link.upload import Replaced, Upload
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.mission.firmware import to_wire
+from ipoa_mission.link.vehicle_state import NotReady
 from ipoa_mission.mission.items import Item, Mission, land, takeoff
-from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
+from ipoa_mission.mission.stored_mission import to_wire
+from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic

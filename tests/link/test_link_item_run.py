@@ -18,9 +18,9 @@ from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import ItemAt, Message, MissionType, Request
 from ipoa_mission.link.signing import Signer
 from ipoa_mission.mission.commands import plain_frame
-from ipoa_mission.mission.firmware import compare
 from ipoa_mission.mission.items import Item
-from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
+from ipoa_mission.mission.stored_mission import compare
+from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.link_pair import HOME, items_of

@@ -14,10 +14,10 @@ from ipoa_mission.link.discovery import scan
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Count, Heartbeat, Message
-from ipoa_mission.link.state import NotFlown
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.link.vehicle_state import NotFlown
 from ipoa_mission.mission.items import Mission, takeoff, waypoint
-from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
+from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.kind import Kind

@@ -26,13 +26,13 @@ from ipoa_mission.link.line import Line, converse
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.mavftp import LONGEST_DATA, FileError, FileMessage, Opcode, unpack
 from ipoa_mission.link.messages import CommandResult, FileTransfer, ItemAt, Message, MissionType
-from ipoa_mission.link.mission_file import pack_mission, unpack_mission, upload_by_file
+from ipoa_mission.link.mission_upload_file import pack_mission, unpack_mission, upload_by_file
 from ipoa_mission.link.onboard_list import prove
 from ipoa_mission.link.upload import ReadBackDiffers, Replaced, Upload
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.mission.firmware import compare
 from ipoa_mission.mission.items import Item
-from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
+from ipoa_mission.mission.stored_mission import compare
+from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.file_service import MOST_CLIENTS, FileService
 from ipoa_mission.simulator.station import Station

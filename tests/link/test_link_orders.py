@@ -25,7 +25,7 @@ from ipoa_mission.link.messages import (
     Text,
 )
 from ipoa_mission.link.telemetry import AutopilotVersion, HomePosition
-from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
+from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered

@@ -12,7 +12,7 @@ from ipoa_mission.link.conversations import offer
 from ipoa_mission.link.dialogue import Cancelled
 from ipoa_mission.link.messages import Current, Message, MissionType
 from ipoa_mission.link.upload import Upload, upload
-from ipoa_mission.mission.firmware import compare, home_item
+from ipoa_mission.mission.stored_mission import compare, home_item
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.examples import examples
 from tests.link_pair import HOME, Air, Fate, Vehicle, items_of

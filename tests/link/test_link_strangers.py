@@ -17,9 +17,9 @@ from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Ack, Count, Heartbeat, MavAutopilot, Message, MissionType, Ping, Request, Result
 from ipoa_mission.link.no_reply import CAUSE_S
 from ipoa_mission.link.tlog import read_tlog
-from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.mission.items import Mission, takeoff, waypoint
-from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
+from ipoa_mission.mission.stored_mission import compare, to_wire
+from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic

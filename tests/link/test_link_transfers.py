@@ -6,7 +6,7 @@ import pytest
 from ipoa_mission.link.file_transfer import MISSION_FILE
 from ipoa_mission.link.mavftp import FileMessage, Opcode
 from ipoa_mission.link.messages import Ack, ClearAll, Count, ItemAt, Message, MissionType, Result, WritePartialList
-from ipoa_mission.link.mission_file import pack_mission
+from ipoa_mission.link.mission_upload_file import pack_mission
 from ipoa_mission.link.transfers import Items, Transfers
 from ipoa_mission.logs.vehicle_clock import growing, unwrapped, vehicle_times
 from ipoa_mission.mission.items import Item

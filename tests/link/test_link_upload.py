@@ -16,8 +16,8 @@ from ipoa_mission.link.messages import (
     Result,
 )
 from ipoa_mission.link.upload import Upload, upload
-from ipoa_mission.mission.firmware import compare
 from ipoa_mission.mission.items import Item
+from ipoa_mission.mission.stored_mission import compare
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.link.scripted_answers import lead
 from tests.link_pair import STRANGER, Air, Fate, Vehicle, items_of

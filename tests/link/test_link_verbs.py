@@ -21,13 +21,13 @@ from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Message, MissionType, ParamSet, ParamValue, Request
 from ipoa_mission.link.orders import CommandRefused
 from ipoa_mission.link.signing import MOST_SIGNERS, persistent_signer
-from ipoa_mission.link.state import NotReady
 from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.tlog import TlogWriter
 from ipoa_mission.link.upload import Unflyable
 from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.link.vehicle_state import NotReady
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
-from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
+from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import BadPipe, Faults
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered

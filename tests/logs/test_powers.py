@@ -19,10 +19,10 @@ from ipoa_mission.logs.learn.evidence import flights_in
 from ipoa_mission.logs.learn.fit import fit
 from ipoa_mission.logs.learn.powers import PowerSeconds, learned_powers
 from ipoa_mission.logs.learn.vehicle_file import read_vehicle
-from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.energy.consumption import Interval
 from ipoa_mission.vehicles.energy.curve import PowerCurve
-from ipoa_mission.vehicles.energy.flight import Interval
 from ipoa_mission.vehicles.learned import LearnedVehicle
 from ipoa_mission.wind import CALM, Wind
 from tests.recorded_flights import FLOWN_ON

@@ -20,7 +20,7 @@ from ipoa_mission.logs.learn.fit import fit
 from ipoa_mission.logs.learn.judge import energy_error, left_out, median_errors, timed
 from ipoa_mission.logs.learn.vehicle_file import read_vehicle
 from ipoa_mission.logs.learn.witness import Witness, hover_power
-from ipoa_mission.mission.files import write_mission
+from ipoa_mission.mission.mission_io import write_mission
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
 from tests.logs.test_learning import ARDUPILOT, PX4, recorded

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from ipoa_mission.maps.activity import may_be_active, periods_of
-from ipoa_mission.scenario.read import read_scenario
+from ipoa_mission.scenario.scenario_file import read_scenario
 from tests.refused import refuses
 
 WEEKEND = {"day": ["SAT", "SUN"], "startTime": "17:00:00.00Z", "endTime": "23:59:59.00Z"}

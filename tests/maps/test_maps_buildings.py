@@ -11,7 +11,7 @@ import shapely
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import find_buildings
-from ipoa_mission.maps.read import read_features
+from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.standing import raise_buildings
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import Ground

@@ -12,7 +12,7 @@ from pyproj import Transformer
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import Buildings, find_buildings
-from ipoa_mission.maps.read import read_features
+from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 RD = "https://www.opengis.net/def/crs/EPSG/0/7415"  # the Dutch grid, with heights

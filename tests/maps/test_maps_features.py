@@ -10,7 +10,7 @@ import shapely
 from pyproj import Transformer
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.maps.read import read_features
+from ipoa_mission.maps.map_reader import read_features
 from tests.refused import refuses
 
 RING = [[8.0, 47.0], [8.001, 47.0], [8.001, 47.001], [8.0, 47.0]]

@@ -10,7 +10,7 @@ from pyproj import Geod
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.areas import find_zones
-from ipoa_mission.maps.read import read_features
+from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.refused import refuses

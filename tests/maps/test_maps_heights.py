@@ -3,8 +3,8 @@
 import pytest
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.maps.heights import foot_of, height_of
 from ipoa_mission.maps.lengths import meters
+from ipoa_mission.maps.tag_heights import foot_of, height_of
 
 #: What the wiki's page on `height` allows, and what is met in exports, in metres.
 LENGTHS = {

@@ -12,7 +12,7 @@ import pytest
 
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import Buildings, find_buildings
-from ipoa_mission.maps.read import read_features
+from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.world.frame import LocalFrame
 
 WriteMap = Callable[..., Path]

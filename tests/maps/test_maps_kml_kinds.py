@@ -11,7 +11,7 @@ import pytest
 from shapely import Point
 
 from ipoa_mission.maps.areas import Zones, find_zones
-from ipoa_mission.maps.read import read_features
+from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.world.frame import LocalFrame
 from tests.refused import refuses
 

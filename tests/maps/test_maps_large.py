@@ -14,8 +14,8 @@ from ipoa_mission.maps import geojson, streamed
 from ipoa_mission.maps.around import Box
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import find_buildings, search_buildings
+from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.passed import MOST_NAMED, PassedOver, count_passed_over
-from ipoa_mission.maps.read import read_features
 from ipoa_mission.scenario import parse_scenario, surroundings
 from ipoa_mission.world.frame import LocalFrame
 from tests.examples import some

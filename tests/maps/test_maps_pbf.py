@@ -10,11 +10,11 @@ import pytest
 import shapely
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.maps import pbf, read
+from ipoa_mission.maps import map_reader, pbf
 from ipoa_mission.maps.around import Around, Box
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import search_buildings
-from ipoa_mission.maps.read import read_features
+from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.maps.test_maps_osm import RELATION, TOWN, node, way
 from tests.refused import refuses
@@ -109,7 +109,7 @@ def test_a_small_part_is_read_once_until_the_file_is_another(make: Make, monkeyp
         times += 1
         return pbf.read_pbf(path, around)
 
-    monkeypatch.setitem(read._LARGE, ".pbf", count)
+    monkeypatch.setitem(map_reader._LARGE, ".pbf", count)
     moved = HERE[0] + 5.0, HERE[1] + 5.0
     first, second = (search_buildings(binary, BuildingRules(), HOME, box) for box in (HERE, moved))
     assert (times, len(first.standing)) == (1, len(second.standing))

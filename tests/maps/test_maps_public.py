@@ -15,7 +15,7 @@ import shapely
 from ipoa_mission.maps.areas import find_zones
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import Buildings, search_buildings
-from ipoa_mission.maps.read import read_features
+from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.world.frame import LocalFrame
 
 Square = Callable[..., dict[str, Any]]

@@ -13,7 +13,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.areas import find_zones
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import Buildings, find_buildings, search_buildings
-from ipoa_mission.maps.read import read_features
+from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.world.frame import LocalFrame
 from tests.refused import refuses
 

@@ -9,7 +9,7 @@ import shapely
 from pyproj import Transformer
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.maps.read import read_features
+from ipoa_mission.maps.map_reader import read_features
 from tests.examples import some
 from tests.refused import refuses
 

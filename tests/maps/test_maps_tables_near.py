@@ -10,7 +10,7 @@ from pyproj import Transformer
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.around import Around
-from ipoa_mission.maps.read import read_features
+from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.refused import refuses
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.areas import find_zones
-from ipoa_mission.maps.read import read_features
+from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 FRAME = LocalFrame(Geodetic(47.0, 8.0, 500.0))

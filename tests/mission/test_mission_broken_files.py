@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.mission_io import read_mission
 from tests.refused import refuses
 
 BROKEN = Path(__file__).parent.parent / "broken"

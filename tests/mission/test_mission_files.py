@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.mission.files import read_mission, write_mission
 from ipoa_mission.mission.items import Item, Mission, takeoff
+from ipoa_mission.mission.mission_io import read_mission, write_mission
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.mission_strategies import same

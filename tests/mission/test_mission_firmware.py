@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ipoa_mission.mission.commands import Command
-from ipoa_mission.mission.firmware import as_stored, compare, from_wire, to_wire
 from ipoa_mission.mission.items import (
     Item,
     Mission,
@@ -19,6 +18,7 @@ from ipoa_mission.mission.items import (
     takeoff,
     waypoint,
 )
+from ipoa_mission.mission.stored_mission import as_stored, compare, from_wire, to_wire
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses

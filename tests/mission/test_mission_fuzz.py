@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.errors import BadInput
-from ipoa_mission.mission.files import read_mission
-from ipoa_mission.mission.firmware import as_stored, compare, to_wire
+from ipoa_mission.mission.mission_io import read_mission
+from ipoa_mission.mission.stored_mission import as_stored, compare, to_wire
 from tests.refused import refuses
 
 FILES = Path(__file__).parent / "files"

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.mission.files import read_mission, read_mission_file
 from ipoa_mission.mission.items import Item, Mission, takeoff
+from ipoa_mission.mission.mission_io import read_mission, read_mission_file
 from ipoa_mission.mission.parameter_file import read_parameter_file, read_parameters
 from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.mission.waypoints_file import write_waypoints

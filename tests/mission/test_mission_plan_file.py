@@ -11,8 +11,8 @@ from hypothesis import given
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Severity
-from ipoa_mission.mission.files import read_mission_file
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission, takeoff, waypoint
+from ipoa_mission.mission.mission_io import read_mission_file
 from ipoa_mission.mission.parameter_file import read_parameters
 from ipoa_mission.mission.plan_file import plan_text, write_plan
 from ipoa_mission.mission.waypoints_file import write_waypoints

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.mission.files import read_mission, read_mission_file
+from ipoa_mission.mission.mission_io import read_mission, read_mission_file
 from tests.refused import refuses
 
 ITEM = {"type": "SimpleItem", "command": 16, "frame": 3, "autoContinue": True, "params": [0, 0, 0, None, 47, 8, 30]}

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission.optimize.search import Optimum
-from ipoa_mission.paper.maps import (
+from ipoa_mission.paper.paper_maps import (
     INNER,
     MAPS,
     iterations_to_converge,

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from ipoa_mission.planning.null_space_basis import spread_of
 from ipoa_mission.planning.problem import encode, follow, null_space, pinned, prepare, refine, surround
-from ipoa_mission.planning.spread import spread_of
 from tests.planning.conftest import Make, Place
 
 ENCODINGS = ("absolute", "chord", "sine")

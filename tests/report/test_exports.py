@@ -23,7 +23,7 @@ from ipoa_mission.mission.items import (
     waypoint,
 )
 from ipoa_mission.report.exports import EXPORTS, write_export
-from ipoa_mission.report.exports.lines import lines_of
+from ipoa_mission.report.exports.export_lines import lines_of
 from ipoa_mission.report.exports.table import mission_table
 from ipoa_mission.scenario import parse_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot

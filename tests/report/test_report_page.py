@@ -13,17 +13,17 @@ import pytest
 
 from ipoa_mission.centimeters import down
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.itinerary.legs import join
+from ipoa_mission.forecast.itinerary.flown_legs import join
 from ipoa_mission.mission.commands import Command
-from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import return_to_launch
+from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.report.chart import GraphAxis, axis_over
+from ipoa_mission.report.number_format import meters, number, seconds, share
 from ipoa_mission.report.page import report_html, write_report
 from ipoa_mission.report.panels.headline import verdict, warnings
 from ipoa_mission.report.panels.profile import near_course
 from ipoa_mission.report.seen import dangers, follow
 from ipoa_mission.report.stops import stops
-from ipoa_mission.report.words import meters, number, seconds, share
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.scenario.budget import flight_energy
 from ipoa_mission.world.obstacles import Prism

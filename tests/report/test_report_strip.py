@@ -11,8 +11,8 @@ from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.report.page import report_html
+from ipoa_mission.report.panels.contingency_panel import endings_strip
 from ipoa_mission.report.panels.profile import along_axis
-from ipoa_mission.report.panels.strip import endings_strip
 from ipoa_mission.report.seen import Seen, follow
 from ipoa_mission.scenario import Scenario
 from tests.examples import some

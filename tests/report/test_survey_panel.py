@@ -8,7 +8,7 @@ import pytest
 import shapely
 
 from ipoa_mission import plan_survey
-from ipoa_mission.report.panels.survey import survey_panel
+from ipoa_mission.report.panels.survey_panel import survey_panel
 from ipoa_mission.scenario import Scenario
 
 HOME = {"latitude_deg": 47.3977, "longitude_deg": 8.5456, "altitude_amsl": 488.0}

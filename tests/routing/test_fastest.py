@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from ipoa_mission.forecast.timing.track import thinned
 from ipoa_mission.mission.commands import Command
-from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.planning.planner import plan_path

@@ -7,7 +7,7 @@ import pytest
 from shapely import LineString, box
 
 from ipoa_mission.checks.check import check_mission
-from ipoa_mission.forecast.itinerary.legs import Phase, flown_legs
+from ipoa_mission.forecast.itinerary.flown_legs import Phase, flown_legs
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.routing.build import build_mission

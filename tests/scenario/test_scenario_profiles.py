@@ -10,7 +10,7 @@ from ipoa_mission.scenario import Scenario, parse_scenario
 from ipoa_mission.scenario.budget import battery_of, flight_energy
 from ipoa_mission.scenario.profiles import PROFILES
 from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.energy.flight import NotEnoughBattery, shortage
+from ipoa_mission.vehicles.energy.consumption import NotEnoughBattery, shortage
 from ipoa_mission.vehicles.energy.power import power
 from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
 from tests.refused import refuses

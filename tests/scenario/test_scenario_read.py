@@ -9,7 +9,7 @@ from jsonschema import Draft202012Validator
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.scenario import Scenario, parse_scenario, read_scenario
-from ipoa_mission.scenario.places import Place
+from ipoa_mission.scenario.place_sections import Place
 from tests.refused import refuses
 
 HERE = Path("here.toml")

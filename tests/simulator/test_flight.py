@@ -6,7 +6,7 @@ import pytest
 
 from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import Item, change_speed, land, return_to_launch, takeoff, waypoint
-from ipoa_mission.simulator.flight import MissionState, SimulatedFlight
+from ipoa_mission.simulator.simulated_flight import MissionState, SimulatedFlight
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 

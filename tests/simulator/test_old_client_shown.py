@@ -28,9 +28,9 @@ from ipoa_mission.link.messages import (
     Text,
 )
 from ipoa_mission.link.telemetry import Position
-from ipoa_mission.mission.firmware import home_item
 from ipoa_mission.mission.items import Item, land, takeoff, waypoint
-from ipoa_mission.simulator.autopilot import BuiltInAutopilot as BuiltIn
+from ipoa_mission.mission.stored_mission import home_item
+from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as BuiltIn
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tests.link_pair import CLIENT, HOME, STRANGER

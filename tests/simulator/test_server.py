@@ -9,8 +9,8 @@ from ipoa_mission.link.channel import Peer, open_channel
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.messages import CommandLong, Count, Heartbeat, MavAutopilot, Message, MissionType
 from ipoa_mission.mission.commands import Command
-from ipoa_mission.simulator.autopilot import BuiltInAutopilot
-from ipoa_mission.simulator.server import MOST_AT_ONCE, MOST_FRAMES_HZ, Server
+from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
+from ipoa_mission.simulator.mock_server import MOST_AT_ONCE, MOST_FRAMES_HZ, Server
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic

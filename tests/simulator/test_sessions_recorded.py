@@ -38,8 +38,8 @@ from ipoa_mission.link.messages import (
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.mission.commands import VehicleCommand
-from ipoa_mission.mission.files import read_mission_file
-from ipoa_mission.simulator.autopilot import BuiltInAutopilot as BuiltIn
+from ipoa_mission.mission.mission_io import read_mission_file
+from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as BuiltIn
 from ipoa_mission.simulator.conditions import Conditions
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named, registered
 from tests.held import PX4_117

@@ -9,8 +9,8 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.link.dialogue import NoAnswer
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.tlog import read_tlog
-from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.mission.items import FenceCircle, Mission, change_speed, return_to_launch, takeoff, waypoint
+from ipoa_mission.mission.stored_mission import compare, to_wire
 from ipoa_mission.simulator.faults import Faults
 from ipoa_mission.simulator.fly import board, fly
 from ipoa_mission.vehicles.autopilot import Autopilot, registered

@@ -12,9 +12,9 @@ pytest.importorskip("tomlkit")
 pytest.importorskip("uvicorn")
 testclient = pytest.importorskip("starlette.testclient")
 
-from ipoa_mission.studio.server import application  # noqa: E402
 from ipoa_mission.studio.session import Session  # noqa: E402
 from ipoa_mission.studio.sessions import Sessions  # noqa: E402
+from ipoa_mission.studio.web_server import application  # noqa: E402
 from tests.studio.quick_studio import hasten  # noqa: E402
 
 TOKEN, HOST = "secret-token", "127.0.0.1:8123"

@@ -13,8 +13,8 @@ from ipoa_mission import Forecast, read_mission, read_scenario
 from ipoa_mission.flight import procedure
 from ipoa_mission.forecast.conformance import ConformanceMonitor
 from ipoa_mission.studio.flight_answers import Landed, Loaded, Seen, State
+from ipoa_mission.studio.flight_worker import FlightWorker
 from ipoa_mission.studio.handed import HandedOver
-from ipoa_mission.studio.pilot import FlightWorker
 
 MISSIONS = Path(__file__).parents[2] / "missions"
 MISSION = read_mission(MISSIONS / "sitl.plan")

@@ -10,10 +10,10 @@ from ipoa_mission import read_mission, read_scenario
 from ipoa_mission.scenario import parse_scenario
 
 pytest.importorskip("tomlkit")
-from ipoa_mission.studio.document import Document
 from ipoa_mission.studio.dropped import changes_of, keep
 from ipoa_mission.studio.edits import changed
 from ipoa_mission.studio.requests import Add, Change, Put, Shift, Take
+from ipoa_mission.studio.scenario_document import Document
 from ipoa_mission.studio.vocabulary import Path as Path_
 from tests.refused import refuses
 from tests.studio.conftest import MEADOW

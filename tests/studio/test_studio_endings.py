@@ -10,12 +10,12 @@ pytest.importorskip("tomlkit")
 
 from ipoa_mission import Forecast, read_mission, read_scenario
 from ipoa_mission.forecast.contingencies import Contingencies
-from ipoa_mission.forecast.energy import budget_of
+from ipoa_mission.forecast.energy_budget import budget_of
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.report.page import report_html
 from ipoa_mission.studio.contingency_answers import StripCost, StripOfEndings
 from ipoa_mission.studio.contingency_strip import strips_of
-from ipoa_mission.studio.planned import course_of
+from ipoa_mission.studio.plan_answers import course_of
 from ipoa_mission.vehicles.contingency import Contingency
 from tests.forecast.test_endings_now import BATTERY
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from ipoa_mission.scenario import read_scenario
-from ipoa_mission.studio.pilot import FlightWorker
-from ipoa_mission.studio.planner import PlanWorker
+from ipoa_mission.studio.flight_worker import FlightWorker
+from ipoa_mission.studio.plan_worker import PlanWorker
 from tests.quick_search import search_quickly
 
 MISSIONS = Path(__file__).parents[2] / "missions"

@@ -12,8 +12,8 @@ pytest.importorskip("pydantic")
 from ipoa_mission import Forecast, read_mission
 from ipoa_mission.link import vehicle as verbs
 from ipoa_mission.studio.flight_answers import Landed, Loaded, Seen, State
+from ipoa_mission.studio.flight_worker import FlightWorker
 from ipoa_mission.studio.handed import HandedOver
-from ipoa_mission.studio.pilot import FlightWorker
 from tests.cut_link import cut_link
 from tests.link.conftest import running
 from tests.quick_link import hurry

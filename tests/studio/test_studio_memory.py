@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.studio import memory
-from ipoa_mission.studio.server import _listen
+from ipoa_mission.studio.web_server import _listen
 from tests.refused import refuses
 
 

@@ -11,9 +11,9 @@ import pytest
 from ipoa_mission import BadInput, estimate, read_mission
 from ipoa_mission.studio.mission_changes import mission_changed
 from ipoa_mission.studio.requests import InsertItem, MoveItem, PutItem
-from ipoa_mission.studio.server import application
 from ipoa_mission.studio.session import Session
 from ipoa_mission.studio.sessions import Sessions
+from ipoa_mission.studio.web_server import application
 from tests.refused import refuses
 from tests.studio.conftest import HOST, TOKEN, Studio, testclient
 

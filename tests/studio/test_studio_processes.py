@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from ipoa_mission.studio.flights import FlightDesk
+from ipoa_mission.studio.flight_desk import FlightDesk
 from ipoa_mission.studio.processes import Died, Process
 from ipoa_mission.studio.requests import Upload
 

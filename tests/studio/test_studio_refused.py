@@ -7,7 +7,7 @@ from ipoa_mission import MissionError, Scenario, plan_flight
 from ipoa_mission.errors import Remedy
 from ipoa_mission.planning.sketch import sketch_path
 from ipoa_mission.routing.changes import Looks
-from ipoa_mission.scenario.read import parse_scenario, parse_toml
+from ipoa_mission.scenario.scenario_file import parse_scenario, parse_toml
 from ipoa_mission.studio.edits import changed
 from ipoa_mission.studio.refused import refused
 from ipoa_mission.studio.requests import Put

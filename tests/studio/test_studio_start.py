@@ -9,8 +9,8 @@ import pytest
 from ipoa_mission import read_scenario
 from ipoa_mission.studio.lobby import Lobby
 from ipoa_mission.studio.place import place_of
-from ipoa_mission.studio.server import application
 from ipoa_mission.studio.sessions import Sessions
+from ipoa_mission.studio.web_server import application
 from tests.refused import refuses
 from tests.studio.conftest import HOST, TOKEN, Studio, testclient
 

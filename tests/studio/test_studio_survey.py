@@ -17,7 +17,7 @@ from tests.studio.conftest import HOST, MEADOW, TOKEN, Studio
 
 from ipoa_mission.studio.answers import Remedy, Trouble  # isort: skip
 from ipoa_mission.studio.edits import changed
-from ipoa_mission.studio.planner import look, sketch
+from ipoa_mission.studio.plan_worker import look, sketch
 from ipoa_mission.studio.refused import refused
 from ipoa_mission.studio.relay import Relay
 from ipoa_mission.studio.requests import (
@@ -219,7 +219,7 @@ def test_a_survey_that_is_refused_is_planned_with_its_remedy(
     text = drawn(*wrong)
     wanted = parse_scenario(text, MEADOW)
     with monkeypatch.context() as hurried:
-        hurried.setattr("ipoa_mission.survey.plan.ROUNDS", 1)  # no more room is given to what is too near
+        hurried.setattr("ipoa_mission.survey.survey_plan.ROUNDS", 1)  # no more room is given to what is too near
         with pytest.raises(MissionError) as error:
             plan_survey(scenario=wanted)
     trouble = refused(error.value, wanted, 1)

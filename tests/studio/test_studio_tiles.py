@@ -10,9 +10,9 @@ import pytest
 
 from ipoa_mission.studio import tiles
 from ipoa_mission.studio.guard import POLICY, policy_for
-from ipoa_mission.studio.server import application
 from ipoa_mission.studio.session import Session
 from ipoa_mission.studio.sessions import Sessions
+from ipoa_mission.studio.web_server import application
 from tests.refused import refuses
 from tests.studio.conftest import HOST, MEADOW, TOKEN, testclient
 

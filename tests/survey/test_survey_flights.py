@@ -14,22 +14,22 @@ import shapely
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.flight.flight import plan_flight
-from ipoa_mission.flight.survey import Survey, plan_survey, survey_as_json
-from ipoa_mission.forecast.energy import budget_of
+from ipoa_mission.flight.survey_flight import Survey, plan_survey, survey_as_json
+from ipoa_mission.forecast.energy_budget import budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.commands import Command
-from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.assembly import assemble_survey
 from ipoa_mission.survey.overlap import flown_lines, smallest_overlaps
 from ipoa_mission.survey.sight import sight_of
-from ipoa_mission.survey.split import part_of
 from ipoa_mission.survey.tour import Swath, Tour
+from ipoa_mission.survey.tour_split import part_of
 from ipoa_mission.vehicles.autopilot import Autopilot
-from ipoa_mission.vehicles.energy.flight import NotEnoughBattery
+from ipoa_mission.vehicles.energy.consumption import NotEnoughBattery
 from ipoa_mission.world.frame import Geodetic
 from tests.refused import refuses
 
@@ -89,7 +89,7 @@ def test_a_flight_that_was_tried_is_not_made_again(battery: dict[str, Any], monk
         made.append(tour.swaths)
         return assemble_survey(tour, *rest)
 
-    monkeypatch.setattr("ipoa_mission.survey.flights.assemble_survey", counted)
+    monkeypatch.setattr("ipoa_mission.survey.flight_maker.assemble_survey", counted)
     flights = plan_survey(scenario=scenario(LINES, vehicle=battery)).plan.flights
     assert (len(flights) > 1) == bool(battery)
     assert [made.count(flight.tour.swaths) for flight in flights] == [1] * len(flights)
@@ -258,7 +258,7 @@ def test_all_that_flights_come_too_near_to_is_given_room_at_once(
     autopilot: Autopilot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Six round towers, more than there are rounds."""
-    monkeypatch.setattr("ipoa_mission.survey.plan.ROUNDS", 5)
+    monkeypatch.setattr("ipoa_mission.survey.survey_plan.ROUNDS", 5)
     places = [(45.0, 40.0), (95.0, 45.0), (150.0, 40.0), (50.0, 115.0), (105.0, 120.0), (160.0, 110.0)]
     towers = [
         {"kind": "cylinder", "name": f"tower {n}", "east": east, "north": north, "radius": 6.0, "height": 80.0}

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipoa_mission.survey.split import fewest_parts, part_of, parts_of_equal_length
 from ipoa_mission.survey.tour import Swath, Tour
+from ipoa_mission.survey.tour_split import fewest_parts, part_of, parts_of_equal_length
 
 
 def tour_of(lengths: list[float]) -> Tour:

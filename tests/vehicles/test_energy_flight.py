@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipoa_mission.vehicles.energy.flight import Battery, Consumption, consumption, hovering, shortage
+from ipoa_mission.vehicles.energy.consumption import Battery, Consumption, consumption, hovering, shortage
 from ipoa_mission.vehicles.energy.power import PowerModel, power
 from tests.refused import refuses
 

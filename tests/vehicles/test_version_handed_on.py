@@ -7,10 +7,10 @@ import pytest
 
 from ipoa_mission.cli.mock_place import stands
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.simulator.conditions import Conditions
-from ipoa_mission.simulator.flight import SimulatedFlight
-from ipoa_mission.simulator.parameters import ParameterTable
+from ipoa_mission.simulator.parameter_server import ParameterTable
+from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.vehicles.version import Version

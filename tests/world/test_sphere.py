@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pyproj import Proj
 
-from ipoa_mission.world.sphere import RADIUS, SphericalPlane
+from ipoa_mission.world.spherical_plane import RADIUS, SphericalPlane
 
 
 @given(

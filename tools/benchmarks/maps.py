@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 import rasterio
 
-from ipoa_mission.maps.read import read_features
+from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tools import command_line

@@ -18,8 +18,8 @@ from mealpy.swarm_based.SSA import OriginalSSA
 
 from ipoa_mission.optimize.registry import build_optimizer, optimizer_names
 from ipoa_mission.optimize.search import Candidates, Costs, minimize
+from ipoa_mission.paper.benchmark_problem import Problem
 from ipoa_mission.paper.cec2022 import cec2022
-from ipoa_mission.paper.problem import Problem
 from tools import command_line
 
 PEERS = {"poa": OriginalPOA, "hho": OriginalHHO, "ssa": OriginalSSA}

@@ -17,7 +17,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.simulator.flight import MissionState, SimulatedFlight
+from ipoa_mission.simulator.simulated_flight import MissionState, SimulatedFlight
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from tools import command_line
 

@@ -80,7 +80,7 @@ class Planner:
     def __init__(self, scenario: Path) -> None:
         self._scenario = scenario
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "ipoa_mission.studio.planner"],
+            [sys.executable, "-m", "ipoa_mission.studio.plan_worker"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,

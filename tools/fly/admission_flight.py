@@ -23,9 +23,9 @@ from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.link.messages import Message
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle import Vehicle
-from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import landing_on
+from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.mission.plan_file import write_plan
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named

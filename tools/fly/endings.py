@@ -32,7 +32,7 @@ from ipoa_mission.link.messages import AUTOPILOT_COMPONENT, CommandAck, CommandL
 from ipoa_mission.link.orders import spelled_parameter
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame, VehicleCommand
-from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.scenario import read_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from ipoa_mission.vehicles.contingency import Contingency

@@ -26,8 +26,8 @@ from ipoa_mission.forecast.itinerary.itinerary import itinerary
 from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.commands import Command
-from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.scenario import Scenario, read_scenario
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from ipoa_mission.vehicles.contingency import Contingency, FlightStage

@@ -15,8 +15,8 @@ from typing import Any
 
 from ipoa_mission.forecast.forecast import estimate
 from ipoa_mission.forecast.timing.estimate import Estimate
-from ipoa_mission.mission.files import read_mission
 from ipoa_mission.mission.landing_ground import landing_on
+from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.vehicles.autopilot import autopilot_named, registered
 from tools import command_line
 from tools.fly.judge import plan_digits

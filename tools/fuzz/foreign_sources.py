@@ -18,7 +18,7 @@ from ipoa_mission.maps.areas import find_zones
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import find_buildings
 from ipoa_mission.maps.feature import Feature
-from ipoa_mission.maps.read import READERS, read_features
+from ipoa_mission.maps.map_reader import READERS, read_features
 from ipoa_mission.maps.standing import raise_buildings
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.learned import Learned, LearnedVehicle

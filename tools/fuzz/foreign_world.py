@@ -10,9 +10,9 @@ import shapely
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.elevation import ground_altitude
+from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.raster import open_raster
-from ipoa_mission.maps.read import read_features
-from ipoa_mission.scenario.read import parse_scenario
+from ipoa_mission.scenario.scenario_file import parse_scenario
 
 WEST = 0.002  # home lies so far west of a map, outside of all its zones [deg]
 SCENARIO = """

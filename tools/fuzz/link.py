@@ -34,14 +34,14 @@ from ipoa_mission.link.dialogue import SPECIFIED, Cancelled, Exchange, TimeUp
 from ipoa_mission.link.events import event_number
 from ipoa_mission.link.file_transfer import read_file
 from ipoa_mission.link.mavftp import FileMessage, Opcode
-from ipoa_mission.link.mission_file import upload_by_file
+from ipoa_mission.link.mission_upload_file import upload_by_file
 from ipoa_mission.link.orders import parameters, set_current
 from ipoa_mission.link.signing import Signer
-from ipoa_mission.link.state import VehicleState
 from ipoa_mission.link.tlog import TlogWriter, read_tlog
 from ipoa_mission.link.upload import Upload, upload
+from ipoa_mission.link.vehicle_state import VehicleState
 from ipoa_mission.mission.items import Item
-from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
+from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic

@@ -21,7 +21,7 @@ Thing = tuple[Any, Iterable[str]]  # a shape and the keys of its properties
 
 def ours(path: Path) -> Iterator[Thing]:
     """This package."""
-    from ipoa_mission.maps.read import read_features
+    from ipoa_mission.maps.map_reader import read_features
 
     for feature in read_features(path):
         yield feature.shape, feature.tags

@@ -21,8 +21,8 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.areas import find_zones
 from ipoa_mission.maps.building_rules import BuildingRules
 from ipoa_mission.maps.buildings import search_buildings
+from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.passed import PassedOver, count_passed_over
-from ipoa_mission.maps.read import read_features
 from ipoa_mission.maps.standing import Standing
 from ipoa_mission.unread import Unread
 from ipoa_mission.world.frame import Geodetic, LocalFrame

@@ -22,9 +22,9 @@ import numpy as np
 
 from ipoa_mission.checks.check import check_mission
 from ipoa_mission.errors import BadInput, MissionError
-from ipoa_mission.mission.files import read_mission, write_mission
-from ipoa_mission.mission.firmware import as_stored, compare, from_wire, to_wire
 from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.mission_io import read_mission, write_mission
+from ipoa_mission.mission.stored_mission import as_stored, compare, from_wire, to_wire
 from ipoa_mission.report.exports import EXPORTS, write_export
 from tools import REPOSITORY, command_line
 from tools.fuzz.foreign_sources import probe_foreign

@@ -25,11 +25,11 @@ from ipoa_mission.link.consistent_download import download
 from ipoa_mission.link.conversations import clear, offer
 from ipoa_mission.link.dialogue import SPECIFIED, Dialogue, Exchange
 from ipoa_mission.link.messages import Ack, Current, Message, MissionType
-from ipoa_mission.link.mission_file import upload_by_file
+from ipoa_mission.link.mission_upload_file import upload_by_file
 from ipoa_mission.link.upload import Upload, upload
-from ipoa_mission.mission.firmware import compare, to_wire
 from ipoa_mission.mission.items import Item, Mission, return_to_launch, takeoff, waypoint
-from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
+from ipoa_mission.mission.stored_mission import compare, to_wire
+from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic
 from tools import command_line

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ipoa_mission.files import write_atomically
-from ipoa_mission.paper.maps import INNER, MAPS
+from ipoa_mission.paper.paper_maps import INNER, MAPS
 from ipoa_mission.vehicles.autopilot import default_autopilot
 from tools import REPOSITORY, command_line
 

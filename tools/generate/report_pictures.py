@@ -18,7 +18,7 @@ from playwright.sync_api import sync_playwright
 
 from ipoa_mission.forecast.forecast import Forecast, estimate
 from ipoa_mission.link.logbook import FlightRecord, Sample
-from ipoa_mission.mission.files import read_mission
+from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.report.compare import compare_flight, flown_track
 from ipoa_mission.report.comparison_plot import draw_comparison

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.scenario.limits import place_names
+from ipoa_mission.scenario.path_limits import place_names
 
 WAY_OUT = 2.0  # metres flown for each metre farther away
 TURN = 5.0  # in which a vehicle turns away from what is beside the place [m]

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field, replace
 
 from ipoa_mission.errors import BadInput, EndlessFlight, NotModeled
-from ipoa_mission.forecast.itinerary.jumps import jump_target, repeats
+from ipoa_mission.forecast.itinerary.jump_targets import jump_target, repeats
 from ipoa_mission.forecast.itinerary.program import Place, Program, as_flown, program_of
 from ipoa_mission.mission.commands import FLOWN_TO, JUMPS, LAST_NAV, TAKEOFFS, Command, Frame, plain_frame
 from ipoa_mission.mission.items import Item, Mission

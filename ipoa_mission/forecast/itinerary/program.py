@@ -14,7 +14,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ipoa_mission.forecast.itinerary.jumps import jump_target, repeats
+from ipoa_mission.forecast.itinerary.jump_targets import jump_target, repeats
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.commands import (
     ALSO_MOVE,

@@ -8,7 +8,7 @@ import numpy as np
 from ipoa_mission.forecast.itinerary.itinerary import CONDITIONS, Itinerary, flying_already
 from ipoa_mission.forecast.timing.prediction import NEVER_MISSED, Missed, Prediction
 from ipoa_mission.forecast.timing.qgroundcontrol import qgroundcontrol_time
-from ipoa_mission.forecast.timing.route import RouteTime, route_time
+from ipoa_mission.forecast.timing.route_time import RouteTime, route_time
 from ipoa_mission.forecast.timing.track import Track
 from ipoa_mission.geometry import Vector
 from ipoa_mission.mission.items import Mission

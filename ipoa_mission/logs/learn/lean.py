@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from ipoa_mission.errors import LogUseless
 from ipoa_mission.forecast.timing.flight_model import FlightModel
 from ipoa_mission.geometry import GRAVITY, Points, Vector
-from ipoa_mission.logs.learn.track import CLEAR, LoggedTrack
+from ipoa_mission.logs.learn.logged_track import CLEAR, LoggedTrack
 from ipoa_mission.vehicles.autopilot import Autopilot
 
 EVERY, SMOOTHED, ALONE = 0.2, 5, 10  # samples: their distance [s], how many are averaged, one in how many is its own

@@ -13,7 +13,7 @@ from scipy.optimize import lsq_linear
 from scipy.special import stdtrit
 
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.logs.learn.track import CLEAR, LoggedTrack
+from ipoa_mission.logs.learn.logged_track import CLEAR, LoggedTrack
 from ipoa_mission.vehicles.energy.curve import PowerCurve
 from ipoa_mission.vehicles.learned import Learned
 

@@ -9,8 +9,8 @@ from scipy.special import stdtrit
 from ipoa_mission.errors import LogUseless, MissionError
 from ipoa_mission.logs.flight_log import LoggedFlight
 from ipoa_mission.logs.learn.lean import drag_by_lean
+from ipoa_mission.logs.learn.logged_track import CLEAR, LoggedTrack, logged_track
 from ipoa_mission.logs.learn.powers import PowerSeconds
-from ipoa_mission.logs.learn.track import CLEAR, LoggedTrack, logged_track
 from ipoa_mission.vehicles.learned import Learned
 
 SLOW, LEVEL, LEAST_S = 2.0, 0.3, 3.0  # hovering: the most level and upright [m/s], and how long at least [s]

@@ -9,10 +9,10 @@ from ipoa_mission.errors import WrongSuffix
 from ipoa_mission.files import write_atomically
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.report.exports.comma_separated import to_csv
-from ipoa_mission.report.exports.geojson import to_geojson
-from ipoa_mission.report.exports.gpx import to_gpx
-from ipoa_mission.report.exports.kml import to_kml
+from ipoa_mission.report.exports.csv_export import to_csv
+from ipoa_mission.report.exports.geojson_export import to_geojson
+from ipoa_mission.report.exports.gpx_export import to_gpx
+from ipoa_mission.report.exports.kml_export import to_kml
 
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario

@@ -7,13 +7,13 @@ from html import escape
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.deviation.promise import Kept, Promise
-from ipoa_mission.forecast.energy import Budget
+from ipoa_mission.forecast.energy_budget import Budget
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.qgroundcontrol import COUNTS
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.report.compare import Comparison
+from ipoa_mission.report.number_format import meters, number, seconds, share
 from ipoa_mission.report.seen import Danger
-from ipoa_mission.report.words import meters, number, seconds, share
 
 
 def verdict(

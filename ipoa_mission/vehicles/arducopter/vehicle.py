@@ -16,7 +16,7 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.circle import FlownCircle
 from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.vehicles.failsafe import Failsafe
-from ipoa_mission.vehicles.firmware import Firmware, FirmwareTables, rows
+from ipoa_mission.vehicles.firmware_tables import Firmware, FirmwareTables, rows
 from ipoa_mission.vehicles.guidance_profile import GuidanceProfile
 from ipoa_mission.vehicles.jump_profile import JumpProfile
 from ipoa_mission.vehicles.mav_types import MULTICOPTERS

@@ -18,11 +18,11 @@ from ipoa_mission.link.logbook import COMPLETE
 from ipoa_mission.link.messages import INFO, Current, Message, ParamValue, Reached, Text
 from ipoa_mission.link.telemetry import HomePosition
 from ipoa_mission.logs.logged import Fixes, Log, LogFormat, presence, version_name
-from ipoa_mission.logs.measured import Battery, Measured
+from ipoa_mission.logs.logged_measurements import Battery, Measured
 from ipoa_mission.vehicles.modes import mode_number
 from ipoa_mission.vehicles.px4_multicopter.logged_items import items_begun
 from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
-from ipoa_mission.world.sphere import SphericalPlane
+from ipoa_mission.world.spherical_plane import SphericalPlane
 
 ARMED = 2  # vehicle_status.arming_state
 #: vehicle_status.nav_state, as HEARTBEAT.custom_mode has it: main and sub mode.

@@ -4,7 +4,7 @@ import math
 from collections.abc import Container, Sequence
 
 from ipoa_mission.mission.commands import Command, Frame
-from ipoa_mission.vehicles.firmware import Firmware
+from ipoa_mission.vehicles.firmware_tables import Firmware
 from ipoa_mission.vehicles.refusal import POLYGON, Refusals, Refused
 
 LEAST_VERTICES = 3

@@ -15,8 +15,8 @@ from ipoa_mission.link import mavsdk_backend
 from ipoa_mission.link import upload as upload_module
 from ipoa_mission.link.messages import MissionType
 from ipoa_mission.link.wire import coordinate
-from ipoa_mission.mission.firmware import to_wire
 from ipoa_mission.mission.items import Item
+from ipoa_mission.mission.stored_mission import to_wire
 from ipoa_mission.vehicles.autopilot import autopilot_named
 from tools.benchmarks.link_benchmark.vehicle import mission
 

@@ -8,9 +8,9 @@ from dataclasses import replace
 from ipoa_mission.link.address import parse_address
 from ipoa_mission.link.channel import Peer, UdpChannel
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
-from ipoa_mission.simulator.autopilot import BuiltInAutopilot as Mock
+from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
 from ipoa_mission.simulator.faults import Faults
-from ipoa_mission.simulator.server import Server
+from ipoa_mission.simulator.mock_server import Server
 from ipoa_mission.simulator.station import Station
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.world.frame import Geodetic

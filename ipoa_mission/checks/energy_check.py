@@ -1,0 +1,38 @@
+"""Whether the battery brings the flight home with its reserve, and an RTL from any second of it."""
+
+from collections.abc import Iterator
+
+from ipoa_mission.finding import Finding, Severity
+from ipoa_mission.forecast.energy_budget import NEARER, budget_of
+from ipoa_mission.forecast.forecast import Forecast
+
+SURER = "the airframe's figures alone make this interval wide: `learn` narrows it by logs of the vehicle (--vehicle)"
+
+
+def check_energy(forecast: Forecast) -> Iterator[Finding]:
+    """What the scenario's battery does not give; nothing where it has none."""
+    if forecast.world.vehicle.battery is None or not forecast.mission.items:
+        return
+    budget = budget_of(forecast)
+    if budget is None or budget.battery is None:
+        return
+    if (short := budget.shortage) is not None:
+        left = (item.left for item in budget.items if item.left is not None)
+        number = next((n for n, share in enumerate(left) if share.likely < budget.battery.reserve), None)
+        seq = None if number is None else budget.items[number].seq
+        yield Finding("battery-short", Severity.ERROR, seq, _of_item(seq, str(short)), short.hint)
+        return
+    if budget.eats_reserve:
+        taken, usable = budget.used.between, budget.battery.usable_wh
+        needs = f"the flight needs {taken.low:.0f} to {taken.high:.0f} Wh (nine flights in ten)"
+        words = f"{needs}; the battery has {usable:.0f} Wh above its reserve"
+        learned = forecast.mission.vehicle or forecast.world.vehicle.learned
+        hint = None if learned is not None and learned.energy_ratio is not None else SURER
+        yield Finding("battery-unsure", Severity.WARNING, None, words, hint)
+    if (late := budget.no_return) is not None:
+        severity = Severity.ERROR if budget.plans_returns else Severity.WARNING
+        yield Finding("battery-no-return", severity, late.seq, str(late), NEARER if budget.plans_returns else None)
+
+
+def _of_item(seq: int | None, words: str) -> str:
+    return words if seq is None else f"{words}; not enough from item {seq} on"

@@ -1,0 +1,115 @@
+"""Landings on ground that is not as high as home."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ipoa_mission.checks.numbered_finding import Numbered, item_of
+from ipoa_mission.finding import Finding, Severity
+from ipoa_mission.forecast.itinerary.flown_legs import Phase
+from ipoa_mission.mission.commands import Command
+from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.vehicles.slow_landing import SlowStretch
+
+if TYPE_CHECKING:
+    from ipoa_mission.forecast.forecast import Forecast
+
+DEEP = 5.0  # ground that is lower than home by less than this makes no long landing [m]
+HOME_AGREES = 0.5  # ground at home may differ from home's altitude by so much [m]
+
+
+@dataclass(frozen=True)
+class Landing:
+    """Where an item comes down: east and north of home, how high above home the ground is, all in m.
+
+    `counted`: as high as the autopilot takes the ground to be at worst, had it no sensor.
+    """
+
+    item: Numbered
+    east: float
+    north: float
+    height: float
+    counted: float
+
+    @property
+    def words(self) -> str:
+        """Which item, where, and how high."""
+        return f"{self.item}: {self.where}"
+
+    @property
+    def where(self) -> str:
+        """Where, and how high."""
+        return f"at east {self.east:.1f}, north {self.north:.1f} the ground is {_apart(self.height)} home"
+
+
+def landings(forecast: "Forecast") -> Iterator[Landing]:
+    """Where a mission comes down, at its end and at its rally points, each place once."""
+    mission, reported = forecast.mission, set[tuple[int, float]]()
+    for leg in forecast.legs:
+        if leg.phase is not Phase.LANDING or leg.points[-1, 2] > leg.points[0, 2]:
+            continue
+        height = forecast.frame.geodetic(leg.points[-1]).altitude - mission.home.altitude
+        if (leg.seq, round(height, 1)) not in reported:
+            reported.add((leg.seq, round(height, 1)))
+            numbered = item_of(mission, leg.seq)
+            item = numbered.item
+            lands_at = item.command == Command.NAV_LAND and item.has_position
+            below = min(item.height(mission.home), 0.0) if lands_at else 0.0  # ArduCopter 4.7 counts from there
+            counted = height - (below if mission.autopilot.guidance.lands_below_item else 0.0)
+            east, north = (float(value) for value in leg.points[-1, :2])
+            yield Landing(numbered, east, north, height, counted)
+
+
+def check_ground(forecast: "Forecast") -> Iterator[Finding]:
+    """Warnings of `check_landings`, and where a scenario's ground is not at home's altitude."""
+    scenario = forecast.world
+    at_home = float(scenario.airspace.ground(np.zeros((1, 3)))[0])
+    if abs(at_home) > HOME_AGREES:
+        yield Finding(
+            "home-not-on-ground",
+            Severity.WARNING,
+            0,
+            f"home: the ground there is {_apart(at_home)} home's altitude: a vehicle counts heights from where it "
+            f"stands, and flies {abs(at_home):.1f} m {'higher' if at_home > 0 else 'lower'} than planned",
+            f"set home.altitude_amsl = {scenario.home.altitude_amsl + at_home:.1f}",
+        )
+    yield from check_landings(forecast)
+
+
+def check_landings(forecast: "Forecast") -> Iterator[Finding]:
+    """Warnings where the vehicle touches down too fast, or comes down slowly from far up."""
+    mission = forecast.mission
+    stretch = mission.autopilot.slow_stretch(mission.parameters)
+    if stretch is None:
+        return
+    for landing in landings(forecast):
+        if stretch.is_fast(landing.counted):
+            wanted = in_words(mission.autopilot.slowed(mission.parameters, landing.counted))
+            hint = f"{wanted} lets it slow down in time, in the vehicle and under [vehicle.parameters]"
+            message = f"{landing.where}: {touches_down(stretch, landing)}"
+            yield landing.item.warning("fast-touchdown", message, hint)
+        elif landing.height < -DEEP:
+            way = stretch.ends - landing.height
+            slowly = f"flown at {stretch.landing:.1f} m/s and take {way / stretch.landing:.0f} s"
+            message = f"{landing.where}: without a rangefinder the last {way:.0f} m are {slowly}"
+            hint = "a rangefinder, or a waypoint low over that place with its altitude above terrain, shortens it"
+            yield landing.item.warning("slow-landing", message, hint)
+
+
+def touches_down(stretch: SlowStretch, landing: Landing) -> str:
+    """How fast, in words."""
+    return (
+        f"without a rangefinder the vehicle touches down at up to {stretch.touchdown(landing.counted):.1f} m/s, "
+        f"not at {stretch.landing:.1f}"
+    )
+
+
+def in_words(parameters: Parameters) -> str:
+    """Parameters, as a scenario has them."""
+    return " and ".join(f"{name} = {value:g}" for name, value in parameters.items())
+
+
+def _apart(height: float) -> str:
+    return f"{abs(height):.1f} m {'above' if height > 0 else 'below'}"

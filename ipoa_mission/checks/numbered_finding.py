@@ -1,0 +1,52 @@
+"""What a check has to say about an item of a mission."""
+
+from typing import NamedTuple
+
+from ipoa_mission.errors import Remedy
+from ipoa_mission.finding import Finding, Severity
+from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase
+from ipoa_mission.mission.commands import command_name
+from ipoa_mission.mission.items import Item, Mission
+
+NAMES = {
+    Phase.CRUISE: "the leg to it",
+    Phase.RETURN: "the way home",
+    Phase.TAKEOFF: "the climb",
+    Phase.LANDING: "the descent",
+}
+
+
+class Numbered(NamedTuple):
+    """An item and its number, as in mission files."""
+
+    seq: int
+    item: Item
+
+    def __str__(self) -> str:
+        return f"item {self.seq} ({command_name(self.item.command)})"
+
+    def error(self, code: str, message: str, hint: str | None = None, remedies: tuple[Remedy, ...] = ()) -> Finding:
+        """An error about it."""
+        return Finding(code, Severity.ERROR, self.seq, f"{self}: {message}", hint, remedies)
+
+    def warning(self, code: str, message: str, hint: str | None = None) -> Finding:
+        """A warning about it."""
+        return Finding(code, Severity.WARNING, self.seq, f"{self}: {message}", hint)
+
+
+def numbered(mission: Mission) -> list[Numbered]:
+    """The items of a mission, the first one under number 1."""
+    return [Numbered(seq, item) for seq, item in enumerate(mission.items, start=1)]
+
+
+def item_of(mission: Mission, seq: int) -> Numbered:
+    """The item with this number."""
+    return Numbered(seq, mission.items[seq - 1])
+
+
+def leg_name(leg: Leg) -> str:
+    """The leg in a message about its item; after a jump it names where it begins."""
+    if leg.jumped_from < 0:
+        return NAMES[leg.phase]
+    begin = f"item {leg.jumped_from}" if leg.jumped_from else "home"
+    return f"{NAMES[leg.phase]} from {begin}, after a jump"

@@ -1,0 +1,42 @@
+"""Findings about what the readers of a scenario's files did not take."""
+
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
+
+from ipoa_mission.checks.unsafe import refuse_errors
+from ipoa_mission.checks.version_check import expect_measured
+from ipoa_mission.finding import Finding, Severity
+from ipoa_mission.unread import Unread
+
+if TYPE_CHECKING:
+    from ipoa_mission.scenario import Scenario
+
+IGNORE = 'if it limits no flight: --ignore not-read, or [safety] ignore = ["not-read"]'
+
+
+def check_unread(things: Iterable[Unread]) -> Iterator[Finding]:
+    """An error for each kind of thing that may limit the flight."""
+    for thing in things:
+        if thing.may_limit:
+            hint = "; ".join(filter(None, (thing.remedy, IGNORE)))
+            yield Finding("not-read", Severity.ERROR, None, thing.words, hint)
+
+
+def refuse_unread(scenario: "Scenario | None") -> None:
+    """Refuse a scenario of whose files something that may limit the flight was not read.
+
+    Raises:
+        Unsafe: there is such a thing, and the scenario does not ignore it.
+    """
+    if scenario is not None and "not-read" not in scenario.safety.ignored:
+        refuse_errors([*check_unread(scenario.unread)])
+
+
+def expect_plannable(scenario: "Scenario") -> None:
+    """Refuse to plan what is known to fail a check before any path is sought.
+
+    Raises:
+        Unsafe: the firmware's version was not measured, or something that may limit the flight was not read.
+    """
+    expect_measured(scenario)
+    refuse_unread(scenario)

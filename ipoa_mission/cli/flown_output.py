@@ -1,0 +1,104 @@
+"""What is outcome of a flight that was flown: to machines, and to people in a table."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from ipoa_mission.centimeters import down
+from ipoa_mission.cli.checking import estimate_as_json, route_in_words
+from ipoa_mission.cli.mission_source import Job
+from ipoa_mission.cli.output import notes, tell, tell_json, tell_table
+from ipoa_mission.flight.flight_summary import passed_over_as_json
+from ipoa_mission.forecast.energy_budget import ReserveNow
+from ipoa_mission.forecast.timing.estimate import Estimate
+from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.mission.commands import command_name
+from ipoa_mission.unread import unread_as_json
+
+NEXT_STEPS = {"resume": "goes on with its mission", "rtl": "brings it home"}
+
+
+def flight_as_json(estimate: Estimate, record: FlightRecord, reserves: Sequence[ReserveNow] = ()) -> dict[str, Any]:
+    """Estimate and flight for machines; items are numbered as in the file, where home is 0."""
+    return {
+        "completed": record.completed,
+        "armed": record.armed,
+        "in_air": record.in_air,
+        "flown_s": round(record.total_s, 3),
+        "time_zero": "armed",
+        "items": [{"seq": index + 1, "done_s": round(at, 3)} for index, at in sorted(record.item_reached_s.items())],
+        "estimate": estimate_as_json(estimate),
+        "messages": list(record.messages),
+        **({"deviations": [one.as_json() for one in record.deviations]} if record.deviations else {}),
+        **({"battery": [_reserve_as_json(one) for one in reserves]} if reserves else {}),
+    }
+
+
+def next_steps(link: str | None, system: int | None, record: FlightRecord) -> str:
+    """Say what can be ordered to a vehicle that deviated and was left in the air; else nothing."""
+    if link is None or not (record.deviations and record.in_air):
+        return ""
+    to = f"--link {link}" + (f" --system {system}" if system else "")
+    orders = (f"`ipoa-mission {verb} {to}` {does}" for verb, does in NEXT_STEPS.items())
+    return f"{', '.join(orders)}; a pilot can take it over"
+
+
+def tell_flown_as_json(
+    job: Job, record: FlightRecord, remarks: tuple[str, ...], written: Sequence[Path], hint: str = ""
+) -> None:
+    """Print all that is known of the flight, for machines; `remarks` are those that came with the flight."""
+    all_remarks = list(dict.fromkeys((*job.remarks, *remarks)))
+    outcome: dict[str, Any] = {"remarks": all_remarks, "written": [str(path) for path in written]}
+    if job.flight is not None:
+        outcome["passed_over"] = passed_over_as_json(job.flight.scenario)
+        outcome["unread"] = unread_as_json(job.flight.scenario.unread)
+    told = flight_as_json(job.estimate, record, job.reserves)
+    failure = {"error": record.failure} | ({"hint": hint} if hint else {}) if record.failure else {}
+    tell_json(told | outcome | failure, indent=None if record.deviations else 2)  # events are lines before it
+
+
+def _reserve_as_json(now: ReserveNow) -> dict[str, Any]:
+    lands = [round(share, 4) for share in now.lands]
+    return {
+        "time_s": round(now.time, 2),
+        "left": now.left,
+        "planned": round(now.planned, 4),
+        "lands_with": lands,
+        "reserve": now.reserve,
+    }
+
+
+def tell_flown(job: Job, record: FlightRecord, remarks: tuple[str, ...], written: Sequence[Path]) -> None:
+    """Print the flight beside its estimate; `remarks` are those that came with the flight."""
+    before = () if job.flight else job.remarks  # those of a plan have been outcome with it
+    tell(*notes(tuple(dict.fromkeys((*before, *remarks)))), *(() if record.completed else record.messages))
+    columns = ["item", "command", "estimated\ns", "flown\ns", "difference\ns"]
+    tell_table(f"{job.name} on {job.mission.autopilot}: when each item was done", columns, _legs(job.estimate, record))
+    tell(
+        *([] if job.flight else route_in_words(job.estimate)),
+        f"estimated {job.estimate.total_s:.1f} s{job.estimate.besides}, flown {record.total_s:.1f} s{_of_plan(job)}",
+        f"written: {', '.join(map(str, written))}",
+        *([f"{'not complete' if record.why_not else 'not as forecast'}: {record.failure}"] if record.failure else []),
+    )
+
+
+def _of_plan(job: Job) -> str:
+    """What is told of a flight that was just planned: the clearance that flights keep, and what others would say."""
+    if job.flight is None:
+        return ""
+    promise, kept = job.flight.promise, job.flight.promise.clearance
+    keep = (
+        f"; {100 * promise.confidence:g} % of flights keep {down(kept.kept):.2f} m"
+        if promise.confidence and kept
+        else ""
+    )
+    return f"{keep}; QGroundControl would have said {job.estimate.qgroundcontrol_s:.0f} s"
+
+
+def _legs(estimate: Estimate, record: FlightRecord) -> list[tuple[str, ...]]:
+    rows: list[tuple[str, ...]] = []
+    for item in estimate.items:
+        flown_s = record.item_reached_s.get(item.seq - 1)
+        cells = ("", "") if flown_s is None else (f"{flown_s:.1f}", f"{item.done_s - flown_s:+.1f}")
+        rows.append((str(item.seq), command_name(item.command), f"{item.done_s:.1f}", *cells))
+    return rows

@@ -1,0 +1,90 @@
+"""What a planned flight is like, in a few lines for a human."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from ipoa_mission.cli.output import tell, tell_table
+from ipoa_mission.flight.flight import Flight
+from ipoa_mission.forecast.deviation.promise import Promise
+from ipoa_mission.forecast.energy_budget import budget_of
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST
+from ipoa_mission.wind import Wind
+
+
+def tell_planned(flight: Flight, written: Iterable[Path], routes: bool = False) -> None:
+    """Print what was planned and the files written; with `routes`, the other ways to choose waypoints."""
+    tell(*describe(flight))
+    if routes:
+        tell_table("start to goal, by how the waypoints are chosen (* is written)", ROUTE_COLUMNS, route_rows(flight))
+        tell(*ROUTE_WORDS, *([PASSED_OVER] if any(option.passed_over for option in flight.options) else []), "")
+    tell(f"written: {', '.join(map(str, written))}", TAKEOFF_LOST)
+
+
+def describe(flight: Flight) -> list[str]:
+    """The plan in a few lines."""
+    mission, estimate = flight.mission, flight.estimate
+    firmware = mission.autopilot.checked_for(mission.firmware_version)
+    lines = [
+        f"{flight.name}: {flight.plan.cost.length:.1f} m, {len(mission.items)} items, for {firmware}",
+        *promised(flight.promise),
+        f"estimated {estimate.total_s:.1f} s",
+        *wind_words(flight.forecast.wind),
+    ]
+    lines += [] if flight.budget is None else flight.budget.words
+    warnings = [words for f in flight.findings for words in (str(f), *([f"hint: {f.hint}"] if f.hint else []))]
+    return [*lines, *warnings, *(f"note: {remark}" for remark in flight.notes)]
+
+
+def wind_words(wind: Wind) -> list[str]:
+    """The wind in a line; nothing in calm air."""
+    return [f"wind {wind}"] if wind.strongest > 0 else []
+
+
+def tell_parts(whole: Flight, parts: Sequence[Forecast], written: Iterable[Path]) -> None:
+    """Print a flight that is flown with a battery for each part."""
+    tell(*describe(whole))
+    rows = []
+    for number, part in enumerate(parts, 1):
+        budget = budget_of(part)
+        assert budget is not None, "it was split by its energy"
+        left = budget.left(budget.used.between)
+        share, takes = "" if left is None else f"{left.likely:.0%}", str(budget.used.between)
+        rows.append((str(number), str(len(part.mission.items)), f"{part.estimate.total_s:.1f}", takes, share))
+    tell_table(f"{len(parts)} flights, a battery each", ["flight", "items", "takes\ns", "takes\nWh", "left"], rows)
+    tell(f"written: {', '.join(map(str, written))}")
+
+
+def promised(promise: Promise | None) -> list[str]:
+    """The clearance that is kept, in a line; nothing where none is known."""
+    kept = None if promise is None else promise.clearance
+    if promise is None or kept is None:
+        return []
+    return [f"least clearance, to {kept.to} at item {kept.item}: {kept.words(promise.confidence)}"]
+
+
+ROUTE_COLUMNS = ["", "mode", "waypoints", "takes\ns", "x curve\nat limits", "off the\ncurve, m", "clear", "not written"]
+#: What the columns mean, said below the first table that has them.
+ROUTE_WORDS = (
+    "curve: the smooth path that was planned; the waypoints stand for it, and flights cut its corners",
+    "at limits: flown along the curve itself at the vehicle's limits of speed and acceleration",
+    "clear: the clearance is kept by the path that this autopilot is predicted to fly",
+)
+PASSED_OVER = "not written: why, though it would be quicker"
+
+
+def route_rows(flight: Flight) -> list[tuple[str, ...]]:
+    """What each way to choose waypoints would come to, quickest first; the chosen one is marked."""
+    return [
+        (
+            "*" if option.mode == flight.scenario.route.mode else " ",
+            option.mode + (" (splines)" if option.route.spline and option.mode != "spline" else ""),
+            str(len(option.route.points)),
+            f"{option.seconds:.1f}",
+            f"{option.ratio:.2f}",
+            f"{option.deviation:.1f}",
+            "yes" if option.flies_clear else "no",
+            option.passed_over,
+        )
+        for option in flight.options
+    ]

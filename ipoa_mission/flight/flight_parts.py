@@ -1,0 +1,64 @@
+"""The files of a flight that is flown in parts, a battery each: NAME-1.plan and so on; NAME.json and a page of all."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from ipoa_mission.files import make_folder, write_atomically
+from ipoa_mission.flight.flight import Flight
+from ipoa_mission.flight.flight_summary import rounded
+from ipoa_mission.flight.written import as_text, write_files
+from ipoa_mission.forecast.energy_budget import budget_of
+from ipoa_mission.forecast.forecast import Forecast
+
+
+def write_parts(
+    whole: Flight, parts: Sequence[Forecast], summary: dict[str, Any], folder: Path, report: bool = False
+) -> tuple[Path, ...]:
+    """Write the parts of a flight as missions of their own; the whole, which no battery flies, is not written.
+
+    `summary` is theirs, for NAME.json; with `report` there is one page about all, NAME.html.
+
+    Raises:
+        BadInput: the folder cannot be made or written.
+    """
+    make_folder(folder)
+    written, digests = list[Path](), dict[str, str]()
+    for plan, part in zip(names_of(whole, parts, folder), parts, strict=True):
+        files, own = write_files(part.mission, folder, plan.stem)
+        written += files
+        digests |= own
+    about = folder / f"{whole.name}.json"
+    write_atomically(about, as_text(summary | {"sha256": digests}))
+    if report:
+        from ipoa_mission.report.page import report_html
+        from ipoa_mission.report.panels.parts_panel import parts_panel
+
+        panel = parts_panel(parts, [path.name for path in names_of(whole, parts, folder)])
+        page = report_html(whole.forecast, whole.plan, None, whole.remarks, whole.findings, panel)
+        written.append(folder / f"{whole.name}.html")
+        write_atomically(written[-1], page)
+    return (*written, about)
+
+
+def names_of(whole: Flight, parts: Sequence[Forecast], folder: Path) -> list[Path]:
+    """NAME-1.plan and so on."""
+    return [folder / f"{whole.name}-{number}.plan" for number in range(1, len(parts) + 1)]
+
+
+def parts_summary(whole: Flight, parts: Sequence[Forecast]) -> dict[str, Any]:
+    """What NAME.json holds: the summary of the whole, and of each part its file, its time and its energy."""
+    flights = []
+    for path, part in zip(names_of(whole, parts, Path()), parts, strict=True):
+        budget = budget_of(part)
+        assert budget is not None, "it was split by its energy"
+        taken = budget.used.between
+        left = budget.left(taken)
+        flights.append({
+            "file": path.name,
+            "items": len(part.mission.items),
+            "time_s": rounded(part.estimate.total_s),
+            "energy_wh": [rounded(wh) for wh in taken],
+            "left": None if left is None else [rounded(share) for share in left],
+        })  # fmt: skip
+    return whole.summary() | {"flights": flights}

@@ -1,0 +1,349 @@
+"""The legs that a mission is flown in: the climb after take-off, the legs between waypoints, the way home.
+
+Legs are straight, but to an ArduPilot spline or arc waypoint: those are flown along curves, which chords stand for.
+
+Points are local (east, north, up); heights above home and AMSL become `up` with the Earth's curvature, heights above
+terrain by the ground that is handed in. Loops are not unrolled: each jump adds the leg that it makes.
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ipoa_mission.forecast.itinerary.copter_arc import arc_chords, is_arc, turn_of
+from ipoa_mission.forecast.itinerary.copter_circle import (
+    NEAR_CIRCLE,
+    circle_chords,
+    circle_entry,
+    circle_turn,
+    radius_of,
+)
+from ipoa_mission.forecast.itinerary.copter_spline import place_after, spline_chords, spline_tangents
+from ipoa_mission.forecast.itinerary.jump_targets import led_to
+from ipoa_mission.forecast.itinerary.program import Place, as_flown, next_navigated, onward, over_terrain
+from ipoa_mission.geometry import Points, Vector, arc_lengths
+from ipoa_mission.mission.commands import FLOWN_TO, JUMPS, Command
+from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.vehicles.returning import ReturnBy
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.world.ground import Ground
+from ipoa_mission.world.terrain import Flat
+
+CHORD = 0.005  # [m] by which a curve may leave its chords
+FOLLOWING_STEP = 5.0  # [m] between the points of a leg that follows the terrain
+SHORTEST_CURVE = 1e-3  # [m] below which the way to a spline waypoint is no curve
+MOVING = FLOWN_TO | {Command.NAV_RETURN_TO_LAUNCH}
+LEVEL_SPEEDS = (0.0, 1.0)  # param1 of DO_CHANGE_SPEED
+NEARBY = 0.5  # [m] a take-off this near to home is one from home
+
+
+class Phase(StrEnum):
+    """What a leg is for."""
+
+    TAKEOFF = "take-off"
+    CRUISE = "cruise"
+    RETURN = "return"
+    LANDING = "landing"
+
+
+@dataclass(frozen=True, eq=False)
+class Leg:
+    """The way to item `seq` (numbered as in mission files): points (k, 3) with straight lines between them [m].
+
+    `alternative`: flown at times only: after a jump, or to a rally point. `over_terrain`: it keeps its height over the
+    ground. `stray`: how far the way may be from the lines [m]. `jumped_from`: the item before a jump; -1: no jump.
+    """
+
+    seq: int
+    phase: Phase
+    points: Points
+    alternative: bool = False
+    over_terrain: bool = False
+    stray: float = 0.0
+    jumped_from: int = -1
+
+
+def flown_legs(mission: Mission, frame: LocalFrame, ground: Ground | None = None) -> tuple[Leg, ...]:
+    """The legs of a mission in the order of its items, from home on the ground to the ground.
+
+    The mission's parameters say how high it returns. Without `ground` the ground is as high as home. Items with wrong
+    positions are the business of `check_positions`; here they are left out.
+    """
+    return tuple(_LegBuilder(as_flown(mission), frame, ground).legs())
+
+
+def return_ways(mission: Mission, frame: LocalFrame, places: Points) -> NDArray[np.float64]:
+    """On which ways the vehicle returns from places (n, 3): them, over them, over each goal, (goals, n, 3, 3) [m]."""
+    return np.array([ways for _, ways in _LegBuilder(as_flown(mission), frame, None).return_ways(places)])
+
+
+def join(legs: Sequence[Leg]) -> tuple[Points, float]:
+    """Legs that follow each other as one way: its points, and how far the flight may be from the lines [m]."""
+    points = np.vstack([legs[0].points, *(leg.points[1:] for leg in legs[1:])])
+    return points, max(leg.stray for leg in legs)
+
+
+def item_places(mission: Mission, frame: LocalFrame, ground: Ground) -> list[Vector | None]:
+    """Where each item lies, (3,) [m]; None if it names no place or no height."""
+    rows = [
+        (item.latitude_deg, item.longitude_deg, 0.0 if over_terrain(item) else mission.altitude_above_home(item))
+        if item.has_position and math.isfinite(item.altitude)
+        else (math.nan,) * 3
+        for item in mission.items
+    ]
+    latitude, longitude, height = np.array(rows).reshape(-1, 3).T
+    named = np.flatnonzero(~np.isnan(height))
+    places: list[Vector | None] = [None] * len(rows)
+    if len(named):
+        local = frame.to_local(latitude[named], longitude[named], mission.home.altitude + height[named])
+        for n, place in zip(named.tolist(), local, strict=True):
+            if over_terrain(item := mission.items[n]):
+                place[2] = ground(place[None, :])[0] + item.altitude
+            places[n] = place
+    return places
+
+
+class _LegBuilder:
+    """Where the vehicle is, item after item."""
+
+    def __init__(self, mission: Mission, frame: LocalFrame, ground: Ground | None) -> None:
+        self.mission, self.frame = mission, frame
+        self.home = frame.local(mission.home)
+        self.ground = ground or Ground(Flat(float(self.home[2])))
+        self.places = item_places(mission, frame, self.ground)
+        self.parameters = mission.autopilot.complete(mission.parameters, mission.firmware_version)
+        self.at = self.home
+        self.last = 0
+        """The last item that moved it."""
+        self.flown_in: Vector | None = None
+        """Along what the vehicle arrived where it is, if it flies on without a stop, (3,) [m]."""
+        self.curve: tuple[int, Vector, Vector | None] | None = None
+        """The spline that led there: its item, where it began, and along what the vehicle arrived there."""
+        self.circles = Command.NAV_LOITER_TURNS in mission.autopilot.way_known.flown
+        self.speed: float | None = None
+        """What a DO_CHANGE_SPEED asks for [m/s]."""
+        self.heading = 0.0
+        """Of the nose, clockwise from north [rad]."""
+
+    def legs(self) -> Iterator[Leg]:
+        for seq, item in enumerate(self.mission.items, start=1):
+            match item.command:
+                case Command.NAV_TAKEOFF | Command.NAV_VTOL_TAKEOFF:
+                    yield from self._takeoff(seq, item)
+                case Command.NAV_LAND | Command.NAV_VTOL_LAND:
+                    yield from self._landing(seq, item)
+                case Command.NAV_PAYLOAD_PLACE:
+                    yield from self._payload(seq, item)
+                case Command.NAV_LOITER_TURNS if self.circles:
+                    yield from self._circle(seq, item)
+                case Command.DO_CHANGE_SPEED if item.params[0] in LEVEL_SPEEDS and item.params[1] > 0:
+                    self.speed = item.params[1]
+                case Command.NAV_RETURN_TO_LAUNCH:
+                    yield from self.returns(seq)
+                case command if command in JUMPS:
+                    yield from self._jump(seq)
+                case command if command in FLOWN_TO and (target := self.places[seq - 1]) is not None:
+                    yield self._onward(seq, item, target)
+            if item.command in MOVING:
+                self.last = seq
+
+    def _onward(self, seq: int, item: Item, target: Vector) -> Leg:
+        """The leg to an item, straight or curved; the next one may begin with its direction."""
+        origin, guidance = self.at, self.mission.autopilot.guidance
+        following = onward(self.mission.items, seq - 1, self.mission.autopilot)
+        is_curve = item.command == Command.NAV_SPLINE_WAYPOINT and guidance.flies_splines
+        if is_curve and np.linalg.norm(target - origin) > SHORTEST_CURVE:
+            self.curve = seq, origin, self.flown_in
+            return self._curve(seq, item, target, next_navigated(self.mission.items, seq - 1, self.mission.autopilot))
+        turn = 0.0 if self.flown_in is None or self.curve else turn_of(item)  # else it is flown straight
+        if is_arc(triple(origin), triple(target), turn):
+            ends = self._over(item, origin), self._over(item, target)
+            leg = self._bent(seq, item, arc_chords(*ends, turn, CHORD))
+        else:
+            leg = self._to(seq, target, over_terrain(item))
+        self.flown_in, self.curve = None if following is None else target - origin, None
+        return leg
+
+    def _curve(self, seq: int, item: Item, target: Vector, following: int | None) -> Leg:
+        """The curve to a spline waypoint, which the item after it shapes."""
+        items, after = self.mission.items, None
+        if following is not None:
+            after = place_after(item, items[following], self._over(item, target), self._named(items[following]))
+        begin = None if self.flown_in is None else triple(self.flown_in)
+        ends = self._over(item, self.at), self._over(item, target)
+        tangents = spline_tangents(*ends, begin, after)
+        self.flown_in = np.array(tangents[1]) if any(tangents[1]) else None
+        return self._bent(seq, item, spline_chords(*ends, tangents, CHORD))
+
+    def _named(self, item: Item) -> Place:
+        """Where an item is; `up` is over the ground where that is what its altitude is."""
+        height = item.altitude if over_terrain(item) else self.mission.altitude_above_home(item)
+        place = Geodetic(item.latitude_deg, item.longitude_deg, self.mission.home.altitude + height)
+        east, north, up = triple(self.frame.local(place))
+        return east, north, item.altitude if over_terrain(item) else up
+
+    def _over(self, item: Item, place: Vector) -> Place:
+        """A place with `up` over the ground where that is what the altitude of an item is."""
+        east, north, up = triple(place)
+        return east, north, up - float(self.ground(place[None, :])[0]) if over_terrain(item) else up
+
+    def _bent(self, seq: int, item: Item, points: Points) -> Leg:
+        """A curved leg to an item; where `up` is over the ground, the leg follows that."""
+        follows = over_terrain(item)
+        if follows:
+            traveled = arc_lengths(points)
+            steps = np.union1d(traveled, np.arange(0.0, traveled[-1], FOLLOWING_STEP))
+            points = np.column_stack([np.interp(steps, traveled, axis) for axis in points.T])
+            points[:, 2] += self.ground(points)
+        self.at = points[-1]
+        return Leg(seq, Phase.CRUISE, points, over_terrain=follows, stray=CHORD)
+
+    def _circle(self, seq: int, item: Item) -> Iterator[Leg]:
+        """To the circle, unless the vehicle is near it, around it, and on along it until it can stop."""
+        if (center := self.places[seq - 1]) is None:
+            return
+        radius = radius_of(item)
+        edge, apart = circle_entry(triple(self.at), triple(center), radius, self.heading)
+        if radius <= 0.0:
+            yield self._to(seq, np.array([center[0], center[1], self.at[2]]), follow_terrain=False)
+        elif apart > NEAR_CIRCLE:
+            yield self._to(seq, np.array(edge), over_terrain(item))
+        self.flown_in = self.curve = None
+        turn, version = circle_turn(item), self.mission.firmware_version
+        if radius > 0.0 and turn != 0.0:
+            flown = self.mission.autopilot.circle(self.parameters, radius, turn, self.speed, version)
+            assert flown is not None, "it flies circles"
+            turn, begin = circle_turn(item, flown.sense), self._over(item, self.at)
+            yield self._bent(seq, item, circle_chords(begin, triple(center), flown, turn, CHORD))
+
+    def _to(self, seq: int, target: Vector, follow_terrain: bool) -> Leg:
+        points = np.array([self.at, target])
+        if np.hypot(*(target - self.at)[:2]) > NEARBY:
+            self.heading = math.atan2(*(target - self.at)[:2])
+        self.at = target
+        if follow_terrain:
+            return Leg(seq, Phase.CRUISE, self._following(points), over_terrain=True)
+        return Leg(seq, Phase.CRUISE, points)
+
+    def _following(self, ends: Points) -> Points:
+        """The leg between two points that keeps its height over the ground, which changes evenly from end to end."""
+        steps = max(2, math.ceil(float(np.hypot(*(ends[1] - ends[0])[:2])) / FOLLOWING_STEP) + 1)
+        along = np.linspace(0.0, 1.0, steps)
+        points = ends[0] + along[:, None] * (ends[1] - ends[0])
+        first, last = ends[:, 2] - self.ground(ends)
+        points[:, 2] = self.ground(points) + first + along * (last - first)
+        return np.asarray(points)
+
+    def _takeoff(self, seq: int, item: Item) -> Iterator[Leg]:
+        if not math.isfinite(item.altitude):
+            return
+        yield self._vertical(seq, Phase.TAKEOFF, self.home[2] + item.height(self.mission.home))
+        target = self.places[seq - 1]
+        if self.mission.autopilot.guidance.climbs_where_it_stands or target is None:
+            return  # ArduCopter climbs where it stands, whatever position the take-off names
+        if np.hypot(*(target - self.at)[:2]) > NEARBY:
+            yield self._to(seq, target, over_terrain(item))
+
+    def _landing(self, seq: int, item: Item) -> Iterator[Leg]:
+        if item.has_position:
+            place = self.frame.local(Geodetic(item.latitude_deg, item.longitude_deg, self.mission.home.altitude))
+            yield self._to(seq, np.array([*place[:2], self.at[2]]), follow_terrain=False)
+        yield self._vertical(seq, Phase.LANDING, float(self.ground(self.at[None, :])[0]))
+
+    def _payload(self, seq: int, item: Item) -> Iterator[Leg]:
+        """To its place, down to the ground or as deep as it may, and up again."""
+        target = self.places[seq - 1]
+        if target is not None:
+            up = target[2] if self.flown_in is not None else self.at[2]
+            yield self._to(seq, np.array([target[0], target[1], up]), follow_terrain=False)
+        top, ground = float(self.at[2]), float(self.ground(self.at[None, :])[0])
+        deepest = item.params[0] if item.params[0] > 0.0 else math.inf
+        yield self._vertical(seq, Phase.LANDING, max(top - deepest, ground))
+        yield self._vertical(seq, Phase.LANDING, top)
+
+    def returns(self, seq: int) -> Iterator[Leg]:
+        """Home, or to the rally point that the autopilot chooses; and to all others, to which it may turn as well.
+
+        Or back along the mission, without climbing, where the autopilot returns so.
+        """
+        places, version = [triple(place) for place in self._rally_points()], self.mission.firmware_version
+        route = self.mission.autopilot.return_route(self.parameters, triple(self.at), places, version=version)
+        if route.by is ReturnBy.BACK:
+            yield from self._back(seq)
+            return
+        ways = list(self.return_ways(self.at[None]))
+        ways.insert(0, ways.pop(0 if route.rally is None else route.rally + 1))
+        landed = self.at
+        for n, (goal, (way,)) in enumerate(ways):
+            self.at = way[-1]
+            down = self._vertical(seq, Phase.LANDING, float(self.ground(goal[None, :])[0]))
+            yield from (replace(leg, alternative=n > 0) for leg in (Leg(seq, Phase.RETURN, way), down))
+            landed = self.at if n == 0 else landed
+        self.at = landed
+
+    def _back(self, seq: int) -> Iterator[Leg]:
+        flown = zip(self.mission.items[: seq - 1], self.places, strict=False)
+        places = [place for item, place in flown if item.command in FLOWN_TO and place is not None]
+        way = np.array([self.at, *reversed(places)])
+        over_home = np.array([self.home[0], self.home[1], way[-1, 2]])
+        yield Leg(seq, Phase.RETURN, np.vstack([way, over_home]))
+        self.at = over_home
+        yield self._vertical(seq, Phase.LANDING, float(self.ground(self.home[None, :])[0]))
+
+    def return_ways(self, places: Points) -> Iterator[tuple[Vector, NDArray[np.float64]]]:
+        """Each goal, and the ways to over it from places (n, 3), over them, (n, 3, 3).
+
+        They are so high above home all the way: level is not straight, 10 km away it is 8 m lower.
+        """
+        amsl, autopilot = self.mission.home.altitude, self.mission.autopilot
+        latitude, longitude, altitude = self.frame.to_geodetic(places)
+        ups = (0.0, *(place.altitude for place in self.mission.rally))
+        for goal, up in zip((self.home, *self._rally_points()), ups, strict=True):
+            there = self.frame.geodetic(goal)
+            distances = np.hypot(*(goal - places)[:, :2].T)
+            both = zip((altitude - amsl).tolist(), distances.tolist(), strict=True)
+            heights = np.array([autopilot.return_height(self.parameters, *one, up) for one in both])
+            ways = np.stack([places, places, np.tile(goal, (len(places), 1))], axis=1)
+            ways[:, 1, 2] = self.frame.to_local(latitude, longitude, amsl + heights)[:, 2]
+            beyond = np.full(len(places), there.latitude_deg), np.full(len(places), there.longitude_deg)
+            ways[:, 2, 2] = self.frame.to_local(*beyond, amsl + heights)[:, 2]
+            yield goal, ways
+
+    def _rally_points(self) -> list[Vector]:
+        amsl, local = self.mission.home.altitude, self.frame.local
+        return [local(Geodetic(p.latitude_deg, p.longitude_deg, amsl + p.altitude)) for p in self.mission.rally]
+
+    def _jump(self, seq: int) -> Iterator[Leg]:
+        """The ways on to where a jump may lead; a spline before it bends towards that."""
+        here, flown_in, curve = self.at, self.flown_in, self.curve
+        for index in led_to(self.mission.items, seq - 1, MOVING):
+            item, target = self.mission.items[index], self.places[index]
+            if curve is not None and (goal := self.places[curve[0] - 1]) is not None:
+                self.at, self.flown_in = curve[1:]
+                yield replace(self._curve(curve[0], self.mission.items[curve[0] - 1], goal, index), alternative=True)
+            legs: Iterable[Leg] = ()
+            if item.command == Command.NAV_RETURN_TO_LAUNCH:
+                legs = self.returns(index + 1)
+            elif item.command == Command.NAV_LAND:
+                legs = self._landing(index + 1, item)
+            elif item.command == Command.NAV_LOITER_TURNS and self.circles:
+                legs = self._circle(index + 1, item)
+            elif target is not None:
+                legs = [self._onward(index + 1, item, target)]
+            yield from (replace(leg, alternative=True, jumped_from=self.last) for leg in legs)
+            self.at, self.flown_in, self.curve = here, flown_in, curve
+
+    def _vertical(self, seq: int, phase: Phase, up: float) -> Leg:
+        points = np.array([self.at, [self.at[0], self.at[1], up]])
+        self.flown_in = self.curve = None
+        self.at = points[-1]
+        return Leg(seq, phase, points)
+
+
+def triple(point: Vector) -> Place:
+    """A place (3,) as plain numbers."""
+    return float(point[0]), float(point[1]), float(point[2])

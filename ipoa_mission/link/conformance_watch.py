@@ -1,0 +1,126 @@
+"""Compare a vehicle that is watched with the forecast of its flight, and order what was chosen for a deviation."""
+
+import logging
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from ipoa_mission.link.dialogue import Dialogue
+from ipoa_mission.link.flight_order import FlightOrder
+from ipoa_mission.link.logbook import Logbook
+from ipoa_mission.link.messages import Message
+from ipoa_mission.link.on_deviation import OnDeviation
+from ipoa_mission.link.telemetry import Position
+from ipoa_mission.link.vehicle_state import VehicleState
+from ipoa_mission.world.frame import Geodetic
+
+if TYPE_CHECKING:  # it leans on what is large, and most verbs compare nothing
+    from ipoa_mission.forecast.conformance import ConformanceMonitor, Deviation
+
+log = logging.getLogger(__name__)
+EVERY_S = 0.2  # between two comparisons, by the vehicle's clock [s]
+
+
+class Conformance:
+    """Act on deviations of one vehicle's flight, and remember them.
+
+    Attributes:
+        on_deviation: what is ordered at the first deviation; again only after the vehicle went on with its mission.
+        tell: called with each deviation; its time is counted from the arming [s].
+        ends_held: the watching ends when the vehicle holds because of a deviation; else it goes on.
+        deviations: those of this flight.
+    """
+
+    def __init__(self, state: VehicleState, order: FlightOrder) -> None:
+        self.on_deviation = OnDeviation.HOLD
+        self.tell: Callable[[Deviation], None] = lambda deviation: None
+        self.ends_held = True
+        self.deviations: list[Deviation] = []
+        self._state, self._order = state, order
+        self._monitor: ConformanceMonitor | None = None
+        self._logbook: Logbook | None = None
+        self._seen_s = -math.inf
+        self._is_ordered = False
+
+    def compare(self, monitor: "ConformanceMonitor | None") -> None:
+        """Compare the flight that is about to begin; None: nobody can say how it will be flown."""
+        self._monitor, self._seen_s, self._is_ordered = monitor, -math.inf, False
+        self.deviations.clear()
+
+    def of(self, logbook: Logbook) -> "Conformance":
+        """Take the flight of this logbook."""
+        self._logbook = logbook
+        return self
+
+    @property
+    def is_held(self) -> bool:
+        """Tell whether the vehicle holds because of a deviation."""
+        holds = self._order.is_paused or self._state.custom_mode == self._state.autopilot.modes.hold
+        return self._is_ordered and self.on_deviation is OnDeviation.HOLD and holds
+
+    @property
+    def is_over(self) -> bool:
+        """Tell whether the watching ends here."""
+        return self.ends_held and self.is_held
+
+    @property
+    def why_not(self) -> str:
+        """Say why a flight that a deviation has ended is not complete; nothing where none has."""
+        if not self._is_ordered:
+            return ""
+        what = "it holds" if self.is_held else f"{self.on_deviation} was ordered"
+        return f"{what}, because {self.deviations[-1]}"
+
+    def look(self, heard: Message, now_s: float) -> Dialogue[None]:
+        """See `Aside`."""
+        yield from ()
+        if self._monitor is None or not isinstance(heard, Position) or heard.time_s - self._seen_s < EVERY_S:
+            return
+        self._seen_s = heard.time_s
+        if not self._state.in_air:
+            return
+        if not self._flies_mission:
+            self._monitor.interrupt()
+            return
+        if self._is_ordered and self._order.is_under_way:
+            return  # what it does until it obeys is no news
+        if self._state.custom_mode == self._state.autopilot.modes.mission:
+            self._is_ordered = False  # it refused the order, or went on with its mission
+        place = self._monitor.local(Geodetic(heard.latitude_deg, heard.longitude_deg, heard.altitude), heard.height)
+        if (deviation := self._monitor.see(heard.time_s, place, self._item)) is not None:
+            self._deviates(deviation)
+
+    @property
+    def _flies_mission(self) -> bool:
+        mode, modes = self._state.custom_mode, self._state.autopilot.modes
+        return not self._order.is_paused and (mode == modes.mission or self._returns_at_its_end)
+
+    @property
+    def _returns_at_its_end(self) -> bool:
+        logbook, mode = self._logbook, self._state.custom_mode
+        if logbook is None or mode not in logbook.modes & self._state.autopilot.modes.returns:
+            return False
+        return logbook.is_flown or logbook.done >= logbook.total - 1
+
+    @property
+    def _item(self) -> int | None:
+        current, home = self._state.current, self._state.autopilot.counts_home
+        if self._logbook is not None and self._returns_at_its_end:
+            return self._logbook.total - 1
+        return None if current is None else current.seq - home
+
+    def _deviates(self, deviation: "Deviation") -> None:
+        armed_s = 0.0 if self._logbook is None else self._logbook.armed_s
+        deviation = replace(deviation, time_s=deviation.time_s - armed_s)
+        self.deviations.append(deviation)
+        is_ordered = self.on_deviation is not OnDeviation.REPORT and not self._is_ordered
+        log.warning("%s%s", deviation, f"; {self.on_deviation} is ordered" if is_ordered else "")
+        self.tell(deviation)
+        if not is_ordered:
+            return
+        self._is_ordered = True
+        if self.on_deviation is OnDeviation.HOLD:
+            self._order.hold()
+        else:
+            self._order.give(self._state.autopilot.modes.returning)

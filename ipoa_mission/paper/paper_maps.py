@@ -1,0 +1,105 @@
+"""The random maps of the paper's Tables 5 to 7, seeded, for it does not publish its own; and paths planned on them.
+
+A map is a scenario like any other, in `missions/paper/`. Paths are sought as the paper seeks them: control points in
+absolute coordinates, its cost summed over nodes, one search and no polish.
+"""
+
+import numpy as np
+
+from ipoa_mission.errors import BadInput, UnknownName
+from ipoa_mission.files import packed
+from ipoa_mission.geometry import polyline_length, turning_angles
+from ipoa_mission.optimize.search import Optimum
+from ipoa_mission.paper.benchmark_problem import Measures, Problem
+from ipoa_mission.planning.problem import encode, prepare
+from ipoa_mission.planning.proof import TOUCHING, prove_curve
+from ipoa_mission.planning.spline import Spline
+from ipoa_mission.scenario import Scenario, read_scenario
+
+#: The five of Table 6, the two of Table 7, each by how many obstacles it has.
+MAPS = ("map-8-1", "map-8-2", "map-8-3", "map-8-4", "map-8-5", "map-6-1", "map-10-1")
+#: The weights of Table 5's three experiments; the other tables have the first.
+WEIGHTS = {1: (0.7, 0.15, 0.15), 2: (0.15, 0.7, 0.15), 3: (0.15, 0.15, 0.7)}
+#: Inner control points; the paper does not say how many it has.
+INNER = 8
+#: A search has converged when its best cost is within this share of what it ends with.
+CONVERGED = 0.01
+
+
+def map_problem(case: str, dimension: int) -> Problem:
+    """The planning problem on a map: `case` is its name, or name and experiment of Table 5, "map-8-1/2".
+
+    Raises:
+        BadInput: there is no such map, no such experiment, or the dimension is not three an inner control point.
+    """
+    if dimension != 3 * INNER:
+        raise BadInput(f"expected {3 * INNER}, not {dimension}", place="dimension")
+    return path_problem(map_scenario(case))
+
+
+def map_scenario(case: str) -> Scenario:
+    """The scenario of a map, with the weights of the experiment if `case` names one.
+
+    Raises:
+        BadInput: there is no such map, or no such experiment.
+    """
+    name, _, experiment = case.partition("/")
+    weights = {str(number): omega for number, omega in WEIGHTS.items()}.get(experiment or "1")
+    if name not in MAPS or weights is None:
+        raise UnknownName(f"expected one of {', '.join(MAPS)}, perhaps with /1, /2 or /3, not {case!r}", place="case")
+    scenario = paper_scenario(name)
+    return scenario.model_copy(update={"cost": scenario.cost.model_copy(update={"omega": weights})})
+
+
+def paper_scenario(name: str) -> Scenario:
+    """One of `missions/paper/`.
+
+    Raises:
+        BadInput: the package was installed without it.
+    """
+    return read_scenario(packed(f"paper/{name}.toml"))
+
+
+def path_problem(scenario: Scenario) -> Problem:
+    """The search for a path as the paper has it, in absolute coordinates."""
+    guide = np.vstack([scenario.start_point, scenario.goal_point])
+    encoding = encode("absolute", guide, scenario.planning.control_points, 0.0, scenario)
+
+    def measure(optimum: Optimum) -> Measures:
+        return measures_of(encoding.curve(optimum.x), scenario) | {"iterations": iterations_to_converge(optimum)}
+
+    return Problem(prepare(scenario).costs(encoding), encoding.box, measure)
+
+
+def measures_of(curve: Spline, scenario: Scenario) -> Measures:
+    """The paper's measures of a path (Table A2), and whether it could be flown at all.
+
+    `distance` is the curve's length. `turn` is the mean turning angle between adjacent legs of the control points:
+    these are the nodes that the algorithms vary; over the hundred nodes of the smooth curve it would be a degree or
+    two, which no reading of the tables allows. `dis_obs` is the mean distance of those hundred nodes' hull to the
+    nearest obstacle. `clearance` is the least distance of the hull to anything, proved along the whole curve: the
+    search looks at nodes only, and keeps the safety distance only there. `feasible`: it touches nothing and leaves no
+    bound.
+    """
+    nodes = curve.points(np.linspace(0.0, 1.0, scenario.planning.samples))
+    hull = scenario.airspace.obstacle_distance(nodes) - scenario.vehicle.radius
+    least = {"obstacles": np.inf, "ground": np.inf, "bounds": np.inf}
+    for check in prove_curve(curve, scenario).checks:
+        if check.limit in least:
+            least[check.limit] = min(least[check.limit], check.nearest.distance)
+    clearance = min(least["obstacles"] - scenario.vehicle.radius, least["ground"])
+    return {
+        "distance": round(polyline_length(curve.sample(1000)), 4),
+        "turn": round(float(np.degrees(turning_angles(curve.control)).mean()), 4),
+        "turn_smooth": round(float(np.degrees(turning_angles(nodes)).mean()), 4),
+        "dis_obs": round(float(hull.mean()), 4),
+        "clearance": round(float(clearance), 4),
+        "feasible": float(clearance >= 0 and least["bounds"] >= -TOUCHING),
+        "control": [round(float(c), 3) for c in curve.control.ravel()],
+    }
+
+
+def iterations_to_converge(optimum: Optimum) -> float:
+    """The iteration, of a thousand, at which the best cost was within 1 % of what the search ended with."""
+    first = int(np.argmax(optimum.history <= optimum.cost + CONVERGED * abs(optimum.cost)))
+    return float(round(optimum.evaluations[first] / optimum.evaluations[-1] * 1000, 1))

@@ -1,0 +1,83 @@
+"""The way that a mission is flown as geodetic lines for maps, and its fence as closed rings: what exports draw."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.itinerary.flown_legs import Leg
+from ipoa_mission.mission.items import FenceCircle, FencePolygon
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A line on the map: (longitude [deg], latitude [deg], altitude [m]) of each point.
+
+    Altitudes are AMSL, or above the ground where `over_terrain`. No line crosses the antimeridian.
+    """
+
+    points: tuple[tuple[float, float, float], ...]
+    over_terrain: bool
+
+
+def lines_of(forecast: Forecast) -> tuple[Stretch, ...]:
+    """The way from home over all items and back, in as few lines as possible; down to the ground of the scenario."""
+    is_unknown = forecast.scenario is None and forecast.ground.is_level
+    lines: list[Stretch] = []
+    for leg in forecast.legs:
+        for stretch in _stretches(leg, forecast.frame, forecast.mission.home.altitude if is_unknown else None):
+            before = lines[-1] if lines else None
+            joins = before and before.over_terrain == stretch.over_terrain and before.points[-1] == stretch.points[0]
+            if before and joins and not leg.alternative:
+                lines[-1] = Stretch(before.points + stretch.points[1:], stretch.over_terrain)
+            elif not leg.alternative or leg.jumped_from >= 0:
+                lines.append(stretch)
+    return tuple(lines)
+
+
+def _stretches(leg: Leg, frame: LocalFrame, unknown_ground: float | None) -> Iterator[Stretch]:
+    latitude, longitude, altitude = frame.to_geodetic(leg.points)
+    over_terrain = False
+    if leg.over_terrain and unknown_ground is not None:
+        over_terrain, altitude = True, altitude - unknown_ground
+    places = [
+        (round(float(lon), 9), round(float(lat), 9), round(float(alt), 3))
+        for lat, lon, alt in zip(latitude, longitude, altitude, strict=True)
+    ]
+    yield from (Stretch(tuple(line), over_terrain) for line in _cut_at_antimeridian(places))
+
+
+def _cut_at_antimeridian(places: list[tuple[float, float, float]]) -> list[list[tuple[float, float, float]]]:
+    """The line in pieces that stay on one side of longitude 180, as GeoJSON (RFC 7946, 3.1.9) asks."""
+    lines = [[places[0]]]
+    for place in places[1:]:
+        before = lines[-1][-1]
+        if abs(place[0] - before[0]) > 180:
+            side = float(np.sign(before[0])) * 180.0
+            there = (place[0] + 2 * side, *place[1:])
+            share = (side - before[0]) / (there[0] - before[0])
+            latitude, altitude = (round(a + share * (b - a), 9) for a, b in zip(before[1:], there[1:], strict=True))
+            lines[-1].append((side, latitude, altitude))
+            lines.append([(-side, latitude, altitude)])
+        lines[-1].append(place)
+    return lines
+
+
+CORNERS = 72  # of the polygon that stands for a circle; it lies inside, by a thousandth of the radius at most
+
+
+def ring(part: FencePolygon | FenceCircle) -> list[tuple[float, float]]:
+    """The closed ring of a fence part as (longitude, latitude), counterclockwise as GeoJSON and KML want it."""
+    if isinstance(part, FenceCircle):
+        angles = np.linspace(0.0, 2.0 * np.pi, CORNERS, endpoint=False)
+        circle = part.radius * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(CORNERS)])
+        latitude, longitude, _ = LocalFrame(Geodetic(*part.center)).to_geodetic(circle)
+        corners = [(round(float(lon), 9), round(float(lat), 9)) for lat, lon in zip(latitude, longitude, strict=True)]
+    else:
+        corners = [(lon, lat) for lat, lon in part.vertices]
+    closed = [*corners, corners[0]]
+    doubled_area = sum(a[0] * b[1] - b[0] * a[1] for a, b in pairwise(closed))
+    return closed if doubled_area >= 0 else closed[::-1]

@@ -1,0 +1,79 @@
+"""GeoJSON (RFC 7946): the way as lines, items and rally points as points, the fence as polygons.
+
+The third coordinate is above mean sea level, as everywhere in the package (the RFC would have it above the ellipsoid;
+`altitude_datum` says so). Heights above terrain stand in the properties only.
+"""
+
+import json
+import math
+from typing import Any
+
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.mission.commands import command_name
+from ipoa_mission.mission.items import Item, Mission
+from ipoa_mission.report.exports.export_lines import lines_of, ring
+
+
+def to_geojson(forecast: Forecast, name: str) -> str:
+    """The mission as the text of a GeoJSON file: one feature a line."""
+    mission = forecast.given
+    home = _point(
+        (mission.home.longitude_deg, mission.home.latitude_deg, mission.home.altitude), {"kind": "home", "seq": 0}
+    )
+    features = [home, *_way(forecast), *_items(mission), *_fence(mission), *_rally(mission)]
+    lines = ",\n".join(json.dumps(feature, allow_nan=False) for feature in features)
+    head = json.dumps({"type": "FeatureCollection", "name": name, "altitude_datum": "mean sea level"})
+    return f'{head[:-1]}, "features": [\n{lines}\n]}}\n'
+
+
+def _way(forecast: Forecast) -> list[dict[str, Any]]:
+    features = []
+    for stretch in lines_of(forecast):
+        points = [point[:2] if stretch.over_terrain else point for point in stretch.points]
+        line = {"type": "LineString", "coordinates": points}
+        features.append(_feature(line, {"kind": "way", "over_terrain": stretch.over_terrain}))
+    return features
+
+
+def _items(mission: Mission) -> list[dict[str, Any]]:
+    return [_item(seq, item, mission) for seq, item in enumerate(mission.items, start=1) if item.has_position]
+
+
+def _item(seq: int, item: Item, mission: Mission) -> dict[str, Any]:
+    height = mission.altitude_above_home(item)
+    place: tuple[float, ...] = (item.longitude_deg, item.latitude_deg)
+    if math.isfinite(height):
+        place = (*place, round(mission.home.altitude + height, 3))
+    params = [param if math.isfinite(param) else None for param in item.params]
+    properties = {
+        "kind": "item",
+        "seq": seq,
+        "command": command_name(item.command),
+        "frame": int(item.frame),
+        "altitude": item.altitude,
+        "params": params,
+    }
+    return _point(place, properties)
+
+
+def _fence(mission: Mission) -> list[dict[str, Any]]:
+    return [
+        _feature({"type": "Polygon", "coordinates": [ring(part)]}, {"kind": "fence", "inclusion": part.inclusion})
+        for part in mission.fence
+    ]
+
+
+def _rally(mission: Mission) -> list[dict[str, Any]]:
+    amsl = mission.home.altitude
+    return [
+        _point((place.longitude_deg, place.latitude_deg, round(amsl + place.altitude, 3)), {"kind": "rally", "seq": n})
+        for n, place in enumerate(mission.rally, start=1)
+    ]
+
+
+def _point(place: tuple[float, ...], properties: dict[str, Any]) -> dict[str, Any]:
+    return _feature({"type": "Point", "coordinates": place}, properties)
+
+
+def _feature(geometry: dict[str, Any], properties: dict[str, Any]) -> dict[str, Any]:
+    return {"type": "Feature", "properties": properties, "geometry": geometry}

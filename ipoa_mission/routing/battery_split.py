@@ -1,0 +1,187 @@
+"""A mission too long for one battery as several flights, each of which comes home clear and with its reserve.
+
+Each begins with the mission's take-off, goes on at the waypoint where the one before it turned home, with the speed and
+the triggers that the mission has there, and returns by RTL; the last one ends as the mission does.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+
+from ipoa_mission.checks.check import check
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.finding import Severity
+from ipoa_mission.forecast.energy_budget import budget_of, refusal_of
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.mission.commands import ENDINGS, TAKEOFFS, Command, Frame
+from ipoa_mission.mission.items import Item, Mission, camera_trigger, return_to_launch, waypoint
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.world.frame import Geodetic
+
+#: Where a flight may turn home and another go on.
+TURNS = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT})
+#: What leads elsewhere than to the next item.
+JUMPS = frozenset({
+    Command.DO_JUMP, Command.DO_JUMP_TAG, Command.JUMP_TAG, Command.DO_LAND_START, Command.DO_RETURN_PATH_START,
+    Command.NAV_ARC_WAYPOINT,
+})  # fmt: skip
+#: What holds until another of its kind comes.
+STATES = frozenset({
+    Command.DO_SET_CAM_TRIGG_DIST, Command.DO_SET_CAM_TRIGG_INTERVAL, Command.DO_SET_ROI_LOCATION, Command.DO_SET_ROI,
+    Command.NAV_ROI, Command.DO_SET_ROI_NONE, Command.DO_MOUNT_CONTROL, Command.DO_GIMBAL_MANAGER_PITCHYAW,
+    Command.CONDITION_YAW,
+})  # fmt: skip
+
+
+def split(mission: Mission, scenario: Scenario) -> tuple[Mission, ...]:
+    """Split a mission into the fewest flights that one battery each brings home.
+
+    Args:
+        mission: a take-off, then waypoints, then its ending.
+        scenario: its battery, and the world in which each flight must be clear.
+
+    Returns:
+        The mission itself where one battery is enough; else its parts, in their order. Each goes on at the very
+        waypoint at which the one before it turned home.
+
+    Raises:
+        BadInput: the scenario has no battery, or nothing is known of the vehicle's power.
+        NotEnoughBattery: a waypoint is too far for one battery.
+        MissionError: it jumps, begins in the air, or there is no clear way home, or back, at a waypoint.
+
+    Example:
+        >>> from ipoa_mission import read_mission, read_scenario, split
+        >>> airframe = {"mass_kg": 3.0, "rotor_diameter": 0.35}
+        >>> scenario = read_scenario("missions/campus.toml")
+        >>> battery = {"capacity_wh": 100.0}
+        >>> vehicle = type(scenario.vehicle)(autopilot="ardupilot", airframe=airframe, battery=battery)
+        >>> enough = scenario.model_copy(update={"vehicle": vehicle})
+        >>> len(split(read_mission("missions/campus.plan"), enough))
+        1
+    """
+    return tuple(flight.given for flight in split_flight(Forecast(mission, scenario)))
+
+
+def split_flight(whole: Forecast) -> tuple[Forecast, ...]:
+    """The same of a flight that is forecast already, its parts with their forecasts.
+
+    Raises:
+        BadInput, NotEnoughBattery, MissionError: as `split`.
+    """
+    budget = budget_of(whole)
+    if budget is None or budget.battery is None:
+        words = "expected one, and an airframe or a learned vehicle, to split a mission by"
+        raise BadInput(words, code="battery-missing", place="vehicle.battery")
+    if budget.refusal is None:
+        return (whole,)
+    parts, flights, begin, legs = _Parts(whole), list[Forecast](), 0, 1
+    while begin < parts.last:
+        end, flight = parts.longest(begin, legs)
+        flights.append(flight)
+        begin, legs = end, end - begin
+    return tuple(flights)
+
+
+def most(fits: Callable[[int], bool], count: int, guess: int = 1) -> int:
+    """The greatest number up to `count` that fits, 0 where 1 does not; quick where the `guess` is near.
+
+    It is the law of all flights that are split: the more of what is ahead one flies before it turns home, the more it
+    takes; where each flies as much as it can, no fewer would do.
+    """
+    least, beyond, here, step = 0, count + 1, guess, 1
+    while beyond - least > 1:
+        here = min(max(here, least + 1), beyond - 1)
+        least, beyond = (here, beyond) if fits(here) else (least, here)
+        if least > 0 and beyond <= count:
+            here = (least + beyond) // 2
+        else:
+            here = least + step if beyond > count else beyond - step
+        step *= 2
+    return least
+
+
+class _Parts:
+    """The flights from one waypoint of a mission to a later one; they are numbered in their order."""
+
+    def __init__(self, whole: Forecast) -> None:
+        self.whole, self.mission = whole, whole.given
+        items = self.mission.items
+        begins = [n for n, item in enumerate(items) if item.command in TAKEOFFS]
+        if len(begins) != 1 or any(item.command in JUMPS for item in items):
+            words = "expected one take-off, and no jumps or arcs, in a mission that is split"
+            raise MissionError(words, code="not-split")
+        self.start = begins[0] + 1
+        self.turns = [n for n in range(self.start, len(items)) if items[n].command in TURNS and items[n].has_position]
+        self.last = len(self.turns)
+
+    def longest(self, begin: int, guess: int) -> tuple[int, Forecast]:
+        """The flight from a waypoint that goes on farthest, and where the next one begins; `last` after the last one.
+
+        About so many waypoints farther as the `guess`.
+        """
+        straight = dict[int, Forecast]()
+
+        def fits(waypoints: int) -> bool:
+            straight[begin + waypoints] = flight = self.part(begin, begin + waypoints)
+            return refusal_of(flight) is None
+
+        reached = begin + most(fits, self.last - begin, guess)
+        if reached == begin:
+            short = refusal_of(straight[begin + 1])
+            assert short is not None
+            raise short.at(f"item {self.turns[begin] + 1} is too far for one battery")
+        why: MissionError | None = None
+        for end in range(reached, begin, -1):
+            for way in self._ways_back(begin):
+                flight = (None if way else straight.get(end)) or self.part(begin, end, way)
+                if (refused := _refused(flight)) is None:
+                    return end, flight
+                why = why or refused
+        assert why is not None
+        raise why
+
+    def part(self, begin: int, end: int, way: Sequence[Item] = ()) -> Forecast:
+        """From one waypoint to another and home; to the end of the mission with `last`."""
+        items = self.mission.items
+        until = len(items) if end == self.last else self.turns[end - 1] + 1
+        taken = list(items[:until])
+        if begin > 0:
+            at = self.turns[begin - 1]
+            before = items[self.start : at]
+            speeds = [item for item in before if item.command == Command.DO_CHANGE_SPEED][-1:]
+            taken = [*items[: self.start], *speeds, *way, items[at], *_in_force(before), *items[at + 1 : until]]
+        if end < self.last or not any(item.command in ENDINGS for item in taken):
+            taken += [*_ended(taken), return_to_launch()]
+        return Forecast(replace(self.mission, items=tuple(taken), scanned=()), self.whole.scenario)
+
+    def _ways_back(self, begin: int) -> Iterator[tuple[Item, ...]]:
+        """On which ways a flight may go to where it goes on: straight, or as high as an RTL from there comes home."""
+        yield ()
+        if begin > 0:
+            frame, item, home = self.whole.frame, self.mission.items[self.turns[begin - 1]], self.mission.home
+            where = Geodetic(item.latitude_deg, item.longitude_deg, home.altitude + item.height(home))
+            over, over_home = self.whole.returns_from(frame.local(where)[None])[0, 0, 1:]
+            high = (frame.geodetic(point) for point in (over_home, over))
+            usual = self.mission.autopilot.waypoint_defaults(self.mission.firmware_version)
+            yield tuple(waypoint(place, place.altitude - home.altitude, *usual) for place in high)
+
+
+def _refused(flight: Forecast) -> MissionError | None:
+    errors = [one for one in check(flight) if one.severity is Severity.ERROR]
+    return MissionError(errors[0].message, hint=errors[0].hint) if errors else None
+
+
+def _in_force(before: Sequence[Item]) -> Iterator[Item]:
+    """What of the items before a waypoint still holds there: the last one of each kind."""
+    last = {item.command: n for n, item in enumerate(before) if item.command in STATES}
+    yield from (before[n] for n in sorted(last.values()))
+
+
+def _ended(taken: Sequence[Item]) -> Iterator[Item]:
+    """What ends the taking of pictures, where it is under way."""
+    triggers = [item for item in taken if item.command == Command.DO_SET_CAM_TRIGG_DIST]
+    if triggers and triggers[-1].params[0] > 0.0:
+        yield camera_trigger(0.0, at_once=False)
+    pictures = (Command.IMAGE_START_CAPTURE, Command.IMAGE_STOP_CAPTURE)
+    captures = [item.command for item in taken if item.command in pictures]
+    if captures and captures[-1] == Command.IMAGE_START_CAPTURE:
+        yield Item(Command.IMAGE_STOP_CAPTURE, Frame.MISSION)

@@ -1,0 +1,255 @@
+"""Where things are in a scenario: home, start, goal, terrain and obstacles, as written, and how they become a world.
+
+Positions are local (`east`, `north`, `up`: metres from home) or geodetic (`latitude_deg`, `longitude_deg`,
+`altitude_amsl`). What stands on the ground leaves its height out (`up`, `altitude_amsl`, `base`).
+"""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Literal, Self, TypeAlias
+
+import numpy as np
+from pydantic import Field, field_validator, model_validator
+
+from ipoa_mission.geometry import Vector
+from ipoa_mission.scenario.map_sections import ElevationTerrain
+from ipoa_mission.scenario.section import Latitude, Longitude, NotNegative, Positive, Section, beside
+from ipoa_mission.world.frame import Geodetic, LocalFrame
+from ipoa_mission.world.ground import Ground
+from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, SeaLevel, Terrain
+
+LEAST_DROP = 0.01  # flat ground that falls below home's plane by less than this is a plane [m]
+Ring: TypeAlias = Annotated[tuple[tuple[float, float], ...], Field(min_length=3)]
+
+
+class HomeSection(Section):
+    """Where the vehicle takes off, and the origin of the local frame."""
+
+    latitude_deg: Latitude
+    """Degrees on WGS 84, positive to the north."""
+    longitude_deg: Longitude
+    """Degrees on WGS 84, positive to the east."""
+    altitude_amsl: float = 0.0
+    """Height of the ground at home above mean sea level [m]."""
+
+    def geodetic(self) -> Geodetic:
+        """Home as a place on the Earth."""
+        return Geodetic(self.latitude_deg, self.longitude_deg, self.altitude_amsl)
+
+
+class Horizontal(Section):
+    """A position on the map: `east` and `north` [m from home], or `latitude_deg` and `longitude_deg`."""
+
+    east: float | None = None
+    """East of home [m]; with `north`, in place of latitude and longitude."""
+    north: float | None = None
+    """North of home [m]."""
+    latitude_deg: Latitude | None = None
+    """Degrees on WGS 84; with `longitude_deg`, in place of east and north."""
+    longitude_deg: Longitude | None = None
+    """Degrees on WGS 84."""
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        local = self.east is not None and self.north is not None
+        geodetic = self.latitude_deg is not None and self.longitude_deg is not None
+        strays = [self.east, self.north] if geodetic else [self.latitude_deg, self.longitude_deg]
+        if local == geodetic or any(stray is not None for stray in strays):
+            raise ValueError("expected either east and north, or latitude_deg and longitude_deg")
+        return self
+
+    def there(self) -> Geodetic | None:
+        """The position on the Earth, where it is given so."""
+        if self.latitude_deg is None or self.longitude_deg is None:
+            return None
+        return Geodetic(self.latitude_deg, self.longitude_deg)
+
+    def east_north(self, frame: LocalFrame) -> tuple[float, float]:
+        """The position in the local frame [m]."""
+        if self.east is not None and self.north is not None:
+            return self.east, self.north
+        there = self.there()
+        assert there is not None
+        east, north, _ = frame.local(replace(there, altitude=frame.home.altitude))
+        return float(east), float(north)
+
+
+class Place(Horizontal):
+    """A point in the air, with exactly one of `up` (from home), `altitude_amsl` or `height_above_ground` [m]."""
+
+    up: float | None = None
+    """Height above home's plane [m]."""
+    altitude_amsl: float | None = None
+    """Height above mean sea level [m]."""
+    height_above_ground: float | None = None
+    """Height above the ground at that place [m]."""
+
+    @model_validator(mode="after")
+    def _one_height(self) -> Self:
+        if sum(height is not None for height in (self.up, self.altitude_amsl, self.height_above_ground)) != 1:
+            raise ValueError("expected exactly one of up, altitude_amsl or height_above_ground")
+        return self
+
+    def point(self, frame: LocalFrame, ground: Ground) -> Vector:
+        """East, north, up of this place, (3,) [m]."""
+        east, north = self.east_north(frame)
+        if self.up is not None:
+            up = self.up
+        elif self.height_above_ground is not None:
+            up = float(ground(np.array([[east, north]]))[0]) + self.height_above_ground
+        elif self.latitude_deg is not None and self.longitude_deg is not None:
+            assert self.altitude_amsl is not None
+            return frame.local(Geodetic(self.latitude_deg, self.longitude_deg, self.altitude_amsl))
+        else:
+            assert self.altitude_amsl is not None
+            up = self.altitude_amsl - frame.home.altitude
+        return np.array([east, north, up])
+
+
+class FlatTerrain(Section):
+    """A plain at one height above mean sea level: over kilometres it curves as the Earth does."""
+
+    kind: Literal["flat"] = "flat"
+    height: float = 0.0
+    """Height of the ground [m above home]."""
+
+    def build(self, home: Geodetic, reach: float) -> Terrain:
+        """The terrain itself, asked for as far as `reach` from home [m]; near home the Earth's curve is nothing."""
+        ground = SeaLevel.around(home, self.height, reach)
+        return ground if ground.drop > LEAST_DROP else Flat(self.height)
+
+
+class PeakSection(Section):
+    """A Gaussian mountain of the paper's eq. (2)."""
+
+    height: float
+    """Height of its top above `base` [m]."""
+    east: float
+    """East of its top [m from home]."""
+    north: float
+    """North of its top [m from home]."""
+    a: Positive
+    """Slope along east: the distance at which the peak has fallen to 1/e [m]."""
+    b: Positive
+    """Slope along north [m]."""
+
+
+class AnalyticTerrain(Section):
+    """The paper's surface: its eq. (1) with coefficients a to g, the peaks of eq. (2), and their maximum, eq. (3)."""
+
+    kind: Literal["analytic"]
+    a: float = 0.0
+    """Shift of the sine along north, inside it [m]."""
+    b: float = 0.0
+    """Weight of the sine along east."""
+    c: float = 0.0
+    """Weight of the cosine rings round home."""
+    d: float = 0.0
+    """Their wave number [1/m]."""
+    e: float = 0.0
+    """Weight of the cosine along north."""
+    f: float = 0.0
+    """Weight and wave number of the sine rings round home."""
+    g: float = 0.0
+    """Weight of a second cosine along north."""
+    base: float = 0.0
+    """h_0 of eq. (2): the height from which the peaks rise [m]."""
+    peaks: tuple[PeakSection, ...] = ()
+    """The mountains."""
+
+    def build(self) -> Terrain:
+        """The terrain itself."""
+        peaks = tuple(Peak(p.height, p.east, p.north, p.a, p.b) for p in self.peaks)
+        return Analytic(self.a, self.b, self.c, self.d, self.e, self.f, self.g, peaks, self.base)
+
+
+class GridTerrain(Section):
+    """A regular grid of heights, bilinear in between: rows go north, columns go east."""
+
+    kind: Literal["grid"]
+    east: float
+    """East of the first column [m]."""
+    north: float
+    """North of the first row [m]."""
+    spacing: Positive
+    """Distance between neighboring heights, along east and north [m]."""
+    heights: Annotated[tuple[tuple[float, ...], ...], Field(min_length=2)] | None = None
+    """Heights [m above home], the southernmost row first."""
+    file: Annotated[Path | None, beside("a file of heights")] = None
+    """A CSV file of heights in place of `heights`, relative to the scenario file."""
+
+    @field_validator("file")
+    @classmethod
+    def _of_numbers(cls, path: Path | None) -> Path | None:
+        if path is not None:
+            try:
+                heights = np.loadtxt(path, delimiter=",", ndmin=2)
+            except ValueError as error:
+                raise ValueError(f"expected rows of numbers with commas between in {path}: {error}") from error
+            if min(heights.shape) < 2 or not np.isfinite(heights).all():
+                raise ValueError(f"expected at least two rows and two columns of finite numbers in {path}")
+        return path
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if (self.heights is None) == (self.file is None):
+            raise ValueError("expected either heights or file")
+        if self.heights is not None and len({len(row) for row in self.heights}) != 1:
+            raise ValueError("expected heights with rows of one length")
+        return self
+
+    def build(self) -> Terrain:
+        """The terrain itself."""
+        if self.file is not None:
+            heights = np.loadtxt(self.file, delimiter=",", ndmin=2)
+        else:
+            heights = np.asarray(self.heights, float)
+        return Grid(self.east, self.north, self.spacing, heights)
+
+
+TerrainSection: TypeAlias = Annotated[
+    FlatTerrain | AnalyticTerrain | GridTerrain | ElevationTerrain, Field(discriminator="kind")
+]
+
+
+class FenceSection(Section):
+    """A geofence for the vehicle to keep: a polygon, or a circle round `center`."""
+
+    inclusion: bool = True
+    """Stay inside; false: stay outside."""
+    polygon: Ring | None = None
+    """Corners as [east, north]."""
+    polygon_geodetic: Ring | None = None
+    """Corners as [latitude_deg, longitude_deg]."""
+    center: Horizontal | None = None
+    """Center of a circle, in place of a polygon."""
+    radius: Positive | None = None
+    """Radius of the circle [m]."""
+
+    @model_validator(mode="after")
+    def _one_shape(self) -> Self:
+        polygons = (self.polygon is not None) + (self.polygon_geodetic is not None)
+        circle = (self.center is not None) + (self.radius is not None)
+        if (polygons, circle) not in {(1, 0), (0, 2)}:
+            raise ValueError("expected either polygon, or polygon_geodetic, or center and radius")
+        return self
+
+
+class BoundsSection(Section):
+    """The box in which the flight must stay, each as [least, most]; what is left out is chosen wide enough."""
+
+    east: tuple[float, float] | None = None
+    """West and east side [m from home]; left out where a map has a flight area, the sides of that."""
+    north: tuple[float, float] | None = None
+    """South and north side [m from home]; left out where a map has a flight area, the sides of that."""
+    up: tuple[float, float] | None = None
+    """Heights [m above home]."""
+    margin: NotNegative = 50.0
+    """How far beyond home, start, goal, ground, obstacles and near buildings a side that is left out lies [m]."""
+
+    @field_validator("east", "north", "up")
+    @classmethod
+    def _ordered(cls, value: tuple[float, float] | None) -> tuple[float, float] | None:
+        if value is not None and value[0] >= value[1]:
+            raise ValueError(f"expected [least, most], not [{value[0]:g}, {value[1]:g}]")
+        return value

@@ -1,0 +1,303 @@
+"""`[survey]`: an area to be seen, from how high and how densely, with what; and the area itself, in the local plane."""
+
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self, TypeAlias
+
+import numpy as np
+import shapely
+from pydantic import AfterValidator, Field, PositiveInt, ValidationError, WithJsonSchema, model_validator
+
+from ipoa_mission.errors import BadInput, InvalidRing, NothingThere, Remedy, TooFar
+from ipoa_mission.geometry import Points
+from ipoa_mission.maps.areas import flat
+from ipoa_mission.maps.around import Around
+from ipoa_mission.maps.map_reader import read_features
+from ipoa_mission.maps.planar import Whereabouts, to_plane, unrepeated
+from ipoa_mission.scenario.camera import Camera, GivenCamera
+from ipoa_mission.scenario.section import NUMBER, NotNegative, Positive, Section, beside
+from ipoa_mission.scenario.site import Reach
+from ipoa_mission.survey.area import LEAST_M2, Area
+from ipoa_mission.world.frame import REACH, LocalFrame
+from ipoa_mission.world.union import union_of
+
+BAND = 0.15  # over ground that is not flat it is flown up to such a share higher than it must be
+OVERLAP = 0.7  # where a camera comes with none
+WORDS = ("best", "crosshatch")
+MITRE = 2.0  # corners of a corridor reach no farther than so many times half its width
+APART = 2.0  # start places nearer to each other are one [m]
+USUAL_SPACING, USUAL_HEIGHT = 20.0, 40.0  # where nobody says more than an area [m]
+LOWEST_START = 10.0  # over home, of a survey of which the height is not known yet [m above ground]
+
+
+def _an_overlap(share: float) -> float:
+    if not 0.0 <= share < 1.0:
+        meant = f" ({share / 100:g} for {share:g} %)" if 1.0 < share < 100.0 else ": at 100 % no photo shows more"
+        raise ValueError(f"expected a share from 0 to below 1, not {share:g}{meant if share >= 1 else ''}")
+    return share
+
+
+def _a_direction(given: Any) -> Any:
+    numbers = given if isinstance(given, list | tuple) else [given]
+    is_one = [isinstance(one, int | float) and not isinstance(one, bool) and math.isfinite(one) for one in numbers]
+    if given not in WORDS and not (is_one and all(is_one)):
+        raise ValueError(f'expected "best", "crosshatch", degrees or a list of degrees, not {given!r}')
+    return given
+
+
+def _nested(value: Any) -> Any:
+    if not 2 <= _depth(value) <= 4:
+        raise ValueError("expected [[east, north], ...], rings of these, or polygons of such rings")
+    return value
+
+
+def _depth(value: Any) -> int:
+    """How many lists are in each other, at the first of each."""
+    return 1 + (_depth(value[0]) if value else 0) if isinstance(value, list | tuple) else 0
+
+
+_RING: dict[str, Any] = {"type": "array", "items": {"type": "array", "items": {"type": "number"}}}
+_PARTS: dict[str, Any] = {"type": "array", "items": _RING}
+Overlap: TypeAlias = Annotated[float, AfterValidator(_an_overlap), NUMBER]
+Direction: TypeAlias = Annotated[
+    Any,
+    AfterValidator(_a_direction),
+    WithJsonSchema({"anyOf": [{"enum": [*WORDS]}, {"type": "number"}, {"type": "array", "items": {"type": "number"}}]}),
+]
+Spot: TypeAlias = tuple[Annotated[float, NUMBER], Annotated[float, NUMBER]]
+Rings: TypeAlias = Annotated[
+    Any, AfterValidator(_nested), WithJsonSchema({"anyOf": [_RING, _PARTS, {"type": "array", "items": _PARTS}]})
+]
+
+
+class SurveySection(Section):
+    """An area to be seen from above in parallel lines, in place of a goal to be flown to."""
+
+    area: Annotated[Path | None, beside("a map")] = None
+    """A map with the area as polygons, holes as their inner rings: what `maps` reads, such as GeoJSON and KML; relative
+    to the scenario file. With `width`, the lines in it are corridors."""
+    polygon: Rings | None = None
+    """The area in the file itself: `[[east, north], ...]`, metres from home; a list of such rings has holes after the
+    first, and a list of these is several areas."""
+    line: Annotated[tuple[Spot, ...], Field(min_length=2)] | None = None
+    """In place of an area, the middle of a corridor: `[[east, north], ...]`, metres from home."""
+    width: Positive | None = None
+    """Of a corridor [m]."""
+    line_spacing: Positive | None = None
+    """Between neighboring lines [m]; left out, by the camera's footprint and `side_overlap`."""
+    camera: GivenCamera | None = None
+    """Which camera takes photos, by its name or a table of its numbers; left out, none is triggered."""
+    gsd_cm: Positive | None = None
+    """How wide a pixel may be on the ground [cm]: in place of a height, with a camera."""
+    gimbal: Literal["nadir"] | None = None
+    """`nadir`: the gimbal has the camera look straight down, from the take-off on; left out, it is told nothing."""
+    front_overlap: Overlap | None = None
+    """Share of a photo that the next one shows too, at least; left out, 0.7. With a camera."""
+    side_overlap: Overlap | None = None
+    """Share of a photo that those of the next line show too, at least; left out, 0.7. With a camera."""
+    height_above_ground: Positive | None = None
+    """How high it is flown above the highest ground that is seen, at least [m]; over ground that is not flat, up to
+    15 % higher. Left out, by `gsd_cm`."""
+    direction_deg: Direction = "best"
+    """Of the lines, clockwise from north: the quickest one, a number, several (one pass in each), or `crosshatch`: the
+    best one and the one across."""
+    turns_outside: NotNegative = 0.0
+    """How far beyond the area the vehicle may be told to fly to turn [m]."""
+    entry: Spot | None = None
+    """Near where the first line begins, `[east, north]`, metres from home; left out, near home."""
+    exit: Spot | None = None
+    """Near where the last line ends, `[east, north]`, metres from home; left out, near home or the goal."""
+    flights: PositiveInt | None = None
+    """In how many flights; left out, in as few as the battery is enough for, each with its reserve."""
+    starts: Annotated[tuple[Spot, ...], Field(min_length=1)] | None = None
+    """Places on the ground where flights take off and land in place of home, `[[east, north], ...]`, metres from home,
+    which is one of them as `[0, 0]`: each flight has the one from which all take the least time; without a battery
+    each place has one flight, over what is nearest to it."""
+
+    @model_validator(mode="after")
+    def _one_of_each(self) -> Self:
+        given = [key for key in ("area", "polygon", "line") if getattr(self, key) is not None]
+        if len(given) != 1:
+            raise ValueError(f"expected one of area, polygon or line, not {' and '.join(given) or 'none'}")
+        if self.line is not None and self.width is None:
+            raise ValueError("width: expected with a line, but not there")
+        if self.polygon is not None and self.width is not None:
+            raise ValueError("width: expected with a line, not with a polygon")
+        if self.camera is None:
+            for key in ("gsd_cm", "front_overlap", "side_overlap"):
+                if getattr(self, key) is not None:
+                    raise ValueError(f"{key}: expected with a camera, but there is none")
+            if self.line_spacing is None:
+                raise ValueError("expected a line_spacing or a camera")
+        elif self.line_spacing is not None and self.side_overlap is not None:
+            raise ValueError("expected either line_spacing or side_overlap")
+        if (self.height_above_ground is None) == (self.gsd_cm is None):
+            raise ValueError("expected either height_above_ground or, with a camera, gsd_cm")
+        if self.starts is not None:
+            self._expect_apart(self.starts)
+        return self
+
+    def _expect_apart(self, starts: tuple[Spot, ...]) -> None:
+        for key in ("flights", "entry", "exit"):
+            if getattr(self, key) is not None:
+                raise ValueError(f"{key}: expected without starts, of which each flight has one")
+        for n, here in enumerate(starts):
+            if not math.hypot(*here) < REACH:
+                raise ValueError(f"starts[{n}]: expected a place within {REACH / 1000:g} km of home")
+            for m, there in enumerate(starts[:n]):
+                if math.dist(here, there) < APART:
+                    raise ValueError(f"starts[{n}]: expected another place than starts[{m}]")
+
+    @property
+    def taken_by(self) -> Camera | None:
+        """The camera; None where none is triggered."""
+        return None if self.camera is None else self.camera.build()
+
+    @property
+    def height(self) -> float:
+        """How high above the ground it is flown, or with `gsd_cm` at most [m]."""
+        if self.height_above_ground is not None:
+            return self.height_above_ground
+        camera = self.taken_by
+        assert camera is not None
+        assert self.gsd_cm is not None
+        return camera.height_for(self.gsd_cm)
+
+    def reach(self, area: Area) -> Reach:
+        """Where an area is flown over, turns and all, and flown to from, and how high above the ground at most."""
+        corners = shapely.get_coordinates(shapely.box(*area.shape.buffer(self.turns_outside).bounds))
+        return np.vstack([corners, *(self.starts or ())]), self.height * (1.0 + BAND)
+
+    def spacing(self, height: float) -> float:
+        """Between lines flown so high at least [m]."""
+        camera = self.taken_by
+        if self.line_spacing is not None or camera is None:
+            assert self.line_spacing is not None
+            return self.line_spacing
+        return camera.footprint(height)[0] * (1.0 - _given(self.side_overlap))
+
+    def trigger(self, height: float) -> float | None:
+        """Between photos taken from so high at least [m]; None without a camera."""
+        camera = self.taken_by
+        return None if camera is None else camera.footprint(height)[1] * (1.0 - _given(self.front_overlap))
+
+    def build(self, frame: LocalFrame) -> Area:
+        """The area in the local plane.
+
+        Raises:
+            BadInput: naming the map, or the key, and the place in it that makes no sense.
+        """
+        if self.line is not None:
+            corridor = _corridor(np.array(self.line), self.width or 0.0, "survey.line")
+            return _expect_here(Area(shapely.MultiPolygon([corridor])), "survey.line")
+        if self.polygon is not None:
+            return _expect_here(_drawn(self.polygon), "survey.polygon")
+        assert self.area is not None
+        return _expect_here(_mapped(self.area, self.width, frame), str(self.area))
+
+    def middles(self, frame: LocalFrame) -> tuple[Points, ...]:
+        """The lines along which corridors lead, (n, 2) each; none of an area."""
+        if self.line is not None:
+            return (np.array(self.line),)
+        if self.width is None or self.area is None:
+            return ()
+        shapes = (shape for _, shape in _shapes(self.area, frame))
+        return tuple(shapely.get_coordinates(shape) for shape in shapes if shape.geom_type == "LineString")
+
+
+def _expect_here(area: Area, place: str) -> Area:
+    """The area, if all of it is near home; raises BadInput where it is not."""
+    farthest = float(np.linalg.norm(shapely.get_coordinates(area.shape), axis=1).max())
+    if not farthest < REACH:
+        words = f"expected an area within {REACH / 1000:g} km of home, not up to {farthest / 1000:.0f} km away"
+        raise TooFar(words, hint="places count in metres from home", place=place)
+    return area
+
+
+def _given(overlap: float | None) -> float:
+    return OVERLAP if overlap is None else overlap
+
+
+def _drawn(polygon: Any) -> Area:
+    depth = _depth(polygon)
+    parts = [[polygon]] if depth == 2 else [polygon] if depth == 3 else polygon
+    try:
+        return Area.of(parts, "survey.polygon")
+    except BadInput as error:  # in the words of who wrote fewer brackets
+        all_brackets = "survey.polygon" + "[0]" * (4 - depth)
+        error.place = error.place and error.place.replace(all_brackets, "survey.polygon")
+        error.args = (error.args[0].replace(all_brackets, "survey.polygon"),)
+        fields = (remedy.field[5 - depth :] for remedy in error.remedies)
+        error.remedies = tuple(Remedy(("survey", "polygon", *field)) for field in fields if field)
+        raise
+
+
+def _mapped(path: Path, width: float | None, frame: LocalFrame) -> Area:
+    polygons: list[Any] = []
+    for place, shape in _shapes(path, frame):
+        if shape.geom_type == "LineString" and width is not None:
+            polygons.append(_corridor(shapely.get_coordinates(shape), width, place))
+            continue
+        if shape.geom_type != "Polygon":
+            words = "expected a polygon, not an open line"
+            raise InvalidRing(words, hint="--width M, or width under [survey], makes it a corridor", place=place)
+        (clean,) = unrepeated(np.array([shape], object))
+        rings = [shapely.get_coordinates(ring) for ring in (clean.exterior, *clean.interiors)]
+        polygons += Area.of([rings], place).shape.geoms
+    if not polygons:
+        wanted = "a polygon" if width is None else "a line or a polygon"
+        message = f"expected {wanted}, but there is none"
+        raise NothingThere(message, hint="an area is a Polygon, or a closed line", place=path)
+    if width is not None:
+        return Area(shapely.MultiPolygon([*shapely.get_parts(union_of(polygons))]))
+    rings_of = ([shapely.get_coordinates(ring) for ring in (p.exterior, *p.interiors)] for p in polygons)
+    return Area.of([*rings_of], str(path))
+
+
+def _shapes(path: Path, frame: LocalFrame) -> Iterator[tuple[str, Any]]:
+    """Polygons, closed lines and lines of a map, each with its place, in the local plane."""
+    features = read_features(path, Around.of(frame))
+    about = Whereabouts(frame)
+    shapes, near = to_plane([f.shape for f in features], [f.place for f in features], about)
+    about.expect_near()
+    for feature, shape, counts in zip(features, shapes, near, strict=True):
+        if (missing := feature.missing) is not None and not missing.elsewhere:
+            words = f"expected an area that can be read, not {missing.words}"
+            raise BadInput(words, missing.remedy, place=feature.place)
+        for part in flat(shape) if counts else ():
+            is_closed = part.geom_type == "LineString" and part.is_closed and len(part.coords) > 3
+            if part.geom_type in ("Polygon", "LineString"):
+                yield f"{feature.place}.geometry", shapely.Polygon(part) if is_closed else part
+
+
+def _corridor(line: Points, width: float, place: str) -> Any:
+    if not np.isfinite(line).all() or (np.diff(line, axis=0) == 0.0).all(axis=1).any():
+        raise InvalidRing("expected a line of corners that differ", place=place)
+    shape = shapely.LineString(line).buffer(width / 2, cap_style="flat", join_style="mitre", mitre_limit=MITRE)
+    if shape.geom_type != "Polygon" or shape.area < LEAST_M2:
+        raise InvalidRing("expected a line with room beside it", place=place)
+    return shape
+
+
+def with_survey(table: Mapping[str, Any], context: Any) -> dict[str, Any]:
+    """A scenario's table in which a survey begins over home, as high as it is flown, and ends where it began.
+
+    That is so where the table says nothing else of `start` and `goal`.
+
+    Raises:
+        ValueError: it says something else, and that the survey has start places of its own.
+    """
+    if not isinstance(table.get("survey"), Mapping | SurveySection):
+        return dict(table)
+    try:
+        section = SurveySection.model_validate(table["survey"], context=context)
+    except ValidationError:  # of which the reader of the key tells
+        height = LOWEST_START
+    else:
+        height = section.height
+        for key in ("start", "goal"):
+            if section.starts is not None and key in table:
+                raise ValueError(f"{key}: expected without survey.starts, where flights begin and end")
+    start = table.get("start", {"east": 0.0, "north": 0.0, "height_above_ground": height})
+    return {"start": start, "goal": start, **table}

@@ -1,0 +1,221 @@
+"""The built-in autopilot: messages in, messages out, the time an argument; it answers and flies as PX4 or ArduPilot."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+
+from ipoa_mission.link import messages as m
+from ipoa_mission.link import telemetry
+from ipoa_mission.link.codec import EVERYONE, Target
+from ipoa_mission.link.definitions import message_name
+from ipoa_mission.link.events import mission_event
+from ipoa_mission.link.messages import CRITICAL, CommandResult, Message, MissionType
+from ipoa_mission.link.wire import degrees
+from ipoa_mission.mission.commands import Command, Frame, VehicleCommand
+from ipoa_mission.simulator import streams
+from ipoa_mission.simulator.commander import ACCEPTED, UNSUPPORTED, Commander, whole
+from ipoa_mission.simulator.conditions import USUAL, Conditions
+from ipoa_mission.simulator.file_service import FileService
+from ipoa_mission.simulator.judgement import infeasibility
+from ipoa_mission.simulator.mission_service import MissionService
+from ipoa_mission.simulator.mock_profile import mock_profile
+from ipoa_mission.simulator.parameter_server import ParameterServer
+from ipoa_mission.simulator.simulated_flight import FlightMode, SimulatedFlight
+from ipoa_mission.vehicles.autopilot import Autopilot
+from ipoa_mission.vehicles.parameters import Parameters
+from ipoa_mission.world.frame import Geodetic
+
+ERROR_LEVELS = 0x63  # an event's: INFO for the log, ERROR for ground stations
+FLYING_STEP_S = 0.02
+AUTOPILOT_VERSION, HOME_POSITION, PROTOCOL_VERSION = 148, 242, 300
+#: Commands from before REQUEST_MESSAGE, and which message each asks for.
+OLD_REQUESTS: Mapping[int, int] = {
+    VehicleCommand.GET_HOME_POSITION: HOME_POSITION,
+    VehicleCommand.REQUEST_PROTOCOL_VERSION: PROTOCOL_VERSION,
+    VehicleCommand.REQUEST_AUTOPILOT_CAPABILITIES: AUTOPILOT_VERSION,
+}
+
+
+class BuiltInAutopilot(Commander):
+    """One simulated vehicle, without I/O."""
+
+    def __init__(
+        self,
+        family: Autopilot,
+        home: Geodetic,
+        parameters: Parameters | None = None,
+        cold: bool = False,
+        nak_at: int | None = None,
+        seed: int = 0,
+        conditions: Conditions = USUAL,
+    ) -> None:
+        """`cold`: it is powered up now, and has no position for a while; else it has stood there for long.
+
+        `seed` picks the errors of the sensors it flies by. The item of number `nak_at` is refused; such a vehicle takes
+        no mission as a file, in which no item can be refused. The firmware's version is that of the `conditions`.
+        """
+        habits = mock_profile(family, conditions.version)
+        self.table = ParameterServer(family, parameters or {}, conditions.version)
+        flight = SimulatedFlight(family, home, self.table.values, conditions, seed=seed)
+        transfers = MissionService(habits, lambda: flight.home, self._say, self._listed, nak_at)
+        super().__init__(habits, flight, transfers, self.table.values, 0.0 if cold else -math.inf)
+        takes_file = habits.autopilot.protocol_profile.takes_mission_file and nak_at is None
+        limit = habits.limits[MissionType.MISSION]
+        self._files = FileService(takes_file, limit, transfers.listed, transfers.replace)
+        self._schedule = streams.Schedule(habits.streams, habits.fixed_streams)
+        self._commands = _commands(self)
+
+    # --- the outside ------------------------------------------------------------------------------------------------
+
+    def receive(self, message: Message, source: Target, now: float) -> None:
+        """Somebody has said something to this vehicle."""
+        self.tick(now)
+        self._schedule.hear(source)
+        if self.transfers.receive(message, source, now):
+            self._tell_changes()
+            return
+        values = self.table.answers(message)
+        if values is not None:
+            for value in values:
+                self._say(value, EVERYONE)
+            return
+        match message:
+            case m.CommandLong(number, params):
+                self._command(number, params, source)
+            case m.CommandInt(number, _, params, x, y, z):
+                self._command(number, (*params, degrees(x, Frame.GLOBAL), degrees(y, Frame.GLOBAL), z), source)
+            case m.SetMode(_, custom_mode):
+                self._set_mode(custom_mode)
+            case m.SetCurrent(seq):
+                if not self._go_to(seq) and self.habits.no_item_text:
+                    self._text(CRITICAL, self.habits.no_item_text)
+            case m.RequestDataStream(group, rate, start) if start in (0, 1):
+                self._schedule.set_rate(self._group(group), rate if start else 0, now, source)
+            case m.Ping():
+                self._say(message, source)
+            case m.TimeSync(0, asked):
+                self._say(m.TimeSync(round(now * 1e9) or 1, asked), source)
+            case m.FileTransfer():
+                for answer in self._files.answers(message, source):
+                    self._say(answer, source)
+        self._tell_changes()
+
+    def transfers_with(self, client: Target) -> bool:
+        """Whether a list or a file is under way to or from a client."""
+        return self.transfers.is_under_way(client) or self._files.is_open(client)
+
+    def tick(self, now: float) -> None:
+        """Time has passed: fly on, ask again, stream."""
+        self._now = max(self._now, now)
+        self.transfers.booted = self._age >= self.habits.start_up.listens_s
+        self.flight.advance(self._now)
+        self._notice_disarming()
+        self._notice_height()
+        self.transfers.tick(self._now)
+        self._tell_changes()
+        for name in self._schedule.due(self._now):
+            if (message := self._stream(name)) is not None:
+                self._say(message, EVERYONE)
+
+    def outgoing(self) -> list[tuple[Message, Target]]:
+        """What is to be said, and to whom."""
+        messages, self._outbox = self._outbox, []
+        return messages
+
+    @property
+    def deadline(self) -> float:
+        """When `tick` is next needed."""
+        flying = self._now + FLYING_STEP_S if self.flight.armed else math.inf
+        return min(flying, self._schedule.deadline, self.transfers.deadline)
+
+    @property
+    def awaits_somebody(self) -> bool:
+        """Whether it waits, and not for ever, for what somebody else is to do: a list under way; armed, to take off."""
+        return self.transfers.deadline < math.inf or self._will_stop_motors
+
+    def _listed(self, kind: int) -> None:
+        """A list has been replaced or cleared."""
+        if kind == MissionType.RALLY:
+            self.flight.know_rally(tuple(self.transfers.listed(MissionType.RALLY)))
+        if kind != MissionType.MISSION:
+            return
+        items = self.transfers.listed(MissionType.MISSION)[self._first :]
+        self._unflyable = None
+        if self.habits.autopilot.protocol_profile.judges_later and items:
+            self._unflyable = infeasibility(self.habits.firmware, items, self.flight.home, self.table.values)
+        if self._unflyable:
+            self._text(CRITICAL, f"{self._unflyable.words}\t")  # the tab: an event says the same
+            number, arguments = mission_event(self._unflyable.event, *self._unflyable.values)
+            self._say(m.Event(number, ERROR_LEVELS, arguments), EVERYONE)
+        self._flown = () if self._unflyable else tuple(items)
+        self.flight.load(self._flown)
+        if not items:
+            self._has_begun = self._runs = False
+
+    def _command(self, number: int, params: tuple[float, ...], source: Target) -> None:
+        held, self._outbox = self._outbox, []
+        act = self._commands.get(number)
+        result = act(params) if act else UNSUPPORTED
+        words, self._outbox = self._outbox, held
+        number_asked = whole(params[0]) if number == VehicleCommand.REQUEST_MESSAGE else OLD_REQUESTS.get(number)
+        answers: list[Message] = []
+        if result == ACCEPTED and number_asked is not None and (answer := self._asked_for(number_asked)) is not None:
+            answers = [answer]
+        acks: list[Message] = [m.CommandAck(number, result)]
+        if number == VehicleCommand.SET_MESSAGE_INTERVAL:
+            accepted = self._schedule.set_interval(whole(params[0]), params[1], self._now, source)
+            acks = [m.CommandAck(number, ACCEPTED if accepted else self.habits.no_such_stream)]
+        elif number == VehicleCommand.GET_MESSAGE_INTERVAL:
+            interval = self._schedule.interval_us(whole(params[0]), source)
+            told_us, heard = self.habits.no_such_interval if interval is None else (interval, int(ACCEPTED))
+            self._say(m.MessageInterval(whole(params[0]) & 0xFFFF, told_us), source)
+            acks = [m.CommandAck(number, heard)]
+        elif number == VehicleCommand.DO_SET_MODE and self.habits.mode_acks > 1:
+            acks = [m.CommandAck(number, ACCEPTED), *acks]
+        for message in (*acks, *answers) if self.habits.acks_first else (*answers, *acks):
+            self._say(message, source)
+        self._outbox += words
+
+    def _group(self, number: int) -> frozenset[str]:
+        """The messages of a MAV_DATA_STREAM, of which 0 is all."""
+        groups = self.habits.stream_groups
+        return frozenset[str]().union(*groups.values()) if number == 0 else groups.get(number, frozenset())
+
+    def _asked_for(self, number: int) -> Message | None:
+        if number == PROTOCOL_VERSION and self.habits.protocol is not None:
+            return telemetry.ProtocolVersion(*self.habits.protocol)
+        if number == AUTOPILOT_VERSION:
+            return telemetry.AutopilotVersion(self.habits.capabilities, self.habits.version.number, uid=1)
+        return self._stream(message_name(number) or "")
+
+    def can_tell(self, number: float) -> CommandResult:
+        """Command 512: whether there is such a message."""
+        name = message_name(whole(number))
+        is_told = name == "AUTOPILOT_VERSION" or name in streams.KNOWN
+        is_told = is_told or (name == "PROTOCOL_VERSION" and self.habits.protocol is not None)
+        return ACCEPTED if is_told else CommandResult(self.habits.no_such_message)
+
+
+def _commands(autopilot: BuiltInAutopilot) -> Mapping[int, Callable[[Sequence[float]], CommandResult]]:
+    """What each MAV_CMD does; any other gets UNSUPPORTED."""
+    return {
+        Command.NAV_RETURN_TO_LAUNCH: lambda p: autopilot.obey(FlightMode.RETURN),
+        Command.NAV_LAND: lambda p: autopilot.obey(FlightMode.LAND),
+        Command.NAV_TAKEOFF: lambda p: autopilot.climb(p[6]),
+        VehicleCommand.DO_SET_MODE: autopilot.set_mode,
+        Command.DO_PAUSE_CONTINUE: lambda p: autopilot.pause(p[0]),
+        VehicleCommand.DO_REPOSITION: autopilot.reposition,
+        Command.DO_FENCE_ENABLE: lambda p: ACCEPTED if autopilot.habits.switches_fence else UNSUPPORTED,
+        VehicleCommand.DO_SET_MISSION_CURRENT: autopilot.jump_to,
+        VehicleCommand.PREFLIGHT_REBOOT_SHUTDOWN: lambda p: autopilot.reboot(p[0]),
+        VehicleCommand.MISSION_START: autopilot.start_mission,
+        Command.COMPONENT_ARM_DISARM: lambda p: autopilot.arm(p[0]),
+        VehicleCommand.RUN_PREARM_CHECKS: lambda p: autopilot.check(),
+        VehicleCommand.GET_HOME_POSITION: lambda p: ACCEPTED,
+        VehicleCommand.GET_MESSAGE_INTERVAL: lambda p: ACCEPTED,
+        VehicleCommand.SET_MESSAGE_INTERVAL: lambda p: ACCEPTED,
+        VehicleCommand.REQUEST_MESSAGE: lambda p: autopilot.can_tell(p[0]),
+        VehicleCommand.REQUEST_PROTOCOL_VERSION: lambda p: (
+            UNSUPPORTED if autopilot.habits.protocol is None else ACCEPTED
+        ),
+        VehicleCommand.REQUEST_AUTOPILOT_CAPABILITIES: lambda p: ACCEPTED,
+    }

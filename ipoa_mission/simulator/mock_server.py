@@ -1,0 +1,131 @@
+"""The built-in autopilot behind a channel, in real time or faster: what `ipoa-mission mock` runs."""
+
+import logging
+import math
+from collections.abc import Callable
+
+from ipoa_mission.errors import BadInput
+from ipoa_mission.link.channel import Channel, Peer, open_channel
+from ipoa_mission.link.signing import Signer
+from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
+from ipoa_mission.simulator.faults import BadPipe, Faults
+from ipoa_mission.simulator.station import Station
+
+PERFECT = Faults()
+LONGEST_WAIT_S = 0.1
+MOST_LATE_S = 1.0  # by which the autopilot's clock may be beyond what it should have done
+MOST_FRAMES_HZ = 2000.0  # to one peer: more of them overrun what a ground station's socket holds while it is busy
+MOST_AT_ONCE = 100  # frames, of the 277 small ones that Linux keeps by default for a socket that nobody reads
+WORTH_A_WORD_S = 10.0
+log = logging.getLogger(__name__)
+MOST_PIPES = 32
+
+
+def serve(
+    url: str,
+    autopilot: BuiltInAutopilot,
+    speedup: float = 1.0,
+    faults: Faults = PERFECT,
+    system: int = 1,
+    seed: int = 0,
+    signer: Signer | None = None,
+    until: Callable[[], bool] = lambda: False,
+) -> None:
+    """Run `autopilot` at `url` until `until` says so (asked ten times a second), or Ctrl-C.
+
+    Raises:
+        BadInput, LinkDown: the link cannot be opened.
+    """
+    if not 0.01 <= speedup <= 1000.0:
+        raise BadInput(f"expected 0.01 to 1000, not {speedup}", place="speedup")
+    channel = open_channel(url)
+    try:
+        station = Station(autopilot, system, signer, channel.datagrams)
+        Server(channel, station, speedup, faults, seed).run(until)
+    finally:
+        channel.close()
+
+
+class Server:
+    """One station behind one channel; its clock runs `speedup` times as fast as the channel's, where it can.
+
+    It goes no faster than real while the autopilot waits for somebody: people, their programs and their machines are
+    not hurried with it. Nor does it hurry where more would be said than a ground station reads.
+    """
+
+    def __init__(
+        self, channel: Channel, station: Station, speedup: float = 1.0, faults: Faults = PERFECT, seed: int = 0
+    ) -> None:
+        self._channel = channel
+        self._station = station
+        self._speedup = speedup
+        self._faults = faults
+        self._seed = seed
+        self._real_s = channel.now()
+        self._virtual_s = 0.0
+        self._unread = 0.0  # frames that were sent faster than they may be
+        self._lost_s = 0.0
+        self._inward: dict[Peer, BadPipe] = {}
+        self._outward: dict[Peer | None, BadPipe] = {}
+
+    def run(self, until: Callable[[], bool]) -> None:
+        """Serve until told to stop."""
+        while not until():
+            self.step()
+
+    def step(self) -> None:
+        """Wait for bytes or for the next deadline, and act."""
+        hurry = self._hurry
+        due = self._real_s + max(self._station.deadline - self._virtual_s, 0.0) / hurry
+        rested = self._real_s + (self._unread - MOST_AT_ONCE) / MOST_FRAMES_HZ if self._is_ahead else math.inf
+        wake = min(due, rested, *self._pipes_wake(), self._channel.now() + LONGEST_WAIT_S)
+        for data, peer in self._channel.receive(wake):
+            self._pipe(self._inward, peer, 1).push(data, self._channel.now())
+        now = self._channel.now()
+        self._go_on(now, hurry)
+        for peer, pipe in self._inward.items():
+            for data in pipe.pop(now):
+                self._station.receive(data, peer, self._virtual_s)
+        self._station.tick(self._virtual_s)
+        for data, to in self._station.outgoing():
+            self._pipe(self._outward, to, 2).push(data, now)
+        most = 0
+        for to, pipe in self._outward.items():
+            through = pipe.pop(now)
+            for data in through:
+                self._channel.send(data, to)
+            most = max(most, len(through))
+        self._unread += most
+
+    @property
+    def _hurry(self) -> float:
+        """How many times as fast as real the clock runs now."""
+        return min(self._speedup, 1.0) if self._is_ahead or self._station.awaits_somebody else self._speedup
+
+    @property
+    def _is_ahead(self) -> bool:
+        """Whether more has been said than a ground station may have read by now."""
+        return self._unread > MOST_AT_ONCE
+
+    def _go_on(self, now: float, hurry: float) -> None:
+        """Let the clock run on, or fall behind rather than jump, where the machine is too busy for so many times."""
+        passed_s = now - self._real_s
+        self._real_s = now
+        self._unread = max(self._unread - passed_s * MOST_FRAMES_HZ, 0.0)
+        self._virtual_s += passed_s * hurry
+        late_s = self._virtual_s - self._station.deadline - MOST_LATE_S
+        if late_s > 0:
+            self._virtual_s -= late_s
+            if self._lost_s <= WORTH_A_WORD_S < self._lost_s + late_s:
+                log.warning("the machine cannot keep up with %g times as fast: the clock is slowed", self._speedup)
+            self._lost_s += late_s
+
+    def _pipe(self, pipes: dict[Peer, BadPipe] | dict[Peer | None, BadPipe], peer: Peer, way: int) -> BadPipe:
+        if peer not in pipes:
+            while len(pipes) >= MOST_PIPES:
+                del pipes[next(iter(pipes))]
+            pipes[peer] = BadPipe(self._faults, self._seed * 1000 + way * 100 + len(pipes))
+        return pipes[peer]
+
+    def _pipes_wake(self) -> list[float]:
+        return [pipe.deadline for pipe in (*self._inward.values(), *self._outward.values())] or [math.inf]

@@ -1,0 +1,148 @@
+"""Flights of a session: the plan goes to the pilot's process, and is started when a page has named it."""
+
+import asyncio
+import shutil
+import tempfile
+from collections.abc import Awaitable, Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.files import unused
+from ipoa_mission.studio.answers import Trouble
+from ipoa_mission.studio.flight_answers import State
+from ipoa_mission.studio.processes import Died, Process
+from ipoa_mission.studio.requests import Order, Start, Upload
+from ipoa_mission.studio.scenario_document import Document
+from ipoa_mission.studio.vocabulary import PageMessage
+
+WORDS = {"rtl": "return", "land": "landing", "hold": "hold", "go_on": "going on"}
+PILOT = "ipoa_mission.studio.flight_worker"
+
+
+class FlightDesk:
+    """One flight at a time, on the built-in autopilot or on a vehicle."""
+
+    def __init__(self, document: Document, tell: Callable[[PageMessage | dict[str, Any]], None]) -> None:
+        self._document = document
+        self._tell = tell
+        self._process = Process(PILOT)
+        self._task: asyncio.Task[None] | None = None
+        self._loaded: dict[str, Any] | None = None
+        self._flies = self._is_over = False
+        self._folder = Path(tempfile.mkdtemp(prefix="ipoa-studio-"))  # of this user's alone
+
+    def upload(self, request: Upload, hand_over: Callable[[Path], Awaitable[bool]], name: str) -> None:
+        """The first step; `hand_over` has the plan written to a file. Its log has this name.
+
+        Raises:
+            MissionError: a flight is under way.
+        """
+        if self.is_busy:
+            raise MissionError("a flight is under way", hint="let it end, or stop watching it", code="flight-under-way")
+        self._loaded, self._is_over = None, False
+        self._task = asyncio.create_task(self._fly(request, hand_over, name))
+
+    def listen(self, link: str) -> None:
+        """Tell who is heard on the links that there may be.
+
+        Raises:
+            MissionError: a flight is under way.
+        """
+        if self.is_busy:
+            words = "a flight is under way: nothing else is listened to"
+            raise MissionError(words, hint="let it end", code="flight-under-way")
+        self._task = asyncio.create_task(self._listen(link))
+
+    async def start(self, request: Start) -> None:
+        """The second step.
+
+        Raises:
+            MissionError: nothing is loaded, or not this; or the scenario is another one by now.
+        """
+        if self._loaded is None:
+            raise MissionError("not started: no mission is loaded", hint="upload first", code="upload-again")
+        if self._loaded["revision"] != self._document.revision:
+            raise MissionError("not started: it was changed after the upload", hint="upload again", code="upload-again")
+        for what in ("vehicle", "mission", "proof"):
+            named, there = getattr(request, what), self._loaded[what]
+            if named != there:
+                words = f"not started: {what} is {there!r}, not {named!r}"
+                raise MissionError(words, hint="upload again", code="upload-again")
+        self._loaded = None
+        await self._process.send(request.model_dump(mode="json"))
+
+    async def order(self, request: Order) -> None:
+        """Have the vehicle in flight do something else.
+
+        Raises:
+            MissionError: none flies.
+        """
+        if not self._flies:
+            words = f"no {WORDS[request.what]}: nothing flies"
+            raise MissionError(words, hint="start a flight first", code="not-in-the-air")
+        await self._process.send(request.model_dump(mode="json"))
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether a flight is under way, or is about to be."""
+        return self._task is not None and not self._task.done() and not self._is_over
+
+    def abandon(self) -> None:
+        """Leave the flight: what is not started is not; a vehicle in the air flies on, unwatched."""
+        if self._task is not None:
+            self._task.cancel()
+        self._loaded = None
+
+    async def close(self) -> None:
+        """End the pilot's process."""
+        self.abandon()
+        await self._process.close()
+        if self._task is not None:
+            await asyncio.gather(self._task, return_exceptions=True)
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    async def _listen(self, link: str) -> None:
+        with suppress(Died):
+            await self._process.ask({"job": "listen", "link": link}, self._tell)
+
+    async def _fly(self, request: Upload, hand_over: Callable[[Path], Awaitable[bool]], name: str) -> None:
+        file, document = self._folder / "flight.pickle", self._document
+        log = unused(document.path.with_name(f"{name}.tlog"))
+        revision = document.revision  # what is handed over is of this one, whatever is changed meanwhile
+        self._tell(State(phase="uploading", words="getting the plan"))
+        if not await hand_over(file):
+            self._tell(State(phase="idle", words=""))
+            return
+        order = request.model_dump(mode="json") | {
+            "job": "fly",
+            "file": str(file),
+            "revision": revision,
+            "log": str(log),
+        }
+        troubled = False
+
+        def hear(answer: dict[str, Any]) -> None:
+            nonlocal troubled
+            troubled = troubled or answer["kind"] == "trouble"
+            if answer["kind"] == "loaded":
+                self._loaded = answer
+            if answer["kind"] == "state":
+                self._flies, self._is_over = answer["phase"] == "flying", answer["phase"] == "over"
+            self._tell(answer)
+
+        try:
+            await self._process.ask(order, hear)
+        except Died:
+            troubled = True
+            self._tell(
+                Trouble(of="flight", message="the pilot's process ended unexpectedly", hint="look at the vehicle")
+            )
+        except asyncio.CancelledError:
+            self._tell(State(phase="idle", words="the flight was left"))
+            raise
+        finally:
+            self._flies = False
+        if troubled:
+            self._tell(State(phase="idle", words=f"every frame up to there is in {log.name}" if log.exists() else ""))

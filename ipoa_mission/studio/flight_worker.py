@@ -1,0 +1,150 @@
+"""The process that uploads and flies for the studio: `python -m ipoa_mission.studio.flight_worker`.
+
+Nothing is armed before the page has named vehicle, mission and proof as they are here.
+"""
+
+import queue
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Literal
+
+from ipoa_mission.errors import MissionError
+from ipoa_mission.flight.procedure import Stage, begin_mission, load_mission
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.link.connect import connect
+from ipoa_mission.link.logbook import FlightRecord
+from ipoa_mission.link.vehicle import Vehicle
+from ipoa_mission.progress import Progress
+from ipoa_mission.simulator.fly import board
+from ipoa_mission.studio.flight_answers import Landed, Loaded, State
+from ipoa_mission.studio.handed import HandedOver
+from ipoa_mission.studio.harness import Answer, Order, work
+from ipoa_mission.studio.listening import listen
+from ipoa_mission.studio.watch import Watch
+
+LOOK_S = 0.1
+
+
+class FlightWorker:
+    """Flies one mission at a time; `beside` holds what the page says meanwhile."""
+
+    def __init__(self, beside: "queue.SimpleQueue[Order]") -> None:
+        self._beside = beside
+
+    def fly(self, order: Order, answer: Answer) -> None:
+        """Upload, wait for the second step, fly, and tell what is seen."""
+        while not self._beside.empty():
+            self._beside.get()  # said of an earlier flight
+        handed, log = HandedOver.take(Path(order["file"])), Path(order["log"])
+        try:
+            self._fly(handed, order, log, answer)
+        except MissionError as error:
+            if error.hint and "--" in error.hint:
+                error.hint = f"from the command line: {error.hint}"
+            raise
+
+    def _fly(self, handed: HandedOver, order: Order, log: Path, answer: Answer) -> None:
+        with _vehicle(order, handed.forecast, log) as vehicle:
+            forecast = handed.forecast.on(vehicle.firmware_version())
+            items = len(forecast.given.items)
+            name = f"{'built-in ' if order['link'] is None else ''}{vehicle.autopilot}, system {vehicle.system}"
+            tell = lambda words: answer(State(phase="uploading", words=words))  # noqa: E731
+            forecast, remarks = _upload(forecast, vehicle, order["set_params"], tell)
+            loaded = Loaded(
+                revision=order["revision"],
+                vehicle=name,
+                system=vehicle.system,
+                mission=handed.name,
+                proof=handed.proof,
+                items=items,
+                built_in=order["link"] is None,
+                remarks=tuple(dict.fromkeys((*handed.remarks, *remarks))),
+            )
+            answer(loaded)
+            answer(State(phase="loaded", words=f"{items} items are on {name}, read back and equal"))
+            self._await_start(loaded)
+            speedup = order["speedup"] if order["link"] is None else None
+            record, ordered = _flown(forecast, vehicle, answer, speedup, self._beside)
+        ordered = None if record.completed or record.armed or record.deviations else ordered
+        answer(
+            Landed(
+                completed=record.completed,
+                why_not=record.why_not,
+                ordered=ordered,
+                flown_s=round(record.total_s, 2),
+                estimated_s=round(forecast.estimate.total_s, 2),
+                log=log.name,
+            )
+        )
+        if record.completed or ordered:
+            words = f"landed{'' if ordered is None else ', as ordered'}"
+        else:
+            words = f"not complete: {record.why_not}"
+        answer(State(phase="over", words=words))
+
+    def _await_start(self, loaded: Loaded) -> None:
+        """Wait until the page starts this very flight; often, since nothing cancels a thread that waits for ever."""
+        start: Order | None = None
+        while start is None:
+            with suppress(queue.Empty):
+                start = self._beside.get(timeout=LOOK_S)
+        for what in ("vehicle", "mission", "proof"):
+            if start.get(what) != getattr(loaded, what):
+                words = f"not started: you named {what} {start.get(what)!r}, and it is {getattr(loaded, what)!r}"
+                raise MissionError(words, hint="upload again", code="upload-again")
+
+
+@contextmanager
+def _vehicle(order: Order, forecast: Forecast, log: Path) -> Iterator[Vehicle]:
+    link, system = order["link"], order["system"]
+    with board(forecast, log=log) if link is None else connect(link, system=system, log=log) as vehicle:
+        yield vehicle
+
+
+def _upload(
+    forecast: Forecast, vehicle: Vehicle, set_params: bool, tell: Callable[[str], None]
+) -> tuple[Forecast, tuple[str, ...]]:
+    """The mission on the vehicle, each stage told; the forecast for its parameters, and what the user should know."""
+
+    @contextmanager
+    def stages(stage: Stage) -> Iterator[Progress]:
+        tell(stage)
+        yield lambda _, words: tell(words)
+
+    remarks: list[str] = []
+    own = load_mission(vehicle, forecast, set_params=set_params, stages=stages, remark=remarks.append)
+    return own, tuple(remarks)
+
+
+def _flown(
+    forecast: Forecast, vehicle: Vehicle, answer: Answer, speedup: float | None, beside: "queue.SimpleQueue[Order]"
+) -> tuple[FlightRecord, Literal["rtl", "land"] | None]:
+    """The flight from here to its end; the built-in autopilot, which knows no clock, so many times as fast as real.
+
+    `beside` holds what the page orders; by which of the orders it landed is told, too.
+    """
+
+    watching: list[Watch] = []
+
+    @contextmanager
+    def stages(stage: Stage) -> Iterator[Progress]:
+        if stage is Stage.FLIGHT:
+            answer(State(phase="flying", words=Stage.START))
+            yield watching[0].look
+        else:
+            if stage is Stage.START:
+                watching.append(Watch(forecast, vehicle, answer, speedup, beside))
+                vehicle.overhearing = watching[0].hear
+            yield lambda _, words: answer(State(phase="preparing", words=words))
+
+    def remark(words: str) -> None:
+        answer(State(phase="preparing", words=words))
+
+    vehicle.conformance.ends_held = False  # the page orders what is next
+    record = begin_mission(vehicle, forecast, stages=stages, remark=remark)
+    return record, watching[0].obeyed
+
+
+if __name__ == "__main__":
+    work(lambda beside: {"fly": (FlightWorker(beside).fly, "flight"), "listen": (listen, "flight")})

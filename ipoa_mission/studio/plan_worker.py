@@ -1,0 +1,259 @@
+"""The process that plans for the studio: `python -m ipoa_mission.studio.plan_worker`."""
+
+import copy
+import time
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter
+
+from ipoa_mission.checks.check import check
+from ipoa_mission.checks.positions import refuse_unsound
+from ipoa_mission.checks.unsafe import refuse_errors
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.files import read_text, unused
+from ipoa_mission.finding import Finding
+from ipoa_mission.flight.flight import Flight, plan_flight
+from ipoa_mission.flight.survey_flight import Survey, plan_survey
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.mission.mission_file import MissionFile
+from ipoa_mission.mission.mission_io import parse_mission, read_by_items, write_mission
+from ipoa_mission.planning.sketch import sketch_path
+from ipoa_mission.progress import Progress as ShowProgress
+from ipoa_mission.scenario import Scenario, parse_scenario
+from ipoa_mission.scenario.scenario_file import parse_toml, scenario_of
+from ipoa_mission.studio.answers import Progress, Sketch, Trouble, Written
+from ipoa_mission.studio.area_view import area_of
+from ipoa_mission.studio.contingency_strip import strips_of
+from ipoa_mission.studio.edits import apply_changes
+from ipoa_mission.studio.handed import HandedOver, mission_over, planned_over, survey_over
+from ipoa_mission.studio.harness import Answer, Job, Order, Subject, work
+from ipoa_mission.studio.judged import checked, mission_world, opened
+from ipoa_mission.studio.plan_answers import expected, planned, sketched
+from ipoa_mission.studio.refused import misread, refused
+from ipoa_mission.studio.replay import replayed
+from ipoa_mission.studio.requests import Change
+from ipoa_mission.studio.survey_answers import CoarseSurvey
+from ipoa_mission.studio.surveyed import coarse_survey, planned_survey
+from ipoa_mission.studio.view import world_of
+from ipoa_mission.survey.laying import sketch_survey
+from ipoa_mission.vehicles.autopilot import autopilot_named
+
+CHANGES: TypeAdapter[tuple[Change, ...]] = TypeAdapter(tuple[Change, ...])
+TELL_EVERY_S = 0.1  # progress is told no more often
+
+
+def look(order: Order, answer: Answer) -> None:
+    """What the map shows of a scenario; its survey's area even where the scenario makes no sense."""
+    table, revision = _table(order["text"], order["path"]), order["revision"]
+    try:
+        scenario = _scenario(order["text"], order["path"])
+    except MissionError as error:
+        answer(area_of(table, None, revision))
+        answer(misread(error, table, order["path"], revision))
+    else:
+        answer(area_of(table, scenario, revision))
+        answer(world_of(scenario, revision))
+
+
+def sketch(order: Order, answer: Answer) -> None:
+    """A coarse path, of the scenario as it is or as it would be."""
+    begun = time.perf_counter()
+    if order["changes"]:
+        table = copy.deepcopy(_table(order["text"], order["path"]))
+        apply_changes(table, CHANGES.validate_python(order["changes"]))
+        scenario = scenario_of(table, Path(order["path"]))
+    else:
+        scenario = _scenario(order["text"], order["path"])
+    try:
+        answer(_coarse(scenario, order, begun))
+    except MissionError as error:
+        answer(refused(error, scenario, order["revision"], of="sketch"))
+
+
+def _coarse(scenario: Scenario, order: Order, begun: float) -> Sketch | CoarseSurvey:
+    """A first answer at once: a path, or the lines of a survey."""
+    about = order["revision"], order["number"]
+    if scenario.survey is None:
+        path = sketch_path(scenario)
+        return sketched(path, scenario, *about, time.perf_counter() - begun)
+    lines = sketch_survey(scenario)
+    return coarse_survey(lines, scenario, *about, time.perf_counter() - begun)
+
+
+def judge(order: Order, answer: Answer) -> None:
+    """An open mission: its map, its items, what the check finds, and its flight as expected."""
+    begun, revision, path = time.perf_counter(), order["revision"], Path(order["path"])
+    file, forecast = _mission(order)
+    answer(mission_world(forecast, revision))
+    answer(opened(file, forecast, revision, order["worlds"], order["world"]))
+    findings, flies = checked(_findings(file, forecast), forecast, revision)
+    answer(findings)
+    if flies:
+        answer(expected(forecast, path.stem, revision, time.perf_counter() - begun))
+        if order["log"] is not None:
+            answer(replayed(Path(order["log"]), forecast, revision))
+
+
+def end_mission(order: Order, answer: Answer) -> None:
+    """How the open mission can end before its last item."""
+    _, forecast = _mission(order)
+    for strip in strips_of(forecast, order["revision"], 0):
+        answer(strip)
+
+
+def hand_over_mission(order: Order, answer: Answer) -> None:
+    """The open mission, for the process that flies it.
+
+    Raises:
+        MissionError: the check finds errors, or it has no time.
+    """
+    file, forecast = _mission(order)
+    warnings = refuse_errors(_findings(file, forecast))
+    refuse_unsound(forecast.given)
+    mission_over(Path(order["path"]).stem, forecast, warnings).write(Path(order["file"]))
+
+
+class PlanWorker:
+    """Plans flights, and keeps the last one, to write its files or to hand it over."""
+
+    def __init__(self) -> None:
+        self._plan: Flight | Survey | None = None
+
+    def plan(self, order: Order, answer: Answer) -> None:
+        """The proved flight."""
+        revision, begun, told_at = order["revision"], time.perf_counter(), 0.0
+
+        def progress(share: float, words: str) -> None:
+            nonlocal told_at
+            if time.perf_counter() - told_at > TELL_EVERY_S:
+                told_at = time.perf_counter()
+                answer(Progress(revision=revision, share=share, words=words))
+
+        self._plan = None
+        scenario = _scenario(order["text"], order["path"])
+        try:
+            if scenario.survey is None:
+                self._plan = flight = plan_flight(scenario, seed=order["seed"], progress=progress)
+                answer(planned(flight, revision, time.perf_counter() - begun))
+            else:
+                survey, logs = _survey(scenario, order, progress, answer)
+                self._plan = survey
+                answer(planned_survey(survey, revision, time.perf_counter() - begun, logs))
+        except MissionError as error:
+            answer(refused(error, scenario, revision))
+
+    def end(self, order: Order, answer: Answer) -> None:
+        """How the plan's flight can end before its last item, of a survey's the one that is meant."""
+        plan, n = self._expect_plan(), order["flight"]
+        forecast = plan.flights[n] if isinstance(plan, Survey) else plan.forecast
+        for strip in strips_of(forecast, order["revision"], n):
+            answer(strip)
+
+    def write(self, order: Order, answer: Answer) -> None:
+        """The plan's files, its reports among them."""
+        plan, folder = self._expect_plan(), Path(order["folder"])
+        files = [*plan.write(folder)]
+        if isinstance(plan, Survey):
+            files += plan.report(folder)
+        else:
+            files.append(folder / f"{plan.name}.html")
+            plan.report(files[-1])
+        answer(Written(files=tuple(file.name for file in files)))
+
+    def detach(self, order: Order, answer: Answer) -> None:
+        """The flight's mission as a file of its own, over nothing."""
+        handed, folder = self._expect_flight(order), Path(order["folder"])
+        target = unused(folder / f"{handed.name}-edited.plan")
+        write_mission(handed.forecast.mission, target)
+        answer(Written(files=(target.name,)))
+
+    def hand_over(self, order: Order, answer: Answer) -> None:
+        """The flight, for the process that flies it."""
+        self._expect_flight(order).write(Path(order["file"]))
+
+    def _expect_plan(self) -> Flight | Survey:
+        if self._plan is None:
+            raise MissionError("there is no proved plan", hint="plan first", code="not-planned")
+        return self._plan
+
+    def _expect_flight(self, order: Order) -> HandedOver:
+        plan, n = self._expect_plan(), order.get("flight", 0)
+        if not isinstance(plan, Survey):
+            return planned_over(plan)
+        if not 0 <= n < len(plan.flights):
+            raise MissionError(f"expected one of {len(plan.flights)}", code="no-such-item", place=f"flight {n + 1}")
+        return survey_over(plan, n)
+
+    def jobs(self, _: object) -> Mapping[str, tuple[Job, Subject]]:
+        """What can be asked."""
+        return {
+            "look": (look, "scenario"),
+            "sketch": (sketch, "sketch"),
+            "judge": (judge, "scenario"),
+            "end mission": (end_mission, "scenario"),
+            "hand over mission": (hand_over_mission, "flight"),
+            "detach": (self.detach, "file"),
+            "plan": (self.plan, "plan"),
+            "end": (self.end, "plan"),
+            "write": (self.write, "file"),
+            "hand over": (self.hand_over, "flight"),
+        }
+
+
+def _survey(
+    scenario: Scenario, order: Order, progress: ShowProgress, answer: Answer
+) -> tuple[Survey, tuple[Path, ...]]:
+    """The survey without what was flown by some logs, and these; where they make no sense that is told, and all of it.
+
+    Raises:
+        MissionError: as `plan_survey`.
+    """
+    logs = tuple(Path(log) for log in order["flown"])
+    try:
+        return plan_survey(scenario=scenario, seed=order["seed"], flown=logs, progress=progress), logs
+    except BadInput as error:
+        if not logs:
+            raise
+        message = str(error)
+        for log in logs:
+            message = message.replace(str(log), log.name)
+        answer(Trouble(of="edit", message=message, hint="all of the survey is planned again"))
+    return plan_survey(scenario=scenario, seed=order["seed"], progress=progress), ()
+
+
+def _mission(order: Order) -> tuple[MissionFile, Forecast]:
+    world = None if order["world"] is None else read_text(Path(order["world"]))
+    return _mission_in(order["text"], order["path"], world, order["world"], order["autopilot"])
+
+
+@lru_cache(maxsize=1)
+def _mission_in(
+    text: str, path: str, world_text: str | None, world_path: str, autopilot: str | None
+) -> tuple[MissionFile, Forecast]:
+    world = None if world_text is None else _scenario(world_text, world_path)
+    flies = None if autopilot is None else autopilot_named(autopilot)
+    if flies is None and world is not None and Path(path).suffix.lower() == ".waypoints":
+        flies = world.vehicle.autopilot  # whom such a file does not say
+    file = read_by_items(Path(path), parse_mission(Path(path), text, flies))
+    return file, Forecast(file.mission, world)
+
+
+def _findings(file: MissionFile, forecast: Forecast) -> tuple[Finding, ...]:
+    return check(forecast, read=file.findings)
+
+
+@lru_cache(maxsize=4)
+def _table(text: str, path: str) -> dict[str, Any]:
+    return parse_toml(text, Path(path))
+
+
+@lru_cache(maxsize=2)
+def _scenario(text: str, path: str) -> Scenario:
+    return parse_scenario(text, Path(path))
+
+
+if __name__ == "__main__":
+    work(PlanWorker().jobs)

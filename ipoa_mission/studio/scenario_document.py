@@ -1,0 +1,188 @@
+"""The file that is being edited, a scenario or a mission: its text, what was done to it, and where it is saved."""
+
+import datetime
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.files import MISSIONS, read_text, unused, write_atomically
+from ipoa_mission.mission.mission_file import MissionFile
+from ipoa_mission.mission.mission_io import parse_mission, write_mission
+from ipoa_mission.studio import answers
+from ipoa_mission.studio.edits import changed, parse_table
+from ipoa_mission.studio.journal import SUFFIX, Journal
+from ipoa_mission.studio.mission_changes import mission_changed
+from ipoa_mission.studio.requests import Add, Change, InsertItem, PlainItems, Take, TakeItem
+from ipoa_mission.vehicles.autopilot import autopilot_named
+
+BOM = b"\xef\xbb\xbf"
+
+
+class Stale(MissionError):
+    """Another window, or another program, was quicker."""
+
+
+class Document:
+    """A scenario or a mission file and what is done to it; `revision` grows with every change.
+
+    `autopilot` is whom a mission is read for, where that is not whom its file says.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.is_mission = path.suffix.lower() in MISSIONS
+        self.autopilot: str | None = None
+        self.revision = 1
+        self.changed_outside = False
+        self._numbered_anew = 1
+        text = read_text(path)
+        self._journal = Journal.open(path.with_name(path.name + SUFFIX), text)
+
+    @property
+    def text(self) -> str:
+        """The scenario's text as it is now."""
+        return self._journal.text
+
+    def edit(self, changes: Iterable[Change], label: str, seen: int) -> bool:
+        """Change it; whether that made a difference. `seen` is the revision that the changes are of.
+
+        Raises:
+            Stale: since then the numbers of things in their lists have changed: who knows which is meant?
+            BadInput: there is nothing at a path, or the text makes no sense.
+        """
+        changes = tuple(changes)
+        if seen < self._numbered_anew:
+            raise Stale(f"{self.path.name} was changed elsewhere meanwhile", hint="look at it, and do it again")
+        new = self._mission_with(changes) if self.is_mission else changed(self.text, changes)
+        different = self._stepped(self._journal.write(new, label))
+        if any(isinstance(change, Take | Add | InsertItem | TakeItem | PlainItems) for change in changes):
+            self._numbered_anew = self.revision
+        return different
+
+    def rewrite(self, text: str, seen: int) -> bool:
+        """Replace the text.
+
+        Raises:
+            Stale: another window has changed it since this one saw it.
+        """
+        if seen != self.revision:
+            words = f"{self.path.name} was changed elsewhere while its text was edited here"
+            raise Stale(words, hint="copy it, and reload")
+        return self._renumbered(self._journal.write(text, "text edited"))
+
+    def read_for(self, autopilot: str | None) -> None:
+        """Whom a mission is read for; what was found out about it counts no more."""
+        self.autopilot = autopilot
+        self.revision += 1
+
+    def undo(self) -> bool:
+        """Take the last change back; whether there was one."""
+        return self._renumbered(self._journal.undo())
+
+    def redo(self) -> bool:
+        """Do again what was taken back; whether there was something."""
+        return self._renumbered(self._journal.redo())
+
+    def save(self, over: bool = False) -> None:
+        """Write the file, unless it has the text already.
+
+        Raises:
+            Stale: another program has changed it; `over` writes all the same.
+            BadInput: it cannot be written.
+        """
+        if not over and self.path.exists() and self._on_disk() != self._journal.saved:
+            self.changed_outside = True
+            raise Stale(f"{self.path.name} was changed by another program", hint="save over it, or take its text")
+        mark = BOM if self.path.exists() and self.path.read_bytes().startswith(BOM) else b""
+        if not self.path.exists() or self._on_disk() != self.text:
+            write_atomically(self.path, mark + self.text.encode())
+        self._journal.mark_saved()
+        self.changed_outside = False
+
+    def save_as(self, suffix: str) -> tuple[Path, tuple[str, ...]]:
+        """Write the mission beside its file, over nothing: the file, and in words what its format cannot hold.
+
+        Raises:
+            BadInput: this is no mission, or the format cannot hold it.
+        """
+        if not self.is_mission:
+            raise BadInput("expected a mission", hint="Mission files writes those of a scenario", place=self.path.name)
+        file, target = self._mission(), unused(self.path.with_suffix(suffix))
+        return target, write_mission(file.mission, target, suffix, file)
+
+    def look_at_disk(self) -> bool:
+        """See whether another program has written the file; without changes of ours its text is taken at once.
+
+        Whether anything is different from before.
+        """
+        try:
+            there = self._on_disk()
+        except BadInput:
+            return False
+        if there == self._journal.saved:
+            return False
+        if there == self.text:  # the same was done there: what a page knows of it counts on
+            self._journal.mark_saved()
+            self.changed_outside = False
+            return True
+        if self.text == self._journal.saved:
+            return self.take_theirs()
+        before, self.changed_outside = self.changed_outside, True
+        return not before
+
+    def take_theirs(self) -> bool:
+        """Take the text of the file, as an edit that can be undone."""
+        self._journal.take_from_disk(self._on_disk())
+        self.changed_outside = False
+        return self._renumbered(True)
+
+    def as_answer(self) -> answers.Document:
+        """Itself for a page."""
+        journal = self._journal
+        try:
+            table = {} if self.is_mission else _plain(parse_table(self.text).unwrap())
+        except BadInput:
+            table = {}
+        return answers.Document(
+            of="mission" if self.is_mission else "scenario",
+            revision=self.revision,
+            name=self.path.stem,
+            path=str(self.path),
+            text=self.text,
+            scenario=table,
+            unsaved=self.text != journal.saved,
+            changed_outside=self.changed_outside,
+            undo=journal.undo_label,
+            redo=journal.redo_label,
+        )
+
+    def _mission_with(self, changes: Iterable[Change]) -> str:
+        return mission_changed(self.text, self.path, changes, self.autopilot)
+
+    def _mission(self) -> MissionFile:
+        return parse_mission(self.path, self.text, None if self.autopilot is None else autopilot_named(self.autopilot))
+
+    def _renumbered(self, different: bool) -> bool:
+        self._stepped(different)
+        self._numbered_anew = self.revision
+        return different
+
+    def _stepped(self, different: bool) -> bool:
+        self.revision += different
+        return different
+
+    def _on_disk(self) -> str:
+        return read_text(self.path)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(one) for key, one in value.items()}
+    if isinstance(value, list):
+        return [_plain(one) for one in value]
+    if isinstance(value, datetime.date | datetime.time):
+        return value.isoformat()
+    if isinstance(value, float) and not abs(value) < float("inf"):
+        return str(value)
+    return value

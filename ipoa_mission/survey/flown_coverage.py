@@ -1,0 +1,71 @@
+"""What a survey sees as its flights are flown, or expected to be: vehicles cut corners, and fly past them."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import shapely
+
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.timing.track import STRAY, Track
+from ipoa_mission.geometry import Points
+from ipoa_mission.scenario.other_home import between
+from ipoa_mission.survey.survey_lines import union_along
+from ipoa_mission.survey.tour import Tour
+from ipoa_mission.world.frame import LocalFrame
+
+SAME = 0.05  # an item so near to the end of a line is it [m]
+ARC = 16  # segments of a quarter of a circle
+
+
+@dataclass(frozen=True)
+class AsFlown:
+    """Of what can be seen the share that is, and how far lines and the ways between them lead out of the area [m]."""
+
+    share: float
+    outside_m: float
+
+
+def as_flown(flights: Iterable[tuple[Track, Points]], area: Any, visible: Any, width: float) -> AsFlown:
+    """What flights see of an area, the sensor on along their lines.
+
+    Args:
+        flights: how each is flown, and when it begins and ends its lines (n, 2) [s].
+        area: a shapely geometry that is not to be left.
+        visible: what of it can be seen.
+        width: of what the sensor sees [m].
+    """
+    lines, outside = list[Any](), 0.0
+    shapely.prepare(area)
+    for track, ends in flights:
+        lines += [_path(track, *times) for times in ends.tolist()]
+        whole = _path(track, float(ends[0, 0]), float(ends[-1, 1]))
+        strayed = shapely.points(shapely.get_coordinates(whole.difference(area)))
+        outside = max(outside, float(shapely.distance(area, strayed).max(initial=0.0)))
+    unseen = visible.difference(union_along(np.array(lines), width / 2, ARC)).area
+    return AsFlown(1.0 - unseen / visible.area, outside)
+
+
+def expected_lines(forecast: Forecast, tour: Tour, frame: LocalFrame) -> tuple[Track, Points]:
+    """How a flight of lines that are given in a frame is expected to be flown, as `as_flown` takes it."""
+    prediction, move = forecast.promise.flight.prediction, between(forecast.frame, frame)
+    items = [visit.item for visit in forecast.itinerary.visits]
+    latitude, longitude = np.array([[item.latitude_deg, item.longitude_deg] for item in items]).T
+    places = frame.to_local(latitude, longitude, forecast.mission.home.altitude)[:, :2]
+    visits, n = list[int](), 0
+    for end in (end for swath in tour.swaths for end in (swath.begin, swath.end)):
+        n += int(np.argmax(np.linalg.norm(places[n:] - end, axis=1) < SAME))
+        visits.append(n)
+    track = prediction.track
+    plan = np.column_stack([move(track.points[:, :2]), track.points[:, 2]])
+    return Track(track.times, plan, track.speeds), prediction.done[visits].reshape(-1, 2)
+
+
+def _path(track: Track, begin: float, end: float) -> Any:
+    """Where it leads in plan from one time to another [s], a line of shapely."""
+    before = max(int(np.searchsorted(track.times, begin, "right")) - 1, 0)
+    near = slice(before, np.searchsorted(track.times, end) + 1)  # all of many hours takes long for each line
+    first, last = Track(track.times[near], track.points[near], track.speeds[near]).at(np.array([begin, end]))
+    places = np.vstack([first, track.between(begin, end).points, last])[:, :2]
+    return shapely.simplify(shapely.LineString(places), STRAY, preserve_topology=False)

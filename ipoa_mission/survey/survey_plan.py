@@ -1,0 +1,238 @@
+"""From a scenario with a survey to the flights that fly it: each keeps its clearance and comes home on its battery."""
+
+import logging
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import shapely
+
+from ipoa_mission.checks.check import check
+from ipoa_mission.checks.unsafe import refuse_errors
+from ipoa_mission.errors import BadInput, MissionError
+from ipoa_mission.finding import Finding
+from ipoa_mission.forecast.contingency_paths import ContingencyPaths
+from ipoa_mission.forecast.deviation.promise import Kept, Promise
+from ipoa_mission.forecast.energy_budget import shortage_of
+from ipoa_mission.forecast.forecast import Forecast
+from ipoa_mission.forecast.timing.track import STRAY
+from ipoa_mission.geometry import Points
+from ipoa_mission.planning.obstruction import NoPath
+from ipoa_mission.progress import Progress, silent
+from ipoa_mission.scenario import Scenario
+from ipoa_mission.scenario.survey_section import SurveySection
+from ipoa_mission.survey.area import Area
+from ipoa_mission.survey.coverage import Coverage, coverage
+from ipoa_mission.survey.flight_maker import FlightMaker, laid_tours, parts_of, returning
+from ipoa_mission.survey.flown_coverage import AsFlown, as_flown, expected_lines
+from ipoa_mission.survey.keep_out import flown_round, keep_out
+from ipoa_mission.survey.laying import expect_high_enough, expect_survey, way_over
+from ipoa_mission.survey.overlap import Overlaps, flown_lines, smallest_overlaps
+from ipoa_mission.survey.resume import left_to_fly
+from ipoa_mission.survey.sight import Sight, sight_of
+from ipoa_mission.survey.tour import Sortie, Tour
+
+log = logging.getLogger(__name__)
+
+ROUNDS = 8  # so often what comes too near is given more room, at each speed
+AS_NEAR = 0.25  # what has no more room than that, as far as is known, is given more, too [m]
+SPEEDS = (1.0, 0.7, 0.5)  # times the cruise speed
+MORE, A_LITTLE = 1.15, 0.05  # times what is missing, and so much [m]
+
+
+@dataclass(frozen=True, eq=False)
+class SurveyFlight:
+    """One flight of a survey: its lines, how it is expected to be flown, what a check warns of, where it begins.
+
+    `tour` is in metres from the scenario's home, `forecast` from that of the flight: the start place of this number,
+    if the survey has such.
+    """
+
+    tour: Tour
+    forecast: Forecast
+    findings: tuple[Finding, ...]
+    start: int | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class SurveyPlan:
+    """A survey that may be flown: what is seen, by which lines, in which flights.
+
+    The scenario's cruise speed is that which is flown, a lower one where at that of the file too few flights would keep
+    the clearance; `growth`: so much more room than others some obstacles were given [m], by name; `is_rest`: it is what
+    is left of a survey, all of whose lines together have that coverage.
+    """
+
+    scenario: Scenario
+    area: Area
+    sight: Sight
+    keep_out: Any | None
+    tour: Tour
+    coverage: Coverage
+    flights: tuple[SurveyFlight, ...]
+    growth: Mapping[str, float]
+    is_rest: bool = False
+
+    @property
+    def photos(self) -> int:
+        """How many are taken in all flights."""
+        return sum(self.sight.photos_of(flight.tour) for flight in self.flights)
+
+    @cached_property
+    def overlaps(self) -> Overlaps | None:
+        """How much photos overlap at least; None without a camera."""
+        if self.sight.trigger is None:
+            return None
+        frame = self.scenario.frame
+        lines = [line for flight in self.flights for line in flown_lines(flight.forecast, self.sight.lag, frame)]
+        return smallest_overlaps(lines, self.sight, self.scenario.airspace.ground, self.free)
+
+    @cached_property
+    def flown(self) -> AsFlown | None:
+        """What is seen as the flights are expected to be flown; None of the rest of a survey."""
+        if self.is_rest:
+            return None
+        visible = self.area.visible(self.keep_out, self.sight.spacing)
+        flights = (expected_lines(flight.forecast, flight.tour, self.scenario.frame) for flight in self.flights)
+        return as_flown(flights, self.area.shape, visible, self.sight.across)
+
+    @property
+    def section(self) -> SurveySection:
+        """What was asked for."""
+        section = self.scenario.survey
+        assert section is not None
+        return section
+
+    def begin_of(self, flight: SurveyFlight) -> tuple[float, float]:
+        """Where one of its flights takes off and lands, east and north of the scenario's home [m]."""
+        return (0.0, 0.0) if self.section.starts is None or flight.start is None else self.section.starts[flight.start]
+
+    @property
+    def free(self) -> Any:
+        """What of the area may be flown over: a shapely geometry."""
+        return self.area.without(self.keep_out)
+
+
+class _TooNear(Exception):
+    def __init__(self, kept: Kept, promise: Promise) -> None:
+        super().__init__(kept.to)
+        self.kept, self.promise = kept, promise
+
+
+def plan_flights(scenario: Scenario, seed: int = 0, progress: Progress = silent) -> SurveyPlan:
+    """The survey of a scenario, flown as quickly as its vehicle can with the clearance that is required.
+
+    Where too few flights would keep it, more room is given to what comes too near, and then it is flown slower.
+
+    Raises:
+        BadInput: the scenario has no survey, or one that makes no sense.
+        NoPath: obstacles leave nothing of the area, or flights would come too near even slowly: it names the place.
+        NoRoute: there is no clear way there, or home.
+        NotEnoughBattery: a line cannot be reached and left again with the reserve.
+        Unsafe: a mission fails a check.
+    """
+    section, area = expect_survey(scenario)
+    for n, share in enumerate(SPEEDS):
+        vehicle = scenario.vehicle.model_copy(update={"cruise_speed": share * scenario.vehicle.cruise_speed})
+        world = scenario if share == 1.0 else scenario.model_copy(update={"vehicle": vehicle})
+        progress(n / len(SPEEDS), f"lines at {world.vehicle.cruise_speed:g} m/s")
+        try:
+            return _with_room(world, section, area, seed)
+        except _TooNear as error:
+            nearest = error
+    raise _refusal(nearest, scenario)
+
+
+def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int) -> SurveyPlan:
+    """At the scenario's speed; raises _TooNear where more room does not help."""
+    sight, growth = sight_of(section, area, scenario), dict[str, float]()
+    expect_high_enough(sight, scenario)
+    for _ in range(ROUNDS):
+        outside = keep_out(scenario, sight, growth)
+        make = FlightMaker(scenario, sight, growth, seed)
+        tour, parts = parts_of(laid_tours(make, section, area, outside), make, section)
+        forecasts = [make(part) for part in parts]
+        near, wanted = _too_near(forecasts), dict[str, float]()
+        if not near:
+            break
+        for kept, promise in near:
+            if kept.limit not in ("obstacles", "bounds"):
+                raise _TooNear(kept, promise)
+            missing = {"bounds": -kept.slack} if kept.limit == "bounds" else _missing(kept, promise, sight, growth)
+            for name, by in missing.items():
+                wanted[name] = max(wanted.get(name, 0.0), growth.get(name, 0.0) + by * MORE + A_LITTLE)
+        growth |= wanted
+    else:
+        raise _TooNear(*min(near, key=lambda pair: pair[0].slack))
+    seen = coverage(area, tour, sight.spacing, outside)
+    return SurveyPlan(scenario, area, sight, outside, tour, seen, _checked(parts, forecasts), growth)
+
+
+def _too_near(forecasts: Sequence[Forecast]) -> list[tuple[Kept, Promise]]:
+    """What flights come too near to, one by one: of many hours what each is judged by is large."""
+    near = list[tuple[Kept, Promise]]()
+    for forecast in forecasts:
+        near += [(kept, forecast.promise) for kept in forecast.promise.forbidding]
+        forecast.drop(ContingencyPaths)
+    return near
+
+
+def _missing(kept: Kept, promise: Promise, sight: Sight, growth: Mapping[str, float]) -> dict[str, float]:
+    """How much room is missing [m] to what one flight keeps too little of, and to all else that it flies round as near.
+
+    Only the worst is promised: of the others the tube is taken to be as wide as there.
+    """
+    flight, lost = promise.flight, kept.nominal - kept.kept
+    way = shapely.LineString(flight.prediction.track.between(*flight.way).points[:, :2]).simplify(STRAY)
+    bodies = flown_round(flight.scenario, sight, growth)
+    slack = shapely.distance(way, [body.plan for body in bodies]) - lost - kept.required
+    missing = {body.name: AS_NEAR - float(each) for body, each in zip(bodies, slack, strict=True) if each < AS_NEAR}
+    return missing | {kept.to: -kept.slack}
+
+
+def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyPlan:
+    """What of a planned survey is left, where a vehicle has flown (n, 3) each already, east, north, up [m].
+
+    Raises:
+        BadInput: nothing is left.
+        NoPath, NoRoute, NotEnoughBattery, Unsafe: as `plan_flights`.
+    """
+    scenario, sight, section = plan.scenario, plan.sight, plan.section
+    way = way_over(plan.area, scenario, section, sight, plan.keep_out)
+    tour = left_to_fly(plan.tour, flown, sight, scenario.airspace.ground, way)
+    if tour is None:
+        raise BadInput("nothing of it is left to be flown", code="nothing-left", place="survey")
+    make = FlightMaker(scenario, sight, plan.growth, seed)
+    tour, parts = parts_of([tour], make, section.model_copy(update={"flights": None}))
+    forecasts = [make(part) for part in parts]
+    near = _too_near(forecasts)
+    if near:
+        raise _refusal(_TooNear(*near[0]), scenario)
+    return replace(plan, tour=tour, flights=_checked(parts, forecasts), is_rest=True)
+
+
+def _checked(parts: Sequence[Sortie], forecasts: Sequence[Forecast]) -> tuple[SurveyFlight, ...]:
+    """Those flights, if each passes all checks and comes home."""
+    flights = list[SurveyFlight]()
+    for part, forecast in zip(parts, map(returning, forecasts), strict=True):
+        findings = refuse_errors(check(forecast))
+        forecast.drop(ContingencyPaths)  # of many hours they are large
+        if (short := shortage_of(forecast)) is not None:
+            raise short
+        flights.append(SurveyFlight(part.tour, forecast, findings, part.start))
+    return tuple(flights)
+
+
+def _refusal(nearest: _TooNear, scenario: Scenario) -> MissionError:
+    kept = nearest.kept
+    east, north, up = kept.place
+    slowest = SPEEDS[-1] * scenario.vehicle.cruise_speed
+    return NoPath(
+        f"even at {slowest:g} m/s flights would come too near {kept.to} at east {east:.1f}, north {north:.1f}, "
+        f"up {up:.1f} m: {kept.words(nearest.promise.confidence)}",
+        hint="fly higher (survey.height_above_ground), or leave that place out of the area",
+        code="survey-too-near",
+        place="survey",
+        known={"limit": kept.limit, "near": kept.to},
+    )
