@@ -23,11 +23,11 @@ def check_failsafe_landing(forecast: Forecast) -> Iterator[Finding]:
     ways = forecast.cached(ContingencyPaths)
     if len(ways.stops().times) < 2:
         return
-    looks = ways.looks(Contingency.LAND)
-    asked = np.flatnonzero(((looks.near < ways.required) & (looks.which != GROUND)).any(axis=(1, 2)))
+    assessments = ways.assessments(Contingency.LAND)
+    asked = np.flatnonzero(((assessments.near < ways.required) & (assessments.which != GROUND)).any(axis=(1, 2)))
     if len(asked):
-        seqs = np.unique(ways.stops().seqs_at(looks.times[asked]))
-        worst = asked[np.argmin(looks.spare[asked])]
-        kept = Check("obstacles", ways.exactly(Contingency.LAND, looks, int(worst)), ways.required)
+        seqs = np.unique(ways.stops().seqs_at(assessments.times[asked]))
+        worst = asked[np.argmin(assessments.spare[asked])]
+        kept = Check("obstacles", ways.exactly(Contingency.LAND, assessments, int(worst)), ways.required)
         words = f"{in_words(seqs.tolist())}: LAND on the way there, by {who_lands(forecast)}, comes down {kept.words()}"
         yield Finding("land-too-near", Severity.WARNING, int(seqs[0]), words, to_return_instead(forecast))

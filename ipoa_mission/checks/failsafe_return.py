@@ -30,26 +30,28 @@ def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
     if (why := ways.why_unknown()) is not None:
         yield Finding("return-too-near", Severity.WARNING, None, f"nobody looked where RTL from the way leads: {why}")
         return
-    looks = ways.looks(Contingency.RTL)
+    assessments = ways.assessments(Contingency.RTL)
     begin, end = forecast.promise.flight.way
-    asked = ~looks.clear & (looks.times >= begin) & (looks.times <= end)  # its own climb and return are legs
-    near = np.where(looks.taken[..., None] & asked[:, None, None], looks.near - ways.required, 0.0)
+    asked = (
+        ~assessments.clear & (assessments.times >= begin) & (assessments.times <= end)
+    )  # its own climb and return are legs
+    near = np.where(assessments.taken[..., None] & asked[:, None, None], assessments.near - ways.required, 0.0)
     braking = near[:, :, :RETURNS].min(axis=2, keepdims=True)
     near[:, :, RETURNS:][near[:, :, RETURNS:] >= braking - ROUNDING] = 0.0  # it is where it begins that is too near
     for legs, verb, order in TOLD:
         short = near[:, :, legs.start : legs.stop].min(axis=(1, 2))
         if (short < 0.0).any():
-            seqs = np.unique(ways.stops().seqs_at(looks.times[short < 0.0]))
-            worst = _check(ways, looks, int(np.argmin(short)), legs)
+            seqs = np.unique(ways.stops().seqs_at(assessments.times[short < 0.0]))
+            worst = _check(ways, assessments, int(np.argmin(short)), legs)
             words = f"{in_words(seqs.tolist())}: {order} on the way there {verb} {worst.words()}"
             hint = _remedy(ways) if legs.start == RETURNS else None
             yield Finding("return-too-near", Severity.WARNING, int(seqs[0]), words, hint)
 
 
-def _check(ways: ContingencyPaths, looks: ContingencySamples, n: int, legs: range) -> Check:
+def _check(ways: ContingencyPaths, assessments: ContingencySamples, n: int, legs: range) -> Check:
     """What some legs of the ways from one look come nearest to breaking."""
-    some = [way[legs.start : legs.stop + 1] for way in looks.ways[n][looks.taken[n]]]
-    if GROUND in looks.which[n, :, legs.start : legs.stop]:
+    some = [way[legs.start : legs.stop + 1] for way in assessments.ways[n][assessments.taken[n]]]
+    if GROUND in assessments.which[n, :, legs.start : legs.stop]:
         checks = (check for way in some for check in prove_ground(way[:2], ways.forecast.world))
         return min(checks, key=lambda check: check.slack)
     clearances = (ways.roomy.airspace.obstacle_clearance(way) for way in some)
@@ -60,7 +62,7 @@ def _remedy(ways: ContingencyPaths) -> str | None:
     """A return altitude that is allowed, a multiple of five meters, at which the way home is clear from everywhere."""
     by, short = (
         ways.mission.autopilot.book.return_height,
-        list(shortfalls(ways, Contingency.RTL, ways.looks(Contingency.RTL))),
+        list(shortfalls(ways, Contingency.RTL, ways.assessments(Contingency.RTL))),
     )
     higher, left = at_another_height(ways, ways.forecast, short)
     if any(one.part >= RETURNS for one in left):

@@ -31,7 +31,7 @@ def endings_as_json(rows: tuple[ContingencyRow, ...], failsafes: tuple[Failsafe,
 def _row(row: ContingencyRow) -> dict[str, Any]:
     lands = None if row.lands is None else {"east": _rounded(row.lands[0]), "north": _rounded(row.lands[1])}
     return {
-        "ending": str(row.ending),
+        "ending": str(row.contingency),
         "from_s": _rounded(row.from_s),
         "to_s": _rounded(row.to_s),
         "clear": row.clear,
@@ -51,8 +51,8 @@ def _failsafe(failsafe: Failsafe) -> dict[str, Any]:
         "cause": failsafe.cause,
         "parameter": failsafe.parameter or None,
         "value": None if math.isnan(failsafe.value) else failsafe.value,
-        "ending": str(failsafe.route.ending),
-        "otherwise": [str(ending) for ending in failsafe.route.otherwise],
+        "ending": str(failsafe.route.contingency),
+        "otherwise": [str(contingency) for contingency in failsafe.route.otherwise],
         "words": failsafe.route.words,
     }
 
@@ -83,9 +83,9 @@ def tell_strip(rows: tuple[ContingencyRow, ...]) -> None:
     each = (end - begin) / CELLS
     tell("", f"how this flight can end, {begin:.1f} to {end:.1f} s after arming; each character is {each:.1f} s", "")
     bars = bars_of(rows)
-    widest = max(len(bar.ending) for bar in bars)
+    widest = max(len(bar.contingency) for bar in bars)
     for bar in bars:
-        tell(f"{bar.ending:{widest}}  {bar_of(bar.rows)}  {bar.leads}")
+        tell(f"{bar.contingency:{widest}}  {bar_of(bar.rows)}  {bar.leads}")
     tell("", LEGEND)
     unclear = [str(row) for row in rows if not row.clear]
     tell(*(unclear or ["every ending is clear"]))
@@ -112,7 +112,7 @@ def _cells(row: ContingencyRow) -> tuple[str, ...]:
     least = f"{row.least_m:.2f}" if math.isfinite(row.least_m) else ""
     clear = CELL[row.grade]
     times = f"{row.from_s:.1f}", f"{row.to_s:.1f}"
-    return (str(row.ending), *times, clear, least, f"{row.required_m:.2f}", row.to, row.goal, takes, energy)
+    return (str(row.contingency), *times, clear, least, f"{row.required_m:.2f}", row.to, row.goal, takes, energy)
 
 
 def _setting(failsafe: Failsafe) -> str:

@@ -1,9 +1,9 @@
 """Kernels as machine code: compiled when the package was built, or else by numba when they are first needed.
 
-A kernel is one Python function, decorated with `njit`; one that also runs as plain Python is not decorated but handed
-to `jit_if_faster`. A wheel carries the machine code of both, which `tools/machine_code` makes: it loads in a millisecond and
-needs neither numba nor a writable folder. Where the sources (`library.SOURCES`), the system or the CPU differ from
-those that it was made for, numba compiles, as it does in a checkout, and keeps the result until one of these differs.
+A kernel is one Python function, decorated with `njit`, or handed to `jit_if_faster` where it also runs as plain Python.
+A wheel carries the machine code of both, made by `tools/machine_code`: it loads in a millisecond and needs neither
+numba nor a writable folder. Where the sources (`library.SOURCES`), the system or the CPU differ from those that it was
+made for, numba compiles, as in a checkout, and caches the result until one of these differs.
 """
 
 import sys

@@ -219,8 +219,8 @@ class ConformanceMonitor:
 
     def _width(self, law: DeviationLaw) -> Vector:
         """Return how far the tube reaches to the side, down and up in a straight flight (3,) [m]."""
-        rim = deviation_bound_of(law, self._chance)
-        return np.array([law.beside(self._chance), rim.down, rim.up])
+        deviation_bound = deviation_bound_of(law, self._chance)
+        return np.array([law.beside(self._chance), deviation_bound.down, deviation_bound.up])
 
     def _corridor(self) -> tuple[Vector, Points, Points]:
         """Return times (n,), places (n, 3) of the predicted flight, and its tube to the side, down and up (n, 3)."""

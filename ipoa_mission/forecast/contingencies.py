@@ -64,8 +64,8 @@ def contingencies_of(forecast: Forecast) -> tuple[Contingency, ...]:
     """The endings that the vehicle has, of those that are looked at: what a failsafe or a pilot's order leads to."""
     failsafes = failsafes_of(forecast)
     actions = [action for one in failsafes for action in (one.route, *one.differs.values())]
-    had = {ending for action in actions for ending in (action.ending, *action.otherwise)}
-    return tuple(ending for ending in LOOKED_AT if ending in (had if failsafes else OF_ANY_VEHICLE))
+    had = {contingency for action in actions for contingency in (action.contingency, *action.otherwise)}
+    return tuple(contingency for contingency in LOOKED_AT if contingency in (had if failsafes else OF_ANY_VEHICLE))
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class ContingencyRow:
     `lands`: east and north of home [m], None where it holds, or where the place changes all the time.
     """
 
-    ending: Contingency
+    contingency: Contingency
     from_s: float
     to_s: float
     grade: Grade
@@ -128,13 +128,13 @@ class ContingencyRow:
         return f", {up(self.required_m):.2f} m required"
 
     def __str__(self) -> str:
-        return f"{self.ending} {self.from_s:.1f} to {self.to_s:.1f} s, {self.leads}: {self.keeps}"
+        return f"{self.contingency} {self.from_s:.1f} to {self.to_s:.1f} s, {self.leads}: {self.keeps}"
 
 
 class ContingencyBar(NamedTuple):
     """What a strip shows of one ending: its rows in the order of their times, and to where they lead."""
 
-    ending: Contingency
+    contingency: Contingency
     leads: str
     rows: tuple[ContingencyRow, ...]
 
@@ -143,10 +143,10 @@ def bars_of(rows: Iterable[ContingencyRow]) -> tuple[ContingencyBar, ...]:
     """The rows ending by ending."""
     own: dict[Contingency, list[ContingencyRow]] = {}
     for row in rows:
-        own.setdefault(row.ending, []).append(row)
+        own.setdefault(row.contingency, []).append(row)
     return tuple(
-        ContingencyBar(ending, ", ".join(dict.fromkeys(row.leads for row in mine)), tuple(mine))
-        for ending, mine in own.items()
+        ContingencyBar(contingency, ", ".join(dict.fromkeys(row.leads for row in mine)), tuple(mine))
+        for contingency, mine in own.items()
     )
 
 
@@ -181,114 +181,128 @@ class Contingencies:
         begin, end = self._in_mean(np.array(self.ways.in_air))
         return float(begin), float(end)
 
-    def stops(self, ending: Contingency = Contingency.RTL) -> StoppingPoints:
+    def stops(self, contingency: Contingency = Contingency.RTL) -> StoppingPoints:
         """As those of `ways`."""
-        stops = self.ways.stops(ending)
+        stops = self.ways.stops(contingency)
         return replace(stops, times=self._in_mean(stops.times))
 
-    def looks(self, ending: Contingency, between: tuple[float, float] | None = None) -> ContingencySamples:
+    def assessments(self, contingency: Contingency, between: tuple[float, float] | None = None) -> ContingencySamples:
         """As those of `ways`."""
-        looks = self.ways.looks(ending, None if between is None else tuple(self._if_sure(np.array(between)).tolist()))
-        return replace(looks, times=self._in_mean(looks.times))
+        assessments = self.ways.assessments(
+            contingency, None if between is None else tuple(self._if_sure(np.array(between)).tolist())
+        )
+        return replace(assessments, times=self._in_mean(assessments.times))
 
     def all_rows(self, timed: bool = True) -> tuple[ContingencyRow, ...]:
         """Every ending that the vehicle has, one after the other; as `rows`, and raises as it does."""
-        return tuple(row for ending in contingencies_of(self.forecast) for row in self.rows(ending, timed))
+        return tuple(row for contingency in contingencies_of(self.forecast) for row in self.rows(contingency, timed))
 
-    def rows(self, ending: Contingency, timed: bool = True) -> tuple[ContingencyRow, ...]:
+    def rows(self, contingency: Contingency, timed: bool = True) -> tuple[ContingencyRow, ...]:
         """One ending, from the first moment in the air to the last; with times and energy if `timed`.
 
         Raises:
             MissionError: the vehicle has no model of its flight.
         """
-        if ending is Contingency.RTL and (why := self.ways.why_unknown()) is not None:
-            return (ContingencyRow(ending, *self.in_air, Grade.UNKNOWN, math.nan, self.ways.required, why, UNKNOWN),)
-        looks = self.looks(ending)
-        if ending not in self._rows:
-            grades = self._grades(ending, looks)
-            runs = _runs(looks.taken, grades)
-            self._rows[ending] = [(self._row(ending, looks, run, grades[run.start]), run) for run in runs]
-        return tuple(self._timed(row, looks, run) if timed else row for row, run in self._rows[ending])
+        if contingency is Contingency.RTL and (why := self.ways.why_unknown()) is not None:
+            return (
+                ContingencyRow(contingency, *self.in_air, Grade.UNKNOWN, math.nan, self.ways.required, why, UNKNOWN),
+            )
+        assessments = self.assessments(contingency)
+        if contingency not in self._rows:
+            grades = self._grades(contingency, assessments)
+            runs = _runs(assessments.taken, grades)
+            self._rows[contingency] = [
+                (self._row(contingency, assessments, run, grades[run.start]), run) for run in runs
+            ]
+        return tuple(self._timed(row, assessments, run) if timed else row for row, run in self._rows[contingency])
 
-    def at(self, ending: Contingency, time: float, timed: bool = True) -> ContingencyRow:
+    def at(self, contingency: Contingency, time: float, timed: bool = True) -> ContingencyRow:
         """An ending that is ordered at one time in the air [s]; as `rows`, and raises as it does."""
-        if ending is Contingency.RTL and (why := self.ways.why_unknown()) is not None:
-            return ContingencyRow(ending, time, time, Grade.UNKNOWN, math.nan, self.ways.required, why, UNKNOWN)
+        if contingency is Contingency.RTL and (why := self.ways.why_unknown()) is not None:
+            return ContingencyRow(contingency, time, time, Grade.UNKNOWN, math.nan, self.ways.required, why, UNKNOWN)
         doubt = float(self._doubts(np.array([time]))[0])
         begin, end = np.clip([time - doubt, time + doubt], *self.in_air)
-        now = self.ways.at(ending, self._if_sure(np.clip([time], begin, end)))
-        both = [self.looks(ending, (begin, end)), replace(now, times=np.clip([time], begin, end))]
-        looks = ContingencySamples.merged(both)
-        middle = int(np.searchsorted(looks.times, np.clip(time, begin, end)))
-        row = self._row(ending, looks, range(len(looks.times)), self._grades(ending, looks)[middle])
-        row = replace(row, from_s=time, to_s=time, goal=self.ways.goal(ending, looks, middle))
-        return self._timed(row, looks, range(middle, middle + 1)) if timed else row
+        now = self.ways.at(contingency, self._if_sure(np.clip([time], begin, end)))
+        both = [self.assessments(contingency, (begin, end)), replace(now, times=np.clip([time], begin, end))]
+        assessments = ContingencySamples.merged(both)
+        middle = int(np.searchsorted(assessments.times, np.clip(time, begin, end)))
+        row = self._row(
+            contingency, assessments, range(len(assessments.times)), self._grades(contingency, assessments)[middle]
+        )
+        row = replace(row, from_s=time, to_s=time, goal=self.ways.goal(contingency, assessments, middle))
+        return self._timed(row, assessments, range(middle, middle + 1)) if timed else row
 
     def _doubts(self, times: Vector) -> Vector:
         """By how much the flight may be early or late at each of these times (n,) [s]."""
         prediction = self.forecast.expected
         return BEGUN_S + np.interp(times, prediction.done, (prediction.high - prediction.low) / 2)
 
-    def _grades(self, ending: Contingency, looks: ContingencySamples) -> list[Grade]:
+    def _grades(self, contingency: Contingency, assessments: ContingencySamples) -> list[Grade]:
         """Of each look (n,), from wherever the vehicle may be then."""
-        times, doubts = looks.times, self._doubts(looks.times)
-        clear, shares = clear_at_any_time(times, looks.clear, doubts), np.zeros(len(times))
+        times, doubts = assessments.times, self._doubts(assessments.times)
+        clear, shares = clear_at_any_time(times, assessments.clear, doubts), np.zeros(len(times))
         if not clear.all():
-            evenly, nearer = self._nearer(ending, looks)
+            evenly, nearer = self._nearer(contingency, assessments)
             shares[~clear] = share_nearer(times[~clear], doubts[~clear], evenly, nearer)
         return graded(clear, shares)
 
-    def _nearer(self, ending: Contingency, looks: ContingencySamples) -> tuple[Vector, NDArray[np.bool_]]:
+    def _nearer(self, contingency: Contingency, assessments: ContingencySamples) -> tuple[Vector, NDArray[np.bool_]]:
         """Times (m,), evenly spaced, and whether the ways that are predicted from there come nearer than required."""
-        begin, end = looks.times[0], looks.times[-1]
+        begin, end = assessments.times[0], assessments.times[-1]
         evenly = np.linspace(begin, end, max(2, round((end - begin) / WEIGHED_S) + 1))
-        after = np.clip(np.searchsorted(looks.times, evenly), 1, len(looks.times) - 1)
-        asked = ~(looks.clear[after - 1] & looks.clear[after])
+        after = np.clip(np.searchsorted(assessments.times, evenly), 1, len(assessments.times) - 1)
+        asked = ~(assessments.clear[after - 1] & assessments.clear[after])
         nearer = np.zeros(len(evenly), dtype=bool)
         if asked.any():
-            predicted = self.ways.as_flown.at(ending, self._if_sure(evenly[asked]))
+            predicted = self.ways.as_flown.at(contingency, self._if_sure(evenly[asked]))
             nearer[asked] = predicted.all_nearer(self.ways.required)
         return evenly, nearer
 
-    def _row(self, ending: Contingency, looks: ContingencySamples, run: range, grade: Grade) -> ContingencyRow:
+    def _row(
+        self, contingency: Contingency, assessments: ContingencySamples, run: range, grade: Grade
+    ) -> ContingencyRow:
         """The row of the looks in a run, as the worst one has it at which the vehicle may be there."""
-        seen = run if grade is Grade.CLEAR else self._seen(looks, run)
-        worst, near = min(self._nearest(ending, looks, seen), key=lambda found: found[1].distance)
+        seen = run if grade is Grade.CLEAR else self._seen(assessments, run)
+        worst, near = min(self._nearest(contingency, assessments, seen), key=lambda found: found[1].distance)
         least, required, to = near.distance, self.ways.required, near.what
-        if GROUND in looks.which[seen.start : seen.stop]:
-            on_ground = [n for n in seen if GROUND in looks.which[n]]
-            worst = min(on_ground, key=lambda n: float(looks.spare[n]))
-            low = self.ways.lowest(ending, looks, worst)
+        if GROUND in assessments.which[seen.start : seen.stop]:
+            on_ground = [n for n in seen if GROUND in assessments.which[n]]
+            worst = min(on_ground, key=lambda n: float(assessments.spare[n]))
+            low = self.ways.lowest(contingency, assessments, worst)
             least, required, to = low.nearest.distance, low.required, ON_GROUND
-        goal, lands = self.ways.goal(ending, looks, run.start), None
+        goal, lands = self.ways.goal(contingency, assessments, run.start), None
         if goal != "here":
-            east, north, _ = looks.ways[run.start][looks.taken[run.start]][0, -1]
+            east, north, _ = assessments.ways[run.start][assessments.taken[run.start]][0, -1]
             lands = float(east), float(north)
-        until = float(looks.times[min(run.stop, len(looks.times) - 1)])
-        return ContingencyRow(ending, float(looks.times[run.start]), until, grade, least, required, to, goal, lands)
+        until = float(assessments.times[min(run.stop, len(assessments.times) - 1)])
+        return ContingencyRow(
+            contingency, float(assessments.times[run.start]), until, grade, least, required, to, goal, lands
+        )
 
-    def _seen(self, looks: ContingencySamples, run: range) -> range:
+    def _seen(self, assessments: ContingencySamples, run: range) -> range:
         """The looks of a run and those so soon before and after it that the vehicle may be there instead."""
-        edges = looks.times[[run.start, run.stop - 1]]
+        edges = assessments.times[[run.start, run.stop - 1]]
         early, late = edges + np.array([-1.0, 1.0]) * self._doubts(edges)
-        begin, end = np.searchsorted(looks.times, early), np.searchsorted(looks.times, late, side="right")
+        begin, end = np.searchsorted(assessments.times, early), np.searchsorted(assessments.times, late, side="right")
         return range(min(int(begin), run.start), max(int(end), run.stop))
 
-    def _nearest(self, ending: Contingency, looks: ContingencySamples, run: range) -> list[tuple[int, Clearance]]:
+    def _nearest(
+        self, contingency: Contingency, assessments: ContingencySamples, run: range
+    ) -> list[tuple[int, Clearance]]:
         """The looks of a run that are nearest to something, and how near: one of these is the nearest of all."""
-        spare = looks.spare[run.start : run.stop]
+        spare = assessments.spare[run.start : run.stop]
         inside = np.flatnonzero(spare <= -self.ways.required)  # how deep is not known yet
         few = np.linspace(0, len(inside) - 1, min(len(inside), NEAREST_FEW)).astype(int)
         picked = {*np.argsort(spare, kind="stable")[:NEAREST_FEW].tolist(), *inside[few].tolist()}
-        return [(run[n], self.ways.exactly(ending, looks, run[n])) for n in sorted(picked)]
+        return [(run[n], self.ways.exactly(contingency, assessments, run[n])) for n in sorted(picked)]
 
-    def _timed(self, row: ContingencyRow, looks: ContingencySamples, run: range) -> ContingencyRow:
+    def _timed(self, row: ContingencyRow, assessments: ContingencySamples, run: range) -> ContingencyRow:
         """The row with how long its flights last, as the vehicle's model flies them, and what they take."""
-        if row.ending not in (Contingency.RTL, Contingency.LAND):
+        if row.contingency not in (Contingency.RTL, Contingency.LAND):
             return row
         picked = {run[round(share * (len(run) - 1))] for share in np.linspace(0.0, 1.0, TIMED)}
         try:
-            flown = [flown_from(self.forecast, row.ending, float(looks.times[n])) for n in sorted(picked)]
+            flown = [flown_from(self.forecast, row.contingency, float(assessments.times[n])) for n in sorted(picked)]
         except MissionError:
             return row
         used = [one.used.between for one in flown if one.used is not None]
@@ -298,15 +312,15 @@ class Contingencies:
         takes = (min(one.low for one in used), max(one.high for one in used)) if used else None
         return replace(row, touches_s=touches, duration_s=lasts, energy_wh=takes)
 
-    def lasts(self, ending: Contingency, time: float) -> tuple[float, float] | None:
+    def lasts(self, contingency: Contingency, time: float) -> tuple[float, float] | None:
         """The least and the most time that an ending takes which is ordered at a time [s]; None where nobody knows."""
-        taken = self.takes(ending, time)
+        taken = self.takes(contingency, time)
         return None if taken is None else taken.lasts
 
-    def takes(self, ending: Contingency, time: float) -> Taken | None:
+    def takes(self, contingency: Contingency, time: float) -> Taken | None:
         """The same with what it takes of the battery, as `flown_from`."""
         try:
-            return flown_from(self.forecast, ending, float(np.clip(time, *self.in_air)))
+            return flown_from(self.forecast, contingency, float(np.clip(time, *self.in_air)))
         except MissionError:
             return None
 

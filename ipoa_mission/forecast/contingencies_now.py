@@ -51,35 +51,37 @@ class ContingenciesNow:
         self._late_s = time - found
         return found, float(apart[best])
 
-    def from_here(self, ending: Contingency, place: Vector, velocity: Vector) -> ContingencyRow:
+    def from_here(self, contingency: Contingency, place: Vector, velocity: Vector) -> ContingencyRow:
         """To hold or to land from where the vehicle is (3,) [m], at its velocity east and north (2,) [m/s]."""
         forecast, ways = self._endings.forecast, self._endings.ways
         autopilot, parameters = forecast.mission.autopilot, forecast.mission.parameters
         stand = place.copy()
-        stand[:2] += autopilot.flies_on(ending) * velocity
-        stand[:2] += autopilot.braking_way(parameters, velocity[None, :], np.zeros((1, 2)), ending)[0]
+        stand[:2] += autopilot.flies_on(contingency) * velocity
+        stand[:2] += autopilot.braking_way(parameters, velocity[None, :], np.zeros((1, 2)), contingency)[0]
         ground = np.array([stand[0], stand[1], float(ways.roomy.airspace.ground(stand[None, :])[0])])
-        path = np.array([place, stand] if ending is Contingency.HOLD else [place, stand, ground])
+        path = np.array([place, stand] if contingency is Contingency.HOLD else [place, stand, ground])
         near = ways.roomy.airspace.obstacle_clearance(path, within=ways.required + NEAR)
         grade = Grade.CLEAR if near.distance >= ways.required else Grade.WOULD
-        return ContingencyRow(ending, 0.0, 0.0, grade, near.distance, ways.required, near.what, "here")
+        return ContingencyRow(contingency, 0.0, 0.0, grade, near.distance, ways.required, near.what, "here")
 
     def words(self, time: float) -> str:
         """The same in a line: "rtl clear, 2.13 m from mast, 62 s"."""
-        told = ((f"{row.ending} {row.keeps}", seconds) for row, seconds in self.at(time))
+        told = ((f"{row.contingency} {row.keeps}", seconds) for row, seconds in self.at(time))
         return "; ".join(words if seconds is None else f"{words}, {seconds:.0f} s" for words, seconds in told)
 
-    def _row(self, ending: Contingency, time: float) -> ContingencyRow:
-        return next((row for row in self._rows[ending] if time < row.to_s), self._rows[ending][-1])
+    def _row(self, contingency: Contingency, time: float) -> ContingencyRow:
+        return next((row for row in self._rows[contingency] if time < row.to_s), self._rows[contingency][-1])
 
     def _seconds(self, row: ContingencyRow, time: float) -> float | None:
-        if row.ending not in TIMED:
+        if row.contingency not in TIMED:
             return None
         begin = EVERY_S * math.floor(time / EVERY_S)
         end = begin + EVERY_S
         while True:
             times = np.clip([begin, end], *self._endings.ways.in_air)
-            lasts = {at: sum(both) / 2 for at in times.tolist() if (both := self._lasts(row.ending, at)) is not None}
+            lasts = {
+                at: sum(both) / 2 for at in times.tolist() if (both := self._lasts(row.contingency, at)) is not None
+            }
             middle, took = (begin + end) / 2, list(lasts.values())
             if end - begin <= NEAREST_S or len(took) < 2 or abs(took[1] - took[0]) < STEEP * (end - begin):
                 return float(np.interp(time, [*lasts], took)) if lasts else None

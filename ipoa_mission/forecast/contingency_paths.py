@@ -107,15 +107,17 @@ class ContingencySamples:
         return cls(**whole)
 
     @classmethod
-    def merged(cls, looks: "Sequence[ContingencySamples]") -> "ContingencySamples":
+    def merged(cls, assessments: "Sequence[ContingencySamples]") -> "ContingencySamples":
         """All of them, in the order of their times."""
-        order = np.argsort(np.concatenate([some.times for some in looks]), kind="stable")
+        order = np.argsort(np.concatenate([some.times for some in assessments]), kind="stable")
         taken = slice(None) if (np.diff(order) == 1).all() else order  # all of them as they are, or copied
-        return cls(**{f.name: np.concatenate([getattr(one, f.name) for one in looks])[taken] for f in fields(cls)})
+        return cls(
+            **{f.name: np.concatenate([getattr(one, f.name) for one in assessments])[taken] for f in fields(cls)}
+        )
 
 
 class ContingencyPaths:
-    """Where the endings of one forecast's flight lead, in the world of its scenario: `forecast.cached(ContingencyPaths)`.
+    """Compute contingency paths for a forecast, in the world of its scenario: `forecast.cached(ContingencyPaths)`.
 
     Times are those of the flight that is sure where it is.
     """
@@ -136,7 +138,11 @@ class ContingencyPaths:
         other.__dict__["roomy"] = self.roomy
         if not any(item.command == Command.NAV_RETURN_TO_LAUNCH for item in self.mission.items):
             other.__dict__["in_air"], other._stops = self.in_air, self._stops  # it is flown as before
-            other._looks = {ending: looks for ending, looks in self._looks.items() if ending is not Contingency.RTL}
+            other._looks = {
+                contingency: assessments
+                for contingency, assessments in self._looks.items()
+                if contingency is not Contingency.RTL
+            }
         return other
 
     @cached_property
@@ -159,11 +165,11 @@ class ContingencyPaths:
         lifted = track.times[track.points[:, 2] > track.points[0, 2] + LIFTED]
         return (float(lifted[0]), float(lifted[-1])) if len(lifted) else (0.0, 0.0)
 
-    def stops(self, ending: Contingency = Contingency.RTL) -> StoppingPoints:
+    def stops(self, contingency: Contingency = Contingency.RTL) -> StoppingPoints:
         """Where it comes to a stand, from every moment at which it is in the air."""
-        if ending not in self._stops:
-            self._stops[ending] = stopping_points_of(self.forecast, *self.in_air, ending)
-        return self._stops[ending]
+        if contingency not in self._stops:
+            self._stops[contingency] = stopping_points_of(self.forecast, *self.in_air, contingency)
+        return self._stops[contingency]
 
     def why_unknown(self) -> str | None:
         """Why it is not known here where a return leads; None where it is."""
@@ -174,71 +180,71 @@ class ContingencyPaths:
             return "returns round fences are not modeled"
         return None
 
-    def looks(self, ending: Contingency, between: tuple[float, float] | None = None) -> ContingencySamples:
+    def assessments(self, contingency: Contingency, between: tuple[float, float] | None = None) -> ContingencySamples:
         """At an ending from so many times in the air, or between two of these, that nothing is missed."""
         if between is None:
-            if ending not in self._looks:
-                self._looks[ending] = self.looks(ending, self.in_air)
-            return self._looks[ending]
+            if contingency not in self._looks:
+                self._looks[contingency] = self.assessments(contingency, self.in_air)
+            return self._looks[contingency]
         begin, end = between
-        looks = self.at(ending, np.linspace(begin, end, max(2, round((end - begin) / EVERY_S) + 1)))
-        while len(times := looks.gaps()):
-            looks = ContingencySamples.merged([looks, self.at(ending, times)])
-        return looks
+        assessments = self.at(contingency, np.linspace(begin, end, max(2, round((end - begin) / EVERY_S) + 1)))
+        while len(times := assessments.gaps()):
+            assessments = ContingencySamples.merged([assessments, self.at(contingency, times)])
+        return assessments
 
-    def at(self, ending: Contingency, times: Vector) -> ContingencySamples:
+    def at(self, contingency: Contingency, times: Vector) -> ContingencySamples:
         """At an ending from these times (n,), in their order."""
         some = np.array_split(times, math.ceil(len(times) / AT_ONCE) or 1)
-        return ContingencySamples.following((self._at(ending, part) for part in some), len(times))
+        return ContingencySamples.following((self._at(contingency, part) for part in some), len(times))
 
-    def _at(self, ending: Contingency, times: Vector) -> ContingencySamples:
-        places, stands = self.stops(ending).at(times)
+    def _at(self, contingency: Contingency, times: Vector) -> ContingencySamples:
+        places, stands = self.stops(contingency).at(times)
         ways, taken = np.stack([places, stands], axis=1)[:, None], np.ones((len(times), 1), dtype=bool)
-        if ending is Contingency.LAND:
+        if contingency is Contingency.LAND:
             ways = np.concatenate([ways, self._ground_below(stands)[:, None, None]], axis=2)
-        elif ending is Contingency.RTL:
-            ways, taken = self._returns(places, stands, self.stops(ending).seqs_at(times))
-        elif ending is Contingency.SMART_RTL:
+        elif contingency is Contingency.RTL:
+            ways, taken = self._returns(places, stands, self.stops(contingency).seqs_at(times))
+        elif contingency is Contingency.SMART_RTL:
             home = np.broadcast_to(self.forecast.promise.flight.pieces.points[0], (len(times), 1, 1, 3))
             ways = np.concatenate([ways, home], axis=2)
         near, which = self._near(ways)
-        if ending is Contingency.SMART_RTL:
+        if contingency is Contingency.SMART_RTL:
             near[:, 0, 1], which[:, 0, 1] = self._flown_so_far(times)
-        if ending is Contingency.RTL:
+        if contingency is Contingency.RTL:
             self._note_mission(times, near, which)
         spare = np.where(taken, np.minimum(near.min(axis=2) - self.required, SEEN), SEEN).min(axis=1)
-        looks = ContingencySamples(times, ways, taken, near, which, spare)
-        return self._with_ground(looks, _come_down(ending))
+        assessments = ContingencySamples(times, ways, taken, near, which, spare)
+        return self._with_ground(assessments, _come_down(contingency))
 
-    def exactly(self, ending: Contingency, looks: ContingencySamples, n: int) -> Clearance:
+    def exactly(self, contingency: Contingency, assessments: ContingencySamples, n: int) -> Clearance:
         """What one look keeps of an obstacle, to the millimeter, and of which."""
-        if ending is Contingency.SMART_RTL:
-            return self._least_noted(looks, n)
+        if contingency is Contingency.SMART_RTL:
+            return self._least_noted(assessments, n)
         least = NOTHING_NEAR
-        for way in looks.ways[n][looks.taken[n]]:
+        for way in assessments.ways[n][assessments.taken[n]]:
             found = self.roomy.airspace.obstacle_clearance(way, within=least.distance)
             least = min(least, found, key=lambda clearance: clearance.distance)
         return least
 
-    def lowest(self, ending: Contingency, looks: ContingencySamples, n: int) -> Check:
+    def lowest(self, contingency: Contingency, assessments: ContingencySamples, n: int) -> Check:
         """What one look keeps of the ground on the ways that may be taken, before it comes down."""
-        ways = looks.ways[n, looks.taken[n], : _come_down(ending)]
+        ways = assessments.ways[n, assessments.taken[n], : _come_down(contingency)]
         checks = (check for way in ways for check in prove_ground(way, self.forecast.world))
         return min(checks, key=lambda check: check.slack)
 
-    def _least_noted(self, looks: ContingencySamples, n: int) -> Clearance:
-        leg = int(np.argmin(looks.near[n, 0]))
-        number, place = int(looks.which[n, 0, leg]), looks.ways[n, 0, leg].tolist()
+    def _least_noted(self, assessments: ContingencySamples, n: int) -> Clearance:
+        leg = int(np.argmin(assessments.near[n, 0]))
+        number, place = int(assessments.which[n, 0, leg]), assessments.ways[n, 0, leg].tolist()
         name = self.roomy.airspace.obstacles[number].name if number >= 0 else "nothing"
-        return Clearance(float(looks.near[n, 0, leg]), (place[0], place[1], place[2]), name, leg)
+        return Clearance(float(assessments.near[n, 0, leg]), (place[0], place[1], place[2]), name, leg)
 
-    def goal(self, ending: Contingency, looks: ContingencySamples, n: int) -> str:
+    def goal(self, contingency: Contingency, assessments: ContingencySamples, n: int) -> str:
         """Where one look leads, in words."""
-        if ending in (Contingency.LAND, Contingency.HOLD):
+        if contingency in (Contingency.LAND, Contingency.HOLD):
             return "here"
         names = ["home", *(f"rally point {k}" for k in range(1, len(self.rally) + 1))]
         names += [WHERE[by] for by in self.routes.kinds]
-        goals = sorted({int(way) // self._variants for way in np.flatnonzero(looks.taken[n])})
+        goals = sorted({int(way) // self._variants for way in np.flatnonzero(assessments.taken[n])})
         return " or ".join(dict.fromkeys(names[goal] for goal in goals))
 
     def _near(self, ways: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
@@ -279,23 +285,23 @@ class ContingencyPaths:
             places = np.repeat(places, 2, axis=0)
         return self._near(np.stack([places[:-1], places[1:]], axis=1)[:, None])
 
-    def _with_ground(self, looks: ContingencySamples, end: int) -> ContingencySamples:
+    def _with_ground(self, assessments: ContingencySamples, end: int) -> ContingencySamples:
         """The looks with what their ways up to place `end` keep of the ground, where that is less."""
         begin, last = self.forecast.promise.flight.way
-        near, which, spare = looks.near.copy(), looks.which.copy(), looks.spare.copy()
-        on_the_way = np.flatnonzero((looks.times >= begin) & (looks.times <= last))
-        ways, terrain = looks.ways[on_the_way, :, :end], self.forecast.world.airspace.terrain
+        near, which, spare = assessments.near.copy(), assessments.which.copy(), assessments.spare.copy()
+        on_the_way = np.flatnonzero((assessments.times >= begin) & (assessments.times <= last))
+        ways, terrain = assessments.ways[on_the_way, :, :end], self.forecast.world.airspace.terrain
         heights = terrain.legs_height(ways[:, :, :-1].reshape(-1, 3), ways[:, :, 1:].reshape(-1, 3))
         least = heights.reshape(*ways.shape[:2], ways.shape[2] - 1).min(axis=2)
-        low = looks.taken[on_the_way] & (least < self.forecast.world.limits.height_above_ground + ROUNDING)
+        low = assessments.taken[on_the_way] & (least < self.forecast.world.limits.height_above_ground + ROUNDING)
         for at, k in np.argwhere(low).tolist():
             n = on_the_way[at]
-            for check in prove_ground(looks.ways[n, k, :end], self.forecast.world):
+            for check in prove_ground(assessments.ways[n, k, :end], self.forecast.world):
                 if check.slack < min(spare[n], 0.0):
                     leg = min(check.nearest.leg, near.shape[2] - 1)
                     near[n, k, leg], which[n, k, leg] = self.required + check.slack, GROUND
                     spare[n] = check.slack
-        return replace(looks, near=near, which=which, spare=spare)
+        return replace(assessments, near=near, which=which, spare=spare)
 
     @property
     def _shares(self) -> tuple[float, ...]:
@@ -352,9 +358,9 @@ class ContingencyPaths:
         return np.column_stack([points[:, :2], np.minimum(ground, points[:, 2])])
 
 
-def _come_down(ending: Contingency) -> int:
+def _come_down(contingency: Contingency) -> int:
     """Which place of its ways is the first that is on the ground, or no longer braking."""
-    return -1 if ending is Contingency.RTL else 2
+    return -1 if contingency is Contingency.RTL else 2
 
 
 def _padded(ways: NDArray[np.float64], places: int) -> NDArray[np.float64]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel
+from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel
 from ipoa_mission.scenario.budget import battery_of, flight_energy
 from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.vehicles.energy.consumption import LIFTED, Battery, Consumption, Interval, NotEnoughBattery, shortage
@@ -233,14 +233,14 @@ def _budget(forecast: Forecast) -> Budget | None:
     return None if used is None else Budget(forecast, used, battery_of(forecast.scenario))
 
 
-def flown_from(forecast: Forecast, ending: Contingency, time: float) -> Taken:
+def flown_from(forecast: Forecast, contingency: Contingency, time: float) -> Taken:
     """How long an RTL or LAND that is ordered at a time takes at least and at most [s], and what it takes.
 
     Raises:
         MissionError: the vehicle does not get on, or its model knows no such flights.
     """
     mission = forecast.mission
-    order = BrokenOff(time, ending)
+    order = Abort(time, contingency)
     prediction = mission.autopilot.part(FlightModel).broken_off(forecast.itinerary, mission, forecast.wind, None, order)
     track = prediction.track.between(time, np.inf)
     lasts = max(float(prediction.low[-1]) - time, 0.0), max(float(prediction.high[-1]) - time, 0.0)

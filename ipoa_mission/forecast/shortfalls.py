@@ -33,7 +33,7 @@ class Shortfall:
     `part` is the leg of its way; `overhead`: what is too near hangs over the vehicle as it climbs. The ground is "".
     """
 
-    ending: Contingency
+    contingency: Contingency
     time: float
     body: str
     missing: float
@@ -43,7 +43,7 @@ class Shortfall:
     @property
     def comes_down(self) -> bool:
         """Whether it lands on it, or too near to it."""
-        return self.ending is Contingency.LAND and self.part > BRAKES
+        return self.contingency is Contingency.LAND and self.part > BRAKES
 
 
 def returning(ways: ContingencyPaths) -> list[Shortfall]:
@@ -51,7 +51,7 @@ def returning(ways: ContingencyPaths) -> list[Shortfall]:
     begin, end = ways.in_air
     few = ways.at(Contingency.RTL, np.linspace(begin, end, max(2, round((end - begin) / (2 * EVERY_S)))))
     return list(shortfalls(ways, Contingency.RTL, few)) or list(
-        shortfalls(ways, Contingency.RTL, ways.looks(Contingency.RTL))
+        shortfalls(ways, Contingency.RTL, ways.assessments(Contingency.RTL))
     )
 
 
@@ -127,16 +127,24 @@ def _heights(ways: ContingencyPaths, short: list[Shortfall], now: float) -> Iter
         yield float(HEIGHT_STEP * math.ceil(min(over) / HEIGHT_STEP))
 
 
-def shortfalls(ways: ContingencyPaths, ending: Contingency, looks: ContingencySamples) -> Iterator[Shortfall]:
+def shortfalls(
+    ways: ContingencyPaths, contingency: Contingency, assessments: ContingencySamples
+) -> Iterator[Shortfall]:
     """What is too near, of each body and each leg of the ways to it the worst."""
-    short = np.where(looks.taken[..., None] & ~looks.clear[:, None, None], looks.near - ways.required, 0.0)
+    short = np.where(
+        assessments.taken[..., None] & ~assessments.clear[:, None, None], assessments.near - ways.required, 0.0
+    )
     where = np.argwhere(short < 0.0)
     seen = set[tuple[int, int]]()
     bodies = ways.roomy.airspace.obstacles
     for n, k, leg in where[np.argsort(short[tuple(where.T)], kind="stable")].tolist():
-        number = int(looks.which[n, k, leg])
+        number = int(assessments.which[n, k, leg])
         if (number, leg) not in seen:
             seen.add((number, leg))
             name = "" if number == GROUND else bodies[number].name
-            over = number >= 0 and leg == CLIMBS and float(bodies[number].bounds[0, 2]) > float(looks.ways[n, k, 1, 2])
-            yield Shortfall(ending, float(looks.times[n]), name, -float(short[n, k, leg]), leg, over)
+            over = (
+                number >= 0
+                and leg == CLIMBS
+                and float(bodies[number].bounds[0, 2]) > float(assessments.ways[n, k, 1, 2])
+            )
+            yield Shortfall(contingency, float(assessments.times[n]), name, -float(short[n, k, leg]), leg, over)

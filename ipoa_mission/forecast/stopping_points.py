@@ -36,14 +36,14 @@ class StoppingPoints:
 
 
 def stopping_points_of(
-    forecast: Forecast, begin: float | None = None, end: float | None = None, ending: Contingency = Contingency.RTL
+    forecast: Forecast, begin: float | None = None, end: float | None = None, contingency: Contingency = Contingency.RTL
 ) -> StoppingPoints:
     """From one time to another [s], at the end of which it stands; left out, from the take-off to the last waypoint."""
     mission, flight = forecast.mission, forecast.promise.flight
     autopilot = mission.autopilot
     begin, end = flight.way[0] if begin is None else begin, flight.way[1] if end is None else end
     times = np.append(np.arange(begin, end, LOOK_EVERY_S), end)
-    then = np.minimum(times + autopilot.flies_on(ending), end)
+    then = np.minimum(times + autopilot.flies_on(contingency), end)
     before, places, stands, after = map(flight.pieces.at, (then - LOOK_EVERY_S, times, then, then + LOOK_EVERY_S))
     velocity = (after - before) / (2 * LOOK_EVERY_S)
     speed = np.maximum(np.hypot(*velocity[:, :2].T), STANDS)
@@ -55,7 +55,7 @@ def stopping_points_of(
     if not autopilot.guidance.climb_ends_at_once:  # else it stops its climb by itself, within half a meter
         way = autopilot.braking_distance(mission.parameters, np.hypot(*velocity[:, :2].T), gains)
         stands[:, 2] += velocity[:, 2] * way / speed
-    stands[:, :2] += autopilot.braking_way(mission.parameters, velocity[:, :2], accel, ending)
+    stands[:, :2] += autopilot.braking_way(mission.parameters, velocity[:, :2], accel, contingency)
     seqs = np.array([visit.seq for visit in flight.route.visits])
     return StoppingPoints(
         times, places, stands, seqs[np.minimum(np.searchsorted(flight.prediction.done, times), len(seqs) - 1)]

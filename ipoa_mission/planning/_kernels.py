@@ -1,6 +1,7 @@
 """What must be fast, compiled: the cost of many candidate paths, and how much room there is at many places.
 
-Each has a plain NumPy twin that the tests hold it against. Obstacles, ground and weights come as `ObstacleGrid` and `Rules`.
+Each has a plain NumPy twin that the tests compare it with. Obstacles, ground and weights are an `ObstacleGrid` and
+`Rules`.
 """
 
 # mypy: disable-error-code="no-untyped-def,misc"

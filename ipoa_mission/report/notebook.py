@@ -55,8 +55,8 @@ def estimate_html(estimate: Estimate) -> str:
 def flight_html(flight: FlightRecord) -> str:
     """When each item was done."""
     rows = [(index + 1, f"{at:.1f}") for index, at in sorted(flight.item_reached_s.items())]
-    ending = "to its end" if flight.completed else "and broken off"
-    return _table(f"Flown {ending}: {flight.total_s:.1f} s", ("item", "done at [s]"), rows)
+    contingency = "to its end" if flight.completed else "and broken off"
+    return _table(f"Flown {contingency}: {flight.total_s:.1f} s", ("item", "done at [s]"), rows)
 
 
 #: What is shown, and how.

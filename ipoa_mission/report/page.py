@@ -93,7 +93,7 @@ def report_html(
     danger = dangers(course, scenario)
     extent = extent_of(places, course.points, *([] if flown is None else [flown.points]))
     comparison = None if flight is None else compare_flight(estimate, flight)
-    tube = deviation_bound_seen(forecast)
+    deviation_bound = deviation_bound_seen(forecast)
     home = ways_home(forecast)
     parts = {
         "title": escape(scenario.name),
@@ -109,9 +109,9 @@ def report_html(
         ),
         "warnings": warnings(danger, findings, [*remarks, *estimate.remarks], scenario.remarks),
         "survey": survey,
-        "map": ground_plan(scenario, extent, stop_list, course, flown, tube),
+        "map": ground_plan(scenario, extent, stop_list, course, flown, deviation_bound),
         "legend": legend(scenario, extent, flown is not None, bool(home)),
-        "profile": height_profile(course, airspace, required, stop_list, flown, tube),
+        "profile": height_profile(course, airspace, required, stop_list, flown, deviation_bound),
         "apart": distance_profile(course, required),
         "profile_note": f"The pale band is the {required:g} m round the path that must stay free.",
         "profile_legend": profile_legend(flown is not None, extent.obstacles(airspace) != extent.buildings(airspace)),
@@ -127,7 +127,7 @@ def report_html(
         "map_js": _asset("map.js"),
         "scene_js": _asset("scene.js"),
         "page_js": _asset("page.js"),
-        "data": page_data(scenario, extent, course, stop_list, flown, tube, home),
+        "data": page_data(scenario, extent, course, stop_list, flown, deviation_bound, home),
     }
     return page_of("page.html", parts)
 

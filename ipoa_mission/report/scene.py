@@ -41,7 +41,7 @@ def page_data(
     course: Seen,
     stops: Sequence[FlownItem],
     flown: Seen | None,
-    tube: DeviationBound,
+    deviation_bound: DeviationBound,
     home: Sequence[Mapping[str, Any]] = (),
 ) -> str:
     """JSON that is safe inside an HTML script element."""
@@ -55,7 +55,7 @@ def page_data(
             "apart": _rounded(course.apart, 2),
         },
         "stops": [_stop(stop, course, scenario) for stop in stops],
-        "tube": _hoops(course.points, tube),
+        "tube": _hoops(course.points, deviation_bound),
         "flown": None if flown is None else _rounded(flown.points, 2),
         "world": _world(scenario, extent, course),
         "home": [*home],
@@ -63,12 +63,12 @@ def page_data(
     return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
 
 
-def _hoops(points: Points, tube: DeviationBound) -> list[Any]:
+def _hoops(points: Points, deviation_bound: DeviationBound) -> list[Any]:
     """Closed lines round the path, a few meters apart: where flights are."""
-    if tube.level <= 0.0:
+    if deviation_bound.level <= 0.0:
         return []
     along = arc_lengths(points)
-    apart = max(4.0 * tube.level, float(along[-1]) / DETAIL.most_hoops)
+    apart = max(4.0 * deviation_bound.level, float(along[-1]) / DETAIL.most_hoops)
     hoops = []
     for at in np.arange(apart, along[-1], apart):
         n = min(int(np.searchsorted(along, at)), len(points) - 1)
@@ -76,8 +76,8 @@ def _hoops(points: Points, tube: DeviationBound) -> list[Any]:
         if not (length := float(np.hypot(*ahead))):
             continue
         turn = np.linspace(0.0, 2 * np.pi, DETAIL.hoop_corners + 1)
-        aside = tube.level * np.cos(turn)[:, None] * np.array([-ahead[1], ahead[0]]) / length
-        height = np.where(np.sin(turn) > 0, tube.up, tube.down) * np.sin(turn)
+        aside = deviation_bound.level * np.cos(turn)[:, None] * np.array([-ahead[1], ahead[0]]) / length
+        height = np.where(np.sin(turn) > 0, deviation_bound.up, deviation_bound.down) * np.sin(turn)
         hoops.append(_rounded(points[n] + np.column_stack([aside, height]), 2))
     return hoops
 

@@ -7,7 +7,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.centimeters import down, falls_short, up
-from ipoa_mission.forecast.deviation.kept_limits import NO_TUBE, DeviationBound, deviation_bound_of
+from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, DeviationBound, deviation_bound_of
 from ipoa_mission.forecast.deviation.measured_law import law_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.track import Track
@@ -59,7 +59,7 @@ def deviation_bound_seen(forecast: Forecast) -> DeviationBound:
     scenario = forecast.world
     chance = scenario.safety.chance
     return (
-        NO_TUBE
+        NO_DEVIATION
         if chance is None
         else deviation_bound_of(law_of(forecast.mission.autopilot, scenario.wind.strongest), chance)
     )

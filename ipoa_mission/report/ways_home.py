@@ -20,17 +20,17 @@ def ways_home(forecast: Forecast) -> list[dict[str, Any]]:
     """
     if forecast.promise_if_known is None or Contingency.RTL not in contingencies_of(forecast):
         return []
-    endings = forecast.cached(Contingencies)
-    if endings.ways.why_unknown() is not None:
+    contingencies = forecast.cached(Contingencies)
+    if contingencies.ways.why_unknown() is not None:
         return []
-    looks = endings.looks(Contingency.RTL)
-    shown = np.unique(np.linspace(0, len(looks.times) - 1, min(MOST, len(looks.times))).round().astype(int))
+    assessments = contingencies.assessments(Contingency.RTL)
+    shown = np.unique(np.linspace(0, len(assessments.times) - 1, min(MOST, len(assessments.times))).round().astype(int))
     return [
         {
-            "from": round(float(looks.times[n]), CENTIMETERS),
-            "clear": bool(looks.clear[n]),
-            "points": looks.ways[n][looks.taken[n]][0].round(CENTIMETERS).tolist(),
+            "from": round(float(assessments.times[n]), CENTIMETERS),
+            "clear": bool(assessments.clear[n]),
+            "points": assessments.ways[n][assessments.taken[n]][0].round(CENTIMETERS).tolist(),
         }
         for n in shown
-        if looks.taken[n].any()
+        if assessments.taken[n].any()
     ]

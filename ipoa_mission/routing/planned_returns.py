@@ -43,11 +43,11 @@ def settled(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
         The forecast of it, and what is still too near: of each body the worst.
     """
     ways = forecast.cached(ContingencyPaths)
-    braking = list(shortfalls(ways, Contingency.HOLD, ways.looks(Contingency.HOLD)))
+    braking = list(shortfalls(ways, Contingency.HOLD, ways.assessments(Contingency.HOLD)))
     if Contingency.SMART_RTL in contingencies_of(forecast):
-        braking += shortfalls(ways, Contingency.SMART_RTL, ways.looks(Contingency.SMART_RTL))
+        braking += shortfalls(ways, Contingency.SMART_RTL, ways.assessments(Contingency.SMART_RTL))
     if lands_by_choice(forecast):
-        braking += shortfalls(ways, Contingency.LAND, ways.looks(Contingency.LAND))
+        braking += shortfalls(ways, Contingency.LAND, ways.assessments(Contingency.LAND))
     if ways.why_unknown() is not None:
         return forecast, tuple(braking)
     if braking:  # another path it must be, and that is to turn back and climb in the clear as well
@@ -84,18 +84,20 @@ def _with_rally_points(
 
 def why_not_planned(forecast: Forecast) -> str:
     """Which stretch of which ending is not clear, in words that go on."""
-    endings = forecast.cached(Contingencies)
+    contingencies = forecast.cached(Contingencies)
     asked = [
-        ending for ending in contingencies_of(forecast) if ending is not Contingency.LAND or lands_by_choice(forecast)
+        contingency
+        for contingency in contingencies_of(forecast)
+        if contingency is not Contingency.LAND or lands_by_choice(forecast)
     ]
-    rows = [row for ending in asked for row in endings.rows(ending, timed=False) if not row.clear]
+    rows = [row for contingency in asked for row in contingencies.rows(contingency, timed=False) if not row.clear]
     worst = min(rows, key=lambda row: row.least_m - row.required_m)
     when = f"from {worst.from_s:.1f} to {worst.to_s:.1f} s after arming"
-    if worst.ending is Contingency.LAND:
+    if worst.contingency is Contingency.LAND:
         return f"LAND {when}, by {who_lands(forecast)}, is {worst.keeps}"
-    where = ", where it brakes" if worst.ending is Contingency.HOLD else ""
+    where = ", where it brakes" if worst.contingency is Contingency.HOLD else ""
     kept = f"keeps {worst.least_m:.2f} m of {worst.to}{where}, {worst.required_m:.2f} m required"
-    order = "SmartRTL" if worst.ending is Contingency.SMART_RTL else "RTL"
+    order = "SmartRTL" if worst.contingency is Contingency.SMART_RTL else "RTL"
     return f"{order} {when} {kept if math.isfinite(worst.least_m) else worst.to}"
 
 
@@ -126,11 +128,11 @@ def planned_returns(forecast: Forecast) -> Iterator[str]:
 def _lands_on(forecast: Forecast) -> Iterator[str]:
     """For how long LAND where it is may come down on something, which is not planned away."""
     ways = forecast.cached(ContingencyPaths)
-    looks = ways.looks(Contingency.LAND)
-    names = list(dict.fromkeys(one.body or "the ground" for one in shortfalls(ways, Contingency.LAND, looks)))
+    assessments = ways.assessments(Contingency.LAND)
+    names = list(dict.fromkeys(one.body or "the ground" for one in shortfalls(ways, Contingency.LAND, assessments)))
     if names:
-        lasts, whole = np.diff(looks.times), looks.times[-1] - looks.times[0]
-        seconds = lasts[~(looks.clear[1:] & looks.clear[:-1])].sum()
+        lasts, whole = np.diff(assessments.times), assessments.times[-1] - assessments.times[0]
+        seconds = lasts[~(assessments.clear[1:] & assessments.clear[:-1])].sum()
         others = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
         yield (
             f"a failsafe that lands where the vehicle is (LAND) may, in {seconds:.0f} of {whole:.0f} s in the air, end "

@@ -17,11 +17,11 @@ from ipoa_mission.world.obstacles import Obstacle
 OPPOSITE = -0.5  # the cosine of the angle between what stands on both sides of a gap, at most
 
 
-def refusal(nearest: Attempt, looks: Looks) -> NoPath:
-    """The error for the attempt that came nearest to keeping the limits; `looks` tries changed scenarios."""
+def refusal(nearest: Attempt, assessments: Looks) -> NoPath:
+    """The error for the attempt that came nearest to keeping the limits; `assessments` tries changed scenarios."""
     promise = nearest.promise
     if nearest.short:
-        helps, hint, remedies = _what_helps("", looks)
+        helps, hint, remedies = _what_helps("", assessments)
         words = f"a path is there, but {why_not_planned(nearest.forecast)}; {helps}"
         return NoPath(words, hint=f"{hint}; {or_else(nearest.forecast)}", remedies=remedies)
     tightest = min(promise.forbidding, key=lambda kept: kept.slack)
@@ -31,21 +31,21 @@ def refusal(nearest: Attempt, looks: Looks) -> NoPath:
         words = _gap(tightest, nearest.scenario.airspace)
     else:
         words = f"{tightest.to}, where {tightest.words(promise.confidence)}"
-    return _with_help(f"{words}, {where}", ", or a via point that leads round", looks)
+    return _with_help(f"{words}, {where}", ", or a via point that leads round", assessments)
 
 
-def narrow_refusal(narrow: Narrow, looks: Looks) -> NoPath:
+def narrow_refusal(narrow: Narrow, assessments: Looks) -> NoPath:
     """The error for a gap that is too narrow for any flight."""
-    return _with_help(narrow.words(), "", looks)
+    return _with_help(narrow.words(), "", assessments)
 
 
-def _with_help(words: str, round_it: str, looks: Looks) -> NoPath:
-    who, chance = f"on {looks.scenario.vehicle.autopilot}", looks.scenario.safety.chance
+def _with_help(words: str, round_it: str, assessments: Looks) -> NoPath:
+    who, chance = f"on {assessments.scenario.vehicle.autopilot}", assessments.scenario.safety.chance
     if chance is None:
         why = f"a path is there, but {who} it would not be kept to"
     else:
         why = f"a path is there, but {100 * (1 - chance):g} % of flights {who} would not keep it"
-    helps, hint, remedies = _what_helps(round_it, looks)
+    helps, hint, remedies = _what_helps(round_it, assessments)
     return NoPath(f"{why}: {words}; {helps}", hint=hint, remedies=remedies)
 
 
@@ -94,11 +94,11 @@ def _across(spot: np.ndarray, name: str, needed: float, airspace: Airspace) -> t
     return best, found
 
 
-def _what_helps(round_it: str, looks: Looks) -> tuple[str, str, tuple[Remedy, ...]]:
+def _what_helps(round_it: str, assessments: Looks) -> tuple[str, str, tuple[Remedy, ...]]:
     """Return which of some changes plans the scenario, tried one after the other: words, a hint, the change."""
     tried = list[Remedy]()
-    for change in looks.changes:
-        if (found := looks.at(change)) is None:
+    for change in assessments.changes:
+        if (found := assessments.at(change)) is None:
             tried.append(change)
             continue
         kept = found.promise.clearance

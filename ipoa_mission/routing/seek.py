@@ -65,15 +65,15 @@ def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> Attempt
 
 def _sought(scenario: Scenario, seed: int, progress: Progress) -> Attempt:
     """As `plan_with_room`; raises WayHomeBlocked as well."""
-    looks = Looks(scenario, lambda changed: _planned(changed, seed))
+    assessments = Looks(scenario, lambda changed: _planned(changed, seed))
     try:
         return seek(scenario, seed, progress)
     except TooNear as error:
-        if (slowed := slowed_where_needed(error.nearest, looks)) is not None:
+        if (slowed := slowed_where_needed(error.nearest, assessments)) is not None:
             return slowed
-        raise refusal(error.nearest, looks) from None
+        raise refusal(error.nearest, assessments) from None
     except TooNarrow as error:
-        raise narrow_refusal(error.narrow, looks) from None
+        raise narrow_refusal(error.narrow, assessments) from None
 
 
 def _planned(scenario: Scenario, seed: int) -> Attempt | None:

@@ -21,14 +21,14 @@ from ipoa_mission.routing.changes import Looks, slower
 ROUNDS = 20  # so often legs are added to those that are flown slower, at most
 
 
-def slowed_where_needed(nearest: Attempt, looks: Looks) -> Attempt | None:
+def slowed_where_needed(nearest: Attempt, assessments: Looks) -> Attempt | None:
     """An attempt that holds, with some legs flown slower if need be: of the nearest one, or of one at a lower speed."""
-    changes = dict(slower(looks.scenario))
+    changes = dict(slower(assessments.scenario))
     speeds = [changed.vehicle.cruise_speed for changed in changes.values()]
-    speeds = [speed for speed in speeds if speed < looks.scenario.vehicle.cruise_speed]
-    for found in chain([nearest], map(looks.at, changes)):
+    speeds = [speed for speed in speeds if speed < assessments.scenario.vehicle.cruise_speed]
+    for found in chain([nearest], map(assessments.at, changes)):
         if found is not None:
-            here = replace(found, scenario=looks.scenario)
+            here = replace(found, scenario=assessments.scenario)
             slowed = [attempt for speed in speeds if (attempt := _slowed(here, speed)) is not None]
             if slowed:
                 return min(slowed, key=lambda attempt: attempt.forecast.estimate.total_s)

@@ -41,7 +41,7 @@ def strips_of(forecast: Forecast, revision: int, flight: int) -> Iterator[StripO
 
 def _bar(bar: ContingencyBar, course: Seen, scenario: Scenario) -> StripBar:
     return StripBar(
-        ending=bar.ending,
+        ending=bar.contingency,
         stretches=tuple(
             StripStretch(
                 look=one.look,
@@ -59,9 +59,9 @@ def _bar(bar: ContingencyBar, course: Seen, scenario: Scenario) -> StripBar:
 
 def _costs(bar: ContingencyBar, forecast: Forecast, budget: Budget | None) -> Iterator[StripCost]:
     """None of an ending that does not land, or of which nobody knows where it leads."""
-    if bar.ending not in TIMED or bar.rows[0].grade is Grade.UNKNOWN:
+    if bar.contingency not in TIMED or bar.rows[0].grade is Grade.UNKNOWN:
         return
-    for time, ((low, high), used, _) in sorted(_taken(bar.ending, forecast.cached(Contingencies)).items()):
+    for time, ((low, high), used, _) in sorted(_taken(bar.contingency, forecast.cached(Contingencies)).items()):
         left = None if budget is None or used is None else budget.left(budget.taken(time, used))
         yield StripCost(
             at_s=round(time, 2),
@@ -73,18 +73,18 @@ def _costs(bar: ContingencyBar, forecast: Forecast, budget: Budget | None) -> It
         )
 
 
-def _taken(ending: Contingency, endings: Contingencies) -> dict[float, Taken]:
+def _taken(contingency: Contingency, endings: Contingencies) -> dict[float, Taken]:
     """What an ending takes at some times, more of them where that jumps, as where a return begins to climb first."""
     begin, end = endings.in_air
     evenly = np.linspace(begin, end, min(EVENLY, 2 + math.floor((end - begin) / EVERY_S))).tolist()
-    found = {time: taken for time in evenly if (taken := endings.takes(ending, time)) is not None}
+    found = {time: taken for time in evenly if (taken := endings.takes(contingency, time)) is not None}
     while len(found) < MOST:
         wide = [(a, b) for a, b in pairwise(sorted(found)) if b - a > NEAREST_S]
         steep = [(abs(sum(found[b][0]) - sum(found[a][0])) / 2 / (b - a), (a + b) / 2) for a, b in wide]
         steepest, middle = max(steep, default=(0.0, 0.0))
         if steepest < STEEP:
             break
-        taken = endings.takes(ending, middle)
+        taken = endings.takes(contingency, middle)
         if taken is None:
             break
         found[middle] = taken

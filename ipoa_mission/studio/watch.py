@@ -167,7 +167,7 @@ class Watch:
         if self._endings is None:
             yield from (OrderThen(what=what, clear=None, words=unknown, seconds=None) for what in offered)
             return
-        told = {} if unknown else {row.ending: (row, seconds) for row, seconds in self._endings.at(now)}
+        told = {} if unknown else {row.contingency: (row, seconds) for row, seconds in self._endings.at(now)}
         if unknown:
             place = self._forecast.frame.local(Geodetic(at.latitude_deg, at.longitude_deg, at.altitude))
             velocity = np.array([at.velocity[1], at.velocity[0]])

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from ipoa_mission.forecast.deviation.kept_limits import NO_TUBE, DeviationBound, deviation_bound_of
+from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, DeviationBound, deviation_bound_of
 from ipoa_mission.forecast.deviation.measured_law import law_of
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.outline import wider
@@ -30,7 +30,7 @@ def tube(scenario: Scenario) -> DeviationBound:
     """How far flights lie beside their path where it is straight, at some tight places."""
     chance = scenario.safety.chance
     if chance is None:
-        return NO_TUBE
+        return NO_DEVIATION
     law = law_of(scenario.vehicle.autopilot, scenario.wind.speed)
     rim = deviation_bound_of(law, chance)
     return DeviationBound(law.level.distance(chance / TIGHT_PLACES), rim.down, rim.up)

@@ -129,11 +129,13 @@ class Autopilot(ABC):
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
         """The way straight on to a stop from `speed` (n,) [m/s], gaining `accel` (n,) [m/s^2], (n,) [m]."""
 
-    def flies_on(self, ending: Contingency) -> float:
+    def flies_on(self, contingency: Contingency) -> float:
         """For how long it flies on as before once an ending is ordered [s]; it lands and holds at once."""
-        return 0.0 if ending in (Contingency.LAND, Contingency.HOLD) else self.guidance.brakes_after
+        return 0.0 if contingency in (Contingency.LAND, Contingency.HOLD) else self.guidance.brakes_after
 
-    def braking_way(self, parameters: Parameters, velocity: "Points", accel: "Points", ending: Contingency) -> "Points":
+    def braking_way(
+        self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: Contingency
+    ) -> "Points":
         """From where it then begins to brake to where that brings it, level, by velocity and acceleration, (n, 2)."""
         import numpy as np
 

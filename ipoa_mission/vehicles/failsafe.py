@@ -20,7 +20,7 @@ class FailsafeAction:
     `after_s`: for so long it first brakes and holds [s]. `since`: the first series that knows the value.
     """
 
-    ending: Contingency
+    contingency: Contingency
     otherwise: tuple[Contingency, ...] = ()
     words: str = ""
     after_s: float = 0.0
@@ -29,10 +29,10 @@ class FailsafeAction:
     def in_place(self) -> "FailsafeAction":
         """What is done where the ending is not to be had; nothing where nothing else is tried."""
         first, *rest = self.otherwise or (Contingency.CONTINUE,)
-        return replace(self, ending=first, otherwise=tuple(rest), after_s=0.0)
+        return replace(self, contingency=first, otherwise=tuple(rest), after_s=0.0)
 
     def __str__(self) -> str:
-        return " or ".join((self.ending, *self.otherwise)) + (f" ({self.words})" if self.words else "")
+        return " or ".join((self.contingency, *self.otherwise)) + (f" ({self.words})" if self.words else "")
 
 
 GOES_ON = FailsafeAction(Contingency.CONTINUE)
@@ -77,7 +77,9 @@ class FailsafeRule:
 
     def returns_at(self, series: Series) -> int | None:
         """The first value of the parameter at which the vehicle returns; None where it has none."""
-        values = (value for value, one in self.answers.items() if one.ending is Contingency.RTL and one.since <= series)
+        values = (
+            value for value, one in self.answers.items() if one.contingency is Contingency.RTL and one.since <= series
+        )
         return next(values, None)
 
 
@@ -98,7 +100,7 @@ class Failsafe:
     @property
     def lands_by_choice(self) -> bool:
         """Whether it lands where it is on the route, though with another value of its parameter it would return."""
-        return self.route.ending is Contingency.LAND and self.returns_at is not None
+        return self.route.contingency is Contingency.LAND and self.returns_at is not None
 
     def at(self, stage: FlightStage) -> FailsafeAction:
         """What follows in this stage of a mission."""
@@ -125,7 +127,7 @@ class StationLoss:
         if lost is None or lost.parameter not in parameters:
             return ""
         by = f"{lost.parameter} {lost.value:g}"
-        if lost.route.ending is Contingency.CONTINUE:
+        if lost.route.contingency is Contingency.CONTINUE:
             also = f", {lost.route.words}" if lost.route.words else ""
             return f"without its ground station the vehicle goes on ({by}{also})"
         first = next((int(parameters[name]) for name in self.heeds if name in parameters), station)
@@ -135,6 +137,6 @@ class StationLoss:
         return f"{seconds:g} s without its ground station lead to {lost.route} ({by})"
 
 
-def ordered(*endings: Contingency) -> tuple[FailsafeRule, ...]:
+def ordered(*contingencies: Contingency) -> tuple[FailsafeRule, ...]:
     """A rule of each that can be ordered by hand."""
-    return tuple(FailsafeRule(BY_HAND, "", math.nan, {}, FailsafeAction(ending)) for ending in endings)
+    return tuple(FailsafeRule(BY_HAND, "", math.nan, {}, FailsafeAction(contingency)) for contingency in contingencies)

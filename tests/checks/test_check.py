@@ -253,9 +253,11 @@ def test_whatever_a_file_can_hold_is_checked_without_falling_over(mission: Missi
 
 def test_both_autopilots_take_the_missions_that_the_package_makes() -> None:
     for autopilot in registered():
-        for ending in (return_to_launch(), land(NORTH)):
+        for contingency in (return_to_launch(), land(NORTH)):
             assert (
-                check_mission(flight(UP, change_speed(8.0), AWAY, waypoint(EAST, 30.0), ending, autopilot=autopilot))
+                check_mission(
+                    flight(UP, change_speed(8.0), AWAY, waypoint(EAST, 30.0), contingency, autopilot=autopilot)
+                )
                 == ()
             )
     assert check_mission(flight(UP, spline_waypoint(NORTH, 20.0), DOWN, autopilot=ARDUPILOT)) == ()

@@ -97,13 +97,15 @@ def test_items_from_which_it_is_not_clear_are_those_from_which_single_ways_are_n
 ) -> None:
     scenario = nominal(scene(autopilot, HALL.replace("45.0", str(height)), BALL.replace("50.0", "80.0")))
     ways = ContingencyPaths(flight_in(scenario))
-    looks = ways.looks(Contingency.RTL)
+    assessments = ways.assessments(Contingency.RTL)
     single = [
         any(c.slack < -0.02 for way in ways_of for c in prove(way[:5], scenario).checks if c.limit == "obstacles")
-        for ways_of in looks.ways
+        for ways_of in assessments.ways
     ]
-    exact = {int(seq) for seq, is_broken in zip(ways.stops().seqs_at(looks.times), single, strict=True) if is_broken}
-    told = {int(seq) for seq in ways.stops().seqs_at(looks.times[~looks.clear])}
+    exact = {
+        int(seq) for seq, is_broken in zip(ways.stops().seqs_at(assessments.times), single, strict=True) if is_broken
+    }
+    told = {int(seq) for seq in ways.stops().seqs_at(assessments.times[~assessments.clear])}
     assert told == exact
 
 

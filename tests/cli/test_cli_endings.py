@@ -33,7 +33,7 @@ def test_bars_and_words_are_the_rows_of_the_forecast(run: Run) -> None:
     bars = re.findall(r"^(\w+) +([-+#?]+)  (.*)$", strip, re.MULTILINE)
     assert [(name, where) for name, _, where in bars] == [("rtl", "to home"), ("land", "here"), ("hold", "here")]
     for name, bar, _ in bars:
-        own = [row for row in rows if row.ending == name]
+        own = [row for row in rows if row.contingency == name]
         assert len(bar) == CELLS
         for grades, signs in ({Grade.WOULD}, "#"), ({Grade.WOULD, Grade.MAY}, "#+"):
             worse = [row for row in own if row.grade in grades]

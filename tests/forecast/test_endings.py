@@ -48,14 +48,14 @@ def sitl() -> Contingencies:
 @pytest.fixture(scope="module")
 def rows(campus: Contingencies) -> dict[Contingency, tuple[ContingencyRow, ...]]:
     """The rows of the first example, worked out once for all who look into them."""
-    return {ending: campus.rows(ending, timed=False) for ending in LOOKED_AT}
+    return {contingency: campus.rows(contingency, timed=False) for contingency in LOOKED_AT}
 
 
 @pytest.mark.parametrize("ending", LOOKED_AT)
 def test_every_second_in_the_air_is_in_some_row(
-    campus: Contingencies, rows: dict[Contingency, tuple[ContingencyRow, ...]], ending: Contingency
+    campus: Contingencies, rows: dict[Contingency, tuple[ContingencyRow, ...]], contingency: Contingency
 ) -> None:
-    told = rows[ending]
+    told = rows[contingency]
     assert all(one.to_s == other.from_s for one, other in pairwise(told))
     assert told[0].from_s < 6.0
     assert campus.forecast.estimate.total_s - told[-1].to_s < 6.0
@@ -76,7 +76,7 @@ def test_a_flight_that_is_in_the_air_for_one_moment_has_its_endings_too() -> Non
     forecast = forecast_of("campus")
     grounded = replace(forecast.given, items=forecast.given.items[-1:])
     rows = Contingencies(Forecast(grounded, forecast.scenario)).all_rows()
-    assert {row.ending for row in rows} == set(LOOKED_AT)
+    assert {row.contingency for row in rows} == set(LOOKED_AT)
     assert len({time for row in rows for time in (row.from_s, row.to_s)}) == 1
 
 
@@ -96,9 +96,9 @@ def test_a_return_through_a_mast_is_told_and_a_higher_one_is_clear(sitl: Conting
 
 
 @pytest.mark.parametrize("ending", [Contingency.RTL, Contingency.LAND, Contingency.SMART_RTL, Contingency.HOLD])
-def test_one_second_is_told_of_as_its_row_is(sitl: Contingencies, ending: Contingency) -> None:
-    for row in sitl.rows(ending, timed=False):
-        one = sitl.at(ending, (row.from_s + row.to_s) / 2, timed=False)
+def test_one_second_is_told_of_as_its_row_is(sitl: Contingencies, contingency: Contingency) -> None:
+    for row in sitl.rows(contingency, timed=False):
+        one = sitl.at(contingency, (row.from_s + row.to_s) / 2, timed=False)
         assert (one.grade, one.goal) == (row.grade, row.goal)
         assert one.least_m >= row.least_m - 0.01 or not row.clear  # times nearer than `NEAREST_S` are not looked at
 
@@ -106,11 +106,11 @@ def test_one_second_is_told_of_as_its_row_is(sitl: Contingencies, ending: Contin
 def test_what_is_not_clear_is_told_of_for_as_long_as_the_flight_may_be_late(campus: Contingencies) -> None:
     unclear = [row for row in campus.rows(Contingency.LAND, timed=False) if not row.clear]
     assert [row.grade for row in unclear] == [Grade.MAY, Grade.WOULD, Grade.MAY]
-    found = campus.ways.looks(Contingency.LAND)
-    looks = found.times[~found.clear]
-    assert looks[0] - unclear[0].from_s >= 0.6
-    assert unclear[-1].to_s - looks[-1] >= 0.6
-    assert unclear[1].from_s == pytest.approx(looks[0], abs=0.5)
+    found = campus.ways.assessments(Contingency.LAND)
+    assessments = found.times[~found.clear]
+    assert assessments[0] - unclear[0].from_s >= 0.6
+    assert unclear[-1].to_s - assessments[-1] >= 0.6
+    assert unclear[1].from_s == pytest.approx(assessments[0], abs=0.5)
 
 
 def test_brake_flies_on_farther_than_a_return_does(campus: Contingencies) -> None:
@@ -124,16 +124,16 @@ def test_brake_flies_on_farther_than_a_return_does(campus: Contingencies) -> Non
 
 
 @settings(max_examples=examples(20))
-@given(share=st.floats(0.0, 1.0), ending=st.sampled_from([Contingency.RTL, Contingency.LAND, Contingency.HOLD]))
+@given(share=st.floats(0.0, 1.0), contingency=st.sampled_from([Contingency.RTL, Contingency.LAND, Contingency.HOLD]))
 def test_what_is_told_to_be_clear_keeps_its_distance_by_another_geometry(
-    campus: Contingencies, rows: dict[Contingency, tuple[ContingencyRow, ...]], share: float, ending: Contingency
+    campus: Contingencies, rows: dict[Contingency, tuple[ContingencyRow, ...]], share: float, contingency: Contingency
 ) -> None:
-    times = campus.ways.stops(ending).times
+    times = campus.ways.stops(contingency).times
     time = float(times[0] + share * (times[-1] - times[0]))
-    row = next(row for row in rows[ending] if row.from_s <= time <= row.to_s)
-    place, stand = (point[0] for point in campus.ways.stops(ending).at(np.array([time])))
+    row = next(row for row in rows[contingency] if row.from_s <= time <= row.to_s)
+    place, stand = (point[0] for point in campus.ways.stops(contingency).at(np.array([time])))
     way = {Contingency.HOLD: [place, stand], Contingency.LAND: [place, stand, np.array([*stand[:2], 0.0])]}.get(
-        ending, [place, *campus.forecast.returns_from(stand[None])[0, 0]]
+        contingency, [place, *campus.forecast.returns_from(stand[None])[0, 0]]
     )
     dense = np.vstack([np.linspace(a, b, 400) for a, b in pairwise(way)])
     distance = campus.forecast.world.airspace.obstacle_distance(dense).min()
@@ -203,39 +203,40 @@ def test_back_along_the_mission_it_keeps_what_the_way_out_kept(share: float) -> 
     back = Contingencies(forecast_of("sitl", RTL_TYPE=4.0))
     begin, end = back.ways.in_air
     time = begin + share * (end - begin)
-    looks = back.ways.at(Contingency.RTL, np.array([time]))
-    way = looks.ways[0][looks.taken[0]][0]
+    assessments = back.ways.at(Contingency.RTL, np.array([time]))
+    way = assessments.ways[0][assessments.taken[0]][0]
     dense = np.vstack([np.linspace(a, b, 400) for a, b in pairwise(way)])
     nearest = back.ways.roomy.airspace.obstacle_distance(dense).min()
-    noted = looks.near[0][looks.taken[0]].min()
+    noted = assessments.near[0][assessments.taken[0]].min()
     assert noted <= nearest + 1e-6 or nearest > back.ways.required + SEEN
     assert np.linalg.norm(way[-1] - way[-2]) > 1.0
 
 
 def test_over_a_hill_a_return_keeps_its_height_over_the_ground() -> None:
     over = Contingencies(forecast_of("campus", RTL_ALT_TYPE=1.0))
-    looks = over.ways.at(Contingency.RTL, np.array([sum(over.ways.in_air) / 2]))
-    ways = looks.ways[0][looks.taken[0]][:, 3:-1]
+    assessments = over.ways.at(Contingency.RTL, np.array([sum(over.ways.in_air) / 2]))
+    ways = assessments.ways[0][assessments.taken[0]][:, 3:-1]
     ground = over.forecast.world.airspace.ground(ways.reshape(-1, 3)).reshape(ways.shape[:2])
     assert np.ptp(ground[0]) > 1.0
     above = ways[..., 2] - ground
     assert np.ptp(above, axis=1).max() < 0.01  # each way keeps its own,
     assert np.ptp(above[:, 0]) == pytest.approx(20.0)  # as far as WPNAV_TER_MARGIN allows
     assert np.diff(np.sort(above[:, 0])).max() <= 2 * over.ways.required
-    sunk = looks.ways.copy()
-    sunk[0, ~looks.taken[0], :, 2] -= 100.0
+    sunk = assessments.ways.copy()
+    sunk[0, ~assessments.taken[0], :, 2] -= 100.0
     low, same = (
-        over.ways.lowest(Contingency.RTL, one, 0).nearest.distance for one in (looks, replace(looks, ways=sunk))
+        over.ways.lowest(Contingency.RTL, one, 0).nearest.distance
+        for one in (assessments, replace(assessments, ways=sunk))
     )
     assert same == low > 0.0  # a way that is not taken does not count
     level = {"RNGFND1_TYPE": 1.0}  # which may not see the ground: then it is as if it were over home
     seeing = Contingencies(forecast_of("campus", RTL_ALT_TYPE=1.0, **level))
-    assert seeing.ways.at(Contingency.RTL, np.array([20.0])).taken.sum() == looks.taken.sum() + 1
+    assert seeing.ways.at(Contingency.RTL, np.array([20.0])).taken.sum() == assessments.taken.sum() + 1
 
 
 def test_who_waits_for_ever_lands_at_no_time() -> None:
-    for endings in (forecast_of("sitl", RTL_LAND_DELAY=-1.0), forecast_of("campus", RTL_ALT_FINAL=500.0)):
-        assert all(row.duration_s is None for row in Contingencies(endings).rows(Contingency.RTL))
+    for contingencies in (forecast_of("sitl", RTL_LAND_DELAY=-1.0), forecast_of("campus", RTL_ALT_FINAL=500.0)):
+        assert all(row.duration_s is None for row in Contingencies(contingencies).rows(Contingency.RTL))
 
 
 def test_a_return_altitude_is_planned_for_a_clear_return(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -260,9 +261,9 @@ def test_a_return_altitude_is_planned_for_a_clear_return(tmp_path: Path, monkeyp
     ],
 )
 def test_an_ending_that_the_vehicle_does_not_have_is_not_listed(
-    name: str, parameters: dict[str, float], endings: str
+    name: str, parameters: dict[str, float], contingencies: str
 ) -> None:
-    assert contingencies_of(forecast_of(name, **parameters)) == tuple(map(Contingency, endings.split()))
+    assert contingencies_of(forecast_of(name, **parameters)) == tuple(map(Contingency, contingencies.split()))
 
 
 def test_a_vehicle_of_whose_failsafes_nothing_is_known_has_what_all_have(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -309,12 +310,12 @@ def test_endings_depend_on_a_world() -> None:
 
 @pytest.mark.parametrize("ending", [Contingency.RTL, Contingency.LAND])
 def test_looks_at_a_few_times_at_once_are_those_at_all(
-    sitl: Contingencies, ending: Contingency, monkeypatch: pytest.MonkeyPatch
+    sitl: Contingencies, contingency: Contingency, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     times = np.linspace(*sitl.ways.in_air, 50)
-    whole = sitl.ways.at(ending, times)
+    whole = sitl.ways.at(contingency, times)
     monkeypatch.setattr("ipoa_mission.forecast.contingency_paths.AT_ONCE", 7)
-    parts = ContingencyPaths(sitl.forecast).at(ending, times)
+    parts = ContingencyPaths(sitl.forecast).at(contingency, times)
     for name in ("times", "ways", "taken", "near", "which", "spare"):
         assert np.array_equal(getattr(parts, name), getattr(whole, name))
 

@@ -44,17 +44,17 @@ def forecast(tmp_path_factory: pytest.TempPathFactory) -> Forecast:
 
 @pytest.mark.parametrize(("late", "share"), some(2, [(-5.0, 0.1), (5.0, 0.9), (0.0, 0.45), (5.0, 0.1), (-5.0, 0.9)]))
 def test_it_is_told_for_where_the_vehicle_is_though_it_is_late(forecast: Forecast, late: float, share: float) -> None:
-    endings, now = Contingencies(forecast), ContingenciesNow(forecast)
-    begin, end = endings.in_air
+    contingencies, now = Contingencies(forecast), ContingenciesNow(forecast)
+    begin, end = contingencies.in_air
     time = begin + share * (end - begin)
-    place = endings.stops().at(np.array([time]))[0][0]
+    place = contingencies.stops().at(np.array([time]))[0][0]
     found, aside = now.time_at(place, time + late)
     assert aside < 1.0
-    told = {row.ending: (row, seconds) for row, seconds in now.at(found)}
+    told = {row.contingency: (row, seconds) for row, seconds in now.at(found)}
     assert set(told) == {Contingency.RTL, Contingency.LAND}
-    for ending, (row, seconds) in told.items():
+    for contingency, (row, seconds) in told.items():
         assert row.from_s - 0.3 <= time <= row.to_s + 0.3
-        lasts = endings.lasts(ending, time)
+        lasts = contingencies.lasts(contingency, time)
         assert lasts is not None
         assert seconds == pytest.approx(sum(lasts) / 2, rel=0.25, abs=3.0)
 
@@ -62,33 +62,33 @@ def test_it_is_told_for_where_the_vehicle_is_though_it_is_late(forecast: Forecas
 def test_how_long_it_takes_is_told_also_where_that_jumps() -> None:
     """A few seconds later the same flight climbs by 45 m before it returns: 37 s become 98."""
     forecast = Forecast(read_mission(MISSIONS / "campus.plan"), read_scenario(MISSIONS / "campus.toml"))
-    endings, now = forecast.cached(Contingencies), ContingenciesNow(forecast)
+    contingencies, now = forecast.cached(Contingencies), ContingenciesNow(forecast)
     took = []
     for time in np.linspace(12.0, 26.0, 29):
-        lasts = endings.lasts(Contingency.RTL, float(time))
+        lasts = contingencies.lasts(Contingency.RTL, float(time))
         assert lasts is not None
-        ((_, seconds),) = [told for told in now.at(float(time)) if told[0].ending is Contingency.RTL]
+        ((_, seconds),) = [told for told in now.at(float(time)) if told[0].contingency is Contingency.RTL]
         took.append(sum(lasts) / 2)
         assert seconds == pytest.approx(took[-1], abs=6.0)
     assert max(took) - min(took) > 40.0
 
 
 def test_one_that_is_held_for_long_is_looked_for_where_it_is(forecast: Forecast) -> None:
-    endings, now = (
+    contingencies, now = (
         Contingencies(forecast),
         ContingenciesNow(forecast, (Contingency.HOLD, Contingency.RTL, Contingency.LAND)),
     )
-    begin, end = endings.in_air
+    begin, end = contingencies.in_air
     times = np.arange(begin + 5.0, end - 5.0)
     held_s, at = 60.0, len(times) // 2
     clock = [*times[:at], *(times[at] + np.arange(held_s)), *(times[at:] + held_s)]
     flown = [*times[:at], *([times[at]] * int(held_s)), *times[at:]]
     for told, time in zip(clock, flown, strict=True):
-        found, aside = now.time_at(endings.stops().at(np.array([time]))[0][0], told)
+        found, aside = now.time_at(contingencies.stops().at(np.array([time]))[0][0], told)
         assert abs(found - time) < 1.5
         assert aside < 1.0
-    assert now.time_at(endings.stops().places[-1] + 300.0, clock[-1])[1] > 300.0  # it has been sent elsewhere
-    assert [(row.ending, seconds is None) for row, seconds in now.at(float(times[at]))] == [
+    assert now.time_at(contingencies.stops().places[-1] + 300.0, clock[-1])[1] > 300.0  # it has been sent elsewhere
+    assert [(row.contingency, seconds is None) for row, seconds in now.at(float(times[at]))] == [
         (Contingency.HOLD, True),
         (Contingency.RTL, False),
         (Contingency.LAND, False),
@@ -96,9 +96,9 @@ def test_one_that_is_held_for_long_is_looked_for_where_it_is(forecast: Forecast)
 
 
 def test_the_command_line_tells_it_beside_what_is_done(forecast: Forecast) -> None:
-    endings, told, reserves = Contingencies(forecast), list[str](), list[ReserveNow]()
-    time = sum(endings.in_air) / 2
-    there = forecast.frame.geodetic(endings.stops().at(np.array([time]))[0][0])
+    contingencies, told, reserves = Contingencies(forecast), list[str](), list[ReserveNow]()
+    time = sum(contingencies.in_air) / 2
+    there = forecast.frame.geodetic(contingencies.stops().at(np.array([time]))[0][0])
     record = SimpleNamespace(path=[SimpleNamespace(time_s=time)])
     vehicle: Any = SimpleNamespace(record=lambda: record, state=SimpleNamespace(in_air=True, battery_left=None))
     teller = ToldEndings(forecast, vehicle, lambda _, words: told.append(words), reserves, ContingenciesNow(forecast))

@@ -16,7 +16,7 @@ import pytest
 
 from ipoa_mission import Forecast, read_mission, read_scenario
 from ipoa_mission.forecast.contingencies import Contingencies
-from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel
+from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel
 from ipoa_mission.vehicles.autopilot import autopilot_named
 from ipoa_mission.vehicles.contingency import Contingency, FlightStage
 from ipoa_mission.vehicles.version import Version
@@ -100,27 +100,27 @@ def test_no_planned_return_came_nearer_than_required(autopilot: str) -> None:
     assert [row["number"] for row, kept in returns if not kept] == []
 
 
-def timed(autopilot: str, ending: Contingency) -> list[Row]:
+def timed(autopilot: str, contingency: Contingency) -> list[Row]:
     """What was ordered, and of which a time was forecast."""
-    ordered = (row for row in flown(autopilot) if row["ending"] == row["did"] == ending and not row["trigger"])
+    ordered = (row for row in flown(autopilot) if row["ending"] == row["did"] == contingency and not row["trigger"])
     return [row for row in ordered if math.isfinite(float(row["expected_s"]))]
 
 
 @pytest.mark.parametrize("autopilot", AUTOPILOTS)
 @pytest.mark.parametrize("ending", [Contingency.RTL, Contingency.LAND])
-def test_endings_last_as_long_as_expected(autopilot: str, ending: Contingency) -> None:
-    rows = [row for row in timed(autopilot, ending) if int(row["number"]) < LATER]
+def test_endings_last_as_long_as_expected(autopilot: str, contingency: Contingency) -> None:
+    rows = [row for row in timed(autopilot, contingency) if int(row["number"]) < LATER]
     lasted, expected = (np.array([float(row[name]) for row in rows]) for name in ("flown_s", "expected_s"))
     off = np.abs(expected / lasted - 1.0)[lasted > SHORT]
-    median, most = TIMES[autopilot, ending]
+    median, most = TIMES[autopilot, contingency]
     assert np.median(off) <= median
     assert np.quantile(off, 0.9) <= most
 
 
 @pytest.mark.parametrize("autopilot", AUTOPILOTS)
 @pytest.mark.parametrize("ending", [Contingency.RTL, Contingency.LAND])
-def test_endings_last_as_long_as_their_intervals_say(autopilot: str, ending: Contingency) -> None:
-    rows = timed(autopilot, ending)
+def test_endings_last_as_long_as_their_intervals_say(autopilot: str, contingency: Contingency) -> None:
+    rows = timed(autopilot, contingency)
     within = [float(row["low_s"]) <= float(row["flown_s"]) <= float(row["high_s"]) for row in rows]
     later = [one for row, one in zip(rows, within, strict=True) if int(row["number"]) >= LATER]
     assert sum(within) >= WITHIN * len(within)
@@ -128,9 +128,9 @@ def test_endings_last_as_long_as_their_intervals_say(autopilot: str, ending: Con
 
 
 @pytest.mark.parametrize(("autopilot", "ending", "median"), TOUCHES)
-def test_the_ground_is_touched_when_it_was_forecast(autopilot: str, ending: Contingency, median: float) -> None:
+def test_the_ground_is_touched_when_it_was_forecast(autopilot: str, contingency: Contingency, median: float) -> None:
     """How long PX4 then stands there is its own affair: until it has disarmed the forecast is farther off."""
-    rows = [row for row in timed(autopilot, ending) if math.isfinite(float(row["touched_s"]))]
+    rows = [row for row in timed(autopilot, contingency) if math.isfinite(float(row["touched_s"]))]
     names = ("touch_low_s", "touch_expected_s", "touch_high_s", "touched_s", "flown_s")
     low, expected, high, touched, lasted = (np.array([float(row[name]) for row in rows]) for name in names)
     assert len(rows) >= LEAST_TOUCHES
@@ -151,15 +151,15 @@ def said_of(row: Row) -> str:
     if BOTH_AT_ONCE in route.words:  # so it was made to fall
         said = autopilot.failsafes({**parameters, "BATT_LOW_VOLT": 0.0}, version)
         route = next(one for one in said if one.cause == cause).at(stage)
-    if route.ending is Contingency.LAND_START:  # none of the missions has one
+    if route.contingency is Contingency.LAND_START:  # none of the missions has one
         return str(route.otherwise[0])
-    if route.ending is Contingency.UNKNOWN:
+    if route.contingency is Contingency.UNKNOWN:
         known = (does for words, does in HAS_NO_ENDING.items() if route.words.startswith(words))
         return next(known, None) or f"unknown or {route.otherwise[0]}"
     may_land = route.words == FAR_OUTSIDE or (
-        route.ending is Contingency.CONTINUE and Contingency.LAND in route.otherwise
+        route.contingency is Contingency.CONTINUE and Contingency.LAND in route.otherwise
     )
-    return f"{route.ending} or land" if may_land else str(route.ending)
+    return f"{route.contingency} or land" if may_land else str(route.contingency)
 
 
 @pytest.mark.parametrize("autopilot", AUTOPILOTS)
@@ -195,17 +195,21 @@ def ordered_here() -> list[Row]:
 
 @pytest.mark.parametrize("row", ordered_here(), ids=lambda row: f"{row['mission']}-{row['number']}-{row['ending']}")
 def test_the_model_still_foretells_what_was_flown(row: Row) -> None:
-    endings, ending, second = contingencies_of(row["mission"]), Contingency(row["ending"]), float(row["second"])
-    second = float(np.clip(second, *endings.in_air))
-    told = endings.at(ending, second, timed=False)
+    contingencies, contingency, second = (
+        contingencies_of(row["mission"]),
+        Contingency(row["ending"]),
+        float(row["second"]),
+    )
+    second = float(np.clip(second, *contingencies.in_air))
+    told = contingencies.at(contingency, second, timed=False)
     if float(row["flown_least"]) < float(row["required"]):
         assert not told.clear
     elif row["clear"] == "True":
         assert told.clear
     assert told.grade.name.lower() == (row["grade"] or told.grade.name.lower())
-    if ending in (Contingency.RTL, Contingency.LAND) and row["did"] == ending:
-        mission, forecast = endings.mission, endings.forecast
-        model, order = mission.autopilot.part(FlightModel), BrokenOff(second, ending)
+    if contingency in (Contingency.RTL, Contingency.LAND) and row["did"] == contingency:
+        mission, forecast = contingencies.mission, contingencies.forecast
+        model, order = mission.autopilot.part(FlightModel), Abort(second, contingency)
         found = model.broken_off(forecast.itinerary, mission, forecast.wind, None, order)
         share, seconds = OFF[row["autopilot"]]
         assert float(found.done[-1]) - second == pytest.approx(float(row["flown_s"]), rel=share, abs=seconds)

@@ -62,12 +62,12 @@ def test_a_range_finder_lets_arducopter_slow_down_over_the_ground() -> None:
 
 @pytest.mark.parametrize("autopilot", registered())
 def test_it_returns_to_the_ground_at_home_and_takes_off_from_where_it_stands(autopilot: Autopilot) -> None:
-    ending = mission(autopilot, -40.0, {})
-    home = replace(ending, items=(*ending.items[:2], return_to_launch()))
+    contingency = mission(autopilot, -40.0, {})
+    home = replace(contingency, items=(*contingency.items[:2], return_to_launch()))
     level = replace(home, landing_ground=None)
     assert estimate(home).total_s == estimate(level).total_s
-    there = ending.items[1]
-    again = replace(ending, items=(*ending.items, ending.items[0], there, ending.items[2]))
+    there = contingency.items[1]
+    again = replace(contingency, items=(*contingency.items, contingency.items[0], there, contingency.items[2]))
     twice = estimate(again)
     assert twice.items[3].duration_s > twice.items[0].duration_s + 40.0 / 3.5  # it climbs from the bottom
     assert twice.track.points[-1, 2] == pytest.approx(-40.0, abs=1.0)

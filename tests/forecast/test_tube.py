@@ -10,7 +10,7 @@ import pytest
 
 from ipoa_mission.flight.flight import plan_flight
 from ipoa_mission.forecast.deviation.approach import approaches
-from ipoa_mission.forecast.deviation.kept_limits import NO_TUBE, deviation_bound_of, limits_kept
+from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, deviation_bound_of, limits_kept
 from ipoa_mission.forecast.deviation.measured_law import law_of, not_measured
 from ipoa_mission.forecast.deviation.pieces import Pieces
 from ipoa_mission.forecast.deviation.room import with_room
@@ -121,11 +121,11 @@ def test_what_is_kept_agrees_with_flights_drawn_from_the_law(obstacle: Obstacle)
 def test_limits_lose_the_rim(scenario_of: Callable[[], Scenario]) -> None:
     scenario = scenario_of()
     path = np.array([[0.0, 0.0, 20.0], [100.0, 0.0, 20.0]])
-    rim = deviation_bound_of(PX4, 0.01)
-    nominal = {check.limit: check.nearest.distance for check in limits_kept(path, scenario, NO_TUBE)}
-    kept = {check.limit: check.nearest.distance for check in limits_kept(path, scenario, rim)}
-    assert kept["ground"] == pytest.approx(nominal["ground"] - rim.down)
-    assert kept["ceiling"] == pytest.approx(nominal["ceiling"] + rim.up)
+    deviation_bound = deviation_bound_of(PX4, 0.01)
+    nominal = {check.limit: check.nearest.distance for check in limits_kept(path, scenario, NO_DEVIATION)}
+    kept = {check.limit: check.nearest.distance for check in limits_kept(path, scenario, deviation_bound)}
+    assert kept["ground"] == pytest.approx(nominal["ground"] - deviation_bound.down)
+    assert kept["ceiling"] == pytest.approx(nominal["ceiling"] + deviation_bound.up)
 
 
 def test_room_grows_what_is_near_but_never_over_a_given_place(scenario_of: Callable[[], Scenario]) -> None:
@@ -152,11 +152,11 @@ def test_over_steep_ground_the_path_needs_be_no_higher_than_a_share_of_what_the_
         "terrain": slope,
     }
     scenario = Scenario.model_validate(table)
-    least, rim = scenario.limits.height_above_ground, deviation_bound_of(PX4, 0.01)
-    wanted = least + rim.down + 4.0 * rim.level
+    least, deviation_bound = scenario.limits.height_above_ground, deviation_bound_of(PX4, 0.01)
+    wanted = least + deviation_bound.down + 4.0 * deviation_bound.level
     assert with_room(scenario, 1.0).limits.height_above_ground == pytest.approx(wanted)
     assert with_room(scenario, 1.0, share=0.5).limits.height_above_ground == pytest.approx((least + 12.0) / 2)
-    assert with_room(scenario, 1.0, share=0.1).limits.height_above_ground == pytest.approx(least + rim.down)
+    assert with_room(scenario, 1.0, share=0.1).limits.height_above_ground == pytest.approx(least + deviation_bound.down)
 
 
 def test_where_there_is_no_path_none_with_more_room_is_sought(

@@ -34,10 +34,10 @@ def test_the_same_scenario_and_paths_give_the_same_bytes(missions: Path, tmp_pat
     endings = (".png", ".svg", ".pdf")
     for name in "ab":
         figure = api.draw_views(scenario, paths, views=("top", "front"))
-        for ending in endings:
-            api.write_picture(figure, tmp_path / f"{name}{ending}")
-    for ending in endings:
-        assert (tmp_path / f"a{ending}").read_bytes() == (tmp_path / f"b{ending}").read_bytes()
+        for contingency in endings:
+            api.write_picture(figure, tmp_path / f"{name}{contingency}")
+    for contingency in endings:
+        assert (tmp_path / f"a{contingency}").read_bytes() == (tmp_path / f"b{contingency}").read_bytes()
 
 
 def test_a_view_shows_every_path_and_every_obstacle(missions: Path, tmp_path: Path) -> None:

@@ -36,9 +36,9 @@ def test_the_bars_are_the_rows_of_the_forecast(forecast: Foreseen, name: str) ->
     _, ways = strip_of(forecast(name))
     rows = {str(row): row for row in Contingencies(forecast(name)).all_rows(timed=False)}
     assert sorted(unescape(title) for _, _, title, *_ in ways) == sorted(rows)
-    for look, label, title, ending, begin, end, keeps, *_, words in ways:
+    for look, label, title, contingency, begin, end, keeps, *_, words in ways:
         row = rows[unescape(title)]
-        assert (label, ending, unescape(keeps)) == (title, str(row.ending), row.keeps)
+        assert (label, contingency, unescape(keeps)) == (title, str(row.contingency), row.keeps)
         assert (float(begin), float(end)) == pytest.approx((row.from_s, row.to_s), abs=0.006)
         assert look == {Grade.CLEAR: "clear", Grade.MAY: "perhaps", Grade.WOULD: "not-clear"}[row.grade]
         assert words in ("", look.replace("-", " "))

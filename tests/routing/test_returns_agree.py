@@ -77,6 +77,8 @@ def test_what_is_planned_is_clear_by_the_check(
     told = check(forecast)
     own = {n for n, item in enumerate(forecast.mission.items, 1) if item.command == Command.NAV_RETURN_TO_LAUNCH}
     assert not [one for one in told if one.code in OF_RETURNS or (one.code == "leg-too-near" and one.seq in own)]
-    assert all(row.clear for ending in PLANNED for row in forecast.cached(Contingencies).rows(ending, timed=False))
+    assert all(
+        row.clear for contingency in PLANNED for row in forecast.cached(Contingencies).rows(contingency, timed=False)
+    )
     if scenario.geofence:
         assert all(leg.points[:, 2].max() <= highest_return(forecast) + 0.1 for leg in forecast.ways_home)

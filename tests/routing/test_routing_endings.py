@@ -36,7 +36,7 @@ def scene(
     parameters: str = "",
     top: float = 60.0,
     returns: str = "planned",
-    ending: str = "land",
+    contingency: str = "land",
 ) -> Scenario:
     text = f"""
     safety_distance = 2.0
@@ -45,7 +45,7 @@ def scene(
     goal = {{ east = 95.0, north = 0.0, up = 15.0 }}
     bounds = {{ east = [-50.0, 150.0], north = [-80.0, 80.0], up = [-5.0, {top}] }}
     vehicle = {{ radius = 0.5, autopilot = "{autopilot}", parameters = {{ {parameters} }} }}
-    route = {{ ending = "{ending}" }}
+    route = {{ ending = "{contingency}" }}
     safety = {{ returns = "{returns}" }}
     {"".join(f"[[obstacles]]{chr(10)}{body}{chr(10)}" for body in obstacles)}
     """
@@ -66,8 +66,12 @@ def kept_by_dense_sampling(flight: Flight) -> float:
     """The least that returns from many seconds keep, looked at every few centimeters."""
     ways = Contingencies(flight.forecast).ways
     begin, end = ways.in_air
-    looks = ways.at(Contingency.RTL, np.sort(np.random.default_rng(1).uniform(begin, end, 40)))
-    legs = [np.linspace(a, b, 150) for n, k in np.argwhere(looks.taken) for a, b in pairwise(looks.ways[n, k, :5])]
+    assessments = ways.at(Contingency.RTL, np.sort(np.random.default_rng(1).uniform(begin, end, 40)))
+    legs = [
+        np.linspace(a, b, 150)
+        for n, k in np.argwhere(assessments.taken)
+        for a, b in pairwise(assessments.ways[n, k, :5])
+    ]
     return float(flight.scenario.airspace.obstacle_distance(np.vstack(legs)).min())
 
 
@@ -75,7 +79,9 @@ def kept_by_dense_sampling(flight: Flight) -> float:
 @pytest.mark.parametrize("seed", [1, pytest.param(4, marks=pytest.mark.long)])
 def test_among_towers_every_return_keeps_its_distance_by_another_geometry(autopilot: Autopilot, seed: int) -> None:
     flight = plan_flight(towers(autopilot, seed), seed=0)
-    assert all(row.clear for ending in PLANNED for row in Contingencies(flight.forecast).rows(ending, timed=False))
+    assert all(
+        row.clear for contingency in PLANNED for row in Contingencies(flight.forecast).rows(contingency, timed=False)
+    )
     assert kept_by_dense_sampling(flight) >= flight.scenario.limits.obstacle_distance
     lands = [row for row in Contingencies(flight.forecast).rows(Contingency.LAND, timed=False) if not row.clear]
     told = [remark for remark in flight.remarks if remark.startswith("a failsafe that lands")]
@@ -101,7 +107,7 @@ def test_where_no_altitude_within_the_bounds_helps_rally_points_are_planned(auto
 
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
 def test_at_rally_points_on_high_ground_it_slows_down_in_time(autopilot: Autopilot) -> None:
-    table = scene(autopilot, top=90.0, ending="rtl").model_dump(mode="json", exclude_unset=True)
+    table = scene(autopilot, top=90.0, contingency="rtl").model_dump(mode="json", exclude_unset=True)
     table["goal"]["up"], table["via"] = 45.0, [{"east": 45.0, "north": 58.0, "up": 35.0}]
     table["fence"] = [{"inclusion": False, "polygon": [[20, 12], [20, 40], [55, 40], [55, 12]]}]
     table["terrain"] = {"kind": "grid", "east": -50.0, "north": -80.0, "spacing": 200.0, "heights": [[-12.0, 36.0]] * 2}
@@ -113,7 +119,7 @@ def test_at_rally_points_on_high_ground_it_slows_down_in_time(autopilot: Autopil
 @pytest.mark.parametrize("autopilot", vehicles(Autopilot.ARDUPILOT))
 def test_a_way_home_that_no_altitude_clears_is_planned_as_the_way_out_is(autopilot: Autopilot) -> None:
     highest = {"px4": "RTL_RETURN_ALT = 30", "ardupilot": "RTL_ALT = 3000"}[str(autopilot)]
-    flight = plan_flight(scene(autopilot, WALL, parameters=highest, top=70.0, ending="rtl"), seed=0)
+    flight = plan_flight(scene(autopilot, WALL, parameters=highest, top=70.0, contingency="rtl"), seed=0)
     assert any("way home is planned" in remark for remark in flight.remarks)
     assert all(row.clear for row in Contingencies(flight.forecast).rows(Contingency.RTL, timed=False))
     assert flight.proof.holds
@@ -126,10 +132,10 @@ def test_a_return_leads_round_a_fence_that_has_no_top(autopilot: Autopilot) -> N
     fence = {"inclusion": False, "polygon": [[40, -30], [40, 8], [75, 8], [75, -30]]}
     scenario = Scenario.from_dict(text | {"fence": [fence]})
     flight = plan_flight(scenario, seed=0)
-    looks = ContingencyPaths(flight.forecast).looks(Contingency.RTL)
+    assessments = ContingencyPaths(flight.forecast).assessments(Contingency.RTL)
     keep_out = shapely.Polygon(fence["polygon"])
-    for n, k in np.argwhere(looks.taken):
-        way = looks.ways[n, k]
+    for n, k in np.argwhere(assessments.taken):
+        way = assessments.ways[n, k]
         assert not shapely.LineString(way[:, :2]).intersects(keep_out)
         assert way[:, 2].max() <= 70.0
     assert not [finding for finding in flight.findings if finding.code == "return-too-near"]
@@ -167,8 +173,10 @@ def test_a_corner_from_which_it_would_brake_into_something_is_laid_farther_away(
     fast = scenario.model_copy(update={"vehicle": scenario.vehicle.model_copy(update={"cruise_speed": 10.0})})
     warned, planned = (plan_flight(replaced(fast, returns), seed=7) for returns in ("warn", "planned"))
     brakes, stays = (
-        np.where(looks.taken[..., None], looks.near, np.inf)[:, :, :RETURNS].min()
-        for looks in (ContingencyPaths(flight.forecast).looks(Contingency.RTL) for flight in (warned, planned))
+        np.where(assessments.taken[..., None], assessments.near, np.inf)[:, :, :RETURNS].min()
+        for assessments in (
+            ContingencyPaths(flight.forecast).assessments(Contingency.RTL) for flight in (warned, planned)
+        )
     )
     assert brakes < warned.scenario.limits.obstacle_distance <= stays
     assert planned.estimate.total_s < 1.06 * warned.estimate.total_s

@@ -43,7 +43,7 @@ def test_the_strip_has_the_rows_of_the_forecast_as_the_report_has(
     stretches = [(bar.ending, one) for bar in strip.bars for one in bar.stretches]
     assert len(stretches) == len(rows) > len(strip.bars) == 3
     for (ending, one), row in zip(stretches, rows, strict=True):
-        assert (ending, one.words) == (str(row.ending), row.in_full)
+        assert (ending, one.words) == (str(row.contingency), row.in_full)
         assert row.keeps in one.words
         assert "2.50 m required" in one.words
         assert one.look == {Grade.CLEAR: "clear", Grade.MAY: "perhaps", Grade.WOULD: "not clear"}[row.grade]

@@ -9,7 +9,7 @@ from ipoa_mission.cli.mock_place import stands
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.simulator.conditions import Conditions
-from ipoa_mission.simulator.parameter_server import ParameterTable
+from ipoa_mission.simulator.parameter_server import ParameterServer
 from ipoa_mission.simulator.simulated_flight import SimulatedFlight
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
@@ -31,7 +31,7 @@ def test_the_acceptance_radius_is_that_of_the_version(version: Version, radius: 
     assert px4_limits({}, version).radius == radius
     assert Forecast(mission).itinerary.parameters.get("NAV_ACC_RAD", 2.0) == radius
     assert aboard.parameters["NAV_ACC_RAD"] == radius
-    assert ParameterTable(PX4, {}, version).values["NAV_ACC_RAD"] == radius
+    assert ParameterServer(PX4, {}, version).values["NAV_ACC_RAD"] == radius
 
 
 @pytest.mark.parametrize(("version", "up"), [(Version(1, 17), 0.0), (Version(1, 18), 9.0)])

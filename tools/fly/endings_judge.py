@@ -23,7 +23,7 @@ from ipoa_mission.forecast.contingencies import Contingencies, ContingencyRow
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.forecast.itinerary.itinerary import itinerary
-from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel
+from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
@@ -70,7 +70,7 @@ class Judged:
     autopilot: str
     version: str
     mission: str
-    ending: str
+    contingency: str
     trigger: str
     second: float
     did: str
@@ -155,16 +155,16 @@ class Foretold:
         command = mission.items[int(stops.seqs_at(np.array([time]))[0]) - 1].command
         return STAGES.get(command, FlightStage.ROUTE)
 
-    def row(self, ending: Contingency, time: float) -> ContingencyRow:
+    def row(self, contingency: Contingency, time: float) -> ContingencyRow:
         """What was forecast of that second."""
-        return self.endings.at(ending, float(np.clip(time, *self.endings.in_air)), timed=False)
+        return self.endings.at(contingency, float(np.clip(time, *self.endings.in_air)), timed=False)
 
-    def timed(self, ending: Contingency, time: float) -> tuple[Between, Between]:
+    def timed(self, contingency: Contingency, time: float) -> tuple[Between, Between]:
         """How long the ending was to last from that time, over level ground, and until it touched the ground."""
         forecast = self.endings.forecast
         model = forecast.mission.autopilot.part(FlightModel)
-        order = BrokenOff(float(np.clip(time, *self.endings.in_air)), ending)
-        if ending not in (Contingency.RTL, Contingency.LAND):
+        order = Abort(float(np.clip(time, *self.endings.in_air)), contingency)
+        if contingency not in (Contingency.RTL, Contingency.LAND):
             return NOT_TOLD, NOT_TOLD
         try:
             found = model.broken_off(self.over_level_ground, forecast.mission, forecast.wind, None, order)
@@ -193,15 +193,17 @@ def asked(order: Mapping[str, Any], away: float, mission: Mission, stage: Flight
     if BOTH_AT_ONCE in route.words:  # so it was made to fall
         said = mission.autopilot.failsafes({**mission.parameters, **before, "BATT_LOW_VOLT": 0.0})
         route = next(one for one in said if one.cause == order["cause"]).at(stage)
-    ending = str(route.ending)
-    if ending == Contingency.LAND_START:  # none of these missions has one
-        ending = str(route.otherwise[0])
-    if ending == Contingency.UNKNOWN:
-        ending = next((does for words, does in HAS_NO_ENDING.items() if route.words.startswith(words)), ending)
+    contingency = str(route.contingency)
+    if contingency == Contingency.LAND_START:  # none of these missions has one
+        contingency = str(route.otherwise[0])
+    if contingency == Contingency.UNKNOWN:
+        contingency = next(
+            (does for words, does in HAS_NO_ENDING.items() if route.words.startswith(words)), contingency
+        )
     radius = TRIGGERS[mission.autopilot][order["trigger"]].then.get("FENCE_RADIUS", math.inf)
     if FAR_OUTSIDE in route.words and away - radius > FAR_M:
-        ending = str(Contingency.LAND)
-    return ending, f"{order['cause']} ({', '.join(f'{name} {value:g}' for name, value in before.items())})"
+        contingency = str(Contingency.LAND)
+    return contingency, f"{order['cause']} ({', '.join(f'{name} {value:g}' for name, value in before.items())})"
 
 
 def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> Judged:
@@ -211,7 +213,7 @@ def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> 
     second = left if not math.isnan(left) else float(order["ordered_s"])
     ended = flight.track[-1, 0] if math.isnan(flight.ended_s) else flight.ended_s
     stage = foretold.stage(second)
-    ending, trigger = asked(order, float(np.hypot(*flight.place(second)[:2])), mission, stage)
+    contingency, trigger = asked(order, float(np.hypot(*flight.place(second)[:2])), mission, stage)
     after = flight.track[(flight.track[:, 0] >= second) & (flight.track[:, 0] <= ended)]
     least, to = distances(dense(after), foretold.scenario)
     judged = Judged(
@@ -219,7 +221,7 @@ def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> 
         autopilot=str(mission.autopilot),
         version=order["version"],
         mission=order["mission"],
-        ending=ending,
+        contingency=contingency,
         trigger=trigger,
         second=second,
         did=" ".join(flight.did()),
@@ -230,9 +232,13 @@ def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> 
         stage=str(stage),
         planned=foretold.planned,
     )
-    if ending not in (Contingency.RTL, Contingency.LAND, Contingency.SMART_RTL, Contingency.HOLD):
+    if contingency not in (Contingency.RTL, Contingency.LAND, Contingency.SMART_RTL, Contingency.HOLD):
         return judged
-    kind, place, stops = Contingency(ending), flight.place(second), foretold.endings.stops(Contingency(ending))
+    kind, place, stops = (
+        Contingency(contingency),
+        flight.place(second),
+        foretold.endings.stops(Contingency(contingency)),
+    )
     row, ((low, expected, high), touches) = foretold.row(kind, second), foretold.timed(kind, second)
     begin, end = foretold.endings.in_air
     stand = stops.at(np.clip([foretold.time_at(place, second)], begin, end))[1][0]
@@ -326,16 +332,16 @@ def summary(judged: list[Judged]) -> Iterator[str]:
     for grade in Grade:
         own = [one.flown_least < one.required for one in known if one.grade == grade.name.lower()]
         yield f"{grade}: {len(own)}, of these nearer than required {sum(own)}"
-    planned = [one for one in known if one.planned == "returns" and one.ending != Contingency.LAND]
+    planned = [one for one in known if one.planned == "returns" and one.contingency != Contingency.LAND]
     yield f"of planned returns: {len(planned)}, nearer {sum(one.flown_least < one.required for one in planned)}"
     for name in ("rtl", "land"):
-        timed = [one for one in judged if one.did == name and not one.trigger and one.ending == name]
+        timed = [one for one in judged if one.did == name and not one.trigger and one.contingency == name]
         lasted = [(one.flown_s, one.low_s, one.expected_s, one.high_s) for one in timed]
         stood = [(one.touched_s, one.touch_low_s, one.touch_expected_s, one.touch_high_s) for one in timed]
         yield from _times(f"{name}, disarmed", np.array(lasted).reshape(-1, 4))
         yield from _times(f"{name}, on the ground", np.array(stood).reshape(-1, 4))
     fails = [one for one in judged if one.trigger]
-    as_said = [one for one in fails if (one.did.split() or ["continue"])[-1] == one.ending]
+    as_said = [one for one in fails if (one.did.split() or ["continue"])[-1] == one.contingency]
     yield f"failsafes {len(fails)} of {len({one.trigger for one in fails})} kinds, as said {len(as_said)}"
     yield from (f"otherwise: {rounded(one)}" for one in fails if one not in as_said)
     yield from (f"not foretold: {rounded(one)}" for one in missed)

@@ -30,7 +30,7 @@ class Row:
     autopilot: str
     flight: int
     plan: str
-    ending: int
+    contingency: int
     estimated_s: float
     low_s: float
     high_s: float
@@ -67,7 +67,7 @@ def rows(plans: Path, flights: Path) -> Iterator[Row]:
             autopilot=autopilot,
             flight=int(run),
             plan=plan_digits(plan),
-            ending=end.command,
+            contingency=end.command,
             estimated_s=round(end.done_s, 2),
             low_s=round(end.low_s, 2),
             high_s=round(end.high_s, 2),

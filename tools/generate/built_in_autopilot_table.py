@@ -22,7 +22,7 @@ def row(flight: Recorded) -> tuple[str, float]:
     """A flight's line of the table, and by which share its flown time is off."""
     flown = [fly_here(flight, seed) for seed in SEEDS[flight.mission.autopilot]]
     spans = np.array([done[flight.last] - done[flight.first] for done, _ in flown])
-    ending = float(np.mean([end - done[flight.last] for done, end in flown]))
+    contingency = float(np.mean([end - done[flight.last] for done, end in flown]))
     recorded_ending = flight.end_s - flight.runs[0][flight.last]
     error = float(spans.mean() / flight.spans.mean() - 1)
     cells = (
@@ -31,8 +31,8 @@ def row(flight: Recorded) -> tuple[str, float]:
         spread(spans),
         f"{100 * error:+.1f} %",
         f"{recorded_ending:.1f}",
-        f"{ending:.1f}",
-        f"{100 * (ending / recorded_ending - 1):+.1f} %",
+        f"{contingency:.1f}",
+        f"{100 * (contingency / recorded_ending - 1):+.1f} %",
     )
     return f"| {' | '.join(cells)} |", error
 

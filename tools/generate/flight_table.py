@@ -34,7 +34,7 @@ class Row:
     estimated: float
     quoted: float
     take_off: tuple[float, float]
-    ending: tuple[float, float]
+    contingency: tuple[float, float]
     miss: float
     kept: float
 
@@ -103,7 +103,7 @@ def table(rows: list[Row]) -> str:
         flown = f"{row.flown:.1f}"
         if len(row.flight.runs) > 1:
             flown += f" ± {row.flight.spans.std(ddof=1):.1f} ({len(row.flight.runs)})"
-        ends = [f"{100 * (estimated / flown_s - 1):+.1f} %" for flown_s, estimated in (row.take_off, row.ending)]
+        ends = [f"{100 * (estimated / flown_s - 1):+.1f} %" for flown_s, estimated in (row.take_off, row.contingency)]
         quoted = f"{100 * (row.quoted / row.flown - 1):+.0f} %"
         cells = (flown, f"{row.estimated:.1f}", f"{100 * row.error:+.1f} %", quoted, *ends, f"{row.miss:.1f} m")
         lines.append(f"| {row.flight.name.rsplit('-', 1)[0]} | " + " | ".join(cells) + " |")
@@ -143,7 +143,7 @@ def wind_table(autopilot: Autopilot) -> str:
             f"{row.estimated:.1f}",
             f"{100 * row.error:+.1f} %",
             f"{100 * calm.error:+.0f} %",
-            f"{100 * (row.ending[1] / row.ending[0] - 1):+.1f} %",
+            f"{100 * (row.contingency[1] / row.contingency[0] - 1):+.1f} %",
         )
         lines.append(f"| {flight.name.rsplit('_w', 1)[0]} | {' | '.join(cells)} |")
     lines.append("")

@@ -40,7 +40,7 @@ class DeviationBound:
     up: float
 
 
-NO_TUBE = DeviationBound(0.0, 0.0, 0.0)
+NO_DEVIATION = DeviationBound(0.0, 0.0, 0.0)
 
 
 def deviation_bound_of(law: DeviationLaw, chance: float) -> DeviationBound:
@@ -49,33 +49,33 @@ def deviation_bound_of(law: DeviationLaw, chance: float) -> DeviationBound:
     return DeviationBound(law.beside(SHARE * chance), law.lowest.distance(heights), law.highest.distance(heights))
 
 
-def limits_kept(path: Points, scenario: Scenario, rim: DeviationBound) -> Iterator[Check]:
+def limits_kept(path: Points, scenario: Scenario, deviation_bound: DeviationBound) -> Iterator[Check]:
     """Ground, ceiling and bounds, each with the least that the tube round a path (n, 3) keeps."""
-    yield from _heights_kept(path, scenario, rim)
-    if (bounds := _bounds_kept(path, scenario, rim)) is not None:
+    yield from _heights_kept(path, scenario, deviation_bound)
+    if (bounds := _bounds_kept(path, scenario, deviation_bound)) is not None:
         yield bounds
 
 
-def _heights_kept(path: Points, scenario: Scenario, rim: DeviationBound) -> Iterator[Check]:
+def _heights_kept(path: Points, scenario: Scenario, deviation_bound: DeviationBound) -> Iterator[Check]:
     """Round a place that lies lower than the tube allows, its own height is what the predicted path must keep."""
-    higher, least = problem_of(scenario).tightened(rim.down), scenario.limits.height_above_ground
-    sides = _sides(rim.level if scenario.airspace.terrain.steepness > 0 else 0.0)
+    higher, least = problem_of(scenario).tightened(deviation_bound.down), scenario.limits.height_above_ground
+    sides = _sides(deviation_bound.level if scenario.airspace.terrain.steepness > 0 else 0.0)
     to_and_fro = [path[:: 1 - 2 * (n % 2)] + side for n, side in enumerate(sides)]  # one line is quicker than nine
     for check in prove_heights(np.vstack(to_and_fro), higher):
         if check.limit == "ceiling":
-            yield replace(check, nearest=check.nearest.less(-rim.up))
-        elif check.limit == "ground" and check.required >= least + rim.down:
-            yield replace(check, nearest=check.nearest.less(rim.down), required=least)
+            yield replace(check, nearest=check.nearest.less(-deviation_bound.up))
+        elif check.limit == "ground" and check.required >= least + deviation_bound.down:
+            yield replace(check, nearest=check.nearest.less(deviation_bound.down), required=least)
 
 
-def _bounds_kept(path: Points, scenario: Scenario, rim: DeviationBound) -> Check | None:
+def _bounds_kept(path: Points, scenario: Scenario, deviation_bound: DeviationBound) -> Check | None:
     bounds = scenario.airspace.bounds
     fixed = np.vstack([np.zeros(3), scenario.places])
-    fixed = fixed[_inside(fixed, scenario, rim).min(axis=1) < 0]
+    fixed = fixed[_inside(fixed, scenario, deviation_bound).min(axis=1) < 0]
     away = np.linalg.norm(path[:, None, :2] - fixed[None, :, :2], axis=2).min(axis=1, initial=np.inf) > ROUND_A_PLACE
     if not away.any():
         return None
-    margins = _inside(path[away], scenario, rim)
+    margins = _inside(path[away], scenario, deviation_bound)
     spot, side = np.unravel_index(int(np.argmin(margins)), margins.shape)
     place = path[away][spot]
     least, what = float(margins[spot, side]), BOUNDS[side]
@@ -83,7 +83,7 @@ def _bounds_kept(path: Points, scenario: Scenario, rim: DeviationBound) -> Check
         edge = shapely.boundary(bounds.footprint.shape)
         way = shapely.LineString(path[:, :2])
         way = way.difference(shapely.union_all(shapely.buffer(shapely.points(fixed[:, :2]), ROUND_A_PLACE)))
-        if not way.is_empty and (margin := float(shapely.distance(way, edge)) - rim.level) < least:
+        if not way.is_empty and (margin := float(shapely.distance(way, edge)) - deviation_bound.level) < least:
             near = np.array(shapely.shortest_line(way, edge).coords[0])
             least, what = margin, "the flight area"
             place = path[np.argmin(np.linalg.norm(path[:, :2] - near, axis=1))]
@@ -91,11 +91,17 @@ def _bounds_kept(path: Points, scenario: Scenario, rim: DeviationBound) -> Check
     return Check("bounds", Clearance(least, (east, north, up), what), 0.0)
 
 
-def _inside(points: Points, scenario: Scenario, rim: DeviationBound) -> Points:
+def _inside(points: Points, scenario: Scenario, deviation_bound: DeviationBound) -> Points:
     """What the tube at points (n, 3) leaves to each side of the box, (n, 6) [m]."""
     bounds = scenario.airspace.bounds
-    lower = points - np.asarray(bounds.lower) - np.array([rim.level, rim.level, rim.down])
-    upper = np.asarray(bounds.upper) - points - np.array([rim.level, rim.level, rim.up])
+    lower = (
+        points
+        - np.asarray(bounds.lower)
+        - np.array([deviation_bound.level, deviation_bound.level, deviation_bound.down])
+    )
+    upper = (
+        np.asarray(bounds.upper) - points - np.array([deviation_bound.level, deviation_bound.level, deviation_bound.up])
+    )
     return np.hstack([lower, upper])
 
 

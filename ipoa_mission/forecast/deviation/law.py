@@ -15,7 +15,7 @@ class DeviationLaw:
     """How far a vehicle flies beside its predicted path.
 
     `level` is to one side at a moment, in a straight flight; a lateral acceleration of `turn` [m/s^2] doubles it, and
-    after the last waypoint it is `ending` times as wide. What it is `memory` seconds later is as good as independent.
+    after the last waypoint it is `after_way` times as wide. After `memory` seconds it is as good as independent.
     `down` and `up` are the heights at a moment, new every `height_memory` seconds; and as a height that is known
     wrongly stays so, `lowest` and `highest` are the most of a whole flight, whatever it does. So is `farthest` to one
     side, of an autopilot that does not get farther the longer it flies. In wind all of them grow by `growth` [m for
@@ -31,7 +31,7 @@ class DeviationLaw:
     highest: Quantiles
     farthest: Quantiles | None
     turn: float
-    ending: float
+    after_way: float
     memory: float
     height_memory: float
     growth: tuple[float, float, float]
@@ -70,6 +70,6 @@ class DeviationLaw:
         """The law after the last waypoint."""
 
         def wider(spread: Quantiles) -> Quantiles:
-            return replace(spread, distances=tuple(self.ending * distance for distance in spread.distances))
+            return replace(spread, distances=tuple(self.after_way * distance for distance in spread.distances))
 
         return replace(self, level=wider(self.level), farthest=self.farthest and wider(self.farthest))

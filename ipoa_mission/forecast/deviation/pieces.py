@@ -50,14 +50,14 @@ def _apart(points: Points) -> NDArray[np.intp]:
 def _bends(track: Track) -> tuple[Vector, Vector]:
     """Times, and the greatest lateral acceleration round each of them [m/s^2]."""
     begin, end = float(track.times[0]), float(track.times[-1])
-    looks = np.arange(begin, max(end, begin + SMOOTHED_LOOKS * LOOK_EVERY_S) + LOOK_EVERY_S, LOOK_EVERY_S)
-    level = track.at(looks)[:, :2]
+    assessments = np.arange(begin, max(end, begin + SMOOTHED_LOOKS * LOOK_EVERY_S) + LOOK_EVERY_S, LOOK_EVERY_S)
+    level = track.at(assessments)[:, :2]
     mean = np.full(SMOOTHED_LOOKS, 1 / SMOOTHED_LOOKS)
     speeds = [np.gradient(axis, LOOK_EVERY_S) for axis in level.T]
     gains = [np.convolve(np.gradient(speed, LOOK_EVERY_S), mean, "same") for speed in speeds]
     cross = np.abs(speeds[0] * gains[1] - speeds[1] * gains[0])
     across = cross / np.maximum(np.hypot(*speeds), 0.5)
-    return looks, _greatest_near(across, round(BEND_REACH_S / LOOK_EVERY_S))
+    return assessments, _greatest_near(across, round(BEND_REACH_S / LOOK_EVERY_S))
 
 
 def _greatest_near(values: Vector, reach: int) -> Vector:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.centimeters import down, falls_short, goes_beyond, up
 from ipoa_mission.forecast.deviation.approach import approaches
-from ipoa_mission.forecast.deviation.kept_limits import NO_TUBE, DeviationBound, deviation_bound_of, limits_kept
+from ipoa_mission.forecast.deviation.kept_limits import NO_DEVIATION, DeviationBound, deviation_bound_of, limits_kept
 from ipoa_mission.forecast.deviation.law import DeviationLaw
 from ipoa_mission.forecast.deviation.measured_law import law_of
 from ipoa_mission.forecast.deviation.pieces import Pieces, pieces_of
@@ -144,8 +144,8 @@ def _breaks(check: Check) -> bool:
 
 def _rim(law: DeviationLaw, chance: float | None) -> DeviationBound:
     """The rim of the tube, and what the thinned path may be from the predicted one."""
-    rim = NO_TUBE if chance is None else deviation_bound_of(law, chance)
-    return DeviationBound(rim.level + STRAY, rim.down + STRAY, rim.up + STRAY)
+    deviation_bound = NO_DEVIATION if chance is None else deviation_bound_of(law, chance)
+    return DeviationBound(deviation_bound.level + STRAY, deviation_bound.down + STRAY, deviation_bound.up + STRAY)
 
 
 def _tight(scenario: Scenario, law: DeviationLaw) -> tuple[TightPlace, ...]:
@@ -238,12 +238,12 @@ class PredictedFlight:
                 to, place = airspace.obstacles[body].name, (east, north, height)
         return Kept("obstacles", required, least, kept, to, self._item(part, place), place, name)
 
-    def _others(self, part: Pieces, rim: DeviationBound) -> Iterator[Kept]:
+    def _others(self, part: Pieces, deviation_bound: DeviationBound) -> Iterator[Kept]:
         path = thinned(part.points)
         nominal = {
             (c.limit, c.required): c for c in limits_kept(path, self.scenario, DeviationBound(STRAY, STRAY, STRAY))
         }
-        for check in limits_kept(path, self.scenario, rim):
+        for check in limits_kept(path, self.scenario, deviation_bound):
             meant = nominal.get((check.limit, check.required), check).nearest.distance
             found = check.nearest
             item = self._item(part, found.place)

@@ -29,14 +29,16 @@ def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False, share: 
     if chance is None:
         return scenario
     law = law_of(scenario.vehicle.autopilot, scenario.wind.strongest)
-    rim, level = deviation_bound_of(law, chance), law.level.distance(chance / tight)
+    deviation_bound, level = deviation_bound_of(law, chance), law.level.distance(chance / tight)
     airspace = scenario.airspace
     growth = np.full(len(airspace.obstacles), level)
-    bodies = grown(scenario, scenario, growth, DeviationBound(level, rim.down, rim.up), keep_gaps)
-    slope = _usual_slope(airspace) * rim.level
-    higher = max(rim.down, min(rim.down + slope, share * _spare_height(scenario)))
-    world = Airspace(shrunk(airspace.bounds, scenario.places, rim), airspace.terrain, bodies)
-    return problem_of(scenario).tightened(higher, rim.up + slope, world)
+    bodies = grown(
+        scenario, scenario, growth, DeviationBound(level, deviation_bound.down, deviation_bound.up), keep_gaps
+    )
+    slope = _usual_slope(airspace) * deviation_bound.level
+    higher = max(deviation_bound.down, min(deviation_bound.down + slope, share * _spare_height(scenario)))
+    world = Airspace(shrunk(airspace.bounds, scenario.places, deviation_bound), airspace.terrain, bodies)
+    return problem_of(scenario).tightened(higher, deviation_bound.up + slope, world)
 
 
 def _spare_height(scenario: Scenario) -> float:
@@ -75,23 +77,26 @@ def _keep_gaps_open(growth: Vector, bodies: tuple[Obstacle, ...], distance: floa
         np.minimum.at(growth, bodies_of, spare[open_])
 
 
-def shrunk(bounds: Bounds, fixed: Points, rim: DeviationBound) -> Bounds:
+def shrunk(bounds: Bounds, fixed: Points, deviation_bound: DeviationBound) -> Bounds:
     """Bounds that leave the tube inside, but for sides that a given place (k, 3) is nearer to."""
     lower, upper = np.array(bounds.lower), np.array(bounds.upper)
-    near = np.array([rim.level, rim.level, rim.down]), np.array([rim.level, rim.level, rim.up])
+    near = (
+        np.array([deviation_bound.level, deviation_bound.level, deviation_bound.down]),
+        np.array([deviation_bound.level, deviation_bound.level, deviation_bound.up]),
+    )
     lower += np.clip(fixed.min(axis=0) - lower - LEAST_GROWTH, 0.0, near[0])
     upper -= np.clip(upper - fixed.max(axis=0) - LEAST_GROWTH, 0.0, near[1])
     try:
-        return Bounds(tuple(lower.tolist()), tuple(upper.tolist()), _narrower(bounds.footprint, fixed, rim))
+        return Bounds(tuple(lower.tolist()), tuple(upper.tolist()), _narrower(bounds.footprint, fixed, deviation_bound))
     except BadInput:
         return bounds
 
 
-def _narrower(footprint: Polygon | None, fixed: Points, rim: DeviationBound) -> Polygon | None:
+def _narrower(footprint: Polygon | None, fixed: Points, deviation_bound: DeviationBound) -> Polygon | None:
     """A flight area that leaves the tube inside, if it stays in one piece and the given places in it."""
     if footprint is None:
         return None
-    shape = footprint.buffered(-rim.level)
+    shape = footprint.buffered(-deviation_bound.level)
     if not isinstance(shape, shapely.Polygon) or not shape.covers(shapely.MultiPoint(fixed[:, :2])):
         return footprint
     return Polygon(*rings_of(shape))

@@ -27,11 +27,11 @@ class SlowedByAir(Protocol):
 
 
 @dataclass(frozen=True)
-class BrokenOff:
+class Abort:
     """A flight is ended otherwise than its mission says, from a `time` on [s after arming]: by an RTL or a LAND."""
 
     time: float
-    ending: Contingency
+    contingency: Contingency
 
 
 class FlightModel(ABC):
@@ -58,9 +58,7 @@ class FlightModel(ABC):
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         """The limits that parameters set; `speed` is what DO_CHANGE_SPEED asks for [m/s]."""
 
-    def broken_off(
-        self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, order: BrokenOff
-    ) -> Prediction:
+    def broken_off(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, order: Abort) -> Prediction:
         """The flight with another end, which is its only item.
 
         Raises:

@@ -36,7 +36,7 @@ def endings_strip(forecast: Forecast, course: Seen) -> str:
 
 def _bar(bar: ContingencyBar, course: Seen, axis: GraphAxis) -> str:
     ways = "".join(_way(stretch, axis) for stretch in stretches(bar, course))
-    return f'<div class="ending"><b>{bar.ending}</b> {escape(bar.leads)}<div class="ways">{ways}</div></div>'
+    return f'<div class="ending"><b>{bar.contingency}</b> {escape(bar.leads)}<div class="ways">{ways}</div></div>'
 
 
 def _way(stretch: ContingencyStretch, axis: GraphAxis) -> str:
@@ -45,7 +45,7 @@ def _way(stretch: ContingencyStretch, axis: GraphAxis) -> str:
     wide, words = max(end - begin, NARROWEST), escape(str(row))
     return (
         f'<span class="way {look.replace(" ", "-")}" role="img" aria-label="{words}" title="{words}" '
-        f'data-ending="{row.ending}" data-from="{row.from_s:.2f}" data-to="{row.to_s:.2f}" '
+        f'data-ending="{row.contingency}" data-from="{row.from_s:.2f}" data-to="{row.to_s:.2f}" '
         f'data-keeps="{escape(row.keeps)}" style="left:{100 * begin:.2f}%;width:{100 * wide:.2f}%">'
         f"{look if wide >= WORDED else ''}</span>"
     )

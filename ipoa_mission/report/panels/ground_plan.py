@@ -35,7 +35,7 @@ def ground_plan(
     stops: Sequence[FlownItem],
     course: Seen,
     flown: Seen | None,
-    tube: DeviationBound,
+    deviation_bound: DeviationBound,
 ) -> str:
     """The map of `extent` with north up; the tube is drawn as wide as it is to the sides of a straight flight."""
     airspace = scenario.airspace
@@ -44,7 +44,7 @@ def ground_plan(
     layers = [
         _relief(*ground_mesh_over(airspace, extent.lower, extent.upper, 120)),
         *(_footprint(body, highest) for body in sorted(bodies, key=lambda b: float(b.bounds[1, 2]))),
-        _tube(course.points, tube.level),
+        _tube(course.points, deviation_bound.level),
         _line(np.vstack([np.zeros((0, 3)), *(stop.way for stop in stops if stop.place is not None)]), "legs"),
         _line(course.points, "planned"),
     ]

@@ -30,7 +30,7 @@ def height_profile(
     required: float,
     stops: Sequence[FlownItem],
     flown: Seen | None,
-    tube: DeviationBound,
+    deviation_bound: DeviationBound,
 ) -> str:
     """Heights over the distance on the ground, with the obstacles under and beside the path."""
     near = list(near_course(course, airspace, required))
@@ -43,7 +43,7 @@ def height_profile(
         *(_block(chart, body, run, look) for body, run, look in near),
         chart.band(course.along, floor, course.ground, "soil"),
         chart.band(course.along, up - required, up + required, "band"),
-        chart.band(course.along, up - tube.down, up + tube.up, "tube"),
+        chart.band(course.along, up - deviation_bound.down, up + deviation_bound.up, "tube"),
         chart.curve(course.along, up, "planned"),
     ]
     if flown is not None:
@@ -117,8 +117,8 @@ def near_course(
 ) -> Iterator[tuple[Obstacle, tuple[float, float], Look]]:
     """Obstacles under or beside the path, each with the stretch of the way along which it is."""
     flat = course.points[:, :2]
-    looks: tuple[tuple[Look, float], ...] = (("beside", max(BESIDE, 2 * required)), ("below", required))
-    for look, reach in looks:
+    assessments: tuple[tuple[Look, float], ...] = (("beside", max(BESIDE, 2 * required)), ("below", required))
+    for look, reach in assessments:
         for body in airspace.obstacles:
             bounds = body.bounds
             close = np.asarray(((flat > bounds[0, :2] - reach) & (flat < bounds[1, :2] + reach)).all(axis=1))

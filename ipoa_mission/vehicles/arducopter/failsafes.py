@@ -144,13 +144,13 @@ def _of(rule: FailsafeRule, battery: str) -> FailsafeRule:
 def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Failsafe:
     answer = _with_a_path(rule.answer(parameters, series), parameters, rule.cause not in {BREACH, BY_HAND})
     options, landing = int(parameters.get("FS_OPTIONS", OPTIONS)), answer
-    if answer.ending is not Contingency.CONTINUE and rule.cause != BY_HAND:
+    if answer.contingency is not Contingency.CONTINUE and rule.cause != BY_HAND:
         if options & GOES_ON_BY.get(rule.parameter, 0):
             answer = landing = replace(GOES_ON, words="by FS_OPTIONS")
         acts = _first(rule.parameter) in LANDINGS_GO_ON
         landing = replace(LANDS, words="by FS_OPTIONS") if acts and options & LANDS_ON else landing
     has_only_a_floor = rule.cause == BREACH and int(parameters.get("FENCE_TYPE", 7.0)) == FLOOR_BIT
-    if has_only_a_floor and answer.ending is not Contingency.CONTINUE:
+    if has_only_a_floor and answer.contingency is not Contingency.CONTINUE:
         landing = replace(GOES_ON, words="a landing switches FENCE_ALT_MIN off")
     if rule.cause == TERRAIN:
         landing = replace(GOES_ON, words="a landing needs none")
@@ -167,10 +167,10 @@ def _first(name: str) -> str:
 def _with_a_path(answer: FailsafeAction, parameters: Parameters, pauses: bool) -> FailsafeAction:
     """SmartRTL keeps no path where it has no points or no accuracy."""
     keeps = parameters.get("SRTL_POINTS", 300.0) > 0.0 and parameters.get("SRTL_ACCURACY", 2.0) > 0.0
-    if answer.ending is not Contingency.SMART_RTL or keeps:
+    if answer.contingency is not Contingency.SMART_RTL or keeps:
         return answer
     instead = replace(answer.in_place(), words="SmartRTL is switched off")
-    return replace(instead, after_s=LAND_PAUSE) if instead.ending is Contingency.LAND and pauses else instead
+    return replace(instead, after_s=LAND_PAUSE) if instead.contingency is Contingency.LAND and pauses else instead
 
 
 def _with_its_urgency(one: Failsafe, parameters: Parameters, series: Series) -> Failsafe:

@@ -5,12 +5,12 @@ from typing import ClassVar
 
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics
-from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel, SlowedByAir
+from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel, SlowedByAir
 from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import ARDUPILOT_SIMULATOR, airframe_of
 from ipoa_mission.vehicles.arducopter.limits import CopterLimits, copter_limits
-from ipoa_mission.vehicles.arducopter.timing import break_off, fly_arducopter
+from ipoa_mission.vehicles.arducopter.timing import fly_aborted, fly_arducopter
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.wind import Wind
 
@@ -32,12 +32,10 @@ class ArduCopterModel(FlightModel):
         airframe = airframe_of(mission.vehicle).at_altitude(mission.home.altitude)
         return fly_arducopter(route, _limits(mission), wind, fast, airframe)
 
-    def broken_off(
-        self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, order: BrokenOff
-    ) -> Prediction:
+    def broken_off(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, order: Abort) -> Prediction:
         """As `FlightModel.broken_off`."""
         airframe = airframe_of(mission.vehicle).at_altitude(mission.home.altitude)
-        return break_off(route, _limits(mission), wind, fast, airframe, order)
+        return fly_aborted(route, _limits(mission), wind, fast, airframe, order)
 
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
         """As `FlightModel.kinematics`."""

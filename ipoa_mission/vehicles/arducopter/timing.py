@@ -11,7 +11,7 @@ import numpy as np
 from ipoa_mission.errors import BadInput, EndlessFlight, MissionError
 from ipoa_mission.forecast.itinerary.itinerary import UNTIMED, Itinerary, flying_already
 from ipoa_mission.forecast.itinerary.program import Place
-from ipoa_mission.forecast.timing.flight_model import BrokenOff
+from ipoa_mission.forecast.timing.flight_model import Abort
 from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.forecast.timing.reasons import corner_deg, slow_because
 from ipoa_mission.forecast.timing.track import Track
@@ -79,8 +79,8 @@ def fly_arducopter(
         flight.done.append(flight.copter.state.time)
     track = Track.joined(flight.tracks)
     done = np.array(flight.done, dtype=np.float64)
-    endings = np.array([_ending_doubt(visit.item) for visit in route.visits]).reshape(-1, 2)
-    early, late = np.maximum.accumulate(endings).T
+    contingencies = np.array([_ending_doubt(visit.item) for visit in route.visits]).reshape(-1, 2)
+    early, late = np.maximum.accumulate(contingencies).T
     doubt = DOUBT + DOUBT_SHARE * done
     low, high = done - np.hypot(doubt, early), done + np.hypot(doubt, late)
     return Prediction(done, low, high, tuple(flight.reasons), track, tuple(flight.remarks))
@@ -95,13 +95,13 @@ def _ending_doubt(item: Item) -> tuple[float, float]:
     return 0.0, 0.0
 
 
-def break_off(
+def fly_aborted(
     route: Itinerary,
     limits: CopterLimits,
     wind: Wind,
     fast: bool | None,
     airframe: Airframe,
-    order: BrokenOff,
+    order: Abort,
 ) -> Prediction:
     """Fly the itinerary up to a moment, and then what is ordered; raises as `fly_arducopter` does.
 
@@ -114,7 +114,7 @@ def break_off(
             break
         flight.visit(n)
     flight.until, copter = math.inf, flight.copter
-    returns = order.ending is Contingency.RTL
+    returns = order.contingency is Contingency.RTL
     if returns and copter.limits.rtl_final > 0.0:
         words = "with an RTL_ALT_FINAL above 0 it waits over its goal, and does not land"
         raise MissionError(words, code="endless-flight")

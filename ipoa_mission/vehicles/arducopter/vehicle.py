@@ -184,19 +184,21 @@ class ArduCopter(Autopilot):
         near = limits.accel / limits.p_position**2
         return np.where(speed <= near, speed / limits.p_position, near / 2 + speed**2 / (2 * limits.accel))
 
-    def braking_way(self, parameters: Parameters, velocity: "Points", accel: "Points", ending: Contingency) -> "Points":
+    def braking_way(
+        self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: Contingency
+    ) -> "Points":
         """Shaped where it lands or brakes, else to its stopping point.
 
         >>> import numpy as np
         >>> ArduCopter().braking_way({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
         array([[11.,  0.]])
         """
-        if ending not in (Contingency.LAND, Contingency.HOLD):
-            return super().braking_way(parameters, velocity, accel, ending)
+        if contingency not in (Contingency.LAND, Contingency.HOLD):
+            return super().braking_way(parameters, velocity, accel, contingency)
         from ipoa_mission.vehicles.arducopter import braking
 
         p = PARAMETER_TABLE.complete(parameters)
-        if ending is Contingency.HOLD:
+        if contingency is Contingency.HOLD:
             return braking.Shaping(braking.BRAKES_WITH, p["PSC_JERK_XY"]).way(velocity, 0.0 * accel)
         asked = velocity + braking.LAND_LEADS * accel
         return braking.Shaping(p["WPNAV_ACCEL"] / 100, p["PSC_JERK_XY"]).way(asked, accel)

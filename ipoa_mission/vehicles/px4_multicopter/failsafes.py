@@ -111,7 +111,7 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
     if rule.parameter == "NAV_RCL_ACT" and parameters.get(RADIO_SOURCE) == NO_RADIO:
         answer = replace(GOES_ON, words=f"not looked for: {RADIO_SOURCE} is 4")
     returning = answer
-    if rule.parameter in EXCEPT and answer.ending is not Contingency.CONTINUE:
+    if rule.parameter in EXCEPT and answer.contingency is not Contingency.CONTINUE:
         excepted, words = int(parameters.get(EXCEPT[rule.parameter], 0.0)), f"by {EXCEPT[rule.parameter]}"
         if excepted & IN_MISSION:
             answer = replace(GOES_ON, words=words)
@@ -119,7 +119,7 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
             returning = replace(GOES_ON, words=words)
     if rule.cause == ACCURACY:
         returning = replace(GOES_ON, words="counts only in a mission or a hold")
-    if returning.ending is Contingency.RTL and rule.cause != BY_HAND:
+    if returning.contingency is Contingency.RTL and rule.cause != BY_HAND:
         returning = replace(GOES_ON, words="it is returning already")
     differs = {} if returning == answer else {FlightStage.RETURN: returning}
     returns_at = rule.returns_at(series)
@@ -129,5 +129,5 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
 def _later(rule: FailsafeRule, answer: FailsafeAction, parameters: Parameters) -> FailsafeAction:
     """It first holds for the user to see what is coming."""
     delay = parameters.get(DELAY, 5.0)
-    waits = answer.ending in {Contingency.RTL, Contingency.LAND} and rule.cause not in AT_ONCE
+    waits = answer.contingency in {Contingency.RTL, Contingency.LAND} and rule.cause not in AT_ONCE
     return replace(answer, after_s=delay) if waits and delay > LEAST_DELAY else answer

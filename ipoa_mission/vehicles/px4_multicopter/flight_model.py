@@ -7,14 +7,14 @@ import numpy as np
 
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.bound import Kinematics
-from ipoa_mission.forecast.timing.flight_model import BrokenOff, FlightModel, SlowedByAir
+from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel, SlowedByAir
 from ipoa_mission.forecast.timing.prediction import Prediction
 from ipoa_mission.geometry import Vector
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import KNOWS, SIH, SIH_SENSES, airframe_of
 from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
-from ipoa_mission.vehicles.px4_multicopter.timing import STEP, Flights, break_off, fly_px4
+from ipoa_mission.vehicles.px4_multicopter.timing import STEP, Flights, fly_aborted, fly_px4
 from ipoa_mission.wind import Wind
 
 RUNS = 8  # of its noise, the same in every forecast
@@ -33,11 +33,9 @@ class Px4Model(FlightModel):
             route, mission.parameters, wind, fast, airframe_of(mission.vehicle), senses, mission.firmware_version
         )
 
-    def broken_off(
-        self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, order: BrokenOff
-    ) -> Prediction:
+    def broken_off(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, order: Abort) -> Prediction:
         """As `FlightModel.broken_off`."""
-        return break_off(
+        return fly_aborted(
             route, mission.parameters, wind, fast, airframe_of(mission.vehicle), order, mission.firmware_version
         )
 

@@ -17,7 +17,7 @@ from ipoa_mission.compiled import jit_if_faster
 from ipoa_mission.compiled.records import records
 from ipoa_mission.errors import MissionError, NotModeled
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary, flying_already
-from ipoa_mission.forecast.timing.flight_model import BrokenOff
+from ipoa_mission.forecast.timing.flight_model import Abort
 from ipoa_mission.forecast.timing.prediction import Missed, Prediction
 from ipoa_mission.forecast.timing.reasons import corner_deg, slow_because
 from ipoa_mission.forecast.timing.track import Track
@@ -116,13 +116,13 @@ def fly_px4(
     return Prediction(done, low, high, reasons, track, tuple(remarks), _missed(route, runs))
 
 
-def break_off(
+def fly_aborted(
     route: Itinerary,
     parameters: Parameters,
     wind: Wind,
     fast: bool | None,
     airframe: Airframe,
-    order: BrokenOff,
+    order: Abort,
     version: Version | None = None,
 ) -> Prediction:
     """Fly the itinerary up to a moment, and then what is ordered, in the mean of its noise: each from where it is then.
@@ -131,7 +131,7 @@ def break_off(
         BadInput, MissionError: as `fly_px4` does; or what is ordered has no end.
     """
     flights = Flights(route, parameters, wind, airframe, version=version)
-    if order.ending is Contingency.RTL:
+    if order.contingency is Contingency.RTL:
         if flights.limits.land_delay < 0.0:
             raise MissionError("with an RTL_LAND_DELAY below 0 it waits over its goal for ever", code="endless-flight")
         if parameters.get("RTL_TYPE", 0.0) in ALONG_MISSION:
@@ -143,12 +143,12 @@ def break_off(
         if (seed - 1) % RUNS.batch == 0 and _known([np.array([time]) for time in lasted], RUNS.broken_off_share):
             break
         with suppress(MissionError):
-            run, begun = flights.broken_off(order.ending, order.time, seed, fast)
+            run, begun = flights.broken_off(order.contingency, order.time, seed, fast)
             lasted.append(float(run.done[-1]) - order.time)
             stood.append(float(run.done[-1]) - run.touched)
             when.append(float(quiet[begun - 1] + min(order.time - run.done[begun - 1], steps[begun - 1])))
     then = float(np.mean(when)) if when else order.time
-    last, _ = flights.broken_off(order.ending, then, None, fast)
+    last, _ = flights.broken_off(order.contingency, then, None, fast)
     lasted, stood = lasted or [float(last.done[-1]) - then], stood or [float(last.done[-1]) - last.touched]
     mean = float(np.mean(lasted))
     doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * mean) ** 2
@@ -222,7 +222,7 @@ class Flights:
         return once
 
     def broken_off(
-        self, ending: Contingency, time: float, seed: int | None, fast: bool | None
+        self, contingency: Contingency, time: float, seed: int | None, fast: bool | None
     ) -> tuple[FlownOnce, int]:
         """Flown up to a time [s] with the noise of a seed, or without any, and then what is ordered, as `flown`.
 
@@ -232,14 +232,17 @@ class Flights:
         until = self.flown(seed is not None, fast, RUNS.most * time / STEP, True)(seed or 0)
         begun = min(int(np.searchsorted(until.done[1:], time)) + 1, len(self.orders))
         self.orders = with_another_end(
-            self.orders[:begun], self.ending(ending, until.samples[-1]), self.limits, self.airframe.landing_delay
+            self.orders[:begun],
+            self.contingency(contingency, until.samples[-1]),
+            self.limits,
+            self.airframe.landing_delay,
         )
         return self.flown(seed is not None, fast, RUNS.most * time / STEP)(seed or 0), begun
 
-    def ending(self, ending: Contingency, at: Vector) -> list[Order]:
+    def contingency(self, contingency: Contingency, at: Vector) -> list[Order]:
         """The orders of an RTL or a LAND from one sample (7,) of a flight."""
         here, speed, ground = Enu(*map(float, at[1:4])), Level(float(at[4]), float(at[5])), self.route.ground
-        if ending is Contingency.RTL:
+        if contingency is Contingency.RTL:
             goal = Enu(*self.route.goal_of_return((here.east, here.north, here.up)))
             return way_home(here, self.limits, goal._replace(up=ground.at(goal.east, goal.north)), goal.up)
         stop = stopping_place(here, speed, self.limits)

@@ -155,15 +155,17 @@ class Px4Multicopter(Autopilot):
         turning = turns * (speed + turns * (gains / 2 - limits.jerk * turns / 6))
         return np.asarray(turning + slowed**2 / (2 * brakes))
 
-    def braking_way(self, parameters: Parameters, velocity: "Points", accel: "Points", ending: Contingency) -> "Points":
+    def braking_way(
+        self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: Contingency
+    ) -> "Points":
         """Straight on to where its navigator puts LAND and hold (preproject_stop_point).
 
         >>> import numpy as np
         >>> Px4Multicopter().braking_way({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
         array([[9.6, 0. ]])
         """
-        if ending not in (Contingency.LAND, Contingency.HOLD):
-            return super().braking_way(parameters, velocity, accel, ending)
+        if contingency not in (Contingency.LAND, Contingency.HOLD):
+            return super().braking_way(parameters, velocity, accel, contingency)
         import numpy as np
 
         from ipoa_mission.vehicles.px4_multicopter.limits import BRAKES_LATE, px4_limits
@@ -244,7 +246,7 @@ class Px4Multicopter(Autopilot):
         """As its source has it.
 
         >>> found = {one.cause: one for one in Px4Multicopter().failsafes({"COM_LOW_BAT_ACT": 3.0})}
-        >>> found["critical battery"].route.ending, found["critical battery"].route.after_s
+        >>> found["critical battery"].route.contingency, found["critical battery"].route.after_s
         (<Ending.RTL: 'rtl'>, 5.0)
         """
         return failsafes.failsafes(parameters, (version or self.newest).series)

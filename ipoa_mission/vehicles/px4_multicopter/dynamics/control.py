@@ -32,9 +32,16 @@ def controlled(state: State, trajectory: Trajectory, order: Order, law: Law) -> 
     """
     limits, body, was, dt = law.limits, state.body, state.control, law.dt
     east, north = level_velocity(trajectory, body, limits, dt)
-    east, north = east - body.speed.east - body.felt.east * dt, north - body.speed.north - body.felt.north * dt
-    ask_east = trajectory.east.acceleration + limits.p_v * east + was.integral.east - limits.d_v * body.felt.east
-    ask_north = trajectory.north.acceleration + limits.p_v * north + was.integral.north - limits.d_v * body.felt.north
+    east, north = (
+        east - body.speed.east - body.acceleration.east * dt,
+        north - body.speed.north - body.acceleration.north * dt,
+    )
+    ask_east = (
+        trajectory.east.acceleration + limits.p_v * east + was.integral.east - limits.d_v * body.acceleration.east
+    )
+    ask_north = (
+        trajectory.north.acceleration + limits.p_v * north + was.integral.north - limits.d_v * body.acceleration.north
+    )
     most_climb, foreseen, ramp = limits.most_climb, trajectory.up.acceleration, state.time - state.begun
     if order.kind == TAKE_OFF and ramp < limits.takeoff_ramp:
         none = -GRAVITY / limits.p_vz

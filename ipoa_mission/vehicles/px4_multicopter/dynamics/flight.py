@@ -53,10 +53,10 @@ def past_cruise(state: State, order: Order, law: Law) -> State:
         Axis(up.place, up.speed, up.acceleration),
     )
     place = Enu(body.place.east + east, body.place.north + north, body.place.up)
-    moved = Body(place, body.speed, body.felt, body.asked, body.thrust, body.on_ground, since)
+    moved = Body(place, body.speed, body.acceleration, body.asked, body.thrust, body.on_ground, since)
     return State(
-        time, moved, state.nose, track_setpoint, state.guidance, state.control, state.errors, state.contact, state.begun,
-        state.reached, state.been_there,
+        time, moved, state.nose, track_setpoint, state.guidance, state.control, state.errors, state.contact,
+        state.begun, state.reached, state.been_there,
     )  # fmt: skip
 
 

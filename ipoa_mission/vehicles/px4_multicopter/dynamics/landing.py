@@ -25,7 +25,7 @@ def stands(state: State, order: Order) -> bool:
     return order.kind == LAND and (state.contact.stands or state.body.place.up <= order.goal.up)
 
 
-def felt(state: State, body: Body, thrust: float, law: Law) -> Contact:
+def detect_contact(state: State, body: Body, thrust: float, law: Law) -> Contact:
     """The ground felt: in contact, perhaps landed, landed, each once thrust and speed have been low for long enough.
 
     The ground is lost from sight once the vehicle believes to be below it.

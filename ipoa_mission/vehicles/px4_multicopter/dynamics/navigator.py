@@ -145,11 +145,11 @@ def _patient(order: Order, before: Enu, limits: Px4Limits) -> Order:
 
 
 def with_another_end(
-    flown: Sequence[Order], ending: Sequence[Order], limits: Px4Limits, landing_delay: float = 0.0
+    flown: Sequence[Order], contingency: Sequence[Order], limits: Px4Limits, landing_delay: float = 0.0
 ) -> tuple[Order, ...]:
     """Orders that are flown up to the time at which they are broken off, and those of the ending."""
-    orders, at = list(flown), ending[0].start
-    for order in ending:
+    orders, at = list(flown), contingency[0].start
+    for order in contingency:
         late = landing_delay if order.kind == LAND else 0.0
         orders.append(_patient(order._replace(holds=order.holds + late), at, limits))
         at = order.goal

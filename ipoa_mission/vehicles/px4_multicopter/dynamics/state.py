@@ -125,7 +125,7 @@ class Body(NamedTuple):
 
     place: Enu
     speed: Enu
-    felt: Level
+    acceleration: Level
     asked: Level
     thrust: Enu
     on_ground: bool

@@ -11,7 +11,7 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.guidance import (
     velocity_setpoint,
 )
 from ipoa_mission.vehicles.px4_multicopter.dynamics.heading import heading_error, turned
-from ipoa_mission.vehicles.px4_multicopter.dynamics.landing import felt, stands
+from ipoa_mission.vehicles.px4_multicopter.dynamics.landing import detect_contact, stands
 from ipoa_mission.vehicles.px4_multicopter.dynamics.sensor_errors import NOTICED_S, add_sensor_errors
 from ipoa_mission.vehicles.px4_multicopter.dynamics.smoothing import smoothed
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
@@ -55,7 +55,7 @@ def step(state: State, order: Order, law: Law) -> State:
     errors = add_sensor_errors(state, law)
     if errors.told != state.errors.told:
         guidance = Guidance(UNKNOWN, guidance.anchor, guidance.held, guidance.rising)
-    contact = felt(state, body, asked.up, law) if order.kind == LAND else state.contact
+    contact = detect_contact(state, body, asked.up, law) if order.kind == LAND else state.contact
     time = state.time + law.dt
     there = state.been_there or is_there(body, errors, contact, order)
     reached = state.reached
@@ -139,7 +139,7 @@ def begun(state: State, order: Order) -> State:
     on_ground = body.on_ground and order.kind == TAKE_OFF
     if on_ground:
         trajectory = Trajectory(trajectory.east, trajectory.north, Axis(trajectory.up.place, -GROUND_SINK, 0.0))
-    body = Body(body.place, body.speed, body.felt, body.asked, body.thrust, on_ground, body.airborne_since)
+    body = Body(body.place, body.speed, body.acceleration, body.asked, body.thrust, on_ground, body.airborne_since)
     guidance = Guidance(ON_LINE, of(order.start), state.guidance.held, state.guidance.rising)
     return State(
         state.time, body, state.nose, trajectory, guidance, state.control, state.errors,
