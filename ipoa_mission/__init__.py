@@ -13,6 +13,8 @@ In a notebook, `%load_ext ipoa_mission` lets missions, plans, estimates and flig
 
 # Nothing is imported here: Ctrl-C while the command line is, is caught in `__main__`, which comes after this.
 _WHERE: dict[str, str] = {}
+#: Names of 0.3 and what they are now; the old ones go with 0.5.
+_RENAMED = {"Unlike": "NotTheSameVehicle", "Unsettled": "KeepsChanging"}
 
 
 def _where() -> dict[str, str]:
@@ -34,6 +36,11 @@ def __getattr__(name: str) -> object:
         return import_module("importlib.metadata").version("ipoa-mission")
     if name == "__all__":
         return sorted(_where())
+    if name in _RENAMED:
+        import warnings
+
+        warnings.warn(f"{name} is {_RENAMED[name]} since 0.4", DeprecationWarning, stacklevel=2)
+        name = _RENAMED[name]
     if name in _where():
         return getattr(import_module(_where()[name]), name)
     raise AttributeError(f"module 'ipoa_mission' has no attribute {name!r}")

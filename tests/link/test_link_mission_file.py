@@ -222,7 +222,7 @@ def test_a_list_that_is_changed_each_time_that_it_is_read_is_unsettled(fast: boo
     items = items_of(ARDUPILOT, 5)
     homes = [replace(HOME, altitude=401.0 + n) for n in range(30)]  # it is item 0, and not compared
     when_asked(mock, Opcode.CALC_FILE_CRC32, lambda number: setattr(mock.flight, "home", homes[number]))
-    with refuses("unsettled"):
+    with refuses("keeps-changing"):
         vehicle.upload_items(items, MissionType.MISSION)
     with pytest.raises(KeepsChanging):
         vehicle.download_items(MissionType.MISSION)

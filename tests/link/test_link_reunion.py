@@ -259,7 +259,7 @@ def test_another_mission_is_told_nothing_and_that_is_said(family: Autopilot, mon
     flight, others, mock = Flight(family, monkeypatch), list[Heard](), loaded(family, OTHER)
     flight.at_loss = lambda: others.append(flight.replaced_by(mock))
     flight.in_loss = lambda: flight.vehicle.order.give(family.modes.returning)
-    with refuses("unlike", "", "vehicle 1"):
+    with refuses("not-the-same-vehicle", "", "vehicle 1"):
         flight.lose(10.0)
     assert not any(map(is_order, others[0].told))
     assert not flight.vehicle.record().completed
@@ -268,12 +268,12 @@ def test_another_mission_is_told_nothing_and_that_is_said(family: Autopilot, mon
 def test_a_vehicle_that_was_restarted_or_tells_another_version_is_another(monkeypatch: pytest.MonkeyPatch) -> None:
     flight = Flight(PX4, monkeypatch)
     flight.at_loss = lambda: setattr(flight.vehicle._logbook, "_clock", 1e5)
-    with refuses("unlike"):
+    with refuses("not-the-same-vehicle"):
         flight.lose(5.0)
     flight = Flight(PX4, monkeypatch)
     assert flight.vehicle._about is not None
     flight.vehicle._about = replace(flight.vehicle._about, uid=7)
-    with refuses("unlike", "", "AUTOPILOT_VERSION"):
+    with refuses("not-the-same-vehicle", "", "AUTOPILOT_VERSION"):
         flight.lose(5.0)
 
 

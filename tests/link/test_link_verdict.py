@@ -130,7 +130,7 @@ def test_a_vehicle_that_speaks_of_another_mission_at_every_reading_is_no_success
     script = judged(Current(0, 2, 2), readings=9)
     script[Ack] = [[Current(0, 2, 2)]] * 9
     script[RequestList] = [[Count(1), Current(0, 2, 2)]] * 9
-    with refuses("unsettled"):
+    with refuses("keeps-changing"):
         lead(upload(Upload(ONE, PX4)), script)
 
 
