@@ -1,0 +1,228 @@
+"""Count what the ratchet in tests/ratchet.toml limits: lines, files, names, arrows between folders, and prose.
+
+python -m tools.census            print each count
+python -m tools.census --where X  print the places of a count, like `long_sentences`
+"""
+
+import ast
+import inspect
+import io
+import re
+import sys
+import tokenize
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from tools import REPOSITORY, command_line
+
+PACKAGE = REPOSITORY / "ipoa_mission"
+SMALL_FILE = 60  # lines
+MANY_PARAMETERS = 6
+LONG_SENTENCE = 25  # words
+DIALECT = re.compile(r"\b(?:told|stands?|so (?:many|much)|anew|oftener|seldomer|beside|lest)\b", re.IGNORECASE)
+#: A sentence that begins with a relative clause, and asks no question.
+CLAUSE = re.compile(r"(?:What|Who|Whose|Where|Whether|How)\b[^?]*$")
+SENTENCE = re.compile(r"(?<=[.?!])\s+(?=[A-Z`*(])|\n\s*\n|\n(?=\s*[-*|#>])")
+CODE = re.compile(r"```.*?```|^\s*>>>.*?(?=\n\s*\n|\Z)|^    .*?$|`[^`]*`", re.DOTALL | re.MULTILINE)
+ADVERBS = re.compile(
+    "SURELY|BARELY|PERHAPS|NEVER|NEARLY|MOST|SAME|BESIDE|AGAIN|ANYWHERE|NOWHERE|OTHERS|FIRMLY|FINELY|ROUGHLY|ALIKE"
+    "|SURER|SURE|FAR|NEAR|CLOSE|SLOW|FAST|HIGH|LOW|FINE|FIRM|ROUGH|HARD|SOFT|DEEP|STEEP|LARGE|LONG|SHORT|THIN"
+)
+ASIDE = {"lab", "reproduction", "reproduction.md"}  # of the docs
+
+
+@cache
+def trees() -> dict[Path, ast.Module]:
+    """Return the syntax tree of each module."""
+    return {path: ast.parse(path.read_text(encoding="utf-8")) for path in sorted(PACKAGE.rglob("*.py"))}
+
+
+@cache
+def nodes(path: Path) -> tuple[ast.AST, ...]:
+    return tuple(ast.walk(trees()[path]))
+
+
+@cache
+def name_of(path: Path) -> str:
+    return ".".join(path.relative_to(REPOSITORY).with_suffix("").parts).removesuffix(".__init__")
+
+
+def lines() -> Iterator[str]:
+    for path in trees():
+        yield from [name_of(path)] * len(path.read_text(encoding="utf-8").splitlines())
+
+
+def small_files() -> Iterator[str]:
+    """Return modules under 60 lines, without those that only mark a folder."""
+    for path in trees():
+        if 1 < len(path.read_text(encoding="utf-8").splitlines()) < SMALL_FILE:
+            yield name_of(path)
+
+
+@cache
+def importers() -> dict[str, set[str]]:
+    """Return the modules that import each module."""
+    modules = {name_of(path) for path in trees()}
+    found: dict[str, set[str]] = defaultdict(set)
+    for path in trees():
+        for node in nodes(path):
+            names: set[str] = set()
+            if isinstance(node, ast.Import):
+                names = {alias.name for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.module:
+                names = {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+            for name in names & modules - {name_of(path)}:
+                found[name].add(name_of(path))
+    return found
+
+
+def single_importers() -> Iterator[str]:
+    yield from (name for name, by in sorted(importers().items()) if len(by) == 1)
+
+
+def arrows() -> Iterator[str]:
+    """Return the pairs of top folders of which the first imports the second."""
+    pairs = {(_folder(a), _folder(b)) for b, by in importers().items() for a in by}
+    yield from sorted(f"{a} -> {b}" for a, b in pairs if a != b and "" not in (a, b))
+
+
+def mutual_pairs() -> Iterator[str]:
+    """Return the pairs of top folders that import each other."""
+    found = {tuple(arrow.split(" -> ")) for arrow in arrows()}
+    yield from sorted(f"{a} <-> {b}" for a, b in found if a < b and (b, a) in found)
+
+
+def _folder(module: str) -> str:
+    parts = module.split(".")
+    return parts[1] if len(parts) > 2 else ""
+
+
+def constants() -> Iterator[str]:
+    for path, tree in trees().items():
+        for node in tree.body:
+            if isinstance(node, ast.Assign | ast.AnnAssign):
+                targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+                for one in (each for target in targets for each in ast.walk(target)):
+                    if isinstance(one, ast.Name) and one.id.strip("_").isupper():
+                        yield f"{name_of(path)}:{one.lineno} {one.id}"
+
+
+def adverb_constants() -> Iterator[str]:
+    yield from (place for place in constants() if ADVERBS.fullmatch(place.split()[-1].strip("_")))
+
+
+def many_parameters() -> Iterator[str]:
+    for path in trees():
+        for node in nodes(path):
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+                given = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
+                if len([one for one in given if one.arg not in ("self", "cls")]) >= MANY_PARAMETERS:
+                    yield f"{name_of(path)}:{node.lineno} {node.name}"
+
+
+@cache
+def prose() -> list[tuple[str, str]]:
+    """Return each docstring, comment, message and page of the docs with its place."""
+    return [*comments(), *messages(), *((_page(one), one.read_text(encoding="utf-8")) for one in docs())]
+
+
+@cache
+def comments() -> list[tuple[str, str]]:
+    """Return the docstrings and comments of the package."""
+    found = []
+    for path in trees():
+        found += [(f"{name_of(path)}:{one.lineno}", inspect.cleandoc(one.value)) for one in _docstrings(path)]
+        for token in tokenize.generate_tokens(io.StringIO(path.read_text(encoding="utf-8")).readline):
+            if token.type == tokenize.COMMENT:
+                found.append((f"{name_of(path)}:{token.start[0]}", token.string.lstrip("#: ")))
+    return found
+
+
+@cache
+def messages() -> list[tuple[str, str]]:
+    """Return the strings of three words or more that are no docstrings."""
+    found = []
+    for path in trees():
+        docstrings = {id(one) for one in _docstrings(path)}
+        for node in nodes(path):
+            text = node.value if isinstance(node, ast.Constant) and id(node) not in docstrings else None
+            if isinstance(text, str) and isinstance(node, ast.Constant) and len(text.split()) > 2:
+                found.append((f"{name_of(path)}:{node.lineno}", text))
+    return found
+
+
+def _docstrings(path: Path) -> Iterator[Any]:
+    """Return the constants that document a module, class, function or, below an assignment, a name."""
+    for node in nodes(path):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            constants = (one.value for one in node.body if isinstance(one, ast.Expr))
+            yield from (one for one in constants if isinstance(one, ast.Constant) and isinstance(one.value, str))
+
+
+def _page(path: Path) -> str:
+    return path.relative_to(REPOSITORY).as_posix()
+
+
+def docs() -> list[Path]:
+    """Return the pages that users read: without the lab books and the paper's reproduction."""
+    pages = [page for page in (REPOSITORY / "docs").rglob("*.md") if not ASIDE & set(page.parts)]
+    return sorted([*pages, *(REPOSITORY / name for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md"))])
+
+
+@cache
+def sentences() -> list[tuple[str, str]]:
+    split = ((place, one) for place, text in prose() for one in SENTENCE.split(CODE.sub(" X ", text)))
+    found = ((place, " ".join(one.split())) for place, one in split)
+    return [(place, words) for place, words in found if words and not words.startswith("|")]
+
+
+def dialect() -> Iterator[str]:
+    for place, text in prose():
+        yield from (f"{place} {match[0]}" for match in DIALECT.finditer(CODE.sub(" ", text)))
+
+
+def clause_subjects() -> Iterator[str]:
+    yield from (f"{place} {words}" for place, words in sentences() if CLAUSE.match(words))
+
+
+def long_sentences() -> Iterator[str]:
+    yield from (f"{place} {words}" for place, words in sentences() if len(words.split()) > LONG_SENTENCE)
+
+
+def docstring_words() -> Iterator[str]:
+    """Return each word of the package's docstrings and comments."""
+    yield from (word for _, text in comments() for word in text.split())
+
+
+def doc_words() -> Iterator[str]:
+    for page in docs():
+        yield from page.read_text(encoding="utf-8").split()
+
+
+COUNTS: dict[str, Callable[[], Iterator[str]]] = {
+    count.__name__: count
+    for count in (
+        lines, small_files, single_importers, arrows, mutual_pairs, constants, adverb_constants, many_parameters,
+        dialect, clause_subjects, long_sentences, docstring_words, doc_words,
+    )
+}  # fmt: skip
+
+
+def main(arguments: list[str]) -> int:
+    parser = command_line(__doc__)
+    parser.add_argument("--where", choices=sorted(COUNTS), help="print the places of this count")
+    given = parser.parse_args(arguments)
+    if given.where:
+        for place, times in Counter(COUNTS[given.where]()).items():
+            print(place if times == 1 else f"{place} ({times})")
+        return 0
+    for name, count in COUNTS.items():
+        print(f"{name} = {sum(1 for _ in count())}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
