@@ -1,1 +1,0 @@
-"""What a real autopilot says to generated items, recorded; tests/verdicts.py holds our tables against it."""
