@@ -1,5 +1,5 @@
 """PX4's own log (`.ulg`): where it was, what it did, which item it turned to, how it was set. Read by pyulog (extra
-`logs`). Its mission is told item by item as the flight comes to them (`px4_items`), from PX4 1.12 on.
+`logs`). Its mission is told item by item as the flight comes to them (`logged_items`), from PX4 1.12 on.
 """
 
 from collections.abc import Iterator, Set

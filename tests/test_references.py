@@ -1,0 +1,41 @@
+"""Every name in backticks in a docstring or comment exists: stale references lead a reader astray."""
+
+import io
+import re
+import tokenize
+from pathlib import Path
+
+from tools import REPOSITORY
+from tools.census import comments
+
+REFERENCE = re.compile(r"[A-Za-z_]\w*(?:[./][A-Za-z_]\w*)*(?:\(\))?")
+#: Names of other projects, of files and of data.
+FOREIGN = {
+    "BLDG_HEIGHT", "MAVLink_command_long_message", "SOH", "_INT", "opfunu", "pyproject.toml", "rc.mc_defaults",
+    "scipy.interpolate.CubicSpline", "shape_pos_vel_accel",
+}  # fmt: skip
+
+
+def known() -> set[str]:
+    found = set[str]()
+    for folder in ("ipoa_mission", "tools"):
+        for path in (REPOSITORY / folder).rglob("*.py"):
+            found |= {path.stem, *path.relative_to(REPOSITORY).parts}
+            for token in tokenize.generate_tokens(io.StringIO(path.read_text(encoding="utf-8")).readline):
+                if token.type == tokenize.NAME:
+                    found.add(token.string)
+                elif token.type == tokenize.STRING and '"""' not in token.string:
+                    found.update(re.findall(r"\w+", token.string))
+    return found | {path.name for path in Path(REPOSITORY).iterdir()}
+
+
+def test_names_in_backticks_exist() -> None:
+    names = known()
+    stale = {
+        f"{place}: {reference}"
+        for place, text in comments()
+        for reference in re.findall(r"`([^`\n]+)`", text)
+        if REFERENCE.fullmatch(reference) and reference not in FOREIGN
+        if not names.issuperset(re.split(r"[./]", reference.removesuffix("()")))
+    }
+    assert not stale
