@@ -13,10 +13,12 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.mission.stored_mission import to_wire
 from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
+from ipoa_mission.simulator.conditions import Conditions
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import some
 from tests.link_pair import CLIENT
+from tests.recorded_flights import FLOWN_ON
 
 FLIGHTS = Path(__file__).parent.parent / "flights"
 
@@ -25,7 +27,9 @@ def flown(folder: Path) -> tuple[Mission, Mapping[int, tuple[float, float]], dic
     """A recorded mission, where the mock was when it told of each item (numbered as in the file), and the record."""
     told = json.loads((folder / "flight.json").read_text(encoding="utf-8"))
     mission = read_mission(folder / "mission.waypoints", autopilot_named(folder.name.rsplit("-", 1)[1]))
-    mock = Mock(mission.autopilot, mission.home, {name: float(value) for name, value in told["params"].items()})
+    parameters = {name: float(value) for name, value in told["params"].items()}
+    conditions = Conditions(version=FLOWN_ON[mission.autopilot])
+    mock = Mock(mission.autopilot, mission.home, parameters, conditions=conditions)
     first = int(mission.autopilot is Autopilot.ARDUPILOT)
     start = CommandLong(300) if first else CommandLong(176, (1.0, 4.0, 4.0, 0.0, 0.0, 0.0, 0.0))
     items = to_wire(mission)
@@ -35,6 +39,7 @@ def flown(folder: Path) -> tuple[Mission, Mapping[int, tuple[float, float]], dic
     reached: dict[int, tuple[float, float]] = {}
     left = 50  # steps for what is still to be said once it has disarmed
     while mock.flight.armed or left > 0:
+        assert mock.flight.time_s < 1000.0, "it does not come down"
         left -= not mock.flight.armed
         mock.tick(mock.deadline)
         east, north, _ = mock.flight.local
