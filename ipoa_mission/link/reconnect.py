@@ -89,7 +89,7 @@ class LinkLoss:
 
         Raises:
             LinkDown: the link broke, and is not ours to open anew.
-            Unlike, OtherKind: somebody else is heard in its place, or another mission is on it.
+            NotTheSameVehicle, OtherKind: somebody else is heard in its place, or another mission is on it.
             NoAnswer: it was not known again in `GONE_S`.
             TimeUp: nor until `until_s`.
             Cancelled: by Ctrl-C.

@@ -261,7 +261,7 @@ class Vehicle(RemoteVehicle):
 
         Raises:
             NoAnswer, LinkDown: the vehicle is not heard any more; with its last known state as the hint.
-            Unlike, NotFlown: another one is heard in its place, or one with another mission.
+            NotTheSameVehicle, NotFlown: another one is heard in its place, or one with another mission.
             TimeUp: the time given by `give_up_after` is up; the vehicle may be in the air.
         """
         holding, is_back, record = self._holdings.get(MissionType.MISSION), False, None

@@ -51,7 +51,7 @@ def rows(campus: Contingencies) -> dict[Contingency, tuple[ContingencyRow, ...]]
     return {contingency: campus.rows(contingency, timed=False) for contingency in LOOKED_AT}
 
 
-@pytest.mark.parametrize("ending", LOOKED_AT)
+@pytest.mark.parametrize("contingency", LOOKED_AT)
 def test_every_second_in_the_air_is_in_some_row(
     campus: Contingencies, rows: dict[Contingency, tuple[ContingencyRow, ...]], contingency: Contingency
 ) -> None:
@@ -95,7 +95,7 @@ def test_a_return_through_a_mast_is_told_and_a_higher_one_is_clear(sitl: Conting
     assert all(row.to_s - row.from_s < 3.0 + 2 * 2.5 for row in unclear)
 
 
-@pytest.mark.parametrize("ending", [Contingency.RTL, Contingency.LAND, Contingency.SMART_RTL, Contingency.HOLD])
+@pytest.mark.parametrize("contingency", [Contingency.RTL, Contingency.LAND, Contingency.SMART_RTL, Contingency.HOLD])
 def test_one_second_is_told_of_as_its_row_is(sitl: Contingencies, contingency: Contingency) -> None:
     for row in sitl.rows(contingency, timed=False):
         one = sitl.at(contingency, (row.from_s + row.to_s) / 2, timed=False)
@@ -252,7 +252,7 @@ def test_a_return_altitude_is_planned_for_a_clear_return(tmp_path: Path, monkeyp
 
 
 @pytest.mark.parametrize(
-    ("name", "parameters", "endings"),
+    ("name", "parameters", "contingencies"),
     [
         ("sitl", {}, "rtl land hold"),  # PX4 has no SmartRTL, whatever its parameters
         ("sitl", {"NAV_RCL_ACT": 3.0, "GF_ACTION": 0.0}, "rtl land hold"),
@@ -308,7 +308,7 @@ def test_endings_depend_on_a_world() -> None:
     assert isinstance(ended.exception, BadInput)
 
 
-@pytest.mark.parametrize("ending", [Contingency.RTL, Contingency.LAND])
+@pytest.mark.parametrize("contingency", [Contingency.RTL, Contingency.LAND])
 def test_looks_at_a_few_times_at_once_are_those_at_all(
     sitl: Contingencies, contingency: Contingency, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -107,7 +107,7 @@ def timed(autopilot: str, contingency: Contingency) -> list[Row]:
 
 
 @pytest.mark.parametrize("autopilot", AUTOPILOTS)
-@pytest.mark.parametrize("ending", [Contingency.RTL, Contingency.LAND])
+@pytest.mark.parametrize("contingency", [Contingency.RTL, Contingency.LAND])
 def test_endings_last_as_long_as_expected(autopilot: str, contingency: Contingency) -> None:
     rows = [row for row in timed(autopilot, contingency) if int(row["number"]) < LATER]
     lasted, expected = (np.array([float(row[name]) for row in rows]) for name in ("flown_s", "expected_s"))
@@ -118,7 +118,7 @@ def test_endings_last_as_long_as_expected(autopilot: str, contingency: Contingen
 
 
 @pytest.mark.parametrize("autopilot", AUTOPILOTS)
-@pytest.mark.parametrize("ending", [Contingency.RTL, Contingency.LAND])
+@pytest.mark.parametrize("contingency", [Contingency.RTL, Contingency.LAND])
 def test_endings_last_as_long_as_their_intervals_say(autopilot: str, contingency: Contingency) -> None:
     rows = timed(autopilot, contingency)
     within = [float(row["low_s"]) <= float(row["flown_s"]) <= float(row["high_s"]) for row in rows]
@@ -127,7 +127,7 @@ def test_endings_last_as_long_as_their_intervals_say(autopilot: str, contingency
     assert sum(later) >= WITHIN_LATER * len(later)
 
 
-@pytest.mark.parametrize(("autopilot", "ending", "median"), TOUCHES)
+@pytest.mark.parametrize(("autopilot", "contingency", "median"), TOUCHES)
 def test_the_ground_is_touched_when_it_was_forecast(autopilot: str, contingency: Contingency, median: float) -> None:
     """How long PX4 then stands there is its own affair: until it has disarmed the forecast is farther off."""
     rows = [row for row in timed(autopilot, contingency) if math.isfinite(float(row["touched_s"]))]

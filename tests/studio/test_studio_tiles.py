@@ -82,7 +82,7 @@ def test_a_file_is_read_from_the_north_and_says_whose_it_is(tmp_path: Path) -> N
 
 @pytest.mark.parametrize(
     ("kind", "count", "why"),
-    [("svg", 1, ("wrong-format", "--tiles: a.mbtiles")), ("png", 0, ("nothing-there", "--tiles: a.mbtiles"))],
+    [("svg", 1, ("wrong-format", "a.mbtiles")), ("png", 0, ("nothing-there", "a.mbtiles"))],
 )
 def test_a_file_without_pictures_is_refused(tmp_path: Path, kind: str, count: int, why: tuple[str, ...]) -> None:
     with refuses(*why):
@@ -139,7 +139,7 @@ def test_vector_tiles_that_a_browser_could_not_unpack_are_refused(tmp_path: Path
         file.write_tile(kinds.zxy_to_tileid(3, 4, 2), gzip.compress(b"a tile"))
         about = {"tile_type": kinds.TileType.MVT, "tile_compression": kinds.Compression[packed]}
         file.finalize(about, {"vector_layers": [{"id": "water"}]})
-    with nullcontext() if is_taken else refuses("wrong-format", "--tiles: a.pmtiles"):
+    with nullcontext() if is_taken else refuses("wrong-format", "a.pmtiles"):
         assert tiles.open_tiles(str(tmp_path / "a.pmtiles")).shown.layers == ("water",)
 
 

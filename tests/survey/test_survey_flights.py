@@ -290,7 +290,7 @@ def test_a_corridor_is_followed() -> None:
         ({"survey": LINES | {"line_spacing": 0.1}}, BadInput, ("lines-too-near", "survey.line_spacing")),
         ({"survey": PHOTOS | {"front_overlap": 0.999}}, BadInput, ("lines-too-near", "survey.front_overlap")),
         (
-            {"vehicle": {"airframe": AIRFRAME, ("not-enough-battery", "battery"): {"capacity_wh": 2.0}}},
+            {"vehicle": {"airframe": AIRFRAME, "battery": {"capacity_wh": 2.0}}},
             NotEnoughBattery,
             ("not-enough-battery", "battery"),
         ),

@@ -247,7 +247,7 @@ class Px4Multicopter(Autopilot):
 
         >>> found = {one.cause: one for one in Px4Multicopter().failsafes({"COM_LOW_BAT_ACT": 3.0})}
         >>> found["critical battery"].route.contingency, found["critical battery"].route.after_s
-        (<Ending.RTL: 'rtl'>, 5.0)
+        (<Contingency.RTL: 'rtl'>, 5.0)
         """
         return failsafes.failsafes(parameters, (version or self.newest).series)
 
