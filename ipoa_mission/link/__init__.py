@@ -1,1 +1,1 @@
-"""How to tell the vehicle: the MAVLink mission services, without losing an item."""
+"""Communicate with a vehicle: the MAVLink mission service and commands."""

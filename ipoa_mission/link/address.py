@@ -1,6 +1,6 @@
-"""Connection strings, in both spellings: `udpin:127.0.0.1:14550` and `udpin://127.0.0.1:14550`.
+"""Parse connection strings: `udpin:127.0.0.1:14550` or `udpin://127.0.0.1:14550`.
 
-Whoever names no host means this machine: nothing listens to the world unless the user says so.
+Without a host the address is the loopback: nothing listens on the network unless the user asks for it.
 """
 
 import re
@@ -16,7 +16,7 @@ _SERIAL = re.compile(r"serial:(//)?(?P<device>[^:]+)(:(?P<baud>\d{1,9}))?", re.A
 
 
 class Transport(StrEnum):
-    """What carries the bytes, and who waits for whom."""
+    """Name the carrier of the bytes, and which side waits for the other."""
 
     UDP_IN = "udpin"
     UDP_OUT = "udpout"
@@ -26,7 +26,7 @@ class Transport(StrEnum):
 
 
 _SPELLINGS = {
-    "udp": Transport.UDP_IN,  # as MAVSDK and mavutil have it
+    "udp": Transport.UDP_IN,  # as in MAVSDK and mavutil
     "udpin": Transport.UDP_IN,
     "udpout": Transport.UDP_OUT,
     "tcp": Transport.TCP_OUT,
@@ -37,7 +37,7 @@ _SPELLINGS = {
 
 @dataclass(frozen=True)
 class Address:
-    """Where a link goes: host and port, or a serial device and its baud rate."""
+    """Address a link: host and port, or a serial device and its baud rate."""
 
     transport: Transport
     host: str = LOOPBACK
@@ -52,10 +52,10 @@ class Address:
 
 
 def parse_address(url: str) -> Address:
-    """The address that a connection string names.
+    """Return the address in a connection string.
 
     Raises:
-        BadInput: it is none.
+        BadInput: it is not a connection string.
     """
     if match := _SERIAL.fullmatch(url):
         return Address(Transport.SERIAL, device=match["device"], baud=int(match["baud"] or DEFAULT_BAUD))

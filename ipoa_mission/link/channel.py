@@ -1,7 +1,7 @@
-"""Bytes in, bytes out: the only owner of sockets, serial ports and the real clock.
+"""Send and receive bytes: the only owner of sockets, serial ports and the real clock.
 
-A channel knows peers, not vehicles: `receive` says where bytes came from, `send` where they go. Reading never blocks
-beyond the moment it is told; writing never blocks at all (a full buffer loses, as a radio does).
+A channel knows peers, not vehicles: `receive` returns the sender of bytes, `send` takes their receiver. Reading
+blocks until its deadline at most. Writing never blocks: a full buffer loses bytes, as a radio does.
 """
 
 import os
@@ -19,11 +19,11 @@ from ipoa_mission.link.address import Address, Transport, parse_address
 Peer: TypeAlias = Hashable
 LONGEST_READ = 65536
 MOST_CONNECTIONS = 16
-UNTAKEN_S = 10.0  # a connection that was opened here, and takes nothing for so long, is closed: another is quicker
+UNTAKEN_S = 10.0  # a connection opened here that takes nothing for this long is closed: reconnecting is faster
 RECEIVE_BUFFER = 4 << 20  # bytes: PX4 streams thousands of frames a second while we may be busy
 CLOSED = "the other side closed the connection"
 CLOSED_HINT = "was the autopilot, or what relays it, restarted?"
-MOST_UNSENT = 2048  # bytes that wait for a serial line: a third of a second at 57600 baud
+MOST_UNSENT = 2048  # bytes queued for a serial line: a third of a second at 57600 baud
 
 
 class LinkDown(MissionError):
@@ -31,33 +31,33 @@ class LinkDown(MissionError):
 
 
 class Channel(Protocol):
-    """What carries bytes, and the clock that goes with it."""
+    """Carry bytes, and provide the clock that belongs to them."""
 
-    #: Whether bytes come in datagrams that hold whole frames.
+    #: Whether bytes come in datagrams of whole frames.
     datagrams: bool
 
     def now(self) -> float:
-        """Seconds on the channel's clock, which never goes back."""
+        """Return the seconds on the channel's monotonic clock."""
 
     def unix_s(self) -> float:
-        """The same moment in seconds since 1970."""
+        """Return the same moment in seconds since 1970."""
 
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
-        """What has come in; waits for it until this moment at the latest, and returns at once when something came."""
+        """Return received bytes as soon as there are some, or none at `until`."""
 
     def send(self, data: bytes, peer: Peer | None) -> None:
-        """Send to one peer; None: to whomever the channel was opened for, if to anyone."""
+        """Send to one peer; None: to the remote address of the channel, if it has one."""
 
     def close(self) -> None:
-        """Give back what the system lent."""
+        """Release the resources of the operating system."""
 
 
 def open_channel(url: str) -> Channel:
-    """Open the link that a connection string names.
+    """Open the link of a connection string.
 
     Raises:
-        BadInput: it is no connection string.
-        LinkDown: it cannot be opened.
+        BadInput: it is not a connection string.
+        LinkDown: the link cannot be opened.
     """
     address = parse_address(url)
     try:
@@ -68,7 +68,7 @@ def open_channel(url: str) -> Channel:
                 return TcpChannel(address)
             case _:
                 return SerialChannel(address)
-    except (OSError, ValueError) as error:  # ValueError: a host, a device or a baud rate that cannot be one
+    except (OSError, ValueError) as error:  # ValueError: an impossible host, device or baud rate
         words = f"cannot be opened: {_reason(error)}"
         raise LinkDown(words, hint=_hint(error), code="link-not-opened", place=address) from error
 
@@ -79,22 +79,20 @@ def _reason(error: Exception) -> str:
 
 def _hint(error: Exception) -> str | None:
     if isinstance(error, ConnectionRefusedError):
-        return "nobody listens there: is the autopilot (or the simulation) running?"
+        return "nothing listens there: is the autopilot (or the simulation) running?"
     return "is another ground station using it?" if "in use" in str(error) else None
 
 
 class RealTime:
-    """The computer's clock, of channels that lead out of this process."""
+    """Provide the computer's clock to channels that leave this process."""
 
     def __init__(self) -> None:
         self._epoch = time.time() - time.monotonic()
 
     def now(self) -> float:
-        """The monotonic clock."""
         return time.monotonic()
 
     def unix_s(self) -> float:
-        """The same in seconds since 1970."""
         return self._epoch + time.monotonic()
 
 
@@ -103,7 +101,7 @@ def _family(host: str) -> socket.AddressFamily:
 
 
 class UdpChannel(RealTime):
-    """UDP: `udpin` waits at its port and answers where it was spoken to; `udpout` speaks to one address first."""
+    """Carry UDP: `udpin` waits at its port and answers its peers; `udpout` sends to one address first."""
 
     datagrams = True
 
@@ -123,26 +121,26 @@ class UdpChannel(RealTime):
         except (OSError, ValueError):
             self._socket.close()
             raise
-        self._sender = self._socket.dup()  # reading waits, by a timeout; writing never does
+        self._sender = self._socket.dup()  # reading blocks with a timeout; writing never does
         self._sender.setblocking(False)
 
     @property
     def port(self) -> int:
-        """The local port, for those who asked for any (0)."""
+        """Return the local port, for addresses with port 0."""
         return int(self._socket.getsockname()[1])
 
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
-        """See `Channel`: one datagram at a time, for the answer to it may be urgent."""
+        """Return one datagram at a time: its answer may be urgent."""
         try:
             self._socket.settimeout(max(0.0, until - time.monotonic()))
             return [self._socket.recvfrom(LONGEST_READ)]
-        except (TimeoutError, BlockingIOError, ConnectionError):  # nothing; or an earlier datagram met a closed port
+        except (TimeoutError, BlockingIOError, ConnectionError):  # nothing came, or a datagram met a closed port
             return []
         except OSError as error:
             raise LinkDown(f"the link broke: {_reason(error)}") from error
 
     def send(self, data: bytes, peer: Peer | None) -> None:
-        """See `Channel`: what does not reach a peer is lost, whatever address it claims to have."""
+        """Send, and ignore a peer that cannot be reached, whatever its address."""
         to: Any = peer or self._remote
         if to is None:
             return
@@ -155,7 +153,6 @@ class UdpChannel(RealTime):
                 raise LinkDown(f"the link broke: {_reason(error)}") from error
 
     def close(self) -> None:
-        """See `Channel`."""
         self._sender.close()
         self._socket.close()
 
@@ -165,7 +162,7 @@ def _is_loopback(host: str) -> bool:
 
 
 class TcpChannel(RealTime):
-    """TCP: `tcp` connects, `tcpin` waits for those who connect; a peer is a connection."""
+    """Carry TCP: `tcp` connects, `tcpin` accepts connections; a peer is a connection."""
 
     datagrams = False
 
@@ -181,16 +178,15 @@ class TcpChannel(RealTime):
         else:
             connection = socket.create_connection((address.host, address.port), timeout=5.0)
             self._adopt(connection)
-            with suppress(AttributeError):  # not every system has it
+            with suppress(AttributeError):  # not available on every system
                 connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, round(1e3 * UNTAKEN_S))
 
     @property
     def port(self) -> int:
-        """The local port, for those who asked for any (0)."""
+        """Return the local port, for addresses with port 0."""
         return int((self._listener or self._connections[0]).getsockname()[1])
 
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
-        """See `Channel`."""
         watched = [*self._connections, *([self._listener] if self._listener else [])]
         if not watched:
             raise LinkDown(CLOSED, CLOSED_HINT)
@@ -213,7 +209,6 @@ class TcpChannel(RealTime):
         return got
 
     def send(self, data: bytes, peer: Peer | None) -> None:
-        """See `Channel`."""
         for connection in [*self._connections] if peer is None else [peer]:
             if not isinstance(connection, socket.socket) or connection not in self._connections:
                 continue
@@ -228,7 +223,6 @@ class TcpChannel(RealTime):
                 self._finish(connection, data[sent:])
 
     def close(self) -> None:
-        """See `Channel`."""
         for connection in [*self._connections]:
             connection.close()
         self._connections = []
@@ -251,7 +245,7 @@ class TcpChannel(RealTime):
             self._adopt(connection)
 
     def _finish(self, connection: socket.socket, rest: bytes) -> None:
-        """A frame must not be torn: give a full buffer half a second, else give up the connection."""
+        """Send the rest of a frame within 0.5 s, else drop the connection: a partial frame would corrupt the stream."""
         connection.settimeout(0.5)
         try:
             connection.sendall(rest)
@@ -267,7 +261,7 @@ class TcpChannel(RealTime):
 
 
 class SerialChannel(RealTime):
-    """A serial port: a telemetry radio, or USB."""
+    """Carry bytes over a serial port: a telemetry radio, or USB."""
 
     datagrams = False
 
@@ -280,7 +274,6 @@ class SerialChannel(RealTime):
         self._unsent = b""
 
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
-        """See `Channel`."""
         data = self._move()
         while not data and (left := until - self.now()) > 0:
             time.sleep(min(left, 0.002))
@@ -288,14 +281,13 @@ class SerialChannel(RealTime):
         return [(data, "serial")] if data else []
 
     def send(self, data: bytes, peer: Peer | None) -> None:
-        """See `Channel`: a line that does not drain takes no more frames, but never half of one."""
+        """Queue a whole frame, or drop it while the line does not drain."""
         if len(self._unsent) + len(data) <= MOST_UNSENT:
             self._unsent += data
         with _broken_by_errors():
             self._write()
 
     def close(self) -> None:
-        """See `Channel`."""
         self._port.close()
 
     def _move(self) -> bytes:
@@ -305,7 +297,7 @@ class SerialChannel(RealTime):
         return data
 
     def _write(self) -> None:
-        """Write what the line takes at once: pyserial waits for ever for one that takes nothing."""
+        """Write only what the line takes at once: pyserial blocks for ever on a line that takes nothing."""
         if self._unsent and self._is_ready():
             self._unsent = self._unsent[self._port.write(self._unsent) :]
 
@@ -315,7 +307,7 @@ class SerialChannel(RealTime):
 
 @contextmanager
 def _broken_by_errors() -> Iterator[None]:
-    """What pyserial raises for a line that is gone: its own errors, and those of the file that was closed."""
+    """Raise LinkDown for pyserial's errors on a lost line, and for those of a closed file."""
     try:
         yield
     except (OSError, TypeError, ValueError) as error:
@@ -323,7 +315,7 @@ def _broken_by_errors() -> Iterator[None]:
 
 
 def serial_ports() -> tuple[str, ...]:
-    """The serial ports of this machine, by the names that links have; none where pyserial is not installed."""
+    """Return the names of this machine's serial ports; none without pyserial."""
     try:
         from serial.tools.list_ports import comports
     except ImportError:

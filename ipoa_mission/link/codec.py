@@ -1,7 +1,7 @@
-"""Messages <-> MAVLink frames.
+"""Convert messages to MAVLink frames and back.
 
-The framing is ours, because pymavlink's parser forgets who sent an unknown message, drops a whole good frame behind
-a corrupt length, and records the timestamp of a signature before it has checked it.
+The framing is our own, because pymavlink's parser has three faults. It drops the sender of an unknown message. It
+drops a whole good frame after a corrupt length. It records a signature's timestamp before it has checked it.
 """
 
 import re
@@ -21,15 +21,15 @@ MAGIC_1, MAGIC_2 = 0xFE, 0xFD
 SIGNED = 0x01  # incompat_flags bit
 HEADER_BYTES = 10  # of MAVLink 2
 SIGNATURE_BYTES = 13
-#: Where a frame may begin: MAVLink 2 has flags behind its length, of which only the signature's is known.
+#: Where a frame may begin: a MAVLink 2 length is followed by flags, of which only the signature's is known.
 _BEGINNING = re.compile(rb"\xfe|\xfd(?=.[\x00\x01]|.?\Z)", re.DOTALL)
 RADIO_STATUS = "RADIO_STATUS"
-_HEADER = struct.Struct("<BBBBBBHB")  # behind the magic byte
+_HEADER = struct.Struct("<BBBBBBHB")  # after the magic byte
 _MAGIC_2 = bytes((MAGIC_2,))
 
 
 class Target(NamedTuple):
-    """Whom a message is for; 0 is everyone."""
+    """Address a message; 0 is everyone."""
 
     system: int
     component: int
@@ -40,26 +40,26 @@ EVERYONE = Target(0, 0)
 
 @dataclass(frozen=True)
 class Heard:
-    """One message that came in whole, who said it and to whom; `raw` is its frame."""
+    """Hold one received message, its sender and target; `raw` is its frame."""
 
     system: int
     component: int
     target: Target
-    message: Message | None  # None: a message that the package has no use for
+    message: Message | None  # None: a message that the package does not use
     raw: bytes
 
     def is_for(self, system: int, component: int) -> bool:
-        """Whether it is addressed to this system and component, or to everyone."""
+        """Check that it is addressed to this system and component, or to everyone."""
         return self.target.system in (0, system) and self.target.component in (0, component)
 
 
 def checksum(frame: bytes, crc_extra: int) -> int:
-    """CRC-16/MCRF4XX over everything behind the magic byte, and the seed of this message."""
+    """Return the CRC-16/MCRF4XX of everything after the magic byte and of the message's seed."""
     return mcrf4xx(frame[1:] + bytes((crc_extra,)))
 
 
 class Codec:
-    """One end's voice: its ids, its sequence of frames, and its key where the link is signed."""
+    """Encode with one end's ids and frame sequence, and sign if there is a signer."""
 
     def __init__(self, system: int, component: int, signer: Signer | None = None) -> None:
         self.system = system
@@ -68,14 +68,14 @@ class Codec:
         self._sequence = 0
 
     def encode(self, message: Message, target: Target, unix_s: float) -> bytes:
-        """The MAVLink 2 frame of a message; `unix_s` is the time that a signature carries."""
+        """Return the MAVLink 2 frame of a message; `unix_s` is the time in its signature."""
         name, fields = wire.write(message)
         definition = definition_of(name)
         addressed = {"target_system": target.system, "target_component": target.component, **fields}
         return self.frame(definition, definition.pack(addressed), unix_s)
 
     def frame(self, definition: Definition, payload: bytes, unix_s: float) -> bytes:
-        """The next MAVLink 2 frame, with this payload (without the zeros at its end)."""
+        """Return the next MAVLink 2 frame with this payload, which has no trailing zeros."""
         signer = self.signer
         flags = SIGNED if signer else 0
         number = definition.number
@@ -88,7 +88,7 @@ class Codec:
         return frame if signer is None else frame + signer.signature(frame, unix_s)
 
     def decode(self, frame: bytes) -> Heard | None:
-        """What a whole frame says; None where the signature does not convince."""
+        """Decode a whole frame; None if its signature is not accepted."""
         definition, system, component, payload = _parts(frame)
         if self.signer and not self.signer.accepts(frame, system, component) and definition.name != RADIO_STATUS:
             return None
@@ -100,18 +100,18 @@ class Codec:
 
 
 class Framer:
-    """Cuts the bytes of one peer into whole frames; what is no frame is passed over."""
+    """Cut the bytes of one peer into whole frames; skip all other bytes."""
 
     def __init__(self) -> None:
         self._buffer = b""
 
     @property
     def is_torn(self) -> bool:
-        """Whether a frame has begun that is not complete."""
+        """Check whether an incomplete frame is in the buffer."""
         return bool(self._buffer)
 
     def feed(self, data: bytes) -> Iterator[bytes]:
-        """The frames that `data` completes, checksums checked; never keeps more than one frame's worth."""
+        """Yield the frames that `data` completes, with checked checksums; buffer one frame at most."""
         self._buffer += data
         at = 0
         while (start := next_magic(self._buffer, at)) >= 0:
@@ -126,9 +126,9 @@ class Framer:
         self._buffer = b""
 
     def datagram(self, data: bytes) -> Iterator[bytes]:
-        """The frames that a datagram completes: mostly it is a single one, but there are links that cut frames in two.
+        """Yield the frames that a datagram completes: usually one, but some links split a frame over two.
 
-        One that begins with a whole frame ends what was kept: the rest of that is lost.
+        A datagram that begins with a whole frame discards an incomplete frame in the buffer.
         """
         first = frame_at(data, 0)
         if first is None:
@@ -141,7 +141,7 @@ class Framer:
 
 
 def frames(data: bytes) -> Iterator[bytes]:
-    """The whole frames in bytes that nothing follows."""
+    """Yield the whole frames in complete data."""
     at = 0
     while (start := next_magic(data, at)) >= 0:
         frame = frame_at(data, start)
@@ -151,7 +151,7 @@ def frames(data: bytes) -> Iterator[bytes]:
 
 
 def frame_at(data: bytes, start: int) -> bytes | None:
-    """The whole frame that begins here, of a known message and with the right checksum; None where there is none."""
+    """Return the whole frame at `start`, of a known message with the right checksum, or None."""
     length = _frame_length(data, start)
     if length is None or start + length > len(data):
         return None
@@ -167,7 +167,7 @@ def frame_at(data: bytes, start: int) -> bytes | None:
 
 
 def unknown_frame(data: bytes, start: int) -> int:
-    """The length of the frame that begins here, if it is of no known message; else 0."""
+    """Return the length of the frame at `start` if its message is unknown, else 0."""
     length = _frame_length(data, start)
     if length is None or start + length > len(data):
         return 0
@@ -176,34 +176,33 @@ def unknown_frame(data: bytes, start: int) -> int:
 
 
 def numbered(frame: bytes) -> tuple[tuple[int, int], int]:
-    """System and component that sent a whole frame, and its number, which grows by one modulo 256."""
+    """Return a whole frame's sender (system, component) and its sequence number modulo 256."""
     first = 2 if is_old(frame) else 4
     return (frame[first + 1], frame[first + 2]), frame[first]
 
 
 def is_old(frame: bytes) -> bool:
-    """Whether a whole frame is of MAVLink 1."""
+    """Check for MAVLink 1."""
     return frame[0] == MAGIC_1
 
 
 def sender_of(frame: bytes) -> int:
-    """The system id of who sent a frame."""
+    """Return the system id of a frame's sender."""
     return frame[3 if is_old(frame) else 5]
 
 
 def is_signed(frame: bytes) -> bool:
-    """Whether a whole frame has a signature."""
     return frame[0] == MAGIC_2 and bool(frame[2] & SIGNED)
 
 
 def next_magic(data: bytes, at: int) -> int:
-    """Where, from here on, a frame may begin; -1 if nowhere."""
+    """Return where the next frame may begin, or -1."""
     match = _BEGINNING.search(data, at)
     return match.start() if match else -1
 
 
 def _frame_length(data: bytes, start: int) -> int | None:
-    """Length of the frame that begins here, None while that cannot be told."""
+    """Return the length of the frame at `start`; None while it is not known."""
     if len(data) < start + 3 or data[start] not in (MAGIC_1, MAGIC_2):
         return None
     if data[start] == MAGIC_1:

@@ -1,4 +1,4 @@
-"""Compare a vehicle that is watched with the forecast of its flight, and order what was chosen for a deviation."""
+"""Compare a watched vehicle with its forecast, and order the chosen reaction to a deviation."""
 
 import logging
 import math
@@ -15,20 +15,20 @@ from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle_state import VehicleState
 from ipoa_mission.world.frame import Geodetic
 
-if TYPE_CHECKING:  # it leans on what is large, and most verbs compare nothing
+if TYPE_CHECKING:  # a large module, which most commands do not need
     from ipoa_mission.forecast.conformance import ConformanceMonitor, Deviation
 
 log = logging.getLogger(__name__)
-EVERY_S = 0.2  # between two comparisons, by the vehicle's clock [s]
+EVERY_S = 0.2  # between two comparisons, on the vehicle's clock [s]
 
 
 class Conformance:
-    """Act on deviations of one vehicle's flight, and remember them.
+    """React to deviations of one vehicle's flight, and record them.
 
     Attributes:
-        on_deviation: what is ordered at the first deviation; again only after the vehicle went on with its mission.
-        tell: called with each deviation; its time is counted from the arming [s].
-        ends_held: the watching ends when the vehicle holds because of a deviation; else it goes on.
+        on_deviation: the order at the first deviation, and again after the vehicle has resumed its mission.
+        tell: called with each deviation; its time counts from the arming [s].
+        ends_held: whether watching ends when the vehicle holds because of a deviation.
         deviations: those of this flight.
     """
 
@@ -44,36 +44,34 @@ class Conformance:
         self._is_ordered = False
 
     def compare(self, monitor: "ConformanceMonitor | None") -> None:
-        """Compare the flight that is about to begin; None: nobody can say how it will be flown."""
+        """Compare the next flight; None: no forecast is known for it."""
         self._monitor, self._seen_s, self._is_ordered = monitor, -math.inf, False
         self.deviations.clear()
 
     def of(self, logbook: Logbook) -> "Conformance":
-        """Take the flight of this logbook."""
+        """Set the logbook of the flight."""
         self._logbook = logbook
         return self
 
     @property
     def is_held(self) -> bool:
-        """Tell whether the vehicle holds because of a deviation."""
+        """Check whether the vehicle holds because of a deviation."""
         holds = self._order.is_paused or self._state.custom_mode == self._state.autopilot.modes.hold
         return self._is_ordered and self.on_deviation is OnDeviation.HOLD and holds
 
     @property
     def is_over(self) -> bool:
-        """Tell whether the watching ends here."""
         return self.ends_held and self.is_held
 
     @property
     def why_not(self) -> str:
-        """Say why a flight that a deviation has ended is not complete; nothing where none has."""
+        """Return why a flight ended by a deviation is not complete; empty for other flights."""
         if not self._is_ordered:
             return ""
         what = "it holds" if self.is_held else f"{self.on_deviation} was ordered"
         return f"{what}, because {self.deviations[-1]}"
 
     def look(self, heard: Message, now_s: float) -> Dialogue[None]:
-        """See `Aside`."""
         yield from ()
         if self._monitor is None or not isinstance(heard, Position) or heard.time_s - self._seen_s < EVERY_S:
             return
@@ -84,7 +82,7 @@ class Conformance:
             self._monitor.interrupt()
             return
         if self._is_ordered and self._order.is_under_way:
-            return  # what it does until it obeys is no news
+            return  # ignore deviations until the vehicle obeys
         if self._state.custom_mode == self._state.autopilot.modes.mission:
             self._is_ordered = False  # it refused the order, or went on with its mission
         place = self._monitor.local(Geodetic(heard.latitude_deg, heard.longitude_deg, heard.altitude), heard.height)

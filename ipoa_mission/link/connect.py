@@ -1,4 +1,4 @@
-"""The vehicle on a link: found by its heartbeat, by its system id where there are several."""
+"""Find the vehicle on a link by its heartbeat, and by its system id if there are several."""
 
 from functools import partial
 from pathlib import Path
@@ -18,7 +18,7 @@ from ipoa_mission.link.tlog import read_tlog
 from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_state import NotFlown
 
-#: How long to wait for the first heartbeat, and for those of other vehicles after it [s].
+#: Timeouts for the first heartbeat, and for those of other vehicles after it [s].
 PRESENCE_S, OTHERS_S = 10.0, 1.2
 
 
@@ -36,15 +36,15 @@ def connect(
     """Open a link and find the vehicle on it.
 
     Args:
-        link: a connection string, an open connection of pymavlink's mavutil, or a System of MAVSDK's; what is open
+        link: a connection string, an open connection of pymavlink's mavutil, or MAVSDK's System. An open connection
             stays open when the vehicle is closed.
-        system: the vehicle's system id, where there are several.
-        log: a `.tlog` to be written, with every frame.
-        signer: signs what is said, and believes what is signed.
-        patience: how long answers are waited for.
+        system: the vehicle's system id, if there are several vehicles.
+        log: a `.tlog` to write, with every frame.
+        signer: signs sent frames and checks the signatures of received ones.
+        patience: the timeouts and retries.
         fast: use ArduPilot's mission file.
         anyway: take the first of several vehicles with this system id.
-        reading: any vehicle will do, and nothing can be changed on one that is no multicopter.
+        reading: accept any vehicle; nothing can be changed on one that is not a multicopter.
 
     Returns:
         The vehicle; `close` it, or use it with `with`.
@@ -52,10 +52,10 @@ def connect(
     Raises:
         BadInput, LinkDown: the link cannot be opened.
         NoAnswer: there is no vehicle.
-        SignsOtherwise: there is one, and what it says is not believed.
-        NotFlown: it is no multicopter of ArduPilot or PX4; nothing but our presence was told to it.
-        MissionError: there are several, and `system` does not say which.
-        Contested: there are two with this system id.
+        SignsOtherwise: a vehicle is heard, but its signatures are not accepted.
+        NotFlown: it is not a multicopter of ArduPilot or PX4; only our heartbeat was sent to it.
+        MissionError: there are several, and `system` does not choose one.
+        Contested: two vehicles use this system id.
 
     Example:
         >>> from ipoa_mission import connect
@@ -83,13 +83,13 @@ def connect(
 
 
 def _drop_unanswered(log: Path) -> None:
-    """Remove a log that holds nothing but our own frames."""
+    """Remove a log that contains only our own frames."""
     if log.is_file() and all(sender_of(record.frame) == STATION_SYSTEM for record in read_tlog(log)):
         log.unlink()
 
 
 def open_line(link: Any, log: str | Path | None = None, signer: Signer | None = None) -> Line:
-    """A ground station's end of a link: of the one that a connection string names, or that mavutil has opened."""
+    """Open a ground station's end of a link, from a connection string or from mavutil's connection."""
     codec = Codec(STATION_SYSTEM, STATION_COMPONENT, signer)
     if not isinstance(link, str):
         return Line(MavutilChannel(link), codec, log)
@@ -105,16 +105,16 @@ def meet(
     anyway: bool = False,
     reading: bool = False,
 ) -> Vehicle:
-    """The vehicle on a line: the one with this system id, or the only one.
+    """Return the vehicle on a line: the one with this system id, or the only one.
+
+    Vehicles are pinged meanwhile, so that the first timers already fit the link's round trip.
 
     Raises:
         NoAnswer: there is none.
-        SignsOtherwise: there is one, and what it says is not believed.
-        NotFlown: it is no multicopter of ArduPilot or PX4, and not only to be read from (`reading`).
-        MissionError: there are several, and `system` does not say which.
-        Contested: there are two with this system id; `anyway` takes the first.
-
-    While it listens for others it pings, so that the first timers already know how slow the link is.
+        SignsOtherwise: one is heard, but its signatures are not accepted.
+        NotFlown: it is not a multicopter of ArduPilot or PX4, and not only to be read from (`reading`).
+        MissionError: there are several, and `system` does not choose one.
+        Contested: two vehicles use this system id; `anyway` takes the first.
     """
     autopilots: dict[int, FoundVehicle] = {}
     trips: dict[int, float] = {}
@@ -151,7 +151,7 @@ def meet(
 
 
 def _disbelieved(line: Line, system: int | None) -> SignsOtherwise | None:
-    """The autopilot with this system id, or any, that is there and signs otherwise than we do."""
+    """Return the error of an autopilot whose frames are not accepted: with this system id, or of any."""
     doubted = line.doubted()
     return next(iter(doubted.values()), None) if system is None else doubted.get(system)
 

@@ -1,4 +1,4 @@
-"""A list read while nobody changed it: read item by item, it may have been replaced between two answers."""
+"""Read a list that nobody changes meanwhile: between two answers it could have been replaced."""
 
 from collections.abc import Iterator
 
@@ -10,28 +10,29 @@ from ipoa_mission.link.item_payloads import unpack_items
 from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, silent
 
-READINGS = 5  # of a list that is changed, or seems to be, each time that it is read
+READINGS = 5  # attempts to read a list that changes, or seems to change, each time
 
 
 class KeepsChanging(MissionError):
-    """The vehicle holds what it was sent, and keeps speaking of another list."""
+    """The vehicle holds what was sent, but keeps reporting another list."""
 
     def __init__(self, kind: int) -> None:
         super().__init__(
-            f"the vehicle speaks of another {list_name(kind)} each time that the one on it is read",
-            hint="is another station sending it one? upload again when it is done",
+            f"the vehicle reports another {list_name(kind)} each time that its list is read",
+            hint="is another station uploading? upload again when it is done",
         )
 
 
 def read_consistent(
     kind: int, numbers: Iterator[int] | None, progress: Progress = silent
 ) -> Dialogue[tuple[list[Item | bytes], int]]:
-    """The list that the vehicle holds, and its checksum, which was the same before it was read (0: it makes none).
+    """Read the vehicle's list and its checksum, equal before and after the reading (0: the vehicle computes none).
 
-    `numbers` of the questions for it, where it may make one; without that nothing shows that the list was read whole.
+    `numbers`: sequence numbers for the questions for the checksum. Without them a change during the reading goes
+    unnoticed.
 
     Raises:
-        Unsettled: it was another list each time.
+        KeepsChanging: the list differed each time.
         MissionRefused, NoAnswer.
     """
     before = None if numbers is None else (yield from _first_checksum(kind, numbers))
@@ -49,13 +50,13 @@ def read_consistent(
 def download(
     kind: int, progress: Progress = silent, numbers: Iterator[int] | None = None
 ) -> Dialogue[tuple[Item, ...]]:
-    """Read the list that the vehicle holds, as it stands on the wire; raises as `read_consistent` does."""
+    """Read the vehicle's list in its wire form; raises as `read_consistent` does."""
     stored, _ = yield from read_consistent(kind, numbers, progress)
     return tuple(one if isinstance(one, Item) else unpack_items(one)[0] for one in stored)
 
 
 def _first_checksum(kind: int, numbers: Iterator[int]) -> Dialogue[int | None]:
-    """One that is asked for so often in vain is not made."""
+    """Return the checksum, or None if all questions stay unanswered."""
     try:
         return (yield from list_checksum(kind, numbers))
     except NoAnswer:

@@ -1,7 +1,7 @@
-"""The mission service: `offer` and `fetch` are one transfer seen from its two ends, for the client and the mock alike.
+"""The mission service: `offer` and `fetch` are the two ends of one transfer, for the client and the mock alike.
 
-An upload is the client offering and the vehicle fetching; a download is the reverse. What follows them are the
-client's own conversations, made of the two.
+In an upload the client offers and the vehicle fetches; in a download it is the reverse. The client's own dialogues
+follow, which are made of the two.
 """
 
 from collections.abc import Callable, Sequence
@@ -35,19 +35,19 @@ T = TypeVar("T")
 Answer = TypeVar("Answer", Ack, Count)
 Take = Callable[[int, ItemAt], int]
 
-#: Refusals after which a vehicle may still go on asking: a second COUNT or a stray item gets ERROR from PX4,
-#: a duplicate gets INVALID_SEQUENCE from ArduPilot, and neither ends the transfer.
+#: Refusals after which a vehicle may still ask for items. PX4 answers a second COUNT or a stray item with ERROR.
+#: ArduPilot answers a duplicate with INVALID_SEQUENCE. Neither ends the transfer.
 DOUBTFUL = frozenset({Result.ERROR, Result.INVALID_SEQUENCE})
-#: How long to wait for the next request after a doubtful refusal; both firmwares ask again every second or sooner.
+#: Timeout for the next request after a doubtful refusal [s]; both firmwares repeat theirs within a second.
 GRACE_S = 3.0
-#: How long the final Ack is waited for before the read-back settles it.
+#: Timeout for the final Ack [s]; after it the read-back decides.
 ENDING_S = 3.0
-#: The words that explain a refusal come before it or just behind it.
+#: The words that explain a refusal come before it or within this time after it [s].
 WORDS_S = 0.3
 
 
 class MissionRefused(MissionError):
-    """The vehicle said no: `result` (a `Result`), the item that it refused, where known, and its words."""
+    """The vehicle refused: `result` (a `Result`), the refused item if known, and the vehicle's words."""
 
     def __init__(self, result: int, kind: int, seq: int | None = None, words: str = "") -> None:
         self.result, self.kind, self.seq, self.words = result, kind, seq, words
@@ -58,7 +58,7 @@ class MissionRefused(MissionError):
 
 
 def list_name(kind: int) -> str:
-    """How a human calls this list."""
+    """Return the list's name for users."""
     return {MissionType.MISSION: "mission", MissionType.FENCE: "fence", MissionType.RALLY: "rally points"}.get(
         MissionType(kind) if kind in set(MissionType) else MissionType.ALL, "lists"
     )
@@ -66,16 +66,16 @@ def list_name(kind: int) -> str:
 
 @dataclass
 class VehicleTexts:
-    """The vehicle's words during a conversation; texts less severe than `faintest` are let pass."""
+    """Collect the vehicle's texts during a conversation, of severity `faintest` or worse."""
 
     faintest: int = INFO
     words: list[str] = field(default_factory=list)
 
     def note(self, message: Message | None) -> None:
-        """Keep what it says in words, or by the number of an event."""
+        """Keep a text, or the words of an event number."""
         match message:
             case Text(severity, text) if severity <= self.faintest:
-                words = text.rstrip("\t ")  # PX4 marks a text that an event repeats by a tab
+                words = text.rstrip("\t ")  # PX4 marks a text that repeats an event with a tab
             case Event(number, _, arguments):
                 words = words_of(number, arguments) or ""
             case _:
@@ -88,7 +88,7 @@ class VehicleTexts:
 
 
 def noting(dialogue: Dialogue[T], note: Callable[[Message | None], object]) -> Dialogue[T]:
-    """The same dialogue; `note` is told first what it hears, and what that raises breaks the dialogue off unheard."""
+    """Pass each heard message to `note` first; an error that `note` raises ends the dialogue without the message."""
     move = partial(dialogue.send, None)
     while True:
         try:
@@ -112,16 +112,21 @@ def offer(
     asked: Callable[[int], None] = lambda seq: None,
     packed: Payloads | None = None,
 ) -> Dialogue[int | None]:
-    """Offer a list. Returns ACCEPTED, or what else followed the last item: None for silence, a doubtful refusal.
+    """Offer a list. Return ACCEPTED, or what else followed the last item: None for silence, or a doubtful refusal.
 
-    With `opening` Ask we are the client: the vehicle pulls one item at a time, in order, so a request for an earlier
-    item is a late duplicate and stays unanswered. With Tell we are the vehicle, and the client may ask for any item.
-    `asked` is told of each item that is asked for, and at the end how many there are. `packed` are the items'
-    payloads, where they have been made already.
+    With `opening` Ask we are the client. The vehicle requests the items in order, so a request for an earlier item is
+    a late duplicate and stays unanswered. With Tell we are the vehicle, and the client may request any item.
+
+    Args:
+        items: the list.
+        kind: its MAV_MISSION_TYPE.
+        opening: Ask or Tell.
+        asked: called with the number of each requested item, and at the end with their count.
+        packed: the items' payloads, if they exist already.
 
     Raises:
-        MissionRefused: a refusal that ended the transfer.
-        NoAnswer: silence before the last item was asked for.
+        MissionRefused: a refusal ended the transfer.
+        NoAnswer: silence before the last item was requested.
     """
     in_order = opening is Ask
     run = ItemsSent(kind, len(items), items=items, packed=packed, asked=asked)
@@ -159,7 +164,7 @@ def offer(
                 raise MissionRefused(result, kind, max(run.at, 0), str(texts))
             case None if run.at == last and items:
                 return run.doubt
-            case None:  # the grace is over, and no request came
+            case None:  # no request came within GRACE_S
                 raise MissionRefused(run.doubt or Result.ERROR, kind, max(run.at, 0), str(texts))
             case _:
                 texts.note(heard)
@@ -167,7 +172,7 @@ def offer(
 
 @dataclass(frozen=True)
 class RequestStyle:
-    """How one fetches: by the old MISSION_REQUEST, and whether a stray item is rebuked with INVALID_SEQUENCE."""
+    """Choose the old MISSION_REQUEST, and whether a stray item is answered with INVALID_SEQUENCE."""
 
     legacy: bool = False
     rebukes: bool = False
@@ -179,15 +184,13 @@ BY_REQUEST_INT = RequestStyle()
 def fetch(
     count: int, kind: int, take: Take, style: RequestStyle = BY_REQUEST_INT, run: ItemsRead | None = None
 ) -> Dialogue[int]:
-    """Fetch the items from `run.at` (else 0) to `count` - 1 in order and hand each to `take`.
+    """Fetch the items from `run.at` (else 0) to `count` - 1 in order and pass each to `take`.
 
-    Returns ACCEPTED, or the first other result of `take`, which ends it. With a `run` items may be read without a look
-    at the dialogue: they are handed to `run.keep`.
-
-    Saying the closing Ack is left to the caller, who may want to judge the whole list first.
+    Return ACCEPTED, or the first other result of `take`, which ends it. A `run` reads items without the dialogue, and
+    passes them to `run.keep`. The caller sends the closing Ack, because it may check the whole list first.
 
     Raises:
-        MissionRefused: the other side broke it off.
+        MissionRefused: the other side ended the transfer.
         NoAnswer: silence.
     """
     doubt: int | None = None
@@ -219,10 +222,10 @@ def fetch(
 
 
 def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | bytes]]:
-    """Read the list that the vehicle holds: each item, or the payload it came in.
+    """Read the vehicle's list: each item, or its payload.
 
-    A vehicle closes a list that nothing is heard about for some seconds (PX4: five): it is then opened again, and the
-    reading goes on where it stopped.
+    A vehicle closes a transfer after some seconds of silence (PX4: 5 s). It is then opened again, and the reading
+    continues with the next item.
 
     Raises:
         MissionRefused, NoAnswer.
@@ -250,7 +253,7 @@ def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | by
             if idle > 2:
                 raise
             again = yield from open_list(kind, silence)
-            if again != total:  # another list has come in between
+            if again != total:  # another list has replaced it
                 stored.clear()
             total = again
         else:
@@ -259,10 +262,10 @@ def read_list(kind: int, progress: Progress = silent) -> Dialogue[list[Item | by
 
 
 def open_list(kind: int, silence: NoAnswer | None = None) -> Dialogue[int]:
-    """Ask how long the list is; `silence` is what there was to say if nobody answers.
+    """Ask for the length of the list; `silence` is the error to raise if nobody answers.
 
     Raises:
-        MissionRefused: among others, while somebody sends the vehicle another (ArduPilot).
+        MissionRefused: among others, while another station uploads (ArduPilot).
         NoAnswer.
     """
     try:
@@ -273,7 +276,7 @@ def open_list(kind: int, silence: NoAnswer | None = None) -> Dialogue[int]:
 
 
 def clear(kind: int) -> Dialogue[None]:
-    """Have the vehicle forget a list.
+    """Clear a list on the vehicle.
 
     Raises:
         MissionRefused, NoAnswer.
@@ -282,7 +285,7 @@ def clear(kind: int) -> Dialogue[None]:
 
 
 def _answered(question: RequestList | ClearAll, answer: type[Answer]) -> Dialogue[Answer]:
-    """Ask about a list until such an answer to it comes, or a refusal."""
+    """Ask about a list until an answer of this type, or a refusal, comes."""
     step: Step = Ask(question)
     texts = VehicleTexts()
     while True:
@@ -299,7 +302,7 @@ def _answered(question: RequestList | ClearAll, answer: type[Answer]) -> Dialogu
 
 
 def listen_for_words(texts: VehicleTexts) -> Dialogue[None]:
-    """Note what the vehicle says in a moment: why it refused."""
+    """Note the vehicle's words for a moment: they explain a refusal."""
     heard: Message | None = yield Pause(WORDS_S)
     while heard is not None:
         texts.note(heard)

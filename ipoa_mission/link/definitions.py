@@ -1,4 +1,4 @@
-"""MAVLink's messages: number, name, fields, checksum. The tables are pymavlink's, of any dialect."""
+"""Define MAVLink's messages: number, name, fields, checksum seed. The tables are pymavlink's, of any dialect."""
 
 import struct
 from collections.abc import Iterator
@@ -15,27 +15,27 @@ from pymavlink.dialects.v20 import ardupilotmega
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.message_layout import Fields
 
-NOT_USED = ("Empty", "Reserved", "empty", "reserved", "Unused")  # as MAVLink says it of a param
+NOT_USED = ("Empty", "Reserved", "empty", "reserved", "Unused")  # MAVLink's descriptions of an unused param
 
 
 @dataclass(frozen=True)
 class Definition:
-    """One MAVLink message: its payload in wire order, and what its checksum is seeded with."""
+    """Describe one MAVLink message: its payload in wire order, and its checksum seed."""
 
     number: int
     name: str
     layout: struct.Struct
     names: tuple[str, ...]
-    lengths: tuple[int, ...]  # values of each field in the layout
+    lengths: tuple[int, ...]  # number of values of each field in the layout
     crc_extra: int
 
     @cached_property
     def seed(self) -> bytes:
-        """CRC_EXTRA as a byte: the last that the checksum sees."""
+        """Return CRC_EXTRA as a byte, which ends the checksum's input."""
         return bytes((self.crc_extra,))
 
     def pack(self, fields: Fields) -> bytes:
-        """The payload without the zeros at its end; a field that is not given is zero.
+        """Return the payload without trailing zeros; a missing field is zero.
 
         Raises:
             BadInput: a value does not fit.
@@ -50,7 +50,7 @@ class Definition:
             raise BadInput(f"expected values that fit its fields: {error}", place=self.name) from error
 
     def unpack(self, payload: bytes) -> SimpleNamespace:
-        """The fields of a payload; MAVLink 2 cuts it at its trailing zeros, MAVLink 1 before its extensions."""
+        """Return the fields of a payload. MAVLink 2 cuts trailing zeros, MAVLink 1 the extensions."""
         size = self.layout.size
         values = self.layout.unpack(payload[:size].ljust(size, b"\0"))
         if len(values) == len(self.names):
@@ -71,8 +71,8 @@ def _blanks(number: int) -> tuple[Any, ...]:
     return tuple(fields.values())
 
 
-#: PX4's, which ArduPilot's dialect does not have.
-_OTHERS = (
+#: Messages of PX4 that ArduPilot's dialect lacks.
+_PX4_DEFINITIONS = (
     Definition(
         300,
         "PROTOCOL_VERSION",
@@ -93,7 +93,7 @@ _OTHERS = (
         160,
     ),
 )
-#: Fields that MAVLink has added behind messages since the stable dialects: 32-bit numbers.
+#: Extension fields that MAVLink added after the stable dialects: 32-bit numbers.
 _ADDED = {"MISSION_ACK": ("opaque_id",), "MISSION_CURRENT": ("mission_id", "fence_id", "rally_points_id")}
 
 
@@ -116,18 +116,18 @@ def _definitions(dialect: ModuleType) -> Iterator[Definition]:
 
 
 _IN_USE = [ardupilotmega]
-DEFINITIONS = {one.number: one for one in (*_OTHERS, *_definitions(ardupilotmega))}
+DEFINITIONS = {one.number: one for one in (*_PX4_DEFINITIONS, *_definitions(ardupilotmega))}
 _NUMBERS = {definition.name: definition.number for definition in DEFINITIONS.values()}
 
 
 def add_dialect(dialect: str | ModuleType) -> None:
-    """Understand the messages of another dialect too.
+    """Add the messages of another dialect.
 
     Args:
-        dialect: one of pymavlink's by its name, or a module that it generated.
+        dialect: a name of pymavlink's dialects, or a module that pymavlink generated.
 
     Raises:
-        BadInput: there is no such dialect, or it has another message under a number that is in use.
+        BadInput: there is no such dialect, or one of its numbers has another message already.
 
     Example:
         >>> from ipoa_mission import add_dialect
@@ -147,10 +147,10 @@ def add_dialect(dialect: str | ModuleType) -> None:
 
 
 def dialect_of(number: int) -> Any:
-    """The module of pymavlink's that has this message.
+    """Return pymavlink's module that contains this message.
 
     Raises:
-        BadInput: none that is in use.
+        BadInput: no dialect in use contains it.
     """
     for module in _IN_USE:
         if number in module.mavlink_map:
@@ -168,26 +168,24 @@ def _dialect(name: str) -> ModuleType:
 
 
 def message_number(name: str) -> int:
-    """MAVLink's number of a message name."""
     return _NUMBERS[name]
 
 
 def message_name(number: int) -> str | None:
-    """MAVLink's name of a message number, where it is known."""
+    """Return MAVLink's name of a message number, or None if unknown."""
     return DEFINITIONS[number].name if number in DEFINITIONS else None
 
 
 def params_in_words(command: int) -> dict[int, str]:
-    """What MAVLink says of param1 to param7 of a command, where it uses them; nothing of one that it does not know.
+    """Return MAVLink's descriptions of a command's used params, 1 to 7; empty for an unknown command.
 
     >>> params_in_words(177)
     {1: 'Sequence number', 2: 'Repeat count'}
     """
     known = ardupilotmega.enums["MAV_CMD"].get(command)
-    told = {} if known is None else known.param
-    return {number: words for number, words in sorted(told.items()) if words and not words.startswith(NOT_USED)}
+    described = {} if known is None else known.param
+    return {number: words for number, words in sorted(described.items()) if words and not words.startswith(NOT_USED)}
 
 
 def definition_of(name: str) -> Definition:
-    """The message of this name."""
     return DEFINITIONS[_NUMBERS[name]]

@@ -1,8 +1,8 @@
-"""From standing on the ground to flying a mission from a known item: the order that each firmware wants.
+"""Start a mission from the ground at a known item, in the order that each firmware needs.
 
-Nothing turns before the vehicle tells that it stands disarmed, will begin at the right item, could be armed in the mode
-in which it is armed, and holds the very lists that it was given; and what is refused after that disarms it again,
-unless it may be in the air.
+The vehicle is armed only after it has reported that it is disarmed, begins at the right item, could be armed in
+the arming mode, and holds exactly the lists that were uploaded. A refusal after the arming disarms it again, unless
+it may be in the air.
 """
 
 from collections.abc import Callable
@@ -20,7 +20,7 @@ from ipoa_mission.mission.commands import Command, VehicleCommand
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.vehicles.autopilot import Autopilot
 
-#: What a flight is watched by, and how often it is wanted [s]; ArduPilot sends none of it unasked.
+#: Streams that a flight is watched by, and their intervals [s]; ArduPilot sends none of them unasked.
 STREAMS_S = {
     "HEARTBEAT": 0.1,
     "GLOBAL_POSITION_INT": 0.05,
@@ -31,27 +31,27 @@ STREAMS_S = {
 NEEDED = {"GLOBAL_POSITION_INT": Position, "MISSION_CURRENT": Current, "SYS_STATUS": SystemStatus}
 ARMING = "arm"
 DISARMINGS = 3
-ASKINGS = 3  # for a stream that does not come: the answer heard may have been to an earlier request
+ASKINGS = 3  # for a missing stream: the answer heard may belong to an earlier request
 
 
 @dataclass(frozen=True)
 class DepartureLimits:
-    """How long a vehicle is given for each step of its departure."""
+    """Limit the time for each step of a departure [s]."""
 
-    stream_s: float = 4.0  # until a stream that was asked for is heard
-    ready_s: float = 180.0  # until it could be armed,
-    look_s: float = 3.0  # with so long between two looks at what hinders
-    again_s: float = 1.0  # before the next look, and between two attempts to arm
-    arming_attempts: int = 5  # one that says it could be armed may still need a moment
+    stream_s: float = 4.0  # until a requested stream is heard
+    ready_s: float = 180.0  # until the vehicle could be armed
+    look_s: float = 3.0  # for each look at what hinders it
+    again_s: float = 1.0  # pause before the next look, and between two attempts to arm
+    arming_attempts: int = 5  # a vehicle that reports readiness may need a moment more
     climb_s: float = 120.0  # until it has climbed
-    climbed_below: float = 0.5  # to so far below the height that was asked for [m]
+    climbed_below: float = 0.5  # tolerance below the requested height [m]
 
 
 LIMITS = DepartureLimits()
 
 
 class NotYet(CommandRefused):
-    """It is not armed, and by its own words time will mend that; `words` are these."""
+    """The vehicle is not armed, for reasons that pass with time by its own `words`."""
 
     def __init__(self, result: int, words: str) -> None:
         super().__init__(ARMING, result, words)
@@ -60,11 +60,16 @@ class NotYet(CommandRefused):
 
 @dataclass(frozen=True)
 class Departure:
-    """A flight about to begin at item `first` (as numbered on the wire); `progress` is told what is waited for.
+    """Describe a flight that is about to begin.
 
-    `moving`: the first item from there on that moves the vehicle, which ArduPilot calls current where others, done at
-    once, stand before it. `climb`: how high an ArduPilot climbs before an item that is no take-off [m]; PX4 does that
-    by itself. `holdings`: the lists that it was seen to hold.
+    Attributes:
+        state: of the vehicle.
+        first: the item to begin with, as numbered on the wire.
+        moving: the first item from there on that moves the vehicle. ArduPilot reports it as current once the items
+            before it are done.
+        climb: height to which an ArduPilot climbs before a first item that is no take-off [m]; PX4 climbs by itself.
+        holdings: the lists that the vehicle was seen to hold.
+        progress: called with what is waited for.
     """
 
     state: VehicleState
@@ -76,15 +81,14 @@ class Departure:
 
     @property
     def autopilot(self) -> Autopilot:
-        """Which firmware it is."""
         return self.state.autopilot
 
 
 def subscribe(state: VehicleState) -> Dialogue[None]:
-    """Ask for every stream that a flight is watched by, and see that what is needed comes.
+    """Request every stream that a flight is watched by, and check that the needed ones arrive.
 
     Raises:
-        NotReady: something needed does not come.
+        NotReady: a needed stream does not arrive.
     """
     unheard, refused = list(STREAMS_S), set[str]()
     state.heard -= set(NEEDED.values())
@@ -97,33 +101,33 @@ def subscribe(state: VehicleState) -> Dialogue[None]:
         unheard = [name for name, kind in NEEDED.items() if kind not in state.heard]
     refusal = f"; it refused to send {', '.join(name for name in unheard if name in refused)}" if refused else ""
     words = f"the vehicle does not send {', '.join(unheard)}{refusal}"
-    raise NotReady(words, hint="without it no flight is watched", code="streams-missing")
+    raise NotReady(words, hint="a flight is not watched without it", code="streams-missing")
 
 
 def unsubscribe() -> Dialogue[None]:
-    """Give every stream its usual rate again."""
+    """Reset every stream to its default rate."""
     for name in STREAMS_S:
         yield from stream(name, 0.0)
 
 
 def expect_on_ground(state: VehicleState) -> None:
-    """Raise NotReady for a vehicle that is armed already."""
+    """Raise NotReady if the vehicle is armed already."""
     if state.armed:
         words = f"a flight begins disarmed and on the ground, but {state}"
         raise NotReady(words, hint="land and disarm it first", code="not-on-ground")
 
 
 def prepare(departure: Departure, ready_s: float = LIMITS.ready_s) -> Dialogue[None]:
-    """Bring a vehicle that stands on the ground to where it can be armed for its mission.
+    """Prepare a vehicle on the ground for arming and its mission.
 
-    Its current item is set and seen; then it is put into the mode in which it is armed, and waited for until it has a
-    position and says that it could be armed.
+    Set its current item and see it in MISSION_CURRENT. Change to the arming mode. Wait for a position and for passed
+    pre-arm checks.
 
     Raises:
-        NotReady, TimeUp: armed already, not ready in time, or hindered by what waiting does not mend; with the
+        NotReady, TimeUp: armed already, not ready in time, or hindered by what does not pass with time; with the
             vehicle's own reasons.
-        NotFlown: it is no multicopter.
-        NoAnswer, CommandRefused: it does not take the order for its current item.
+        NotFlown: it is not a multicopter.
+        NoAnswer, CommandRefused: it does not accept its current item.
     """
     state = departure.state
     yield from until(lambda: state.armed is not None and state.custom_mode is not None, SHOWN_S)
@@ -164,14 +168,14 @@ def _await_ready(departure: Departure, ready_s: float) -> Dialogue[None]:
 
 
 def _hindrance(state: VehicleState) -> str:
-    """Why it could not be armed, in its own words if it has any."""
+    """Return why it could not be armed, in its own words if it has any."""
     if state.warnings:
         return "; ".join(dict.fromkeys(state.warnings))
     return "its pre-arm checks do not pass, without a reason" if _has_position(state) else "it has no position"
 
 
 def depart_when_ready(departure: Departure, left_s: Callable[[], float]) -> Dialogue[None]:
-    """`depart`; one that is refused for a reason that passes is prepared again while there is time left [s]."""
+    """Run `depart`; after a refusal that passes with time, prepare again while `left_s` is positive [s]."""
     while True:
         try:
             return (yield from depart(departure))
@@ -183,13 +187,13 @@ def depart_when_ready(departure: Departure, left_s: Callable[[], float]) -> Dial
 
 
 def depart(departure: Departure) -> Dialogue[None]:
-    """Arm a prepared vehicle that is proved to hold our lists, and let it fly its mission.
+    """Arm a prepared vehicle that provably holds our lists, and start its mission.
 
     Raises:
-        NotYet: it was not armed, for reasons that pass with time; `prepare` and `depart` may be tried again.
-        Replaced, NotReady: it holds something else, or does not tell; it was not armed, or not started.
+        NotYet: not armed, for reasons that pass with time; `prepare` and `depart` may be repeated.
+        Replaced, NotReady: it holds another list, or does not report it; it was not armed, or not started.
         CommandRefused, NoAnswer, Cancelled, TimeUp: with the vehicle's state as the hint; it was disarmed again if it
-            said that it was still on the ground.
+            reported to be on the ground.
     """
     state, reasons = departure.state, departure.autopilot.protocol_profile.arming_words
     may_be_armed, attempt = False, 0
@@ -202,20 +206,20 @@ def depart(departure: Departure) -> Dialogue[None]:
             result, words = yield from command(Command.COMPONENT_ARM_DISARM, 1.0)
             if result == CommandResult.ACCEPTED:
                 break
-            is_told = bool(reasons.reasons(words))
-            is_last = is_told or attempt == LIMITS.arming_attempts
+            has_reason = bool(reasons.reasons(words))
+            is_last = has_reason or attempt == LIMITS.arming_attempts
             if (yield from until(lambda: state.armed is True, SHOWN_S if is_last else LIMITS.again_s)):
-                break  # what was refused was an order given before
+                break  # the refusal was of an earlier order
             may_be_armed = False
             if is_last:
-                if is_told and not reasons.lasting(words):
+                if has_reason and not reasons.lasting(words):
                     raise NotYet(result, words)
                 raise CommandRefused(ARMING, result, words)
         yield from _begin(departure)
-    except MissionError as broken_off:
+    except MissionError as aborted:
         if may_be_armed:
             yield from _disarm_on_ground(state)
-        broken_off.hint = str(state)
+        aborted.hint = str(state)
         raise
 
 
@@ -225,7 +229,7 @@ def _begin(departure: Departure) -> Dialogue[None]:
         if departure.climb > 0.0:
             yield from _order("take off", Command.NAV_TAKEOFF, *(0.0,) * 6, departure.climb)
             yield from until(lambda: _height(state) > departure.climb - LIMITS.climbed_below, LIMITS.climb_s)
-        state.current = None  # what it says of its mission now that it is armed counts
+        state.current = None  # only a report from after the arming counts
         yield from until(lambda: state.current is not None, LIMITS.again_s)
         expect_unchanged(departure.holdings)
         yield from _order("start the mission", VehicleCommand.MISSION_START)
@@ -235,14 +239,14 @@ def _begin(departure: Departure) -> Dialogue[None]:
 
 
 def _set_first(departure: Departure) -> Dialogue[None]:
-    """The flight begins at its first item: said, and seen in MISSION_CURRENT."""
+    """Set the first item, and see it in MISSION_CURRENT."""
     state, first = departure.state, departure.first
     begins = range(first, departure.moving + 1)
     state.current = None
     yield from set_current(first, restart=True)
     if not (yield from until(lambda: state.current is not None and state.current.seq in begins, SHOWN_S)):
-        stands = "it does not tell where" if state.current is None else f"at item {state.current.seq}"
-        words = f"the mission was set to begin at item {first}, but it stands {stands}"
+        reported = "no item" if state.current is None else f"item {state.current.seq}"
+        words = f"the mission was set to begin at item {first}, but the vehicle reports {reported}"
         raise NotReady(words, code="other-item-current")
 
 
@@ -262,9 +266,9 @@ def _order(what: str, number: int, *params: float) -> Dialogue[None]:
 
 
 def _disarm_on_ground(state: VehicleState) -> Dialogue[None]:
-    """Disarm a vehicle that stands: each order follows its own word, heard since, that it is on the ground.
+    """Disarm a vehicle that reports to be on the ground, anew before each order.
 
-    One that flies, takes off, or does not tell, is left alone.
+    Do nothing to a vehicle that flies, takes off, or does not report its landed state.
     """
     try:
         for attempt in range(DISARMINGS):

@@ -1,4 +1,4 @@
-"""Which autopilots are on a link, as their heartbeats tell."""
+"""Find the autopilots on a link by their heartbeats."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -15,9 +15,9 @@ from ipoa_mission.mission.commands import VehicleCommand
 from ipoa_mission.vehicles.kind import Kind
 from ipoa_mission.vehicles.version import Version
 
-#: How long autopilots are asked for their versions, and how often anew [s].
+#: Duration of asking autopilots for their versions, and the interval of repeats [s].
 VERSIONS_S, VERSION_ROUND_S = 3.0, 0.7
-#: The two orders to tell AUTOPILOT_VERSION: today's, and that from before it.
+#: The commands that request AUTOPILOT_VERSION: today's, and its predecessor.
 ABOUT = (
     CommandLong(
         VehicleCommand.REQUEST_MESSAGE, (float(message_number("AUTOPILOT_VERSION")), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -28,7 +28,7 @@ ABOUT = (
 
 @dataclass(frozen=True)
 class FoundVehicle:
-    """An autopilot that was heard on a link."""
+    """Describe an autopilot heard on a link."""
 
     system: int
     kind: Kind
@@ -37,7 +37,7 @@ class FoundVehicle:
 
 
 def scan(line: Line, seconds: float = 3.0) -> tuple[FoundVehicle, ...]:
-    """The autopilots that are heard within so many seconds, by system id."""
+    """Return the autopilots heard within this many `seconds`, by system id."""
     autopilots: dict[int, FoundVehicle] = {}
     until = line.now() + seconds
     while line.now() < until:
@@ -46,8 +46,8 @@ def scan(line: Line, seconds: float = 3.0) -> tuple[FoundVehicle, ...]:
 
 
 def versions_of(line: Line, systems: Iterable[int], seconds: float = VERSIONS_S) -> dict[int, Version]:
-    """The firmware versions of these autopilots, by system id; who does not tell within so many seconds is left out."""
-    silent, told = set(systems), dict[int, Version]()
+    """Return the firmware versions reported within `seconds`, by system id."""
+    silent, versions = set(systems), dict[int, Version]()
     until, orders = line.now() + seconds, cycle(ABOUT)
     while silent and line.now() < until:
         order = next(orders)
@@ -59,15 +59,15 @@ def versions_of(line: Line, systems: Iterable[int], seconds: float = VERSIONS_S)
                 if isinstance(heard.message, AutopilotVersion) and heard.system in silent:
                     silent.discard(heard.system)
                     version = Version.said(heard.message.flight_sw_version)
-                    told |= {} if version is None else {heard.system: version}
-    return told
+                    versions |= {} if version is None else {heard.system: version}
+    return versions
 
 
 def await_booted(line: Carrier, system: int, state: VehicleState, until: float) -> None:
-    """Wait for an ArduPilot that is still starting up: it answers every COUNT with NO_SPACE.
+    """Wait until an ArduPilot has booted: before that it answers every COUNT with NO_SPACE.
 
     Raises:
-        NoAnswer: it has not finished by then.
+        NoAnswer: it has not booted by `until`.
     """
     while not state.booted:
         if line.now() >= until:
@@ -77,7 +77,7 @@ def await_booted(line: Carrier, system: int, state: VehicleState, until: float) 
 
 
 def autopilots_in(heard: Iterable[Heard]) -> dict[int, FoundVehicle]:
-    """The autopilots whose heartbeats are among what was heard, by system id."""
+    """Return the autopilots whose heartbeats were heard, by system id."""
     return {
         one.system: FoundVehicle(one.system, Kind(beat.autopilot, beat.type), beat.armed, beat.system_status >= STANDBY)
         for one in heard
@@ -88,7 +88,7 @@ def autopilots_in(heard: Iterable[Heard]) -> dict[int, FoundVehicle]:
 
 
 def round_trips_in(heard: Iterable[Heard], now: float) -> dict[int, float]:
-    """How long ago those who answer our ping were asked [s]."""
+    """Return the round trip times of answered pings, by system id [s]."""
     return {
         one.system: max(now - one.message.time_usec / 1e6, 0.0)
         for one in heard

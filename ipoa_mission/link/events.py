@@ -1,7 +1,7 @@
-"""Words for PX4's EVENT numbers, as far as they tell why a mission is not flyable.
+"""Translate those of PX4's EVENT numbers that explain why a mission is not flyable.
 
-A number is the autopilot's component id and the lower 24 bits of the FNV-1a hash of the event's name; the words live
-in a metadata file that ground stations load. These are the names that PX4's mission feasibility check uses.
+A number is the autopilot's component id and the lower 24 bits of the FNV-1a hash of the event's name. Ground stations
+load the words from a metadata file. These are the event names of PX4's mission feasibility check.
 """
 
 import struct
@@ -10,21 +10,21 @@ AUTOPILOT = 1 << 24
 
 
 def event_number(name: str) -> int:
-    """PX4's number of an event name."""
+    """Return PX4's number of an event name."""
     value = 0x811C9DC5
     for byte in name.encode():
         value = (value ^ byte) * 0x01000193 & 0xFFFFFFFF
     return AUTOPILOT | value & 0xFFFFFF
 
 
-#: Name behind `navigator_mis_`: what it says, and how its arguments lie in memory.
+#: Name after `navigator_mis_`: its words, and the memory layout of its arguments.
 _MISSION_EVENTS = {
     "takeoff_missing": ("a take-off item is required", "<"),
     "land_missing": ("a landing item is required", "<"),
     "takeoff_or_land_missing": ("a take-off or a landing item is missing", "<"),
     "add_land_or_rm_to": ("there is a take-off but no landing", "<"),
     "add_to_or_rm_land": ("there is a landing but no take-off", "<"),
-    "takeoff_too_low": ("the take-off is too low: it takes {0:.1f} m at least", "<f"),
+    "takeoff_too_low": ("the take-off is too low: at least {0:.1f} m is required", "<f"),
     "takeoff_not_first": ("the take-off is not the first item with a position", "<"),
     "starts_w_landing": ("the mission begins with a landing", "<"),
     "starts_w_landing2": ("the mission begins with a landing", "<"),
@@ -36,7 +36,7 @@ _MISSION_EVENTS = {
     "wp_gate_too_close": ("a waypoint and a gate are too close", "<"),
     "no_home_rel_alt": ("the vehicle has no home, but altitudes are relative to it", "<"),
     "multiple_land": ("there is more than one landing start", "<"),
-    "land_before_rtl": ("a landing start stands before the return", "<"),
+    "land_before_rtl": ("a landing start is before the return", "<"),
     "invalid_land": ("the landing start is not valid", "<"),
     "approach_wp_below_land": ("the landing is approached from below", "<"),
     "land_wp_inside_orbit_radius": ("the landing point lies inside the orbit", "<"),
@@ -45,12 +45,12 @@ _MISSION_EVENTS = {
 
 
 def mission_event(name: str, *values: float) -> tuple[int, bytes]:
-    """Number and arguments of the event `navigator_mis_`NAME."""
+    """Return number and arguments of the event `navigator_mis_`NAME."""
     return event_number(f"navigator_mis_{name}"), struct.pack(_MISSION_EVENTS[name][1], *values)
 
 
 def words_of(number: int, arguments: bytes) -> str | None:
-    """What an event says, where it is about a mission that cannot be flown; MAVLink has cut zeros off its arguments."""
+    """Return the words of an event about an unflyable mission, or None. MAVLink cuts zeros off `arguments`."""
     if number not in _WORDS:
         return None
     words, layout = _WORDS[number]

@@ -1,4 +1,4 @@
-"""MAVFTP as dialogues: a whole file read or written, and the checksum of one of ArduPilot's lists."""
+"""Implement MAVFTP dialogues: read or write a whole file, and get the checksum of one of ArduPilot's lists."""
 
 import zlib
 from collections.abc import Iterator, Mapping
@@ -15,16 +15,16 @@ LIST_FILES: Mapping[int, str] = {
     MissionType.FENCE: "@MISSION/fence.dat",
     MissionType.RALLY: "@MISSION/rally.dat",
 }
-#: How long each asking for a checksum is waited for [s].
+#: Timeouts of the repeated questions for a checksum [s].
 CHECKSUM_S = (0.5,) * 4 + (1.0,) * 6 + (2.0,) * 8
 
 
 class FileRefused(MissionError):
-    """The vehicle would not do this with a file."""
+    """The vehicle refused a file operation."""
 
 
 def write_file(path: str, data: bytes, progress: Progress = silent) -> Dialogue[FileMessage]:
-    """Write a whole file on the vehicle; it counts when the vehicle has taken the message that this returns.
+    """Write a whole file on the vehicle; the write takes effect with the message that this returns.
 
     Raises:
         FileRefused, NoAnswer.
@@ -42,7 +42,7 @@ def write_file(path: str, data: bytes, progress: Progress = silent) -> Dialogue[
 
 
 def read_file(path: str) -> Dialogue[bytes]:
-    """Read a whole file of the vehicle's.
+    """Read a whole file of the vehicle.
 
     Raises:
         FileRefused, NoAnswer.
@@ -63,10 +63,9 @@ def read_file(path: str) -> Dialogue[bytes]:
 
 
 def list_checksum(kind: int, numbers: Iterator[int]) -> Dialogue[int | None]:
-    """What the vehicle makes the checksum of a list as it stands now (home included); None: it makes none.
+    """Return the vehicle's checksum of a list (home included); None if it computes none.
 
-    Each question has one of the `numbers`, its own: to a repeated one the vehicle repeats what was true when it first
-    heard it.
+    Each question has its own sequence number of `numbers`: a vehicle answers a repeated number with its old answer.
 
     Raises:
         NoAnswer.
@@ -79,18 +78,18 @@ def list_checksum(kind: int, numbers: Iterator[int]) -> Dialogue[int | None]:
             if (answer := _answer_in(heard, asked)) is not None:
                 return _checksum(answer)
             heard = yield None
-    raise NoAnswer(f"the vehicle does not answer when asked to sum up {LIST_FILES[kind]}")
+    raise NoAnswer(f"the vehicle does not answer when asked for the checksum of {LIST_FILES[kind]}")
 
 
 def checksum_question(kind: int, numbers: Iterator[int], asked: set[int]) -> FileTransfer:
-    """The question for the checksum of a list, with the next of the `numbers`; its answer's goes into `asked`."""
+    """Return the question for a list's checksum with the next of `numbers`; add its answer's number to `asked`."""
     question = FileMessage(next(numbers) & 0xFFFF, Opcode.CALC_FILE_CRC32, data=LIST_FILES[kind].encode())
     asked.add((question.sequence + 1) & 0xFFFF)
     return question.pack()
 
 
 def checksum_in(heard: Message, asked: set[int]) -> int | None:
-    """The checksum in a message that answers a question `asked`; None: it does not, or there is none."""
+    """Return the checksum if a message answers a question in `asked`, else None."""
     answer = _answer_in(heard, asked)
     return None if answer is None else _checksum(answer)
 
@@ -106,12 +105,12 @@ def _checksum(answer: FileMessage) -> int | None:
 
 
 def file_checksum(data: bytes) -> int:
-    """The same, made of a whole file: CRC-32 that begins with zeros, and is not turned round at the end."""
+    """Return a file's checksum as ArduPilot computes it: CRC-32 with initial value 0 and no final XOR."""
     return zlib.crc32(data, 0xFFFFFFFF) ^ 0xFFFFFFFF
 
 
 def ask_of_file(question: FileMessage, what: str, may_end: bool = False) -> Dialogue[FileMessage]:
-    """Ask until the answer comes: the one with the next number to this opcode.
+    """Repeat a question until its answer comes: the next sequence number, to this opcode.
 
     Raises:
         FileRefused, NoAnswer.

@@ -1,4 +1,4 @@
-"""What a flying vehicle is told besides its mission: pause, resume, return to launch; and any change of mode."""
+"""Order a flying vehicle to pause, resume, return to launch, or change its mode."""
 
 import logging
 import math
@@ -14,21 +14,21 @@ from ipoa_mission.link.vehicle_state import NotFlown, NotReady, VehicleState
 from ipoa_mission.mission.commands import Command, VehicleCommand
 
 log = logging.getLogger(__name__)
-#: How often a vehicle that is watched is told to do something else, and how long it may take each time [s].
-SAYINGS, SAID_AGAIN_S = 6, 1.0
-#: How long a vehicle may take to show its mode [s].
+#: Number of repeats of an order to a watched vehicle, and the interval [s].
+ORDER_REPEATS, REPEAT_S = 6, 1.0
+#: Timeout until a vehicle reports a mode [s].
 SHOWN_S = 5.0
-#: Answers after which the mode may still come.
+#: Answers after which the mode may still change.
 HOPEFUL = frozenset({CommandResult.ACCEPTED, CommandResult.IN_PROGRESS})
 
 
 def pause(state: VehicleState) -> Dialogue[None]:
-    """Have a flying vehicle stop and hold its place until it is told otherwise.
+    """Stop a flying vehicle and hold its position until the next order.
 
-    ArduCopter pauses within AUTO on its way to a waypoint, and brakes where it can't; PX4 changes to hold.
+    ArduCopter pauses within AUTO on its way to a waypoint, and brakes elsewhere. PX4 changes to hold.
 
     Raises:
-        NotReady: it does not fly, or will not stop.
+        NotReady: it does not fly, or does not stop.
     """
     yield from _expect_flying(state)
     if state.autopilot.protocol_profile.pauses_in_mission:
@@ -40,7 +40,7 @@ def pause(state: VehicleState) -> Dialogue[None]:
 
 
 def resume(state: VehicleState) -> Dialogue[None]:
-    """Have a flying vehicle go on with its mission, at the item at which it is.
+    """Resume the mission of a flying vehicle at its current item.
 
     Raises:
         NotReady: it does not fly, or has no mission to fly.
@@ -48,16 +48,14 @@ def resume(state: VehicleState) -> Dialogue[None]:
     yield from _expect_flying(state)
     yield from _enter(state, state.autopilot.modes.mission)
     if state.autopilot.protocol_profile.pauses_in_mission:
-        yield from command(
-            Command.DO_PAUSE_CONTINUE, 1.0
-        )  # one that is not paused has nothing to go on with, and says so
+        yield from command(Command.DO_PAUSE_CONTINUE, 1.0)  # refused unless it is paused
 
 
 def return_to_launch(state: VehicleState) -> Dialogue[None]:
-    """Have a flying vehicle come home and land, as its own parameters say.
+    """Return a flying vehicle to launch and land it, according to its parameters.
 
     Raises:
-        NotReady: it does not fly, or will not come.
+        NotReady: it does not fly, or does not return.
     """
     yield from _expect_flying(state)
     yield from _enter(state, state.autopilot.modes.returning)
@@ -65,9 +63,9 @@ def return_to_launch(state: VehicleState) -> Dialogue[None]:
 
 @dataclass(frozen=True)
 class _Step:
-    """What is said until a heartbeat shows the `mode`, or where there is none the command is accepted.
+    """Repeat a message until a heartbeat shows `mode`; without a mode, until the command is accepted.
 
-    `pauses`: whether the vehicle is held within its mission then; `otherwise` is said in its place where it is refused.
+    `pauses`: afterwards the vehicle is paused within its mission. `otherwise`: the step after a refusal.
     """
 
     name: str
@@ -78,10 +76,10 @@ class _Step:
 
 
 class FlightOrder:
-    """The order to a vehicle that is watched to do something else: said until it shows that it does, or refuses.
+    """Order a watched vehicle to do something else, until it obeys or refuses.
 
-    `words`: why it does not do so; nothing while that is not known. `is_paused`: it is held within its mission.
-    While the link is lost nothing is ordered: nobody knows what the vehicle is at when it is heard again.
+    `words`: why it does not obey; empty while unknown. `is_paused`: it is held within its mission. Nothing is ordered
+    while the link is lost: the state of the vehicle at the reconnect is unknown.
     """
 
     def __init__(self, state: VehicleState, now: Callable[[], float]) -> None:
@@ -91,38 +89,38 @@ class FlightOrder:
         self._said, self._due_s = 0, -math.inf
 
     def give(self, mode: int) -> None:
-        """Order this mode, from the next message that is heard on; it takes the place of an order that was given."""
+        """Order this mode with the next heard message; this replaces an earlier order."""
         self._take(self._change(mode))
 
     def hold(self) -> None:
-        """Order it to stop and to hold its place, as `pause` does."""
+        """Order it to stop and hold its position, as `pause` does."""
         state, brake = self._state, self._change(self._state.autopilot.modes.hold)
         if self.is_paused or any(step.pauses for step in self._steps):
-            return  # it is told so already, and would refuse to be so twice
+            return  # already ordered: a second pause would be refused
         if state.autopilot.protocol_profile.pauses_in_mission and state.custom_mode == state.autopilot.modes.mission:
             self._take(_Step("pause", order(Command.DO_PAUSE_CONTINUE, 0.0), pauses=True, otherwise=brake))
         else:
             self._take(brake)
 
     def go_on(self) -> None:
-        """Order it to go on with its mission, at the item at which it is."""
+        """Order it to resume its mission at its current item."""
         mission = self._change(self._state.autopilot.modes.mission)
         self._take(mission, *([_Step("go on", order(Command.DO_PAUSE_CONTINUE, 1.0))] if self.is_paused else []))
 
     @property
     def is_under_way(self) -> bool:
-        """Tell whether something was ordered that the vehicle has neither shown nor refused."""
+        """Check whether an order is neither obeyed nor refused yet."""
         return bool(self._steps)
 
     def cut(self, is_cut: bool) -> None:
-        """The link is lost, or is there again; what was ordered and has not been seen is not said any more."""
+        """Note that the link is lost, or back; cancel an order that was not seen to be obeyed."""
         self._is_cut = is_cut
         if self._steps:
             self.words = f"{self._steps[0].name} was ordered, and the link was lost before the vehicle showed it"
             self._steps.clear()
 
     def look(self, heard: Message, now_s: float) -> Dialogue[None]:
-        """Make of one message what it tells of the order, and say it when it is time."""
+        """Update the order by a heard message, and repeat it when due."""
         state = self._state
         self.is_paused = self.is_paused and state.custom_mode == state.autopilot.modes.mission
         if not state.armed:
@@ -133,15 +131,15 @@ class FlightOrder:
                 return
             state.expect_flown()
             if self._now() >= self._due_s:
-                if self._said == SAYINGS:
+                if self._said == ORDER_REPEATS:
                     name = self._steps[0].name
                     self._refused(
                         NotReady(
-                            f"{name} was ordered {SAYINGS} times, and the vehicle does not show it",
+                            f"{name} was ordered {ORDER_REPEATS} times, and the vehicle does not show it",
                             code="mode-not-shown",
                         )
                     )
-                self._said, self._due_s = self._said + 1, self._now() + SAID_AGAIN_S
+                self._said, self._due_s = self._said + 1, self._now() + REPEAT_S
                 yield Remark(self._steps[0].message)
         except (NotFlown, NotReady, CommandRefused) as hinders:
             self.words = str(hinders)
@@ -160,7 +158,7 @@ class FlightOrder:
         self._said, self._due_s = 0, -math.inf
 
     def _hear(self, heard: Message) -> None:
-        """What is done is not said any more."""
+        """End a step that is done, and note acceptance or refusal."""
         while self._steps and (step := self._steps[0]).mode is not None and self._state.custom_mode == step.mode:
             self._take(*self._steps[1:])
         if not self._steps or not self._said:
@@ -174,14 +172,14 @@ class FlightOrder:
                 self._refused(CommandRefused(f"change to {step.name}" if step.mode is not None else step.name, result))
 
     def _refused(self, why: MissionError) -> None:
-        """Raise it, unless something else can be ordered instead."""
+        """Take the alternative step, or raise `why`."""
         if (otherwise := self._steps[0].otherwise) is None:
             raise why
         self._take(otherwise)
 
 
 def change_mode(state: VehicleState, mode: int) -> Dialogue[str]:
-    """Ask for a mode and see it in the heartbeat; what hinders, or nothing."""
+    """Request a mode and see it in the heartbeat; return what hinders, or an empty string."""
     if state.custom_mode == mode:
         return ""
     result, words = yield from obeyed(mode_order(mode, state.autopilot))
@@ -197,7 +195,7 @@ def change_mode(state: VehicleState, mode: int) -> Dialogue[str]:
 
 
 def _taken_back(state: VehicleState, mode: int, texts: VehicleTexts) -> Dialogue[int]:
-    """Wait for a mode that was accepted; PX4 says so first, and refuses in a second answer what it cannot fly."""
+    """Wait for an accepted mode: PX4 accepts first, and may refuse in a second answer."""
     heard: Message | None = None if state.custom_mode == mode else (yield Pause(SHOWN_S))
     while heard is not None and state.custom_mode != mode:
         texts.note(heard)
@@ -215,7 +213,7 @@ def _enter(state: VehicleState, mode: int) -> Dialogue[None]:
 
 
 def _expect_flying(state: VehicleState) -> Dialogue[None]:
-    """Only what its heartbeats tell is waited for: an order to stop must not wait for a stream that may not come."""
+    """Wait for heartbeats only: an order to stop must not depend on a stream that may not come."""
     yield from until(lambda: state.armed is not None and state.custom_mode is not None, SHOWN_S)
     if not state.armed or state.in_air is False:
         raise NotReady(f"expected a vehicle in the air: {state}", hint="`fly` begins a flight", code="not-in-the-air")

@@ -1,4 +1,4 @@
-"""Ctrl-C in a conversation: noted, and read where the dialogue waits, so it cuts no instruction in two."""
+"""Note Ctrl-C during a dialogue and handle it where the dialogue waits, so that no order is cut in two."""
 
 import signal
 import threading
@@ -7,34 +7,32 @@ from contextlib import contextmanager
 
 
 class Interrupt:
-    """A handler for Ctrl-C: the first one is noted, the second raises KeyboardInterrupt as usual."""
+    """Handle Ctrl-C: note the first one, raise KeyboardInterrupt at the second."""
 
     def __init__(self) -> None:
         self._is_noted = self._is_taken = False
 
     def __call__(self, signal_number: int, frame: object) -> None:
-        """Ctrl-C was pressed."""
         if self._is_noted:
             raise KeyboardInterrupt
         self._is_noted = True
 
     @property
     def is_pending(self) -> bool:
-        """Whether it was noted and nobody has acted upon it."""
+        """Check whether Ctrl-C was noted and not handled yet."""
         return self._is_noted and not self._is_taken
 
     def take(self) -> bool:
-        """Whether it was pressed since one last asked: whoever is told so has to act upon it."""
+        """Return whether Ctrl-C was pressed since the last call; the caller has to handle it."""
         is_pending, self._is_taken = self.is_pending, self._is_noted
         return is_pending
 
 
 @contextmanager
 def noted_interrupts() -> Iterator[Interrupt]:
-    """While this lasts Ctrl-C is noted; one inside another shares its note, and what nobody took is raised at the end.
+    """Note Ctrl-C in this context; a nested context shares the note. Raise an unhandled one at the end.
 
-    Where Ctrl-C is somebody else's business (another thread than the main one, a program with a handler of its own)
-    it stays theirs, and nothing is ever noted.
+    Outside the main thread, or where a program has its own handler, that handler stays and nothing is noted.
     """
     present = signal.getsignal(signal.SIGINT)
     if isinstance(present, Interrupt):
