@@ -1,4 +1,4 @@
-"""The frames of a run of items: each step of a transfer is one frame heard and one said, and both are known before."""
+"""Exchange the frames of a run of items: the next heard frame and its reply are known in advance."""
 
 from fastcrc.crc16 import mcrf4xx
 
@@ -13,7 +13,7 @@ _OLD_REQUEST = definition_of("MISSION_REQUEST")
 
 
 class ItemFrames:
-    """One run between `codec` and `target`: which frame is its next step, and what is said to it."""
+    """Take the heard frames of a run between `codec` and `target`, and build their replies."""
 
     def __init__(self, run: ItemRun, codec: Codec, target: Target) -> None:
         self.run = run
@@ -22,7 +22,7 @@ class ItemFrames:
         self._flags = SIGNED if codec.signer else 0
         self._tail = 2 + (SIGNATURE_BYTES if codec.signer else 0)
         heard = (_ITEM,) if isinstance(run, ItemsRead) else (_REQUEST, _OLD_REQUEST)
-        #: The CRC_EXTRA of each message that may be next, by the part of its header that names sender and message.
+        #: The CRC_EXTRA of each message that may be next, by the header bytes of its sender and number.
         self._extras = {bytes(target) + one.number.to_bytes(3, "little"): bytes((one.crc_extra,)) for one in heard}
         if isinstance(run, ItemsSent):
             packed = run.payloads.copy()
@@ -38,9 +38,9 @@ class ItemFrames:
             self._payloads = [seq.to_bytes(2, "little") + end for seq in range(run.count)]
 
     def take(self, frame: bytes) -> bool:
-        """Whether this is the run's next step: then it has been taken, and `reply` is due.
+        """Take a frame if it is the run's next step, and return whether it is; then `reply` is due.
 
-        Any other frame, however right, is left to others as it came.
+        Leave any other frame, even a correct one, to the caller.
         """
         extra = self._extras.get(frame[5:HEADER_BYTES])
         if extra is None or frame[0] != MAGIC_2 or frame[2] != self._flags:
@@ -68,5 +68,5 @@ class ItemFrames:
         return True
 
     def reply(self, unix_s: float) -> bytes:
-        """What is said when a step was taken: the item that was asked for, or the request for the next one."""
+        """Return the answer to the step that was taken: the requested item, or the request for the next item."""
         return self._codec.frame(self._said, self._payloads[self.run.at], unix_s)

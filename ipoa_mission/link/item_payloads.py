@@ -1,6 +1,6 @@
-"""Whole lists as MISSION_ITEM_INT payloads: packed before a transfer, compared in bulk after it.
+"""Pack whole lists as MISSION_ITEM_INT payloads before a transfer, and compare them in bulk after it.
 
-The same 38 bytes stand in the file of ArduPilot's fast path.
+ArduPilot's mission file contains the same 38 bytes an item.
 """
 
 import math
@@ -20,7 +20,7 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 
 MOST_ITEMS = 65535
 SINGLE_MAX = float(np.finfo(np.float32).max)
-#: MISSION_ITEM_INT in the order of the wire, with its extension.
+#: MISSION_ITEM_INT in wire order, with its extension.
 PAYLOAD = np.dtype(
     [
         ("params", "<f4", 4),
@@ -37,9 +37,9 @@ PAYLOAD = np.dtype(
     ]
 )
 PAYLOAD_BYTES = PAYLOAD.itemsize
-_PAYLOAD = struct.Struct("<4f2if2H6B")  # the same for Python's own numbers
+_PAYLOAD = struct.Struct("<4f2if2H6B")  # the same layout for Python's numbers
 SEQ, TARGET, MISSION_TYPE = (PAYLOAD.fields[name][1] for name in ("seq", "target", "mission_type"))  # type: ignore[index]
-#: What a coordinate is multiplied by in each frame, and the frame without its `_INT`.
+#: The factor of a coordinate in each frame, and the frame without its `_INT`.
 _SCALES = np.full(256, float(LOCAL_SCALE))
 _SCALES[[*GLOBAL_FRAMES]] = 1e7
 _SCALES[Frame.MISSION] = 1.0
@@ -51,10 +51,10 @@ Payloads = NDArray[np.void]
 
 
 def pack_items(items: Sequence[Item], kind: int) -> Payloads:
-    """The payloads of a list, shape (items,), for target (0, 0).
+    """Return the payloads of a list, shape (items,), for target (0, 0).
 
     Raises:
-        BadInput: there are more items than MAVLink can count, or a field of one does not fit it.
+        BadInput: there are more items than MAVLink can count, or a field does not fit.
     """
     packed = np.zeros(len(items), PAYLOAD)
     if not items:
@@ -83,7 +83,7 @@ def pack_items(items: Sequence[Item], kind: int) -> Payloads:
 
 
 def _refuse(items: Sequence[Item]) -> None:
-    """Name the first field that does not fit."""
+    """Raise BadInput for the first field that does not fit."""
     for seq, item in enumerate(items):
         numbers = {f"param{i}": value for i, value in enumerate(item.params, start=1)} | {"altitude": item.altitude}
         wrong = next((name for name, value in numbers.items() if SINGLE_MAX < abs(value) < math.inf), None)
@@ -102,7 +102,7 @@ def _refuse(items: Sequence[Item]) -> None:
 
 
 def unpack_items(data: bytes) -> tuple[Item, ...]:
-    """The items of payloads that stand one behind the other."""
+    """Return the items of concatenated payloads."""
     return tuple(
         Item(command, frame, (p1, p2, p3, p4), degrees(x, frame), degrees(y, frame), z, bool(autocontinue))
         for p1, p2, p3, p4, x, y, z, _, command, _, _, frame, _, autocontinue, _ in _PAYLOAD.iter_unpack(data)
@@ -112,10 +112,10 @@ def unpack_items(data: bytes) -> tuple[Item, ...]:
 def first_difference(
     sent: Sequence[Item], packed: Payloads, stored: Sequence[Item | bytes], autopilot: Autopilot
 ) -> Difference | None:
-    """The first difference between a list sent and what was read back, beyond what the firmware is known to change.
+    """Return the first difference between a list sent and its read-back, beyond the firmware's known changes.
 
-    `packed` are the payloads of `sent`; `stored` has a payload of `PAYLOAD_BYTES`, or an item, for each seq. Where the
-    bytes are those that were sent there is no difference; the others are looked at field by field.
+    `packed` are the payloads of `sent`. `stored` has an item, or a payload of `PAYLOAD_BYTES`, for each seq. Equal
+    payloads are no difference; other items are compared field by field.
     """
     if len(sent) != len(stored):
         return Difference(None, "number of items", str(len(sent)), str(len(stored)))
@@ -123,17 +123,17 @@ def first_difference(
     got = np.frombuffer(b"".join(one for one in stored if isinstance(one, bytes)), PAYLOAD)
     is_same = np.zeros(len(sent), bool)
     is_same[payloads] = _same(packed[payloads], got)
-    # ArduPilot's home is told by its place in the list, so the first item stays the first.
-    looked_at = [n for n in range(len(sent)) if n == 0 or not is_same[n]]
-    others = tuple(one if isinstance(one, Item) else unpack_items(one)[0] for one in (stored[n] for n in looked_at))
-    difference = compare([sent[n] for n in looked_at], others, autopilot)
+    # ArduPilot's home is recognized by its index, so the first item stays the first.
+    compared = [n for n in range(len(sent)) if n == 0 or not is_same[n]]
+    others = tuple(one if isinstance(one, Item) else unpack_items(one)[0] for one in (stored[n] for n in compared))
+    difference = compare([sent[n] for n in compared], others, autopilot)
     if difference is None or difference.seq is None:
         return difference
-    return replace(difference, seq=looked_at[difference.seq])
+    return replace(difference, seq=compared[difference.seq])
 
 
 def _same(one: Payloads, other: Payloads) -> NDArray[np.bool_]:
-    """Which payloads say the same: every number bit by bit, or NaN in both; frames but for their `_INT`."""
+    """Compare payloads: numbers bit by bit, NaN equal to NaN, frames without their `_INT`; shape (items,)."""
     same = np.ones(len(one), bool)
     for name in ("params", "z"):
         a, b = one[name], other[name]

@@ -1,6 +1,6 @@
-"""A run of items: a list that goes over the link in order, where each side knows what the other will say next.
+"""Describe a run of items: a list that is transferred in order, so that each next message is known.
 
-As long as that is what is heard, a `Carrier` may answer by itself; anything else is the dialogue's business.
+A `Carrier` may answer the expected messages by itself; the dialogue handles all others.
 """
 
 from collections.abc import Callable, Sequence
@@ -14,10 +14,10 @@ from ipoa_mission.mission.items import Item
 
 @dataclass
 class _Run:
-    """A list of `count` items; `at` is the one that was asked for last, by whichever side asks.
+    """Follow a list of `count` items; `at` is the item requested last, by either side.
 
-    `said_s` is when something was said last, `wait_s` how long an answer to it is waited for;
-    `round_trip_s` is how long the last answer took.
+    `said_s` is the time of the last sent message, `wait_s` the timeout for its answer, `round_trip_s` the delay of the
+    last answer [s].
     """
 
     kind: int
@@ -29,47 +29,46 @@ class _Run:
 
     @property
     def is_ending(self) -> bool:
-        """Whether the next step is the last: a list ends in the dialogue."""
+        """Check whether the next step is the last, which the dialogue takes itself."""
         return self.at >= self.count - 2
 
 
 @dataclass
 class ItemsSent(_Run):
-    """We have the items, and the other side asks for one after the other."""
+    """Send items, which the other side requests one by one."""
 
     items: Sequence[Item] = ()
     packed: Payloads | None = None
     asked: Callable[[int], None] = lambda seq: None
-    is_legacy: bool = False  # asked for by MISSION_REQUEST
-    doubt: int | None = None  # a refusal that no request has followed yet
+    is_legacy: bool = False  # requested by MISSION_REQUEST
+    doubt: int | None = None  # a refusal, unless a request followed it
 
     def asked_for(self, seq: int) -> None:
-        """The other side asks for this item."""
+        """Note a request for this item."""
         self.at, self.doubt = seq, None
         self.asked(seq)
 
     @property
     def payloads(self) -> Payloads:
-        """The items as they go over the wire."""
+        """Return the items in wire form."""
         if self.packed is None:
             self.packed = pack_items(self.items, self.kind)
         return self.packed
 
     @property
     def acted_on(self) -> Message:
-        """What was heard last."""
+        """Return the last heard message."""
         return Request(self.at, self.kind, self.is_legacy)
 
 
 @dataclass
 class ItemsRead(_Run):
-    """The other side has the items, and we ask for one after the other; `keep` is handed each payload."""
+    """Request items one by one; `keep` receives each payload."""
 
     keep: Callable[[bytes], None] = lambda payload: None
 
     @property
     def question(self) -> Message:
-        """What we ask now."""
         return Request(self.at, self.kind)
 
 

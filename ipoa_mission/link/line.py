@@ -1,6 +1,6 @@
-"""`Line`: one end of a link, with a voice (codec), ears that know who speaks (routes), and a memory (tlog).
+"""One end of a link: `Line` combines a channel, a codec, routes to the peers and a tlog.
 
-`converse` is the only loop that joins a dialogue to the world.
+`converse` is the only loop that connects a dialogue to a link.
 """
 
 import logging
@@ -26,47 +26,47 @@ from ipoa_mission.link.vehicle_state import NotFlown
 log = logging.getLogger(__name__)
 T = TypeVar("T")
 HEARTBEAT_S = 1.0
-NOTICE_S = 0.1  # how soon Ctrl-C is noticed
+NOTICE_S = 0.1  # delay until Ctrl-C is noticed
 MAV_TYPE_GCS = 6
 
 
 class Carrier(Protocol):
-    """What carries messages to vehicles and back, whoever speaks MAVLink there, and the clock that goes with it."""
+    """Carry messages to vehicles and back, and provide the clock that belongs to them."""
 
     def now(self) -> float:
-        """Seconds on a clock that never goes back."""
+        """Return the seconds on a monotonic clock."""
 
     def send(self, message: Message, target: Target = EVERYONE) -> None:
-        """Say something to one vehicle, or to all."""
+        """Send a message to one vehicle, or to all."""
 
     def receive(self, until: float) -> list[Heard]:
-        """What was said to us up to this moment, at the latest; returns at once when something came."""
+        """Return the messages to us as soon as there are some, or none at `until`."""
 
     def carry_on(self, run: ItemRun, target: Target, until: float, is_over: Callable[[], bool]) -> list[Heard]:
-        """`receive`; the steps of a run of items may be taken meanwhile, until something else is heard."""
+        """Receive, and meanwhile take the steps of a run of items until something else is heard."""
 
     def understands(self, target: Target) -> None:
-        """This target has answered what we said."""
+        """Note that this target has answered our messages."""
 
     def no_reply_cause(self, target: Target) -> MissionError | None:
-        """Why this target, which is heard and has never answered, will not; None where nothing shows."""
+        """Return why this target, which is heard, never answers; None if unknown."""
 
     def expect_alone(self, system: int) -> None:
-        """Raise Contested where another vehicle uses this system id too, as far as can be told."""
+        """Raise Contested if another vehicle is known to use this system id too."""
 
     @property
     def reopens(self) -> bool:
-        """Whether it can be opened anew by `reopen`, where it broke."""
+        """Check whether `reopen` can open a broken link again."""
 
     def reopen(self) -> None:
-        """Open it anew; whoever is heard then is not known yet. Raises LinkDown while it cannot be opened."""
+        """Open the link again; all peers are unknown afterwards. Raises LinkDown while it cannot be opened."""
 
     def close(self) -> None:
-        """Give back what was lent."""
+        """Release the resources."""
 
 
 class Contested(MissionError):
-    """Two vehicles speak under one system id: what is said to one may be obeyed by the other."""
+    """Two vehicles use one system id: both may obey an order to one of them."""
 
     def __init__(self, system: int) -> None:
         self.system = system
@@ -77,7 +77,7 @@ class Contested(MissionError):
 
 
 class Line:
-    """A ground station's end of a link; `close` it, or use it with `with`. `again` opens its channel anew."""
+    """A ground station's end of a link; `close` it, or use it with `with`. `again` opens a new channel."""
 
     def __init__(
         self,
@@ -99,21 +99,20 @@ class Line:
         self._next_heartbeat = channel.now()
         self._frames: ItemFrames | None = None
         self.overhearing: Callable[[bytes], None] | None = None
-        """Told every whole frame of those whom we know."""
+        """Called with every whole frame of known peers."""
 
     def now(self) -> float:
-        """See `Carrier`."""
         return self.channel.now()
 
     def send(self, message: Message, target: Target = EVERYONE) -> None:
-        """Say something to one vehicle, or to all."""
+        """Send a message to one vehicle, or to all."""
         frame = self.codec.encode(message, target, self.channel.unix_s())
         if 0 not in target:
             self._routes.speak_to(target)
         self._send(frame, self._routes.to(target))
 
     def say(self, definition: Definition, payload: bytes) -> None:
-        """Send a message that is known by its payload only; whom it is for are fields of that, if of anything."""
+        """Send a message given by its payload, whose fields contain the target, if any."""
         self._send(self.codec.frame(definition, payload, self.channel.unix_s()), self._routes.to(EVERYONE))
 
     def _send(self, frame: bytes, peers: Iterable[Peer]) -> None:
@@ -123,7 +122,7 @@ class Line:
             self.channel.send(frame, peer)
 
     def receive(self, until: float) -> list[Heard]:
-        """What was said to us (or to everyone) up to this moment, at the latest; keeps our own heartbeat going."""
+        """Return the messages to us (or to everyone) until `until` at the latest; send our heartbeat when due."""
         self._keep_present()
         heard: list[Heard] = []
         for data, peer in self.channel.receive(min(until, self._next_heartbeat)):
@@ -131,7 +130,7 @@ class Line:
         return heard
 
     def carry_on(self, run: ItemRun, target: Target, until: float, is_over: Callable[[], bool]) -> list[Heard]:
-        """See `Carrier`: ends when something else came than the run's next step, or nothing in time."""
+        """Take the steps of `run`; end at any other message, or at a timeout."""
         channel, holder = self.channel, self._routes.holder(target)
         if holder is None or self._routes.framer(holder).is_torn:
             return self.receive(min(until, run.said_s + run.wait_s))
@@ -183,27 +182,24 @@ class Line:
         return heard
 
     def contested(self, system: int) -> bool:
-        """Whether two peers, both alive, speak as the autopilot of this system; only the first is heard."""
+        """Check whether two live peers speak as the autopilot of this system; only the first is heard."""
         name = Target(system, AUTOPILOT_COMPONENT)
         first, last = self._rivals.get(name, (math.inf, -math.inf))
         heard = self._routes.heard_s(name)
         return heard is not None and heard > first and self.channel.now() - last < CLAIM_S
 
     def expect_alone(self, system: int) -> None:
-        """See `Carrier`."""
         if self.contested(system):
             raise Contested(system)
 
     def heard_s(self, target: Target) -> float | None:
-        """When this target was heard last, on the channel's clock, if it ever was."""
+        """Return when this target was heard last, on the channel's clock; None if never."""
         return self._routes.heard_s(target)
 
     def understands(self, target: Target) -> None:
-        """See `Carrier`."""
         self._understands.add(target)
 
     def no_reply_cause(self, target: Target) -> MissionError | None:
-        """See `Carrier`."""
         if target in self._understands:
             return None
         if self._is_old.get(target, False):
@@ -211,7 +207,7 @@ class Line:
         return SignsOtherwise(target.system, None) if target in self._signing and not self.codec.signer else None
 
     def doubted(self) -> dict[int, SignsOtherwise]:
-        """The autopilots whose frames are not believed, by system id, and why."""
+        """Return the errors of the autopilots whose frames are not accepted, by system id."""
         doubts = self.codec.signer.doubts if self.codec.signer else {}
         return {
             system: SignsOtherwise(system, doubt)
@@ -221,18 +217,17 @@ class Line:
 
     @property
     def reopens(self) -> bool:
-        """See `Carrier`."""
         return self._again is not None
 
     def reopen(self) -> None:
-        """See `Carrier`: the log goes on."""
+        """Open the channel again; the log continues."""
         assert self._again is not None, "asked of `reopens` first"
         self.channel.close()
         self.channel = self._again()
         self._routes, self._rivals, self._frames = Routes(), {}, None
 
     def close(self) -> None:
-        """Close the channel and the log, and keep the timestamp of what was signed last."""
+        """Close the channel and the log, and store the timestamp of the last signature."""
         self.channel.close()
         if self._log:
             self._log.close()
@@ -240,7 +235,7 @@ class Line:
             self.codec.signer.close()
 
     def _is_known(self, one: Heard, peer: Peer, now: float) -> bool:
-        """Whether this frame comes from whom we know by its name; who else uses the name is a rival."""
+        """Check whether a frame comes from the known peer of its name; note another sender as a rival."""
         name = Target(one.system, one.component)
         before = self._routes.holder(name)
         if self._routes.claim(name, peer, now):
@@ -276,10 +271,10 @@ def converse(
     until: float = math.inf,
     quiet_s: float = math.inf,
 ) -> T:
-    """Hold a dialogue with one vehicle and return what it returns; other voices on the line are not heard.
+    """Hold a dialogue with one vehicle and return its result; ignore all others on the line.
 
-    Ctrl-C asks the dialogue to end well (`Cancelled` is raised in it); a second one ends it at once. At `until`
-    `TimeUp` is raised in it. Once the vehicle was silent for `quiet_s`, `Silence` is, before anything else is heard.
+    Ctrl-C raises `Cancelled` in the dialogue, which may end well; a second one ends it at once. At `until` `TimeUp` is
+    raised in it. After `quiet_s` without a message of the vehicle `Silence` is raised, before anything else is heard.
 
     Raises:
         SpeaksMavlink1, SignsOtherwise: the target is heard, and has never answered.
@@ -321,7 +316,7 @@ def converse(
         except NoAnswer as silence:
             raise line.no_reply_cause(target) or silence from None
         except (NotFlown, Silence):
-            exchange.outgoing()  # not even what was to be said before that was heard
+            exchange.outgoing()  # drop even messages that were due before this was heard
             raise
         finally:
             for message in exchange.outgoing():

@@ -1,4 +1,4 @@
-"""What happened on a flight, by the vehicle's own clock, gathered from whatever it says."""
+"""Record the events of a flight from the vehicle's messages, on the vehicle's clock."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -18,19 +18,19 @@ if TYPE_CHECKING:
     from ipoa_mission.forecast.conformance import Deviation
 
 COMPLETE = 5  # MISSION_STATE
-#: How far from the place of its LAND a flight may end, on the level, and still have ended there [m].
-AT_THE_END = 20.0
-#: An acknowledged arming that no heartbeat confirms within this time was none.
+#: Tolerance for a flight to have ended at the place of its LAND, horizontally [m].
+LANDING_RADIUS = 20.0
+#: An acknowledged arming without a heartbeat that confirms it within this time did not happen [s].
 CONFIRMED_S = 3.0
-#: Words that name the moment of disarming more closely than the next heartbeat does.
+#: Texts that give the moment of disarming more precisely than the next heartbeat.
 DISARMING = ("Disarming motors", "Disarmed")
-SOON_S = 2.0
+DISARMING_TEXT_S = 2.0  # from such a text to the disarmed heartbeat
 IN_AIR = 0.5  # above home [m]
 
 
 @dataclass(frozen=True)
 class Sample:
-    """Where the vehicle was: seconds since the start, degrees, altitude AMSL, height above home, speed [m/s]."""
+    """Position sample: seconds since arming, degrees, altitude AMSL [m], height above home [m], speed [m/s]."""
 
     time_s: float
     latitude_deg: float
@@ -42,19 +42,19 @@ class Sample:
 
 @dataclass(frozen=True)
 class FlightRecord:
-    """A flight as it was flown. Time zero: the vehicle was armed.
+    """A flight as it was flown; times since arming.
 
     Attributes:
-        item_reached_s: an index into `Mission.items` -> when that item was done: said so, or flown past [s]. A LAND or
-            RTL that ends the mission is done when the motors stop.
-        total_s: how long it lasted [s].
-        path: where it was, and when.
-        messages: what the vehicle said.
-        completed: it landed and was disarmed in the mission, at its end.
-        why_not: what is missing for that.
-        armed: as last told.
-        in_air: as last told.
-        deviations: from the forecast; a flight can be completed with some of them.
+        item_reached_s: index into `Mission.items` -> when that item was done: reported as reached, or passed [s]. A
+            LAND or RTL that ends the mission is done when the motors stop.
+        total_s: its duration [s].
+        path: position samples.
+        messages: the vehicle's texts.
+        completed: it landed and was disarmed within the mission, at its end.
+        why_not: the reason for an incomplete flight.
+        armed: as last reported.
+        in_air: as last reported.
+        deviations: from the forecast; a completed flight may have some.
     """
 
     item_reached_s: dict[int, float]
@@ -69,18 +69,18 @@ class FlightRecord:
 
     @property
     def failure(self) -> str:
-        """Say why it was not flown to its end, else how it deviated from its forecast; nothing if neither."""
+        """Return why the flight is incomplete, else how it deviated from its forecast; empty if neither."""
         return self.why_not or "; ".join(map(str, self.deviations))
 
 
 def brings_down(command: int) -> bool:
-    """Whether a mission that ends with this command ends on the ground."""
+    """Check whether a mission that ends with this command ends on the ground."""
     return command in (Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH)
 
 
 @dataclass
 class _Recording:
-    """What one flight has come to so far; times since arming [s]."""
+    """Data of one flight so far; times since arming [s]."""
 
     zero: float
     first: int
@@ -96,7 +96,7 @@ class _Recording:
 
 
 class Logbook:
-    """Hears everything and remembers what belongs to a flight of these items (`Mission.items`).
+    """Hear every message and record the flights of these items (`Mission.items`).
 
     A flight begins whenever the vehicle is armed.
     """
@@ -116,22 +116,21 @@ class Logbook:
 
     @property
     def lands(self) -> bool:
-        """Whether the mission brings the vehicle to the ground."""
+        """Check whether the mission ends on the ground."""
         return bool(self._items) and brings_down(self._items[self._final].command)
 
     @property
     def total(self) -> int:
-        """How many items there are."""
         return len(self._items)
 
     @property
     def done(self) -> int:
-        """How many items are done."""
+        """Return the number of items that are done."""
         return max(self._flight.reached, default=-1) + 1 if self._flight else 0
 
     @property
     def disarmed_s(self) -> float | None:
-        """When the flight was over [s]; None while it is not."""
+        """Return when the flight ended [s], or None."""
         return self._flight.disarmed_s if self._flight else None
 
     @property
@@ -141,32 +140,31 @@ class Logbook:
 
     @property
     def clock_s(self) -> float:
-        """The vehicle's clock, since it was switched on [s]."""
+        """Return the vehicle's clock: seconds since its boot."""
         return self._clock
 
     @property
     def modes(self) -> frozenset[int]:
-        """Those in which the vehicle flies its mission; to return at its end it may leave the mission's own."""
+        """Return the modes in which the vehicle flies its mission; they include those of a return at its end."""
         returns = bool(self._items) and self._items[self._final].command == Command.NAV_RETURN_TO_LAUNCH
         modes = self._autopilot.modes
         return frozenset({modes.mission}) | (modes.returns if returns else frozenset())
 
     @property
     def is_flown(self) -> bool:
-        """Whether the last item was reached, or the vehicle called its mission complete."""
+        """Check whether the last item was reached, or the vehicle reported its mission complete."""
         flight = self._flight
         return flight is not None and (flight.state == COMPLETE or self._final in flight.reached)
 
     def note(self, message: Message) -> None:
-        """Something was heard."""
         flight = self._flight
         match message:
             case Position(time_s=time_s) | LocalPosition(time_s=time_s) | Attitude(time_s=time_s):
-                self._tell_time(time_s)
+                self._advance(time_s)
                 if flight and isinstance(message, Position) and flight.disarmed_s is None:
                     flight.path.append(self._sample(message, flight.zero))
             case SystemTime(boot_s=time_s):
-                self._tell_time(time_s)
+                self._advance(time_s)
             case CommandAck(number, CommandResult.ACCEPTED) if (
                 number == Command.COMPONENT_ARM_DISARM and not self.armed
             ):
@@ -187,11 +185,10 @@ class Logbook:
                     flight.state = state
 
     def note_return(self) -> None:
-        """The vehicle was not heard for a while: should it stand disarmed now, its mode may tell how it came down."""
+        """Note that the vehicle was unheard for a while: if it is disarmed now, its mode may say how it landed."""
         self._was_away = True
 
     def record(self) -> FlightRecord:
-        """The flight so far."""
         flight = self._flight if self._flight and self._flight.confirmed else _Recording(self._clock, self._first)
         reached = {index: t for index, t in sorted(flight.reached.items()) if 0 <= index < len(self._items)}
         why_not = self._why_not(flight)
@@ -206,7 +203,7 @@ class Logbook:
             reached, end, tuple(flight.path), tuple(self._texts), not why_not, why_not, self.armed, flying
         )
 
-    def _tell_time(self, time_s: float) -> None:
+    def _advance(self, time_s: float) -> None:
         self._clock = max(time_s, self._clock)
 
     def _begin(self) -> None:
@@ -227,12 +224,12 @@ class Logbook:
             self.armed, flight.landed_unheard = False, self._was_away
             if self._was_away and heartbeat.custom_mode in self._autopilot.modes.returns | self._autopilot.modes.lands:
                 flight.mode = heartbeat.custom_mode
-            flight.disarmed_s = flight.disarming_s if since - flight.disarming_s < SOON_S else since
+            flight.disarmed_s = flight.disarming_s if since - flight.disarming_s < DISARMING_TEXT_S else since
         elif since > CONFIRMED_S:
             self.armed, self._flight = False, None
 
     def _turn_to(self, flight: _Recording, seq: int) -> None:
-        """The vehicle is at item `seq`: what lies before is done."""
+        """Make item `seq` current: the items before it are done."""
         if flight.current < seq < self._first + len(self._items):
             for index in range(flight.current - self._first, seq - self._first):
                 flight.reached.setdefault(index, self._clock - flight.zero)
@@ -243,7 +240,7 @@ class Logbook:
         return Sample(at.time_s - zero, at.latitude_deg, at.longitude_deg, at.altitude, at.height, speed)
 
     def _why_not(self, flight: _Recording) -> str:
-        """Why the flight is not complete; nothing if it is."""
+        """Return why the flight is incomplete; empty if it is complete."""
         if not self.lands:
             return "the mission ends in the air"
         if flight.disarmed_s is None:
@@ -256,14 +253,14 @@ class Logbook:
             return f"it was disarmed at {item}{mode}"
         if flight.mode not in self.modes:
             return f"it left its mission before the landing{mode}"
-        aside = self._aside(flight)
-        return f"it landed {aside:.0f} m from the place of its LAND" if aside > AT_THE_END else ""
+        off_m = self._landing_offset(flight)
+        return f"it landed {off_m:.0f} m from the place of its LAND" if off_m > LANDING_RADIUS else ""
 
     def _place(self, flight: _Recording) -> str:
-        return f", {aside:.0f} m from the place of its LAND" if (aside := self._aside(flight)) else ""
+        return f", {off_m:.0f} m from the place of its LAND" if (off_m := self._landing_offset(flight)) else ""
 
-    def _aside(self, flight: _Recording) -> float:
-        """How far from the place of its LAND the flight has ended [m]; 0 where it has no such place."""
+    def _landing_offset(self, flight: _Recording) -> float:
+        """Return the distance from the place of its LAND to the end of the flight [m]; 0 without such a place."""
         last = self._items[self._final]
         if last.command != Command.NAV_LAND or not last.has_position or not flight.path:
             return 0.0
@@ -272,23 +269,23 @@ class Logbook:
 
 
 class Aside(Protocol):
-    """What hears a vehicle that is watched, and may say something by the way."""
+    """React to a watched vehicle's messages; may send something in between."""
 
     def look(self, heard: Message, now_s: float) -> Dialogue[None]:
-        """Something was heard; `now_s` by the vehicle's clock."""
+        """Handle a message; `now_s` is on the vehicle's clock."""
 
 
 def watch(
     logbook: Logbook, progress: Progress = silent, *asides: Aside, is_over: Callable[[], bool] = lambda: False
 ) -> Dialogue[FlightRecord]:
-    """Listen until the flight is over: disarmed, or, for a mission that does not land, flown; or `is_over`.
+    """Listen until the flight ends, or `is_over`; a mission that does not land ends when its last item is flown.
 
-    The logbook hears the same messages first. `progress` is told of items done, and `asides` of all that is heard.
+    The logbook hears each message first. `progress` counts items done, and `asides` hear every message.
     """
     done = -1
     while True:
         heard = yield Pause(math.inf)
-        assert heard is not None, "nothing ends the pause but a message"
+        assert heard is not None, "only a message ends the pause"
         if logbook.done != done:
             done = logbook.done
             count(progress, done, logbook.total, "item ")

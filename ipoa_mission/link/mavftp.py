@@ -1,4 +1,4 @@
-"""MAVFTP, as bytes: the 251-byte payload of FILE_TRANSFER_PROTOCOL, for both ends."""
+"""MAVFTP as bytes: the 251-byte payload of FILE_TRANSFER_PROTOCOL, for both ends."""
 
 import struct
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ LONGEST_DATA = 251 - HEADER.size
 
 
 class Opcode(IntEnum):
-    """What is asked for, or how it was answered."""
+    """MAVFTP opcodes of requests and answers."""
 
     NONE = 0
     TERMINATE_SESSION = 1
@@ -28,7 +28,7 @@ class Opcode(IntEnum):
 
 
 class FileError(IntEnum):
-    """The first data byte of a NAK."""
+    """First data byte of a NAK."""
 
     FAIL = 1
     INVALID_SESSION = 4
@@ -39,19 +39,18 @@ class FileError(IntEnum):
 
 @dataclass(frozen=True)
 class FileMessage:
-    """One message of the protocol; `sequence` of an answer is one more than that of its question."""
+    """One MAVFTP message; an answer's `sequence` is its question's plus one."""
 
     sequence: int
     opcode: int
     session: int = 0
-    request: int = 0  # of an answer: the opcode that it answers
+    request: int = 0  # of an answer: the answered opcode
     offset: int = 0
     data: bytes = b""
-    size: int | None = None  # of a READ_FILE request: how many bytes are wanted
+    size: int | None = None  # of a READ_FILE request: number of bytes to read
     ends_burst: bool = False
 
     def pack(self) -> FileTransfer:
-        """As it is sent."""
         size = len(self.data) if self.size is None else self.size
         head = HEADER.pack(
             self.sequence & 0xFFFF, self.session, self.opcode, size, self.request, self.ends_burst, 0, self.offset
@@ -60,14 +59,14 @@ class FileMessage:
 
 
 def unpack(message: FileTransfer) -> FileMessage:
-    """As it was received; `size` may be more than there is data."""
+    """Decode a message; `size` may exceed the length of the data."""
     sequence, session, opcode, size, request, ends_burst, _, offset = HEADER.unpack_from(message.payload)
     data = message.payload[HEADER.size : HEADER.size + size]
     return FileMessage(sequence, opcode, session, request, offset, data, size, bool(ends_burst))
 
 
 def nak(question: FileMessage, error: FileError) -> FileMessage:
-    """The refusal of a question."""
+    """Return the refusal of a question."""
     return FileMessage(
         (question.sequence + 1) & 0xFFFF, Opcode.NAK, question.session, question.opcode, 0, bytes((error,))
     )

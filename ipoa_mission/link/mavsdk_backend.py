@@ -1,7 +1,7 @@
-"""The same verbs through MAVSDK, for those who trust it more: `pip install 'ipoa-mission[mavsdk]'`.
+"""Use a vehicle through MAVSDK: `pip install 'ipoa-mission[mavsdk]'`.
 
-MAVSDK carries the lists, and reports success when it has the Ack; here as elsewhere an upload counts when it was read
-back and compared. What else is said, flying above all, are our own dialogues over MAVSDK's link.
+MAVSDK transfers the lists and reports success at the Ack; here an upload also has to be read back and compared.
+Everything else, above all flying, are our own dialogues over MAVSDK's link.
 """
 
 import json
@@ -47,8 +47,8 @@ from ipoa_mission.vehicles.mav_types import QUADROTOR
 
 PRESENCE_S = 10.0
 POLL_S = 0.05
-VERDICT_S = 1.5  # how long PX4 may take to find a mission unflyable
-#: MAVSDK's names for what a vehicle answers, where MAVLink has one.
+VERDICT_S = 1.5  # time that PX4 may take to find a mission unflyable
+#: MAVSDK's names of the answers that MAVLink has too.
 _RESULTS = {
     "TOO_MANY_MISSION_ITEMS": Result.NO_SPACE,
     "UNSUPPORTED": Result.UNSUPPORTED,
@@ -62,12 +62,12 @@ _RESULTS = {
 def connect(
     url: str, system: int | None = None, log: str | Path | None = None, reading: bool = False
 ) -> "MavsdkVehicle":
-    """Find the vehicle on a link, through MAVSDK; `reading`: any will do, and nothing is changed on it.
+    """Find the vehicle on a link through MAVSDK; `reading`: accept any vehicle and change nothing on it.
 
     Raises:
-        BadInput: MAVSDK keeps no `.tlog`, or the link is no connection string.
+        BadInput: MAVSDK writes no `.tlog`, or `url` is not a connection string.
         LinkDown, NoAnswer: there is no such link, or no vehicle on it.
-        NotFlown: it is no multicopter of ArduPilot or PX4.
+        NotFlown: it is not a multicopter of ArduPilot or PX4.
     """
     if log is not None:
         words = "the mavsdk backend writes no .tlog; leave it out, or use the built-in backend"
@@ -95,10 +95,10 @@ def connect(
 
 
 def borrow(system: Any, log: object = None) -> "MavsdkVehicle":
-    """The vehicle that is a System of a program's own MAVSDK, which stays open when this is closed.
+    """Return the vehicle of a program's own MAVSDK System, which stays open when the vehicle is closed.
 
     Raises:
-        BadInput: MAVSDK keeps no `.tlog`.
+        BadInput: MAVSDK writes no `.tlog`.
         NoAnswer: it is silent.
     """
     if log is not None:
@@ -115,7 +115,7 @@ def _spelled(address: Address) -> str:
 
 
 class MavsdkLine:
-    """A `Carrier` over MAVSDK's own link: its plugin for single messages, which come and go as JSON."""
+    """A `Carrier` over MAVSDK's link, by its plugin for single messages in JSON."""
 
     def __init__(self, instance: Any, system: Any) -> None:
         direct = import_module("mavsdk.plugins.mavlink_direct")
@@ -127,15 +127,13 @@ class MavsdkLine:
         self._handle = self._direct.subscribe_message("", lambda message, _: self._queue.put(message))
 
     def now(self) -> float:
-        """See `Carrier`."""
         return time.monotonic()
 
     def carry_on(self, run: ItemRun, target: Target, until: float, is_over: Callable[[], bool]) -> list[Heard]:
-        """See `Carrier`: MAVSDK carries lists by itself, and here it only listens."""
+        """Only receive: MAVSDK transfers lists by itself."""
         return self.receive(min(until, run.said_s + run.wait_s))
 
     def send(self, message: Message, target: Target = EVERYONE) -> None:
-        """See `Carrier`."""
         name, fields = wire.write(message)
         addressed = {"target_system": target.system, "target_component": target.component, **fields}
         text = json.dumps({key: _to_json(value) for key, value in addressed.items()}, allow_nan=False)
@@ -144,7 +142,6 @@ class MavsdkLine:
         )
 
     def receive(self, until: float) -> list[Heard]:
-        """See `Carrier`."""
         try:
             heard = [self._queue.get(timeout=max(until - self.now(), 0.0))] if until > self.now() else []
         except queue.Empty:
@@ -154,24 +151,24 @@ class MavsdkLine:
         return [self._read(one) for one in heard if one.system_id == self._system]
 
     def understands(self, target: Target) -> None:
-        """See `Carrier`: not asked here."""
+        """Do nothing: `no_reply_cause` is always None."""
 
     def no_reply_cause(self, target: Target) -> None:
-        """See `Carrier`: MAVSDK speaks what the vehicle speaks."""
+        """Do nothing: MAVSDK adapts to the vehicle's protocol version."""
 
     def expect_alone(self, system: int) -> None:
-        """See `Carrier`: MAVSDK does not tell who sent a message."""
+        """Do nothing: MAVSDK does not report a message's sender."""
 
     @property
     def reopens(self) -> bool:
-        """See `Carrier`: MAVSDK opens its links anew by itself."""
+        """Return False: MAVSDK reopens its links by itself."""
         return False
 
     def reopen(self) -> None:
-        """See `Carrier`."""
+        """Do nothing."""
 
     def close(self) -> None:
-        """Let MAVSDK end its threads."""
+        """End MAVSDK's threads, unless they are borrowed."""
         self._direct.unsubscribe_message(self._handle)
         if self._instance is not None:
             self._instance.destroy()
@@ -186,7 +183,7 @@ class MavsdkLine:
 
 
 def _to_json(value: Any) -> Any:
-    """JSON has no bytes and no NaN."""
+    """Convert bytes and NaN, which JSON lacks."""
     if isinstance(value, bytes):
         return value.decode("utf-8", "replace")
     return None if isinstance(value, float) and not math.isfinite(value) else value
@@ -197,18 +194,18 @@ def _from_json(value: Any) -> Any:
 
 
 class MavsdkVehicle(Vehicle):
-    """One vehicle, its lists carried by MAVSDK; the other verbs are our own dialogues, held over MAVSDK's link."""
+    """A vehicle whose lists MAVSDK transfers; the other verbs are our own dialogues over MAVSDK's link."""
 
     def __init__(self, instance: Any, system: Any, reading: bool = False) -> None:
         plugins = "mavsdk.plugins"
         mission_raw = import_module(f"{plugins}.mission_raw")
-        self._raw, self._broken_off = mission_raw.MissionRaw(system), mission_raw.MissionRawError
+        self._raw, self._transfer_error = mission_raw.MissionRaw(system), mission_raw.MissionRawError
         self._item = mission_raw.MissionItem
         self._refused = import_module("mavsdk").MavsdkError
         line = MavsdkLine(instance, system)
         said = system.autopilot_type().name
         likely = next((one for one in registered() if one.firmware_name.upper() == said), default_autopilot())
-        kind = Kind(likely.mav_autopilot, QUADROTOR)  # until its heartbeat is heard
+        kind = Kind(likely.mav_autopilot, QUADROTOR)  # until its first heartbeat
         super().__init__(line, FoundVehicle(int(system.get_system_id()), kind, armed=False, is_ready=True))
         if not self._hold(until(lambda: Heartbeat in self.state.heard, PRESENCE_S)):
             raise NoAnswer("no heartbeat is heard", code="not-heard", place=f"vehicle {self.system}")
@@ -216,14 +213,14 @@ class MavsdkVehicle(Vehicle):
             raise NotFlown(self.state.kind, f"vehicle {self.system}")
 
     def upload_items(self, items: Sequence[Item], kind: int, progress: Progress = silent) -> None:
-        """Put one list on the vehicle as it stands on the wire, and verify it."""
+        """Upload one list in its wire form, and verify it."""
         name = list_name(kind)
         self.state.expect_flown()
         self._holdings.pop(kind, None)
         with noted_interrupts() as interrupt:
             rows = [self._spell(seq, item, kind) for seq, item in enumerate(items)]
             self._listen()
-            self.state.warnings.clear()  # what is said from here on may be the reason of a refusal
+            self.state.warnings.clear()  # later warnings may explain a refusal
             try:
                 self._transfer(kind, lambda: self._upload(rows, kind, interrupt))
             except MissionRefused as refusal:
@@ -244,7 +241,7 @@ class MavsdkVehicle(Vehicle):
         self._holdings[kind] = OnboardList(Upload(items, self.autopilot, kind))
 
     def _expect_flyable(self) -> None:
-        """PX4 judges a mission after it has taken it, and tells in MISSION_CURRENT; before that it has none."""
+        """Raise Unflyable if PX4 reports so in MISSION_CURRENT, some time after it has taken the mission."""
         self._listen()
         state = self.state
         state.current = None
@@ -254,7 +251,7 @@ class MavsdkVehicle(Vehicle):
             raise Unflyable("; ".join(state.warnings))
 
     def _upload(self, rows: Sequence[Any], kind: int, interrupt: Interrupt) -> None:
-        """MAVSDK's upload; Ctrl-C ends it where the vehicle then keeps its old list: PX4, and only its mission."""
+        """Upload by MAVSDK. Ctrl-C ends it only where the vehicle then keeps its old list: the mission of PX4."""
         raw = self._raw
         begin = (raw.upload_mission_async, raw.upload_geofence_async, raw.upload_rally_points_async)[kind]
         results: queue.SimpleQueue[Any] = queue.SimpleQueue()
@@ -274,18 +271,18 @@ class MavsdkVehicle(Vehicle):
             except queue.Empty:
                 continue
             if result.name != "SUCCESS":
-                raise self._broken_off(result, "upload")
+                raise self._transfer_error(result, "upload")
             return
 
     def download_items(self, kind: int, progress: Progress = silent) -> tuple[Item, ...]:
-        """One list as it stands on the wire."""
+        """Download one list in its wire form."""
         read = (self._raw.download_mission, self._raw.download_geofence, self._raw.download_rallypoints)[kind]
         items = tuple(map(wire.read_item, self._transfer(kind, read)))
         count(progress, len(items), len(items))
         return items
 
     def _checksum_numbers(self) -> Iterator[int] | None:
-        """MAVSDK keeps the messages of file transfers to itself: a list is read without its checksum."""
+        """Return None: MAVSDK hides the messages of file transfers, so a list is read without its checksum."""
         return None
 
     def _transfer(self, kind: int, act: Callable[[], Any]) -> Any:
@@ -302,7 +299,7 @@ class MavsdkVehicle(Vehicle):
             raise MissionRefused(_RESULTS.get(name, Result.ERROR), kind, words=words) from refusal
 
     def _listen(self) -> None:
-        """Hear what has come while MAVSDK was speaking."""
+        """Read the messages that came while MAVSDK was busy."""
         while heard := self.line.receive(self.line.now()):
             for one in heard:
                 if one.message is not None:

@@ -1,6 +1,6 @@
-"""What pymavlink's users bring along: an open connection of mavutil as our channel, its message classes as messages.
+"""Use an open connection of pymavlink's mavutil as a channel, and its message classes as messages.
 
-Frames, checksums, signatures and logs stay ours.
+Frames, checksums, signatures and logs remain our own.
 """
 
 import select
@@ -15,13 +15,13 @@ from ipoa_mission.link.messages import Message
 if TYPE_CHECKING:
     from ipoa_mission.link.line import Line
 
-PEER = "mavutil"  # it answers where it was spoken to, and does not tell who spoke
+PEER = "mavutil"  # mavutil answers its last sender, and does not report it
 
 
 class MavutilChannel(RealTime):
-    """A connection that `mavutil.mavlink_connection` opened; it stays its owner's, who closes it.
+    """Use a connection opened by `mavutil.mavlink_connection`, which its owner closes.
 
-    While it is lent nobody else may read from it.
+    Nobody else may read from it meanwhile.
     """
 
     def __init__(self, connection: Any) -> None:
@@ -36,7 +36,6 @@ class MavutilChannel(RealTime):
         self.datagrams = type(connection).__name__ in ("mavudp", "mavmcast")
 
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
-        """See `Channel`."""
         try:
             ready, _, _ = select.select([self._connection.fd], [], [], max(0.0, until - self.now()))
             data = self._connection.recv(LONGEST_READ) if ready else b""
@@ -45,21 +44,20 @@ class MavutilChannel(RealTime):
         return [(bytes(data), PEER)] if data else []
 
     def send(self, data: bytes, peer: Peer | None) -> None:
-        """See `Channel`."""
         try:
             self._connection.write(data)
         except (OSError, ValueError) as error:
             raise LinkDown(f"the link broke: {error}") from error
 
     def close(self) -> None:
-        """See `Channel`: nothing, it was only lent."""
+        """Do nothing: the connection is borrowed."""
 
 
 def payload_of(message: Any) -> tuple[Definition, bytes]:
-    """The definition and the payload of one of pymavlink's messages.
+    """Return the definition and the payload of one of pymavlink's messages.
 
     Raises:
-        BadInput: it is none, or of a dialect that is not in use.
+        BadInput: it is not such a message, or its dialect is not in use.
     """
     number = getattr(message, "get_msgId", lambda: None)()
     definition = None if number is None else DEFINITIONS.get(int(number))
@@ -71,16 +69,16 @@ def payload_of(message: Any) -> tuple[Definition, bytes]:
 
 
 def as_pymavlink(frame: bytes) -> Any:
-    """A whole frame as one of pymavlink's messages."""
+    """Convert a whole frame to one of pymavlink's messages."""
     number = int.from_bytes(frame[7:10], "little") if frame[0] == 0xFD else frame[5]
     return dialect_of(number).MAVLink(None).decode(bytearray(frame))
 
 
 def own_line(line: object) -> "Line":
-    """The line, if it is of our own.
+    """Return the line if it is our own.
 
     Raises:
-        BadInput: it is MAVSDK's, which has messages of its own.
+        BadInput: it is MAVSDK's, which has its own message classes.
     """
     from ipoa_mission.link.line import Line
 
@@ -92,7 +90,7 @@ def own_line(line: object) -> "Line":
 def messages_from(
     line: "Line", system: int, seconds: float, names: Collection[str], note: Callable[[Message], object]
 ) -> list[Any]:
-    """What a vehicle says in so many seconds, as pymavlink's messages; of `names`, if given. `note` hears all."""
+    """Return a vehicle's messages within `seconds` as pymavlink's, if in `names` or if that is empty; `note` all."""
     frames, until = list[bytes](), line.now() + seconds
     line.overhearing = frames.append
     try:

@@ -1,4 +1,4 @@
-"""How a message lies in MAVLink's fields: each of its values under one name there or several, in MAVLink's units."""
+"""Map a message to MAVLink's fields: names and units of each value."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
@@ -14,7 +14,7 @@ Way: TypeAlias = Callable[[Any], Any]
 
 @dataclass(frozen=True)
 class MessageLayout(Generic[M]):
-    """One message on the wire: its MAVLink name, and the two ways between `M` and MAVLink's fields."""
+    """Map one message to the wire: its MAVLink name, and the conversions to and from MAVLink's fields."""
 
     name: str
     kind: type[M]
@@ -24,7 +24,7 @@ class MessageLayout(Generic[M]):
 
 @dataclass(frozen=True)
 class Value:
-    """A value that MAVLink holds otherwise: under which names (several: as a tuple), and the two ways between."""
+    """Map one value to a MAVLink field (or several, as a tuple), with both conversions."""
 
     names: tuple[str, ...]
     write: Way = lambda value: value
@@ -32,9 +32,9 @@ class Value:
 
 
 def plain(name: str, kind: type[M], also: Fields | None = None, /, **placed: str | Value) -> MessageLayout[M]:
-    """A message whose values MAVLink holds as they are, but for those `placed` under another name, or as a `Value`.
+    """Return the layout of a message whose values are MAVLink's own, except for those `placed` elsewhere.
 
-    `also` are fields that are always written alike.
+    `placed` gives another name, or a `Value`. `also` are constant fields.
     """
     values: list[tuple[str, Value]] = []
     for field in fields(kind):

@@ -1,7 +1,7 @@
-"""What is said on the link, as data: one frozen class a message, SI units and degrees, no bytes.
+"""Messages of the link as data: one frozen class each, in SI units and degrees.
 
-A field that MAVLink does not scale keeps MAVLink's own name. Numbers that come from outside stay plain integers
-(an unknown mission type is not an error of the reader); the enumerations here name the known ones.
+A field that MAVLink does not scale keeps MAVLink's own name. Received numbers stay plain integers, because an unknown
+mission type is no error of the reader; the enumerations name the known ones.
 """
 
 from dataclasses import dataclass
@@ -9,11 +9,11 @@ from enum import IntEnum
 
 from ipoa_mission.mission.items import Item
 
-CRITICAL, WARNING, INFO = 2, 4, 6  # MAV_SEVERITY; less is worse
+CRITICAL, WARNING, INFO = 2, 4, 6  # MAV_SEVERITY; lower is worse
 
 
 class MissionType(IntEnum):
-    """MAV_MISSION_TYPE: the three lists that a vehicle keeps."""
+    """MAV_MISSION_TYPE: the three lists of a vehicle."""
 
     MISSION = 0
     FENCE = 1
@@ -55,7 +55,7 @@ class CommandResult(IntEnum):
 
 
 class MavAutopilot(IntEnum):
-    """MAV_AUTOPILOT, as far as it matters here."""
+    """MAV_AUTOPILOT: the values used here."""
 
     GENERIC = 0
     ARDUPILOT = 3
@@ -63,22 +63,22 @@ class MavAutopilot(IntEnum):
     PX4 = 12
 
 
-#: MISSION_STATE: there is no mission that could be flown.
+#: MISSION_STATE: there is no flyable mission.
 NO_MISSION = 1
-#: MAV_STATE_STANDBY: below it an autopilot is still starting up.
+#: MAV_STATE_STANDBY: an autopilot below it is still booting.
 STANDBY = 3
 #: MAV_MODE_FLAG_SAFETY_ARMED in HEARTBEAT.base_mode.
 ARMED_FLAG = 128
 #: MAV_MODE_FLAG_CUSTOM_MODE_ENABLED.
 CUSTOM_MODE_FLAG = 1
-#: MAV_COMP_ID_AUTOPILOT1 and what a ground station calls itself (MAV_COMP_ID_MISSIONPLANNER).
+#: MAV_COMP_ID_AUTOPILOT1, and our own ids as a ground station (MAV_COMP_ID_MISSIONPLANNER).
 AUTOPILOT_COMPONENT = 1
 STATION_SYSTEM, STATION_COMPONENT = 245, 190
 
 
 @dataclass(frozen=True)
 class Message:
-    """Anything that can be said."""
+    """Base class of all messages."""
 
 
 # --- the mission service -------------------------------------------------------------------------------------------
@@ -86,7 +86,7 @@ class Message:
 
 @dataclass(frozen=True)
 class Count(Message):
-    """MISSION_COUNT: so many items are to come."""
+    """MISSION_COUNT: the number of items that follow."""
 
     count: int
     kind: int = MissionType.MISSION
@@ -94,7 +94,7 @@ class Count(Message):
 
 @dataclass(frozen=True)
 class Request(Message):
-    """MISSION_REQUEST_INT, or the old MISSION_REQUEST (`legacy`), which asks for the same."""
+    """MISSION_REQUEST_INT, or the old MISSION_REQUEST (`legacy`) with the same meaning."""
 
     seq: int
     kind: int = MissionType.MISSION
@@ -103,7 +103,7 @@ class Request(Message):
 
 @dataclass(frozen=True)
 class ItemAt(Message):
-    """MISSION_ITEM_INT: the item at `seq`. `current` 2 and 3 are orders to a flying ArduPilot: never sent here."""
+    """MISSION_ITEM_INT: the item at `seq`. `current` 2 and 3 are orders to a flying ArduPilot, never sent here."""
 
     seq: int
     item: Item
@@ -113,7 +113,7 @@ class ItemAt(Message):
 
 @dataclass(frozen=True)
 class Ack(Message):
-    """MISSION_ACK: how a transfer ended (a `Result`); PX4 tells the id under which it keeps the list (0: not told)."""
+    """MISSION_ACK: the `Result` of a transfer; PX4 adds the id under which it keeps the list (0: none given)."""
 
     result: int
     kind: int = MissionType.MISSION
@@ -122,7 +122,7 @@ class Ack(Message):
 
 @dataclass(frozen=True)
 class RequestList(Message):
-    """MISSION_REQUEST_LIST: how many items have you?"""
+    """MISSION_REQUEST_LIST: asks for the number of items."""
 
     kind: int = MissionType.MISSION
 
@@ -136,16 +136,16 @@ class ClearAll(Message):
 
 @dataclass(frozen=True)
 class SetCurrent(Message):
-    """MISSION_SET_CURRENT: go on with item `seq` (superseded by command 224, yet all PX4 knows)."""
+    """MISSION_SET_CURRENT: continue at item `seq` (superseded by command 224, which PX4 lacks)."""
 
     seq: int
 
 
 @dataclass(frozen=True)
 class Current(Message):
-    """MISSION_CURRENT: the item flown to; states: 0 not told, 1 none, 2 not started, 3 active, 4 paused, 5 done.
+    """MISSION_CURRENT: the current item; states: 0 unknown, 1 none, 2 not started, 3 active, 4 paused, 5 done.
 
-    `total` is 0 where it is not told, 65535 for no mission; `mission_id` is as in the `Ack` that took the mission.
+    `total` is 0 if unknown, 65535 for no mission; `mission_id` is as in the `Ack` that took the mission.
     """
 
     seq: int
@@ -164,7 +164,7 @@ class Reached(Message):
 
 @dataclass(frozen=True)
 class WritePartialList(Message):
-    """MISSION_WRITE_PARTIAL_LIST: items `start_index` to `end_index` are to be replaced."""
+    """MISSION_WRITE_PARTIAL_LIST: announces new items `start_index` to `end_index`."""
 
     start_index: int
     end_index: int
@@ -176,7 +176,7 @@ class WritePartialList(Message):
 
 @dataclass(frozen=True)
 class Heartbeat(Message):
-    """HEARTBEAT: who is there, in which mode."""
+    """HEARTBEAT: type, autopilot, mode and status."""
 
     type: int
     autopilot: int
@@ -186,7 +186,7 @@ class Heartbeat(Message):
 
     @property
     def armed(self) -> bool:
-        """Whether the motors may run."""
+        """Check whether the motors may run."""
         return bool(self.base_mode & ARMED_FLAG)
 
 
@@ -202,7 +202,7 @@ class Text(Message):
 
 @dataclass(frozen=True)
 class Event(Message):
-    """EVENT: PX4's numbered messages (`number` is its id); the words live in the ground station."""
+    """EVENT: PX4's numbered messages (`number` is its id); the ground station has the words."""
 
     number: int
     log_levels: int
@@ -211,7 +211,7 @@ class Event(Message):
 
 @dataclass(frozen=True)
 class Ping(Message):
-    """PING: a request is addressed to (0, 0), its answer to the one who asked."""
+    """PING: a request is addressed to (0, 0), its answer to the requester."""
 
     time_usec: int
     seq: int
@@ -219,7 +219,7 @@ class Ping(Message):
 
 @dataclass(frozen=True)
 class TimeSync(Message):
-    """TIMESYNC: a question has `tc1` 0; nanoseconds."""
+    """TIMESYNC [ns]: a question has `tc1` 0."""
 
     tc1: int
     ts1: int
@@ -239,7 +239,7 @@ class CommandLong(Message):
 
 @dataclass(frozen=True)
 class CommandInt(Message):
-    """COMMAND_INT: x and y are integers of the command's own scale, left as they are."""
+    """COMMAND_INT: x and y are integers on the command's own scale."""
 
     command: int
     frame: int
@@ -251,7 +251,7 @@ class CommandInt(Message):
 
 @dataclass(frozen=True)
 class CommandAck(Message):
-    """COMMAND_ACK: what became of a command (a `CommandResult`)."""
+    """COMMAND_ACK: the `CommandResult` of a command."""
 
     command: int
     result: int
@@ -261,7 +261,7 @@ class CommandAck(Message):
 
 @dataclass(frozen=True)
 class SetMode(Message):
-    """SET_MODE: the old way to ask for a mode."""
+    """SET_MODE: the old command for a mode."""
 
     base_mode: int
     custom_mode: int
@@ -274,7 +274,7 @@ class ParamRequestList(Message):
 
 @dataclass(frozen=True)
 class ParamRequestRead(Message):
-    """PARAM_REQUEST_READ: by name, or by index where that is not -1."""
+    """PARAM_REQUEST_READ: by name, or by index unless that is -1."""
 
     param_id: str
     param_index: int = -1
@@ -291,7 +291,7 @@ class ParamSet(Message):
 
 @dataclass(frozen=True)
 class ParamValue(Message):
-    """PARAM_VALUE: number `param_index` of `param_count`; type 9 is a float."""
+    """PARAM_VALUE: parameter `param_index` of `param_count`; type 9 is a float."""
 
     param_id: str
     param_value: float
@@ -302,7 +302,7 @@ class ParamValue(Message):
 
 @dataclass(frozen=True)
 class MessageInterval(Message):
-    """MESSAGE_INTERVAL: how often a message is sent [us]; 0 unknown, -1 never."""
+    """MESSAGE_INTERVAL: interval of a message [us]; 0 unknown, -1 never."""
 
     message_id: int
     interval_us: int
@@ -310,7 +310,7 @@ class MessageInterval(Message):
 
 @dataclass(frozen=True)
 class RequestDataStream(Message):
-    """REQUEST_DATA_STREAM: a group of messages (MAV_DATA_STREAM, 0 all of them) so often a second, or no more."""
+    """REQUEST_DATA_STREAM: starts or stops a group of messages (MAV_DATA_STREAM, 0 for all) at a rate [Hz]."""
 
     req_stream_id: int
     req_message_rate: int
@@ -324,5 +324,5 @@ class FileTransfer(Message):
     payload: bytes
 
 
-#: What the two ends of one transfer say to each other, of a list or of a file: nobody else's business.
+#: Messages of the two ends of one transfer, of a list or of a file; they concern nobody else.
 TRANSFER = (Count, Request, ItemAt, Ack, RequestList, ClearAll, WritePartialList, FileTransfer)

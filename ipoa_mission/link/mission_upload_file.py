@@ -1,7 +1,8 @@
 """ArduPilot's fast path: the whole mission as one file, `@MISSION/mission.dat`, written and read by MAVFTP.
 
-Six items go in one frame instead of one, and the vehicle takes the file whole or not at all. The file is a header of
-five 16-bit numbers (magic, list, options, first item, count) and a MISSION_ITEM_INT payload of 38 bytes for each item.
+A frame then carries six items instead of one, and the vehicle takes the file whole or not at all. The file has a
+header of five 16-bit numbers (magic, list, options, first item, count) and a MISSION_ITEM_INT payload of 38 bytes
+for each item.
 """
 
 import struct
@@ -28,11 +29,11 @@ from ipoa_mission.progress import Progress, count, silent
 
 MAGIC = 0x763D
 HEADER = struct.Struct("<HHHHH")
-TARGET = (1, 1)  # what each item in it is addressed to
+TARGET = (1, 1)  # of each item in the file
 
 
 def pack_mission(items: Sequence[Item], kind: int = MissionType.MISSION) -> bytes:
-    """The file of a list as it stands on the wire (home first).
+    """Return the file of a list in its wire form (home first).
 
     Raises:
         BadInput: an item does not fit MAVLink.
@@ -43,10 +44,10 @@ def pack_mission(items: Sequence[Item], kind: int = MissionType.MISSION) -> byte
 
 
 def unpack_mission(data: bytes) -> tuple[Item, ...]:
-    """The list in a file.
+    """Return the list in a file.
 
     Raises:
-        MissionError: this is no such file, or it breaks off.
+        MissionError: it is not such a file, or it is truncated.
     """
     if len(data) < HEADER.size or HEADER.unpack_from(data)[0] != MAGIC:
         words = "expected ArduPilot's mission.dat, but it does not begin like one"
@@ -59,11 +60,11 @@ def unpack_mission(data: bytes) -> tuple[Item, ...]:
 
 
 def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[int]:
-    """Put a mission on the vehicle as one file, and verify it by reading the file back; the checksum that it has there.
+    """Upload a mission as one file, verify it by reading the file back, and return its checksum there.
 
     Raises:
-        FileRefused: the vehicle has no such file, or did not like what is in it; it keeps its old mission.
-        NoAnswer, ReadBackDiffers, Unsettled, Cancelled.
+        FileRefused: the vehicle has no such file, or refuses its content; it keeps its old mission.
+        NoAnswer, ReadBackDiffers, KeepsChanging, Cancelled.
     """
     total = len(job.items)
     done = 0
@@ -75,9 +76,9 @@ def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[int]:
 
     try:
         closing = yield from write_file(MISSION_FILE, pack_mission(job.items, job.kind), note)
-    except (Cancelled, TimeUp) as broken_off:  # a file that is not closed is not taken
-        raise type(broken_off)(
-            f"{broken_off}: the vehicle keeps the mission it had",
+    except (Cancelled, TimeUp) as aborted:  # an unclosed file is not taken
+        raise type(aborted)(
+            f"{aborted}: the vehicle keeps the mission it had",
             hint=f"{done} of {total} items had been sent",
             holds="old",
         ) from None
@@ -90,7 +91,7 @@ def upload_by_file(job: Upload, progress: Progress = silent) -> Dialogue[int]:
 
 
 def _cancelled_late(job: Upload, closing: FileMessage) -> Dialogue[Cancelled]:
-    """What became of a file that may have been taken before it was cancelled."""
+    """Return the error of a cancelled upload, whose file may have been taken already."""
     try:
         yield from _settle(job, closing)
     except FileRefused:
@@ -108,14 +109,14 @@ def _cancelled_late(job: Upload, closing: FileMessage) -> Dialogue[Cancelled]:
 
 
 def _settle(job: Upload, closing: FileMessage) -> Dialogue[int]:
-    """Have the file taken, and read it until what was read is what stands there."""
+    """Close the file, and read it until its checksum shows that it did not change meanwhile."""
     yield from ask_of_file(closing, f"take {MISSION_FILE}")
     for _ in range(READINGS):
         data = yield from read_file(MISSION_FILE)
         difference = job.difference(unpack_mission(data))
         if difference is not None:
             raise ReadBackDiffers(job.kind, difference)
-        told = None if job.numbers is None else (yield from list_checksum(job.kind, job.numbers))
-        if told in (None, file_checksum(data)):
-            return told or 0
+        checksum = None if job.numbers is None else (yield from list_checksum(job.kind, job.numbers))
+        if checksum in (None, file_checksum(data)):
+            return checksum or 0
     raise KeepsChanging(job.kind)
