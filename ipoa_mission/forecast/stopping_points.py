@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.vehicles.autopilot import STANDS
+from ipoa_mission.vehicles.autopilot import STATIONARY_SPEED
 from ipoa_mission.vehicles.contingency import Contingency
 
 LOOK_EVERY_S = 0.2  # between the places at which the vehicle may be when its flight is broken off [s]
@@ -46,7 +46,7 @@ def stopping_points_of(
     then = np.minimum(times + autopilot.flies_on(contingency), end)
     before, places, stands, after = map(flight.pieces.at, (then - LOOK_EVERY_S, times, then, then + LOOK_EVERY_S))
     velocity = (after - before) / (2 * LOOK_EVERY_S)
-    speed = np.maximum(np.hypot(*velocity[:, :2].T), STANDS)
+    speed = np.maximum(np.hypot(*velocity[:, :2].T), STATIONARY_SPEED)
     along = velocity[:, :2] / speed[:, None]
     gains = np.gradient(np.hypot(*velocity[:, :2].T), LOOK_EVERY_S) if len(times) > 1 else np.zeros(1)
     accel = (after[:, :2] + before[:, :2] - 2 * stands[:, :2]) / LOOK_EVERY_S**2

@@ -12,7 +12,7 @@ from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission, waypoint
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.scenario import Scenario
-from ipoa_mission.vehicles.slow_landing import SURE
+from ipoa_mission.vehicles.slow_landing import HEIGHT_UNCERTAINTY
 from ipoa_mission.world.frame import Geodetic
 
 
@@ -30,7 +30,7 @@ def slow_landings(mission: Mission, scenario: Scenario) -> Mission:
     if stretch is None or not mission.autopilot.book.by_old_names(mission.parameters).keys().isdisjoint(names):
         return mission
     highest = max(landings(Forecast(mission, scenario)), key=lambda landing: landing.counted, default=None)
-    if highest is None or not stretch.is_fast(highest.counted + SURE):
+    if highest is None or not stretch.is_fast(highest.counted + HEIGHT_UNCERTAINTY):
         return mission
     wanted, most = mission.autopilot.slowed(mission.parameters, highest.counted), mission.autopilot.slowed_by.most
     slowed = mission.autopilot.slow_stretch({**mission.parameters, **wanted})

@@ -1,4 +1,4 @@
-"""What flies: one object for each autopilot and class of vehicle, which every room asks and none names."""
+"""Vehicle plug-ins: one registered `Autopilot` object for each firmware and vehicle class."""
 
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 from ipoa_mission.vehicles.autopilot import Autopilot, register

@@ -1,4 +1,4 @@
-"""Why an autopilot cannot be armed, in its own words: which of its reasons pass with time, and which do not."""
+"""Sort an autopilot's texts that refuse arming into passing and lasting reasons."""
 
 import re
 from dataclasses import dataclass
@@ -8,22 +8,22 @@ NOTHING = re.compile(r"(?!)")
 
 @dataclass(frozen=True)
 class ArmingWords:
-    """How an autopilot gives its reasons; the default is one that gives none.
+    """Patterns of an autopilot's arming texts; the defaults match nothing.
 
-    `begin`: what stands before each reason; `passing`: what is found in those that pass by themselves, as a position
-    that is not yet known. All others are for somebody to mend.
+    `begin` matches the prefix of each reason. `passing` finds reasons that clear by themselves, such as an unknown
+    position.
     """
 
     begin: re.Pattern[str] = NOTHING
     passing: re.Pattern[str] = NOTHING
 
     def reasons(self, words: str) -> tuple[str, ...]:
-        """What of its words (several, between them "; ") says why it cannot be armed."""
+        """Return the arming reasons in `words`, which are separated by "; "."""
         return tuple(one for one in words.split("; ") if self.begin.match(one))
 
     def lasting(self, words: str) -> tuple[str, ...]:
-        """Those of its reasons that waiting does not mend."""
+        """Return the reasons that do not clear by waiting."""
         return tuple(one for one in self.reasons(words) if not self.passing.search(self.begin.sub("", one, count=1)))
 
 
-UNTOLD = ArmingWords()
+NO_ARMING_WORDS = ArmingWords()

@@ -1,7 +1,8 @@
-"""What flies: a firmware on one class of vehicle, as one object that every room asks and none names.
+"""Base class and registry of vehicle plug-ins: a firmware on one class of vehicle.
 
-What is of the lowest rooms stands here. A higher room (times, tubes, stand-ins) has an interface of its own, and asks
-for it by `part`; so a vehicle is one folder, and a new one is a class and a call of `register`.
+`Autopilot` defines what only needs the lowest packages. Higher packages define their own interfaces (flight model,
+deviation law, mock profile) and find the implementation by `part`. A new vehicle is a folder with one class and a call
+of `register`.
 """
 
 import re
@@ -31,13 +32,13 @@ if TYPE_CHECKING:
     from ipoa_mission.geometry import Points, Vector
 
 Part = TypeVar("Part")
-STANDS = 0.1  # who is slower stands [m/s]
+STATIONARY_SPEED = 0.1  # [m/s]
 
 
 class Autopilot(ABC):
-    """A firmware on one class of vehicle; there is one object of each, and it is told apart by identity.
+    """A firmware on one class of vehicle; a singleton, compared by identity.
 
-    What it answers is asked by the rooms of this package, and may change with them; its names stay.
+    Names are stable; the methods may change with the package.
 
     Example:
         >>> Autopilot.PX4.name, str(Autopilot.ARDUPILOT), Autopilot.ARDUPILOT.model
@@ -48,35 +49,35 @@ class Autopilot(ABC):
     ARDUPILOT: ClassVar["Autopilot"]
 
     name: ClassVar[str]
-    """As scenarios, files and the command line have it."""
+    """The identifier in scenarios, files and the command line."""
     model: ClassVar[str]
-    """Its proper name: the firmware's for this class of vehicle."""
+    """The display name of the firmware for this class of vehicle."""
     mav_autopilot: ClassVar[int]
     """HEARTBEAT.autopilot (MAV_AUTOPILOT) of its firmware."""
     mav_types: ClassVar[frozenset[int]]
     """HEARTBEAT.type (MAV_TYPE) of the vehicles that it flies."""
     measured: ClassVar[tuple[Version, ...]]
-    """The versions on which flights kept what is promised, oldest first; where none is named, the last is meant."""
+    """Versions whose promises were verified in flights, oldest first; the last is the default."""
     modes: ClassVar[Modes]
     book: ClassVar[ParameterTable]
     tables: ClassVar[FirmwareTables]
     guidance: ClassVar[GuidanceProfile]
     way_known: ClassVar[WayKnown] = WayKnown()
-    """Which commands of a mission its model knows the way of."""
+    """Commands of a mission whose path the model knows."""
     protocol_profile: ClassVar[ProtocolProfile]
     refusals: ClassVar[Refusals]
-    """What it says to each item of a list that is uploaded to it."""
+    """The answer to each item of an uploaded list."""
     slowed_by: ClassVar[SlowedBy]
     own_fence_by: ClassVar[tuple[str, ...]]
-    """All parameters that decide about the fence of its own."""
+    """All parameters that define the vehicle's own fence."""
     failsafe_by: ClassVar[tuple[str, ...]] = ()
-    """All parameters that decide what it does when something fails, by their older names."""
+    """All parameters that configure failsafes, by their older names."""
     failsafe_rules: ClassVar[tuple[FailsafeRule, ...]] = ()
-    """The tables of that, for all versions."""
+    """The failsafe tables of all versions."""
     station_loss: ClassVar[StationLoss | None] = None
-    """When it takes its ground station for lost; None: nobody knows."""
+    """When the ground station counts as lost; None: unknown."""
     parts: ClassVar[Mapping[str, Any]] = {}
-    """What answers to an interface of a higher room, by the interface's name: the object, or its "module:name"."""
+    """Implementations of higher packages' interfaces, by interface name: an object or its "module:name"."""
 
     def __str__(self) -> str:
         return self.name
@@ -88,10 +89,10 @@ class Autopilot(ABC):
         return _known, (self.name,)
 
     def part(self, asked: type[Part]) -> Part:
-        """What of this autopilot answers to the interface of a room.
+        """Return this autopilot's implementation of an interface.
 
         Raises:
-            MissionError: it has no such part, as no model of its flight.
+            MissionError: it has none, for example no flight model.
         """
         found = self.parts.get(asked.__name__)
         if found is None:
@@ -101,77 +102,85 @@ class Autopilot(ABC):
         return part
 
     def has(self, asked: type[Any]) -> bool:
-        """Whether it answers to the interface of a room."""
+        """Return whether the autopilot implements an interface."""
         return asked.__name__ in self.parts
 
     def firmware(self, version: Version | None = None) -> Firmware:
-        """What this version takes in a mission, and what it keeps of it; None: the newest that was measured."""
+        """Return the firmware tables of a version; None: the newest measured."""
         return self.tables.of(version or self.newest)
 
     @property
     def parameter_names(self) -> frozenset[str]:
-        """All names that are known: of its book, and of what decides about failsafes."""
+        """All known names: of the parameter table and of failsafes."""
         return self.book.names | frozenset(self.failsafe_by)
 
     @property
     def firmware_name(self) -> str:
-        """The firmware's own name."""
         return self.firmware().name
 
     @property
     def counts_home(self) -> int:
-        """The number on the wire of the first item that is flown: home stands before it, or nothing does."""
+        """The sequence number of the first flown item: 1 if home is item 0, else 0."""
         return int(self.firmware().home_is_item_0)
 
     # --- how it flies, by its parameters ----------------------------------------------------------------------------
 
     @abstractmethod
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
-        """The way straight on to a stop from `speed` (n,) [m/s], gaining `accel` (n,) [m/s^2], (n,) [m]."""
+        """Return the distance to a stop on a straight line (n,) [m].
+
+        From `speed` (n,) [m/s] with acceleration `accel` (n,) [m/s^2] along the path.
+        """
 
     def flies_on(self, contingency: Contingency) -> float:
-        """For how long it flies on as before once an ending is ordered [s]; it lands and holds at once."""
+        """Return how long the vehicle continues before it brakes for a contingency [s]; 0 to land or hold."""
         return 0.0 if contingency in (Contingency.LAND, Contingency.HOLD) else self.guidance.brakes_after
 
     def braking_way(
         self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: Contingency
     ) -> "Points":
-        """From where it then begins to brake to where that brings it, level, by velocity and acceleration, (n, 2)."""
+        """Return the level braking displacement by velocity and acceleration, (n, 2) [m]."""
         import numpy as np
 
         speed = np.hypot(*velocity.T)
-        along = (velocity * accel).sum(axis=1) / np.maximum(speed, STANDS)
+        along = (velocity * accel).sum(axis=1) / np.maximum(speed, STATIONARY_SPEED)
         way = self.braking_distance(parameters, speed, along)
-        return np.asarray(velocity * (way / np.maximum(speed, STANDS))[:, None])
+        return np.asarray(velocity * (way / np.maximum(speed, STATIONARY_SPEED))[:, None])
 
     def circle(
         self, parameters: Parameters, radius: float, turn: float, speed: float | None, version: Version | None
     ) -> FlownCircle | None:
-        """How it flies NAV_LOITER_TURNS; None: it does not.
+        """Return the flown circle of NAV_LOITER_TURNS; None: not supported.
 
-        A `radius` > 0 m by a turn [rad], at up to a level speed [m/s].
+        `radius` > 0 [m], `turn` [rad], `speed`: the greatest level speed [m/s].
         """
         return None
 
     @abstractmethod
     def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
-        """How LAND slows down by these parameters; None where a range finder sees to it."""
+        """Return how LAND slows down by these parameters; None with a range finder."""
 
     def slowed(self, parameters: Parameters, ground: float) -> Parameters:
-        """What lets it slow down as high above ground so high above home [m] as these parameters do above home."""
+        """Return parameters that raise the slow landing stretch by the ground's height above home [m]."""
         return self.slowed_by.raised(self.book, parameters, ground)
 
     @abstractmethod
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
-        """The fence that these parameters of a vehicle put into force; None where it has none that does something."""
+        """Return the fence that these parameters activate; None: no fence with an effect."""
 
     @abstractmethod
     def goal_of_return(self, parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
-        """Which of the rally points a return from `here` leads to; None: home. Parameters by their older names."""
+        """Return the index of the rally point that a return from `here` goes to; None: home.
+
+        Parameters by their older names.
+        """
 
     @abstractmethod
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
-        """How high above home it returns from so high above it, over so far, to a goal of the height `goal_up` [m]."""
+        """Return the height above home of a return [m].
+
+        From `height` above home, over a level `distance`, to a goal of height `goal_up` [m].
+        """
 
     def return_route(
         self,
@@ -181,43 +190,43 @@ class Autopilot(ABC):
         landing: MissionLanding | None = None,
         version: Version | None = None,
     ) -> ReturnRoute:
-        """Along which way a return from `here` leads, in a mission with or without a landing; None: the measured one.
+        """Return the route of a return from `here`, in a mission with or without a landing.
 
-        Parameters by their older names.
+        Parameters by their older names. version None: the newest measured.
         """
         return ReturnRoute(ReturnBy.DIRECT, self.goal_of_return(parameters, here, rally))
 
     def defaults_of(self, version: Version | None = None) -> Parameters:
-        """Defaults of a version that differ from those of its parameter book."""
+        """Return a version's defaults that differ from those of the parameter table."""
         return {}
 
     def known_parameters(self, parameters: Parameters, version: Version | None = None) -> Parameters:
-        """Parameters by their older names, and the version's own defaults of those that are not given."""
+        """Return parameters by their older names, plus the version's own defaults."""
         return {**self.defaults_of(version), **self.book.by_old_names(parameters)}
 
     def complete(self, parameters: Parameters, version: Version | None = None) -> Parameters:
-        """All parameters that move a mission, by their older names: those given, else the version's defaults."""
+        """Return all parameters that affect a mission, by their older names: given or default."""
         return {**self.book.moving, **self.known_parameters(parameters, version)}
 
     def waypoint_defaults(self, version: Version | None = None) -> WaypointDefaults:
-        """The hold and the acceptance radius that each waypoint is given."""
+        """Return the hold and acceptance radius that every waypoint is written with."""
         return WaypointDefaults()
 
     def over_terrain(self, parameters: Parameters) -> OverTerrain | None:
-        """How it keeps its height over the ground on its way home; None: it does not.
+        """Return how a return follows the terrain; None: it does not.
 
-        `return_height` then counts from the ground.
+        If it does, `return_height` counts from the ground.
         """
         return None
 
     def room_to_fences(self, parameters: Parameters, version: Version | None = None) -> float | None:
-        """How far a return keeps from the fences that it flies around [m]; None: it flies straight through them."""
+        """Return the distance of a return to the fences that it flies around [m]; None: it ignores them."""
         return None
 
     def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
-        """What follows all that can fail, and what a pilot can order; version None: the newest measured.
+        """Return the action for each failure and pilot order; version None: the newest measured.
 
-        What is not given has the firmware's default. None at all: nothing is known of it.
+        Missing parameters have the firmware's default. Empty: unknown.
         """
         return ()
 
@@ -225,12 +234,10 @@ class Autopilot(ABC):
 
     @property
     def newest(self) -> Version:
-        """The newest version that was measured."""
         return self.measured[-1]
 
     def checked_for(self, version: Version | None) -> str:
-        """The firmware that is meant, in a few words; None: the newest that was measured.
-
+        """Return the firmware that is assumed, in a few words; None: the newest measured.
         >>> Autopilot.PX4.checked_for(Version(1, 16))
         'px4 1.16 (not measured)'
         """
@@ -238,7 +245,7 @@ class Autopilot(ABC):
         return f"{self.name} {major}.{minor}" + ("" if self.is_measured(version) else " (not measured)")
 
     def facts(self, version: Version | None) -> dict[str, object]:
-        """The same for machines, with the source that the table was read in."""
+        """Return the assumed firmware and the source of its table as JSON values."""
         own = self.firmware(version)
         return {
             "autopilot": self.name,
@@ -250,31 +257,31 @@ class Autopilot(ABC):
         }
 
     def is_measured(self, version: Version | None) -> bool:
-        """Whether flights of its series were measured; None: the newest that was."""
+        """Return whether flights of this series were measured; None: the newest measured."""
         return version is None or version.series in {one.series for one in self.measured}
 
     def not_measured(self, version: Version | None) -> str | None:
-        """Why nothing stands behind a flight of this version, in words; None where something does.
+        """Return a warning if no flight of this version was measured, else None.
 
         >>> Autopilot.PX4.not_measured(Version(1, 13))
-        'how PX4 1.13.0 flies was not measured: PX4 1.17 and 1.18 were; what it takes is judged as PX4 1.15 does'
+        'PX4 1.13.0 was not measured in flight: PX4 1.17 and 1.18 were; its items are checked by the tables of PX4 1.15'
         """
         if version is None or self.is_measured(version):
             return None
-        words = f"how {self.model} {version} flies was not measured: {self._measured_words()}"
+        words = f"{self.model} {version} was not measured in flight: {self._measured_words()}"
         if version.series in self.tables.series:
             return words
-        return f"{words}; what it takes is judged as {self.firmware(version)} does"
+        return f"{words}; its items are checked by the tables of {self.firmware(version)}"
 
     def beyond_the_model(self, version: str) -> str | None:
-        """What to say of times that are estimated for a version in a log; None where it was measured.
+        """Return a warning about times estimated for a logged version; None: it was measured.
 
         >>> Autopilot.ARDUPILOT.beyond_the_model("3.5.7")
         'flown by ArduCopter 3.5.7, which was not measured: its times may be off; ArduCopter 4.7 and 4.8 were'
         """
         numbers = re.match(r"\d+\.\d+", version)
         if numbers is None:
-            return f"the log does not say which {self.model} flew it; {self._measured_words()} measured"
+            return f"the log does not name the version of {self.model}; {self._measured_words()} measured"
         if self.is_measured(Version.parsed(numbers[0])):
             return None
         words = f"flown by {self.model} {version}, which was not measured: its times may be off"
@@ -289,25 +296,25 @@ _REGISTERED: dict[str, Autopilot] = {}
 
 
 def register(autopilot: Autopilot) -> Autopilot:
-    """Make an autopilot known to every room; the first that was registered is taken where nobody names one."""
+    """Register an autopilot; the first registered one is the default."""
     return _REGISTERED.setdefault(autopilot.name, autopilot)
 
 
 def registered() -> tuple[Autopilot, ...]:
-    """All that are known, in the order in which they were registered."""
+    """Return all autopilots in the order of their registration."""
     return tuple(_REGISTERED.values())
 
 
 def default_autopilot() -> Autopilot:
-    """The one that is taken where nobody names one."""
+    """Return the autopilot that counts where none is named."""
     return registered()[0]
 
 
 def autopilot_named(name: str) -> Autopilot:
-    """The autopilot that scenarios and files call so.
+    """Return the autopilot of this name.
 
     Raises:
-        ValueError: there is none, with those that there are.
+        ValueError: it does not exist; the message lists those that do.
 
     >>> autopilot_named("px4") is Autopilot.PX4
     True
@@ -318,7 +325,7 @@ def autopilot_named(name: str) -> Autopilot:
 
 
 def autopilot_of(mav_autopilot: int, mav_type: int) -> Autopilot | None:
-    """The one with this firmware and class; None where none is registered."""
+    """Return the autopilot with this firmware and class; None: not registered."""
     return next((one for one in registered() if one.mav_autopilot == mav_autopilot and mav_type in one.mav_types), None)
 
 

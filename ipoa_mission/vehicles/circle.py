@@ -1,13 +1,13 @@
-"""How a circle comes out that a mission asks for."""
+"""The circle that a vehicle flies for a circle of a mission."""
 
 from typing import NamedTuple
 
 
 class FlownCircle(NamedTuple):
-    """A circle as it is flown: its `radius` [m]; by what angle the vehicle is `behind` as it ends [rad].
+    """A flown circle: its `radius` [m] and the angle that the vehicle lags `behind` at its end [rad].
 
-    From there it `runs_on` straight before it stops [m]. `sense` is 1 for clockwise, -1 for counterclockwise, and 0
-    where the item says which.
+    The vehicle then `runs_on` straight until it stops [m]. `sense`: 1 clockwise, -1 counterclockwise, 0 as the item
+    says.
     """
 
     radius: float

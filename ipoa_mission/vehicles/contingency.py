@@ -1,35 +1,35 @@
-"""In which ways a flight can end, in the words of the field, and in which stages of a mission."""
+"""Contingencies of a flight and the stages of a mission."""
 
 from enum import StrEnum
 
 
 class Contingency(StrEnum):
-    """What a vehicle does instead of flying on with its mission."""
+    """An action that replaces the rest of the mission."""
 
     RTL = "rtl"
-    """It flies home, or to a rally point, as its parameters say: `Autopilot.return_route` and `return_height`."""
+    """Fly home or to a rally point, by `Autopilot.return_route` and `return_height`."""
     LAND = "land"
-    """It brakes and lands where it is."""
+    """Brake and land in place."""
     SMART_RTL = "smart_rtl"
-    """It flies back along the way that it has flown."""
+    """Fly back along the flown path."""
     HOLD = "hold"
-    """It brakes and stays there, until somebody or an empty battery ends that."""
+    """Brake and hold until a new order or an empty battery."""
     CONTINUE = "continue"
-    """It goes on with what it does."""
+    """Continue the mission."""
     LAND_START = "land_start"
-    """It flies to the landing that its mission has, and lands there."""
+    """Fly to the mission's landing and land there."""
     TERMINATE = "terminate"
-    """The motors stop, and it falls."""
+    """Stop the motors; the vehicle falls."""
     UNKNOWN = "unknown"
-    """Where it goes depends on what is not modeled; the words beside it say on what."""
+    """The path depends on something not modeled, which the action's `words` name."""
 
 
 class FlightStage(StrEnum):
-    """What a mission is doing as something happens; vehicles take the same cause otherwise by it."""
+    """The stage of a mission; the response to a cause may depend on it."""
 
     TAKEOFF = "take-off"
     ROUTE = "route"
     RETURN = "return"
-    """An item of the mission that returns home, up to its landing."""
+    """A return item of the mission, up to its landing."""
     LANDING = "landing"
-    """Where an item of the mission comes down to land."""
+    """A landing item of the mission: the descent."""

@@ -1,12 +1,12 @@
-"""What a firmware takes in a mission, and what it keeps of it, by version: tables, no behavior.
+"""Tables of the mission items that a firmware accepts and stores, by version.
 
-The tables are read in each version's source by `tools.generate.firmware_tables`; how a list is kept was measured on
-ArduCopter 4.7.0-dev and PX4 1.17.0. A row gives, for each of the seven params, what a read-back returns:
+`tools.generate.firmware_tables` reads the tables in each version's source. The read-back was measured on ArduCopter
+4.7.0-dev and PX4 1.17.0. A row gives the read-back value of each of the seven params:
 
-    `.` what was sent          `-` 0                          `b` 1 where positive, else 0
-    `w` cut to a whole number  `s` 1 or -1, by its sign       `y` a heading wrapped into 0 to 360
-    `c` cut to centimetres     `m` cut to whole metres        `d` degrees in steps of 1e-7
-    `t` turns: whole, below one in 256ths                     `r` a radius: whole metres to 255, tens of metres to 2550
+    `.` as sent                `-` 0                          `b` 1 if positive, else 0
+    `w` truncated to integer   `s` 1 or -1, by its sign       `y` a heading wrapped into 0 to 360
+    `c` truncated to cm        `m` truncated to m             `d` degrees in steps of 1e-7
+    `t` turns: integer, below one in 256ths                   `r` a radius: in m to 255, in 10 m to 2550
     `h` half precision
 """
 
@@ -28,40 +28,40 @@ NO_VERSION = Version(0, 0)
 
 @dataclass(frozen=True)
 class Firmware:
-    """The habits of one firmware: a command is in `placed` (with a position), in `plain` (frame 2), or in neither."""
+    """One firmware's tables; `placed` lists commands with a position, `plain` those in frame 2."""
 
     name: str
-    autopilot: str  # as scenarios name it
-    home_is_item_0: bool  # on the wire and in the counting of DO_JUMP
+    autopilot: str  # its name in scenarios
+    home_is_item_0: bool  # on the wire and as target of DO_JUMP
     keeps_autocontinue: bool
     fence: Mapping[int, str]
     rally: Mapping[int, str]
-    fence_is_union: bool  # of areas to stay in: inside one is enough; else the vehicle must be inside all
-    max_items: int  # the home item counts
+    fence_is_union: bool  # the vehicle must be in one inclusion area; False: in all
+    max_items: int  # with the home item
     max_fence_items: int
     max_rally_points: int
-    highest_altitude: float  # [m]; items as far above or below are refused
+    highest_altitude: float  # [m]; refused if |altitude| is not below
     longest_hold: float = math.inf  # [s]
     holds_whole_seconds: bool = False
-    nan_holds: bool = False  # a hold of NaN is one for ever
-    photo_looks_s: float = 0.02  # so often it is looked whether the vehicle is far enough on for the next photo [s]
-    frame_2_is_amsl: bool = False  # of an item that needs a place
+    nan_holds: bool = False  # a hold of NaN never ends
+    photo_looks_s: float = 0.02  # polling interval of the photo distance [s]
+    frame_2_is_amsl: bool = False  # for commands with a position
     jumps: JumpProfile = field(default_factory=JumpProfile)
     version: Version = NO_VERSION  # of the table: major and minor
-    commit: str = ""  # of the source that was read, and its day
+    commit: str = ""  # of the source that was read; `date` is its day
     date: str = ""
-    frames: frozenset[int] = frozenset()  # of commands with a position
+    frames: frozenset[int] = frozenset()  # accepted for commands with a position
     placed: Mapping[int, str] = field(default_factory=dict)
     plain: Mapping[int, str] = field(default_factory=dict)
-    takes_nan: Mapping[int, frozenset[int]] | None = None  # which params; None: NaN is taken anywhere
-    used: Mapping[int, frozenset[int]] | None = None  # params that may be other than 0 or NaN; None: any may
+    takes_nan: Mapping[int, frozenset[int]] | None = None  # params that may be NaN; None: all
+    used: Mapping[int, frozenset[int]] | None = None  # params that may be other than 0 or NaN; None: all
     roi_modes: Mapping[str, frozenset[int]] = field(default_factory=dict)  # param1, in `placed` and in `plain`
-    sixteen_bits: frozenset[int] = frozenset()  # refused unless param1 fits in them, without a sign
-    never_flown: frozenset[int] = frozenset()  # taken and kept, and then no mission with it is flown
-    renames: Mapping[int, int] = field(default_factory=dict)  # stored under another number
+    sixteen_bits: frozenset[int] = frozenset()  # param1 must fit in 16 bits, unsigned
+    never_flown: frozenset[int] = frozenset()  # accepted and stored, but the mission is not flown
+    renames: Mapping[int, int] = field(default_factory=dict)  # stored under another command number
 
     def kept(self, command: int, frame: int) -> str | None:
-        """The row for an item, seven letters; None where the firmware has no such command."""
+        """Return the row of an item, seven letters; None if the firmware has no such command."""
         tables = (self.plain, self.placed) if frame == Frame.MISSION else (self.placed, self.plain)
         for table in (*tables, self.fence, self.rally):
             if command in table:
@@ -69,7 +69,7 @@ class Firmware:
         return None
 
     def takes(self, command: int) -> bool:
-        """Whether a mission may hold it."""
+        """Return whether a mission may contain the command."""
         return command in self.placed or command in self.plain
 
     def __str__(self) -> str:
@@ -77,7 +77,7 @@ class Firmware:
 
 
 def rows(rows: Mapping[str, str]) -> Mapping[int, str]:
-    """Row of each command, from the commands of each row; one that the package has no name for is its number."""
+    """Return the row of each command; commands without a name in the package are numbers."""
     return {
         int(name) if name.isdigit() else int(Command[name]): row
         for row, names in rows.items()
@@ -94,12 +94,12 @@ def _commands(names: str) -> frozenset[int]:
 
 
 def _slots(table: Mapping[str, Any], name: str) -> Mapping[int, frozenset[int]] | None:
-    """Some of the seven params, by command; None where a table has none of this name."""
+    """Return params by command; None if the table has no such entry."""
     return {command: _numbers(row) for command, row in rows(table[name]).items()} if name in table else None
 
 
 class FirmwareTables:
-    """The tables of one firmware by series, read from a file made by `tools.generate.firmware_tables`."""
+    """One firmware's tables by series, from the file of `tools.generate.firmware_tables`."""
 
     def __init__(self, habits: Firmware, path: Path) -> None:
         self._habits, self.path = habits, path
@@ -107,18 +107,16 @@ class FirmwareTables:
 
     @cached_property
     def _tables(self) -> Mapping[tuple[int, int], Mapping[str, Any]]:
-        """By series, oldest first."""
         read = json.loads(self.path.read_text(encoding="utf-8")) if self.path.exists() else {}
         return {Version.parsed(name).series: table for name, table in read.items()}
 
     @property
     def series(self) -> tuple[tuple[int, int], ...]:
-        """The series that have a table, oldest first; where there is no file, that of the habits alone."""
+        """The series that have a table, oldest first; without a file the series of the defaults."""
         return tuple(self._tables) or (self._habits.version.series,)
 
     def of(self, version: Version) -> Firmware:
-        """The tables of a version: those of its series, or of the nearest one that has some.
-
+        """Return the table of a version's series, or of the nearest older one, else the oldest.
         >>> from ipoa_mission.vehicles.autopilot import Autopilot
         >>> str(Autopilot.PX4.tables.of(Version(1, 16, 2)))
         'PX4 1.16'
@@ -152,10 +150,10 @@ class FirmwareTables:
         )
 
     def expect(self, version: Version) -> Version:
-        """The version, if there is a table of it.
+        """Return the version if its series has a table.
 
         Raises:
-            BadInput: there is none, with those that there are.
+            BadInput: it has none; the message lists the series.
         """
         if version.series not in self.series:
             names = ", ".join(f"{major}.{minor}" for major, minor in self.series)

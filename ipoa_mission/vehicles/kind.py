@@ -1,4 +1,4 @@
-"""What a vehicle is: its firmware and its class, as its heartbeats tell them; and what of that the package flies."""
+"""A vehicle's kind: firmware and class from its heartbeat."""
 
 from dataclasses import dataclass
 
@@ -20,12 +20,12 @@ class Kind:
 
     @property
     def autopilot(self) -> Autopilot:
-        """Of its firmware; any other one is read as the first that is registered, which keeps to the specification."""
+        """The registered autopilot; for other firmware the default one, which follows the specification."""
         return autopilot_of(self.firmware, self.mav_type) or self._of_its_firmware or default_autopilot()
 
     @property
     def is_flown(self) -> bool:
-        """Whether the package knows how it flies."""
+        """Whether the package can model its flight."""
         return autopilot_of(self.firmware, self.mav_type) is not None
 
     @property
@@ -33,7 +33,6 @@ class Kind:
         return next((one for one in registered() if one.mav_autopilot == self.firmware), None)
 
     def __str__(self) -> str:
-        """Both in words."""
         if self._of_its_firmware is not None:
             return f"{self._of_its_firmware.firmware_name} {class_name(self.mav_type)}"
         return f"{class_name(self.mav_type)} with another firmware (MAV_AUTOPILOT {self.firmware})"

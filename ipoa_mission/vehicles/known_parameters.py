@@ -1,4 +1,4 @@
-"""Whose parameter a name is: refused where it is another autopilot's, or nobody's."""
+"""Check parameter names: refuse those of another autopilot and unknown ones."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -9,20 +9,20 @@ from ipoa_mission.vehicles.parameters import Parameters
 
 
 def known_parameters() -> frozenset[str]:
-    """The names of all parameters that the models of any autopilot use, old names and new ones."""
+    """Return all parameters that affect any autopilot's model, by old and new names."""
     return frozenset(name for one in registered() for name in (*one.book.moving, *one.book.renamed))
 
 
 def known_names() -> frozenset[str]:
-    """The names of all parameters of any autopilot that are known, those of failsafes among them."""
+    """Return all known parameters of any autopilot, including failsafes."""
     return frozenset(name for one in registered() for name in one.parameter_names)
 
 
 def expect_own(names: Iterable[str], autopilot: Autopilot) -> None:
-    """Refuse another firmware's parameters; those that are nobody's pass, as a vehicle has a thousand more.
+    """Refuse another firmware's parameters; unknown names pass, because a vehicle has a thousand more.
 
     Raises:
-        BadInput: as `WPNAV_SPEED: expected a parameter of px4, not of ardupilot`, with px4's name as the hint.
+        BadInput: as `WPNAV_SPEED: expected a parameter of px4, not of ardupilot`; the hint is px4's name.
     """
     for name in names:
         other = None if name in autopilot.parameter_names else firmware_of([name])
@@ -33,12 +33,12 @@ def expect_own(names: Iterable[str], autopilot: Autopilot) -> None:
 
 
 def expect_known(names: Iterable[str], autopilot: Autopilot | None = None) -> None:
-    """Refuse what is no parameter of the autopilot that is known here, or of any where none is named.
+    """Refuse names that are no known parameter of the autopilot, or of any if None.
 
-    For names that a person wrote; a vehicle has a thousand that nothing here depends on.
+    For names that a person wrote. A vehicle has a thousand others that do not affect a model.
 
     Raises:
-        BadInput: with the name that is nearest as the hint.
+        BadInput: the hint is the closest known name.
     """
     if autopilot is not None:
         expect_own(names, autopilot)
@@ -54,10 +54,9 @@ def expect_known(names: Iterable[str], autopilot: Autopilot | None = None) -> No
 def translated(
     parameters: Parameters, other: Autopilot, autopilot: Autopilot
 ) -> tuple[dict[str, float], tuple[str, ...]]:
-    """Translate the parameters of another autopilot; also say what became of each.
+    """Translate the parameters of another autopilot; return remarks on each.
 
-    A parameter has a counterpart where it is the same quantity on both, and its value is above 0: others switch.
-
+    A parameter has a counterpart if it is the same quantity on both and above 0; other values are switches.
     >>> translated({"RTL_ALT_M": 65.0, "WP_JERK": 2.0}, Autopilot.ARDUPILOT, Autopilot.PX4)[0]
     {'RTL_RETURN_ALT': 65.0}
     """
@@ -77,8 +76,7 @@ def translated(
 
 
 def firmware_of(names: Iterable[str]) -> Autopilot | None:
-    """Whose parameters these are; None where none of them is known.
-
+    """Return the autopilot of the first known parameter; None if none is known.
     >>> firmware_of(["WP_SPD", "BATT_MONITOR"])
     <Autopilot ardupilot>
     """
@@ -86,7 +84,7 @@ def firmware_of(names: Iterable[str]) -> Autopilot | None:
 
 
 def _counterpart(name: str, other: Autopilot, autopilot: Autopilot) -> str:
-    """What `autopilot` calls what the other one calls `name`; "" where it has none."""
+    """Return the counterpart in `autopilot` of a parameter of `other`; "" if there is none."""
     old = next(iter(other.book.by_old_names({name: 0.0})))
     meaning = next((words for words, theirs in other.book.meanings.items() if theirs == old), "")
     return autopilot.book.meanings.get(meaning, "")

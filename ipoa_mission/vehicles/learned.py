@@ -1,4 +1,4 @@
-"""How one vehicle differs from the simulated one that the time models are made of: what `learn` finds in its logs."""
+"""Differences of one vehicle from the simulated one, fitted to its logs by `learn`."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -9,7 +9,7 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 
 @dataclass(frozen=True)
 class Learned:
-    """A number and where it lies with a chance of nine in ten."""
+    """A value with its 90 % interval."""
 
     value: float
     low: float
@@ -18,14 +18,13 @@ class Learned:
 
 @dataclass(frozen=True)
 class LearnedVehicle:
-    """The numbers of one vehicle; None where its flights do not tell, so that the simulated vehicle's counts.
+    """The fitted values of one vehicle; None: undetermined, so the simulated vehicle's value counts.
 
-    `drag` is a multiple of the simulated vehicle's, `lag` [s] that of rotors and rate loop; it lifts off `lift_delay`
-    [s] and disarms after a landing `landing_delay` [s] later than that one, or earlier if negative. Hovering takes
-    `hover_power` [W] out of its batteries; an airspeed v up to `airspeed` [m/s] takes `square_power` v^2 and
-    `cube_power` v^3 [W] more, and each m/s of climb or of descent `climb_power` or `descent_power` [W] more, which may
-    be negative. `energy_ratio`: how many times as much as that flights take. `version` and `flights`: of what they were
-    learned.
+    `drag`: multiple of the simulated vehicle's. `lag`: of rotors and rate loop [s]. `lift_delay` and `landing_delay`:
+    later lift-off and disarming than simulated [s], may be negative. Battery power [W]: `hover_power` in hover, plus
+    `square_power` v^2 and `cube_power` v^3 at airspeed v up to `airspeed` [m/s]. `climb_power` and `descent_power`: per
+    m/s of climb and descent [W], may be negative. `energy_ratio`: measured over modeled energy of whole flights.
+    `version` and `flights`: the source of the values.
     """
 
     autopilot: Autopilot
@@ -44,12 +43,12 @@ class LearnedVehicle:
     flights: int = 0
 
     def with_numbers(self, numbers: Mapping[str, Learned | None]) -> "LearnedVehicle":
-        """The same with these, by name."""
+        """Return a copy with these values, by name."""
         changes: dict[str, Any] = dict(numbers)
         return replace(self, **changes)
 
     def value(self, name: str, otherwise: float) -> float:
-        """One of its numbers, or what holds otherwise.
+        """Return a fitted value, or `otherwise` if undetermined.
 
         >>> LearnedVehicle(Autopilot.PX4, drag=Learned(1.6, 1.5, 1.7)).value("drag", 1.0)
         1.6

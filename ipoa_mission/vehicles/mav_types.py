@@ -1,19 +1,19 @@
-"""Classes of vehicles, as MAV_TYPE numbers them."""
+"""Vehicle classes by MAV_TYPE."""
 
 QUADROTOR = 2  # MAV_TYPE
-#: MAV_TYPE of what hovers on rotors of fixed pitch: quadrotor, coaxial, hexa-, octo-, tri-, dodeca-, decarotor.
+#: MAV_TYPE of vehicles with fixed-pitch rotors: quadrotor, coaxial, hexa-, octo-, tri-, dodeca-, decarotor.
 MULTICOPTERS = frozenset({QUADROTOR, 3, 13, 14, 15, 29, 35})
 
 _CLASSES = {1: "plane", 4: "helicopter", 5: "antenna tracker", 7: "airship", 8: "balloon", 9: "rocket"}
 _CLASSES |= {10: "rover", 11: "boat", 12: "submarine", 16: "flapping wing", 17: "kite", 28: "parafoil"}
 _CLASSES |= dict.fromkeys(MULTICOPTERS, "multicopter") | dict.fromkeys(range(19, 26), "VTOL")
 
-#: Of those what takes off from nowhere: rover, boat, submarine.
+#: Rover, boat, submarine.
 NO_AIRCRAFT = frozenset({10, 11, 12})
 
 
 def class_name(mav_type: int) -> str:
-    """What a vehicle of this MAV_TYPE is called.
+    """Return the class name of a MAV_TYPE.
 
     >>> class_name(1), class_name(13), class_name(18)
     ('plane', 'multicopter', 'vehicle of MAV_TYPE 18')
@@ -22,7 +22,7 @@ def class_name(mav_type: int) -> str:
 
 
 def with_article(name: str) -> str:
-    """A name with "a" or "an" before it.
+    """Return a name with "a" or "an".
 
     >>> with_article("airship"), with_article("PX4 VTOL")
     ('an airship', 'a PX4 VTOL')

@@ -1,11 +1,11 @@
-"""The fence that a vehicle has by its own parameters, around its home, whatever fence a mission brings."""
+"""The fence around home that a vehicle's own parameters define, independent of a mission's fence."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class FenceLimit:
-    """One limit of a fence [m], and the parameter that says it; none is infinite."""
+    """One limit of a fence [m] and its parameter; infinite: no limit."""
 
     name: str
     value: float
@@ -13,7 +13,7 @@ class FenceLimit:
 
 @dataclass(frozen=True)
 class OwnFence:
-    """How far from home a vehicle may fly, how high above it, and how low between take-off and landing [m]."""
+    """Greatest distance from home, greatest height, and least height between take-off and landing [m]."""
 
     radius: FenceLimit
     ceiling: FenceLimit

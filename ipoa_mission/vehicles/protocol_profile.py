@@ -1,35 +1,35 @@
-"""How an autopilot keeps the mission protocol, and how it is brought to fly: what the link asks of it."""
+"""Properties of an autopilot's mission protocol and of how it starts a mission."""
 
 from dataclasses import dataclass
 
-from ipoa_mission.vehicles.arming import UNTOLD, ArmingWords
+from ipoa_mission.vehicles.arming import NO_ARMING_WORDS, ArmingWords
 
 
 @dataclass(frozen=True)
 class ProtocolProfile:
-    """What one autopilot does on a link that another does not."""
+    """Protocol behavior that differs between autopilots."""
 
     forgets_at_count: bool = False
-    """Its old mission or rally points are gone as soon as a transfer begins; its fence changes at once."""
+    """A transfer deletes the old mission or rally points at once; a fence is replaced at once."""
     judges_later: bool = False
-    """After the Ack of a mission it tells whether it can fly it."""
+    """It reports whether it can fly a mission after the acknowledgement."""
     starts_by_command: bool = False
-    """Armed, it waits for MISSION_START."""
+    """Once armed it waits for MISSION_START."""
     pauses_in_mission: bool = False
-    """DO_PAUSE_CONTINUE stops it within its mission mode."""
+    """DO_PAUSE_CONTINUE pauses it within mission mode."""
     takes_mission_file: bool = False
-    """A mission may go up as a file over MAVFTP."""
+    """It accepts a mission as a file over MAVFTP."""
     boots_slowly: bool = False
-    """After power-up it answers before it has read its store."""
+    """After power-up it answers before its storage is read."""
     tells_items: bool = False
-    """Its texts say which item begins."""
+    """Its status texts name the item that begins."""
     parameters_by_name: bool = False
-    """A value that is asked for by name comes without its index."""
+    """A parameter requested by name is sent without its index."""
     keeps_types: bool = False
-    """A parameter that is set with another type than its own stays as it is."""
+    """Setting a parameter with another type than its own has no effect."""
     limits_are_bits: str = ""
-    """The parameter whose bits say which limits of its own fence are in force."""
-    arming_words: ArmingWords = UNTOLD
-    """Its reasons for not being armed."""
+    """The parameter whose bits activate the limits of its own fence."""
+    arming_words: ArmingWords = NO_ARMING_WORDS
+    """Patterns of its arming refusals."""
     widen_fence: str = "give the vehicle a wider fence; --anyway sends it all the same"
-    """What a user can do about a fence of the vehicle's own that is too narrow."""
+    """The hint for an own fence that is too narrow."""

@@ -1,7 +1,7 @@
-"""What a firmware says to one item of a list that is uploaded to it, read in its source: taken, or why not.
+"""A firmware's answer to one item of an uploaded list, read in its source.
 
-An item is its command, frame, and seven values: param1 to param4, latitude, longitude (degrees; for a frame without a
-place what x and y hold), altitude.
+An item is its command, frame, and seven values: param1 to param4, latitude and longitude (degrees; x and y in a frame
+without a place), altitude.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,20 +17,20 @@ PARAM_NAMES = ("param1", "param2", "param3", "param4", "latitude", "longitude", 
 
 @dataclass(frozen=True)
 class Refused:
-    """`result`: the name of the MAV_MISSION_RESULT; `param`: which of the seven it is for, or 0; `words`: why."""
+    """`result`: name of the MAV_MISSION_RESULT. `param`: number of the wrong value, or 0. `words`: the reason."""
 
     result: str
     param: int = 0
     words: str = ""
 
 
-#: Why an item (command, frame, values) is refused; None where the firmware takes it.
+#: Returns the refusal of an item (command, frame, values); None if accepted.
 Refusal: TypeAlias = Callable[[Firmware, int, int, Sequence[float]], Refused | None]
 
 
 @dataclass(frozen=True)
 class Refusals:
-    """What it says to an item of each list; of a `mission` it also counts how many items there are on the wire."""
+    """Checks for an item of each list; `mission` also takes the number of items on the wire."""
 
     mission: Callable[[Firmware, int, int, Sequence[float], int], Refused | None]
     fence: Refusal
@@ -38,8 +38,7 @@ class Refusals:
 
 
 def param_name(n: int) -> str:
-    """What one of the seven is called in a mission.
-
+    """Return the name of a value by its number, from 1.
     >>> param_name(5)
     'latitude'
     """

@@ -1,4 +1,4 @@
-"""Where a return may lead, along which way, and what the vehicle does once it is over its goal."""
+"""Goals and routes of a return."""
 
 import math
 from dataclasses import dataclass
@@ -11,28 +11,28 @@ HOME: Place = (0.0, 0.0, 0.0)
 
 
 def level_distance(one: Place, other: Place) -> float:
-    """Between two places, over the ground [m]."""
+    """Return the level distance between two places [m]."""
     return math.hypot(one[0] - other[0], one[1] - other[1])
 
 
 class ReturnBy(StrEnum):
-    """Along which way a return leads."""
+    """The route of a return."""
 
     DIRECT = "direct"
-    """Up to its height, then straight to home or a rally point."""
+    """Climb to the return height, then fly straight to home or a rally point."""
     LANDING = "to the mission's landing"
-    """Up to its height, then straight to where the mission begins to land, and on as the mission does."""
+    """Climb to the return height, fly straight to the start of the mission's landing, and follow it."""
     AHEAD = "ahead along the mission"
-    """From waypoint to waypoint to the mission's landing, without climbing and without what is done on the way."""
+    """Follow the waypoints ahead to the mission's landing, without climbing and without other commands."""
     BACK = "back along the mission"
-    """From waypoint to waypoint back to the take-off, without climbing; then it lands at home."""
+    """Follow the waypoints back to the take-off without climbing, and land at home."""
     HERE = "here"
-    """Nowhere: it lands where it is."""
+    """Land in place."""
 
 
 @dataclass(frozen=True)
 class ReturnRoute:
-    """Along which way a return leads, and to which of the rally points; None: home, or as `by` says."""
+    """The route of a return and the index of its rally point; None: home, or as `by` says."""
 
     by: ReturnBy
     rally: int | None = None
@@ -40,9 +40,9 @@ class ReturnRoute:
 
 @dataclass(frozen=True)
 class MissionLanding:
-    """The landing of a mission: the place of its LAND item, and how many items before and after the one flown to now.
+    """A mission's landing: the place of its LAND item, and the number of items ahead and behind.
 
-    `ahead` counts up to DO_LAND_START, or to the LAND item of a mission that has none, `behind` from the first item.
+    `ahead` counts from the current item to DO_LAND_START, else to the LAND item. `behind` counts from the first item.
     """
 
     place: Place
@@ -52,7 +52,7 @@ class MissionLanding:
 
 @dataclass(frozen=True)
 class OverTerrain:
-    """That a return keeps its height over the ground, by up to `margin` m off; `surely`: it cannot but do so."""
+    """A return over terrain: `margin` is the height error [m]; `surely`: it never falls back to heights above home."""
 
     margin: float
     surely: bool

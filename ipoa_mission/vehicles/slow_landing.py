@@ -1,7 +1,7 @@
-"""How fast a vehicle touches down where no range finder sees the ground: LAND slows down by the height over home.
+"""Touchdown speed without a range finder: LAND slows down by the height above home.
 
-What a range finder, terrain data or (ArduCopter 4.7, LAND in AUTO) the altitude of the LAND item say goes before that;
-the height over home is what counts here: it is what every vehicle has.
+A range finder, terrain data or, on ArduCopter 4.7 in AUTO, the altitude of the LAND item take precedence. This module
+uses the height above home, which every vehicle has.
 """
 
 import math
@@ -9,17 +9,17 @@ from dataclasses import dataclass
 
 from ipoa_mission.vehicles.parameters import Parameters, ParameterTable
 
-FASTER = 0.05  # a touchdown faster than the landing speed by less than this is none [m/s]
+TOUCHDOWN_TOLERANCE = 0.05  # a touchdown counts as fast beyond the landing speed plus this [m/s]
 SLOWEST = 0.05  # [m/s]
-SURE = 2.0  # heights and maps of the ground are off by so much: a slow stretch is no shorter [m]
-ROUNDING = 0.05  # parameters are raised by whole metres; a ground that is higher by so little needs no more [m]
+HEIGHT_UNCERTAINTY = 2.0  # of heights and terrain maps; the least slow stretch [m]
+ROUNDING = 0.05  # parameters are raised by whole metres; a smaller excess of the ground is ignored [m]
 
 
 @dataclass(frozen=True)
 class SlowedBy:
-    """The parameters by which LAND slows down, the unit of each [m], the most that its firmware documents [m].
+    """The parameters of LAND's slow stretch, their unit [m], and their documented maximum [m].
 
-    `decided_by`: all that decides how fast it touches down; `spared_by`: what gives it a range finder.
+    `decided_by`: all parameters that affect the touchdown speed. `spared_by`: the parameter of the range finder.
     """
 
     names: tuple[str, ...]
@@ -29,9 +29,9 @@ class SlowedBy:
     spared_by: str = ""
 
     def raised(self, book: ParameterTable, parameters: Parameters, ground: float) -> Parameters:
-        """What lets it slow down as high above ground so high above home [m] as these parameters do above home.
+        """Return parameters that raise the slow stretch by the ground's height above home [m].
 
-        No parameter goes beyond what its firmware documents.
+        Values stay within the documented maximum.
         """
         p, higher = book.complete(parameters), math.ceil(ground - ROUNDING)
         return {name: round(min(p[name] * self.unit + higher, self.most) / self.unit, 6) for name in self.names}
@@ -39,7 +39,7 @@ class SlowedBy:
 
 @dataclass(frozen=True)
 class SlowStretch:
-    """LAND's speeds [m/s], and the heights over home where it begins to be slower and is as slow as it gets [m]."""
+    """LAND's speeds [m/s], and the heights above home where slowing `begins` and `ends` [m]."""
 
     landing: float
     descent: float
@@ -47,10 +47,10 @@ class SlowStretch:
     ends: float
 
     def touchdown(self, ground: float) -> float:
-        """At how many m/s it touches down on ground so high above home [m]."""
+        """Return the touchdown speed [m/s] on ground at a height above home [m]."""
         share = (ground - self.ends) / max(self.begins - self.ends, 1e-6)
         return self.landing + min(max(share, 0.0), 1.0) * max(self.descent - self.landing, 0.0)
 
     def is_fast(self, ground: float) -> bool:
-        """Whether it touches down there faster than it lands."""
-        return self.touchdown(ground) > self.landing + FASTER
+        """Return whether it touches down there faster than the landing speed."""
+        return self.touchdown(ground) > self.landing + TOUCHDOWN_TOLERANCE

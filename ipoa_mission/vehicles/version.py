@@ -1,4 +1,4 @@
-"""The version of a firmware: as a vehicle says it, and as a user writes it."""
+"""Firmware versions, from AUTOPILOT_VERSION or user text."""
 
 import re
 from dataclasses import dataclass
@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from ipoa_mission.errors import BadInput
 
 _WRITTEN = re.compile(r"v?(\d{1,3})\.(\d{1,3})(?:\.(\d{1,3}))?(?:-?(dev|alpha|beta|rc)\d*)?", re.IGNORECASE)
-#: FIRMWARE_VERSION_TYPE, the last byte of AUTOPILOT_VERSION.flight_sw_version: how far it is from its release.
+#: FIRMWARE_VERSION_TYPE, the last byte of AUTOPILOT_VERSION.flight_sw_version: the stage before a release.
 _STAGES = {0: "dev", 64: "alpha", 128: "beta", 192: "rc", 255: ""}
 
 
 @dataclass(frozen=True, order=True)
 class Version:
-    """Compared by its numbers; `stage` is what it is short of a release: dev, alpha, beta, rc, or nothing.
+    """A version, ordered by its numbers; `stage` is dev, alpha, beta, rc, or empty for a release.
 
     >>> str(Version.parsed("v4.6.2")), Version.parsed("1.18-beta1") > Version(1, 17, 3)
     ('4.6.2', True)
@@ -25,10 +25,10 @@ class Version:
 
     @classmethod
     def parsed(cls, text: str) -> "Version":
-        """A version as people write it.
+        """Parse a version as users write it.
 
         Raises:
-            BadInput: it is none.
+            BadInput: it is not a version.
         """
         match = _WRITTEN.fullmatch(text.strip())
         if match is None:
@@ -39,18 +39,18 @@ class Version:
 
     @classmethod
     def said(cls, flight_sw_version: int) -> "Version | None":
-        """The version in AUTOPILOT_VERSION; None where the autopilot does not say."""
+        """Return the version in AUTOPILOT_VERSION; None if it has none."""
         major, minor, patch, stage = flight_sw_version.to_bytes(4, "big")
         return cls(major, minor, patch, _STAGES.get(stage, "")) if flight_sw_version else None
 
     @property
     def series(self) -> tuple[int, int]:
-        """What tables are by."""
+        """The key of version tables."""
         return self.major, self.minor
 
     @property
     def number(self) -> int:
-        """As AUTOPILOT_VERSION.flight_sw_version has it."""
+        """The value of AUTOPILOT_VERSION.flight_sw_version."""
         stage = next(number for number, name in _STAGES.items() if name == self.stage)
         return int.from_bytes(bytes((self.major, self.minor, self.patch, stage)), "big")
 

@@ -1,11 +1,11 @@
-"""Which commands of a firmware move the vehicle as a model here knows, which leave it on its way, and which neither."""
+"""Commands by their effect on the path: modeled, none, or unknown."""
 
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 
 from ipoa_mission.mission.commands import Command
 
-#: Cameras, mounts, servos, messages: nothing of the way depends on them.
+#: Cameras, mounts, servos, messages: no effect on the path.
 EQUIPMENT = frozenset({
     Command.NAV_ROI, Command.DO_SET_RELAY, Command.DO_REPEAT_RELAY, Command.DO_SET_SERVO, Command.DO_REPEAT_SERVO,
     Command.DO_SET_ACTUATOR, Command.DO_SET_ROI_LOCATION, Command.DO_SET_ROI_WPNEXT_OFFSET, Command.DO_SET_ROI_NONE,
@@ -17,11 +17,11 @@ EQUIPMENT = frozenset({
     Command.IMAGE_STOP_CAPTURE, Command.DO_TRIGGER_CONTROL, Command.VIDEO_START_CAPTURE, Command.VIDEO_STOP_CAPTURE,
     Command.DO_WINCH,
 })  # fmt: skip
-#: They stand for a place in the list, or lead to one.
+#: Labels of a place in the list, and jumps.
 MARKS = frozenset({
     Command.DO_JUMP, Command.JUMP_TAG, Command.DO_JUMP_TAG, Command.DO_LAND_START, Command.DO_RETURN_PATH_START,
 })  # fmt: skip
-#: What every model flies.
+#: Modeled for every vehicle.
 SIMPLE = frozenset({
     Command.NAV_WAYPOINT, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TIME, Command.NAV_RETURN_TO_LAUNCH,
     Command.NAV_LAND, Command.NAV_TAKEOFF, Command.NAV_DELAY, Command.DO_CHANGE_SPEED,
@@ -30,19 +30,19 @@ SIMPLE = frozenset({
 
 @dataclass(frozen=True)
 class WayKnown:
-    """Commands by what they do to the way of one vehicle; every other one leaves it unknown."""
+    """Commands by their effect on one vehicle's path; all others make it unknown."""
 
     flown: Set[int] = SIMPLE
-    """They move the vehicle, as its model flies them."""
+    """Commands that the model flies."""
     still: Set[int] = EQUIPMENT
-    """They do not move it."""
+    """Commands that do not move the vehicle."""
     why: Mapping[int, str] = field(default_factory=dict)
-    """What others do, in words."""
+    """Reasons why a command's path is not modeled."""
     unless: Mapping[int, Callable[[Sequence[float]], bool]] = field(default_factory=dict)
-    """By which params others do not move it."""
+    """Predicates on the params with which a command does not move the vehicle."""
 
     def why_unknown(self, command: int, params: Sequence[float]) -> str | None:
-        """Why nobody here knows where the vehicle flies from this item on; None where that is known."""
+        """Return why the path from this item on is unknown; None if it is known."""
         if command in self.flown or command in self.still or command in MARKS:
             return None
         if command in self.unless and self.unless[command](params):
