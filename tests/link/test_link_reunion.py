@@ -167,7 +167,7 @@ def test_a_flight_is_watched_on_where_it_is_when_the_link_is_there_again(
     assert flight.vehicle.order.words.endswith("was not ordered: the link is lost")
     told = [one.getMessage() for one in caplog.records if one.levelno == logging.WARNING]
     assert told[0].startswith("the link is lost")
-    assert "without its ground station the vehicle goes on" in told[0]
+    assert "without its ground station the vehicle continues" in told[0]
     assert "it is the same vehicle, with the mission that was uploaded" in told[1]
     assert len(told) == 2
     assert sum("link lost for" in words for words in flight.words) >= seconds - SILENT_S

@@ -27,12 +27,12 @@ def words(autopilot: Autopilot, values: Parameters) -> str:
 @pytest.mark.parametrize(
     ("autopilot", "values", "told"),
     [
-        (ARDUPILOT, {"FS_GCS_ENABLE": 0}, "without its ground station the vehicle goes on (FS_GCS_ENABLE 0)"),
+        (ARDUPILOT, {"FS_GCS_ENABLE": 0}, "without its ground station the vehicle continues (FS_GCS_ENABLE 0)"),
         (ARDUPILOT, {"FS_GCS_ENABLE": 1}, "5 s without its ground station lead to rtl or land (FS_GCS_ENABLE 1)"),
         (
             ARDUPILOT,
             {"FS_GCS_ENABLE": 1, "FS_OPTIONS": 2},
-            "without its ground station the vehicle goes on (FS_GCS_ENABLE 1, by FS_OPTIONS)",
+            "without its ground station the vehicle continues (FS_GCS_ENABLE 1, by FS_OPTIONS)",
         ),
         (
             ARDUPILOT,
@@ -42,14 +42,14 @@ def words(autopilot: Autopilot, values: Parameters) -> str:
         (
             ARDUPILOT,
             {"FS_GCS_ENABLE": 1, "MAV_GCS_SYSID": 255, "MAV_GCS_SYSID_HI": 0},
-            "FS_GCS_ENABLE 1 counts for station 255, and this one is 245",
+            "FS_GCS_ENABLE 1 counts for station 255, not for this one (245)",
         ),
         (
             ARDUPILOT,
             {"FS_GCS_ENABLE": 1, "MAV_GCS_SYSID": 240, "MAV_GCS_SYSID_HI": 250},
             "5 s without its ground station lead to rtl or land (FS_GCS_ENABLE 1)",
         ),
-        (PX4, {"NAV_DLL_ACT": 0}, "without its ground station the vehicle goes on (NAV_DLL_ACT 0)"),
+        (PX4, {"NAV_DLL_ACT": 0}, "without its ground station the vehicle continues (NAV_DLL_ACT 0)"),
         (
             PX4,
             {"NAV_DLL_ACT": 2, "COM_DL_LOSS_T": 20},
