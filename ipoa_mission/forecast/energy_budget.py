@@ -12,7 +12,14 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.flight_model import Abort, FlightModel
 from ipoa_mission.scenario.budget import battery_of, flight_energy
 from ipoa_mission.vehicles.contingency import Contingency
-from ipoa_mission.vehicles.energy.consumption import LIFTED, Battery, Consumption, Interval, NotEnoughBattery, shortage
+from ipoa_mission.vehicles.energy.consumption import (
+    LIFTED_DISTANCE,
+    Battery,
+    Consumption,
+    Interval,
+    NotEnoughBattery,
+    shortage,
+)
 
 LOOKS = 12  # at so many times a return is reckoned at first
 NEAREST_S = 1.0  # a point of no return is told so exactly [s]
@@ -182,11 +189,11 @@ class Budget:
     def _times(self) -> Iterator[float]:
         """From its lifting off to its last moment in the air, with the ends of items between."""
         track = self.forecast.estimate.track
-        flies = np.flatnonzero(np.linalg.norm(track.points - track.points[-1], axis=1) > LIFTED)
+        flies = np.flatnonzero(np.linalg.norm(track.points - track.points[-1], axis=1) > LIFTED_DISTANCE)
         if not len(flies):
             return
         begin, end = float(track.times[flies[0]]), float(track.times[flies[-1]])
-        lifted = track.times[np.argmax(np.linalg.norm(track.points - track.points[0], axis=1) > LIFTED)]
+        lifted = track.times[np.argmax(np.linalg.norm(track.points - track.points[0], axis=1) > LIFTED_DISTANCE)]
         done = [item.done_s for item in self.forecast.estimate.items if max(begin, lifted) < item.done_s < end]
         some = [done[round(n)] for n in np.linspace(0, len(done) - 1, min(len(done), LOOKS))]
         yield from dict.fromkeys([*some, end])

@@ -324,5 +324,5 @@ def test_many_are_braked_as_each_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     random = np.random.default_rng(3)
     velocity, accel = 8.0 * random.normal(size=(10, 2)), random.normal(size=(10, 2))
     alone = [Shaping(2.5, 5.0).way(velocity[n : n + 1], accel[n : n + 1]) for n in range(10)]
-    monkeypatch.setattr("ipoa_mission.vehicles.arducopter.braking.AT_ONCE", 4)
+    monkeypatch.setattr("ipoa_mission.vehicles.arducopter.braking.BATCH_SIZE", 4)
     assert np.array_equal(Shaping(2.5, 5.0).way(velocity, accel), np.vstack(alone))

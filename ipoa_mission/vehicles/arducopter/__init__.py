@@ -1,1 +1,1 @@
-"""ArduCopter: what it is like, how it flies, and the pilot of its stand-in."""
+"""ArduCopter plug-in: profile, flight model, log format and simulated pilot."""

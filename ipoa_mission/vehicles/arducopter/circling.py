@@ -1,9 +1,8 @@
-"""The circle that ArduCopter flies for NAV_LOITER_TURNS: it pursues a point that runs along the circle asked for.
+"""The circle that ArduCopter flies for NAV_LOITER_TURNS: it pursues a point that moves along the commanded circle.
 
-So it flies inside of that circle, and behind. Read in 4.8.0-dev (AC_Circle, shape_pos_vel_accel_xy) and flown. In a
-steady turn at a rate w the target sees the point ahead at an angle t from its own way, tan t = w / k with k = jerk /
-acceleration, as far as its square-root law asks for. The speed limit also cuts what that law asks for: then the target
-is slower than the point and falls back slowly, over some turns.
+The flown circle is smaller and lags. Read in 4.8.0-dev (AC_Circle, shape_pos_vel_accel_xy) and flown. In a steady turn
+at rate w the target sees the point at an angle t from its velocity: tan t = w / k, k = jerk / acceleration. The speed
+limit also cuts the square-root law's output. The target is then slower than the point and falls back over some turns.
 """
 
 import math
@@ -12,17 +11,17 @@ from ipoa_mission.vehicles.arducopter.limits import CENTIMETRE, CopterLimits
 from ipoa_mission.vehicles.circle import FlownCircle
 
 CIRCLE_SHARE = 0.5  # of the acceleration limit that a circle uses
-ROUNDS = 60  # in which the radius settles
+ROUNDS = 60  # iterations until the radius converges
 
 
 def circle_spin(limits: CopterLimits, radius: float, speed: float) -> float:
-    """The rate of turn of the point, up to a level speed [rad/s]."""
+    """Return the turn rate of the point up to a level speed [rad/s]."""
     fastest = min(speed, math.sqrt(CIRCLE_SHARE * limits.accel * radius))
     return min(limits.circle_rate, fastest / radius)
 
 
 def flown_circle(limits: CopterLimits, radius: float, speed: float, turn: float) -> FlownCircle:
-    """The circle for one of a `radius` > 0 m, at up to a level speed [m/s], after a turn [rad]."""
+    """Return the flown circle for a commanded `radius` > 0 m, up to a level speed [m/s], after a turn [rad]."""
     spin, accel, gain = circle_spin(limits, radius, speed), limits.accel, limits.shaping_jerk / limits.accel
     aside = math.atan(spin / gain)
     linear, flown, ahead = accel / gain**2, radius, 0.0
@@ -46,8 +45,8 @@ def flown_circle(limits: CopterLimits, radius: float, speed: float, turn: float)
 
 
 def _fallen_back(begin: float, settled: float, turn: float) -> float:
-    """The angle between the sight of the point and its way, after a turn, where the speed limit cuts the pursuit.
+    """Return the angle between line of sight and velocity after a turn while the speed limit cuts the pursuit.
 
-    The target falls back while the point moves faster along the line of sight, until both are equal.
+    The target falls back until the point's speed along the line of sight equals its own.
     """
     return settled * math.tanh(settled * turn / 2.0 + math.atanh(begin / settled))

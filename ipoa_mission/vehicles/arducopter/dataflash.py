@@ -1,7 +1,7 @@
-"""ArduPilot's own log (`.bin`): what its records say, by the layouts that the log itself begins with.
+"""Reader of ArduPilot's log (`.bin`), by the record layouts at the log's start.
 
-A record is two bytes of head, its kind, and packed values; the kind FMT tells of every other how it is laid out. Read
-here rather than by pymavlink, whose reader takes a second for a megabyte and hours for a file of zeros.
+A record is a head of two bytes, its kind, and packed values. FMT records define the layout of all others. pymavlink's
+reader is not used: it takes a second per megabyte, and hours for a file of zeros.
 """
 
 import struct
@@ -27,7 +27,7 @@ def _centi(value: float) -> float:
     return value / 100
 
 
-#: By the letter of a format: how struct reads it, and what is made of it.
+#: By format letter: struct's code and the conversion.
 _AS_IT_IS: Callable[[Any], Any] = lambda value: value  # noqa: E731
 _LETTERS: Mapping[str, tuple[str, Callable[[Any], Any]]] = {
     **{letter: (letter, _AS_IT_IS) for letter in "bBhHiIfd"},
@@ -49,6 +49,8 @@ _LETTERS: Mapping[str, tuple[str, Callable[[Any], Any]]] = {
 
 @dataclass(frozen=True)
 class RecordKind:
+    """A record kind: name, struct layout, columns and their conversions."""
+
     """One kind of record: its name, its bytes, and what each column is made of."""
 
     name: str
@@ -57,7 +59,7 @@ class RecordKind:
     made_by: tuple[Callable[[Any], Any], ...]
 
     def read(self, data: bytes, at: int) -> dict[str, Any]:
-        """The values by column, in degrees, metres and the format's other plain units."""
+        """Read the values by column, in degrees, metres and the format's other unscaled units."""
         values = self.layout.unpack_from(data, at)
         return {name: make(value) for name, make, value in zip(self.columns, self.made_by, values, strict=True)}
 
@@ -65,19 +67,19 @@ class RecordKind:
 def read_records(
     path: Path, wanted: frozenset[str], torn: Counter[str] | None = None
 ) -> Iterator[tuple[str, dict[str, Any]]]:
-    """The records of the kinds that are wanted, as (kind, values by column), in their order.
+    """Read the records of the wanted kinds in order, as (kind, values by column).
 
-    What is broken is passed over, as far as the next head; `torn` counts it, by kind or in bytes.
+    Damaged bytes are skipped up to the next head; `torn` counts them, by kind or in bytes.
 
     Raises:
-        BadInput: the file cannot be read, or does not begin as such a log.
+        BadInput: the file cannot be read, or does not start like a log.
     """
     try:
         data = path.read_bytes()
     except OSError as error:
         raise Unreadable(f"cannot be read as an ArduPilot log: {error.strerror}", place=path) from error
     if not data.startswith(HEAD + bytes((FMT,))):
-        raise WrongFormat("expected an ArduPilot log, but it does not begin as one", place=path)
+        raise WrongFormat("expected an ArduPilot log, but it does not start like one", place=path)
     lengths: dict[int, int] = {FMT: 3 + _FMT.size}
     kinds: dict[int, RecordKind] = {}
     torn = Counter() if torn is None else torn
@@ -108,7 +110,7 @@ def read_records(
 
 
 def _kind(name: str, letters: str, columns: str) -> RecordKind | None:
-    """A kind by what FMT says of it; None where that makes no sense."""
+    """Return the record kind that FMT defines; None if it is invalid."""
     names = tuple(columns.split(","))
     if len(names) != len(letters) or not set(letters) <= set(_LETTERS):
         return None

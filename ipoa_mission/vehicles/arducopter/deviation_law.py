@@ -1,4 +1,4 @@
-"""The tube of ArduCopter as it was measured; docs/lab/kept.md has the flights."""
+"""ArduCopter's measured law of deviations; docs/lab/kept.md lists the flights."""
 
 from ipoa_mission.forecast.deviation.law import DeviationLaw
 from ipoa_mission.forecast.deviation.quantiles import Quantiles

@@ -1,9 +1,8 @@
-"""What ArduCopter does when something fails.
+"""ArduCopter's failsafe actions.
 
 Read in 4.7.0-dev (2598e9d4): ArduCopter/events.cpp, fence.cpp, ekf_check.cpp, crash_check.cpp, avoidance_adsb.cpp,
-AP_BattMonitor, AC_Fence, AP_SmartRTL.
-Armed on the ground it disarms instead. Where it lands by a failsafe, but for a fence, it holds for 4 s first. Not here:
-advanced failsafe (AFS_*, in no build), scripts.
+AP_BattMonitor, AC_Fence, AP_SmartRTL. Armed on the ground it disarms instead. Before a failsafe landing it holds for
+4 s, except for a fence breach. Not covered: advanced failsafe (AFS_*, in no build), scripts.
 """
 
 import math
@@ -30,7 +29,7 @@ RETURNS = FailsafeAction(Contingency.RTL, (Contingency.LAND,))
 SMART = FailsafeAction(Contingency.SMART_RTL, (Contingency.RTL, Contingency.LAND))
 SMART_OR_LANDS = FailsafeAction(Contingency.SMART_RTL, (Contingency.LAND,))
 LAND_START = FailsafeAction(
-    Contingency.LAND_START, (Contingency.RTL, Contingency.LAND), "by DO_RETURN_PATH_START or DO_LAND_START"
+    Contingency.LAND_START, (Contingency.RTL, Contingency.LAND), "to DO_RETURN_PATH_START or DO_LAND_START"
 )
 BRAKES = FailsafeAction(Contingency.HOLD, (Contingency.LAND,))
 STOPS = FailsafeAction(Contingency.TERMINATE)
@@ -38,7 +37,7 @@ STOPS = FailsafeAction(Contingency.TERMINATE)
 ACTIONS = {0: GOES_ON, 1: LANDS, 2: RETURNS, 3: SMART, 4: SMART_OR_LANDS, 5: STOPS, 6: LAND_START, 7: BRAKES}
 RADIO = {0: GOES_ON, 1: RETURNS, 2: RETURNS, 3: LANDS, 4: SMART, 5: SMART_OR_LANDS, 6: LAND_START, 7: BRAKES}
 STATION = {0: GOES_ON, 1: RETURNS, 2: RETURNS, 3: SMART, 4: SMART_OR_LANDS, 5: LANDS, 6: LAND_START, 7: BRAKES}
-NO_POSITION = FailsafeAction(Contingency.UNKNOWN, (Contingency.LAND,), "without a position it drifts as it lands")
+NO_POSITION = FailsafeAction(Contingency.UNKNOWN, (Contingency.LAND,), "without a position it drifts while it lands")
 ESTIMATE = {
     0: GOES_ON,
     1: NO_POSITION,
@@ -47,15 +46,15 @@ ESTIMATE = {
     ),
     3: NO_POSITION,
 }
-DRIFTS = "by dead reckoning it drifts"
+DRIFTS = "drifts on dead reckoning"
 RECKONS = {
     0: GOES_ON,
-    1: FailsafeAction(Contingency.UNKNOWN, (Contingency.LAND,), f"{DRIFTS} as it lands"),
+    1: FailsafeAction(Contingency.UNKNOWN, (Contingency.LAND,), f"{DRIFTS} while it lands"),
     **dict.fromkeys(
-        (2, 3, 4, 6), FailsafeAction(Contingency.UNKNOWN, (Contingency.LAND,), f"{DRIFTS} on its way home")
+        (2, 3, 4, 6), FailsafeAction(Contingency.UNKNOWN, (Contingency.LAND,), f"{DRIFTS} while it returns")
     ),
     5: STOPS,
-    7: FailsafeAction(Contingency.UNKNOWN, (Contingency.LAND,), f"{DRIFTS} as it holds"),
+    7: FailsafeAction(Contingency.UNKNOWN, (Contingency.LAND,), f"{DRIFTS} while it holds"),
 }
 OUTSIDE = "100 m outside it lands"
 FENCE = {
@@ -66,30 +65,37 @@ FENCE = {
     4: replace(BRAKES, words=OUTSIDE),
     5: replace(SMART_OR_LANDS, words=OUTSIDE),
 }
-UNTIL_IT_IS_GONE = "until it is gone, then by AVD_F_RCVRY"
+UNTIL_CLEAR = "until the traffic is gone, then by AVD_F_RCVRY"
 TRAFFIC = {
     **dict.fromkeys((0, 1), GOES_ON),
-    **dict.fromkeys((2, 3, 4), FailsafeAction(Contingency.UNKNOWN, words=f"flies aside {UNTIL_IT_IS_GONE}")),
-    5: FailsafeAction(Contingency.RTL, words=UNTIL_IT_IS_GONE),
-    6: FailsafeAction(Contingency.UNKNOWN, words=f"LOITER {UNTIL_IT_IS_GONE}: a low throttle stick brings it down"),
+    **dict.fromkeys((2, 3, 4), FailsafeAction(Contingency.UNKNOWN, words=f"flies aside {UNTIL_CLEAR}")),
+    5: FailsafeAction(Contingency.RTL, words=UNTIL_CLEAR),
+    6: FailsafeAction(Contingency.UNKNOWN, words=f"LOITER {UNTIL_CLEAR}: a low throttle stick makes it descend"),
 }
-SHAKEN = "as FS_EKF_ACTION says where its position is lost for it"
-LOW, CRITICAL, BREACH, TERRAIN = "low battery", "critical battery", "fence breached", "terrain data missing"
+VIBRATION_WORDS = "by FS_EKF_ACTION if its position is lost"
+LOW_BATTERY, CRITICAL_BATTERY, BREACH, TERRAIN = (
+    "low battery",
+    "critical battery",
+    "fence breached",
+    "terrain data missing",
+)
 
 RULES = (
-    FailsafeRule(LOW, "BATT_FS_LOW_ACT", 0.0, ACTIONS, GOES_ON, {"BATT_LOW_VOLT": 10.5, "BATT_LOW_MAH": 0.0}),
-    FailsafeRule(CRITICAL, "BATT_FS_CRT_ACT", 0.0, ACTIONS, GOES_ON, {"BATT_CRT_VOLT": 0.0, "BATT_CRT_MAH": 0.0}),
+    FailsafeRule(LOW_BATTERY, "BATT_FS_LOW_ACT", 0.0, ACTIONS, GOES_ON, {"BATT_LOW_VOLT": 10.5, "BATT_LOW_MAH": 0.0}),
+    FailsafeRule(
+        CRITICAL_BATTERY, "BATT_FS_CRT_ACT", 0.0, ACTIONS, GOES_ON, {"BATT_CRT_VOLT": 0.0, "BATT_CRT_MAH": 0.0}
+    ),
     FailsafeRule("radio control lost", "FS_THR_ENABLE", 1.0, RADIO, LANDS),
     FailsafeRule(STATION_LOST, "FS_GCS_ENABLE", 0.0, STATION, RETURNS),
     FailsafeRule(BREACH, "FENCE_ACTION", 1.0, FENCE, FENCE[1], MAY_BE_ON),
     FailsafeRule("position lost (EKF)", "FS_EKF_ACTION", 1.0, ESTIMATE, NO_POSITION, {"FS_EKF_THRESH": 0.8}),
     FailsafeRule("position by dead reckoning", "FS_DR_ENABLE", 2.0, RECKONS, GOES_ON),
-    FailsafeRule(TERRAIN, "", math.nan, {}, replace(RETURNS, words="in RTL it goes on without terrain")),
+    FailsafeRule(TERRAIN, "", math.nan, {}, replace(RETURNS, words="RTL continues without terrain data")),
     FailsafeRule("traffic near", "AVD_F_ACTION", 1.0, TRAFFIC, GOES_ON, {"AVD_ENABLE": 0.0}),
     FailsafeRule("parachute", "", math.nan, {}, STOPS, {"CHUTE_ENABLED": 0.0}),
     FailsafeRule("out of control", "FS_CRASH_CHECK", 1.0, {0: GOES_ON}, STOPS),
-    FailsafeRule("thrust lost", "", math.nan, {}, replace(GOES_ON, words="gives all the thrust that is left")),
-    FailsafeRule("vibration", "", math.nan, {}, replace(GOES_ON, otherwise=(Contingency.LAND,), words=SHAKEN)),
+    FailsafeRule("thrust lost", "", math.nan, {}, replace(GOES_ON, words="uses all thrust that is left")),
+    FailsafeRule("vibration", "", math.nan, {}, replace(GOES_ON, otherwise=(Contingency.LAND,), words=VIBRATION_WORDS)),
     FailsafeRule("satellite position jumps", "", math.nan, {}, GOES_ON),
     FailsafeRule("compasses lost", "", math.nan, {}, GOES_ON),
     *ordered(
@@ -102,12 +108,12 @@ RULES = (
     ),
 )
 
-#: The bit of FS_OPTIONS by which a mission goes on, which no other cause has; and the one by which a landing does.
+#: The bit of FS_OPTIONS that continues a mission, for these causes only.
 GOES_ON_BY = {"FS_THR_ENABLE": 1, "FS_GCS_ENABLE": 2}
-LANDS_ON, OPTIONS = 8, 16.0
+LANDS_ON, OPTIONS = 8, 16.0  # the bit of FS_OPTIONS that continues a landing; its default
 LANDINGS_GO_ON = ("BATT_FS_LOW_ACT", "BATT_FS_CRT_ACT", *GOES_ON_BY)
-URGENCY = (5, 1, 2, 4, 3, 0)  # of the actions of a battery; those that are not here come after all others
-BATTERIES = tuple(f"BATT{n}" for n in "23456789")  # more than the first
+URGENCY = (5, 1, 2, 4, 3, 0)  # battery actions, most urgent first; others come last
+BATTERIES = tuple(f"BATT{n}" for n in "23456789")  # in addition to the first
 
 DECIDED_BY = tuple(
     dict.fromkeys(
@@ -118,13 +124,13 @@ DECIDED_BY = tuple(
     )
 )
 
-#: It heeds stations from the one id to the other (GCS::sysid_is_gcs).
+#: It heeds stations with ids from the first to the second parameter (GCS::sysid_is_gcs).
 HEEDED = ("SYSID_MYGCS", "MAV_GCS_SYSID"), "MAV_GCS_SYSID_HI"
 STATION_LOSS = StationLoss("FS_GCS_TIMEOUT", 5.0, ("FS_GCS_ENABLE", "FS_GCS_TIMEOUT", "FS_OPTIONS", *HEEDED), *HEEDED)
 
 
 def failsafes(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]:
-    """What follows each cause; parameters by their older names."""
+    """Return the action for each cause; parameters by their older names."""
     first = [_failsafe(rule, parameters, series) for rule in RULES]
     more = [
         _failsafe(_of(rule, battery), parameters, series)
@@ -136,7 +142,7 @@ def failsafes(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]:
 
 
 def _of(rule: FailsafeRule, battery: str) -> FailsafeRule:
-    """The same rule of another battery than the first."""
+    """Return the rule for another battery."""
     named = {name.replace("BATT", battery, 1): usual for name, usual in rule.needs.items()}
     return replace(rule, parameter=rule.parameter.replace("BATT", battery, 1), needs=named)
 
@@ -151,43 +157,43 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
         landing = replace(LANDS, words="by FS_OPTIONS") if acts and options & LANDS_ON else landing
     has_only_a_floor = rule.cause == BREACH and int(parameters.get("FENCE_TYPE", 7.0)) == FLOOR_BIT
     if has_only_a_floor and answer.contingency is not Contingency.CONTINUE:
-        landing = replace(GOES_ON, words="a landing switches FENCE_ALT_MIN off")
+        landing = replace(GOES_ON, words="a landing disables FENCE_ALT_MIN")
     if rule.cause == TERRAIN:
-        landing = replace(GOES_ON, words="a landing needs none")
+        landing = replace(GOES_ON, words="a landing needs no terrain data")
     differs = {} if landing == answer else {FlightStage.LANDING: landing}
     returns_at = rule.returns_at(series)
     return Failsafe(rule.cause, rule.parameter, rule.value(parameters), answer, differs, returns_at)
 
 
 def _first(name: str) -> str:
-    """The same parameter of the first battery."""
+    """Return the parameter's name for the first battery."""
     return f"BATT{name[5:]}" if name[:5] in BATTERIES else name
 
 
 def _with_a_path(answer: FailsafeAction, parameters: Parameters, pauses: bool) -> FailsafeAction:
-    """SmartRTL keeps no path where it has no points or no accuracy."""
+    """Replace SmartRTL by its fallback if it records no path: no points or no accuracy."""
     keeps = parameters.get("SRTL_POINTS", 300.0) > 0.0 and parameters.get("SRTL_ACCURACY", 2.0) > 0.0
     if answer.contingency is not Contingency.SMART_RTL or keeps:
         return answer
-    instead = replace(answer.in_place(), words="SmartRTL is switched off")
+    instead = replace(answer.in_place(), words="SmartRTL is disabled")
     return replace(instead, after_s=LAND_PAUSE) if instead.contingency is Contingency.LAND and pauses else instead
 
 
 def _with_its_urgency(one: Failsafe, parameters: Parameters, series: Series) -> Failsafe:
-    """A critical battery does nothing where a less urgent action is set for it than for a low one, which came before.
+    """Skip the action for a critical battery if it is less urgent than that for a low one.
 
-    Several batteries are not held against each other.
-    ArduCopter 4.7 has no urgency for the actions 6 and 7: they come after a low battery that does nothing at all.
+    Several batteries are not compared. ArduCopter 4.7 has no urgency for actions 6 and 7: they only follow a low
+    battery without an action.
     """
-    if one.cause != CRITICAL:
+    if one.cause != CRITICAL_BATTERY:
         return one
     both = [_of(rule, one.parameter.split("_")[0]) for rule in RULES[:2]]
     low = _failsafe(both[0], parameters, series)
     if not all(rule.looks(parameters) for rule in both) or _urgency(one.value) <= _urgency(low.value):
         return one
     words = (
-        f"{one.parameter} {one.value:g} is less urgent than {low.parameter} {low.value:g}, and is left out, "
-        "but where the voltage falls through both at once"
+        f"{one.parameter} {one.value:g} is less urgent than {low.parameter} {low.value:g} and has no effect, "
+        "except where the voltage falls through both at once"
     )
     differs = {stage: replace(answer, words=words) for stage, answer in low.differs.items()}
     return replace(one, route=replace(low.route, words=words), differs=differs, returns_at=None)

@@ -1,4 +1,4 @@
-"""The model of ArduCopter's flights."""
+"""ArduCopter's flight model."""
 
 from collections.abc import Mapping
 from typing import ClassVar
@@ -16,7 +16,7 @@ from ipoa_mission.wind import Wind
 
 
 class ArduCopterModel(FlightModel):
-    """ArduCopter 4.x, as its SITL flies."""
+    """ArduCopter 4.x in SITL."""
 
     scatter = (0.15, 0.01, 0.6)
     is_always_sure = True
@@ -28,23 +28,19 @@ class ArduCopterModel(FlightModel):
     }
 
     def predicted(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, sure: bool) -> Prediction:
-        """As `FlightModel.predicted`."""
         airframe = airframe_of(mission.vehicle).at_altitude(mission.home.altitude)
         return fly_arducopter(route, _limits(mission), wind, fast, airframe)
 
     def broken_off(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, order: Abort) -> Prediction:
-        """As `FlightModel.broken_off`."""
         airframe = airframe_of(mission.vehicle).at_altitude(mission.home.altitude)
         return fly_aborted(route, _limits(mission), wind, fast, airframe, order)
 
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
-        """As `FlightModel.kinematics`."""
         limits = copter_limits(parameters)
         speeds = (speed or limits.speed, limits.climb, limits.descent)
         return Kinematics(*speeds, limits.accel, limits.jerk, across=max(limits.accel, limits.corner_accel))
 
     def airframe(self, altitude: float) -> SlowedByAir:
-        """As its simulator has it."""
         return ARDUPILOT_SIMULATOR.at_altitude(altitude)
 
 

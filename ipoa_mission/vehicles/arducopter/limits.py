@@ -1,7 +1,7 @@
-"""ArduCopter's limits by its parameters, in SI units, and how it leaves the ground and lands.
+"""ArduCopter's motion limits by its parameters, in SI units, and its times on the ground.
 
-Parameters are known by the names of 4.7 (metres) and of before (centimetres). The times on the ground are read from its
-land detector and measured on its simulated flights; docs/lab/flight-time.md says which.
+Parameters have the names of 4.7 (metres) or before (centimetres). Ground times are read from its land detector and
+measured in simulated flights; docs/lab/flight-time.md gives the source of each.
 """
 
 import math
@@ -14,15 +14,15 @@ from ipoa_mission.vehicles.arducopter.returning import CopterReturn
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.version import Version
 
-ARMING_DELAY_S = 2.0  # motors stand still for so long after arming, whatever the mode
-LIFT_S = 0.2  # from motors at full spin until the thrust carries the vehicle
-THROTTLE_DOWN_S = 0.58  # from touching down until the throttle is at its least
-LAND_DETECTOR_S = 1.0  # for so long it must stay there, before the motors spool down and the vehicle disarms
-CENTIMETRE = 0.01  # in which ArduCopter keeps the height of a place [m]
+ARMING_DELAY_S = 2.0  # motors do not turn for this time after arming, in any mode
+LIFT_S = 0.2  # from motors at full spin until lift-off
+THROTTLE_DOWN_S = 0.58  # from touchdown until the least throttle
+LAND_DETECTOR_S = 1.0  # at least throttle, before the motors spool down and the vehicle disarms
+CENTIMETRE = 0.01  # resolution of ArduCopter's heights [m]
 
 BRAKES_CLIMB = (4, 8)
-SENSE_OF_RATE = (4, 7)  # from here on the sign of CIRCLE_RATE is the sense of every circle, whatever its item says
-EXCEPT_RTL = 2.0  # WP_YAW_BEHAVIOR: the nose follows the way, but for RTL, where it keeps its heading
+SENSE_OF_RATE = (4, 7)  # from this series on the sign of CIRCLE_RATE sets every circle's sense
+EXCEPT_RTL = 2.0  # WP_YAW_BEHAVIOR: the yaw follows the path, except in RTL
 
 POSITIVE = (
     "WPNAV_SPEED", "WPNAV_SPEED_UP", "WPNAV_SPEED_DN", "WPNAV_ACCEL", "WPNAV_ACCEL_Z", "WPNAV_JERK", "WPNAV_RADIUS",
@@ -31,13 +31,13 @@ POSITIVE = (
 
 
 def usable(parameters: Parameters) -> Parameters:
-    """The same without values that ArduCopter would not fly with: those that must be positive and are not."""
+    """Return the parameters without values that must be positive and are not."""
     return {name: value for name, value in parameters.items() if name not in POSITIVE or value > 0}
 
 
 @dataclass(frozen=True)
 class CopterLimits:
-    """What moves an ArduCopter along a mission: m, s, m/s, m/s^2, m/s^3, m/s^4, rad; gains in 1/s; a filter in Hz."""
+    """Motion limits of an ArduCopter: m, s, m/s, m/s^2, m/s^3, m/s^4, rad; gains in 1/s; a filter in Hz."""
 
     speed: float
     climb: float
@@ -77,13 +77,11 @@ class CopterLimits:
 
 
 def copter_limits(parameters: Parameters, version: Version | None = None) -> CopterLimits:
-    """The limits that these parameters set; what is not given has ArduCopter 4.7's default.
+    """Return the limits of these parameters, with ArduCopter 4.7's defaults; version None: the newest measured.
 
-    `version`: left out, the newest measured. Since 4.8 a climb is braked with all of the acceleration, where before it
-    was with half of it (`shape_pos_vel_accel`).
-
-    Jerk and snap are what the S-curves use: WPNAV_JERK and the attitude controller's rates limit the first, the lean's
-    time constant (as leaning is what accelerates a multirotor) and its angular acceleration, halved, the second.
+    Since 4.8 a climb is braked with all of the acceleration, before with half of it (`shape_pos_vel_accel`). The
+    S-curves' jerk is limited by WPNAV_JERK and the attitude controller's rates. Their snap is limited by the lean's
+    time constant and angular acceleration, halved: a multirotor accelerates by leaning.
 
     Raises:
         BadInput: a parameter that must be positive is not.

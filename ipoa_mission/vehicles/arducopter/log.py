@@ -1,4 +1,4 @@
-"""A log that ArduPilot itself wrote (`.bin`): where it was, what it did and measured, its items, how it was set."""
+"""ArduPilot's own log (`.bin`): positions, states, measurements, items and parameters."""
 
 import math
 import re
@@ -22,26 +22,26 @@ from ipoa_mission.vehicles.arducopter.dataflash import BYTES, read_records
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
-ARMED_EVENT, DISARMED_EVENT = 10, 11  # EV.Id, the only word of arming in logs before 4.1
+ARMED_EVENT, DISARMED_EVENT = 10, 11  # EV.Id, the only record of arming before 4.1
 HOME = 1  # ORGN.Type
 FLOAT = 9  # MAV_PARAM_TYPE_REAL32
-#: Batteries; each a record of its own until 4.0 gave BAT an instance: CURR before 3.7.
+#: Battery number by record name: each had its own record until 4.0 gave BAT an instance; CURR before 3.7.
 BATTERIES = {"BAT": 0, "CURR": 0, "BAT2": 1, "CUR2": 1, "BAT3": 2, "BAT4": 3}
-#: BATTn_MONITOR of those that count another battery once more (ESCs, sum), or fuel.
+#: BATTn_MONITOR of monitors that repeat other batteries (ESCs, sum) or measure fuel.
 SECONDHAND = frozenset({9, 10, 11, 12, 18, 24, 27})
 KINDS = frozenset({*BATTERIES, "POS", "XKF1", "NKF1", "ATT", "MODE", "ARM", "EV", "MISE", "CMD", "MSG", "PARM", "ORGN"})
 NEEDED = {
-    "PARM": "its parameters are not known",
-    "MODE": "its modes are not known",
-    "XKF1 NKF1": "speeds are taken from positions",
+    "PARM": "its parameters are unknown",
+    "MODE": "its modes are unknown",
+    "XKF1 NKF1": "speeds are derived from positions",
 }
-#: What flew, in the log's own words: "ArduCopter V4.7.0-dev (6a8c9b91)"; before 4.0 "APM:Copter V3.5.7".
+#: The vehicle in the log's text: "ArduCopter V4.7.0-dev (6a8c9b91)"; before 4.0 "APM:Copter V3.5.7".
 NAMED = re.compile(r"(?:Ardu|APM:)(\w+) V(\d[\w.-]*)")
 
 
 @dataclass
 class _Gathered:
-    """What the records have told so far; times by the autopilot's clock [s]."""
+    """The data of the records read so far; times by the autopilot's clock [s]."""
 
     fixes: list[tuple[float, ...]] = field(default_factory=list)
     velocities: list[tuple[float, ...]] = field(default_factory=list)
@@ -59,17 +59,17 @@ class _Gathered:
 
 
 def read_copter_log(path: Path) -> Log:
-    """Positions (POS) and events: arming, modes, items begun (MISE; before 4.5 the words in MSG), mission, parameters.
+    """Read positions (POS) and events: arming, modes, items begun (MISE; before 4.5 MSG), mission, parameters.
 
     Raises:
-        BadInput: the file cannot be read, holds no positions, or is of another vehicle than a copter.
+        BadInput: the file cannot be read, has no positions, or is of another vehicle than a copter.
     """
     gathered, torn = _Gathered(), Counter[str]()
     for kind, values in read_records(path, KINDS, torn):
         gathered.kinds.add(kind)
         try:
             _note(gathered, kind, values)
-        except (KeyError, TypeError, ValueError):  # a record whose layout is spoiled tells nothing
+        except (KeyError, TypeError, ValueError):  # a record with a damaged layout
             torn[kind] += 1
     if gathered.vehicle and gathered.vehicle != "Copter":
         words = f"expected the log of a copter, not of ArduPilot's {gathered.vehicle}"
@@ -84,12 +84,12 @@ def read_copter_log(path: Path) -> Log:
 
 
 def _remarks(gathered: _Gathered, torn: Counter[str]) -> Iterator[str]:
-    """Name what of a log is damaged, and what every whole log has and this one lacks."""
+    """Report damage, and missing records that every complete log has."""
     if count := torn.pop(BYTES, 0):
-        yield f"{count} bytes of the log are no whole records: it is damaged or cut short"
+        yield f"{count} bytes of the log are not whole records: it is damaged or truncated"
     for kind, count in sorted(torn.items()):
         if count:
-            yield f"records {kind} are not laid out as ArduPilot does it: {count} times, not read"
+            yield f"{count} records {kind} do not have ArduPilot's layout and are not read"
     for kinds, lacks in NEEDED.items():
         if not gathered.kinds & set(kinds.split()):
             yield f"the log has no records {kinds.replace(' ', ' or ')}: {lacks}"
@@ -139,7 +139,7 @@ def _note(gathered: _Gathered, kind: str, values: dict[str, Any]) -> None:
 
 
 def _batteries(gathered: _Gathered) -> list[list[Battery]]:
-    """The batteries that were measured themselves, if any was."""
+    """Return the batteries measured directly; all if there is none."""
     monitors = {message.param_id: message.param_value for _, message in gathered.events if type(message) is ParamValue}
     names = {number: f"BATT{number + 1 if number else ''}_MONITOR" for number in gathered.batteries}
     itself = [rows for number, rows in gathered.batteries.items() if monitors.get(names[number]) not in SECONDHAND]
@@ -147,7 +147,7 @@ def _batteries(gathered: _Gathered) -> list[list[Battery]]:
 
 
 def _list(items: dict[int, Item], values: dict[str, Any]) -> list[Message]:
-    """One item of the vehicle's list: it writes them all, from home on, when it takes or opens a list."""
+    """Add an item of the vehicle's list; it logs all items, home first, when it receives or opens a list."""
     seq = values["CNum"]
     if seq == 0:
         items.clear()
@@ -157,16 +157,16 @@ def _list(items: dict[int, Item], values: dict[str, Any]) -> list[Message]:
 
 
 def _item(values: dict[str, Any]) -> Item:
-    """An item; before 4.1 its record had no frame, and altitudes are taken to be above home."""
+    """Return the item; before 4.1 records have no frame, and altitudes are assumed to be above home."""
     frame = values.get("Frame", Frame.GLOBAL if values["CNum"] == 0 else Frame.GLOBAL_RELATIVE_ALT)
     params = (values["Prm1"], values["Prm2"], values["Prm3"], values["Prm4"])
     return Item(values["CId"], frame, params, values["Lat"], values["Lng"], values["Alt"])
 
 
 def _states(gathered: _Gathered) -> list[tuple[float, Message]]:
-    """A heartbeat at every change of arming or mode.
+    """Return a heartbeat for each change of arming or mode.
 
-    With LOG_DISARMED 0 a log is opened by the arming, and has no record of it.
+    With LOG_DISARMED 0 arming opens the log and is not recorded.
     """
     begins = gathered.begins or 0.0
     armed = not gathered.arming[0][1] if gathered.arming else gathered.opened_by_arming
@@ -196,7 +196,7 @@ def _fixes(rows: Points, velocities: Points) -> Fixes:
 
 
 def _differences(times: Vector, latitude: Vector, longitude: Vector, altitude: Vector) -> Points:
-    """Velocity north, east, down out of positions, where the log has no estimate of it; zero off the Earth."""
+    """Derive velocity north, east, down from positions; zero off the Earth."""
     start = Geodetic(float(latitude[0]), float(longitude[0]), float(altitude[0]))
     places, speeds = LocalFrame(start).to_local(latitude, longitude, altitude), np.zeros((len(times), 3))
     sound = np.isfinite(places).all(axis=1)
@@ -206,4 +206,4 @@ def _differences(times: Vector, latitude: Vector, longitude: Vector, altitude: V
     return np.column_stack([north, east, -up])
 
 
-FORMAT = LogFormat(".bin", read_copter_log, "the log does not have the whole list of items that was flown")
+FORMAT = LogFormat(".bin", read_copter_log, "the log does not contain the whole list of flown items")

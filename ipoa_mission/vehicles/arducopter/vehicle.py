@@ -199,8 +199,8 @@ class ArduCopter(Autopilot):
 
         p = PARAMETER_TABLE.complete(parameters)
         if contingency is Contingency.HOLD:
-            return braking.Shaping(braking.BRAKES_WITH, p["PSC_JERK_XY"]).way(velocity, 0.0 * accel)
-        asked = velocity + braking.LAND_LEADS * accel
+            return braking.Shaping(braking.BRAKE_ACCEL, p["PSC_JERK_XY"]).way(velocity, 0.0 * accel)
+        asked = velocity + braking.LAND_LEAD_S * accel
         return braking.Shaping(p["WPNAV_ACCEL"] / 100, p["PSC_JERK_XY"]).way(asked, accel)
 
     def circle(

@@ -1,1 +1,1 @@
-"""What a flight takes out of the battery, and whether it may."""
+"""Energy consumption of a flight, and the battery check."""

@@ -1,4 +1,4 @@
-"""The energy of a flight along a track, and the battery that must hold it with its reserve."""
+"""Energy of a flight along a track, and the required battery with its reserve."""
 
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
@@ -11,16 +11,16 @@ from ipoa_mission.vehicles.energy.curve import PowerCurve
 from ipoa_mission.vehicles.energy.power import PowerModel, air_density, power
 from ipoa_mission.wind import CALM, Wind
 
-JOULES_A_WATT_HOUR = 3600.0
-LIFTED = 0.1  # who is so far from where he began does not stand any more [m]
+JOULES_PER_WATT_HOUR = 3600.0
+LIFTED_DISTANCE = 0.1  # farther from the first place the vehicle has left the ground [m]
 
 
 class NotEnoughBattery(MissionError):
-    """The flight would come home with less than the reserve, or not at all."""
+    """The flight would end with less than the reserve, or not reach home."""
 
 
 class Interval(NamedTuple):
-    """A number with its interval: nine flights in ten lie from `low` to `high`."""
+    """A value with its 90 % interval, from `low` to `high`."""
 
     low: float
     likely: float
@@ -32,7 +32,7 @@ class Interval(NamedTuple):
 
 @dataclass(frozen=True)
 class Battery:
-    """A battery: what it gives when full [Wh], and the share of it that must be left after landing."""
+    """A battery: full capacity [Wh], and the share to keep after landing."""
 
     capacity_wh: float
     reserve: float = 0.2
@@ -40,22 +40,22 @@ class Battery:
     def __post_init__(self) -> None:
         if not self.capacity_wh > 0 or not 0 <= self.reserve < 1:
             raise BadInput(
-                "expected a capacity of more than nothing and a reserve from 0 to below 1, "
+                "expected a capacity above 0 and a reserve from 0 to below 1, "
                 f"not {self.capacity_wh:g} Wh and {self.reserve:g}",
                 place="battery",
             )
 
     @property
     def usable_wh(self) -> float:
-        """What may be taken without touching the reserve [Wh]."""
+        """Capacity without the reserve [Wh]."""
         return self.capacity_wh * (1.0 - self.reserve)
 
 
 @dataclass(frozen=True, eq=False)
 class Consumption:
-    """What a flight takes: at `times` (n,) [s] the spans between them draw `spans_w` (n-1,) [W].
+    """Power of a flight: the spans between `times` (n,) [s] draw `spans_w` (n-1,) [W].
 
-    Nine flights in ten draw from `least_w` to `most_w` (n-1,) [W]; both are `spans_w` where nobody says how sure it is.
+    `least_w` to `most_w` (n-1,) [W] is the 90 % interval; both are `spans_w` if the uncertainty is unknown.
     """
 
     times: Vector
@@ -75,37 +75,37 @@ class Consumption:
 
     @property
     def energy_wh(self) -> float:
-        """All of it [Wh]."""
+        """Total energy [Wh]."""
         return self.between.likely
 
     @property
     def mean_w(self) -> float:
-        """The mean power [W]."""
-        return self.energy_wh * JOULES_A_WATT_HOUR / float(self.times[-1] - self.times[0])
+        """Mean power [W]."""
+        return self.energy_wh * JOULES_PER_WATT_HOUR / float(self.times[-1] - self.times[0])
 
     @property
     def between(self) -> Interval:
-        """All of it with its interval [Wh]."""
+        """Total energy with its interval [Wh]."""
         return self.until(float(self.times[-1]))
 
     def until(self, time: float) -> Interval:
-        """What was taken up to a time [s], with its interval [Wh]."""
+        """Return the energy used up to a time [s], with its interval [Wh]."""
         return Interval(*(float(np.interp(time, self.times, used)) for used in self._used))
 
     @property
     def _used(self) -> tuple[Vector, Vector, Vector]:
-        lasts = np.diff(self.times) / JOULES_A_WATT_HOUR
+        lasts = np.diff(self.times) / JOULES_PER_WATT_HOUR
         low, likely, high = (
             np.concatenate([[0.0], np.cumsum(drawn * lasts)]) for drawn in (self.least_w, self.spans_w, self.most_w)
         )
         return low, likely, high
 
     def widened(self, low: float, high: float) -> "Consumption":
-        """The same if it draws from so many times as much as its least to so many times as much as its most."""
+        """Return a copy with its least power times `low` and its greatest times `high`."""
         return replace(self, least_w=self.least_w * low, most_w=self.most_w * high)
 
     def lasting(self, least_s: float, most_s: float) -> "Consumption":
-        """The same of a flight that may last so long [s]: as unsure as its power and its time are together."""
+        """Return a copy for a flight of this duration interval [s]: uncertainties of power and time combined."""
         lasts, taken = float(self.times[-1] - self.times[0]), self.between
         below, above = 1.0 - taken.low / taken.likely, taken.high / taken.likely - 1.0
         jit_if_faster, later = max(1.0 - least_s / lasts, 0.0), max(most_s / lasts - 1.0, 0.0)
@@ -113,7 +113,7 @@ class Consumption:
         return self.widened(low, (1.0 + np.hypot(above, later)) / (1.0 + above))
 
     def left(self, battery: Battery) -> float:
-        """The share of the battery that is left after the flight; negative if it is not enough."""
+        """Return the share of the battery left after the flight; negative if it is too small."""
         return 1 - self.energy_wh / battery.capacity_wh
 
 
@@ -127,16 +127,15 @@ def consumption(
     hover_w: float | None = None,
     wind: Wind = CALM,
 ) -> Consumption:
-    """What flying along a track takes: at `times` (n,) [s] it passes `points` (n, 3) [m] with `speeds` (n,) [m/s].
+    """Compute the consumption of a track: `times` (n,) [s], `points` (n, 3) [m], `speeds` (n,) [m/s].
 
-    Points are east, north, up; speeds are over ground, climb included. `altitude_amsl` is that of up = 0 (the air is
-    thinner higher up); it flies in `wind`, and `head_wind` [m/s] blows against the flight all the way besides, hovering
-    too. Speeding up takes its kinetic energy; slowing down gives nothing back. Speeds are not taken from the points:
-    predictions and logs have small jumps in position, and power grows with the cube of speed. `hover_w` [W], where it
-    was measured, is what hovering at up = 0 takes: all power grows or shrinks with it.
+    Points are east, north, up; speeds are over ground, including climb. `altitude_amsl` is the altitude of up = 0 [m],
+    for the air density. `head_wind` [m/s] adds to `wind` against the whole flight, including hover. Acceleration costs
+    kinetic energy; deceleration returns none. Speeds are given because positions of predictions and logs have small
+    jumps, and power grows with speed cubed. `hover_w` scales all power to the hover power measured at up = 0 [W].
 
     Raises:
-        BadInput: the times do not grow, or are not as many as the points and speeds.
+        BadInput: the times do not increase, or the lengths differ.
     """
     times, points, speeds = _lasting(times, points, speeds)
     airspeed, climb = _through_air(times, points, speeds, wind)
@@ -153,10 +152,10 @@ def consumption(
 def by_curve(
     curve: PowerCurve, times: Vector, points: Points, speeds: Vector, wind: Wind = CALM, head_wind: float = 0.0
 ) -> Consumption:
-    """What the same track takes of a vehicle whose power was measured, from its lifting off to its touching down.
+    """Compute the consumption by a measured power curve, from lift-off to touchdown.
 
     Raises:
-        BadInput: as of `consumption`.
+        BadInput: as `consumption`.
     """
     times, points, speeds = _lasting(times, points, speeds)
     airspeed, climb = _through_air(times, points, speeds, wind)
@@ -165,25 +164,25 @@ def by_curve(
 
 
 def hovering(hover_w: float, times: Vector, points: Points, speeds: Vector) -> Consumption:
-    """What the same track takes of a vehicle of which no more is known than its power in hover [W].
+    """Compute the consumption of a vehicle with only its hover power known [W].
 
     >>> east = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [40.0, 0.0, 0.0]])
     >>> hovering(180.0, np.array([0.0, 4.0, 24.0]), east, np.zeros(3)).energy_wh
     1.0
 
     Raises:
-        BadInput: as of `consumption`.
+        BadInput: as `consumption`.
     """
     return by_curve(PowerCurve(hover_w), times, points, speeds)
 
 
 def _flies(points: Points) -> Vector:
-    """1 in the spans (n-1,) between its leaving the place where it begins and its coming to that where it ends, else 0.
+    """Return 1 for the spans (n-1,) between leaving the first place and reaching the last, else 0.
 
-    Who never moves hovers.
+    A vehicle that never moves hovers: all 1.
     """
-    away = np.linalg.norm(points - points[0], axis=1) > LIFTED
-    ahead = np.linalg.norm(points - points[-1], axis=1) > LIFTED
+    away = np.linalg.norm(points - points[0], axis=1) > LIFTED_DISTANCE
+    ahead = np.linalg.norm(points - points[-1], axis=1) > LIFTED_DISTANCE
     if not away.any():
         return np.ones(len(points) - 1)
     spans = np.arange(len(points) - 1)
@@ -191,7 +190,7 @@ def _flies(points: Points) -> Vector:
 
 
 def _through_air(times: Vector, points: Points, speeds: Vector, wind: Wind) -> tuple[Vector, Vector]:
-    """Airspeeds and rates of climb of the spans between samples, (n-1,) [m/s]."""
+    """Return airspeeds and climb rates of the spans between samples, (n-1,) [m/s]."""
     moved = np.diff(points, axis=0)
     climb, speed = moved[:, 2] / np.diff(times), (speeds[:-1] + speeds[1:]) / 2
     level = np.sqrt(np.maximum(speed**2 - climb**2, 0.0))
@@ -205,18 +204,18 @@ def _through_air(times: Vector, points: Points, speeds: Vector, wind: Wind) -> t
 
 def _lasting(times: Vector, points: Points, speeds: Vector) -> tuple[Vector, Points, Vector]:
     if not len(times) == len(points) == len(speeds) or not (np.diff(times) >= 0).all() or not times[-1] > times[0]:
-        raise BadInput("expected as many times and speeds as points, and times that grow", place="track")
+        raise BadInput("expected times, speeds and points of one length, and increasing times", place="track")
     lasting = np.concatenate([np.diff(times) > 0, [True]])
     return times[lasting], points[lasting], speeds[lasting]
 
 
 def shortage(used: Interval, battery: Battery) -> NotEnoughBattery | None:
-    """Why a flight that takes so much [Wh] is refused; None where it is not.
+    """Return the refusal of a flight that uses this energy [Wh]; None if the battery suffices.
 
-    Less than the reserve would be left in the likely case, or nothing in the worse one of ten.
+    It suffices if the likely energy leaves the reserve and the upper bound leaves at least nothing.
     """
     left, most = (1 - taken / battery.capacity_wh for taken in (used.likely, used.high))
-    rounding = 1e-9  # is no shortage
+    rounding = 1e-9
     if left >= battery.reserve - rounding and most >= -rounding:
         return None
     takes = f"takes {used.likely:.1f} Wh" + (f" ({used.low:.1f} to {used.high:.1f})" if used.high > used.low else "")
@@ -225,6 +224,6 @@ def shortage(used: Interval, battery: Battery) -> NotEnoughBattery | None:
     needed = max(used.likely / (1 - battery.reserve), used.high)
     return NotEnoughBattery(
         f"expected a reserve of {battery.reserve:.0%} after landing, but the flight {takes}, {outcome}",
-        hint=f"a battery of {needed:.1f} Wh would do; a shorter way, another speed, or more flights (`plan --split`)",
+        hint=f"take a battery of {needed:.1f} Wh, a shorter route, another speed, or more flights (`plan --split`)",
         place="battery",
     )

@@ -1,4 +1,4 @@
-"""The power of one vehicle as its batteries measured it, by airspeed and climb: what `learn` finds."""
+"""A vehicle's power by airspeed and climb, fitted to its battery logs by `learn`."""
 
 from dataclasses import dataclass
 
@@ -9,10 +9,10 @@ from ipoa_mission.geometry import Vector
 
 @dataclass(frozen=True)
 class PowerCurve:
-    """What a vehicle draws: hover + square v^2 + cube v^3 + climb w, or + descent w where it comes down at w [W].
+    """Power [W] = hover + square v^2 + cube v^3 + climb w, or + descent w while it descends at w.
 
-    v is the airspeed, seen up to `fastest` [m/s]. The square holds what a lean costs and what the flow through the
-    rotors gives back, the cube what drags; a real vehicle's square may be negative, its cube is not.
+    v is the airspeed, measured up to `fastest` [m/s]. The square term covers lean and translational lift and may be
+    negative. The cube term covers drag and is not negative.
     """
 
     hover_w: float
@@ -23,7 +23,7 @@ class PowerCurve:
     fastest: float = np.inf
 
     def level(self, airspeed: Vector) -> Vector:
-        """In level flight at airspeeds (n,) [W]; faster than was seen never less than there."""
+        """Compute level-flight power at airspeeds (n,) [W]; beyond `fastest` at least its value there."""
         seen = np.minimum(airspeed, self.fastest)
         known = self._level(seen)
         return np.asarray(np.where(airspeed > seen, np.maximum(self._level(airspeed), known), known))
@@ -32,12 +32,12 @@ class PowerCurve:
         return np.asarray(self.hover_w + (self.square_w + self.cube_w * airspeed) * airspeed**2)
 
     def power(self, airspeed: Vector, climb: Vector) -> Vector:
-        """At airspeeds and rates of climb (n,) [m/s], in W; never negative."""
+        """Compute power at airspeeds and climb rates (n,) [m/s], at least 0 [W]."""
         upright = self.climb_w * np.maximum(climb, 0.0) + self.descent_w * np.maximum(-climb, 0.0)
         return np.asarray(np.maximum(self.level(airspeed) + upright, 0.0))
 
     def beyond(self, airspeed: Vector) -> Vector:
-        """How many times as much it may draw where it is faster than was seen (n,): as if all of it were drag."""
+        """Return the upper bound's factor beyond `fastest` (n,), as if all power were drag."""
         level = self.level(airspeed)
         return np.asarray(self._level(np.minimum(airspeed, self.fastest)) * _cubed(airspeed, self.fastest) / level)
 
