@@ -1,6 +1,6 @@
-"""ArduCopter's parameters by name: what moves a mission, what ground stations look for, how each is declared.
+"""ArduCopter's parameters: defaults that affect a mission, parameters for ground stations, and types.
 
-How a vehicle was set up (sensors, radio, modes, battery, failsafes) is as in its simulator; nothing of it moves a
+The set-up of the vehicle (sensors, radio, modes, battery, failsafes) is as in its simulator and does not affect a
 mission.
 """
 
@@ -19,7 +19,7 @@ from ipoa_mission.vehicles.parameters import (
     declared,
 )
 
-#: ArduCopter 4.7's own defaults for what moves a mission (cm, cm/s, cm/s^2 and centidegrees, as it has them).
+#: ArduCopter 4.7's defaults that affect a mission (in its units: cm, cm/s, cm/s^2 and centidegrees).
 DEFAULTS: Parameters = {
     "WPNAV_SPEED": 1000.0,
     "WPNAV_SPEED_UP": 250.0,

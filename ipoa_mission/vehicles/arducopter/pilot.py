@@ -1,4 +1,4 @@
-"""ArduCopter in AUTO, RTL, LAND and LOITER: what it makes of each item, and of orders while it flies."""
+"""ArduCopter in AUTO, RTL, LAND and LOITER, for the built-in autopilot: items and orders to legs."""
 
 import math
 import random
@@ -33,12 +33,12 @@ from ipoa_mission.vehicles.parameters import Parameters
 
 
 class ArduPilotPilot:
-    """Whenever a leg is over the copter is told the next: of a procedure under way, or what comes `_then`."""
+    """Give the copter its next leg when one ends: of the current procedure, or by `_then`."""
 
     def __init__(
         self, body: SimulatedVehicle, situation: Situation, parameters: Parameters, chance: random.Random
     ) -> None:
-        """`chance` is not asked: ArduCopter's simulated flights repeat to a tenth of a second."""
+        """Ignore `chance`: ArduCopter's simulated flights repeat to a tenth of a second."""
         self._body, self._now, self._parameters = body, situation, parameters
         given = body.conditions
         limits = copter_limits(usable(parameters), given.version)
@@ -56,7 +56,7 @@ class ArduPilotPilot:
     # --- orders -----------------------------------------------------------------------------------------------------
 
     def enter(self) -> None:
-        """The mode has changed."""
+        """Start the procedure of a new mode."""
         match self._now.mode:
             case FlightMode.MISSION:
                 self._begin_behind(self._now.current - 1)
@@ -68,7 +68,7 @@ class ArduPilotPilot:
                 self._stay()
 
     def replaced(self, before: tuple[Item, ...]) -> None:
-        """Another mission lies in the store while this one is flown: go on; a waypoint that differs begins anew."""
+        """Continue after the mission was replaced in flight; restart at the waypoint if the next items differ."""
         now, after = self._now.current, self._now.program.items
         ahead = slice(now, now + 3)
         if self._then == self._arrived and before[ahead] != after[ahead] and now < len(after):
@@ -78,30 +78,30 @@ class ArduPilotPilot:
         return self._now.goal_of_return(self._copter.place, self._parameters)
 
     def go_to(self, east: float, north: float, up: float, speed: float) -> None:
-        """It knows no such order by command."""
+        """Ignore the order: ArduCopter has no such command."""
 
     def climb(self, height: float) -> None:
-        """Take off outside a mission, in GUIDED, to a height above home."""
+        """Take off outside a mission, in GUIDED, to a height above home [m]."""
         self._take_off(height, self._stay)
 
     @property
     def rising(self) -> bool:
-        """Whether it still climbs to where it was told to take off to."""
+        """Whether it still climbs to the ordered take-off height."""
         return self._flying and self._then == self._stay
 
     def step(self) -> None:
-        """Decide, and let the copter move."""
+        """Advance the copter by one step."""
         lifting = self._now.armed and self._now.time_s - self._now.armed_s >= self._lift_s
         if self._touched_s is not None:
             self._stand(self._now.time_s - self._touched_s)
         elif self._flying and lifting and self._copter.step():
             self._go_on()
-        self._tell()
+        self._update_body()
 
     # --- the mission ------------------------------------------------------------------------------------------------
 
     def _begin_behind(self, index: int) -> None:
-        """Start what follows item `index`, doing at once those at which no time is spent."""
+        """Start the item after `index`; execute items without duration at once."""
         item = self._now.come_to(index, lambda item: self._copter.change_speed(int(item.params[0]), item.params[1]))
         if item is None:
             self._stay()
@@ -119,7 +119,7 @@ class ArduPilotPilot:
             case Command.NAV_DELAY:
                 self._copter.hold(self._copter.wait_at(item))
                 self._then, self._flying = self._done, True
-            case _ if self._now.landed:  # it stays on the ground
+            case _ if self._now.landed:
                 self._flying = False
             case Command.NAV_RETURN_TO_LAUNCH:
                 self._come_down(return_home(self._copter, self._return_goal()))
@@ -143,7 +143,7 @@ class ArduPilotPilot:
     # --- what comes when a leg is over ------------------------------------------------------------------------------
 
     def _go_on(self) -> None:
-        """The next leg of a procedure, or what was to come after it."""
+        """Start the next leg of the procedure, else call `_then`."""
         if next(self._legs, self) is self and self._then is not None:
             then, self._then = self._then, None
             then()
@@ -162,12 +162,11 @@ class ArduPilotPilot:
         self._now.landed, self._flying = False, True
 
     def _go(self, legs: Iterator[None]) -> None:
-        """Fly the legs of an item."""
         self._legs, self._then = legs, self._done
         next(legs)
 
     def _come_down(self, legs: Iterator[None]) -> None:
-        """Fly the legs of an ending; the last is a descent, unless RTL stays in the air."""
+        """Fly the legs of a landing or RTL; the last is a descent, unless RTL stays in the air."""
         if self._now.landed:
             return
         self._legs, self._then = legs, self._touch
@@ -180,9 +179,9 @@ class ArduPilotPilot:
             self._floor = self._copter.state.z
 
     def _stand(self, seconds: float) -> None:
-        """On the ground with the throttle running down, until it is sure to have landed."""
+        """Wait on the ground until the landing is detected and the motors have spooled down."""
         self._now.landed = seconds >= self._landing_s
-        if seconds >= self._landing_s + self._copter.spool_down:  # motors spun down
+        if seconds >= self._landing_s + self._copter.spool_down:
             if self._now.mode is FlightMode.MISSION:
                 last = self._now.program.items[self._now.current].command == Command.NAV_LAND
                 self._now.done(self._now.current, announced=not last)
@@ -200,15 +199,14 @@ class ArduPilotPilot:
         else:
             self._copter.hold(math.inf)
 
-    def _tell(self) -> None:
-        """Write down where the copter is."""
+    def _update_body(self) -> None:
         body, state = self._body, self._copter.state
         body.yaw = state.yaw % (2.0 * math.pi)
         body.x, body.y, body.z = state.x, state.y, state.z
         body.vx, body.vy, body.vz = state.vx, state.vy, state.vz
         body.lean_x, body.lean_y = state.lean_x, state.lean_y
         if state.z > self._floor:
-            self._floor = -math.inf  # it flies
+            self._floor = -math.inf
         body.on_ground = state.z <= self._floor
 
 

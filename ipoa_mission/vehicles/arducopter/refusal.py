@@ -1,4 +1,4 @@
-"""What ArduPilot says to one item of a list that is uploaded to it, read in its source: taken, or why not."""
+"""ArduPilot's answer to one item of an uploaded list, read in its source."""
 
 import math
 from collections.abc import Sequence
@@ -10,11 +10,11 @@ from ipoa_mission.vehicles.refusal import POLYGON, Refusals, Refused
 DEG_E7 = 1e-7
 UINT16_MAX = 2**16 - 1
 INT16_MIN, INT16_MAX = -(2**15), 2**15 - 1
-MOST_VERTICES = 255  # of a polygon, which are counted in eight bits
+MOST_VERTICES = 255  # of a polygon; an 8-bit count
 
 
 def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float], count: int) -> Refused | None:
-    """Why a mission of `count` items on the wire with this item is refused; None where it is taken."""
+    """Return the refusal of an item in a mission of `count` items on the wire; None if accepted."""
     may_be_nan = (firmware.takes_nan or {}).get(command, frozenset())
     for n, value in enumerate(values[:4], start=1):
         if math.isinf(value) or (math.isnan(value) and n not in may_be_nan):
@@ -38,7 +38,7 @@ def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float
 
 
 def refused_in_fence(firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
-    """The same for an item of a fence."""
+    """Return the refusal of a fence item; None if accepted."""
     if frame not in firmware.frames - {Frame.MISSION}:
         return Refused("UNSUPPORTED_FRAME")
     if command not in firmware.fence:
@@ -49,18 +49,18 @@ def refused_in_fence(firmware: Firmware, command: int, frame: int, values: Seque
 
 
 def refused_in_rally(firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
-    """The same for a rally point."""
+    """Return the refusal of a rally point; None if accepted."""
     if command not in firmware.rally:
         return Refused("UNSUPPORTED")
     if wrong := _no_place(values, frame):
         return wrong
     if values[6] < INT16_MIN or values[6] > INT16_MAX:
-        return Refused("INVALID_PARAM7", 7, "expected an altitude in sixteen bits")
+        return Refused("INVALID_PARAM7", 7, f"expected an altitude from {INT16_MIN} to {INT16_MAX} m")
     return None if frame in firmware.frames - {Frame.MISSION} else Refused("UNSUPPORTED_FRAME")
 
 
 def _no_place(values: Sequence[float], frame: int) -> Refused | None:
-    """What is no latitude or longitude; in frame 2 it goes over the wire as it is, and is read in steps of 1e-7."""
+    """Return the refusal of an invalid latitude or longitude; frame 2 sends them in steps of 1e-7 degrees."""
     unit = DEG_E7 if frame == Frame.MISSION else 1.0
     if not abs(values[4]) * unit <= 90.0:
         return Refused("INVALID_PARAM5_X", 5, f"expected a latitude, not {values[4]:g}")

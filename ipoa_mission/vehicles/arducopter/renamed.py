@@ -1,9 +1,9 @@
-"""ArduCopter's parameters by the names of before 4.7 and by those since."""
+"""ArduCopter's renamed parameters: the names since 4.7 and before."""
 
 from collections.abc import Mapping
 
-#: ArduCopter's name from 4.7 on: name before, and how many of the old unit make one of the new. The renaming is its own
-#: ("Parameter Name Changes", 4.6 to 4.7, and pull requests 31970 and 32147).
+#: Name since 4.7: the name before, and old units per new unit. Source: "Parameter Name Changes", 4.6 to 4.7, and pull
+#: requests 31970 and 32147.
 RENAMED: Mapping[str, tuple[str, float]] = {
     "WP_SPD": ("WPNAV_SPEED", 100.0),
     "WP_SPD_UP": ("WPNAV_SPEED_UP", 100.0),

@@ -1,8 +1,8 @@
-"""Where ArduCopter's RTL leads and how high it goes there: home or a rally point (4.x).
+"""Goal and height of ArduCopter's RTL: home or a rally point (4.x).
 
-The nearest rally point, unless home is nearer and RALLY_INCL_HOME counts it, or all are farther than RALLY_LIMIT_KM.
-Its height there is at least the rally point's. Rally points outside the fence of its own are none; whether one is
-outside a mission's polygons is not asked here. Ways around obstacles (OA_TYPE) are not modeled.
+It flies to the nearest rally point, unless home is nearer and RALLY_INCL_HOME includes it, or all are beyond
+RALLY_LIMIT_KM. Its height there is at least the rally point's. Rally points outside its own fence are ignored. Not
+modeled: polygons of a mission's fence, and routes around obstacles (OA_TYPE).
 """
 
 import math
@@ -14,13 +14,13 @@ from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.returning import HOME, OverTerrain, Place, level_distance
 
-LEAST_CONE = 0.5  # RTL_CONE_SLOPE counts from here on
+LEAST_CONE = 0.5  # below it RTL_CONE_SLOPE is ignored
 LEAST_HEIGHT = 0.3  # RTL_ALT_MIN [m]
 ABOVE_TERRAIN = 1.0  # RTL_ALT_TYPE
 
 
 class CopterReturn(NamedTuple):
-    """How high ArduCopter returns: RTL_ALT, RTL_CLIMB_MIN [m], RTL_CONE_SLOPE, and below its fence's ceiling [m]."""
+    """Limits of the return height: RTL_ALT, RTL_CLIMB_MIN [m], RTL_CONE_SLOPE, and below the fence's ceiling [m]."""
 
     altitude: float
     climb: float
@@ -29,16 +29,16 @@ class CopterReturn(NamedTuple):
 
     @classmethod
     def of(cls, parameters: Parameters) -> "CopterReturn":
-        """By these parameters, by their older names; what is not given has ArduCopter's default."""
+        """Create from parameters by their older names, with ArduCopter's defaults."""
         p = {**PARAMETER_TABLE.moving, **parameters}
         climb = max(p["RTL_CLIMB_MIN"] / 100, 0.0)
         return cls(p["RTL_ALT"] / 100, climb, p["RTL_CONE_SLOPE"], return_ceiling(p))
 
     def height(self, above: float, distance: float, goal_up: float) -> float:
-        """How high above home it returns from so high `above` it [m], so far away, to a goal of the height `goal_up`.
+        """Return the return height above home [m], from a height `above` home and a level distance, to `goal_up`.
 
-        RTL_ALT, the goal's height and RTL_CLIMB_MIN more than now at least; near the goal no more than the cone asks
-        for, under a fence no more than FENCE_MARGIN below it; it never comes down for that.
+        At least RTL_ALT, the goal's height, and RTL_CLIMB_MIN above the present height. Near the goal the cone limits
+        it, under a fence FENCE_MARGIN below the ceiling. It never descends for a limit.
         """
         least = max(LEAST_HEIGHT, above + self.climb)
         top = max(self.altitude, goal_up, least)
@@ -48,7 +48,7 @@ class CopterReturn(NamedTuple):
 
 
 def goal_of_return(parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
-    """Which of the rally points a return from `here` leads to; None: home."""
+    """Return the index of the rally point that RTL from `here` flies to; None: home."""
     ways = {n: level_distance(here, place) for n, place in enumerate(rally) if is_within(parameters, place)}
     if not ways:
         return None
@@ -60,9 +60,10 @@ def goal_of_return(parameters: Parameters, here: Place, rally: Sequence[Place]) 
 
 
 def over_terrain(parameters: Parameters) -> OverTerrain | None:
-    """With RTL_ALT_TYPE 1, and a range finder that navigation uses, or terrain data, without which it is not armed.
+    """Return how RTL follows terrain: RTL_ALT_TYPE 1, and a range finder for navigation or terrain data.
 
-    With neither it is as 0, and so is a range finder that does not see the ground.
+    Without both it acts as RTL_ALT_TYPE 0, and so while a range finder does not see the ground. Arming needs terrain
+    data without a range finder.
     """
     seen = parameters.get("RNGFND1_TYPE", 0.0) > 0.0 and parameters.get("WPNAV_RFND_USE", 1.0) > 0.0
     knows = seen or parameters.get("TERRAIN_ENABLE", 1.0) > 0.0

@@ -1,4 +1,4 @@
-"""ArduCopter 4.x in AUTO: the mission's items in its order, each flown to its end by the model of the copter.
+"""Flight times of ArduCopter 4.x in AUTO: each item is flown to its end by the copter's model.
 
 Sources: ArduPilot's documentation of S-curves and spline waypoints, and the recorded flights.
 """
@@ -41,13 +41,13 @@ from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.wind import CALM, Wind
 
-NOWHERE = (math.nan,) * 3
-DOUBT, DOUBT_SHARE = 0.12, 0.0065  # half the width of the interval: seconds, and share of the time
+NO_PLACE = (math.nan,) * 3
+DOUBT, DOUBT_SHARE = 0.12, 0.0065  # half width of the interval: [s] and share of the time
 
-BROKEN_OFF_DOUBT, BROKEN_OFF_SHARE = 0.4, 0.018  # the same of an ending that is ordered: nine in ten of 94, as flown
+ABORT_DOUBT, ABORT_DOUBT_SHARE = 0.4, 0.018  # the same of a contingency: 90 % of 94 flown
 
-LANDING_DOUBT = 0.9  # the centimetres before LAND take so much more or less (`procedures.LAND_BELOW`) [s]
-#: The leg of a centimetre before RTL takes so much less or more: its clock waits while the vehicle drifts aside [s].
+LANDING_DOUBT = 0.9  # half width of the leg before LAND (`procedures.LAND_BELOW`) [s]
+#: The leg before RTL may be shorter or longer by these: its clock waits while the vehicle drifts [s].
 RETURN_EARLY, RETURN_LATE = 0.3, 1.5
 
 TO_A_PLACE = ARDUCOPTER.guidance.flown_on_into - {Command.NAV_PAYLOAD_PLACE}
@@ -60,11 +60,11 @@ def fly_arducopter(
     fast: bool | None = None,
     airframe: Airframe = ARDUPILOT_SIMULATOR,
 ) -> Prediction:
-    """Fly the itinerary as ArduCopter does; `fast` is as in `estimate`.
+    """Predict the times of an itinerary; `fast` is as in `estimate`.
 
     Raises:
-        BadInput: an item never ends, or a parameter has no sense.
-        MissionError: the copter does not get on, as against a wind stronger than it can fly.
+        BadInput: an item never ends, or a parameter is invalid.
+        MissionError: the copter makes no progress, for example against too strong a wind.
     """
     flight = _begun(route, limits, wind, fast, airframe)
     for n in range(len(route.visits)):
@@ -87,7 +87,7 @@ def fly_arducopter(
 
 
 def _ending_doubt(item: Item) -> tuple[float, float]:
-    """By how much the leg with which an ending begins may be shorter or longer [s]."""
+    """Return how much shorter and longer the first leg of a landing or RTL may be [s]."""
     if item.command == Command.NAV_RETURN_TO_LAUNCH:
         return RETURN_EARLY, RETURN_LATE
     if item.command in LANDINGS and item.latitude_deg != 0.0:
@@ -103,9 +103,9 @@ def fly_aborted(
     airframe: Airframe,
     order: Abort,
 ) -> Prediction:
-    """Fly the itinerary up to a moment, and then what is ordered; raises as `fly_arducopter` does.
+    """Predict the times of an itinerary up to an abort and of the contingency then; raises as `fly_arducopter`.
 
-    The moment is noted as one more place where the track was.
+    The track has a sample at the abort.
     """
     flight = _begun(route, limits, wind, fast, airframe)
     flight.until = order.time
@@ -116,12 +116,12 @@ def fly_aborted(
     flight.until, copter = math.inf, flight.copter
     returns = order.contingency is Contingency.RTL
     if returns and copter.limits.rtl_final > 0.0:
-        words = "with an RTL_ALT_FINAL above 0 it waits over its goal, and does not land"
+        words = "with an RTL_ALT_FINAL above 0 it waits over its goal and does not land"
         raise MissionError(words, code="endless-flight")
     flight.come_down(return_home(copter, route.goal_of_return(copter.place)) if returns else land(copter, None))
     done = np.array([copter.state.time])
-    doubt = BROKEN_OFF_DOUBT + BROKEN_OFF_SHARE * (done - order.time)
-    touched, off = flight.touched, BROKEN_OFF_DOUBT + BROKEN_OFF_SHARE * (flight.touched - order.time)
+    doubt = ABORT_DOUBT + ABORT_DOUBT_SHARE * (done - order.time)
+    touched, off = flight.touched, ABORT_DOUBT + ABORT_DOUBT_SHARE * (flight.touched - order.time)
     track = Track.joined(flight.tracks)
     between = touched - off, touched, touched + off
     return Prediction(done, done - doubt, done + doubt, ("",), track, touched=between)
@@ -134,7 +134,7 @@ def _begun(route: Itinerary, limits: CopterLimits, wind: Wind, fast: bool | None
 
 
 class _Flight:
-    """A flight under way: the copter, and what is noted of it."""
+    """A flight in progress: the copter and its records."""
 
     def __init__(self, route: Itinerary, copter: Copter, wind: Wind, airframe: Airframe, airborne: bool) -> None:
         self.route, self.wind, self.copter, self.limits = route, wind, copter, copter.limits
@@ -148,11 +148,11 @@ class _Flight:
 
     @property
     def is_broken_off(self) -> bool:
-        """Whether it has come to where it ends otherwise."""
+        """Whether the flight has reached its abort."""
         return self.copter.state.time >= self.until or not self.copter.passed
 
     def visit(self, n: int) -> str:
-        """Do visit n; why it was slow."""
+        """Execute visit n; return why it was slow."""
         visit = self.route.visits[n]
         command, params = visit.item.command, visit.item.params
         if command in TAKEOFFS:
@@ -166,7 +166,7 @@ class _Flight:
             return "circle"
         elif command == Command.NAV_LOITER_TO_ALT:
             if visit.seq in self.route.over_terrain:
-                self.remarks.append(f"item {visit.seq}: ArduCopter passes over it where it has no terrain data")
+                self.remarks.append(f"item {visit.seq}: ArduCopter skips it if it has no terrain data")
             self.go(loiter_to_alt(self.copter, self.target(n)))
         elif command == Command.NAV_DELAY:
             self.hold(self.copter.wait_at(visit.item))
@@ -184,15 +184,15 @@ class _Flight:
         return ""
 
     def target(self, n: int) -> Place:
-        """Where visit n leads: what it leaves open is that of the place last bound for."""
+        """Return the place of visit n; open coordinates are those of the previous place."""
         return self.route.program.place(n, self.here(n))
 
     def here(self, n: int) -> Place:
-        """Where the copter can stop, if visit n leaves its place open; to work it out takes longer than to look."""
-        return self.copter.here if self.route.program.leaves_open(n) else NOWHERE
+        """Return the copter's stopping place if visit n leaves its place open; computing it is slow."""
+        return self.copter.here if self.route.program.leaves_open(n) else NO_PLACE
 
     def fly_to(self, n: int) -> str:
-        """Fly to visit n, and do there what it asks for."""
+        """Fly to visit n and hold there; return why it was slow."""
         program, visit, copter = self.route.program, self.route.visits[n], self.copter
         onward, stop = program.onward(n), stop_at(program, n, self.here(n))
         copter.fly_to(stop, None if onward is None else stop_at(program, onward, stop.place))
@@ -223,7 +223,6 @@ class _Flight:
         return why
 
     def hold(self, seconds: float) -> None:
-        """Stay here."""
         if self.airborne:
             self.copter.hold(seconds)
             self.run()
@@ -231,12 +230,10 @@ class _Flight:
             self.stand(seconds)
 
     def stand(self, seconds: float) -> None:
-        """Let time pass on the ground."""
         self.copter.stand(seconds)
         self.note()
 
     def take_off(self, height: float) -> None:
-        """Spool up on the ground and climb to the height."""
         if not self.airborne:
             self.stand(max(ARMING_DELAY_S + 2 * self.limits.spool_up + LIFT_S + self.airframe.lift_delay, 0.0))
             self.airborne = True
@@ -245,14 +242,13 @@ class _Flight:
             self.run()
 
     def go(self, legs: Iterator[None]) -> None:
-        """Fly the legs of an item."""
         for _ in legs:
             self.run()
             if self.is_broken_off:
                 return
 
     def come_down(self, legs: Iterator[None]) -> None:
-        """Fly the legs of an ending; on the ground, until the landing is noticed."""
+        """Fly the legs of a landing or RTL; on the ground wait until the landing is detected."""
         self.go(legs)
         if self.copter.this.kind == DESCENT and not self.is_broken_off:
             self.touched, delay = self.copter.state.time, self.airframe.landing_delay
@@ -260,13 +256,13 @@ class _Flight:
             self.airborne = False
 
     def run(self) -> float:
-        """Fly the copter's leg to its end; the highest level speed on it [m/s]."""
+        """Fly the current leg to its end; return the highest level speed on it [m/s]."""
         flown = self.copter.run(self.until)
         self.tracks.append(Track.of(flown))
         self.note()
         return float(np.hypot(flown[:, 4], flown[:, 5]).max(initial=0.0))
 
     def note(self) -> None:
-        """Add the present moment to the track."""
+        """Add the present state to the track."""
         state = self.copter.state
         self.tracks.append(Track.of(np.array([[state.time, *self.copter.place, state.vx, state.vy, state.vz]])))

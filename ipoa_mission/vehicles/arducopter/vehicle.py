@@ -1,4 +1,4 @@
-"""ArduCopter as one object; its times, its tube and its stand-in are loaded when they are asked for."""
+"""The ArduCopter plug-in; its model, deviation law and mock profile are imported on demand."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -46,7 +46,7 @@ HABITS = Firmware(
         }
     ),
     rally=rows({"----ddm": "NAV_RALLY_POINT"}),
-    fence_is_union=False,  # unless bit 1 of FENCE_OPTIONS says so
+    fence_is_union=False,  # unless bit 1 of FENCE_OPTIONS is set
     max_items=650,
     max_fence_items=70,
     max_rally_points=46,
@@ -68,8 +68,8 @@ HABITS = Firmware(
 
 MODES = Modes(
     mission=3,
-    arming=4,  # it refuses to be armed in AUTO (AUTO_OPTIONS 0), and takes GUIDED only with a position
-    hold=17,  # LOITER would follow the throttle stick
+    arming=4,  # AUTO refuses arming (AUTO_OPTIONS 0); GUIDED needs a position
+    hold=17,  # LOITER follows the throttle stick
     returning=6,
     returns=frozenset({6, 21, 27}),
     lands=frozenset({9}),
@@ -90,7 +90,7 @@ MODES = Modes(
     },
 )
 
-#: AP_Arming, AP_Arming_Copter, AP_AHRS, NavEKF3 and AC_Fence of 4.7 give these reasons.
+#: Texts of AP_Arming, AP_Arming_Copter, AP_AHRS, NavEKF3 and AC_Fence in 4.7.
 ARMING_WORDS = ArmingWords(
     re.compile(r"(Pre)?Arm: "),
     re.compile(
@@ -146,8 +146,8 @@ class ArduCopter(Autopilot):
         arming_words=ARMING_WORDS,
         parameters_by_name=True,
         limits_are_bits="FENCE_TYPE",
-        widen_fence="give the vehicle a wider fence, or take that part out of its FENCE_TYPE (4: what the mission "
-        "brings alone); --anyway sends it all the same",
+        widen_fence="give the vehicle a wider fence, or remove that limit from its FENCE_TYPE (4: only the mission's "
+        "fence); --anyway sends it all the same",
     )
     refusals = REFUSALS
     slowed_by = SlowedBy(
@@ -170,8 +170,7 @@ class ArduCopter(Autopilot):
     station_loss = failsafes.STATION_LOSS
 
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
-        """To where its position controller can stop it (its stopping point).
-
+        """Return the distance to the position controller's stopping point.
         >>> import numpy as np
         >>> ArduCopter().braking_distance({"WPNAV_ACCEL": 250.0}, np.array([10.0]), np.zeros(1)).round(2)
         array([21.25])
@@ -187,8 +186,7 @@ class ArduCopter(Autopilot):
     def braking_way(
         self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: Contingency
     ) -> "Points":
-        """Shaped where it lands or brakes, else to its stopping point.
-
+        """Return the braking displacement: shaped to land or hold, else to the stopping point.
         >>> import numpy as np
         >>> ArduCopter().braking_way({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
         array([[11.,  0.]])
@@ -206,8 +204,7 @@ class ArduCopter(Autopilot):
     def circle(
         self, parameters: Parameters, radius: float, turn: float, speed: float | None, version: Version | None
     ) -> FlownCircle | None:
-        """It pursues a point on the circle.
-
+        """Return the circle of a vehicle that pursues a point on the commanded one.
         >>> flown = ArduCopter().circle({}, 60.0, 6.28, None, None)
         >>> round(flown.radius, 1), round(flown.runs_on, 1)
         (58.4, 15.5)
@@ -219,8 +216,7 @@ class ArduCopter(Autopilot):
         return flown_circle(limits, radius, speed or limits.speed, turn)
 
     def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
-        """LAND_SPEED below LAND_ALT_LOW, as fast as it else sinks above.
-
+        """Return the stretch: LAND_SPEED below LAND_ALT_LOW, the normal descent above.
         >>> ArduCopter().slow_stretch({}).touchdown(12.0)
         1.5
         """
@@ -232,35 +228,31 @@ class ArduCopter(Autopilot):
         return SlowStretch(max(p["LAND_SPEED"] / 100, SLOWEST), fast, low, low)
 
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
-        """By the bits of FENCE_TYPE, where it is switched on and FENCE_ACTION does more than report (AC_Fence)."""
+        """Return the limits of FENCE_TYPE if enabled and FENCE_ACTION does more than report (AC_Fence)."""
         return None if parameters.get("FENCE_ACTION", 1.0) <= ONLY_REPORTS else limits_on(parameters)
 
     def goal_of_return(self, parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
-        """As RTL chooses.
-
+        """Return the index of RTL's rally point.
         >>> ArduCopter().goal_of_return({"RALLY_LIMIT_KM": 0.3}, (0.0, 500.0, 20.0), [(0.0, 900.0, 10.0)])
         """
         return returning.goal_of_return(parameters, here, rally)
 
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
-        """RTL_ALT, lowered by its cone and its fence.
-
+        """Return RTL_ALT, lowered by the cone and the fence.
         >>> ArduCopter().return_height({"RTL_ALT": 6000.0, "FENCE_ENABLE": 1.0, "FENCE_ALT_MAX": 50.0}, 20.0, 400.0)
         48.0
         """
         return returning.CopterReturn.of(parameters).height(height, distance, goal_up)
 
     def over_terrain(self, parameters: Parameters) -> OverTerrain | None:
-        """By RTL_ALT_TYPE and WPNAV_TER_MARGIN, at which it goes no farther; a range finder may not see the ground.
-
+        """Return the terrain following of RTL_ALT_TYPE and WPNAV_TER_MARGIN.
         >>> ArduCopter().over_terrain({"RTL_ALT_TYPE": 1.0, "WPNAV_TER_MARGIN": 6.0})
         OverTerrain(margin=6.0, surely=True)
         """
         return returning.over_terrain(self.book.by_old_names(parameters))
 
     def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
-        """As its source has it.
-
+        """Return the failsafe actions, read in the source.
         >>> lost = next(one for one in ArduCopter().failsafes({"FS_OPTIONS": 1.0}) if one.cause == "radio control lost")
         >>> str(lost.route), str(ArduCopter().failsafes({"BATT_FS_LOW_ACT": 3.0})[0].route)
         ('continue (by FS_OPTIONS)', 'smart_rtl or rtl or land')

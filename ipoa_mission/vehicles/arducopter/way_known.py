@@ -1,13 +1,13 @@
-"""What ArduCopter makes of each command of a mission, read in 4.8.0-dev (ModeAuto::start_command) and flown."""
+"""ArduCopter's commands by their effect on the path, read in 4.8.0-dev (ModeAuto::start_command) and flown."""
 
 import math
 
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.vehicles.way_known import EQUIPMENT, SIMPLE, WayKnown
 
-#: Stored as navigation commands, and passed over at once.
+#: Stored as navigation commands, and skipped.
 SKIPPED = frozenset({Command.NAV_CONTINUE_AND_CHANGE_ALT, Command.NAV_ALTITUDE_WAIT, Command.NAV_SET_YAW_SPEED})
-#: Auxiliary functions of cameras, mounts, relays, lights and the like (RC_Channel::AUX_FUNC).
+#: Auxiliary functions of cameras, mounts, relays, lights and similar (RC_Channel::AUX_FUNC).
 QUIET_FUNCTIONS = frozenset({
     0, 9, 15, 19, 27, 28, 29, 30, 34, 35, 36, 44, 45, 66, 67, 78, 79, 94, 102, 113, 163, 164, 166, 167, 168, 169, 172,
     174, 175, 177, 185, 186, 212, 213, 214, 215, 216, 217,
@@ -26,12 +26,12 @@ WAY_KNOWN = WayKnown(
         Command.DO_VTOL_TRANSITION,
     },
     why={
-        Command.NAV_GUIDED_ENABLE: "another computer flies from here on",
-        Command.NAV_SCRIPT_TIME: "a script flies from here on",
-        Command.NAV_ATTITUDE_TIME: "it leans for a time, wherever that leads",
-        Command.DO_SET_HOME: "heights count from another home from here on, and it returns to that",
-        Command.DO_PARACHUTE: "a parachute brings it down",
-        Command.DO_AUX_FUNCTION: "a switch may change the mode, or stop the motors",
+        Command.NAV_GUIDED_ENABLE: "another computer controls the vehicle from here on",
+        Command.NAV_SCRIPT_TIME: "a script controls the vehicle from here on",
+        Command.NAV_ATTITUDE_TIME: "it holds an attitude for a time, and its path depends on the wind",
+        Command.DO_SET_HOME: "home changes: heights and returns refer to the new home",
+        Command.DO_PARACHUTE: "a parachute may be released",
+        Command.DO_AUX_FUNCTION: "a switch may change the mode or stop the motors",
     },
     unless={
         Command.NAV_GUIDED_ENABLE: lambda params: params[0] == 0.0,

@@ -12,7 +12,7 @@ WAY_KNOWN = WayKnown(
         Command.NAV_VTOL_TAKEOFF: "of a vehicle with wings",
         Command.NAV_VTOL_LAND: "of a vehicle with wings",
         Command.DO_VTOL_TRANSITION: "a multicopter waits for ever where it asks for wings",
-        Command.DO_SET_HOME: "heights count from another home from here on, and it returns to that",
+        Command.DO_SET_HOME: "home changes: heights and returns refer to the new home",
         Command.COMPONENT_ARM_DISARM: "it may stop the motors",
         Command.CONDITION_DELAY: "PX4 from 1.18 on waits there, which is not modeled",
         Command.CONDITION_GATE: "it goes on as the vehicle passes the gate, which is not modeled",
