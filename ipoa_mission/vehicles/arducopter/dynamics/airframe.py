@@ -1,8 +1,7 @@
-"""The multirotor that ArduPilot's simulator flies: its drag, and how quickly it answers.
+"""The simulated multirotor of ArduPilot: drag and response lag.
 
-No mission and no autopilot parameter tells these, and every airframe has its own; the values here are read from the
-recorded flights (see docs/lab/flight-time.md). Below about 8 m/s drag hardly matters; near the speed where it meets the
-greatest lean it decides.
+No mission and no autopilot parameter contains these values. They are fitted to the recorded flights (see
+docs/lab/flight-time.md). Drag matters little below about 8 m/s, and limits the speed near the greatest lean.
 """
 
 import math
@@ -14,15 +13,15 @@ from ipoa_mission.geometry import GRAVITY, Points
 from ipoa_mission.vehicles.learned import LearnedVehicle
 
 TROPOSPHERE = -500.0, 11_000.0  # altitudes [m]
-THINNING = 9.6e-5  # by this share the air is thinner a metre higher [1/m]
+THINNING = 9.6e-5  # relative decrease of air density with height [1/m]
 
 
 @dataclass(frozen=True)
 class Airframe:
-    """Drag per mass, `lag` [s] of rotors and rate loop, and how much later than modeled it lifts off and disarms [s].
+    """Drag per mass, `lag` of rotors and rate loop, and later lift-off and disarming than modeled [s].
 
-    The rotors' is `rotor_drag` times the speed through the air at a thrust of one g, and grows with the square root of
-    the thrust [1/s]; the body's is `body_drag` times the square of it, along each of the body's axes [1/m].
+    Rotor drag is `rotor_drag` times airspeed at a thrust of one g, and grows with the square root of thrust [1/s]. Body
+    drag is `body_drag` times airspeed squared, along each body axis [1/m].
     """
 
     rotor_drag: float
@@ -32,8 +31,7 @@ class Airframe:
     landing_delay: float = 0.0
 
     def at_altitude(self, altitude: float) -> "Airframe":
-        """The same over a home at this altitude [m], where the air is thinner: the standard atmosphere's density.
-
+        """Return the airframe in the standard atmosphere's density at an altitude of home [m].
         >>> round(Airframe(0.25, 0.036, 0.02).at_altitude(1000.0).body_drag, 4)
         0.0327
         """
@@ -42,10 +40,10 @@ class Airframe:
         return replace(self, rotor_drag=self.rotor_drag * math.sqrt(density), body_drag=self.body_drag * density)
 
     def top_speed(self, lean: float) -> float:
-        """The level speed [m/s] at which drag meets what a lean [rad] gives in calm air.
+        """Solve (r + q v) v = g tan(lean) for the level speed v [m/s] of a lean [rad] in calm air.
 
-        It solves (r + q v) v = g tan(lean). Of the level speed v the leaning body meets v cos(lean), so q is the
-        body's drag times that; r is the rotors' at the thrust that carries the leaning vehicle.
+        The leaning body meets v cos(lean), so q is the body's drag times that. r is the rotors' drag at the thrust that
+        carries the leaning vehicle.
         """
         pull, q = GRAVITY * math.tan(lean), self.body_drag * math.cos(lean)
         r = self.rotor_drag / math.sqrt(math.cos(lean))
@@ -54,23 +52,22 @@ class Airframe:
         return 2 * pull / (r + math.sqrt(r**2 + 4 * q * pull))
 
     def slowing(self, through_air: Points, axes: Points) -> Points:
-        """What the air takes [m/s^2] (n, 3) of a velocity through it (n, 3), down last, in level flight.
+        """Return the drag deceleration [m/s^2] (n, 3) of an air velocity (n, 3), down last, in level flight.
 
-        `axes` (n, 3, 3) are the body's, as columns. It is the `drag` of `steps`, for many places at once.
+        `axes` (n, 3, 3): the body's axes as columns. It is `steps.drag`, vectorized.
         """
         along = np.einsum("nij,ni->nj", axes, through_air)
         body = np.einsum("nij,nj->ni", axes, along * np.abs(along))
         return np.asarray(self.body_drag * body + self.rotor_drag / np.sqrt(axes[:, 2, 2, None]) * through_air)
 
 
-#: ArduPilot's built-in quadrotor, of 3 kg: 45 degrees of lean hold 15.08 m/s at 593 m over the sea, of which the rotors
-#: take 0.2 v sqrt(T rho A) with A = 0.385 m^2. The values are those at the sea (rho = 1.225 kg/m^3).
+#: ArduPilot's built-in quadrotor of 3 kg: a lean of 45 degrees holds 15.08 m/s at 593 m AMSL. Rotor drag is
+#: 0.2 v sqrt(T rho A) with A = 0.385 m^2. The values are for sea level (rho = 1.225 kg/m^3).
 ARDUPILOT_SIMULATOR = Airframe(rotor_drag=0.2484, body_drag=0.0356, lag=0.02)
 
 
 def airframe_of(vehicle: LearnedVehicle | None) -> Airframe:
-    """The airframe of a vehicle that was learned; the simulator's where nothing is known of it.
-
+    """Return the airframe of a learned vehicle; None: the simulator's.
     >>> airframe_of(None) is ARDUPILOT_SIMULATOR
     True
     """

@@ -1,6 +1,6 @@
-"""An ArduCopter in flight: what it is told to fly, leg by leg, and its state as time passes.
+"""An ArduCopter in flight: commanded legs and the state over time.
 
-The estimate lets it `run` to the end of each leg; the built-in autopilot lets it `step`.
+The estimate calls `run` for each leg; the built-in autopilot calls `step`.
 """
 
 import math
@@ -50,25 +50,25 @@ from ipoa_mission.vehicles.arducopter.limits import CopterLimits
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.ground import LEVEL, Ground
 
-JUST_BEGUN = 0.3  # so far into a leg a change of speed still plans it anew, as `straight` was flown [s]
+JUST_BEGUN = 0.3  # a speed change up to this time into a leg replans it, as `straight` was flown [s]
 SAME_PLACE = 1e-3  # [m]
-#: What rounding leaves to climb when a take-off counts as done: up to half a millimetre, for which the leg over the
-#: take-off takes 0.4 s, or nothing, for which it takes no time. This much takes 0.2 s [m].
+#: The climb left when a take-off counts as done. Rounding leaves up to 0.5 mm, whose leg takes 0.4 s, or nothing, which
+#: takes 0 s. This rest takes 0.2 s [m].
 TAKEOFF_REST = 0.00003
 STANDING = 0.1  # [m/s]
 SHAPED = frozenset({ORBIT, LEVEL_OFF})  # kinds of legs that end in motion
-SLOWEST = 0.5  # a copter that the wind leaves less headway does not get on [m/s]
-NO_ROOM = -1  # what the stepping code says where there is no room for more samples
-BLOWN_OFF = -2  # what the stepping code says of a copter that it has lost
+SLOWEST = 0.5  # least headway in wind [m/s]
+NO_ROOM = -1  # result of `fly_leg`: no room for more samples
+BLOWN_OFF = -2  # result of `fly_leg`: the copter is lost
 TOO_WINDY = "fly in less wind, another way, or with a greater lean (ANGLE_MAX, at its risk)"
 NO_END = "there is no wind: the model of the flight is wrong here; fly this leg at another speed, or report the mission"
-SETTLED = 10.0  # a hold that lasts longer changes nothing more [s]
+SETTLED = 10.0  # after this time of a hold nothing changes [s]
 
 
 class Stop(NamedTuple):
-    """Where to fly: straight, or on a `spline` that leaves towards the place `after` it (True: by another spline).
+    """A destination: straight, or a `spline` that leaves towards the place `after` (True: by another spline).
 
-    A `turn` [rad], clockwise positive, makes the way an arc.
+    A `turn` [rad], clockwise positive, makes the path an arc.
     """
 
     place: Place
@@ -78,7 +78,7 @@ class Stop(NamedTuple):
 
 
 def stop_at(program: Program, n: int, here: Place) -> Stop:
-    """Item n of a program as a stop; what it leaves open is that of `here`."""
+    """Return item n of a program as a stop; open coordinates are those of `here`."""
     item, place = program.items[n], program.place(n, here)
     if item.command != Command.NAV_SPLINE_WAYPOINT:
         return Stop(place, turn=turn_of(item))
@@ -91,7 +91,7 @@ def stop_at(program: Program, n: int, here: Place) -> Stop:
 
 
 class Copter:
-    """A copter over `here`, at rest; `this` is the leg that it flies, and `passed` whether that is over."""
+    """A copter at rest over `here`; `this` is the current leg, `passed` whether it is over."""
 
     def __init__(
         self,
@@ -102,7 +102,7 @@ class Copter:
         here: Place = (0.0, 0.0, 0.0),
         ground: Ground = LEVEL,
     ) -> None:
-        """`fast` is as in `estimate`; it comes down to the `ground`."""
+        """`fast` is as in `estimate`; it descends to the `ground`."""
         self.limits, self._tuning, self._wind, self._ground = limits, tuning(limits, airframe, wind), wind, ground
         self._slowest = SLOWEST if wind.speed > 0 else math.inf
         self.speeds = MotionLimits(limits.speed, limits.climb, limits.descent)
@@ -111,22 +111,21 @@ class Copter:
         self._records: dict[int, tuple[CopterLeg, Any]] = {}
         self.this, self.following, self._before = hold_leg(here, 0.0), NO_LEG, NO_LEG
         self.passed = True
-        self._left = 0.0  # how fast the last spline that was planned ahead is left [m/s]
+        self._left = 0.0  # leave speed of the last spline planned ahead [m/s]
 
     @property
     def place(self) -> Place:
-        """East, north, up [m]."""
         return self.state.x, self.state.y, self.state.z
 
     @property
     def here(self) -> Place:
-        """Where the next leg begins: the end of the one that is over, or where the copter can come to a stop."""
+        """The start of the next leg: the end of a finished leg, or the stopping place."""
         this = self.this
         moves = this.kind in SHAPED or (this.kind > SPLINE and this.leave > 0.0)
         return this.target if self.passed and self.following is NO_LEG and not moves else self.stopping_place()
 
     def stopping_place(self) -> Place:
-        """Where the copter can come to a stop."""
+        """Return the place where the copter can stop."""
         state, limits = self.state, self.limits
         speed = math.hypot(state.vx, state.vy)
         near = limits.accel / self._tuning.p_position**2
@@ -139,18 +138,18 @@ class Copter:
     # --- time passes ------------------------------------------------------------------------------------------------
 
     def step(self) -> bool:
-        """Let one step pass; whether the leg is over. Beyond its end the copter stays there."""
+        """Advance by one step; return whether the leg is over. After its end the copter stays there."""
         over = step(self.state, self._before, self.this, self.following, self._tuning)
         self.passed = self.passed or over
         return self.passed
 
     def run(self, until: float = math.inf) -> Points:
-        """Let time pass to the end of the leg; samples of the track: time, place, velocity (n, 7).
+        """Fly the leg to its end; return samples of the track: time, place, velocity (n, 7).
 
-        At the time `until` [s] it breaks off, and the leg has not `passed`.
+        At the time `until` [s] it stops, and the leg has not `passed`.
 
         Raises:
-            MissionError: it does not get there.
+            MissionError: the copter does not reach the end.
         """
         skipped = 0.0
         if self.this.kind == HOLD and self.this.lasts > SETTLED:
@@ -178,7 +177,7 @@ class Copter:
         return samples[:used]
 
     def _lost(self, why: int) -> str:
-        """In words, where the copter does not get on."""
+        """Describe why the copter makes no progress."""
         x, y, z = map(round, self.place)
         east, north, up = map(round, self.this.target)
         at, to = f"{x} m east, {y} m north, {z} m up of home", f"{east}, {north}, {up} m"
@@ -189,29 +188,28 @@ class Copter:
         return f"the copter does not get on to {to}: after {self.state.time:.0f} s it is at {at}{windy}"
 
     def _least_time(self) -> float:
-        """About as long as the leg lasts, or less [s]."""
+        """Estimate the leg's duration, or less [s]."""
         leg = self.this
         slowest = min(*leg.speeds, self.limits.land_speed) if leg.kind in (CLIMB, DESCENT) else leg.speeds.level
         way = leg.length / slowest if leg.length > 0 else 0.0
         return max(way, leg.profile.lasts, leg.lasts)
 
     def stand(self, seconds: float) -> None:
-        """Let time pass on the ground, without any motion."""
         x, y, z = self.place
         yaw, self.state = self.state.yaw, _at_rest((x, y, max(z, self._ground.at(x, y))), self.state.time + seconds)
         self.face(yaw)
 
     def face(self, yaw: float) -> None:
-        """Turn the nose, clockwise from north [rad]."""
+        """Set the yaw, clockwise from north [rad]."""
         self.state.yaw, self.state.nose_x, self.state.nose_y = yaw, math.sin(yaw), math.cos(yaw)
 
     # --- what to fly ------------------------------------------------------------------------------------------------
 
     def fly_to(self, stop: Stop, following: Stop | None = None, turns: bool = True, ends_near: bool = False) -> None:
-        """Begin a leg to `stop`: the one planned when that was the last one's `following`; else from `here`.
+        """Start a leg to `stop`: the one planned as the last leg's `following`, else from `here`.
 
-        With a stop `following` the copter does not come to rest at this one. Its nose `turns` along the way, or keeps
-        its heading. A leg that `ends_near` is over within the acceptance radius.
+        With `following` the copter does not stop here. The yaw follows the path if `turns`, else it stays. A leg that
+        `ends_near` ends within the acceptance radius.
         """
         self._tuning = self._tuning._replace(slew=self.limits.yaw_rate * STEP if turns else 0.0)
         planned, state = self.following, self.state
@@ -234,9 +232,9 @@ class Copter:
         self._begin(this._replace(ends_near=float(ends_near)), onward)
 
     def _unplanned(self, stop: Stop) -> CopterLeg:
-        """A leg that begins from `here`: out of a spline that was not to end at rest with its speed, else at rest.
+        """Return a leg from `here`: at the present speed out of a spline that was not to end at rest, else at rest.
 
-        It is never an arc: those are flown only where they were planned as the leg before began.
+        It is never an arc: arcs are flown only if planned at the start of the previous leg.
         """
         before, here = self.this, self.here
         if self.passed and before.kind == SPLINE and before.leave > 0.0:
@@ -249,19 +247,19 @@ class Copter:
         return self._leg(stop._replace(turn=0.0), here, NO_LEG)
 
     def _leg(self, stop: Stop, origin: Place, previous: CopterLeg) -> CopterLeg:
-        """The leg to `stop` from `origin`, flown into from `previous` unless that is nothing."""
+        """Return the leg from `origin` to `stop`, entered from `previous` unless that is NO_LEG."""
         if not stop.spline or math.dist(origin, stop.place) < SAME_PLACE:
             return straight_leg(origin, stop.place, self.speeds, self.limits, turn=stop.turn)
         return spline_leg(origin, stop.place, previous, stop.after, self.speeds, self.limits)
 
     def _as_begun(self, planned: CopterLeg) -> CopterLeg:
-        """A leg planned before, perhaps under way, perhaps at another speed since."""
+        """Return a leg planned before, perhaps in progress, perhaps with a changed speed."""
         elapsed = self.state.clock
-        enter = self.state.speed if self._before is NO_LEG else 0.0  # out of a spline a leg starts at its speed
+        enter = self.state.speed if self._before is NO_LEG else 0.0  # after a spline a leg starts at its speed
         if planned.kind == SPLINE or elapsed > JUST_BEGUN or (enter == 0.0 and planned.speeds == self.speeds):
             return at_speeds(planned, self.speeds, elapsed, self.limits)
         way, is_changed = (planned.origin, planned.target, self.speeds, self.limits), planned.speeds != self.speeds
-        turn = 0.0 if self._before is NO_LEG else planned.turn  # out of a spline no arc is flown
+        turn = 0.0 if self._before is NO_LEG else planned.turn  # no arc after a spline
         return straight_leg(*way, enter=enter, turn=turn, is_changed=is_changed)
 
     def _begin(self, this: CopterLeg, following: CopterLeg = NO_LEG) -> None:
@@ -269,13 +267,13 @@ class Copter:
         self.state.clock_next = self.state.share = self.state.az = 0.0
 
     def change_speed(self, kind: int, speed: float) -> None:
-        """DO_CHANGE_SPEED: the kind says which speed (0 and 1 level, 2 climb, 3 descent); 0 or less changes nothing."""
+        """Execute DO_CHANGE_SPEED: kind 0 and 1 level, 2 climb, 3 descent; 0 or less is ignored."""
         if speed > 0:
             name = {2: "up", 3: "down"}.get(kind, "level")
             self.speeds = self.speeds._replace(**{name: speed})
 
     def wait_at(self, item: Item) -> float:
-        """How long the copter stays at an item's place [s]."""
+        """Return the hold time at an item's place [s]."""
         first = item.params[0] if math.isfinite(item.params[0]) else 0.0
         match item.command:
             case Command.NAV_LOITER_UNLIM:
@@ -287,11 +285,11 @@ class Copter:
         return float(int(first))
 
     def hold(self, seconds: float) -> None:
-        """Stay `here`; in motion, where that ends."""
+        """Stay `here`, or in motion at the stopping place."""
         self._begin_over(hold_leg(self.here, seconds))
 
     def brake(self) -> Place:
-        """Begin guidance and control anew, the lean as it is: stay where the copter can come to a stop."""
+        """Reset guidance and control except the lean, and stop; return the stopping place."""
         self._restart()
         self._begin_over(hold_leg(self.stopping_place(), math.inf))
         self.passed = True
@@ -303,7 +301,7 @@ class Copter:
         state.rate = 1.0
 
     def orbit(self, center: Place, radius: float, turn: float) -> None:
-        """Circle around a center by a turn [rad], from where the copter can come to a stop."""
+        """Circle around a center by a turn [rad], from the stopping place."""
         self._restart()
         state, here = self.state, self.stopping_place()
         state.target_x, state.target_y, state.target_z = here
@@ -312,18 +310,18 @@ class Copter:
         self._begin_over(orbit_leg(here, center, radius, turn, self.speeds, self.limits))
 
     def level_off(self, up: float) -> None:
-        """Brake, and climb or sink to a height."""
+        """Brake, and climb or descend to a height."""
         self.state.above = 0.0
         speeds = MotionLimits(self.speeds.level, self.limits.climb, self.limits.descent)
         self._begin_over(level_off_leg(self.place, up, speeds))
 
     def take_off(self, height: float) -> None:
-        """Climb straight up, but for a rest that is left to the next leg."""
+        """Climb straight up, except the rest that the next leg climbs."""
         leg = upright_leg(CLIMB, self.place, max(height - TAKEOFF_REST, self.state.z), self.speeds)
         self._begin_over(leg._replace(leave=self._still_moving))
 
     def sink(self, most: float) -> bool:
-        """Come down at the speed of a payload, to the ground or by so much at most [m]; whether to the ground."""
+        """Descend at the payload speed to the ground, or by `most` [m]; return whether to the ground."""
         x, y, z = self.here
         ground, speed = self._ground.at(x, y), min(self.limits.payload_speed, self.limits.descent)
         end = max(ground, z - most) if most > 0.0 else ground
@@ -332,20 +330,18 @@ class Copter:
         return end == ground
 
     def rise(self, height: float) -> None:
-        """Climb to a height, from the ground or in motion."""
         speeds = MotionLimits(self.speeds.level, self.limits.climb, self.limits.descent)
         self._begin_over(upright_leg(CLIMB, self.place, height, speeds))
 
     @property
     def _still_moving(self) -> float:
-        """More than nothing where the leg before ended in motion, which is then braked."""
+        """Above 0 if the previous leg ended in motion, which is then braked."""
         return 1.0 if self.this.kind in SHAPED else self.this.leave
 
     def descend(self, counted_from: float = 0.0) -> None:
-        """Come down to the ground: fast down to LAND_ALT_LOW, then at LAND_SPEED.
+        """Descend to the ground: fast down to LAND_ALT_LOW, then at LAND_SPEED.
 
-        LAND_ALT_LOW is over the ground where a range finder sees that, else over the height `counted_from` [m above
-        home], wherever the ground is.
+        LAND_ALT_LOW counts from the ground if a range finder sees it, else from `counted_from` [m above home].
         """
         ground = self._ground.at(*self.here[:2])
         low = self.limits.land_low + (ground if self.limits.sees_ground else counted_from)
@@ -360,7 +356,7 @@ class Copter:
 
     @property
     def spool_down(self) -> float:
-        """For so long the motors run down once it has landed, before it disarms [s]."""
+        """Time for the motors to spool down after landing, before disarming [s]."""
         return self.limits.spool_up
 
 

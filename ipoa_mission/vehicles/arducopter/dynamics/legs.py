@@ -1,4 +1,4 @@
-"""ArduCopter's legs: straight ones with an S-curve, splines with tangents, and those over one place."""
+"""Constructors of ArduCopter's legs: straight with an S-curve, splines with tangents, and vertical ones."""
 
 import math
 from dataclasses import replace
@@ -24,13 +24,13 @@ from ipoa_mission.vehicles.arducopter.dynamics.scurve import AT_REST, SCurveLimi
 from ipoa_mission.vehicles.arducopter.dynamics.steps import along_limit, bend
 from ipoa_mission.vehicles.arducopter.limits import CopterLimits
 
-SPLINE_SHARE = 0.5  # of the acceleration limits that a spline leg uses, along the curve and across it
+SPLINE_SHARE = 0.5  # of the acceleration limits, along and across a spline
 SLOWEST_SPIN_UP = math.radians(2.0)  # [rad/s^2]
 ZERO_LENGTH = 1e-6  # [m]
 
 
 def limits_along(origin: Place, target: Place, speeds: MotionLimits, copter: CopterLimits) -> SCurveLimits:
-    """The largest speed and acceleration along the way whose level and vertical parts keep their limits."""
+    """Return the greatest speed and acceleration along the path whose level and vertical parts keep their limits."""
     length = math.dist(origin, target)
     if length < 1e-9:
         return SCurveLimits(speeds.level, copter.accel, copter.jerk, copter.snap)
@@ -42,7 +42,7 @@ def limits_along(origin: Place, target: Place, speeds: MotionLimits, copter: Cop
     return SCurveLimits(speed, accel, copter.jerk, copter.snap)
 
 
-@lru_cache(maxsize=256)  # a route that is tried differs from the last in one waypoint
+@lru_cache(maxsize=256)  # successive candidate routes differ in one waypoint
 def straight_leg(
     origin: Place,
     target: Place,
@@ -53,9 +53,9 @@ def straight_leg(
     turn: float = 0.0,
     is_changed: bool = False,
 ) -> CopterLeg:
-    """A straight leg, or with a `turn` [rad] an arc; it begins and ends at rest, or next to a spline at a speed.
+    """Return a straight leg, or with a `turn` [rad] an arc; ends at rest, or next to a spline at a speed.
 
-    `is_changed`: its speed is another than when it was first planned.
+    `is_changed`: its speed was changed after it was planned.
     """
     leg = _leg(STRAIGHT, origin, target, speeds)
     if leg.length <= ZERO_LENGTH:
@@ -68,7 +68,7 @@ def straight_leg(
 
 
 def _limits_of(leg: CopterLeg, copter: CopterLimits) -> SCurveLimits:
-    """The limits along its chord; on an arc the corner acceleration bounds the level speed."""
+    """Return the limits along the chord; on an arc the corner acceleration limits the level speed."""
     speeds = leg.speeds
     if leg.turn != 0.0:
         radius = arc_radius(leg.origin, leg.target, leg.turn)
@@ -77,7 +77,7 @@ def _limits_of(leg: CopterLeg, copter: CopterLimits) -> SCurveLimits:
 
 
 def _changed_limits(leg: CopterLeg, copter: CopterLimits) -> SCurveLimits:
-    """The limits after a change of speed: on an arc those along its way, with no bound on its corner acceleration."""
+    """Return the limits after a speed change; on an arc along its path, without its corner acceleration."""
     limits = _limits_of(leg, copter)
     if leg.turn == 0.0:
         return limits
@@ -93,7 +93,7 @@ def spline_leg(
     speeds: MotionLimits,
     copter: CopterLimits,
 ) -> CopterLeg:
-    """A curve that begins as the leg before ended and ends towards `after`, as `spline_tangents` has it."""
+    """Return a curve that starts tangent to the previous leg and ends towards `after`, as `spline_tangents`."""
     flown_in = None
     if previous is not None:
         flown_in = previous.end if previous.kind == SPLINE else minus(previous.target, previous.origin)
@@ -107,19 +107,18 @@ def spline_leg(
 
 
 def upright_leg(kind: float, place: Place, height: float, speeds: MotionLimits, lasts: float = 0.0) -> CopterLeg:
-    """Over one place to a `height`: a CLIMB, a DESCENT, or a HOLD that `lasts` [s]."""
+    """Return a vertical leg to a `height` [m]: a CLIMB, a DESCENT, or a HOLD that `lasts` [s]."""
     return _leg(kind, place, (place[0], place[1], height), speeds)._replace(lasts=lasts)
 
 
 def hold_leg(place: Place, lasts: float) -> CopterLeg:
-    """To stay at a place [s]."""
     return upright_leg(HOLD, place, place[2], MotionLimits(0.0, 0.0, 0.0), lasts)
 
 
 def orbit_leg(
     here: Place, center: Place, radius: float, turn: float, speeds: MotionLimits, copter: CopterLimits
 ) -> CopterLeg:
-    """Around a center, as high as `here`, by a `turn` [rad], clockwise positive."""
+    """Return a circle around a center at the height of `here`, by a `turn` [rad], clockwise positive."""
     spin, spin_up = copter.circle_rate, max(copter.circle_rate, SLOWEST_SPIN_UP)
     if radius > 0.0:
         spin = circle_spin(copter, radius, speeds.level)
@@ -129,15 +128,15 @@ def orbit_leg(
 
 
 def level_off_leg(here: Place, up: float, speeds: MotionLimits) -> CopterLeg:
-    """Brake from where it is, and climb or sink to a height."""
+    """Return a leg that brakes and climbs or descends to a height."""
     return upright_leg(LEVEL_OFF, here, up, speeds)
 
 
 def joined(this: CopterLeg, following: CopterLeg, copter: CopterLimits, left: float = math.inf) -> CopterLeg:
-    """`this` with the speed at its end agreed with the next leg, where one of the two is a spline.
+    """Return `this` with its end speed matched to the next leg, if one of the two is a spline.
 
-    A spline that follows is entered no faster than its chord leaves way to brake to `left`: the speed at which the
-    spline that was planned to follow before it was to be left [m/s].
+    The entry speed of a spline allows braking along its chord to `left`: the leave speed of the last planned spline
+    [m/s].
     """
     if this.kind == following.kind == STRAIGHT:
         return this
@@ -151,12 +150,12 @@ def joined(this: CopterLeg, following: CopterLeg, copter: CopterLimits, left: fl
 
 
 def speed_left(leg: CopterLeg) -> float:
-    """The speed at which a spline may be left, for all that comes after it; nothing where it ends at rest."""
+    """Return the greatest leave speed of a spline, whatever follows; 0 if it ends at rest [m/s]."""
     return _speed_at(leg, 1.0) if any(leg.end) else 0.0
 
 
 def at_speeds(leg: CopterLeg, speeds: MotionLimits, elapsed: float, copter: CopterLimits) -> CopterLeg:
-    """The leg with other speeds in force, `elapsed` s after its start."""
+    """Return the leg with other speeds in force, `elapsed` s after its start."""
     if speeds == leg.speeds:
         return leg
     changed = leg._replace(speeds=speeds)
@@ -172,5 +171,5 @@ def _leg(kind: float, origin: Place, target: Place, speeds: MotionLimits) -> Cop
 
 
 def _speed_at(leg: CopterLeg, end: float) -> float:
-    """The speed at which a leg can be entered (end 0) or left (end 1): the bend's, or a straight leg's peak."""
+    """Return the greatest speed at a leg's start (end 0) or end (end 1): the bend's, or a straight leg's peak."""
     return leg.profile.peak if leg.kind == STRAIGHT else float(bend(leg, end)[3])

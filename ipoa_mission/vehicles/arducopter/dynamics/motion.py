@@ -1,7 +1,7 @@
-"""What the stepping code works on: a leg, the tuning, the state of a flight.
+"""Data types of the stepping code: leg, tuning, and flight state.
 
-The types are such that plain Python and numba read the same lines: what is only read is a NamedTuple, and what changes
-is an object with attributes; for numba legs and states are records with the same names.
+Plain Python and numba run the same code. Read-only types are NamedTuples, mutable ones are objects with attributes. For
+numba, legs and states are records with the same names.
 """
 
 import math
@@ -15,17 +15,15 @@ from ipoa_mission.vehicles.arducopter.limits import CopterLimits
 from ipoa_mission.wind import MOST_LEVELS, Wind
 
 STEP = 0.02  # [s]
-ASTRAY, ASTRAY_S = 30.0, 3.0  # so far from its target, and so many seconds of flight, no copter falls behind in calm
-STANDING_SHARE = 0.05  # of the speed: a target that is slower does not turn the nose
+ASTRAY, ASTRAY_S = 30.0, 3.0  # greatest lag behind the target in calm air: [m], plus [s] of flight
+STANDING_SHARE = 0.05  # of the speed: a slower target does not turn the yaw
 
-#: Kinds of legs; CLIMB and DESCENT are those of take-off and landing, which no S-curve shapes. An ORBIT is a circle,
-#: LEVEL_OFF the end of LOITER_TO_ALT.
+#: Kinds of legs. CLIMB and DESCENT are those of take-off and landing, without an S-curve. ORBIT is a circle, LEVEL_OFF
+#: the end of LOITER_TO_ALT.
 NOTHING, STRAIGHT, SPLINE, CLIMB, DESCENT, HOLD, ORBIT, LEVEL_OFF = -1.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0
 
 
 class Vector(NamedTuple):
-    """East, north, up."""
-
     x: float
     y: float
     z: float
@@ -35,7 +33,7 @@ ZERO = Vector(0.0, 0.0, 0.0)
 
 
 class MotionLimits(NamedTuple):
-    """The most level, upwards and downwards: of speed [m/s], or of acceleration [m/s^2]."""
+    """Greatest level, upward and downward values: of speed [m/s] or acceleration [m/s^2]."""
 
     level: float
     up: float
@@ -43,7 +41,7 @@ class MotionLimits(NamedTuple):
 
 
 class Orbit(NamedTuple):
-    """A circle of a `radius` [m]; the rate of turn is up to `spin` [rad/s], and grows by `spin_up` [rad/s^2]."""
+    """A circle of a `radius` [m]; the turn rate grows by `spin_up` [rad/s^2] to `spin` [rad/s]."""
 
     radius: float
     spin: float
@@ -54,12 +52,11 @@ NO_ORBIT = Orbit(0.0, 0.0, 0.0)
 
 
 class CopterLeg(NamedTuple):
-    """From `origin` to `target` at up to `speeds`: straight with a `profile`, along a `cubic`, or straight up or down.
+    """A leg from `origin` to `target` at up to `speeds`: straight with a `profile`, along a `cubic`, or vertical.
 
-    A spline keeps `accel` and leaves at up to `leave` [m/s]; its tangent there is `end`. A HOLD `lasts` [s].
-    A straight leg with a `turn` [rad] is an arc: by so much it turns around its `center`, clockwise positive, and so
-    does an `orbit`. One that `ends_near` (1) is over within the acceptance radius of its target, under way or not. A
-    DESCENT with a speed to `leave` begins in motion.
+    A spline keeps `accel` and leaves at up to `leave` [m/s]; its end tangent is `end`. A HOLD `lasts` [s]. A straight
+    leg with a `turn` [rad] is an arc around `center`, clockwise positive, as is an `orbit`. With `ends_near` (1) it
+    ends within the acceptance radius of its target, at any time. A DESCENT with a `leave` speed starts in motion.
     """
 
     kind: float
@@ -88,7 +85,7 @@ Levels = tuple[Level, Level, Level, Level, Level, Level, Level, Level]
 
 
 class Tuning(NamedTuple):
-    """The constants of a flight; shares are those of a first-order lag within one step."""
+    """Constants of a flight; shares are those of a first-order lag within one step."""
 
     radius: float
     corner_accel: float
@@ -106,8 +103,8 @@ class Tuning(NamedTuple):
     p_height: float
     most_lean: float
     smoothing: float  # share: of the velocity error
-    leaning: float  # share: of the lean that is asked for
-    turning: float  # share: of the lean itself
+    leaning: float  # share: of the lean setpoint
+    turning: float  # share: of the lean
     slowing: float  # share: of the path's clock
     rotor_drag: float
     body_drag: float
@@ -115,21 +112,21 @@ class Tuning(NamedTuple):
     wind_north: float
     wind_exponent: float
     gradient_height: float
-    wind_levels: Levels  # a profile in place of all that, where the first lies below the last
-    slew: float  # of the nose, in one step [rad]; 0: it keeps its heading
-    most_astray: float  # a copter that is farther from its target is blown off its path [m]
-    turning_from: float  # the nose follows a target that moves at more than this [m/s]
+    wind_levels: Levels  # replaces the wind above if the first level is below the last
+    slew: float  # of the yaw in one step [rad]; 0: fixed heading
+    most_astray: float  # a copter farther from its target is lost [m]
+    turning_from: float  # the yaw follows a target faster than this [m/s]
     brakes_climb: float  # 1: with all of its acceleration, as since 4.8; 0: with half of it
 
 
 def levels_of(wind: Wind) -> Levels:
-    """Height, and what it blows towards the east and the north there, the last level repeated; all 0 of no profile."""
+    """Return height, east and north wind (towards) of each level, padded with the last; all 0 without a profile."""
     given = [tuple(level) for level in wind.levels] or [(0.0, 0.0, 0.0)]
     return tuple(given + given[-1:] * (MOST_LEVELS - len(given)))  # type: ignore[return-value]
 
 
 def tuning(limits: CopterLimits, airframe: Airframe, wind: Wind) -> Tuning:
-    """What the parameters, the airframe and the wind come to."""
+    """Compute the constants of a flight from parameters, airframe and wind."""
 
     def share(lag: float) -> float:
         return 1 - math.exp(-STEP / lag)
@@ -170,7 +167,7 @@ def tuning(limits: CopterLimits, airframe: Airframe, wind: Wind) -> Tuning:
 
 @dataclass(slots=True)
 class State:
-    """A flight at one moment: the vehicle (east, north, up), its controllers, the path's clock and its target."""
+    """A flight at one moment: the vehicle (east, north, up), controllers, path clock and target."""
 
     time: float = 0.0
     x: float = 0.0
@@ -182,29 +179,29 @@ class State:
     ax: float = 0.0
     ay: float = 0.0
     az: float = 0.0
-    asked_x: float = 0.0  # the lean asked for, as level acceleration: g tan(angle)
+    asked_x: float = 0.0  # lean setpoint as level acceleration: g tan(angle)
     asked_y: float = 0.0
-    shaped_x: float = 0.0  # what the attitude controller makes of it
+    shaped_x: float = 0.0  # output of the attitude controller
     shaped_y: float = 0.0
     lean_x: float = 0.0
     lean_y: float = 0.0
-    load: float = 1.0  # what the rotors carry of the weight; the air the rest
+    load: float = 1.0  # share of the weight that the rotors carry; the air carries the rest
     yaw: float = 0.0  # clockwise from north
     nose_x: float = 0.0  # its unit vector
     nose_y: float = 1.0
-    error_x: float = 0.0  # filtered error of velocity, and its integral
+    error_x: float = 0.0  # filtered velocity error, and its integral
     error_y: float = 0.0
     integral_x: float = 0.0
     integral_y: float = 0.0
     rate: float = 1.0  # of the path's clock
-    clock_before: float = 0.0  # on the leg before, on this one and on the next [s]
+    clock_before: float = 0.0  # time on the previous leg, on this one and on the next [s]
     clock: float = 0.0
     clock_next: float = 0.0
     share: float = 0.0  # of a spline
-    bearing: float = 0.0  # from the center of an orbit to where it began
-    spin: float = 0.0  # the rate of turn on it, and how far it has turned [rad]
+    bearing: float = 0.0  # from the center of an orbit to its start
+    spin: float = 0.0  # turn rate on an orbit, and angle turned [rad]
     turned: float = 0.0
-    above: float = 0.0  # how much higher it was than it has to be [m]
+    above: float = 0.0  # height above the goal one step ago [m]
     speed: float = 0.0  # of the target
     target_x: float = 0.0
     target_y: float = 0.0
@@ -212,5 +209,5 @@ class State:
     aim_x: float = 0.0  # velocity of the target
     aim_y: float = 0.0
     aim_z: float = 0.0
-    push_x: float = 0.0  # and its acceleration
+    push_x: float = 0.0  # acceleration of the target
     push_y: float = 0.0

@@ -1,6 +1,6 @@
-"""What ArduCopter flies in several legs: LAND, RTL, circles, LOITER_TO_ALT, PAYLOAD_PLACE.
+"""ArduCopter's procedures of several legs: LAND, RTL, circles, LOITER_TO_ALT, PAYLOAD_PLACE.
 
-Each yields whenever one more leg is to be flown.
+Each generator yields when the next leg is ready to fly.
 """
 
 import math
@@ -16,25 +16,24 @@ from ipoa_mission.vehicles.arducopter.dynamics.motion import MotionLimits
 from ipoa_mission.vehicles.arducopter.limits import CENTIMETRE
 from ipoa_mission.vehicles.returning import HOME
 
-#: LAND flies to its place at the height where the vehicle is, cut to whole centimetres: that is the waypoint's, or some
-#: centimetres off. The leg takes no time, or 1 to 1.8 s. Before a flight nothing tells which: 0.8 s are counted, this
-#: share of a leg of one centimetre.
+#: LAND first flies to its place at the present height, truncated to centimetres: the waypoint's or some centimetres
+#: off. That leg takes 0 s, or 1 to 1.8 s, unknown before the flight. 0.8 s are assumed: this share of a 1 cm leg.
 LAND_BELOW = 0.75
-#: RTL begins with a leg to where the vehicle would stop, its height and place cut likewise: by so much on average [m].
+#: RTL starts with a leg to the stopping point, truncated likewise: the mean length of that leg [m].
 RETURN_ROUNDING = 0.7 * CENTIMETRE
-PLACED = 0.65  # for so long PAYLOAD_PLACE stands on the ground [s]
+PLACED = 0.65  # time of PAYLOAD_PLACE on the ground [s]
 LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND})
 
 
 def landing_place(program: Program, item: Item) -> Place | None:
-    """Where it lands, and the height that its item names; None: where it is."""
+    """Return the item's place and height; None: land in place."""
     return None if (item.latitude_deg, item.longitude_deg) == (0.0, 0.0) else program.place_of(item)
 
 
 def land(copter: Copter, place: Place | None) -> Iterator[None]:
-    """LAND: fly over its place, or the centimetre that rounding leaves to it, and come down; None: come down.
+    """LAND: fly over its place, or the rounding leg, and descend; None: descend.
 
-    Since 4.7 the altitude of the place is where LAND_ALT_LOW counts from.
+    Since 4.7 LAND_ALT_LOW counts from the altitude of the place.
     """
     x, y, z = here = copter.here
     if place is not None and math.hypot(place[0] - x, place[1] - y) > SAME_PLACE:
@@ -49,9 +48,9 @@ def land(copter: Copter, place: Place | None) -> Iterator[None]:
 
 
 def return_home(copter: Copter, goal: Place = HOME) -> Iterator[None]:
-    """RTL: climb if below its height (no higher than a cone over home asks for), fly home, loiter, come down.
+    """RTL: climb to the return height, limited by the cone, fly to the goal, loiter, descend.
 
-    `goal`: home, or the rally point that it returns to instead, with that one's height.
+    `goal`: home or a rally point, with its height.
     """
     limits, (x, y, z), (east, north, _) = copter.limits, copter.brake(), goal
     far = math.hypot(x - east, y - north)
@@ -75,7 +74,7 @@ def return_home(copter: Copter, goal: Place = HOME) -> Iterator[None]:
 
 
 def circle(copter: Copter, center: Place, item: Item) -> Iterator[None]:
-    """LOITER_TURNS: fly to the nearest point of the circle, unless it is near; then circle as high as that is."""
+    """LOITER_TURNS: fly to the nearest point of the circle, unless near it, and circle at that height."""
     radius = radius_of(item)
     edge, apart = circle_entry(copter.stopping_place(), center, radius, copter.state.yaw)
     if apart > NEAR_CIRCLE:
@@ -86,7 +85,7 @@ def circle(copter: Copter, center: Place, item: Item) -> Iterator[None]:
 
 
 def loiter_to_alt(copter: Copter, place: Place) -> Iterator[None]:
-    """LOITER_TO_ALT: fly to the place, and from within the acceptance radius of it brake and go to its height."""
+    """LOITER_TO_ALT: fly to within the acceptance radius of the place, then brake and change height."""
     copter.fly_to(Stop(place), ends_near=True)
     yield
     copter.level_off(place[2])
@@ -94,9 +93,9 @@ def loiter_to_alt(copter: Copter, place: Place) -> Iterator[None]:
 
 
 def payload_place(copter: Copter, place: Place | None, item: Item) -> Iterator[None]:
-    """PAYLOAD_PLACE: fly to its place, sink to the ground, or by param1 at most, and climb back; None: it is there.
+    """PAYLOAD_PLACE: fly to its place, descend to the ground or by param1 at most, climb back; None: it is there.
 
-    It flies there as high as it is, but to the height that the item names where that leg was planned before.
+    It flies there at its present height, or at the item's height if that leg was already planned.
     """
     if place is not None:
         is_planned = copter.following.target == place

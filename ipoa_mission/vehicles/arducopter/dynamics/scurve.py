@@ -1,7 +1,7 @@
-"""A leg of ArduCopter 4.x as a speed profile: it rises with raised-cosine jerk ramps, cruises, falls as it rose.
+"""Speed profile of an ArduCopter 4.x leg: acceleration with raised-cosine jerk ramps, cruise, symmetric braking.
 
-The laws are those of ArduPilot's published behavior ("S-curves", Copter 4.1 on): jerk rises from 0 to J over the ramp
-time t_j as (J/2)(1 - cos(pi t/t_j)), may stay at J, and falls again; S = pi J / (2 t_j) is the snap limit.
+ArduPilot's published laws ("S-curves", Copter 4.1 on): jerk rises from 0 to J over the ramp time t_j as
+(J/2)(1 - cos(pi t/t_j)), may stay at J, and falls again. The snap limit is S = pi J / (2 t_j).
 """
 
 import math
@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
 CONSTANT, RISING, FALLING = 0.0, 1.0, 2.0  # shapes of jerk over a segment
-MOST_SEGMENTS = 24  # of a profile: three changes of speed, and what lies between them
+MOST_SEGMENTS = 24  # of a profile: three speed changes and the cruises between
 
 
 @dataclass(frozen=True)
 class SCurveLimits:
-    """What a leg keeps along its direction: speed [m/s], acceleration [m/s^2], jerk [m/s^3], snap [m/s^4]."""
+    """Limits along a leg: speed [m/s], acceleration [m/s^2], jerk [m/s^3], snap [m/s^4]."""
 
     speed: float
     accel: float
@@ -23,7 +23,7 @@ class SCurveLimits:
 
 
 class Segment(NamedTuple):
-    """From `begin` [s], `lasts` [s]: jerk of a shape and peak, and the acceleration, speed and way it starts with."""
+    """A span of one jerk shape: `begin` [s], duration [s], peak jerk; acceleration, speed and way at its start."""
 
     begin: float
     lasts: float
@@ -37,9 +37,7 @@ class Segment(NamedTuple):
 class Profile(NamedTuple):
     """A leg's segments; it `lasts` [s], accelerates until `risen`, brakes from `falls`, peaks at `peak` [m/s].
 
-    It ends at the speed `leave`.
-
-    After the last segment come those that never begin, so that there are `MOST_SEGMENTS`.
+    It ends at the speed `leave` [m/s]. Segments that never start pad it to `MOST_SEGMENTS`.
     """
 
     segments: Annotated[list[Segment], MOST_SEGMENTS]
@@ -59,7 +57,7 @@ AT_REST = Profile(_filled([Segment(0.0, 0.0, CONSTANT, 0.0, 0.0, 0.0, 0.0)]), 0.
 
 @dataclass(frozen=True)
 class Ramp:
-    """A change of speed: jerk ramps of `ramp` s each, `hold` s at `jerk`, `coast` s at full acceleration; S-shaped."""
+    """A speed change: jerk ramps of `ramp` s each, `hold` s at `jerk`, `coast` s at full acceleration; S-shaped."""
 
     gain: float
     ramp: float
@@ -74,13 +72,13 @@ class Ramp:
 
 
 def ramp_for(gain: float, limits: SCurveLimits, from_rest: bool = True) -> Ramp:
-    """The quickest change of speed by `gain`; a small one has shorter ramps from rest, softer ones in motion."""
+    """Return the fastest speed change by `gain`; small ones shorten the ramps from rest, and soften them in motion."""
     if gain <= 1e-9:
         return Ramp(0.0, 0.0, 0.0, 0.0, 0.0)
     jerk, accel = limits.jerk, limits.accel
     ramp = min(jerk * math.pi / (2 * limits.snap), math.sqrt(accel * math.pi / (2 * limits.snap)))
     jerk = min(jerk, 2 * limits.snap * ramp / math.pi)
-    full = accel / jerk + ramp  # time from no acceleration to no acceleration, were there no coasting
+    full = accel / jerk + ramp  # duration of an acceleration pulse without coast
     if gain >= accel * full:
         return Ramp(gain, ramp, jerk, accel / jerk - ramp, gain / accel - full)
     reached = (-jerk * ramp + math.sqrt((jerk * ramp) ** 2 + 4 * jerk * gain)) / 2
@@ -92,16 +90,16 @@ def ramp_for(gain: float, limits: SCurveLimits, from_rest: bool = True) -> Ramp:
 
 
 def profile(length: float, limits: SCurveLimits, enter: float = 0.0, leave: float = 0.0) -> Profile:
-    """The profile of a leg of `length` > 0 m; `enter` and `leave` are speeds, cut to the peak of the leg from rest.
+    """Return the profile of a leg of `length` > 0 m; `enter` and `leave` speeds are cut to the peak from rest.
 
-    From rest to rest the peak V solves V T(V) = L where the limit cannot be reached, T(V) being the time to reach V
-    (each ramp is symmetric in time, so it covers its mean speed times its time).
+    From rest to rest the peak V solves V T(V) = L below the limit, where T(V) is the time to reach V. Each ramp is
+    symmetric in time, so its way is its mean speed times its time.
     """
     peak = _peak(length, limits)
     enter, leave = min(enter, peak), min(leave, peak)
     if enter > 0 or leave > 0:
         if _covers(max(enter, leave), enter, leave, limits) > length:
-            enter, leave = (enter, 0.0) if enter > 0 else (0.0, 0.0)  # no room to change over: stop there instead
+            enter, leave = (enter, 0.0) if enter > 0 else (0.0, 0.0)  # too short for the change: stop at the end
         peak = _fitting(peak, enter, leave, length, limits)
     up = ramp_for(peak - enter, limits, from_rest=enter <= 0)
     down = ramp_for(peak - leave, limits, from_rest=leave <= 0)
@@ -116,14 +114,14 @@ def profile(length: float, limits: SCurveLimits, enter: float = 0.0, leave: floa
 
 
 def _covers(peak: float, enter: float, leave: float, limits: SCurveLimits) -> float:
-    """The way that the two changes of speed take: each its mean speed times its time."""
+    """Return the way of the two speed changes: each its mean speed times its time."""
     up = ramp_for(peak - enter, limits, from_rest=enter <= 0)
     down = ramp_for(peak - leave, limits, from_rest=leave <= 0)
     return (peak + enter) / 2 * up.lasts + (peak + leave) / 2 * down.lasts
 
 
 def _fitting(peak: float, enter: float, leave: float, length: float, limits: SCurveLimits) -> float:
-    """The highest speed up to `peak` whose two changes fit into the length."""
+    """Return the highest speed up to `peak` whose two changes fit into the length, by bisection."""
     low, high = max(enter, leave), peak
     if _covers(high, enter, leave, limits) <= length:
         return high
@@ -134,9 +132,9 @@ def _fitting(peak: float, enter: float, leave: float, length: float, limits: SCu
 
 
 def change(current: Profile, at: float, length: float, limits: SCurveLimits) -> Profile:
-    """The rest of a leg whose speed limit changes `at` s into it: its acceleration is finished, then speed moves over.
+    """Return a profile whose speed limit changes at `at` s: it finishes its acceleration, then changes speed.
 
-    As in the autopilot a leg that brakes already is left alone; a higher speed is one that the way left has room for.
+    As in the autopilot, a leg that already brakes is unchanged. A higher speed is cut to the way left.
     """
     before = current.peak
     if at >= current.falls or limits.speed == before:
@@ -170,22 +168,22 @@ def change(current: Profile, at: float, length: float, limits: SCurveLimits) -> 
 
 
 def _peak(length: float, limits: SCurveLimits) -> float:
-    """The speed reached in the middle of a leg from rest to rest: the limit, or where V T(V) = L."""
+    """Return the peak speed of a leg from rest to rest: the limit, or V with V T(V) = L."""
     jerk, accel, snap = limits.jerk, limits.accel, limits.snap
     ramp = min(jerk * math.pi / (2 * snap), math.sqrt(accel * math.pi / (2 * snap)))
     jerk = min(jerk, 2 * snap * ramp / math.pi)
     full = accel / jerk + ramp
     speed = accel / 2 * (math.sqrt(full * full + 4 * length / accel) - full)
-    if speed < accel * full:  # full acceleration is not reached: 2 a (a/J + t_j)^2 = L for the a that is
+    if speed < accel * full:  # full acceleration is not reached: 2 a (a/J + t_j)^2 = L
         reached = min(accel, (length * jerk * jerk / 2) ** (1 / 3))
-        for _ in range(20):  # Newton, from above: it falls monotonically
+        for _ in range(20):  # Newton from above, monotonic
             time = reached / jerk + ramp
             step = (2 * reached * time * time - length) / (2 * time * (time + 2 * reached / jerk))
             reached -= step
             if abs(step) < 1e-12:
                 break
         speed = reached * (reached / jerk + ramp)
-        if reached < jerk * ramp:  # nor is full jerk: L = 16 S t_j^4 / pi
+        if reached < jerk * ramp:  # full jerk is not reached either: L = 16 S t_j^4 / pi
             speed = 4 * snap / math.pi * (length * math.pi / (16 * snap)) ** 0.75
     return min(limits.speed, speed)
 
@@ -193,7 +191,7 @@ def _peak(length: float, limits: SCurveLimits) -> float:
 def _append(
     segments: list[Segment], ramp: Ramp, sign: float, state: tuple[float, float, float, float]
 ) -> tuple[float, float, float, float]:
-    """Add the seven segments of a change of speed; the state (time, acceleration, speed, way) after it."""
+    """Append the seven segments of a speed change; return the state (time, acceleration, speed, way) after it."""
     jerk = sign * ramp.jerk
     for shape, lasts, j in (
         (RISING, ramp.ramp, jerk),
@@ -212,7 +210,7 @@ def _append(
 
 
 def _moved(segment: Segment, t: float) -> tuple[float, float, float]:
-    """What a segment adds to acceleration, speed and way within t seconds."""
+    """Return the change of acceleration, speed and way of a segment within t seconds."""
     j, a, v = segment.jerk, segment.accel, segment.speed
     accel, speed, way = j * t, a * t + j * t * t / 2, v * t + a * t * t / 2 + j * t**3 / 6
     if segment.shape == CONSTANT or segment.lasts <= 0:

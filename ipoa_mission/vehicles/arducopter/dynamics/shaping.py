@@ -1,6 +1,6 @@
-"""How ArduCopter's position controller moves its target by itself: to a place that moves, to rest, to a height.
+"""Target shaping of ArduCopter's position controller: to a moving point, to rest, to a height.
 
-Read in 4.8.0-dev (AC_PosControl, control.cpp: shape_pos_vel_accel_xy, shape_vel_accel_xy). The same lines run as Python
+Read in 4.8.0-dev (AC_PosControl, control.cpp: shape_pos_vel_accel_xy, shape_vel_accel_xy). The same code runs as Python
 and compiled, by `steps`.
 """
 
@@ -8,13 +8,13 @@ import math
 
 from ipoa_mission.vehicles.arducopter.dynamics.motion import STEP, CopterLeg, State, Tuning
 
-LEVEL = 0.03  # LOITER_TO_ALT ends within 5 cm of its height; as flown it takes half a second longer, as if by this [m]
+LEVEL = 0.03  # LOITER_TO_ALT ends within 5 cm, and as flown 0.5 s later, as with this tolerance [m]
 
 
 def orbit(state: State, this: CopterLeg, tuning: Tuning) -> bool:
-    """The target follows a point that moves along a circle, level; whether that has turned by all it has to.
+    """Follow a point that moves along a circle, level; return whether it has completed its turn.
 
-    With a radius of 0 it goes to the center while time passes.
+    With a radius of 0 the target moves to the center during the time of the turn.
     """
     way = this.orbit
     state.spin = min(state.spin + way.spin_up * STEP, way.spin)
@@ -27,7 +27,7 @@ def orbit(state: State, this: CopterLeg, tuning: Tuning) -> bool:
 
 
 def level_off(state: State, this: CopterLeg, tuning: Tuning) -> bool:
-    """Brake wherever that leads, and climb or sink to a height; whether it is as high, or has passed it."""
+    """Brake to rest, and climb or descend to a height; return whether it is reached or passed."""
     before = state.z - this.target.z
     shape_to_rest(state, tuning)
     wanted = square_root_law(-before, tuning.accel_z, tuning.p_height)
@@ -38,7 +38,7 @@ def level_off(state: State, this: CopterLeg, tuning: Tuning) -> bool:
 
 
 def climb_at(state: State, wanted: float, tuning: Tuning) -> None:
-    """Shape the rate of climb towards the one that is wanted."""
+    """Shape the climb rate towards the wanted one."""
     jerk, gain = tuning.jerk_z * STEP, tuning.jerk_z / tuning.accel_z
     accel = min(max(gain * (wanted - state.vz), -tuning.accel_z), tuning.accel_z)
     state.az += min(max(accel - state.az, -jerk), jerk)
@@ -47,7 +47,7 @@ def climb_at(state: State, wanted: float, tuning: Tuning) -> None:
 
 
 def square_root_law(error: float, accel: float, gain: float) -> float:
-    """Linear near the goal, then the speed from which `accel` can still stop in time."""
+    """Return the speed for a position error: linear near the goal, else the one from which `accel` can stop."""
     linear = accel / (gain * gain)
     if abs(error) <= linear:
         return gain * error
@@ -55,7 +55,7 @@ def square_root_law(error: float, accel: float, gain: float) -> float:
 
 
 def shape_to_place(state: State, x: float, y: float, fastest: float, tuning: Tuning) -> None:
-    """Move the target towards a place, as fast as acceleration and jerk allow; the place is taken as at rest."""
+    """Move the target towards a place at rest, as fast as acceleration and jerk allow."""
     advance(state)
     gain, accel = tuning.shaping_jerk / tuning.accel, tuning.accel
     ex, ey = x - state.target_x, y - state.target_y
@@ -72,7 +72,7 @@ def shape_to_place(state: State, x: float, y: float, fastest: float, tuning: Tun
 
 
 def shape_to_rest(state: State, tuning: Tuning) -> None:
-    """Slow the target down to a stop wherever that is."""
+    """Slow the target to a stop."""
     advance(state)
     speed = math.sqrt(state.aim_x**2 + state.aim_y**2)
     slowed = 0.0
@@ -82,14 +82,13 @@ def shape_to_rest(state: State, tuning: Tuning) -> None:
 
 
 def advance(state: State) -> None:
-    """Move the target by its velocity and acceleration."""
     state.target_x += STEP * (state.aim_x + state.push_x * STEP / 2)
     state.target_y += STEP * (state.aim_y + state.push_y * STEP / 2)
     state.aim_x, state.aim_y = state.aim_x + state.push_x * STEP, state.aim_y + state.push_y * STEP
 
 
 def shape(state: State, x: float, y: float, tuning: Tuning) -> None:
-    """Change the target's acceleration towards this one, which braking and then turning may use up."""
+    """Change the target's acceleration towards this one; braking takes precedence over turning."""
     x, y = within(x, y, 2.0 * tuning.accel)
     speed = math.sqrt(state.aim_x**2 + state.aim_y**2)
     if speed > 0.0:
@@ -109,7 +108,7 @@ def shape(state: State, x: float, y: float, tuning: Tuning) -> None:
 
 
 def within(x: float, y: float, most: float) -> tuple[float, float]:
-    """A vector, cut to a length."""
+    """Return a vector cut to a length."""
     size = math.sqrt(x * x + y * y)
     if size <= most:
         return x, y

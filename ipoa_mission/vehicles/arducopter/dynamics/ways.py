@@ -1,6 +1,6 @@
-"""Motion along one of ArduCopter's S-curve legs: how far it is at a time, and where that is, on a line or on an arc.
+"""Motion along an S-curve leg of ArduCopter: way by time, and place on a line or an arc.
 
-The same lines run as Python and compiled, by `steps`.
+The same code runs as Python and compiled, by `steps`.
 """
 
 import math
@@ -11,7 +11,7 @@ Triple = tuple[float, float, float]
 
 
 def along(leg: CopterLeg, t: float) -> Triple:
-    """Acceleration, speed and way of a straight leg, t seconds after its start."""
+    """Return acceleration, speed and way of a straight leg, t seconds after its start."""
     segments = leg.profile.segments
     at = len(segments) - 1
     if t <= 0.0:
@@ -36,9 +36,9 @@ def along(leg: CopterLeg, t: float) -> Triple:
 
 
 def on_way(leg: CopterLeg, a: float, v: float, s: float, way_back: float) -> tuple[Triple, Triple, Triple]:
-    """Place, velocity and acceleration where a leg has these along its way [m, m/s, m/s^2].
+    """Return place, velocity and acceleration of a leg for these along its way [m, m/s, m/s^2].
 
-    The place counts from its origin, or with its length as `way_back` from its target.
+    The place is relative to its origin, or with its length as `way_back` to its target.
     """
     if leg.turn == 0.0:
         way = leg.direction
