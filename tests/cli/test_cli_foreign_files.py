@@ -162,7 +162,7 @@ def test_a_plan_outside_its_own_fence_is_an_error(samples: Path) -> None:
 def test_a_log_without_a_place_on_the_earth_says_so(samples: Path, run: Run, name: str) -> None:
     ended = run(f"compare '{samples / 'PX4+pyulog/test' / name}.ulg'")
     assert ended.code == 2
-    assert "expected positions on the Earth, but PX4 had none" in " ".join(ended.err.split())
+    assert "expected positions on the Earth, but PX4's local positions have no reference" in " ".join(ended.err.split())
 
 
 def test_a_shapefile_whose_coordinates_are_none_of_its_system_says_so(samples: Path, tmp_path: Path, run: Run) -> None:

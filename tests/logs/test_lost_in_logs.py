@@ -14,7 +14,7 @@ Spoil = Callable[[bytes], bytes]
 @pytest.mark.parametrize(
     ("name", "spoil", "words"),
     [
-        ("sitl-px4.ulg", lambda data: data[:-9], "the log is damaged or cut short from byte 46"),
+        ("sitl-px4.ulg", lambda data: data[:-9], "the log is damaged or truncated from byte 46"),
         ("sitl-px4.ulg", lambda data: data[:45000] + data[45300:], "the log is damaged"),
         ("sitl-px4.ulg", lambda data: data.replace(b"mission_result", b"mission_rseult"), "no topics mission_result"),
         (

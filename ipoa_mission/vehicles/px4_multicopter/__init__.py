@@ -1,1 +1,1 @@
-"""PX4 on a multicopter: what it is like, how it flies, and the pilot of its stand-in."""
+"""PX4 multicopter plug-in: profile, flight model, log format and simulated pilot."""

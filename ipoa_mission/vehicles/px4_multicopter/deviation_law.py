@@ -1,7 +1,7 @@
-"""The tube of PX4 as it was measured; docs/lab/kept.md has the flights.
+"""PX4's measured law of deviations; docs/lab/kept.md lists the flights.
 
-Speed does not drive it: a PX4 at 1.5 m/s lies as far beside its path as one at 9 m/s, because what moves it is what it
-believes of its own position.
+Deviation does not depend on speed: at 1.5 m/s it is as large as at 9 m/s. Its cause is the error of the estimated
+position.
 """
 
 from ipoa_mission.forecast.deviation.law import DeviationLaw
@@ -22,5 +22,5 @@ LAW = DeviationLaw(
     height_memory=10.0,
     growth=(0.1, 0.03, 0.1),
     source="PX4 1.17 in its simulator (SIH): 92 flights of 21 missions, 1.5 to 18 m/s, and 22 in wind, by true place",
-    strongest=6.0,  # its simulated vehicle, of which drag leaves 9.8 m/s, hardly gets on against more
+    strongest=6.0,  # drag leaves the simulated vehicle 9.8 m/s, so it makes little headway beyond
 )

@@ -1,9 +1,9 @@
-"""What PX4 does when something fails.
+"""PX4's failsafe actions.
 
 Read in 1.17.0 (d6f12ad1), release/1.18 (05deebf313) and main of 2026-08-13 (bb59c637, to be 1.19):
-src/modules/commander/failsafe, its parameters, navigator. Several at once: the worst counts. Where an ending is not to
-be had the next one of hold, RTL, land, descent without a position, stopped motors follows. Not here: VTOL, offboard,
-what happens in the first seconds after arming.
+src/modules/commander/failsafe, its parameters, navigator. Of several actions the most severe counts. An unavailable one
+falls back along hold, RTL, land, descent without a position, stopped motors. Not covered: VTOL, offboard, the first
+seconds after arming.
 """
 
 import math
@@ -28,28 +28,28 @@ FALLS = FailsafeAction(Contingency.TERMINATE)
 LANDS = FailsafeAction(Contingency.LAND, (Contingency.TERMINATE,))
 RETURNS = FailsafeAction(Contingency.RTL, (Contingency.LAND, Contingency.TERMINATE))
 HOLDS = FailsafeAction(Contingency.HOLD, (Contingency.RTL, Contingency.LAND, Contingency.TERMINATE))
-FALLS_WITHOUT = replace(FALLS, words="lands while it still has a local position")
+FALLS_WITHOUT = replace(FALLS, words="lands while it has a local position")
 DRIFTS = FailsafeAction(
-    Contingency.UNKNOWN, (Contingency.LAND, Contingency.TERMINATE), "without a position it drifts as it descends"
+    Contingency.UNKNOWN, (Contingency.LAND, Contingency.TERMINATE), "without a position it drifts while it descends"
 )
 
 
 def new(answer: FailsafeAction, since: Series) -> FailsafeAction:
-    """The same, at a value that this series has added."""
+    """Return the action for a parameter value that this series added."""
     return replace(answer, since=since)
 
 
 LINK = {0: GOES_ON, 1: HOLDS, 2: RETURNS, 3: LANDS, 5: FALLS, 6: FALLS}
-RADIO = {**LINK, 7: new(replace(GOES_ON, words="holds only where a pilot flew it by hand"), V1_18)}
+RADIO = {**LINK, 7: new(replace(GOES_ON, words="holds only if a pilot flew it by hand"), V1_18)}
 GRADES = {0: GOES_ON, 1: GOES_ON, 2: HOLDS, 3: RETURNS, 4: FALLS, 5: LANDS}
 HEALTH = {0: GOES_ON, 1: GOES_ON, 2: GOES_ON, 3: RETURNS, 4: LANDS}
 CRITICAL = {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: RETURNS, 4: new(RETURNS, V1_19)}
 EMERGENCY = {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: LANDS, 4: new(FALLS, V1_19)}
 MOTOR = {0: GOES_ON, 1: HOLDS, 2: LANDS, 3: RETURNS, 4: FALLS}
 SATELLITES = {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: FALLS}
-AT_RETURN_HEIGHT = replace(RETURNS, words="comes down to its return height where it is higher")
+AT_RETURN_HEIGHT = replace(RETURNS, words="descends to its return height if it is higher")
 TRAFFIC = {0: GOES_ON, 1: GOES_ON, 2: AT_RETURN_HEIGHT, 3: LANDS, 4: HOLDS, 5: new(FALLS, V1_19)}
-NO_HOLD = replace(GOES_ON, words="its commander does not know the order to hold")
+NO_HOLD = replace(GOES_ON, words="its commander lacks the order to hold")
 TUMBLES, RADIO_SOURCE, NO_RADIO = "attitude or motor failure", "COM_RC_IN_MODE", 4.0
 BALANCE = {-1: GOES_ON, 0: GOES_ON, 1: RETURNS, 2: LANDS}
 ACCURACY = "position inaccurate"
@@ -82,11 +82,11 @@ RULES = (
     *ordered(Contingency.RTL, Contingency.LAND, Contingency.HOLD, Contingency.TERMINATE),
 )  # fmt: skip
 
-#: The parameter whose bits say in which modes a lost link counts for nothing: 1 in a mission, 2 (1.18) in a return.
+#: The parameter whose bits ignore a lost link by mode: 1 in a mission, 2 (1.18) in a return.
 EXCEPT = {"NAV_RCL_ACT": "COM_RCL_EXCEPT", "NAV_DLL_ACT": "COM_DLL_EXCEPT"}
 IN_MISSION, IN_AUTO = 1, 2
-DELAY, LEAST_DELAY = "COM_FAIL_ACT_T", 0.1  # [s]; below it there is none
-#: What an order of the navigator, the watch over positions, or a pilot causes begins at once.
+DELAY, LEAST_DELAY = "COM_FAIL_ACT_T", 0.1  # [s]; shorter delays are ignored
+#: Causes without a delay: orders of the navigator, position monitoring, and pilots.
 AT_ONCE = frozenset({ACCURACY, "position lost (EKF)", "traffic near", BY_HAND})
 
 DECIDED_BY = tuple(
@@ -102,14 +102,14 @@ STATION_LOSS = StationLoss("COM_DL_LOSS_T", 10.0, ("NAV_DLL_ACT", "COM_DL_LOSS_T
 
 
 def failsafes(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]:
-    """What follows each cause that this series knows."""
+    """Return the action for each cause that this series knows."""
     return tuple(_failsafe(rule, parameters, series) for rule in RULES if rule.since <= series < rule.until)
 
 
 def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Failsafe:
     answer = _later(rule, rule.answer(parameters, series), parameters)
     if rule.parameter == "NAV_RCL_ACT" and parameters.get(RADIO_SOURCE) == NO_RADIO:
-        answer = replace(GOES_ON, words=f"not looked for: {RADIO_SOURCE} is 4")
+        answer = replace(GOES_ON, words=f"not checked: {RADIO_SOURCE} is 4")
     returning = answer
     if rule.parameter in EXCEPT and answer.contingency is not Contingency.CONTINUE:
         excepted, words = int(parameters.get(EXCEPT[rule.parameter], 0.0)), f"by {EXCEPT[rule.parameter]}"
@@ -118,7 +118,7 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
         if excepted & IN_AUTO and series >= V1_18:
             returning = replace(GOES_ON, words=words)
     if rule.cause == ACCURACY:
-        returning = replace(GOES_ON, words="counts only in a mission or a hold")
+        returning = replace(GOES_ON, words="applies only in a mission or a hold")
     if returning.contingency is Contingency.RTL and rule.cause != BY_HAND:
         returning = replace(GOES_ON, words="it is returning already")
     differs = {} if returning == answer else {FlightStage.RETURN: returning}
@@ -127,7 +127,7 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
 
 
 def _later(rule: FailsafeRule, answer: FailsafeAction, parameters: Parameters) -> FailsafeAction:
-    """It first holds for the user to see what is coming."""
+    """Add the hold that lets the user react before the action."""
     delay = parameters.get(DELAY, 5.0)
     waits = answer.contingency in {Contingency.RTL, Contingency.LAND} and rule.cause not in AT_ONCE
     return replace(answer, after_s=delay) if waits and delay > LEAST_DELAY else answer

@@ -1,4 +1,4 @@
-"""The model of PX4's flights."""
+"""PX4's flight model."""
 
 from collections.abc import Mapping
 from typing import ClassVar
@@ -17,40 +17,36 @@ from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.vehicles.px4_multicopter.timing import STEP, Flights, fly_aborted, fly_px4
 from ipoa_mission.wind import Wind
 
-RUNS = 8  # of its noise, the same in every forecast
+RUNS = 8  # with noise; the same seeds in every forecast
 
 
 class Px4Model(FlightModel):
-    """PX4 as its SIH simulator flies; where it is not `sure` where it is, it is flown many times, with noise."""
+    """PX4 in its SIH simulator; flown many times with noise unless its position is `sure`."""
 
     scatter = (0.7, 0.02, 2.0)
     simulated: ClassVar[Mapping[str, float]] = {"drag": 1.0, "lag": SIH.lag, "lift_delay": 0.0, "landing_delay": 0.0}
 
     def predicted(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, sure: bool) -> Prediction:
-        """As `FlightModel.predicted`."""
         senses = KNOWS if sure else SIH_SENSES
         return fly_px4(
             route, mission.parameters, wind, fast, airframe_of(mission.vehicle), senses, mission.firmware_version
         )
 
     def broken_off(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, order: Abort) -> Prediction:
-        """As `FlightModel.broken_off`."""
         return fly_aborted(
             route, mission.parameters, wind, fast, airframe_of(mission.vehicle), order, mission.firmware_version
         )
 
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
-        """As `FlightModel.kinematics`."""
         limits = px4_limits(parameters)
         level = min(speed or limits.cruise, limits.most_speed)
         return Kinematics(level, limits.climb, limits.descent, limits.accel, limits.jerk)
 
     def airframe(self, altitude: float) -> SlowedByAir:
-        """As its simulator has it."""
         return SIH
 
     def usual(self, route: Itinerary, mission: Mission) -> Vector:
-        """The medians over its noise."""
+        """Return the medians over runs with noise."""
         flights = Flights(
             route, mission.parameters, airframe=airframe_of(mission.vehicle), version=mission.firmware_version
         )

@@ -1,7 +1,7 @@
-"""PX4's limits by its parameters, how high it returns, how it knows that it has landed.
+"""PX4's motion limits by its parameters, its return height, and its land detector.
 
-Its parameters are in SI units and degrees. The land detector is read from its source and measured on its simulated
-flights; docs/lab/flight-time.md says which.
+Parameters are in SI units and degrees. The land detector is read from the source and measured in simulated flights;
+docs/lab/flight-time.md gives the source of each.
 """
 
 import math
@@ -13,15 +13,13 @@ from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.px4_multicopter.parameter_table import DEFAULTS, MEASURED, SINCE_SPLIT, SPLITS_AXES
 from ipoa_mission.vehicles.version import Version
 
-BRAKES_LATE = 0.6  # where it lands or holds it reckons so long with the speed that it has [s]
-
-RANGE_LAG_S = 0.14  # by which PX4's height over the ground lags behind a range finder that is sinking
+RANGE_LAG_S = 0.14  # lag of PX4's height over the ground, by a range finder, during descent
 NO_RANGE_FINDER = 10_000.0  # SIH_DISTSNSR_OVR from which on PX4's simulated vehicle has none [m]
-RELAXED_THRUST = 0.6  # of the way from the least thrust to that of hovering: less is low, where hovering is learned
-BRAKES_LATE = 0.6  # by so long the navigator reckons that LAND and hold begin to brake [s]
-STAGES = 3  # of being sure: in contact, perhaps landed, landed
+RELAXED_THRUST = 0.6  # low thrust, as a share of the way from least to hover thrust, if hover thrust is learned
+BRAKES_LATE = 0.6  # the navigator's delay before LAND and hold brake [s]
+STAGES = 3  # of the land detector: contact, maybe landed, landed
 
-TURN_FIRST = 4.0  # MPC_YAW_MODE: the nose first, then the way
+TURN_FIRST = 4.0  # MPC_YAW_MODE: yaw first, then move
 POSITIVE = (
     "MPC_XY_CRUISE", "MPC_XY_VEL_MAX", "MPC_XY_TRAJ_P", "MPC_XY_ERR_MAX", "MPC_XY_P", "MPC_ACC_HOR", "MPC_JERK_AUTO",
     "MPC_Z_V_AUTO_UP", "MPC_Z_V_AUTO_DN", "MPC_ACC_UP_MAX", "MPC_ACC_DOWN_MAX", "MPC_TKO_SPEED", "MPC_LAND_SPEED",
@@ -31,7 +29,7 @@ POSITIVE = (
 
 
 class Px4Return(NamedTuple):
-    """How high PX4 returns: RTL_RETURN_ALT, RTL_MIN_DIST, NAV_ACC_RAD [m], RTL_CONE_ANG [deg]."""
+    """Limits of the return height: RTL_RETURN_ALT, RTL_MIN_DIST, NAV_ACC_RAD [m], RTL_CONE_ANG [deg]."""
 
     altitude: float
     least_distance: float
@@ -40,17 +38,16 @@ class Px4Return(NamedTuple):
 
     @classmethod
     def of(cls, parameters: Parameters) -> "Px4Return":
-        """By these parameters; what is not given has PX4's default."""
+        """Create from parameters, with PX4's defaults."""
         names = ("RTL_RETURN_ALT", "RTL_MIN_DIST", "NAV_ACC_RAD", "RTL_CONE_ANG")
         return cls(*(parameters.get(name, DEFAULTS[name]) for name in names))
 
     def height(self, above: float, distance: float) -> float:
-        """How high above home PX4 returns from so high `above` it, `distance` away on the level [m].
+        """Return the return height above home [m], from a height `above` home at a level `distance` [m].
 
-        RTL_RETURN_ALT, near home less, where RTL_CONE_ANG is more than 0.
-
-        Within RTL_MIN_DIST the cone is high enough, though not less than two NAV_ACC_RAD; within NAV_ACC_RAD twice the
-        distance. It never comes down for that, and never climbs beyond RTL_RETURN_ALT.
+        It is RTL_RETURN_ALT, lowered near home if RTL_CONE_ANG is above 0. Within RTL_MIN_DIST the cone applies, at
+        least two NAV_ACC_RAD; within NAV_ACC_RAD twice the distance. It never descends for that, and never climbs above
+        RTL_RETURN_ALT.
         """
         if self.cone_deg <= 0.0:
             return max(above, self.altitude)
@@ -63,10 +60,10 @@ class Px4Return(NamedTuple):
 
 
 class Px4Touchdown(NamedTuple):
-    """When PX4 takes standing for being landed: LNDMC_TRIG_TIME [s], LNDMC_Z_VEL_MAX [m/s], low thrust.
+    """The land detector: LNDMC_TRIG_TIME [s], LNDMC_Z_VEL_MAX [m/s], low thrust.
 
-    `low_thrust` is the share of the thrust of hovering that the thrust asked for has to fall below. Each of the
-    `STAGES` takes its part of `trigger_s`, and three times as long where a range finder has lost the ground.
+    `low_thrust`: the greatest thrust setpoint of a landed vehicle, as a share of hover thrust. Each of the `STAGES`
+    takes an equal part of `trigger_s`, and three times as long after a range finder has lost the ground.
     """
 
     trigger_s: float
@@ -75,7 +72,7 @@ class Px4Touchdown(NamedTuple):
 
     @classmethod
     def of(cls, parameters: Parameters) -> "Px4Touchdown":
-        """By these parameters; what is not given has PX4's default."""
+        """Create from parameters, with PX4's defaults."""
         p = {**DEFAULTS, **parameters}
         least = p["MPC_THR_MIN"] / p["MPC_THR_HOVER"]
         speed = min(p["MPC_LAND_SPEED"], p["MPC_LAND_CRWL"]) / 1.2
@@ -83,11 +80,11 @@ class Px4Touchdown(NamedTuple):
 
 
 class Px4Limits(NamedTuple):
-    """What moves a PX4 multicopter along a mission: m, s, m/s, m/s^2, m/s^3, rad.
+    """Motion limits of a PX4 multicopter: m, s, m/s, m/s^2, m/s^3, rad.
 
-    LAND slows down from `sinks_from` [m/s], which may be more than it ever sinks with. `splits_axes`: the vertical
-    setpoint has a speed of its own and waits by itself, up to `most_height_error` ahead of the vehicle; a vehicle that
-    has passed its item is not led back.
+    LAND slows down from `sinks_from` [m/s], which may exceed its descent rate. `splits_axes`: the vertical setpoint has
+    its own speed and waits separately, up to `most_height_error` ahead of the vehicle. A vehicle that has passed its
+    item is then not led back.
     """
 
     cruise: float
@@ -138,13 +135,11 @@ class Px4Limits(NamedTuple):
 
 
 def px4_limits(parameters: Parameters, version: Version | None = None) -> Px4Limits:
-    """The limits that these parameters set; what is not given has the default of this version.
+    """Return the limits of these parameters, with the defaults of a version; None: the newest measured.
 
-    `version`: left out, the newest measured.
-
-    Downwards the vertical controller may use a little more than the trajectory does (FlightTaskAuto: 1.2 times). What
-    hovering takes is learned by a Kalman filter with a process noise of HTE_HT_NOISE a second and, as the flights are
-    smooth, its least measurement noise, 1 m/s^2; so its time constant is hover / (noise g).
+    Descending, the vertical controller may use 1.2 times the trajectory's speed (FlightTaskAuto). Hover thrust is
+    learned by a Kalman filter with a process noise of HTE_HT_NOISE per second. Smooth flights have its least
+    measurement noise, 1 m/s^2, so its time constant is hover / (noise g).
 
     Raises:
         BadInput: a parameter that must be positive is not.

@@ -1,5 +1,6 @@
-"""PX4's own log (`.ulg`): where it was, what it did, which item it turned to, how it was set. Read by pyulog (extra
-`logs`). Its mission is told item by item as the flight comes to them (`logged_items`), from PX4 1.12 on.
+"""PX4's own log (`.ulg`), read by pyulog (extra `logs`): positions, states, items and parameters.
+
+From PX4 1.12 on it contains each item when the flight reaches it (`logged_items`).
 """
 
 from collections.abc import Iterator, Set
@@ -25,7 +26,7 @@ from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
 from ipoa_mission.world.spherical_plane import SphericalPlane
 
 ARMED = 2  # vehicle_status.arming_state
-#: vehicle_status.nav_state, as HEARTBEAT.custom_mode has it: main and sub mode.
+#: vehicle_status.nav_state to HEARTBEAT.custom_mode (main and sub mode).
 MODES = {3: mode_number(4, 4), 4: mode_number(4, 3), 5: mode_number(4, 5), 18: mode_number(4, 6)}
 ROTARY_WING = 1  # vehicle_status.vehicle_type
 FLOAT = 9  # MAV_PARAM_TYPE_REAL32
@@ -33,7 +34,7 @@ POSITIONS = ("vehicle_global_position", "vehicle_local_position")
 BATTERY, ATTITUDE = "battery_status", "vehicle_attitude"
 TOPICS = [*POSITIONS, "vehicle_status", "mission_result", "home_position", "navigator_mission_item", BATTERY, ATTITUDE]
 
-HEADER, MESSAGE = 16, Struct("<HB")  # bytes before the first message; what each begins with: size and kind
+HEADER, MESSAGE = 16, Struct("<HB")  # bytes before the first message; head of a message: size and kind
 DEFINES, BEGINS_DATA = b"BFIMPQ", b"ALC"  # kinds of messages
 MESSAGES = DEFINES + BEGINS_DATA + b"DRSO"
 
@@ -41,24 +42,24 @@ Event = tuple[float, Message]
 
 
 def read_ulog(path: Path) -> Log:
-    """Positions and events of a log: arming and modes (vehicle_status), items (mission_result), words, parameters.
+    """Read positions and events: arming and modes (vehicle_status), items (mission_result), texts, parameters.
 
     Raises:
-        BadInput: the file cannot be read, holds no positions or no states, or is not of a multicopter.
+        BadInput: the file cannot be read, has no positions or states, or is not of a multicopter.
         MissionError: pyulog is not installed.
     """
     log = _open(path)
     try:
-        return _told(path, log)
-    except (KeyError, TypeError, ValueError, IndexError, OverflowError) as error:  # columns that a broken file lacks
+        return _log(path, log)
+    except (KeyError, TypeError, ValueError, IndexError, OverflowError) as error:  # missing columns in a damaged file
         raise WrongFormat(f"cannot be read as a PX4 log: {error}", place=path) from error
 
 
-def _told(path: Path, log: Any) -> Log:
+def _log(path: Path, log: Any) -> Log:
     topics = {topic.name: topic.data for topic in reversed(log.data_list)}  # the first instance counts
     topics = {name: data for name, data in topics.items() if len(data["timestamp"])}
     if "vehicle_status" not in topics:
-        wrong = "expected a PX4 log with the topic vehicle_status, which is not in it"
+        wrong = "expected a PX4 log with the topic vehicle_status"
         raise BadInput(wrong, code="log-incomplete", place=path)
     if not topics.keys() & set(POSITIONS):
         wrong = f"expected a PX4 log with one of the topics {', '.join(POSITIONS)}"
@@ -70,7 +71,7 @@ def _told(path: Path, log: Any) -> Log:
         raise BadInput(wrong, code="other-vehicle", place=path)
     fixes = _fixes(topics)
     if not len(fixes.times):
-        words = "expected positions on the Earth, but PX4 had none: its local ones have no reference"
+        words = "expected positions on the Earth, but PX4's local positions have no reference"
         raise BadInput(words, code="log-incomplete", place=path)
     begins = log.start_timestamp / 1e6
     opened_by_arming = log.initial_parameters.get("SDLOG_MODE", 0) == 0
@@ -89,7 +90,7 @@ def _told(path: Path, log: Any) -> Log:
 
 
 def _remarks(path: Path, log: Any, topics: Set[str]) -> Iterator[str]:
-    """Name where a log is damaged or cut short, what PX4 could not write, and what every whole log has."""
+    """Report damage, truncation, dropouts, and missing topics that every complete log has."""
     data, at = read_bytes(path), HEADER
     while at + MESSAGE.size <= len(data):
         size, kind = MESSAGE.unpack_from(data, at)
@@ -97,12 +98,12 @@ def _remarks(path: Path, log: Any, topics: Set[str]) -> Iterator[str]:
             break
         at += MESSAGE.size + size
     if at < len(data):
-        yield f"the log is damaged or cut short from byte {at} of {len(data)} on"
+        yield f"the log is damaged or truncated from byte {at} of {len(data)} on"
     elif log.file_corruption:
         yield "the log is damaged"
     if log.dropouts:
         lost_s = sum(one.duration for one in log.dropouts) / 1e3
-        yield f"PX4 could not write {len(log.dropouts)} times, {lost_s:.1f} s in all"
+        yield f"PX4 lost log data {len(log.dropouts)} times, {lost_s:.1f} s in all"
     lacking = sorted({"mission_result", "home_position", *POSITIONS} - topics)
     if lacking:
         yield f"the log has no topics {', '.join(lacking)}"
@@ -114,14 +115,14 @@ def _open(path: Path) -> Any:
     pyulog = imported("pyulog", f"{path}: reading PX4's logs needs the package pyulog", "logs")
     _expect_definitions(path)
     try:
-        with path.open("rb") as file, redirect_stdout(StringIO()):  # it prints what it thinks of a broken file
+        with path.open("rb") as file, redirect_stdout(StringIO()):  # pyulog prints warnings
             return pyulog.ULog(file, TOPICS)
-    except Exception as error:  # pyulog raises whatever a broken file makes it stumble over
+    except Exception as error:  # pyulog raises any exception on a damaged file
         raise WrongFormat(f"cannot be read as a PX4 log: {error}", place=path) from error
 
 
 def _expect_definitions(path: Path) -> None:
-    """Refuse a log whose definitions are spoiled: pyulog looks for their end without one."""
+    """Refuse a log with damaged definitions, in which pyulog would search forever for their end."""
     data, at = read_bytes(path), HEADER
     while at + MESSAGE.size <= len(data):
         size, kind = MESSAGE.unpack_from(data, at)
@@ -130,13 +131,13 @@ def _expect_definitions(path: Path) -> None:
         at += MESSAGE.size + size
         if kind not in DEFINES:
             break
-    raise WrongFormat("cannot be read as a PX4 log: its definitions break off", place=path)
+    raise WrongFormat("cannot be read as a PX4 log: its definitions are incomplete", place=path)
 
 
 def _parameters(log: Any, begins: float) -> Iterator[Event]:
     changed = [(time / 1e6, name, value) for time, name, value in log.changed_parameters]
     for time, name, value in [*((begins, *pair) for pair in log.initial_parameters.items()), *changed]:
-        if isinstance(value, int | float):  # of a broken file it may be anything
+        if isinstance(value, int | float):  # anything else in a damaged file
             yield time, ParamValue(name, float(value), FLOAT, 0, 0)
 
 
@@ -149,9 +150,9 @@ def _homes(home: Any | None) -> Iterator[Event]:
 
 
 def _states(status: Any, opened_by_arming: float | None) -> Iterator[Event]:
-    """A heartbeat at every change of arming or mode; the time of arming is PX4's own where the log has it.
+    """Return a heartbeat for each change of arming or mode, at PX4's own time of arming if logged.
 
-    A log that begins armed was opened by the arming, where the logger is set so: at the time given.
+    A log that starts armed was opened by arming, at the given time, if the logger is configured so.
     """
     armed_times = status.get("armed_time", np.zeros(len(status["timestamp"])))
     before: tuple[bool, int] | None = None
@@ -176,7 +177,7 @@ def _battery(data: Any) -> Iterator[Battery]:
 
 
 def _attitude(data: Any | None) -> Points:
-    """Time, roll, pitch and yaw (n, 4) out of the quaternions from the body's axes to north, east, down."""
+    """Return time, roll, pitch and yaw (n, 4) of quaternions from body axes to north, east, down."""
     if data is None:
         return np.empty((0, 4))
     w, x, y, z = (_column(data, f"q[{n}]") for n in range(4))
@@ -187,7 +188,7 @@ def _attitude(data: Any | None) -> Points:
 
 
 def _items(result: Any | None) -> Iterator[Event]:
-    """What PX4 would have sent: an item reached, the item it turned to, the mission complete."""
+    """Return PX4's progress messages: item reached, current item, mission complete."""
     if result is None:
         return
     reached, turned = -1, (-1, False)
@@ -216,13 +217,13 @@ def _global(topics: dict[str, Any]) -> tuple[Vector, Vector, Vector, Vector]:
 
 
 def _column(topic: Any, name: str) -> Vector:
-    """A topic's field, (n,); in a damaged log it may be a signaling NaN, of which NumPy warns."""
+    """Return a topic's field, (n,); a damaged log may contain signaling NaN, of which NumPy warns."""
     with np.errstate(invalid="ignore"):
         return np.asarray(topic[name], float)
 
 
 def _local(place: Any) -> tuple[Vector, Vector, Vector, Vector]:
-    """Times, latitude, longitude and altitude out of local positions, where they have a reference on the Earth."""
+    """Return times, latitude, longitude and altitude of local positions that have a reference on the Earth."""
     referenced = (np.asarray(place["xy_global"]) == 1) & (np.asarray(place["z_global"]) == 1)
     columns = ("timestamp", "x", "y", "z", "ref_lat", "ref_lon", "ref_alt")
     rows = np.column_stack([_column(place, name) for name in columns])[referenced]
@@ -232,7 +233,7 @@ def _local(place: Any) -> tuple[Vector, Vector, Vector, Vector]:
 
 
 def _ground(topics: dict[str, Any], times: Vector, altitude: Vector) -> Vector:
-    """The altitude of home at each time: PX4 corrects it on the ground, and in flight where its estimate drifts."""
+    """Return home's altitude at each time: PX4 corrects it on the ground, and for drift in flight."""
     home = topics.get("home_position")
     if home is None:
         return np.full(len(times), altitude[0] if len(times) else 0.0)
@@ -245,10 +246,8 @@ def _velocity(topics: dict[str, Any], axis: str, times: Vector) -> Vector:
     if local is None:
         return np.zeros(len(times))
     at, speed = _column(local, "timestamp") / 1e6, _column(local, axis)
-    sound = np.isfinite(speed)  # of a damaged log they may be anything
+    sound = np.isfinite(speed)  # a damaged log may contain anything
     return np.interp(times, at[sound], speed[sound]) if sound.any() else np.zeros(len(times))
 
 
-FORMAT = LogFormat(
-    ".ulg", read_ulog, "PX4 writes only those items into its logs to which it came, and these are not all"
-)
+FORMAT = LogFormat(".ulg", read_ulog, "PX4 logs only the items that the flight reached, and these are not all")

@@ -1,7 +1,7 @@
-"""PX4's mission out of its own log: the topic navigator_mission_item tells of each item when the flight comes to it.
+"""PX4's mission from its own log: navigator_mission_item contains each item when the flight reaches it.
 
-An item may be told in steps: a take-off climbs (NAV_TAKEOFF, where it stands) and then flies to its place
-(NAV_WAYPOINT); a landing flies to its place and then lands. Places are in single precision, right to 0.4 m.
+An item may be logged in steps. A take-off is NAV_TAKEOFF in place, then NAV_WAYPOINT; a landing is a waypoint, then the
+landing. Places are in single precision, accurate to 0.4 m.
 """
 
 import math
@@ -16,7 +16,7 @@ from ipoa_mission.mission.items import Item
 
 
 def items_begun(topic: Any | None, result: Any | None) -> Iterator[tuple[float, Begun]]:
-    """The items that the flight came to, each at the time [s] when it was first told of, last steps counted in."""
+    """Return the items that the flight reached, each at its first time [s], with its steps joined."""
     if topic is None or result is None:
         return
     rounds = np.asarray(topic["instance_count"]) if "instance_count" in topic else np.zeros(len(topic["timestamp"]))
@@ -38,7 +38,7 @@ def items_begun(topic: Any | None, result: Any | None) -> Iterator[tuple[float, 
 
 
 def _joined(before: Item, item: Item) -> Item:
-    """An item out of two of its steps."""
+    """Return the item of two logged steps."""
     if before.command in TAKEOFFS and item.command == Command.NAV_WAYPOINT:
         place = (item.latitude_deg, item.longitude_deg, item.altitude)
         return Item(before.command, item.frame, before.params, *place)
@@ -58,6 +58,6 @@ def _item(topic: Any, n: int) -> Item:
 
 
 def _total(result: Any, time: float) -> int:
-    """How many items the mission had at a time [s]."""
+    """Return the number of items of the mission at a time [s]."""
     at = np.searchsorted(np.asarray(result["timestamp"], float) / 1e6, time, side="right")
     return int(result["seq_total"][min(max(int(at), 0), len(result["seq_total"]) - 1)])

@@ -1,4 +1,4 @@
-"""What PX4 does on a link, as measured: the personality of its stand-in."""
+"""PX4's measured behavior on a link, for the built-in autopilot."""
 
 from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.messages import CommandResult, MissionType

@@ -1,6 +1,6 @@
-"""PX4's parameters by name: what moves a mission, what ground stations look for, how each is declared.
+"""PX4's parameters: defaults that affect a mission, parameters for ground stations, and types.
 
-How a vehicle was set up (sensors, radio, modes, battery, failsafes) is as in its simulator; nothing of it moves a
+The set-up of the vehicle (sensors, radio, modes, battery, failsafes) is as in its simulator and does not affect a
 mission.
 """
 
@@ -17,15 +17,15 @@ from ipoa_mission.vehicles.parameters import (
 )
 from ipoa_mission.vehicles.version import Version
 
-#: From this version on the vertical setpoint has a speed of its own (1ae8f2383f), and a vehicle that passes its
-#: waypoint without reaching it is not led back (d0004403a3).
+#: From this version on the vertical setpoint has its own speed (1ae8f2383f). A vehicle that passes its waypoint without
+#: reaching it is not led back (d0004403a3).
 SPLITS_AXES = (1, 18)
 MEASURED = (Version(1, 17), Version(1, 18, 0, "beta"))  # docs/lab/flown.md, px4-1.18.md
 LEAST_HOLD = 0.1  # of a waypoint at which PX4 is to stop [s]
-SINCE_SPLIT: Parameters = {"NAV_ACC_RAD": 10.0}  # its defaults from then on, where they are others (c05cc47b75)
+SINCE_SPLIT: Parameters = {"NAV_ACC_RAD": 10.0}  # defaults that changed with that version (c05cc47b75)
 
-#: PX4 1.17's own defaults for a multicopter in AUTO.MISSION (SI units and degrees, as it has them). What PX4 sets for
-#: every multicopter as it starts (`rc.mc_defaults`) goes before the defaults in its parameter reference.
+#: PX4 1.17's defaults for a multicopter in AUTO.MISSION (in its SI units and degrees). `rc.mc_defaults`, which PX4 sets
+#: at start, takes precedence over its parameter reference.
 DEFAULTS: Parameters = {
     "MPC_XY_CRUISE": 5.0,
     "MPC_XY_VEL_MAX": 12.0,

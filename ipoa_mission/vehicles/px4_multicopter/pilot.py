@@ -1,4 +1,4 @@
-"""PX4 in AUTO.MISSION, AUTO.RTL, AUTO.LAND and AUTO.LOITER: what it makes of each item, step by step under orders."""
+"""PX4 in AUTO.MISSION, RTL, LAND and LOITER, for the built-in autopilot: items and commands to orders."""
 
 import math
 import random
@@ -26,13 +26,13 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Enu, Order
 from ipoa_mission.vehicles.px4_multicopter.dynamics.step import at_rest, begun, is_over, step
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits, px4_limits
 
-#: Items that hide the report of the waypoint before them (as measured).
+#: Items that suppress the report of the waypoint before them (as measured).
 HIDING = frozenset({Command.DO_JUMP, Command.DO_CHANGE_SPEED, Command.NAV_RETURN_TO_LAUNCH})
 NO_THRUST = Enu(0.0, 0.0, -GRAVITY)
 
 
 class PX4Pilot:
-    """Flies the orders of one item, or of RTL or LAND, after the other; the vehicle is moved along."""
+    """Flies the orders of one item, RTL or LAND in sequence, and moves the vehicle."""
 
     def __init__(
         self, vehicle: SimulatedVehicle, situation: Situation, parameters: Parameters, chance: random.Random
@@ -48,13 +48,13 @@ class PX4Pilot:
         self._state = at_rest(Enu(*vehicle.place), situation.time_s, vehicle.yaw, no_errors(*seeds), True)
         self._orders: list[Order] = []
         self._announced = False
-        self._here = self._state.body.place  # the place last bound for
+        self._here = self._state.body.place  # the last commanded place
         self._cruise = self._limits.cruise
 
     # --- orders -----------------------------------------------------------------------------------------------------
 
     def enter(self) -> None:
-        """The mode has changed."""
+        """Start the orders of a new mode."""
         match self._now.mode:
             case FlightMode.MISSION:
                 self._begin_behind(self._now.current - 1)
@@ -67,18 +67,18 @@ class PX4Pilot:
                 self._brake()
 
     def replaced(self, before: tuple[Item, ...]) -> None:
-        """Another mission lies in the store while one is flown: it goes on at the present index."""
+        """Continue at the present index after the mission was replaced in flight."""
         self._begin_behind(self._now.current - 1)
 
     def climb(self, height: float) -> None:
-        """Take off, or climb, straight up to a height above home [m], and stay there."""
+        """Take off or climb straight up to a height above home [m], and stay there."""
         here = self._over_home()
         self._here = here._replace(up=height)
         rise = take_off if self._now.landed else self._way_to
         self._carry_out([rise(self._here, self._limits), *stay(self._here, self._limits, math.inf)])
 
     def go_to(self, east: float, north: float, up: float, speed: float) -> None:
-        """Fly to a place and stay there; NaN: where it is bound for, as high as it is, as fast as usual."""
+        """Fly to a place and stay there; NaN: the last commanded place, the present height, the usual speed."""
         if math.isnan(east) and math.isnan(up):
             self._brake()
             return
@@ -90,11 +90,11 @@ class PX4Pilot:
 
     @property
     def rising(self) -> bool:
-        """Whether it still climbs to where it was told to take off to."""
+        """Whether it still climbs to the ordered take-off height."""
         return self._now.mode is FlightMode.HOLD and len(self._orders) > 1
 
     def step(self) -> None:
-        """Decide, and let the vehicle move."""
+        """Advance the vehicle by one step."""
         now, state = self._now, self._state
         if not now.armed:
             self._fall()
@@ -105,7 +105,7 @@ class PX4Pilot:
         self._show()
 
     def _advance(self) -> None:
-        """A step of the order in force; then what follows from it."""
+        """Advance the current order by one step, and finish it if it is over."""
         order, now = self._orders[0], self._now
         if now.landed:
             now.landed = False
@@ -120,7 +120,7 @@ class PX4Pilot:
             self._next()
 
     def _next(self) -> None:
-        """The order in force is over."""
+        """Start the next order, or the next item after the last one."""
         ended, self._orders = self._orders[0], self._orders[1:]
         if self._orders:
             self._state = begun(self._state, self._orders[0])
@@ -144,7 +144,7 @@ class PX4Pilot:
             now.done(now.current, announced=not hidden)
 
     def _fall(self) -> None:
-        """No thrust: on the ground it stays there, above it it falls."""
+        """Let a disarmed vehicle fall to the ground."""
         state, place = self._state, self._state.body.place
         if place.up > (ground := self._ground.at(place.east, place.north)):
             state = state._replace(body=integrate(state, NO_THRUST, self._law, stands=False), time=self._now.time_s)
@@ -162,7 +162,7 @@ class PX4Pilot:
     # --- the mission ------------------------------------------------------------------------------------------------
 
     def _begin_behind(self, index: int) -> None:
-        """Start what follows item `index`, doing at once those at which no time is spent."""
+        """Start the item after `index`; execute items without duration at once."""
         now = self._now
         item = now.come_to(index, self._change_speed)
         if item is None:
@@ -188,7 +188,7 @@ class PX4Pilot:
             self._here = self._down(goal)
             return [] if self._now.landed else way_down(start, self._here, limits, cruise, 0.0)
         self._here, climb = goal, []
-        if self._now.landed:  # whatever the item is, it takes off to its height first
+        if self._now.landed:  # any item first takes off to its height
             start = self._over_home()._replace(up=goal.up)
             climb = [take_off(start, limits)]
         onward = self._now.program.onward(index)
@@ -198,7 +198,7 @@ class PX4Pilot:
             order = order._replace(holds=math.inf, beyond=goal)
         return [*climb, order]
 
-    # --- what is no item --------------------------------------------------------------------------------------------
+    # --- returns and orders outside a mission -----------------------------------------------------------------------
 
     def _return(self) -> None:
         self._cruise = self._limits.cruise
@@ -210,12 +210,12 @@ class PX4Pilot:
         return place._replace(up=self._ground.at(place.east, place.north))
 
     def _over_home(self) -> Enu:
-        """Where it is, its height over where it believes home to be."""
+        """Return its place, with the height above the estimated home."""
         place = self._state.body.place
         return place._replace(up=place.up - self._state.errors.home)
 
     def _brake(self) -> None:
-        """Brake as the path's limits allow, and stay where that ends."""
+        """Brake within the path's limits, and stay at the stopping place."""
         body, limits = self._state.body, self._limits
         time = math.hypot(*body.speed[:2]) / (2.0 * limits.accel) + limits.accel / (2.0 * limits.jerk)
         east, north = (body.place[axis] + body.speed[axis] * time for axis in (0, 1))
@@ -225,7 +225,7 @@ class PX4Pilot:
         self._fly([order._replace(holds=math.inf, follows_home=False)])
 
     def _fly(self, orders: list[Order]) -> None:
-        """Fly these instead of what is flown; on the ground only a mission's are."""
+        """Replace the current orders; on the ground only those of a mission are accepted."""
         grounded = self._now.landed and self._now.mode is not FlightMode.MISSION
         self._carry_out([] if grounded else orders)
 
@@ -235,7 +235,6 @@ class PX4Pilot:
             self._state = begun(self._state, orders[0])
 
     def _way_to(self, goal: Enu, limits: Px4Limits) -> Order:
-        """The leg from here to a place."""
         return leg(self._over_home(), goal, None, limits, limits.cruise)
 
 

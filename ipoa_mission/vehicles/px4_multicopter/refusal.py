@@ -1,4 +1,4 @@
-"""What PX4 says to one item of a list that is uploaded to it, read in its source: taken, or why not."""
+"""PX4's answer to one item of an uploaded list, read in its source."""
 
 import math
 from collections.abc import Container, Sequence
@@ -13,7 +13,7 @@ _PLACES = {5: "INVALID_PARAM5_X", 6: "INVALID_PARAM6_Y"}
 
 
 def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float], _count: int) -> Refused | None:
-    """Why a mission with this item is refused; None where it is taken."""
+    """Return the refusal of an item in a mission; None if accepted."""
     if frame not in firmware.frames:
         return Refused("UNSUPPORTED_FRAME")
     if wrong := _unused(firmware, command, frame, values):
@@ -30,21 +30,21 @@ def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float
 
 
 def refused_in_fence(firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
-    """The same for an item of a fence."""
+    """Return the refusal of a fence item; None if accepted."""
     if command in POLYGON and not values[0] + 0.5 >= LEAST_VERTICES:
         return Refused("ERROR", 1, f"expected {LEAST_VERTICES} vertices or more")
     return _of_a_list(firmware, firmware.fence, command, frame, values)
 
 
 def refused_in_rally(firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
-    """The same for a rally point."""
+    """Return the refusal of a rally point; None if accepted."""
     return _of_a_list(firmware, firmware.rally, command, frame, values)
 
 
 def _of_a_list(
     firmware: Firmware, commands: Container[int], command: int, frame: int, values: Sequence[float]
 ) -> Refused | None:
-    """PX4 reads the items of all lists by the same code."""
+    """Check an item of any list as PX4 does, by the same code."""
     if frame not in firmware.frames:
         return Refused("UNSUPPORTED_FRAME")
     if wrong := _unused(firmware, command, frame, values):
@@ -55,7 +55,7 @@ def _of_a_list(
 
 
 def _unused(firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
-    """The first param that the firmware does not use, and that is neither 0 nor NaN.
+    """Return the refusal of the first unused param that is neither 0 nor NaN.
 
     In a frame with a place an unused latitude or longitude must be NaN: 0 is a place.
     """
@@ -66,7 +66,7 @@ def _unused(firmware: Firmware, command: int, frame: int, values: Sequence[float
         is_integer = n in _PLACES and frame != Frame.MISSION
         if n not in used and not (math.isnan(value) or (value == 0.0 and not is_integer)):
             expected = "NaN" if is_integer else "0 or NaN"
-            words = f"expected {expected}, as {firmware} uses no such param here, not {value:g}"
+            words = f"expected {expected}, as {firmware} does not use this param here, not {value:g}"
             return Refused(_PLACES.get(n, f"INVALID_PARAM{n}"), n, words)
     return None
 

@@ -1,9 +1,8 @@
-"""Where PX4's RTL leads and how high it goes there: home, a rally point, or the landing of its mission.
+"""Goal, route and height of PX4's RTL: home, a rally point, or the landing of its mission.
 
-Whichever is nearest; a rally point must be 2 m nearer than what is nearest so far and 10 m away from home. All its
-heights count from the goal's. From 1.19 on it flies around the polygons and circles of a fence, where its board has
-that (all but the smallest); that way itself is not modeled. Read in 1.17.0 (d6f12ad1), release/1.18 (05deebf313) and
-main (bb59c637, to be 1.19).
+The nearest one counts. A rally point must be 2 m nearer than the best so far and 10 m away from home. Heights count
+from the goal's. From 1.19 on RTL flies around the polygons and circles of a fence, except on the smallest boards; that
+route is not modeled. Read in 1.17.0 (d6f12ad1), release/1.18 (05deebf313) and main (bb59c637, to be 1.19).
 """
 
 import math
@@ -21,15 +20,15 @@ from ipoa_mission.vehicles.returning import (
     level_distance,
 )
 
-NEARER = 2.0  # by so much a rally point or a landing must be nearer [m]
-OF_ITS_OWN = 10.0  # rally points that are no farther from home are none [m]
+NEARER = 2.0  # required advantage of a rally point or a landing [m]
+OF_ITS_OWN = 10.0  # rally points this near home are ignored [m]
 NOT_HOME, ON, NEAREST, SHORTER, RALLY_ONLY = 1.0, 2.0, 3.0, 4.0, 5.0  # RTL_TYPE; 0: home or a rally point
 KNOWS_RALLY_ONLY = (1, 18)  # since this series
 ROUNDS_FENCES = (1, 19)  # since this series (40e61d2429, merged after release/1.18 had branched)
 
 
 def return_height(parameters: Parameters, height: float, distance: float, goal_up: float) -> float:
-    """As `Px4Return` says, counted from the goal's height [m]."""
+    """Return `Px4Return`'s height counted from the goal's height [m]."""
     from ipoa_mission.vehicles.px4_multicopter.limits import Px4Return
 
     return goal_up + Px4Return.of(parameters).height(height - goal_up, distance)
@@ -38,7 +37,7 @@ def return_height(parameters: Parameters, height: float, distance: float, goal_u
 def return_route(
     parameters: Parameters, here: Place, rally: Sequence[Place], landing: MissionLanding | None, series: Series
 ) -> ReturnRoute:
-    """By RTL_TYPE; with 1 home only where there is neither a rally point nor a landing, with 5 (1.18) never."""
+    """Return the route of RTL_TYPE; 1 uses home only without rally point and landing, 5 (1.18) never."""
     kind = parameters.get("RTL_TYPE", 0.0)
     if kind in {ON, SHORTER}:
         ahead = landing is not None and (kind == ON or landing.ahead < landing.behind)
@@ -56,5 +55,5 @@ def return_route(
 
 
 def room_to_fences(parameters: Parameters, series: Series) -> float | None:
-    """How far it keeps from the fences that it flies around [m]; None: it flies straight, whatever is fenced."""
+    """Return the distance of RTL to the fences that it flies around [m]; None: it ignores them."""
     return 2.0 * parameters.get("NAV_ACC_RAD", SINCE_SPLIT["NAV_ACC_RAD"]) if series >= ROUNDS_FENCES else None
