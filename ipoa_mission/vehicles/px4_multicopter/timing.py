@@ -1,8 +1,8 @@
-"""How long PX4 1.13 to 1.18 takes in AUTO.MISSION with a multicopter: its dynamics, flown again and again with noise.
+"""Flight times of PX4 1.13 to 1.18 in AUTO.MISSION with a multicopter, by repeated simulation with noise.
 
-Its flights are noisy: a waypoint counts once place *and* height are right, and for two minutes from take-off the height
-of home is corrected by noisy measurements. So a mission is flown once without noise, which gives the path, and then
-again and again with it, which gives times and spread.
+Times are noisy: a waypoint counts only when place *and* height are reached, and noisy measurements correct home's
+height for two minutes after take-off. A mission is flown once without noise for the path, and repeatedly with noise for
+times and spread.
 """
 
 import math
@@ -45,7 +45,7 @@ from ipoa_mission.wind import CALM, Wind
 
 ALONG_MISSION = frozenset({1.0, 2.0, 3.0, 4.0})  # RTL_TYPE
 STEP = 0.04  # [s]
-SAMPLE_STEPS = 3  # a sample of the track every so many steps
+SAMPLE_STEPS = 3  # steps between samples of the track
 
 
 LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH})
@@ -53,19 +53,19 @@ LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH})
 
 @dataclass(frozen=True)
 class NoisyRuns:
-    """How often an itinerary is flown with noise, and what the spread of the times makes of the interval."""
+    """Number of noisy runs, and the interval from their spread."""
 
     most: int = 90
-    batch: int = 6  # after every so many it is asked whether they will do:
-    known_share: float = 0.003  # the standard error of the mean is this share of it
-    broken_off_share: float = 0.008  # the same of an ending that is ordered
-    doubt_s: float = 0.8  # what the model itself may be off by, standard deviation: this,
-    doubt_share: float = 0.0125  # and this share of the time
-    landing_s: float = 1.6  # what landings differ by beyond that, in recorded flights
-    interval_deviations: float = 1.645  # nine in ten are so many standard deviations on either side of the mean
-    late_quantile: float = 0.93  # of the runs, where misses make it later than those deviations
-    broken_off_deviations: float = 2.3  # the same of endings that are ordered, as flown
-    missed_s: float = 3.0  # a waypoint that takes so much longer than in most runs has been missed
+    batch: int = 6  # runs between checks of convergence
+    known_share: float = 0.003  # relative standard error of the mean at convergence
+    broken_off_share: float = 0.008  # the same for a contingency
+    doubt_s: float = 0.8  # standard deviation of the model's error: constant part,
+    doubt_share: float = 0.0125  # and share of the time
+    landing_s: float = 1.6  # additional standard deviation of landings, in recorded flights
+    interval_deviations: float = 1.645  # half width of the 90 % interval in standard deviations
+    late_quantile: float = 0.93  # of the runs, if misses make it later than those deviations
+    broken_off_deviations: float = 2.3  # half width for contingencies, as flown
+    missed_s: float = 3.0  # a waypoint that takes this much longer than the median was missed
 
 
 RUNS = NoisyRuns()
@@ -80,11 +80,11 @@ def fly_px4(
     senses: SensorModel = SIH_SENSES,
     version: Version | None = None,
 ) -> Prediction:
-    """Fly the itinerary as PX4 does; `fast` is as in `estimate`. One that `KNOWS` where it is is flown only once.
+    """Predict the times of an itinerary; `fast` is as in `estimate`. With `KNOWS` (no noise) it is flown once.
 
     Raises:
-        BadInput: an item never ends, or a parameter has no sense.
-        MissionError: the vehicle does not get on, as against a wind stronger than it can fly.
+        BadInput: an item never ends, or a parameter is invalid.
+        MissionError: the vehicle makes no progress, for example against too strong a wind.
     """
     flights = Flights(route, parameters, wind, airframe, senses, version)
     smooth, samples = flights.prepared(False, fast)(0)
@@ -96,16 +96,16 @@ def fly_px4(
             break
         try:
             times.append(once(seed)[0])
-        except MissionError as lost:  # circling a waypoint that is too small to be hit
+        except MissionError as lost:  # it circles a waypoint with too small a radius
             if seed > 2 * len(times) + RUNS.batch:
                 raise
-            remarks.append(f"some flights would not end: {lost}")
+            remarks.append(f"some flights did not end: {lost}")
     runs = np.array(times or [smooth])
     done = runs.mean(axis=0)
     lands = np.array([visit.item.command in LANDINGS for visit in route.visits], dtype=bool)
     doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * done) ** 2 + RUNS.landing_s**2 * np.maximum.accumulate(lands)
     below = RUNS.interval_deviations * runs.std(axis=0)
-    above = np.maximum(below, np.quantile(runs, RUNS.late_quantile, axis=0) - done)  # who misses a waypoint is late
+    above = np.maximum(below, np.quantile(runs, RUNS.late_quantile, axis=0) - done)  # a missed waypoint makes it late
     unsure = RUNS.interval_deviations**2 * doubt
     warped = np.interp(samples[:, 0], [0.0, *smooth], [0.0, *done])
     warped += np.maximum(samples[:, 0] - (smooth[-1] if len(smooth) else 0.0), 0.0)
@@ -125,17 +125,17 @@ def fly_aborted(
     order: Abort,
     version: Version | None = None,
 ) -> Prediction:
-    """Fly the itinerary up to a moment, and then what is ordered, in the mean of its noise: each from where it is then.
+    """Predict the times of an itinerary up to an abort and of the contingency then, as the mean of noisy runs.
 
     Raises:
-        BadInput, MissionError: as `fly_px4` does; or what is ordered has no end.
+        BadInput, MissionError: as `fly_px4` does; or the contingency has no end.
     """
     flights = Flights(route, parameters, wind, airframe, version=version)
     if order.contingency is Contingency.RTL:
         if flights.limits.land_delay < 0.0:
-            raise MissionError("with an RTL_LAND_DELAY below 0 it waits over its goal for ever", code="endless-flight")
+            raise MissionError("with an RTL_LAND_DELAY below 0 it waits over its goal forever", code="endless-flight")
         if parameters.get("RTL_TYPE", 0.0) in ALONG_MISSION:
-            raise NotModeled("how long returns along the mission last is not known well enough")
+            raise NotModeled("the duration of returns along the mission is not modeled well enough")
     quiet = flights.flown(False, fast)(0).done
     steps = np.diff(quiet)
     lasted, stood, when = list[float](), list[float](), list[float]()
@@ -162,13 +162,13 @@ def fly_aborted(
 
 
 def _known(times: list[Vector], share: float = RUNS.known_share) -> bool:
-    """Whether the mean of the runs is known well enough: its standard error is so small a share of it."""
+    """Return whether the standard error of the mean is at most this share of it."""
     ends = np.array([run[-1] for run in times])
     return len(ends) > 0 and bool(ends.std() / math.sqrt(len(ends)) <= share * ends.mean())
 
 
 def _missed(route: Itinerary, runs: Points) -> tuple[Missed, ...]:
-    """For each waypoint in which share of the runs (m, n) [s] it is missed, and what that costs."""
+    """Return for each waypoint the share of runs (m, n) [s] that miss it, and the mean delay then."""
     lasted = np.diff(runs, axis=1, prepend=0.0)
     longer = lasted - np.median(lasted, axis=0)
     flown_to = np.array([visit.item.command in FLOWN_TO for visit in route.visits], dtype=bool)
@@ -179,7 +179,7 @@ def _missed(route: Itinerary, runs: Points) -> tuple[Missed, ...]:
 
 
 class FlownOnce(NamedTuple):
-    """When each order is done, after the time of the begin (n + 1,) [s], samples, and when it came down, if it did [s].
+    """One flight: the times [s] at its start and after each order (n + 1,), samples, and its touchdown [s] if any.
 
     A sample (m, 7) is time, place and velocity.
     """
@@ -190,7 +190,7 @@ class FlownOnce(NamedTuple):
 
 
 class Flights:
-    """One itinerary, to be flown as often as wanted."""
+    """Repeated flights of one itinerary."""
 
     def __init__(
         self, route: Itinerary, parameters: Parameters, wind: Wind = CALM, airframe: Airframe = SIH,
@@ -206,12 +206,12 @@ class Flights:
         self.quiet = with_noise._replace(noisy=False, turns=turns)
 
     def prepared(self, noisy: bool, fast: bool | None, steps: float = 0.0) -> Callable[[int], tuple[Vector, Points]]:
-        """What flies it once, with the noise of a seed: when each visit is done (n,) [s], and, without noise, samples.
+        """Return a function of a seed that flies it once: end of each visit (n,) [s], and samples without noise.
 
-        A sample (m, 7) is time, place and velocity; `steps` is how many will be asked for in all.
+        A sample (m, 7) is time, place and velocity; `steps` is the expected total number of steps.
 
         Raises:
-            MissionError: the vehicle does not get on.
+            MissionError: the vehicle makes no progress.
         """
         flown, ends = self.flown(noisy, fast, steps), list(self.plan.done)
 
@@ -224,9 +224,9 @@ class Flights:
     def broken_off(
         self, contingency: Contingency, time: float, seed: int | None, fast: bool | None
     ) -> tuple[FlownOnce, int]:
-        """Flown up to a time [s] with the noise of a seed, or without any, and then what is ordered, as `flown`.
+        """Fly up to a time [s] with the noise of a seed, or without any, and then the contingency, as `flown`.
 
-        And how many orders were begun until then.
+        Returns also the number of orders begun before that time.
         """
         self.orders = tuple(order._replace(until=time) for order in self.plan.orders)
         until = self.flown(seed is not None, fast, RUNS.most * time / STEP, True)(seed or 0)
@@ -240,7 +240,7 @@ class Flights:
         return self.flown(seed is not None, fast, RUNS.most * time / STEP)(seed or 0), begun
 
     def contingency(self, contingency: Contingency, at: Vector) -> list[Order]:
-        """The orders of an RTL or a LAND from one sample (7,) of a flight."""
+        """Return the orders of an RTL or a LAND from one sample (7,) of a flight."""
         here, speed, ground = Enu(*map(float, at[1:4])), Level(float(at[4]), float(at[5])), self.route.ground
         if contingency is Contingency.RTL:
             goal = Enu(*self.route.goal_of_return((here.east, here.north, here.up)))
@@ -252,7 +252,7 @@ class Flights:
     def flown(
         self, noisy: bool, fast: bool | None, steps: float = 0.0, sampled: bool = False
     ) -> Callable[[int], FlownOnce]:
-        """The same by order; raises as `prepared` does. With noise samples are noted if they are to be `sampled`."""
+        """Return `prepared`'s function by order; raises as it does. With noise samples are kept if `sampled`."""
         orders, height = self.orders, flying_already(self.route) or 0.0
         machine, laws = jit_if_faster(fly, fast, steps), [self.quiet._replace(noisy=noisy)]
         asked: Any = orders
@@ -277,7 +277,7 @@ class Flights:
         return once
 
     def why_slow(self, n: int, done: Vector, clock: Vector, samples: Points) -> str:
-        """The reasons why visit n, flown as the samples at these times (m,) [s] say, was slow."""
+        """Return the reasons why visit n was slow, by samples at these times (m,) [s]."""
         command, params = self.route.visits[n].item.command, self.route.visits[n].item.params
         if command == Command.NAV_DELAY:
             return "hold" if params[0] > 0 else ""
@@ -301,7 +301,7 @@ class Flights:
         )
 
     def allowed(self, order: Order) -> float:
-        """What the climb or descent rate leaves of the level speed asked for [m/s]."""
+        """Return the level speed that the climb or descent rate allows [m/s]."""
         length, rise = math.dist(order.start[:2], order.goal[:2]), order.goal.up - order.start.up
         rate = self.limits.climb if rise > 0 else self.limits.descent
         return min(order.cruise, rate * length / abs(rise)) if rise else order.cruise

@@ -1,4 +1,4 @@
-"""PX4 on a multicopter as one object; its times, its tube and its stand-in are loaded when they are asked for."""
+"""The PX4 multicopter plug-in; its model, deviation law and mock profile are imported on demand."""
 
 import math
 import re
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from ipoa_mission.geometry import Points, Vector
 
 STOPS = WaypointDefaults(LEAST_HOLD, DEFAULTS["NAV_ACC_RAD"])
-ONLY_WARNS = 1.0  # GF_ACTION; 0 does nothing at all
+ONLY_WARNS = 1.0  # GF_ACTION; 0 does nothing
 
 HABITS = Firmware(
     autopilot="px4",
@@ -59,16 +59,16 @@ HABITS = Firmware(
     max_rally_points=32,
     highest_altitude=math.inf,
     nan_holds=True,
-    photo_looks_s=0.05,  # camera_trigger's poll
+    photo_looks_s=0.05,  # polling interval of camera_trigger
     jumps=JumpProfile(at_once=9),
 )
 
 MODES = Modes(
     mission=mode_number(4, 4),
-    arming=mode_number(4, 4),  # armed in its mission mode it takes off at once
+    arming=mode_number(4, 4),  # armed in mission mode it takes off at once
     hold=mode_number(4, 3),
     returning=mode_number(4, 5),
-    returns=frozenset({mode_number(4, 5)}),  # for which it leaves its mission mode at an RTL item
+    returns=frozenset({mode_number(4, 5)}),  # an RTL item switches to this mode
     lands=frozenset({mode_number(4, 6)}),
     names={
         mode_number(1): "MANUAL",
@@ -85,7 +85,7 @@ MODES = Modes(
     has_sub_modes=True,
 )
 
-#: The commander's checks of 1.17 give these reasons, as texts only when an order to arm is refused.
+#: Texts of the commander's checks in 1.17, sent only when an arming order is refused.
 ARMING_WORDS = ArmingWords(
     re.compile(r"Arming denied: |Preflight Fail: "),
     re.compile(
@@ -143,14 +143,14 @@ class Px4Multicopter(Autopilot):
     station_loss = failsafes.STATION_LOSS
 
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
-        """With MPC_ACC_HOR, to which it changes by MPC_JERK_AUTO."""
+        """Return the distance with MPC_ACC_HOR, which it reaches by MPC_JERK_AUTO."""
         import numpy as np
 
         from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 
         limits = px4_limits(parameters)
         brakes, gains = limits.accel, np.clip(accel, 0.0, limits.accel)
-        turns = (gains + brakes) / limits.jerk  # seconds until it brakes with all it may
+        turns = (gains + brakes) / limits.jerk  # time until full braking [s]
         slowed = np.maximum(speed + (gains - brakes) * turns / 2, 0.0)
         turning = turns * (speed + turns * (gains / 2 - limits.jerk * turns / 6))
         return np.asarray(turning + slowed**2 / (2 * brakes))
@@ -158,8 +158,7 @@ class Px4Multicopter(Autopilot):
     def braking_way(
         self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: Contingency
     ) -> "Points":
-        """Straight on to where its navigator puts LAND and hold (preproject_stop_point).
-
+        """Return the displacement to the navigator's stopping point for LAND and hold (preproject_stop_point).
         >>> import numpy as np
         >>> Px4Multicopter().braking_way({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
         array([[9.6, 0. ]])
@@ -174,8 +173,7 @@ class Px4Multicopter(Autopilot):
         return np.asarray(velocity * (speed / (2.0 * px4_limits(parameters).accel) + BRAKES_LATE)[:, None])
 
     def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
-        """From MPC_LAND_ALT1 ever slower, to MPC_LAND_SPEED at MPC_LAND_ALT2.
-
+        """Return the stretch from MPC_LAND_ALT1 to MPC_LAND_SPEED at MPC_LAND_ALT2.
         >>> Px4Multicopter().slowed({}, 12.0)
         {'MPC_LAND_ALT1': 22.0, 'MPC_LAND_ALT2': 17.0}
         """
@@ -185,7 +183,7 @@ class Px4Multicopter(Autopilot):
         return SlowStretch(max(p["MPC_LAND_SPEED"], SLOWEST), descent, max(p["MPC_LAND_ALT1"], low), low)
 
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
-        """A distance or a height of 0 is no limit; GF_ACTION 0 does nothing, and 1 only warns."""
+        """Return the limits of the fence; a limit of 0 is off. GF_ACTION 0 does nothing, 1 only warns."""
         if parameters.get("GF_ACTION", 0.0) <= ONLY_WARNS:
             return None
         across, up = (parameters.get(name, 0.0) for name in ("GF_MAX_HOR_DIST", "GF_MAX_VER_DIST"))
@@ -196,8 +194,7 @@ class Px4Multicopter(Autopilot):
         )
 
     def goal_of_return(self, parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
-        """As RTL chooses.
-
+        """Return the index of RTL's rally point.
         >>> Px4Multicopter().goal_of_return({}, (100.0, 0.0, 20.0), [(90.0, 0.0, 10.0)])
         0
         """
@@ -211,8 +208,7 @@ class Px4Multicopter(Autopilot):
         landing: MissionLanding | None = None,
         version: Version | None = None,
     ) -> ReturnRoute:
-        """By RTL_TYPE.
-
+        """Return the route of RTL_TYPE.
         >>> str(Px4Multicopter().return_route({"RTL_TYPE": 2.0}, (100.0, 0.0, 20.0), ()).by)
         'back along the mission'
         """
@@ -223,28 +219,24 @@ class Px4Multicopter(Autopilot):
         return SINCE_SPLIT if (version or self.newest).series >= SPLITS_AXES else {}
 
     def waypoint_defaults(self, version: Version | None = None) -> WaypointDefaults:
-        """From 1.18 on it must stop at each waypoint, and the radius is named as the default has grown to 10 m.
-
+        """From 1.18 on a waypoint needs a hold to stop, and a radius because the default has grown to 10 m.
         >>> Px4Multicopter().waypoint_defaults(Version(1, 18))
         WaypointDefaults(hold=0.1, radius=2.0)
         """
         return STOPS if (version or self.newest).series >= SPLITS_AXES else WaypointDefaults()
 
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
-        """As its source has it."""
         return returning.return_height(parameters, height, distance, goal_up)
 
     def room_to_fences(self, parameters: Parameters, version: Version | None = None) -> float | None:
-        """From 1.19 on.
-
+        """Return the distance; from 1.19 on.
         >>> Px4Multicopter().room_to_fences({}), Px4Multicopter().room_to_fences({"NAV_ACC_RAD": 2.0}, Version(1, 19))
         (None, 4.0)
         """
         return returning.room_to_fences(parameters, (version or self.newest).series)
 
     def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
-        """As its source has it.
-
+        """Return the failsafe actions, read in the source.
         >>> found = {one.cause: one for one in Px4Multicopter().failsafes({"COM_LOW_BAT_ACT": 3.0})}
         >>> found["critical battery"].route.contingency, found["critical battery"].route.after_s
         (<Contingency.RTL: 'rtl'>, 5.0)

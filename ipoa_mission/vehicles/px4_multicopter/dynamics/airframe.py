@@ -1,6 +1,6 @@
-"""The multirotor that PX4's model flies, and how well it knows where it is: read from recorded flights.
+"""The simulated multirotor of PX4 and its sensor errors, fitted to recorded flights (docs/lab/flight-time.md).
 
-No mission and no parameter tells these, and every airframe has its own (found as docs/lab/flight-time.md says).
+No mission and no parameter contains these values, and they differ between airframes.
 """
 
 import math
@@ -11,10 +11,7 @@ from ipoa_mission.vehicles.learned import LearnedVehicle
 
 
 class Airframe(NamedTuple):
-    """Drag for each m/s of airspeed, per mass [1/s]; the lag of rotors and rate loop [s].
-
-    It lifts off and disarms so much later than modeled [s].
-    """
+    """Drag per airspeed and mass [1/s], lag of rotors and rate loop [s], delays of lift-off and disarming [s]."""
 
     drag: float
     lag: float
@@ -22,20 +19,20 @@ class Airframe(NamedTuple):
     landing_delay: float = 0.0
 
     def top_speed(self, lean: float) -> float:
-        """The level speed [m/s] at which drag meets what a lean [rad] gives in calm air."""
+        """Return the level speed [m/s] at which drag equals the thrust of a lean [rad] in calm air."""
         return GRAVITY * math.tan(lean) / self.drag if self.drag > 0 else math.inf
 
     def slowing(self, through_air: Points, _axes: Points) -> Points:
-        """What the air takes [m/s^2] (n, 3) of a velocity through it (n, 3), however the body stands."""
+        """Return the drag deceleration [m/s^2] (n, 3) of an air velocity (n, 3), independent of attitude."""
         return self.drag * through_air
 
 
 class SensorModel(NamedTuple):
-    """How well a vehicle knows where it is, as far as its guidance notices.
+    """Errors of the position estimate, as far as they affect guidance.
 
-    A satellite height comes every `every` s with a standard deviation of `height_noise` m. The speed that is estimated
-    does not quite agree with how the estimated place moves: by `drift` m/s level, along each axis, and `drift_up`
-    upwards (standard deviations), for about `drift_lasts` s. One that `sees_ground`, by a range finder, crawls to it.
+    A GNSS height comes every `every` s with a standard deviation of `height_noise` m. The estimated speed differs from
+    the estimated position's motion by `drift` m/s along each level axis, and `drift_up` upwards (standard deviations),
+    with a correlation time of `drift_lasts` s. `sees_ground`: a range finder makes it crawl to the ground.
     """
 
     every: float
@@ -49,13 +46,12 @@ class SensorModel(NamedTuple):
 #: PX4's SIH quadrotor (1 kg, drag 1 N s/m): at 45 degrees of lean its drag allows 9.8 m/s level.
 SIH = Airframe(drag=1.0, lag=0.06)
 SIH_SENSES = SensorModel(every=0.125, height_noise=0.5, drift=0.2, drift_up=0.13, drift_lasts=4.5, sees_ground=True)
-#: A vehicle that knows exactly where it is, and sees no ground.
+#: No position errors, and no range finder.
 KNOWS = SensorModel(every=math.inf, height_noise=0.0, drift=0.0, drift_up=0.0, drift_lasts=1.0, sees_ground=False)
 
 
 def airframe_of(vehicle: LearnedVehicle | None) -> Airframe:
-    """The airframe of a vehicle that was learned; SIH's where nothing is known of it.
-
+    """Return the airframe of a learned vehicle; None: SIH's.
     >>> airframe_of(None) is SIH
     True
     """

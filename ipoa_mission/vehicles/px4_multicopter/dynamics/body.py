@@ -1,11 +1,11 @@
-"""The vehicle itself: lean and thrust follow what is asked with their lags, drag is linear, the ground holds."""
+"""The vehicle: lean and thrust follow their setpoints with lags, drag is linear, the ground holds it."""
 
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import Body, Enu, Law, Level, State
 
 
 def wind_at(height: float, law: Law) -> tuple[float, float]:
-    """What the wind blows towards the east and the north."""
+    """Return the wind towards east and north [m/s] at a height."""
     levels = law.wind_levels
     if levels[0].height == levels[7].height:
         blows = 1.0
@@ -23,9 +23,9 @@ def wind_at(height: float, law: Law) -> tuple[float, float]:
 
 
 def integrate(state: State, asked: Enu, law: Law, stands: bool) -> Body:
-    """The vehicle a step later, `asked` for a lean and a thrust.
+    """Return the vehicle a step later, with a lean and thrust setpoint `asked`.
 
-    Where it has come to stand after a flight its place stays, and what is believed of its speed is wrong.
+    A landed vehicle keeps its place, and its estimated speed is wrong by the drift.
     """
     body, drift, dt, drag = state.body, state.errors.drift, law.dt, law.airframe.drag
     asked_east = body.asked.east + (asked.east - body.asked.east) * law.leaning

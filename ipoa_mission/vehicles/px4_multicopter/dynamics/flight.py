@@ -1,4 +1,4 @@
-"""A whole flight of a PX4 multicopter: order after order; the same lines as plain Python and compiled by numba."""
+"""A whole flight of a PX4 multicopter, order by order; runs as Python and compiled by numba."""
 
 import math
 from collections.abc import Sequence
@@ -23,15 +23,15 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
 )
 from ipoa_mission.vehicles.px4_multicopter.dynamics.step import at_rest, begun, is_over, step
 
-ROOM = 64  # samples for which there is room to begin with
+ROOM = 64  # initial capacity for samples
 
-SETTLED_S = 30.0  # after so long a cruise goes on as it is [s]
+SETTLED_S = 30.0  # after this time a cruise is steady [s]
 
 
 def past_cruise(state: State, order: Order, law: Law) -> State:
-    """The state past the middle of a long level leg, where all has settled and nothing changes until it brakes.
+    """Skip the steady middle of a long level leg; return the state after it.
 
-    The errors of the sensors go on from where they are: what they would have added there evens out.
+    Sensor errors continue unchanged: on average the skipped ones cancel.
     """
     x, y, body = state.trajectory.east, state.trajectory.north, state.body
     speed, since = math.sqrt(x.speed * x.speed + y.speed * y.speed), body.airborne_since
@@ -63,13 +63,12 @@ def past_cruise(state: State, order: Order, law: Law) -> State:
 def fly(
     orders: Sequence[Order], laws: Sequence[Law], height: float, seeds: tuple[float, float], every: int
 ) -> tuple[Vector, Points, float]:
-    """When each order is done, after the time of the begin (n + 1,) [s]; and a sample every so many steps (0: none).
+    """Return the times [s] at the start and after each order (n + 1,), samples, and the time of touchdown [s].
 
-    A sample is time, place and believed speed: (m, 7). At last when it came down to the ground, if it did.
-
-    It begins over home, at rest, so high; from the ground it takes off after spooling up. An order that is broken off
-    is done then. It ends early at an order that is not reached within its patience: then there are fewer times than
-    orders.
+    A sample is time, place and estimated speed, (m, 7), taken each `every` steps (0: none). Without touchdown its time
+    is NOT_YET. The flight starts over home, at rest, at `height` [m]; on the ground it takes off after spooling up. An
+    aborted order ends at the abort. If an order is not reached within its patience, the flight ends early with fewer
+    times than orders.
     """
     law = laws[0]
     state = at_rest(Enu(0.0, 0.0, height), 0.0, math.nan, no_errors(seeds[0], seeds[1]), height <= 0.0)

@@ -1,4 +1,4 @@
-"""Where PX4's nose points, and how it turns: by MPC_YAWRAUTO_MAX and _ACC."""
+"""PX4's yaw setpoint and yaw motion, by MPC_YAWRAUTO_MAX and _ACC."""
 
 import math
 
@@ -7,7 +7,7 @@ from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 
 
 def heading_wanted(state: State, order: Order) -> float:
-    """The heading of the order, or else the way to its goal; over the goal as it is [rad]."""
+    """Return the order's heading, else the direction to its goal; over the goal the present one [rad]."""
     if not math.isnan(order.heading):
         return order.heading
     east, north = order.goal.east - state.body.place.east, order.goal.north - state.body.place.north
@@ -17,13 +17,13 @@ def heading_wanted(state: State, order: Order) -> float:
 
 
 def heading_error(state: State, order: Order) -> float:
-    """How far the nose has to turn [rad]; nothing while nobody knows where it points."""
+    """Return the yaw error [rad]; 0 while the yaw is unknown."""
     error = heading_wanted(state, order) - state.nose.yaw
     return 0.0 if math.isnan(error) else error - 2.0 * math.pi * math.floor(error / (2.0 * math.pi) + 0.5)
 
 
 def turned(state: State, order: Order, limits: Px4Limits, dt: float) -> Yaw:
-    """The nose a step later: it turns so fast that it can still brake."""
+    """Return the yaw a step later; its rate allows braking in time."""
     nose = state.nose
     if math.isnan(nose.yaw):
         return Yaw(heading_wanted(state, order), 0.0)

@@ -1,4 +1,4 @@
-"""PX4's landing: how fast it sinks, and when it takes standing for being landed."""
+"""PX4's landing: descent rate and land detector."""
 
 from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import LAND, Body, Contact, Law, Order, State
@@ -6,11 +6,10 @@ from ipoa_mission.vehicles.px4_multicopter.limits import RANGE_LAG_S, STAGES
 
 
 def sink_rate(state: State, order: Order, law: Law) -> float:
-    """MPC_Z_V_AUTO_DN above MPC_LAND_ALT1, from there ever slower to MPC_LAND_SPEED at MPC_LAND_ALT2; then it crawls.
+    """Return the descent rate: MPC_Z_V_AUTO_DN above MPC_LAND_ALT1, MPC_LAND_SPEED at MPC_LAND_ALT2, then a crawl.
 
-    Between the two it comes from MPC_Z_VEL_MAX_DN, though it never sinks with more than MPC_Z_V_AUTO_DN.
-
-    These are over the ground where a range finder sees it, whose height lags, and there it crawls; else over home.
+    Between the two heights it interpolates from MPC_Z_VEL_MAX_DN, limited to MPC_Z_V_AUTO_DN. Heights are over the
+    ground if a range finder sees it, with a lag, else over home. Only with a range finder it crawls.
     """
     limits, sees = law.limits, law.senses.sees_ground
     height = state.body.place.up - (order.goal.up + RANGE_LAG_S * state.body.speed.up if sees else 0.0)
@@ -21,14 +20,14 @@ def sink_rate(state: State, order: Order, law: Law) -> float:
 
 
 def stands(state: State, order: Order) -> bool:
-    """Whether a landing has come down to the ground."""
+    """Return whether a landing has reached the ground."""
     return order.kind == LAND and (state.contact.stands or state.body.place.up <= order.goal.up)
 
 
 def detect_contact(state: State, body: Body, thrust: float, law: Law) -> Contact:
-    """The ground felt: in contact, perhaps landed, landed, each once thrust and speed have been low for long enough.
+    """Return the land detector's state: contact, maybe landed, landed, each after low thrust and speed for long enough.
 
-    The ground is lost from sight once the vehicle believes to be below it.
+    The range finder loses the ground once the estimated height is below it.
     """
     was, touchdown = state.contact, law.limits.touchdown
     sees, stands = law.senses.sees_ground, body.on_ground

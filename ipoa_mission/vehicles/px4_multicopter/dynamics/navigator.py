@@ -1,4 +1,4 @@
-"""What PX4's navigator makes of a mission: the orders that are flown for each item."""
+"""PX4's navigator: the orders of each mission item."""
 
 import math
 from collections.abc import Sequence
@@ -15,11 +15,11 @@ from ipoa_mission.vehicles.px4_multicopter.limits import BRAKES_LATE, Px4Limits
 from ipoa_mission.wind import MOST_LEVELS, Wind, WindLevel
 
 FLOWN_TO = HOLDING | {Command.NAV_LOITER_TO_ALT}
-ANYWHERE = 1e9  # a radius that everything is within [m]
+ANYWHERE = 1e9  # a radius without effect [m]
 
 
 def law(limits: Px4Limits, airframe: Airframe, senses: SensorModel, wind: Wind, dt: float) -> Law:
-    """What holds for a noisy flight in steps of `dt` s."""
+    """Return the constants of a noisy flight in steps of `dt` s."""
     leaning, turning = (-math.expm1(-dt / lag) for lag in (limits.lean_lag, airframe.lag))
     senses = senses._replace(sees_ground=senses.sees_ground and limits.has_range_finder)
     steps = (dt, GRAVITY * math.tan(limits.lean), leaning, turning)
@@ -30,19 +30,19 @@ def law(limits: Px4Limits, airframe: Airframe, senses: SensorModel, wind: Wind, 
 
 
 def leg(start: Enu, goal: Enu, beyond: Enu | None, limits: Px4Limits, cruise: float) -> Order:
-    """The order to fly a leg; `beyond`: the place to fly on to without a stop."""
+    """Return the order to fly a leg; `beyond`: the next place, without a stop at the goal."""
     most = min(cruise, limits.most_speed)
     return Order(GO, start, goal, goal if beyond is None else beyond, limits.radius, limits.height_radius, most)
 
 
 def take_off(top: Enu, limits: Px4Limits) -> Order:
-    """The order to climb straight up, to a height over where home was."""
+    """Return the order to climb straight up, to a height above home at that time."""
     return leg(top, top, None, limits, limits.cruise)._replace(kind=TAKE_OFF, follows_home=False)
 
 
 def waypoint(item: Item, start: Enu, goal: Enu, beyond: Enu | None, limits: Px4Limits, cruise: float) -> Order:
-    """The order to fly to a waypoint; `beyond` counts where it does not ask to stay."""
-    holds = max(0.0, item.params[0]) if item.command in HOLDING else 0.0  # no number: no hold
+    """Return the order to fly to a waypoint; `beyond` is ignored if it holds."""
+    holds = max(0.0, item.params[0]) if item.command in HOLDING else 0.0  # NaN: no hold
     own = item.command == Command.NAV_WAYPOINT and item.params[1] > 0.001
     return leg(start, goal, None if holds > 0 else beyond, limits, cruise)._replace(
         radius=item.params[1] if own else limits.radius,
@@ -54,15 +54,15 @@ def waypoint(item: Item, start: Enu, goal: Enu, beyond: Enu | None, limits: Px4L
 
 
 def stay(here: Enu, limits: Px4Limits, seconds: float) -> list[Order]:
-    """The order to stay somewhere, if for any time."""
+    """Return the order to stay somewhere, if for any time."""
     order = leg(here, here, None, limits, limits.cruise)
     return [order._replace(radius=ANYWHERE, height_radius=ANYWHERE, holds=seconds)] if seconds > 0 else []
 
 
 def way_down(here: Enu, ground: Enu, limits: Px4Limits, cruise: float, holds: float) -> list[Order]:
-    """The orders to land on the ground there: over it first, if it is farther than the acceptance radius, then down.
+    """Return the orders to land: fly over the place if it is beyond the acceptance radius, then descend.
 
-    `holds`: how long it stands before it disarms [s].
+    `holds`: time on the ground before disarming [s].
     """
     over = ground._replace(up=here.up)
     way = [leg(here, over, None, limits, cruise)] if math.dist(here, over) > limits.radius else []
@@ -71,17 +71,17 @@ def way_down(here: Enu, ground: Enu, limits: Px4Limits, cruise: float, holds: fl
 
 
 def stopping_place(here: Enu, speed: Level, limits: Px4Limits) -> Enu:
-    """Where LAND and hold bring the vehicle to: ahead of it, as it reckons with 0.6 s until it brakes."""
+    """Return the stopping place of LAND and hold, with a delay of 0.6 s before it brakes."""
     level = math.hypot(speed.east, speed.north)
     time = level / (2.0 * limits.accel) + BRAKES_LATE
     return here._replace(east=here.east + speed.east * time, north=here.north + speed.north * time)
 
 
 def way_home(here: Enu, limits: Px4Limits, home: Enu, up: float = 0.0) -> list[Order]:
-    """The orders of RTL: climb as `Px4Return` says, fly to the ground at home at MPC_XY_CRUISE, wait, disarm.
+    """Return the orders of RTL: climb by `Px4Return`, fly home at MPC_XY_CRUISE, wait, land, disarm.
 
-    `home` may be a rally point's ground; the heights then count from `up`, the rally point's own. As it climbs it turns
-    back to `here`, but it flies on as soon as it is high enough (within NAV_LOITER_RAD of it), and then straight.
+    `home` is the ground at home or a rally point; heights count from `up`, the rally point's own. While it
+    climbs it flies back to `here`. Once high enough and within NAV_LOITER_RAD of `here` it flies straight to the goal.
     """
     far = math.hypot(here.east - home.east, here.north - home.north)
     height, cruise = up + limits.returning.height(here.up - up, far), limits.cruise
@@ -96,7 +96,7 @@ def way_home(here: Enu, limits: Px4Limits, home: Enu, up: float = 0.0) -> list[O
 
 
 def way_along(here: Enu, places: Sequence[Enu], limits: Px4Limits, ground: Enu) -> list[Order]:
-    """The orders of a return from waypoint to waypoint, without climbing, down to the ground below the last place."""
+    """Return the orders of a return along waypoints without climbing, down to the ground below the last place."""
     way, at = list[Order](), here
     for n, place in enumerate(places):
         beyond = places[n + 1] if n + 1 < len(places) else None
@@ -108,7 +108,7 @@ def way_along(here: Enu, places: Sequence[Enu], limits: Px4Limits, ground: Enu) 
 
 
 class Planned(NamedTuple):
-    """The orders for an itinerary; for each visit how many of them are done when it is, and remarks."""
+    """The orders of an itinerary, the number of orders done after each visit, and remarks."""
 
     orders: tuple[Order, ...]
     done: tuple[int, ...]
@@ -116,7 +116,7 @@ class Planned(NamedTuple):
 
 
 def plan(route: Itinerary, limits: Px4Limits, landing_delay: float = 0.0) -> Planned:
-    """The orders for an itinerary, from the ground, or from over home if it has no take-off.
+    """Return the orders of an itinerary, from the ground, or from over home if it has no take-off.
 
     A landed vehicle disarms `landing_delay` s later than modeled.
 
@@ -137,7 +137,7 @@ def plan(route: Itinerary, limits: Px4Limits, landing_delay: float = 0.0) -> Pla
 
 
 def _patient(order: Order, before: Enu, limits: Px4Limits) -> Order:
-    """With the time that it may take from where the order before ends; a small circle is hard to hit."""
+    """Return the order with its patience from the previous order's end; a small radius is hard to hit."""
     slowest = min(limits.climb, limits.descent, limits.takeoff_speed, limits.land_speed, limits.crawl_speed)
     level, rise = math.dist(before[:2], order.goal[:2]), abs(order.goal.up - before.up)
     lasts = (300 if order.kind == LAND else 120) + 6 * level * max(1.0, 1 / order.cruise) + 4 * rise / slowest
@@ -147,7 +147,7 @@ def _patient(order: Order, before: Enu, limits: Px4Limits) -> Order:
 def with_another_end(
     flown: Sequence[Order], contingency: Sequence[Order], limits: Px4Limits, landing_delay: float = 0.0
 ) -> tuple[Order, ...]:
-    """Orders that are flown up to the time at which they are broken off, and those of the ending."""
+    """Return the orders flown up to the abort, and those of the contingency."""
     orders, at = list(flown), contingency[0].start
     for order in contingency:
         late = landing_delay if order.kind == LAND else 0.0
@@ -157,7 +157,7 @@ def with_another_end(
 
 
 class _Navigator:
-    """The place last bound for and the cruise speed in force, visit after visit."""
+    """The last commanded place and the cruise speed, visit by visit."""
 
     def __init__(self, route: Itinerary, limits: Px4Limits) -> None:
         self.route, self.limits, self.cruise = route, limits, limits.cruise
@@ -166,7 +166,7 @@ class _Navigator:
         self.remarks: list[str] = []
 
     def visit(self, n: int) -> list[Order]:
-        """The orders for visit n."""
+        """Return the orders of visit n."""
         visit = self.route.visits[n]
         command, params = visit.item.command, visit.item.params
         if command in FLOWN_TO:
@@ -202,19 +202,19 @@ class _Navigator:
         return []
 
     def down(self, orders: list[Order]) -> list[Order]:
-        """Orders that end on the ground."""
+        """Return orders that end on the ground, and update the state."""
         self.here, self.airborne = orders[-1].goal, False
         return orders
 
     def ground(self, place: Enu) -> Enu:
-        """The ground below a place."""
+        """Return the ground below a place."""
         return place._replace(up=self.route.ground.at(place.east, place.north))
 
     def target(self, n: int) -> Enu:
-        """Where visit n leads: what it leaves open is that of the place last bound for."""
+        """Return the place of visit n; open coordinates are those of the last commanded place."""
         return Enu(*self.route.program.place(n, self.here))
 
     def onward(self, n: int) -> Enu | None:
-        """Where the vehicle flies on to from n without a stop."""
+        """Return the next place after n if the vehicle does not stop there."""
         onward = self.route.program.onward(n)
         return None if onward is None else self.target(onward)

@@ -1,8 +1,8 @@
-"""What PX4's sensors get wrong: the speed that is believed drifts, and home's height is corrected by a noisy one.
+"""PX4's sensor errors: drift of the estimated speed, and noisy corrections of home's height.
 
 "Commander: adjust home position altitude after gnss altitude correction" (pull request 25003, from 1.17 on): for two
-minutes from take-off home moves whenever the measured height differs by more than a metre, and all waypoints with it:
-for the navigator at once, for the guidance a little later.
+minutes after take-off home and all waypoints move whenever the measured height differs by more than 1 m. The navigator
+knows at once, the guidance a little later.
 """
 
 import math
@@ -10,31 +10,31 @@ import math
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import NOT_YET, ZERO, Enu, Errors, Law, State
 
 CORRECTED_BEYOND, CORRECTED_FOR = 1.0, 120.0  # [m, s]
-NOTICED_S = 0.075  # until the navigator's word has come to the guidance: half its cycle, and a setpoint's way
+NOTICED_S = 0.075  # delay from navigator to guidance: half its cycle, and the setpoint's latency [s]
 #: Two multiplicative congruences (L'Ecuyer, 1988), whose products are exact in floating point.
 FACTOR, MODULUS = 40014.0, 2147483563.0
 FACTOR_2, MODULUS_2 = 40692.0, 2147483399.0
 
 
 def normal(first: float, second: float) -> tuple[float, float, float, float]:
-    """The next two seeds, and two normally distributed numbers (Box and Muller)."""
+    """Return the next two seeds, and two normally distributed numbers (Box and Muller)."""
     first, second = rest(first * FACTOR, MODULUS), rest(second * FACTOR_2, MODULUS_2)
     size, angle = math.sqrt(-2.0 * math.log(first / MODULUS)), 2.0 * math.pi * second / MODULUS_2
     return first, second, size * math.cos(angle), size * math.sin(angle)
 
 
 def rest(value: float, modulus: float) -> float:
-    """`value % modulus` of whole numbers whose quotient is small: as exact, and far quicker than a compiled `%`."""
+    """Return `value % modulus` of integers with a small quotient: exact, and faster than a compiled `%`."""
     return value - math.floor(value / modulus) * modulus
 
 
 def no_errors(seed_1: float, seed_2: float) -> Errors:
-    """As a flight begins, with two seeds for what comes."""
+    """Return the errors at the start of a flight, with two seeds."""
     return Errors(seed_1, seed_2, 0.0, 0.0, 0.0, NOT_YET, ZERO)
 
 
 def add_sensor_errors(state: State, law: Law) -> Errors:
-    """The errors a step later."""
+    """Return the errors a step later."""
     was, time = state.errors, state.time + law.dt
     if not law.noisy:
         return was

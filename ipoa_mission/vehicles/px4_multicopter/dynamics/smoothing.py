@@ -1,4 +1,4 @@
-"""PX4's smoothed trajectory: each axis changes its speed by three stretches of constant jerk, all ending together."""
+"""PX4's trajectory smoothing: each axis changes speed in three spans of constant jerk, which end together."""
 
 import math
 from typing import NamedTuple
@@ -8,7 +8,7 @@ from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 
 
 class Profile(NamedTuple):
-    """Jerk j [m/s^3, signed], and for how long j, 0 and -j are flown [s]."""
+    """Jerk j [m/s^3, signed], and the durations of j, 0 and -j [s]."""
 
     jerk: float
     rise: float
@@ -17,7 +17,7 @@ class Profile(NamedTuple):
 
 
 def quickest(axis: Axis, goal: float, accel: float, jerk: float) -> Profile:
-    """The quickest change to speed `goal` and no acceleration.
+    """Return the fastest change to speed `goal` and no acceleration.
 
     With p the greatest acceleration, p^2 = j (goal - v) + a^2/2.
     """
@@ -32,15 +32,15 @@ def quickest(axis: Axis, goal: float, accel: float, jerk: float) -> Profile:
         p = math.copysign(accel, j)
         coast = max((goal - v - (2.0 * p * p - a * a) / (2.0 * j)) / p, 0.0)
     rise = (p - a) / j
-    if rise < 0.0:  # already beyond the greatest acceleration: only bring it down
+    if rise < 0.0:  # beyond the greatest acceleration: only reduce it
         return Profile(j, 0.0, coast, a / j)
     return Profile(j, rise, coast, p / j)
 
 
 def stretched(axis: Axis, goal: float, accel: float, profile: Profile, lasts: float) -> Profile:
-    """The same change made to last `lasts` s, if that is longer, by a smaller greatest acceleration p.
+    """Return the change stretched to `lasts` s, if longer, by a smaller greatest acceleration p.
 
-    p^2 - (j T + a) p + j (goal - v) + a^2/2 = 0, of which the smaller in the direction of j.
+    p is the smaller root, in the direction of j, of p^2 - (j T + a) p + j (goal - v) + a^2/2 = 0.
     """
     j, a = profile.jerk, axis.acceleration
     if j == 0.0 or profile.rise + profile.coast + profile.fall >= lasts:
@@ -54,7 +54,7 @@ def stretched(axis: Axis, goal: float, accel: float, profile: Profile, lasts: fl
 
 
 def moved(axis: Axis, profile: Profile, t: float) -> Axis:
-    """Where it is t seconds into a profile."""
+    """Return the axis t seconds into a profile."""
     x, v, a, j = axis.place, axis.speed, axis.acceleration, profile.jerk
     d = min(t, profile.rise)
     if d > 0.0:
@@ -76,7 +76,7 @@ def moved(axis: Axis, profile: Profile, t: float) -> Axis:
 def smoothed(
     trajectory: Trajectory, velocity: Enu, limits: Px4Limits, accel_up: float, t: float, t_up: float
 ) -> Trajectory:
-    """The trajectory t seconds later, upwards `t_up`, on its way to a velocity; quicker axes last as the slowest."""
+    """Return the trajectory t s later (`t_up` upwards) towards a velocity; faster axes last as long as the slowest."""
     x, y, z = trajectory
     accel, jerk = limits.accel, limits.jerk
     east, north = quickest(x, velocity.east, accel, jerk), quickest(y, velocity.north, accel, jerk)

@@ -1,7 +1,7 @@
-"""What PX4's flight is made of at one moment, and what it is asked to do; all in SI units, east, north, up.
+"""Data types of PX4's flight state and its orders; SI units, east, north, up.
 
-Tuples with names, which plain Python and numba take alike: a step makes a new state of the last one. What does not
-change in a flight, `Order` and `Law`, goes to compiled code as numpy records of the same names.
+NamedTuples work in plain Python and numba: a step returns a new state. `Order` and `Law`, constant in a flight, are
+passed to compiled code as NumPy records of the same names.
 """
 
 import math
@@ -11,13 +11,13 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, Se
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 from ipoa_mission.wind import WindLevel
 
-GO, TAKE_OFF, LAND = 0, 1, 2  # what an order asks for
-ON_LINE, BEYOND, BEFORE, BESIDE, UNKNOWN = 0, 1, 2, 3, 4  # where the vehicle is, seen from its leg
-NOT_YET = -1.0  # a time that has not come
+GO, TAKE_OFF, LAND = 0, 1, 2  # kinds of orders
+ON_LINE, BEYOND, BEFORE, BESIDE, UNKNOWN = 0, 1, 2, 3, 4  # place of the vehicle relative to its leg
+NOT_YET = -1.0  # no time yet
 
 
 class Enu(NamedTuple):
-    """A place, or how something changes."""
+    """A place or a rate of change."""
 
     east: float
     north: float
@@ -25,12 +25,11 @@ class Enu(NamedTuple):
 
 
 class Order(NamedTuple):
-    """To fly the leg from `start` to `goal`, and on to `beyond` (the goal again: to stop there).
+    """Fly the leg from `start` to `goal`, and on to `beyond` (the goal again: stop there).
 
-    It is done `holds` s after it is reached: by being within `radius` level and `height_radius`, with the nose along
-    `heading` [rad] if that is a number. `follows_home`: its heights are over home, wherever that is believed to be.
-    `may_turn_first`: MPC_YAW_MODE 4 counts here. Who has not reached it within `patience` s is lost. At the time
-    `until` [s] it is over, whatever came of it.
+    It is done `holds` s after it is reached: within `radius` level and `height_radius`, with the yaw at `heading` [rad]
+    unless NaN. `follows_home`: heights are above the estimated home. `may_turn_first`: MPC_YAW_MODE 4 applies. A
+    vehicle that has not reached it within `patience` s is lost. At the time `until` [s] it is aborted.
     """
 
     kind: int
@@ -49,12 +48,11 @@ class Order(NamedTuple):
 
 
 class Law(NamedTuple):
-    """What stays the same for a whole flight: limits, vehicle, sensors, wind (towards), and the length of a step.
+    """Constants of a flight: limits, vehicle, sensors, wind (towards), and the length of a step.
 
-    Below `gradient_height` the wind follows a power law of the height with `wind_exponent`; with `wind_levels` of which
-    the first lies below the last it is as they say.
-    `most_lean` is g tan of the greatest one. `leaning`, `turning`: by what share the lean and the rotors follow what is
-    asked of them within a step. `turns`: whether it matters where the nose points.
+    Below `gradient_height` the wind is a power law of height with `wind_exponent`. `wind_levels` replace it if the
+    first level is below the last. `most_lean`: g tan of the greatest lean. `leaning`, `turning`: shares by which lean
+    and rotors approach their setpoints in a step. `turns`: whether the yaw matters.
     """
 
     limits: Px4Limits
@@ -82,7 +80,7 @@ class Axis(NamedTuple):
 
 
 class Trajectory(NamedTuple):
-    """The moving setpoint that the controllers follow."""
+    """The moving setpoint of the controllers."""
 
     east: Axis
     north: Axis
@@ -90,9 +88,9 @@ class Trajectory(NamedTuple):
 
 
 class Guidance(NamedTuple):
-    """Where the vehicle is seen from its leg, and from where it was last led back.
+    """The vehicle's side of its leg, and the place from which it was last led back.
 
-    `held`: the level speed that a turn may not exceed; `rising`: whether it was last led upwards.
+    `held`: limit of the level speed in a turn. `rising`: whether the last setpoint was upwards.
     """
 
     side: int
@@ -102,7 +100,7 @@ class Guidance(NamedTuple):
 
 
 class Control(NamedTuple):
-    """Integrators of the velocity controller; believed over true thrust to hover; acceleration asked for upwards."""
+    """Integrators of the velocity controller, estimated over true hover thrust, upward acceleration setpoint."""
 
     integral: Enu
     hover: float
@@ -110,17 +108,17 @@ class Control(NamedTuple):
 
 
 class Level(NamedTuple):
-    """What has no part upwards."""
+    """A level vector."""
 
     east: float
     north: float
 
 
 class Body(NamedTuple):
-    """The vehicle: place, believed speed, level acceleration; what lean and thrust are asked for and had.
+    """The vehicle: place, estimated speed, level acceleration, lean setpoint, lean and thrust.
 
-    Lean is the level acceleration that it gives at a thrust of one g; thrust is counted over weight. `airborne_since`:
-    when it last left the ground.
+    Lean is the level acceleration at a thrust of one g. Thrust counts above weight. `airborne_since`: the last
+    lift-off.
     """
 
     place: Enu
@@ -133,16 +131,16 @@ class Body(NamedTuple):
 
 
 class Yaw(NamedTuple):
-    """Where it points, clockwise from north [rad], NaN where nobody knows; and how fast that changes."""
+    """Yaw, clockwise from north [rad], NaN if unknown; and its rate."""
 
     yaw: float
     rate: float
 
 
 class Errors(NamedTuple):
-    """What the sensors get wrong: `home` is believed that high over its place, and the guidance `told` so, later.
+    """Sensor errors: the estimated height of `home` above its true one, and the later value that guidance was `told`.
 
-    The place moves by `drift` faster than is believed. `next_in`: until the next fix [s].
+    The place moves faster than estimated by `drift`. `next_in`: time to the next fix [s].
     """
 
     seed_1: float
@@ -155,7 +153,7 @@ class Errors(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """A landing: whether it stands, has lost the ground from sight; stages of being sure, and since when the last."""
+    """A landing: contact, range finder lost, stages of the land detector, and the time of the last stage."""
 
     stands: bool
     lost: bool
@@ -164,7 +162,7 @@ class Contact(NamedTuple):
 
 
 class State(NamedTuple):
-    """All of it; when the order was begun and reached, and whether its place has been."""
+    """The whole state; times when the order was begun and reached, and whether its place was reached."""
 
     time: float
     body: Body
@@ -183,5 +181,5 @@ ZERO = Enu(0.0, 0.0, 0.0)
 
 
 def of(place: Enu) -> Enu:
-    """A place of an order as a tuple, which a record is not."""
+    """Convert a place of an order, which may be a record, to a tuple."""
     return Enu(place.east, place.north, place.up)

@@ -1,4 +1,4 @@
-"""One step of a PX4 multicopter: guidance, smoothed trajectory, controllers, body, errors of its sensors."""
+"""One step of a PX4 multicopter: guidance, smoothed trajectory, controllers, body, sensor errors."""
 
 import math
 
@@ -38,13 +38,13 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.state import (
 )
 from ipoa_mission.vehicles.px4_multicopter.limits import STAGES
 
-STANDING = 1e-6  # a trajectory slower than this stands still, and always waits for the vehicle [m/s]
+STANDING = 1e-6  # a slower trajectory always waits for the vehicle [m/s]
 SPLIT = 2.0**29 + 1.0  # leaves the 24 bits of single precision (Veltkamp's splitting)
-GROUND_SINK = 0.7  # the trajectory's speed downwards until a take-off begins [m/s]
+GROUND_SINK = 0.7  # downward speed of the trajectory before a take-off [m/s]
 
 
 def step(state: State, order: Order, law: Law) -> State:
-    """The state `law.dt` later; `reached` and `been_there` say how far the order is."""
+    """Return the state `law.dt` later; `reached` and `been_there` are the order's progress."""
     limits, standing = law.limits, stands(state, order)
     velocity, guidance = velocity_setpoint(state, order, law, guided(state, order, limits))
     trajectory = track_setpoint(state, order, law, velocity)
@@ -66,7 +66,7 @@ def step(state: State, order: Order, law: Law) -> State:
 
 
 def track_setpoint(state: State, order: Order, law: Law, velocity: Enu) -> Trajectory:
-    """The trajectory a step later; its time is stretched where the vehicle lags."""
+    """Return the trajectory a step later; its time is stretched while the vehicle lags."""
     limits, at, was = law.limits, state.body.place, state.trajectory
     low = is_low_take_off(state, order, limits)
     climb = climb_limits(state.guidance.rising, low, limits)
@@ -94,18 +94,17 @@ def track_setpoint(state: State, order: Order, law: Law, velocity: Enu) -> Traje
 
 
 def in_single(axis: Axis) -> Axis:
-    """The axis with its place in single precision, as PX4 keeps it.
+    """Return the axis with its place in single precision, as PX4 stores it.
 
-    Away from home a trajectory so never quite arrives: steps that are too small are lost, and it keeps the direction
-    and the trace of speed that it came with. Whether it waits for the vehicle hangs on these for as long as it lands;
-    on the way nothing stands for so long.
+    Away from home small steps are lost, so a trajectory never quite arrives and keeps a trace of speed and its
+    direction. During a landing these decide whether it waits for the vehicle; elsewhere the effect is negligible.
     """
     wide = SPLIT * axis.place
     return Axis(wide - (wide - axis.place), axis.speed, axis.acceleration)
 
 
 def is_there(body: Body, errors: Errors, contact: Contact, order: Order) -> bool:
-    """Whether the vehicle is where the order wants it; the navigator knows at once where home is believed to lie."""
+    """Return whether the vehicle is at the order's goal; the navigator knows corrections of home at once."""
     if order.kind == LAND:
         return contact.stages >= STAGES
     home = errors.home if order.follows_home else 0.0
@@ -117,14 +116,14 @@ def is_there(body: Body, errors: Errors, contact: Contact, order: Order) -> bool
 
 
 def is_over(state: State, order: Order) -> bool:
-    """Whether the order is done, and the guidance has been told; or broken off."""
+    """Return whether the order is done and the guidance knows it, or aborted."""
     if state.time >= order.until:
         return True
     return state.reached >= 0.0 and state.time - state.reached >= max(order.holds, NOTICED_S)
 
 
 def at_rest(place: Enu, time: float, yaw: float, errors: Errors, on_ground: bool) -> State:
-    """A vehicle without motion, all that it has learned forgotten."""
+    """Return a vehicle without motion and with reset controllers."""
     body = Body(place, ZERO, Level(0.0, 0.0), Level(0.0, 0.0), ZERO, on_ground, time)
     trajectory = Trajectory(Axis(place.east, 0.0, 0.0), Axis(place.north, 0.0, 0.0), Axis(place.up, 0.0, 0.0))
     return State(
@@ -134,7 +133,7 @@ def at_rest(place: Enu, time: float, yaw: float, errors: Errors, on_ground: bool
 
 
 def begun(state: State, order: Order) -> State:
-    """As the order is begun; only a take-off is held by the ground."""
+    """Return the state at the start of an order; the ground holds only a take-off."""
     trajectory, body = state.trajectory, state.body
     on_ground = body.on_ground and order.kind == TAKE_OFF
     if on_ground:
