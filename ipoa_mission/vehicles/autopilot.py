@@ -102,7 +102,6 @@ class Autopilot(ABC):
         return part
 
     def has(self, asked: type[Any]) -> bool:
-        """Return whether the autopilot implements an interface."""
         return asked.__name__ in self.parts
 
     def firmware(self, version: Version | None = None) -> Firmware:
@@ -111,7 +110,6 @@ class Autopilot(ABC):
 
     @property
     def parameter_names(self) -> frozenset[str]:
-        """All known names: of the parameter table and of failsafes."""
         return self.book.names | frozenset(self.failsafe_by)
 
     @property
@@ -257,7 +255,6 @@ class Autopilot(ABC):
         }
 
     def is_measured(self, version: Version | None) -> bool:
-        """Return whether flights of this series were measured; None: the newest measured."""
         return version is None or version.series in {one.series for one in self.measured}
 
     def not_measured(self, version: Version | None) -> str | None:
@@ -301,7 +298,6 @@ def register(autopilot: Autopilot) -> Autopilot:
 
 
 def registered() -> tuple[Autopilot, ...]:
-    """Return all autopilots in the order of their registration."""
     return tuple(_REGISTERED.values())
 
 

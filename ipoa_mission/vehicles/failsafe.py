@@ -57,11 +57,9 @@ class FailsafeRule:
     until: Series = (99, 0)
 
     def value(self, parameters: Parameters) -> float:
-        """Return the value of the deciding parameter; NaN if there is none."""
         return parameters.get(self.parameter, self.default) if self.parameter else math.nan
 
     def looks(self, parameters: Parameters) -> bool:
-        """Return whether the check is active."""
         return not self.needs or any(parameters.get(name, usual) > 0.0 for name, usual in self.needs.items())
 
     def answer(self, parameters: Parameters, series: Series) -> FailsafeAction:
@@ -102,7 +100,6 @@ class Failsafe:
         return self.route.contingency is Contingency.LAND and self.returns_at is not None
 
     def at(self, stage: FlightStage) -> FailsafeAction:
-        """Return the action at a stage of the mission."""
         return self.differs.get(stage, self.route)
 
 
@@ -137,5 +134,4 @@ class StationLoss:
 
 
 def ordered(*contingencies: Contingency) -> tuple[FailsafeRule, ...]:
-    """Return a rule for each contingency that can be ordered by hand."""
     return tuple(FailsafeRule(BY_HAND, "", math.nan, {}, FailsafeAction(contingency)) for contingency in contingencies)

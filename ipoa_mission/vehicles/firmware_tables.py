@@ -69,7 +69,6 @@ class Firmware:
         return None
 
     def takes(self, command: int) -> bool:
-        """Return whether a mission may contain the command."""
         return command in self.placed or command in self.plain
 
     def __str__(self) -> str:

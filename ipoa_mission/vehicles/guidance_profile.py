@@ -1,4 +1,4 @@
-"""How an autopilot executes mission items: where it stops, and what zero values mean."""
+"""Properties of an autopilot's mission execution."""
 
 from collections.abc import Set
 from dataclasses import dataclass

@@ -25,7 +25,6 @@ class Kind:
 
     @property
     def is_flown(self) -> bool:
-        """Whether the package can model its flight."""
         return autopilot_of(self.firmware, self.mav_type) is not None
 
     @property

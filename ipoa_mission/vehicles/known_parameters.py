@@ -14,7 +14,6 @@ def known_parameters() -> frozenset[str]:
 
 
 def known_names() -> frozenset[str]:
-    """Return all known parameters of any autopilot, including failsafes."""
     return frozenset(name for one in registered() for name in one.parameter_names)
 
 

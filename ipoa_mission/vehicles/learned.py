@@ -43,7 +43,6 @@ class LearnedVehicle:
     flights: int = 0
 
     def with_numbers(self, numbers: Mapping[str, Learned | None]) -> "LearnedVehicle":
-        """Return a copy with these values, by name."""
         changes: dict[str, Any] = dict(numbers)
         return replace(self, **changes)
 

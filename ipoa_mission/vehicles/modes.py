@@ -27,7 +27,6 @@ class Modes:
     has_sub_modes: bool = False
 
     def name(self, custom_mode: int) -> str:
-        """Return the name of HEARTBEAT.custom_mode, or its number."""
         return self.names.get(custom_mode, f"mode {custom_mode}")
 
     def does_next(self, custom_mode: int) -> str:
@@ -41,9 +40,7 @@ class Modes:
         return "it stays in this mode"
 
     def numbers(self, custom_mode: int) -> tuple[float, ...]:
-        """Return a mode as DO_SET_MODE's params: its number, or main and sub mode."""
         return (custom_mode >> 16 & 0xFF, custom_mode >> 24) if self.has_sub_modes else (custom_mode,)
 
     def ordered(self, main: float, sub: float) -> int:
-        """Return the mode of DO_SET_MODE's params."""
         return mode_number(int(main) & 0xFF, int(sub) & 0xFF) if self.has_sub_modes else int(main)

@@ -57,11 +57,9 @@ class ParameterTable:
 
     @property
     def names(self) -> frozenset[str]:
-        """All known names, old and new."""
         return frozenset((*self.moving, *self.others, *self.renamed))
 
     def by_old_names(self, parameters: Parameters) -> dict[str, float]:
-        """Return the parameters by their older names and units."""
         newer = self.renamed
         old = {name: value for name, value in parameters.items() if name not in newer}
         return old | {newer[name][0]: value * newer[name][1] for name, value in parameters.items() if name in newer}

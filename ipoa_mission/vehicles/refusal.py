@@ -1,7 +1,7 @@
 """A firmware's answer to one item of an uploaded list, read in its source.
 
-An item is its command, frame, and seven values: param1 to param4, latitude and longitude (degrees; x and y in a frame
-without a place), altitude.
+An item is its command, frame, and seven values: param1 to param4, latitude, longitude, altitude. Latitude and longitude
+are in degrees, or x and y in a frame without a place.
 """
 
 from collections.abc import Callable, Sequence

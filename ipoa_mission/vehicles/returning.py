@@ -11,7 +11,6 @@ HOME: Place = (0.0, 0.0, 0.0)
 
 
 def level_distance(one: Place, other: Place) -> float:
-    """Return the level distance between two places [m]."""
     return math.hypot(one[0] - other[0], one[1] - other[1])
 
 

@@ -52,5 +52,4 @@ class SlowStretch:
         return self.landing + min(max(share, 0.0), 1.0) * max(self.descent - self.landing, 0.0)
 
     def is_fast(self, ground: float) -> bool:
-        """Return whether it touches down there faster than the landing speed."""
         return self.touchdown(ground) > self.landing + TOUCHDOWN_TOLERANCE

@@ -45,12 +45,10 @@ class Version:
 
     @property
     def series(self) -> tuple[int, int]:
-        """The key of version tables."""
         return self.major, self.minor
 
     @property
     def number(self) -> int:
-        """The value of AUTOPILOT_VERSION.flight_sw_version."""
         stage = next(number for number, name in _STAGES.items() if name == self.stage)
         return int.from_bytes(bytes((self.major, self.minor, self.patch, stage)), "big")
 

@@ -1,8 +1,8 @@
 """The circle that ArduCopter flies for NAV_LOITER_TURNS: it pursues a point that moves along the commanded circle.
 
 The flown circle is smaller and lags. Read in 4.8.0-dev (AC_Circle, shape_pos_vel_accel_xy) and flown. In a steady turn
-at rate w the target sees the point at an angle t from its velocity: tan t = w / k, k = jerk / acceleration. The speed
-limit also cuts the square-root law's output. The target is then slower than the point and falls back over some turns.
+at rate w the target sees the point at an angle t from its velocity. It is tan t = w / k with k = jerk / acceleration.
+The speed limit also cuts the square-root law's output. The target then falls back over some turns.
 """
 
 import math

@@ -1,7 +1,7 @@
 """Reader of ArduPilot's log (`.bin`), by the record layouts at the log's start.
 
-A record is a head of two bytes, its kind, and packed values. FMT records define the layout of all others. pymavlink's
-reader is not used: it takes a second per megabyte, and hours for a file of zeros.
+A record is a head of two bytes, its kind, and packed values. FMT records define the layout of all others. The
+reader of pymavlink is not used: it takes a second per megabyte, and hours for a file of zeros.
 """
 
 import struct

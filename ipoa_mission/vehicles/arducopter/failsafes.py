@@ -130,7 +130,6 @@ STATION_LOSS = StationLoss("FS_GCS_TIMEOUT", 5.0, ("FS_GCS_ENABLE", "FS_GCS_TIME
 
 
 def failsafes(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]:
-    """Return the action for each cause; parameters by their older names."""
     first = [_failsafe(rule, parameters, series) for rule in RULES]
     more = [
         _failsafe(_of(rule, battery), parameters, series)
@@ -142,7 +141,6 @@ def failsafes(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]:
 
 
 def _of(rule: FailsafeRule, battery: str) -> FailsafeRule:
-    """Return the rule for another battery."""
     named = {name.replace("BATT", battery, 1): usual for name, usual in rule.needs.items()}
     return replace(rule, parameter=rule.parameter.replace("BATT", battery, 1), needs=named)
 
@@ -166,7 +164,6 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
 
 
 def _first(name: str) -> str:
-    """Return the parameter's name for the first battery."""
     return f"BATT{name[5:]}" if name[:5] in BATTERIES else name
 
 

@@ -56,7 +56,6 @@ class ArduPilotPilot:
     # --- orders -----------------------------------------------------------------------------------------------------
 
     def enter(self) -> None:
-        """Start the procedure of a new mode."""
         match self._now.mode:
             case FlightMode.MISSION:
                 self._begin_behind(self._now.current - 1)
@@ -86,11 +85,9 @@ class ArduPilotPilot:
 
     @property
     def rising(self) -> bool:
-        """Whether it still climbs to the ordered take-off height."""
         return self._flying and self._then == self._stay
 
     def step(self) -> None:
-        """Advance the copter by one step."""
         lifting = self._now.armed and self._now.time_s - self._now.armed_s >= self._lift_s
         if self._touched_s is not None:
             self._stand(self._now.time_s - self._touched_s)
@@ -143,7 +140,6 @@ class ArduPilotPilot:
     # --- what comes when a leg is over ------------------------------------------------------------------------------
 
     def _go_on(self) -> None:
-        """Start the next leg of the procedure, else call `_then`."""
         if next(self._legs, self) is self and self._then is not None:
             then, self._then = self._then, None
             then()

@@ -38,7 +38,6 @@ def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float
 
 
 def refused_in_fence(firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
-    """Return the refusal of a fence item; None if accepted."""
     if frame not in firmware.frames - {Frame.MISSION}:
         return Refused("UNSUPPORTED_FRAME")
     if command not in firmware.fence:
@@ -49,7 +48,6 @@ def refused_in_fence(firmware: Firmware, command: int, frame: int, values: Seque
 
 
 def refused_in_rally(firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
-    """Return the refusal of a rally point; None if accepted."""
     if command not in firmware.rally:
         return Refused("UNSUPPORTED")
     if wrong := _no_place(values, frame):

@@ -29,7 +29,6 @@ class CopterReturn(NamedTuple):
 
     @classmethod
     def of(cls, parameters: Parameters) -> "CopterReturn":
-        """Create from parameters by their older names, with ArduCopter's defaults."""
         p = {**PARAMETER_TABLE.moving, **parameters}
         climb = max(p["RTL_CLIMB_MIN"] / 100, 0.0)
         return cls(p["RTL_ALT"] / 100, climb, p["RTL_CONE_SLOPE"], return_ceiling(p))

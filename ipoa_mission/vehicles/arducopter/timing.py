@@ -148,7 +148,6 @@ class _Flight:
 
     @property
     def is_broken_off(self) -> bool:
-        """Whether the flight has reached its abort."""
         return self.copter.state.time >= self.until or not self.copter.passed
 
     def visit(self, n: int) -> str:
@@ -263,6 +262,5 @@ class _Flight:
         return float(np.hypot(flown[:, 4], flown[:, 5]).max(initial=0.0))
 
     def note(self) -> None:
-        """Add the present state to the track."""
         state = self.copter.state
         self.tracks.append(Track.of(np.array([[state.time, *self.copter.place, state.vx, state.vy, state.vz]])))

@@ -47,7 +47,6 @@ class Battery:
 
     @property
     def usable_wh(self) -> float:
-        """Capacity without the reserve [Wh]."""
         return self.capacity_wh * (1.0 - self.reserve)
 
 
@@ -75,21 +74,17 @@ class Consumption:
 
     @property
     def energy_wh(self) -> float:
-        """Total energy [Wh]."""
         return self.between.likely
 
     @property
     def mean_w(self) -> float:
-        """Mean power [W]."""
         return self.energy_wh * JOULES_PER_WATT_HOUR / float(self.times[-1] - self.times[0])
 
     @property
     def between(self) -> Interval:
-        """Total energy with its interval [Wh]."""
         return self.until(float(self.times[-1]))
 
     def until(self, time: float) -> Interval:
-        """Return the energy used up to a time [s], with its interval [Wh]."""
         return Interval(*(float(np.interp(time, self.times, used)) for used in self._used))
 
     @property

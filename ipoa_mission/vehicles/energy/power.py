@@ -2,11 +2,11 @@
 
     P = (kappa T v + P_profile + D V + m g w) / eta + P_avionics
 
-T balances weight and drag. v is the induced speed by Glauert's equation for a tilted disc, v = T / (2 rho A |V + v|).
-P_profile turns the blades and follows from the figure of merit in hover. D V is the power of body drag, m g w that of
-the climb. Sources: J. G. Leishman, Principles of Helicopter Aerodynamics, 2nd ed. 2006, sections 2.2-2.8 (hover, figure
-of merit, kappa) and 2.13, 5.3-5.4 (forward flight). With T = m g and no tilt it is the model of Y. Zeng, J. Xu,
-R. Zhang, IEEE Trans. Wireless Commun. 18 (2019) 2329, eq. (12).
+T balances weight and drag. The induced speed v is Glauert's for a tilted disc, `v = T / (2 rho A |V + v|)`. P_profile
+turns the blades and follows from the figure of merit in hover. D V is the power of body drag, m g w that of the climb.
+Sources: J. G. Leishman, Principles of Helicopter Aerodynamics, 2nd ed. 2006, sections 2.2-2.8 (hover, figure of merit,
+kappa) and 2.13, 5.3-5.4 (forward flight). With T = m g and no tilt it is the model of Y. Zeng, J. Xu, R. Zhang, IEEE
+Trans. Wireless Commun. 18 (2019) 2329, eq. (12).
 
 Not modeled: profile power's growth with the advance ratio (a few per cent below 15 m/s), ground effect, vortex ring
 state. Descent needs the power of level flight.

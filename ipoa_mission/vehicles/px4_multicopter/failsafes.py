@@ -35,7 +35,6 @@ DRIFTS = FailsafeAction(
 
 
 def new(answer: FailsafeAction, since: Series) -> FailsafeAction:
-    """Return the action for a parameter value that this series added."""
     return replace(answer, since=since)
 
 
@@ -102,7 +101,6 @@ STATION_LOSS = StationLoss("COM_DL_LOSS_T", 10.0, ("NAV_DLL_ACT", "COM_DL_LOSS_T
 
 
 def failsafes(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]:
-    """Return the action for each cause that this series knows."""
     return tuple(_failsafe(rule, parameters, series) for rule in RULES if rule.since <= series < rule.until)
 
 

@@ -46,7 +46,6 @@ class Px4Model(FlightModel):
         return SIH
 
     def usual(self, route: Itinerary, mission: Mission) -> Vector:
-        """Return the medians over runs with noise."""
         flights = Flights(
             route, mission.parameters, airframe=airframe_of(mission.vehicle), version=mission.firmware_version
         )

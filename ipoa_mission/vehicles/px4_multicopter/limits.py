@@ -38,7 +38,6 @@ class Px4Return(NamedTuple):
 
     @classmethod
     def of(cls, parameters: Parameters) -> "Px4Return":
-        """Create from parameters, with PX4's defaults."""
         names = ("RTL_RETURN_ALT", "RTL_MIN_DIST", "NAV_ACC_RAD", "RTL_CONE_ANG")
         return cls(*(parameters.get(name, DEFAULTS[name]) for name in names))
 
@@ -72,7 +71,6 @@ class Px4Touchdown(NamedTuple):
 
     @classmethod
     def of(cls, parameters: Parameters) -> "Px4Touchdown":
-        """Create from parameters, with PX4's defaults."""
         p = {**DEFAULTS, **parameters}
         least = p["MPC_THR_MIN"] / p["MPC_THR_HOVER"]
         speed = min(p["MPC_LAND_SPEED"], p["MPC_LAND_CRWL"]) / 1.2

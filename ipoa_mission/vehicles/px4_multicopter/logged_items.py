@@ -38,7 +38,6 @@ def items_begun(topic: Any | None, result: Any | None) -> Iterator[tuple[float, 
 
 
 def _joined(before: Item, item: Item) -> Item:
-    """Return the item of two logged steps."""
     if before.command in TAKEOFFS and item.command == Command.NAV_WAYPOINT:
         place = (item.latitude_deg, item.longitude_deg, item.altitude)
         return Item(before.command, item.frame, before.params, *place)
@@ -58,6 +57,5 @@ def _item(topic: Any, n: int) -> Item:
 
 
 def _total(result: Any, time: float) -> int:
-    """Return the number of items of the mission at a time [s]."""
     at = np.searchsorted(np.asarray(result["timestamp"], float) / 1e6, time, side="right")
     return int(result["seq_total"][min(max(int(at), 0), len(result["seq_total"]) - 1)])

@@ -54,7 +54,6 @@ class PX4Pilot:
     # --- orders -----------------------------------------------------------------------------------------------------
 
     def enter(self) -> None:
-        """Start the orders of a new mode."""
         match self._now.mode:
             case FlightMode.MISSION:
                 self._begin_behind(self._now.current - 1)
@@ -90,11 +89,9 @@ class PX4Pilot:
 
     @property
     def rising(self) -> bool:
-        """Whether it still climbs to the ordered take-off height."""
         return self._now.mode is FlightMode.HOLD and len(self._orders) > 1
 
     def step(self) -> None:
-        """Advance the vehicle by one step."""
         now, state = self._now, self._state
         if not now.armed:
             self._fall()
@@ -105,7 +102,6 @@ class PX4Pilot:
         self._show()
 
     def _advance(self) -> None:
-        """Advance the current order by one step, and finish it if it is over."""
         order, now = self._orders[0], self._now
         if now.landed:
             now.landed = False
@@ -120,7 +116,6 @@ class PX4Pilot:
             self._next()
 
     def _next(self) -> None:
-        """Start the next order, or the next item after the last one."""
         ended, self._orders = self._orders[0], self._orders[1:]
         if self._orders:
             self._state = begun(self._state, self._orders[0])
@@ -144,7 +139,6 @@ class PX4Pilot:
             now.done(now.current, announced=not hidden)
 
     def _fall(self) -> None:
-        """Let a disarmed vehicle fall to the ground."""
         state, place = self._state, self._state.body.place
         if place.up > (ground := self._ground.at(place.east, place.north)):
             state = state._replace(body=integrate(state, NO_THRUST, self._law, stands=False), time=self._now.time_s)

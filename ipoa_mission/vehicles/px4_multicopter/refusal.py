@@ -13,7 +13,6 @@ _PLACES = {5: "INVALID_PARAM5_X", 6: "INVALID_PARAM6_Y"}
 
 
 def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float], _count: int) -> Refused | None:
-    """Return the refusal of an item in a mission; None if accepted."""
     if frame not in firmware.frames:
         return Refused("UNSUPPORTED_FRAME")
     if wrong := _unused(firmware, command, frame, values):
@@ -30,14 +29,12 @@ def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float
 
 
 def refused_in_fence(firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
-    """Return the refusal of a fence item; None if accepted."""
     if command in POLYGON and not values[0] + 0.5 >= LEAST_VERTICES:
         return Refused("ERROR", 1, f"expected {LEAST_VERTICES} vertices or more")
     return _of_a_list(firmware, firmware.fence, command, frame, values)
 
 
 def refused_in_rally(firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
-    """Return the refusal of a rally point; None if accepted."""
     return _of_a_list(firmware, firmware.rally, command, frame, values)
 
 

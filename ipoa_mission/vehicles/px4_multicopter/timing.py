@@ -269,8 +269,8 @@ class Flights:
             goal = orders[len(done) - 1].goal
             raise MissionError(
                 f"the vehicle does not reach {round(goal.east)} m east and {round(goal.north)} m north of home",
-                hint="give its waypoints a hold of 0.1 s (param1), or name the version that flies it "
-                "(--firmware-version); or the wind is too strong for it, or the acceptance radius too small to be hit",
+                hint="set a hold of 0.1 s (param1) at its waypoints, or name its version (--firmware-version). "
+                "Other causes: too strong a wind, or too small an acceptance radius",
                 code="unreachable",
             )
 

@@ -42,8 +42,8 @@ class Airframe:
     def top_speed(self, lean: float) -> float:
         """Solve (r + q v) v = g tan(lean) for the level speed v [m/s] of a lean [rad] in calm air.
 
-        The leaning body meets v cos(lean), so q is the body's drag times that. r is the rotors' drag at the thrust that
-        carries the leaning vehicle.
+        The leaning body meets v cos(lean), so q is the body's drag times that. The rotors' drag r is that at the
+        thrust that carries the leaning vehicle.
         """
         pull, q = GRAVITY * math.tan(lean), self.body_drag * math.cos(lean)
         r = self.rotor_drag / math.sqrt(math.cos(lean))

@@ -125,7 +125,6 @@ class Copter:
         return this.target if self.passed and self.following is NO_LEG and not moves else self.stopping_place()
 
     def stopping_place(self) -> Place:
-        """Return the place where the copter can stop."""
         state, limits = self.state, self.limits
         speed = math.hypot(state.vx, state.vy)
         near = limits.accel / self._tuning.p_position**2
@@ -177,7 +176,6 @@ class Copter:
         return samples[:used]
 
     def _lost(self, why: int) -> str:
-        """Describe why the copter makes no progress."""
         x, y, z = map(round, self.place)
         east, north, up = map(round, self.this.target)
         at, to = f"{x} m east, {y} m north, {z} m up of home", f"{east}, {north}, {up} m"
@@ -188,7 +186,6 @@ class Copter:
         return f"the copter does not get on to {to}: after {self.state.time:.0f} s it is at {at}{windy}"
 
     def _least_time(self) -> float:
-        """Estimate the leg's duration, or less [s]."""
         leg = self.this
         slowest = min(*leg.speeds, self.limits.land_speed) if leg.kind in (CLIMB, DESCENT) else leg.speeds.level
         way = leg.length / slowest if leg.length > 0 else 0.0
@@ -200,7 +197,6 @@ class Copter:
         self.face(yaw)
 
     def face(self, yaw: float) -> None:
-        """Set the yaw, clockwise from north [rad]."""
         self.state.yaw, self.state.nose_x, self.state.nose_y = yaw, math.sin(yaw), math.cos(yaw)
 
     # --- what to fly ------------------------------------------------------------------------------------------------
@@ -310,7 +306,6 @@ class Copter:
         self._begin_over(orbit_leg(here, center, radius, turn, self.speeds, self.limits))
 
     def level_off(self, up: float) -> None:
-        """Brake, and climb or descend to a height."""
         self.state.above = 0.0
         speeds = MotionLimits(self.speeds.level, self.limits.climb, self.limits.descent)
         self._begin_over(level_off_leg(self.place, up, speeds))

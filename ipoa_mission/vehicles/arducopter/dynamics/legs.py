@@ -128,7 +128,6 @@ def orbit_leg(
 
 
 def level_off_leg(here: Place, up: float, speeds: MotionLimits) -> CopterLeg:
-    """Return a leg that brakes and climbs or descends to a height."""
     return upright_leg(LEVEL_OFF, here, up, speeds)
 
 

@@ -126,7 +126,6 @@ def levels_of(wind: Wind) -> Levels:
 
 
 def tuning(limits: CopterLimits, airframe: Airframe, wind: Wind) -> Tuning:
-    """Compute the constants of a flight from parameters, airframe and wind."""
 
     def share(lag: float) -> float:
         return 1 - math.exp(-STEP / lag)

@@ -1,7 +1,7 @@
 """Speed profile of an ArduCopter 4.x leg: acceleration with raised-cosine jerk ramps, cruise, symmetric braking.
 
-ArduPilot's published laws ("S-curves", Copter 4.1 on): jerk rises from 0 to J over the ramp time t_j as
-(J/2)(1 - cos(pi t/t_j)), may stay at J, and falls again. The snap limit is S = pi J / (2 t_j).
+Source: ArduPilot's published laws ("S-curves", Copter 4.1 on). Jerk rises from 0 to J over the ramp time t_j as
+`(J/2)(1 - cos(pi t/t_j))`, may stay at J, and falls again. The snap limit is S = pi J / (2 t_j).
 """
 
 import math
@@ -67,7 +67,6 @@ class Ramp:
 
     @property
     def lasts(self) -> float:
-        """Duration of the whole change [s]."""
         return 4 * self.ramp + 2 * self.hold + self.coast
 
 

@@ -38,7 +38,6 @@ def level_off(state: State, this: CopterLeg, tuning: Tuning) -> bool:
 
 
 def climb_at(state: State, wanted: float, tuning: Tuning) -> None:
-    """Shape the climb rate towards the wanted one."""
     jerk, gain = tuning.jerk_z * STEP, tuning.jerk_z / tuning.accel_z
     accel = min(max(gain * (wanted - state.vz), -tuning.accel_z), tuning.accel_z)
     state.az += min(max(accel - state.az, -jerk), jerk)
@@ -72,7 +71,6 @@ def shape_to_place(state: State, x: float, y: float, fastest: float, tuning: Tun
 
 
 def shape_to_rest(state: State, tuning: Tuning) -> None:
-    """Slow the target to a stop."""
     advance(state)
     speed = math.sqrt(state.aim_x**2 + state.aim_y**2)
     slowed = 0.0
@@ -108,7 +106,6 @@ def shape(state: State, x: float, y: float, tuning: Tuning) -> None:
 
 
 def within(x: float, y: float, most: float) -> tuple[float, float]:
-    """Return a vector cut to a length."""
     size = math.sqrt(x * x + y * y)
     if size <= most:
         return x, y

@@ -384,6 +384,5 @@ def fly_leg(
 
 
 def keep(state: State, row: Vector) -> None:
-    """Store the vehicle's state in a row of samples."""
     row[0], row[1], row[2], row[3] = state.time, state.x, state.y, state.z
     row[4], row[5], row[6] = state.vx, state.vy, state.vz

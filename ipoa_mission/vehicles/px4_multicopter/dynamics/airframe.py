@@ -31,8 +31,9 @@ class SensorModel(NamedTuple):
     """Errors of the position estimate, as far as they affect guidance.
 
     A GNSS height comes every `every` s with a standard deviation of `height_noise` m. The estimated speed differs from
-    the estimated position's motion by `drift` m/s along each level axis, and `drift_up` upwards (standard deviations),
-    with a correlation time of `drift_lasts` s. `sees_ground`: a range finder makes it crawl to the ground.
+    the estimated position's motion by `drift` along each level axis, and `drift_up` upwards. These are standard
+    deviations [m/s], with a correlation time of `drift_lasts` s. `sees_ground`: by a range finder it
+    crawls to the ground.
     """
 
     every: float

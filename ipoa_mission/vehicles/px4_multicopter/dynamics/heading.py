@@ -23,7 +23,6 @@ def heading_error(state: State, order: Order) -> float:
 
 
 def turned(state: State, order: Order, limits: Px4Limits, dt: float) -> Yaw:
-    """Return the yaw a step later; its rate allows braking in time."""
     nose = state.nose
     if math.isnan(nose.yaw):
         return Yaw(heading_wanted(state, order), 0.0)

@@ -20,7 +20,6 @@ def sink_rate(state: State, order: Order, law: Law) -> float:
 
 
 def stands(state: State, order: Order) -> bool:
-    """Return whether a landing has reached the ground."""
     return order.kind == LAND and (state.contact.stands or state.body.place.up <= order.goal.up)
 
 

@@ -19,7 +19,6 @@ ANYWHERE = 1e9  # a radius without effect [m]
 
 
 def law(limits: Px4Limits, airframe: Airframe, senses: SensorModel, wind: Wind, dt: float) -> Law:
-    """Return the constants of a noisy flight in steps of `dt` s."""
     leaning, turning = (-math.expm1(-dt / lag) for lag in (limits.lean_lag, airframe.lag))
     senses = senses._replace(sees_ground=senses.sees_ground and limits.has_range_finder)
     steps = (dt, GRAVITY * math.tan(limits.lean), leaning, turning)
@@ -54,7 +53,6 @@ def waypoint(item: Item, start: Enu, goal: Enu, beyond: Enu | None, limits: Px4L
 
 
 def stay(here: Enu, limits: Px4Limits, seconds: float) -> list[Order]:
-    """Return the order to stay somewhere, if for any time."""
     order = leg(here, here, None, limits, limits.cruise)
     return [order._replace(radius=ANYWHERE, height_radius=ANYWHERE, holds=seconds)] if seconds > 0 else []
 
@@ -166,7 +164,6 @@ class _Navigator:
         self.remarks: list[str] = []
 
     def visit(self, n: int) -> list[Order]:
-        """Return the orders of visit n."""
         visit = self.route.visits[n]
         command, params = visit.item.command, visit.item.params
         if command in FLOWN_TO:
@@ -207,7 +204,6 @@ class _Navigator:
         return orders
 
     def ground(self, place: Enu) -> Enu:
-        """Return the ground below a place."""
         return place._replace(up=self.route.ground.at(place.east, place.north))
 
     def target(self, n: int) -> Enu:

@@ -1,8 +1,8 @@
 """PX4's sensor errors: drift of the estimated speed, and noisy corrections of home's height.
 
-"Commander: adjust home position altitude after gnss altitude correction" (pull request 25003, from 1.17 on): for two
-minutes after take-off home and all waypoints move whenever the measured height differs by more than 1 m. The navigator
-knows at once, the guidance a little later.
+Source: pull request 25003 (from 1.17 on), "Commander: adjust home position altitude after gnss altitude correction".
+For two minutes after take-off home and all waypoints move whenever the measured height differs by more than 1 m. The
+navigator knows at once, the guidance a little later.
 """
 
 import math
@@ -29,12 +29,10 @@ def rest(value: float, modulus: float) -> float:
 
 
 def no_errors(seed_1: float, seed_2: float) -> Errors:
-    """Return the errors at the start of a flight, with two seeds."""
     return Errors(seed_1, seed_2, 0.0, 0.0, 0.0, NOT_YET, ZERO)
 
 
 def add_sensor_errors(state: State, law: Law) -> Errors:
-    """Return the errors a step later."""
     was, time = state.errors, state.time + law.dt
     if not law.noisy:
         return was

@@ -40,7 +40,7 @@ def quickest(axis: Axis, goal: float, accel: float, jerk: float) -> Profile:
 def stretched(axis: Axis, goal: float, accel: float, profile: Profile, lasts: float) -> Profile:
     """Return the change stretched to `lasts` s, if longer, by a smaller greatest acceleration p.
 
-    p is the smaller root, in the direction of j, of p^2 - (j T + a) p + j (goal - v) + a^2/2 = 0.
+    p is the smaller root, in the direction of j, of `p^2 - (j T + a) p + j (goal - v) + a^2/2 = 0`.
     """
     j, a = profile.jerk, axis.acceleration
     if j == 0.0 or profile.rise + profile.coast + profile.fall >= lasts:
@@ -54,7 +54,6 @@ def stretched(axis: Axis, goal: float, accel: float, profile: Profile, lasts: fl
 
 
 def moved(axis: Axis, profile: Profile, t: float) -> Axis:
-    """Return the axis t seconds into a profile."""
     x, v, a, j = axis.place, axis.speed, axis.acceleration, profile.jerk
     d = min(t, profile.rise)
     if d > 0.0:

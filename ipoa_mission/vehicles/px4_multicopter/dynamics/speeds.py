@@ -57,5 +57,4 @@ def vertical_speed(at: Enu, goal: Enu, beyond: Enu, top: float, accel: float, li
 
 
 def level(place: Enu) -> float:
-    """Return the level length of a vector."""
     return math.sqrt(place.east * place.east + place.north * place.north)

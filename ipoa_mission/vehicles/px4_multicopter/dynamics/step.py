@@ -123,7 +123,6 @@ def is_over(state: State, order: Order) -> bool:
 
 
 def at_rest(place: Enu, time: float, yaw: float, errors: Errors, on_ground: bool) -> State:
-    """Return a vehicle without motion and with reset controllers."""
     body = Body(place, ZERO, Level(0.0, 0.0), Level(0.0, 0.0), ZERO, on_ground, time)
     trajectory = Trajectory(Axis(place.east, 0.0, 0.0), Axis(place.north, 0.0, 0.0), Axis(place.up, 0.0, 0.0))
     return State(
