@@ -11,34 +11,34 @@ PAGE = REPOSITORY / "docs" / "failsafes.md"
 HEAD = """\
 # Failsafes
 
-What each vehicle does by itself when something fails, and what can be ordered, as read in its firmware's sources; made
-from the code by `python -m tools.generate.failsafes`. From Python: `autopilot.failsafes(parameters, version)`.
+The actions of each vehicle when something fails, and those that can be ordered, as read in its firmware's sources.
+Generated from the code by `python -m tools.generate.failsafes`. In Python: `autopilot.failsafes(parameters, version)`.
 
-`rtl` returns as its return parameters say, `land` lands where it is, `smart_rtl` flies back along the way flown, `hold`
-brakes and stays, `land_start` goes to the mission's own landing, `terminate` stops the motors, `continue` goes on.
-`unknown` is what is not modeled. After "or" stands what is tried where the first is not to be had. What is marked
-"needs" is looked for only where one of these is above 0.
+`rtl` returns by its return parameters, `land` lands in place, `smart_rtl` flies back along the flown path. `hold`
+brakes and stays. `land_start` flies to the mission's own landing, `terminate` stops the motors, `continue` goes on.
+`unknown` is not modeled. After "or" follow the fallbacks, used if the first action is not available. A cause with
+"needs" is checked only if one of these parameters is above 0.
 """
 NOTES = {
     "ardupilot": """\
-* Of the route and the take-off. Where the mission comes down to land, bit 3 of `FS_OPTIONS` makes every battery, radio
-  and ground station failsafe `land`; else a `rtl` climbs away again.
-* Bits 0 and 1 of `FS_OPTIONS`: a mission goes on without radio control, without a ground station.
-* A failsafe's `land` holds for 4 s first, but for a fence's. Armed on the ground a failsafe disarms.
-* A landing switches the floor of the fence (`FENCE_ALT_MIN`) off.
+* The table is for the route and the take-off. During the landing of a mission, bit 3 of `FS_OPTIONS` makes every
+  battery, radio and ground station failsafe `land`; otherwise a `rtl` climbs away again.
+* With bits 0 and 1 of `FS_OPTIONS` a mission continues without radio control, or without a ground station.
+* Before a failsafe's `land` it holds for 4 s, except for a fence breach. Armed on the ground a failsafe disarms.
+* A landing disables the floor of the fence (`FENCE_ALT_MIN`).
 * `smart_rtl` needs `SRTL_POINTS` and `SRTL_ACCURACY` above 0.
-* Once a low battery has acted, a critical one does so only if its action is as urgent: 5, 1, 2, 4, 3, 0; then 6 and 7,
-  which so do nothing after a low battery with 0.
+* After a low battery has acted, a critical one acts only if its action is as urgent: 5, 1, 2, 4, 3, 0; then 6 and 7.
+  Actions 6 and 7 rank below 0, so they have no effect after a low battery with action 0.
 * A landing needs no terrain data.
-* Not here: advanced failsafe (`AFS_*`), scripts.
+* Not covered: advanced failsafe (`AFS_*`), scripts.
 """,
     "px4": """\
-* Of all stages of a mission. In a return a `rtl` changes nothing, and bit 0 of `COM_RCL_EXCEPT` and `COM_DLL_EXCEPT`,
-  by which a mission goes on, does not count (bit 1 does, since 1.18).
-* Before a `rtl` or `land` it holds for `COM_FAIL_ACT_T`, but where its position is inaccurate or lost, or traffic near.
-* Of several causes the worst counts.
-* Without radio control nothing follows with `COM_RC_IN_MODE` 4, or where there was none when it was armed.
-* Not here: VTOL, offboard, what happens in the first seconds after arming.
+* The table is for all stages of a mission. During a return a `rtl` changes nothing, and bit 0 of `COM_RCL_EXCEPT` and
+  `COM_DLL_EXCEPT`, which continues a mission, does not apply (bit 1 does, since 1.18).
+* Before a `rtl` or `land` it holds for `COM_FAIL_ACT_T`, except for an inaccurate or lost position, or traffic near.
+* Of several causes the most severe action counts.
+* A lost radio control has no effect with `COM_RC_IN_MODE` 4, or if there was none when the vehicle was armed.
+* Not covered: VTOL, offboard, the first seconds after arming.
 """,
 }
 

@@ -179,8 +179,8 @@ def _with_a_path(answer: FailsafeAction, parameters: Parameters, pauses: bool) -
 def _with_its_urgency(one: Failsafe, parameters: Parameters, series: Series) -> Failsafe:
     """Skip the action for a critical battery if it is less urgent than that for a low one.
 
-    Several batteries are not compared. ArduCopter 4.7 has no urgency for actions 6 and 7: they only follow a low
-    battery without an action.
+    Several batteries are not compared. ArduCopter 4.7 ranks actions 6 and 7 below 0: they have no effect after a low
+    battery with action 0.
     """
     if one.cause != CRITICAL_BATTERY:
         return one
