@@ -3,7 +3,7 @@
 import re
 from dataclasses import dataclass
 
-NOTHING = re.compile(r"(?!)")
+NO_MATCH = re.compile(r"(?!)")
 
 
 @dataclass(frozen=True)
@@ -14,8 +14,8 @@ class ArmingWords:
     position.
     """
 
-    begin: re.Pattern[str] = NOTHING
-    passing: re.Pattern[str] = NOTHING
+    begin: re.Pattern[str] = NO_MATCH
+    passing: re.Pattern[str] = NO_MATCH
 
     def reasons(self, words: str) -> tuple[str, ...]:
         """Return the arming reasons in `words`, which are separated by "; "."""

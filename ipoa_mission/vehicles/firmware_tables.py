@@ -100,8 +100,8 @@ def _slots(table: Mapping[str, Any], name: str) -> Mapping[int, frozenset[int]] 
 class FirmwareTables:
     """One firmware's tables by series, from the file of `tools.generate.firmware_tables`."""
 
-    def __init__(self, habits: Firmware, path: Path) -> None:
-        self._habits, self.path = habits, path
+    def __init__(self, defaults: Firmware, path: Path) -> None:
+        self._defaults, self.path = defaults, path
         self._made: dict[tuple[int, int], Firmware] = {}
 
     @cached_property
@@ -112,7 +112,7 @@ class FirmwareTables:
     @property
     def series(self) -> tuple[tuple[int, int], ...]:
         """The series that have a table, oldest first; without a file the series of the defaults."""
-        return tuple(self._tables) or (self._habits.version.series,)
+        return tuple(self._tables) or (self._defaults.version.series,)
 
     def of(self, version: Version) -> Firmware:
         """Return the table of a version's series, or of the nearest older one, else the oldest.
@@ -122,7 +122,7 @@ class FirmwareTables:
         """
         known = self.series
         if not self._tables:
-            return self._habits
+            return self._defaults
         older = [series for series in known if series <= version.series]
         series = older[-1] if older else known[0]
         if series not in self._made:
@@ -132,11 +132,11 @@ class FirmwareTables:
     def _read(self, series: tuple[int, int]) -> Firmware:
         table = self._tables[series]
         return replace(
-            self._habits,
+            self._defaults,
             version=Version(*series),
             commit=table["commit"],
             date=table["date"],
-            jumps=replace(self._habits.jumps, resets=table.get("resets_jumps", False)),
+            jumps=replace(self._defaults.jumps, resets=table.get("resets_jumps", False)),
             frames=_numbers(table["frames"]),
             placed=rows(table["placed"]),
             plain=rows(table["plain"]),
@@ -156,6 +156,6 @@ class FirmwareTables:
         """
         if version.series not in self.series:
             names = ", ".join(f"{major}.{minor}" for major, minor in self.series)
-            words = f"expected one of {self._habits.autopilot}'s {names}, not {version}"
+            words = f"expected one of {self._defaults.autopilot}'s {names}, not {version}"
             raise BadInput(words, code="unknown-version", place="firmware version")
         return version

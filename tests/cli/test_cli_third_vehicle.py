@@ -50,7 +50,7 @@ SPEED, RADIUS = 4.0, 0.05  # [m/s], [m]
 MODES = Modes(2, 2, 1, 3, frozenset({3}), frozenset({4}), {1: "WAIT", 2: "GO", 3: "HOME", 4: "DOWN"})
 ALL_SEVEN = "......."
 TAKEN = {int(c): ALL_SEVEN for c in (*FLOWN_TO, Command.NAV_RETURN_TO_LAUNCH, Command.DO_CHANGE_SPEED)}
-HABITS = Firmware(
+FIRMWARE = Firmware(
     autopilot="toy",
     name="Toy",
     home_is_item_0=False,
@@ -218,7 +218,7 @@ class Toy(Autopilot):
         units={"TOY_SPEED": 1.0},
         surely_there=(("TOY_ID",),),
     )
-    tables = FirmwareTables(HABITS, Path(__file__).with_name("no_tables.json"))
+    tables = FirmwareTables(FIRMWARE, Path(__file__).with_name("no_tables.json"))
     guidance = GuidanceProfile(flown_on_into=frozenset())
     protocol_profile = ProtocolProfile(starts_by_command=True)
     refusals = Refusals(

@@ -11,7 +11,7 @@ from ipoa_mission.vehicles.arducopter.limits import CENTIMETRE, CopterLimits
 from ipoa_mission.vehicles.circle import FlownCircle
 
 CIRCLE_SHARE = 0.5  # of the acceleration limit that a circle uses
-ROUNDS = 60  # iterations until the radius converges
+ITERATIONS = 60  # until the radius converges
 
 
 def circle_spin(limits: CopterLimits, radius: float, speed: float) -> float:
@@ -25,7 +25,7 @@ def flown_circle(limits: CopterLimits, radius: float, speed: float, turn: float)
     spin, accel, gain = circle_spin(limits, radius, speed), limits.accel, limits.shaping_jerk / limits.accel
     aside = math.atan(spin / gain)
     linear, flown, ahead = accel / gain**2, radius, 0.0
-    for _ in range(ROUNDS):
+    for _ in range(ITERATIONS):
         pace = spin * flown
         asked, closing = min(pace / math.cos(aside), speed), pace * math.cos(aside)
         law = asked + closing

@@ -28,14 +28,14 @@ def _centi(value: float) -> float:
 
 
 #: By format letter: struct's code and the conversion.
-_AS_IT_IS: Callable[[Any], Any] = lambda value: value  # noqa: E731
+_UNCHANGED: Callable[[Any], Any] = lambda value: value  # noqa: E731
 _LETTERS: Mapping[str, tuple[str, Callable[[Any], Any]]] = {
-    **{letter: (letter, _AS_IT_IS) for letter in "bBhHiIfd"},
-    "q": ("q", _AS_IT_IS),
-    "Q": ("Q", _AS_IT_IS),
-    "g": ("e", _AS_IT_IS),
-    "M": ("B", _AS_IT_IS),
-    "a": ("64s", _AS_IT_IS),
+    **{letter: (letter, _UNCHANGED) for letter in "bBhHiIfd"},
+    "q": ("q", _UNCHANGED),
+    "Q": ("Q", _UNCHANGED),
+    "g": ("e", _UNCHANGED),
+    "M": ("B", _UNCHANGED),
+    "a": ("64s", _UNCHANGED),
     "n": ("4s", _words),
     "N": ("16s", _words),
     "Z": ("64s", _words),

@@ -8,7 +8,7 @@ AP_BattMonitor, AC_Fence, AP_SmartRTL. Armed on the ground it disarms instead. B
 import math
 from dataclasses import replace
 
-from ipoa_mission.vehicles.arducopter.own_fence import FLOOR_BIT, MAY_BE_ON
+from ipoa_mission.vehicles.arducopter.own_fence import FENCE_SWITCHES, FLOOR_BIT
 from ipoa_mission.vehicles.contingency import Contingency, FlightStage
 from ipoa_mission.vehicles.failsafe import (
     BY_HAND,
@@ -26,7 +26,7 @@ from ipoa_mission.vehicles.parameters import Parameters
 LAND_PAUSE = 4.0  # LAND_WITH_DELAY_MS [s]
 LANDS = FailsafeAction(Contingency.LAND, after_s=LAND_PAUSE)
 RETURNS = FailsafeAction(Contingency.RTL, (Contingency.LAND,))
-SMART = FailsafeAction(Contingency.SMART_RTL, (Contingency.RTL, Contingency.LAND))
+SMART_RETURNS = FailsafeAction(Contingency.SMART_RTL, (Contingency.RTL, Contingency.LAND))
 SMART_OR_LANDS = FailsafeAction(Contingency.SMART_RTL, (Contingency.LAND,))
 LAND_START = FailsafeAction(
     Contingency.LAND_START, (Contingency.RTL, Contingency.LAND), "to DO_RETURN_PATH_START or DO_LAND_START"
@@ -34,9 +34,9 @@ LAND_START = FailsafeAction(
 BRAKES = FailsafeAction(Contingency.HOLD, (Contingency.LAND,))
 STOPS = FailsafeAction(Contingency.TERMINATE)
 
-ACTIONS = {0: GOES_ON, 1: LANDS, 2: RETURNS, 3: SMART, 4: SMART_OR_LANDS, 5: STOPS, 6: LAND_START, 7: BRAKES}
-RADIO = {0: GOES_ON, 1: RETURNS, 2: RETURNS, 3: LANDS, 4: SMART, 5: SMART_OR_LANDS, 6: LAND_START, 7: BRAKES}
-STATION = {0: GOES_ON, 1: RETURNS, 2: RETURNS, 3: SMART, 4: SMART_OR_LANDS, 5: LANDS, 6: LAND_START, 7: BRAKES}
+ACTIONS = {0: GOES_ON, 1: LANDS, 2: RETURNS, 3: SMART_RETURNS, 4: SMART_OR_LANDS, 5: STOPS, 6: LAND_START, 7: BRAKES}
+RADIO = {0: GOES_ON, 1: RETURNS, 2: RETURNS, 3: LANDS, 4: SMART_RETURNS, 5: SMART_OR_LANDS, 6: LAND_START, 7: BRAKES}
+STATION = {0: GOES_ON, 1: RETURNS, 2: RETURNS, 3: SMART_RETURNS, 4: SMART_OR_LANDS, 5: LANDS, 6: LAND_START, 7: BRAKES}
 NO_POSITION = FailsafeAction(Contingency.UNKNOWN, (Contingency.LAND,), "without a position it drifts while it lands")
 ESTIMATE = {
     0: GOES_ON,
@@ -61,7 +61,7 @@ FENCE = {
     0: GOES_ON,
     1: replace(RETURNS, words=OUTSIDE),
     2: FailsafeAction(Contingency.LAND),
-    3: replace(SMART, words=OUTSIDE),
+    3: replace(SMART_RETURNS, words=OUTSIDE),
     4: replace(BRAKES, words=OUTSIDE),
     5: replace(SMART_OR_LANDS, words=OUTSIDE),
 }
@@ -87,7 +87,7 @@ RULES = (
     ),
     FailsafeRule("radio control lost", "FS_THR_ENABLE", 1.0, RADIO, LANDS),
     FailsafeRule(STATION_LOST, "FS_GCS_ENABLE", 0.0, STATION, RETURNS),
-    FailsafeRule(BREACH, "FENCE_ACTION", 1.0, FENCE, FENCE[1], MAY_BE_ON),
+    FailsafeRule(BREACH, "FENCE_ACTION", 1.0, FENCE, FENCE[1], FENCE_SWITCHES),
     FailsafeRule("position lost (EKF)", "FS_EKF_ACTION", 1.0, ESTIMATE, NO_POSITION, {"FS_EKF_THRESH": 0.8}),
     FailsafeRule("position by dead reckoning", "FS_DR_ENABLE", 2.0, RECKONS, GOES_ON),
     FailsafeRule(TERRAIN, "", math.nan, {}, replace(RETURNS, words="RTL continues without terrain data")),
@@ -109,9 +109,9 @@ RULES = (
 )
 
 #: The bit of FS_OPTIONS that continues a mission, for these causes only.
-GOES_ON_BY = {"FS_THR_ENABLE": 1, "FS_GCS_ENABLE": 2}
-LANDS_ON, OPTIONS = 8, 16.0  # the bit of FS_OPTIONS that continues a landing; its default
-LANDINGS_GO_ON = ("BATT_FS_LOW_ACT", "BATT_FS_CRT_ACT", *GOES_ON_BY)
+CONTINUE_BITS = {"FS_THR_ENABLE": 1, "FS_GCS_ENABLE": 2}
+LANDING_BIT, DEFAULT_OPTIONS = 8, 16.0  # the bit of FS_OPTIONS that continues a landing; its default
+LANDING_PARAMETERS = ("BATT_FS_LOW_ACT", "BATT_FS_CRT_ACT", *CONTINUE_BITS)
 URGENCY = (5, 1, 2, 4, 3, 0)  # battery actions, most urgent first; others come last
 BATTERIES = tuple(f"BATT{n}" for n in "23456789")  # in addition to the first
 
@@ -147,12 +147,12 @@ def _of(rule: FailsafeRule, battery: str) -> FailsafeRule:
 
 def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Failsafe:
     answer = _with_a_path(rule.answer(parameters, series), parameters, rule.cause not in {BREACH, BY_HAND})
-    options, landing = int(parameters.get("FS_OPTIONS", OPTIONS)), answer
+    options, landing = int(parameters.get("FS_OPTIONS", DEFAULT_OPTIONS)), answer
     if answer.contingency is not Contingency.CONTINUE and rule.cause != BY_HAND:
-        if options & GOES_ON_BY.get(rule.parameter, 0):
+        if options & CONTINUE_BITS.get(rule.parameter, 0):
             answer = landing = replace(GOES_ON, words="by FS_OPTIONS")
-        acts = _first(rule.parameter) in LANDINGS_GO_ON
-        landing = replace(LANDS, words="by FS_OPTIONS") if acts and options & LANDS_ON else landing
+        acts = _first(rule.parameter) in LANDING_PARAMETERS
+        landing = replace(LANDS, words="by FS_OPTIONS") if acts and options & LANDING_BIT else landing
     has_only_a_floor = rule.cause == BREACH and int(parameters.get("FENCE_TYPE", 7.0)) == FLOOR_BIT
     if has_only_a_floor and answer.contingency is not Contingency.CONTINUE:
         landing = replace(GOES_ON, words="a landing disables FENCE_ALT_MIN")

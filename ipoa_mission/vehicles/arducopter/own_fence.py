@@ -8,13 +8,13 @@ from ipoa_mission.vehicles.returning import HOME, Place, level_distance
 
 CEILING_BIT, CIRCLE_BIT, FLOOR_BIT = 1, 2, 8  # of FENCE_TYPE; 4: the mission's polygons
 #: Parameters that enable the fence, always or from arming or take-off.
-MAY_BE_ON = {"FENCE_ENABLE": 0.0, "FENCE_AUTOENABLE": 0.0}
+FENCE_SWITCHES = {"FENCE_ENABLE": 0.0, "FENCE_AUTOENABLE": 0.0}
 DEFAULTS = {"FENCE_TYPE": 7.0, "FENCE_RADIUS": 300.0, "FENCE_ALT_MAX": 100.0, "FENCE_ALT_MIN": -10.0}
 
 
 def limits_on(parameters: Parameters) -> OwnFence | None:
     """Return the enabled limits, whatever the fence action; None if none is enabled."""
-    if not any(parameters.get(name, usual) for name, usual in MAY_BE_ON.items()):
+    if not any(parameters.get(name, usual) for name, usual in FENCE_SWITCHES.items()):
         return None
     p = {**DEFAULTS, **parameters}
 

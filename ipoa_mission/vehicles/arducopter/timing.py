@@ -50,7 +50,7 @@ LANDING_DOUBT = 0.9  # half width of the leg before LAND (`procedures.LAND_BELOW
 #: The leg before RTL may be shorter or longer by these: its clock waits while the vehicle drifts [s].
 RETURN_EARLY, RETURN_LATE = 0.3, 1.5
 
-TO_A_PLACE = ARDUCOPTER.guidance.flown_on_into - {Command.NAV_PAYLOAD_PLACE}
+PLACE_COMMANDS = ARDUCOPTER.guidance.flown_on_into - {Command.NAV_PAYLOAD_PLACE}
 
 
 def fly_arducopter(
@@ -158,7 +158,7 @@ class _Flight:
             self.take_off(self.target(n)[2])
         elif command == Command.NAV_LOITER_UNLIM:
             raise EndlessFlight("loiters without end, so the flight has no time", place=f"items[{visit.seq - 1}]")
-        elif command in TO_A_PLACE:
+        elif command in PLACE_COMMANDS:
             return self.fly_to(n)
         elif command == Command.NAV_LOITER_TURNS:
             self.go(circle(self.copter, self.target(n), visit.item))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from ipoa_mission.mission.commands import WAYPOINTS, Command
 from ipoa_mission.vehicles.arducopter import failsafes, returning
-from ipoa_mission.vehicles.arducopter.own_fence import MAY_BE_ON, limits_on
+from ipoa_mission.vehicles.arducopter.own_fence import FENCE_SWITCHES, limits_on
 from ipoa_mission.vehicles.arducopter.parameter_table import PARAMETER_TABLE
 from ipoa_mission.vehicles.arducopter.refusal import REFUSALS
 from ipoa_mission.vehicles.arducopter.way_known import WAY_KNOWN
@@ -31,9 +31,9 @@ from ipoa_mission.vehicles.version import Version
 if TYPE_CHECKING:
     from ipoa_mission.geometry import Points, Vector
 
-ONLY_REPORTS = 0.0  # FENCE_ACTION
+REPORT_ONLY = 0.0  # FENCE_ACTION
 
-HABITS = Firmware(
+FIRMWARE = Firmware(
     autopilot="ardupilot",
     name="ArduPilot",
     home_is_item_0=True,
@@ -114,7 +114,7 @@ class ArduCopter(Autopilot):
     measured = (Version(4, 7, 0, "dev"), Version(4, 8, 0, "dev"))  # docs/lab/flown.md
     modes = MODES
     book = PARAMETER_TABLE
-    tables = FirmwareTables(HABITS, Path(__file__).with_name("firmware_tables.json"))
+    tables = FirmwareTables(FIRMWARE, Path(__file__).with_name("firmware_tables.json"))
     guidance = GuidanceProfile(
         flown_on_into=frozenset(
             {*WAYPOINTS, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TIME, Command.NAV_PAYLOAD_PLACE}
@@ -164,7 +164,7 @@ class ArduCopter(Autopilot):
         "MockProfile": "ipoa_mission.vehicles.arducopter.mock_profile:MOCK_PROFILE",
         "Pilots": "ipoa_mission.vehicles.arducopter.pilot:PILOTS",
     }
-    own_fence_by = (*MAY_BE_ON, "FENCE_TYPE", "FENCE_ACTION", "FENCE_RADIUS", "FENCE_ALT_MAX", "FENCE_ALT_MIN")
+    own_fence_by = (*FENCE_SWITCHES, "FENCE_TYPE", "FENCE_ACTION", "FENCE_RADIUS", "FENCE_ALT_MAX", "FENCE_ALT_MIN")
     failsafe_by = failsafes.DECIDED_BY
     failsafe_rules = failsafes.RULES
     station_loss = failsafes.STATION_LOSS
@@ -229,7 +229,7 @@ class ArduCopter(Autopilot):
 
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
         """Return the limits of FENCE_TYPE if enabled and FENCE_ACTION does more than report (AC_Fence)."""
-        return None if parameters.get("FENCE_ACTION", 1.0) <= ONLY_REPORTS else limits_on(parameters)
+        return None if parameters.get("FENCE_ACTION", 1.0) <= REPORT_ONLY else limits_on(parameters)
 
     def goal_of_return(self, parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
         """Return the index of RTL's rally point.

@@ -28,7 +28,7 @@ FALLS = FailsafeAction(Contingency.TERMINATE)
 LANDS = FailsafeAction(Contingency.LAND, (Contingency.TERMINATE,))
 RETURNS = FailsafeAction(Contingency.RTL, (Contingency.LAND, Contingency.TERMINATE))
 HOLDS = FailsafeAction(Contingency.HOLD, (Contingency.RTL, Contingency.LAND, Contingency.TERMINATE))
-FALLS_WITHOUT = replace(FALLS, words="lands while it has a local position")
+NO_POSITION_FALLS = replace(FALLS, words="lands while it has a local position")
 DRIFTS = FailsafeAction(
     Contingency.UNKNOWN, (Contingency.LAND, Contingency.TERMINATE), "without a position it drifts while it descends"
 )
@@ -49,7 +49,7 @@ SATELLITES = {0: GOES_ON, 1: RETURNS, 2: LANDS, 3: FALLS}
 AT_RETURN_HEIGHT = replace(RETURNS, words="descends to its return height if it is higher")
 TRAFFIC = {0: GOES_ON, 1: GOES_ON, 2: AT_RETURN_HEIGHT, 3: LANDS, 4: HOLDS, 5: new(FALLS, V1_19)}
 NO_HOLD = replace(GOES_ON, words="its commander lacks the order to hold")
-TUMBLES, RADIO_SOURCE, NO_RADIO = "attitude or motor failure", "COM_RC_IN_MODE", 4.0
+ATTITUDE_FAILURE, RADIO_SOURCE, NO_RADIO = "attitude or motor failure", "COM_RC_IN_MODE", 4.0
 BALANCE = {-1: GOES_ON, 0: GOES_ON, 1: RETURNS, 2: LANDS}
 ACCURACY = "position inaccurate"
 
@@ -62,7 +62,7 @@ RULES = (
     FailsafeRule(STATION_LOST, "NAV_DLL_ACT", 0.0, LINK, GOES_ON),
     FailsafeRule("fence breached", "GF_ACTION", 2.0, GRADES, GOES_ON),
     FailsafeRule("position lost (EKF)", "", math.nan, {}, DRIFTS, until=V1_19),
-    FailsafeRule("position lost (EKF)", "COM_POS_FS_ACT", 0.0, {0: DRIFTS, 1: FALLS_WITHOUT}, DRIFTS, since=V1_19),
+    FailsafeRule("position lost (EKF)", "COM_POS_FS_ACT", 0.0, {0: DRIFTS, 1: NO_POSITION_FALLS}, DRIFTS, since=V1_19),
     FailsafeRule(ACCURACY, "COM_POS_LOW_ACT", 3.0, GRADES, GOES_ON, {"COM_POS_LOW_EPH": -1.0}),
     FailsafeRule(
         "satellite receiver lost", "COM_GNSSLOSS_ACT", 0.0, SATELLITES, GOES_ON, {"SYS_HAS_NUM_GNSS": 0.0}, V1_18
@@ -72,7 +72,7 @@ RULES = (
     FailsafeRule("mission cannot be flown on", "", math.nan, {}, RETURNS),
     FailsafeRule("motor failed", "COM_ACT_FAIL_ACT", 0.0, MOTOR, GOES_ON),
     FailsafeRule("propeller out of balance", "COM_IMB_PROP_ACT", 0.0, BALANCE, GOES_ON, until=V1_18),
-    FailsafeRule(TUMBLES, "CBRK_FLIGHTTERM", 121212.0, {121212: GOES_ON}, FALLS),
+    FailsafeRule(ATTITUDE_FAILURE, "CBRK_FLIGHTTERM", 121212.0, {121212: GOES_ON}, FALLS),
     FailsafeRule("parachute missing", "COM_PARACHUTE", 0.0, HEALTH, GOES_ON, since=V1_18),
     FailsafeRule("Remote ID lost", "COM_ARM_ODID", 0.0, {**HEALTH, 5: FALLS}, GOES_ON, since=V1_18),
     FailsafeRule("traffic receiver lost", "COM_TRAFF_AVOID", 0.0, HEALTH, GOES_ON, since=V1_19),
@@ -82,22 +82,24 @@ RULES = (
 )  # fmt: skip
 
 #: The parameter whose bits ignore a lost link by mode: 1 in a mission, 2 (1.18) in a return.
-EXCEPT = {"NAV_RCL_ACT": "COM_RCL_EXCEPT", "NAV_DLL_ACT": "COM_DLL_EXCEPT"}
+EXCEPTION_PARAMETERS = {"NAV_RCL_ACT": "COM_RCL_EXCEPT", "NAV_DLL_ACT": "COM_DLL_EXCEPT"}
 IN_MISSION, IN_AUTO = 1, 2
 DELAY, LEAST_DELAY = "COM_FAIL_ACT_T", 0.1  # [s]; shorter delays are ignored
 #: Causes without a delay: orders of the navigator, position monitoring, and pilots.
-AT_ONCE = frozenset({ACCURACY, "position lost (EKF)", "traffic near", BY_HAND})
+WITHOUT_DELAY = frozenset({ACCURACY, "position lost (EKF)", "traffic near", BY_HAND})
 
 DECIDED_BY = tuple(
     dict.fromkeys(
         (
             *(name for rule in RULES for name in (rule.parameter, *rule.needs) if name),
-            *(*EXCEPT.values(), DELAY, RADIO_SOURCE),
+            *(*EXCEPTION_PARAMETERS.values(), DELAY, RADIO_SOURCE),
         )
     )
 )
 
-STATION_LOSS = StationLoss("COM_DL_LOSS_T", 10.0, ("NAV_DLL_ACT", "COM_DL_LOSS_T", EXCEPT["NAV_DLL_ACT"], DELAY))
+STATION_LOSS = StationLoss(
+    "COM_DL_LOSS_T", 10.0, ("NAV_DLL_ACT", "COM_DL_LOSS_T", EXCEPTION_PARAMETERS["NAV_DLL_ACT"], DELAY)
+)
 
 
 def failsafes(parameters: Parameters, series: Series) -> tuple[Failsafe, ...]:
@@ -109,8 +111,11 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
     if rule.parameter == "NAV_RCL_ACT" and parameters.get(RADIO_SOURCE) == NO_RADIO:
         answer = replace(GOES_ON, words=f"not checked: {RADIO_SOURCE} is 4")
     returning = answer
-    if rule.parameter in EXCEPT and answer.contingency is not Contingency.CONTINUE:
-        excepted, words = int(parameters.get(EXCEPT[rule.parameter], 0.0)), f"by {EXCEPT[rule.parameter]}"
+    if rule.parameter in EXCEPTION_PARAMETERS and answer.contingency is not Contingency.CONTINUE:
+        excepted, words = (
+            int(parameters.get(EXCEPTION_PARAMETERS[rule.parameter], 0.0)),
+            f"by {EXCEPTION_PARAMETERS[rule.parameter]}",
+        )
         if excepted & IN_MISSION:
             answer = replace(GOES_ON, words=words)
         if excepted & IN_AUTO and series >= V1_18:
@@ -127,5 +132,5 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
 def _later(rule: FailsafeRule, answer: FailsafeAction, parameters: Parameters) -> FailsafeAction:
     """Add the hold that lets the user react before the action."""
     delay = parameters.get(DELAY, 5.0)
-    waits = answer.contingency in {Contingency.RTL, Contingency.LAND} and rule.cause not in AT_ONCE
+    waits = answer.contingency in {Contingency.RTL, Contingency.LAND} and rule.cause not in WITHOUT_DELAY
     return replace(answer, after_s=delay) if waits and delay > LEAST_DELAY else answer

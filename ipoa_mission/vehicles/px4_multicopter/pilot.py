@@ -27,7 +27,7 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.step import at_rest, begun, 
 from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits, px4_limits
 
 #: Items that suppress the report of the waypoint before them (as measured).
-HIDING = frozenset({Command.DO_JUMP, Command.DO_CHANGE_SPEED, Command.NAV_RETURN_TO_LAUNCH})
+REPORT_SUPPRESSING = frozenset({Command.DO_JUMP, Command.DO_CHANGE_SPEED, Command.NAV_RETURN_TO_LAUNCH})
 NO_THRUST = Enu(0.0, 0.0, -GRAVITY)
 
 
@@ -135,7 +135,7 @@ class PX4Pilot:
             now.mode = FlightMode.HOLD
             self._orders = []
         elif now.mode is FlightMode.MISSION:
-            hidden = now.current + 1 < len(items) and items[now.current + 1].command in HIDING
+            hidden = now.current + 1 < len(items) and items[now.current + 1].command in REPORT_SUPPRESSING
             now.done(now.current, announced=not hidden)
 
     def _fall(self) -> None:

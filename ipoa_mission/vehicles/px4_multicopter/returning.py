@@ -20,11 +20,17 @@ from ipoa_mission.vehicles.returning import (
     level_distance,
 )
 
-NEARER = 2.0  # required advantage of a rally point or a landing [m]
-OF_ITS_OWN = 10.0  # rally points this near home are ignored [m]
-NOT_HOME, ON, NEAREST, SHORTER, RALLY_ONLY = 1.0, 2.0, 3.0, 4.0, 5.0  # RTL_TYPE; 0: home or a rally point
-KNOWS_RALLY_ONLY = (1, 18)  # since this series
-ROUNDS_FENCES = (1, 19)  # since this series (40e61d2429, merged after release/1.18 had branched)
+REQUIRED_ADVANTAGE = 2.0  # of a rally point or a landing [m]
+LEAST_RALLY_DISTANCE = 10.0  # rally points this near home are ignored [m]
+NOT_HOME, LANDING_OR_BACK, NEAREST, SHORTER_WAY, RALLY_ONLY = (
+    1.0,
+    2.0,
+    3.0,
+    4.0,
+    5.0,
+)  # RTL_TYPE; 0: home or a rally point
+RALLY_ONLY_SINCE = (1, 18)  # since this series
+FENCE_ROUTING_SINCE = (1, 19)  # since this series (40e61d2429, merged after release/1.18 had branched)
 
 
 def return_height(parameters: Parameters, height: float, distance: float, goal_up: float) -> float:
@@ -39,21 +45,25 @@ def return_route(
 ) -> ReturnRoute:
     """Return the route of RTL_TYPE; 1 uses home only without rally point and landing, 5 (1.18) never."""
     kind = parameters.get("RTL_TYPE", 0.0)
-    if kind in {ON, SHORTER}:
-        ahead = landing is not None and (kind == ON or landing.ahead < landing.behind)
+    if kind in {LANDING_OR_BACK, SHORTER_WAY}:
+        ahead = landing is not None and (kind == LANDING_OR_BACK or landing.ahead < landing.behind)
         return ReturnRoute(ReturnBy.AHEAD if ahead else ReturnBy.BACK)
-    rally_only = kind == RALLY_ONLY and series >= KNOWS_RALLY_ONLY
+    rally_only = kind == RALLY_ONLY and series >= RALLY_ONLY_SINCE
     best = ReturnRoute(ReturnBy.HERE if rally_only else ReturnBy.DIRECT)
     nearest = math.inf if rally_only or kind == NOT_HOME else level_distance(here, HOME)
-    if landing is not None and kind in {NOT_HOME, NEAREST} and level_distance(here, landing.place) + NEARER < nearest:
+    if (
+        landing is not None
+        and kind in {NOT_HOME, NEAREST}
+        and level_distance(here, landing.place) + REQUIRED_ADVANTAGE < nearest
+    ):
         best, nearest = ReturnRoute(ReturnBy.LANDING), level_distance(here, landing.place)
     for n, place in enumerate(rally):
         way = level_distance(here, place)
-        if (rally_only or level_distance(HOME, place) > OF_ITS_OWN) and way + NEARER < nearest:
+        if (rally_only or level_distance(HOME, place) > LEAST_RALLY_DISTANCE) and way + REQUIRED_ADVANTAGE < nearest:
             best, nearest = ReturnRoute(ReturnBy.DIRECT, n), way
     return best
 
 
 def room_to_fences(parameters: Parameters, series: Series) -> float | None:
     """Return the distance of RTL to the fences that it flies around [m]; None: it ignores them."""
-    return 2.0 * parameters.get("NAV_ACC_RAD", SINCE_SPLIT["NAV_ACC_RAD"]) if series >= ROUNDS_FENCES else None
+    return 2.0 * parameters.get("NAV_ACC_RAD", SINCE_SPLIT["NAV_ACC_RAD"]) if series >= FENCE_ROUTING_SINCE else None

@@ -37,10 +37,10 @@ from ipoa_mission.vehicles.version import Version
 if TYPE_CHECKING:
     from ipoa_mission.geometry import Points, Vector
 
-STOPS = WaypointDefaults(LEAST_HOLD, DEFAULTS["NAV_ACC_RAD"])
-ONLY_WARNS = 1.0  # GF_ACTION; 0 does nothing
+STOP_DEFAULTS = WaypointDefaults(LEAST_HOLD, DEFAULTS["NAV_ACC_RAD"])
+WARN_ONLY = 1.0  # GF_ACTION; 0 does nothing
 
-HABITS = Firmware(
+FIRMWARE = Firmware(
     autopilot="px4",
     name="PX4",
     home_is_item_0=False,
@@ -106,7 +106,7 @@ class Px4Multicopter(Autopilot):
     measured = MEASURED
     modes = MODES
     book = PARAMETER_TABLE
-    tables = FirmwareTables(HABITS, Path(__file__).with_name("firmware_tables.json"))
+    tables = FirmwareTables(FIRMWARE, Path(__file__).with_name("firmware_tables.json"))
     guidance = GuidanceProfile(
         flown_on_into=FLOWN_TO - {Command.NAV_LOITER_TURNS, Command.NAV_PAYLOAD_PLACE},
         least_takeoff=("NAV_MC_ALT_RAD", 1.0),
@@ -184,7 +184,7 @@ class Px4Multicopter(Autopilot):
 
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
         """Return the limits of the fence; a limit of 0 is off. GF_ACTION 0 does nothing, 1 only warns."""
-        if parameters.get("GF_ACTION", 0.0) <= ONLY_WARNS:
+        if parameters.get("GF_ACTION", 0.0) <= WARN_ONLY:
             return None
         across, up = (parameters.get(name, 0.0) for name in ("GF_MAX_HOR_DIST", "GF_MAX_VER_DIST"))
         return OwnFence(
@@ -223,7 +223,7 @@ class Px4Multicopter(Autopilot):
         >>> Px4Multicopter().waypoint_defaults(Version(1, 18))
         WaypointDefaults(hold=0.1, radius=2.0)
         """
-        return STOPS if (version or self.newest).series >= SPLITS_AXES else WaypointDefaults()
+        return STOP_DEFAULTS if (version or self.newest).series >= SPLITS_AXES else WaypointDefaults()
 
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
         return returning.return_height(parameters, height, distance, goal_up)
