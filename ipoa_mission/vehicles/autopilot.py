@@ -236,6 +236,7 @@ class Autopilot(ABC):
 
     def checked_for(self, version: Version | None) -> str:
         """Return the firmware that is assumed, in a few words; None: the newest measured.
+
         >>> Autopilot.PX4.checked_for(Version(1, 16))
         'px4 1.16 (not measured)'
         """

@@ -116,6 +116,7 @@ class FirmwareTables:
 
     def of(self, version: Version) -> Firmware:
         """Return the table of a version's series, or of the nearest older one, else the oldest.
+
         >>> from ipoa_mission.vehicles.autopilot import Autopilot
         >>> str(Autopilot.PX4.tables.of(Version(1, 16, 2)))
         'PX4 1.16'

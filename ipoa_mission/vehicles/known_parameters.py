@@ -76,6 +76,7 @@ def translated(
 
 def firmware_of(names: Iterable[str]) -> Autopilot | None:
     """Return the autopilot of the first known parameter; None if none is known.
+
     >>> firmware_of(["WP_SPD", "BATT_MONITOR"])
     <Autopilot ardupilot>
     """

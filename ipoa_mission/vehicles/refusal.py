@@ -39,6 +39,7 @@ class Refusals:
 
 def param_name(n: int) -> str:
     """Return the name of a value by its number, from 1.
+
     >>> param_name(5)
     'latitude'
     """

@@ -171,6 +171,7 @@ class ArduCopter(Autopilot):
 
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
         """Return the distance to the position controller's stopping point.
+
         >>> import numpy as np
         >>> ArduCopter().braking_distance({"WPNAV_ACCEL": 250.0}, np.array([10.0]), np.zeros(1)).round(2)
         array([21.25])
@@ -187,6 +188,7 @@ class ArduCopter(Autopilot):
         self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: Contingency
     ) -> "Points":
         """Return the braking displacement: shaped to land or hold, else to the stopping point.
+
         >>> import numpy as np
         >>> ArduCopter().braking_way({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
         array([[11.,  0.]])
@@ -205,6 +207,7 @@ class ArduCopter(Autopilot):
         self, parameters: Parameters, radius: float, turn: float, speed: float | None, version: Version | None
     ) -> FlownCircle | None:
         """Return the circle of a vehicle that pursues a point on the commanded one.
+
         >>> flown = ArduCopter().circle({}, 60.0, 6.28, None, None)
         >>> round(flown.radius, 1), round(flown.runs_on, 1)
         (58.4, 15.5)
@@ -217,6 +220,7 @@ class ArduCopter(Autopilot):
 
     def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
         """Return the stretch: LAND_SPEED below LAND_ALT_LOW, the normal descent above.
+
         >>> ArduCopter().slow_stretch({}).touchdown(12.0)
         1.5
         """
@@ -233,12 +237,14 @@ class ArduCopter(Autopilot):
 
     def goal_of_return(self, parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
         """Return the index of RTL's rally point.
+
         >>> ArduCopter().goal_of_return({"RALLY_LIMIT_KM": 0.3}, (0.0, 500.0, 20.0), [(0.0, 900.0, 10.0)])
         """
         return returning.goal_of_return(parameters, here, rally)
 
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
         """Return RTL_ALT, lowered by the cone and the fence.
+
         >>> ArduCopter().return_height({"RTL_ALT": 6000.0, "FENCE_ENABLE": 1.0, "FENCE_ALT_MAX": 50.0}, 20.0, 400.0)
         48.0
         """
@@ -246,6 +252,7 @@ class ArduCopter(Autopilot):
 
     def over_terrain(self, parameters: Parameters) -> OverTerrain | None:
         """Return the terrain following of RTL_ALT_TYPE and WPNAV_TER_MARGIN.
+
         >>> ArduCopter().over_terrain({"RTL_ALT_TYPE": 1.0, "WPNAV_TER_MARGIN": 6.0})
         OverTerrain(margin=6.0, surely=True)
         """
@@ -253,6 +260,7 @@ class ArduCopter(Autopilot):
 
     def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
         """Return the failsafe actions, read in the source.
+
         >>> lost = next(one for one in ArduCopter().failsafes({"FS_OPTIONS": 1.0}) if one.cause == "radio control lost")
         >>> str(lost.route), str(ArduCopter().failsafes({"BATT_FS_LOW_ACT": 3.0})[0].route)
         ('continue (by FS_OPTIONS)', 'smart_rtl or rtl or land')

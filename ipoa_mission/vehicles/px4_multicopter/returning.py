@@ -22,13 +22,8 @@ from ipoa_mission.vehicles.returning import (
 
 REQUIRED_ADVANTAGE = 2.0  # of a rally point or a landing [m]
 LEAST_RALLY_DISTANCE = 10.0  # rally points this near home are ignored [m]
-NOT_HOME, LANDING_OR_BACK, NEAREST, SHORTER_WAY, RALLY_ONLY = (
-    1.0,
-    2.0,
-    3.0,
-    4.0,
-    5.0,
-)  # RTL_TYPE; 0: home or a rally point
+# RTL_TYPE; 0: home or a rally point
+NOT_HOME, LANDING_OR_BACK, NEAREST, SHORTER_WAY, RALLY_ONLY = 1.0, 2.0, 3.0, 4.0, 5.0
 RALLY_ONLY_SINCE = (1, 18)  # since this series
 FENCE_ROUTING_SINCE = (1, 19)  # since this series (40e61d2429, merged after release/1.18 had branched)
 

@@ -159,6 +159,7 @@ class Px4Multicopter(Autopilot):
         self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: Contingency
     ) -> "Points":
         """Return the displacement to the navigator's stopping point for LAND and hold (preproject_stop_point).
+
         >>> import numpy as np
         >>> Px4Multicopter().braking_way({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
         array([[9.6, 0. ]])
@@ -174,6 +175,7 @@ class Px4Multicopter(Autopilot):
 
     def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
         """Return the stretch from MPC_LAND_ALT1 to MPC_LAND_SPEED at MPC_LAND_ALT2.
+
         >>> Px4Multicopter().slowed({}, 12.0)
         {'MPC_LAND_ALT1': 22.0, 'MPC_LAND_ALT2': 17.0}
         """
@@ -195,6 +197,7 @@ class Px4Multicopter(Autopilot):
 
     def goal_of_return(self, parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
         """Return the index of RTL's rally point.
+
         >>> Px4Multicopter().goal_of_return({}, (100.0, 0.0, 20.0), [(90.0, 0.0, 10.0)])
         0
         """
@@ -209,6 +212,7 @@ class Px4Multicopter(Autopilot):
         version: Version | None = None,
     ) -> ReturnRoute:
         """Return the route of RTL_TYPE.
+
         >>> str(Px4Multicopter().return_route({"RTL_TYPE": 2.0}, (100.0, 0.0, 20.0), ()).by)
         'back along the mission'
         """
@@ -220,6 +224,7 @@ class Px4Multicopter(Autopilot):
 
     def waypoint_defaults(self, version: Version | None = None) -> WaypointDefaults:
         """From 1.18 on a waypoint needs a hold to stop, and a radius because the default has grown to 10 m.
+
         >>> Px4Multicopter().waypoint_defaults(Version(1, 18))
         WaypointDefaults(hold=0.1, radius=2.0)
         """
@@ -230,6 +235,7 @@ class Px4Multicopter(Autopilot):
 
     def room_to_fences(self, parameters: Parameters, version: Version | None = None) -> float | None:
         """Return the distance; from 1.19 on.
+
         >>> Px4Multicopter().room_to_fences({}), Px4Multicopter().room_to_fences({"NAV_ACC_RAD": 2.0}, Version(1, 19))
         (None, 4.0)
         """
@@ -237,6 +243,7 @@ class Px4Multicopter(Autopilot):
 
     def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
         """Return the failsafe actions, read in the source.
+
         >>> found = {one.cause: one for one in Px4Multicopter().failsafes({"COM_LOW_BAT_ACT": 3.0})}
         >>> found["critical battery"].route.contingency, found["critical battery"].route.after_s
         (<Contingency.RTL: 'rtl'>, 5.0)

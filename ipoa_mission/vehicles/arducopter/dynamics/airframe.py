@@ -32,6 +32,7 @@ class Airframe:
 
     def at_altitude(self, altitude: float) -> "Airframe":
         """Return the airframe in the standard atmosphere's density at an altitude of home [m].
+
         >>> round(Airframe(0.25, 0.036, 0.02).at_altitude(1000.0).body_drag, 4)
         0.0327
         """
@@ -68,6 +69,7 @@ ARDUPILOT_SIMULATOR = Airframe(rotor_drag=0.2484, body_drag=0.0356, lag=0.02)
 
 def airframe_of(vehicle: LearnedVehicle | None) -> Airframe:
     """Return the airframe of a learned vehicle; None: the simulator's.
+
     >>> airframe_of(None) is ARDUPILOT_SIMULATOR
     True
     """

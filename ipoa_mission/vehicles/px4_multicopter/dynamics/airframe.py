@@ -53,6 +53,7 @@ KNOWS = SensorModel(every=math.inf, height_noise=0.0, drift=0.0, drift_up=0.0, d
 
 def airframe_of(vehicle: LearnedVehicle | None) -> Airframe:
     """Return the airframe of a learned vehicle; None: SIH's.
+
     >>> airframe_of(None) is SIH
     True
     """
