@@ -56,6 +56,7 @@ def translated(
     """Translate the parameters of another autopilot; return remarks on each.
 
     A parameter has a counterpart if it is the same quantity on both and above 0; other values are switches.
+
     >>> translated({"RTL_ALT_M": 65.0, "WP_JERK": 2.0}, Autopilot.ARDUPILOT, Autopilot.PX4)[0]
     {'RTL_RETURN_ALT': 65.0}
     """
