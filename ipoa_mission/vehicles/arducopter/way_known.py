@@ -30,7 +30,7 @@ WAY_KNOWN = WayKnown(
     why={
         Command.NAV_GUIDED_ENABLE: "another computer controls the vehicle from here on",
         Command.NAV_SCRIPT_TIME: "a script controls the vehicle from here on",
-        Command.NAV_ATTITUDE_TIME: "it holds an attitude for a time, and its path depends on the wind",
+        Command.NAV_ATTITUDE_TIME: "it holds an attitude for a time, which is not modeled",
         Command.DO_SET_HOME: "home changes: heights and returns refer to the new home",
         Command.DO_PARACHUTE: "a parachute may be released",
         Command.DO_AUX_FUNCTION: "a switch may change the mode or stop the motors",
