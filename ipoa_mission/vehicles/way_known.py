@@ -47,4 +47,4 @@ class WayKnown:
             return None
         if command in self.unless and self.unless[command](params):
             return None
-        return self.why.get(command, "where it leads is not modeled")
+        return self.why.get(command, "its path is not modeled")
