@@ -1,1 +1,1 @@
-"""How a mission is judged before it flies."""
+"""Checks of a mission before it flies."""

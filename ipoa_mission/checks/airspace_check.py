@@ -1,4 +1,4 @@
-"""The legs of a mission against the world of a scenario, by the same proof that the planner's path went through."""
+"""Check the legs of a mission in a scenario's airspace, with the planner's proof."""
 
 from collections.abc import Iterator
 
@@ -12,13 +12,13 @@ from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase
 from ipoa_mission.planning.proof import Check, prove
 from ipoa_mission.scenario import Scenario
 
-#: What rounding positions to 1e-7 degrees and to millimetres may cost, by unit.
+#: Tolerance for positions rounded to 1e-7 degrees and to millimeters, by unit.
 ROUNDING = {"m": 0.02, "deg": 0.5}
-SAME_HOME = 1.0  # [m]
+HOME_TOLERANCE = 1.0  # [m]
 
 ANGLES = {"climb", "descent"}
 
-#: The limits that each kind of leg is held against; a climb or a descent is steep, and begins or ends on the ground.
+#: The limits of each kind of leg. A climb or a descent is steep, and begins or ends on the ground.
 LIMITS = {
     Phase.CRUISE: {"obstacles", "ground", "ceiling", "bounds", *ANGLES},
     Phase.RETURN: {"obstacles", "ground", "ceiling", "bounds"},
@@ -28,24 +28,24 @@ LIMITS = {
 
 
 def check_airspace(forecast: Forecast) -> Iterator[Finding]:
-    """Findings about home, then about each leg.
+    """Report a home that differs from the scenario's, then each broken limit of each leg.
 
-    Between waypoints a leg must keep the scenario's limits. On the climb, on the way home and on the landing, which no
-    planner chose, breaking one is a warning, and touching something an error.
+    A leg between waypoints must keep the scenario's limits. The planner chooses no climb, way home or landing:
+    there a broken limit is a warning, and contact with an obstacle or the ground an error.
     """
     mission, scenario = forecast.mission, forecast.world
     offset = np.abs(scenario.frame.local(mission.home))
-    if offset.max() > SAME_HOME:
+    if offset.max() > HOME_TOLERANCE:
         message = f"home: lies {np.linalg.norm(offset):.1f} m from the scenario's home: heights above home differ"
         yield Finding("home-differs", Severity.WARNING, 0, message)
-    told = set[str]()
+    reported = set[str]()
     for leg in forecast.legs:
         for check in broken(leg, scenario):
             words = check.words()
             begins = np.linalg.norm(np.array(check.nearest.place) - leg.points[0]) < ROUNDING["m"]
-            if leg.phase is Phase.CRUISE and words in told and begins:
-                continue  # said of the leg before, where the two meet
-            told |= {words} if leg.phase is Phase.CRUISE else set()
+            if leg.phase is Phase.CRUISE and words in reported and begins:
+                continue  # reported for the leg before, where the two meet
+            reported |= {words} if leg.phase is Phase.CRUISE else set()
             item, message = item_of(mission, leg.seq), f"{leg_name(leg)}: {words}"
             if leg.phase is not Phase.CRUISE and not _touches(check, scenario):
                 yield item.warning("leg-too-near", message)
@@ -55,7 +55,7 @@ def check_airspace(forecast: Forecast) -> Iterator[Finding]:
 
 
 def broken(leg: Leg, scenario: Scenario) -> list[Check]:
-    """The limits that a leg breaks by more than rounding; straight up or down no angle is too steep."""
+    """Return the limits that a leg breaks by more than rounding. A vertical leg has no limit of its angle."""
     limits = LIMITS[leg.phase] - (ANGLES if np.ptp(leg.points[:, :2], axis=0).max() < ROUNDING["m"] else set())
     checks = prove(leg.points, scenario, leg.stray).checks
     return [c for c in checks if c.limit in limits and c.slack < -ROUNDING[c.unit]]

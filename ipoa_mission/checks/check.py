@@ -1,7 +1,6 @@
-"""All that can be known to be wrong with a mission before it flies; nothing here repairs anything.
+"""Report what is wrong with a mission before it flies; repair nothing.
 
-Autopilots accept positions at (0, 0), altitudes that are no number and missions that they cannot fly: whoever sends
-one checks first.
+Autopilots accept positions at (0, 0), altitudes that are no number and missions that they cannot fly.
 """
 
 from collections.abc import Iterable, Iterator
@@ -26,22 +25,22 @@ if TYPE_CHECKING:
 def check_mission(
     mission: Mission, scenario: "Scenario | None" = None, ignore: Iterable[str] = ()
 ) -> tuple[Finding, ...]:
-    """Tell what is wrong with a mission for its autopilot, and with a scenario for that scenario's world.
+    """Report what is wrong with a mission for its autopilot and, with a scenario, in the scenario's world.
 
-    The vehicle has the mission's parameters, and those of the scenario that the mission does not name. A leg is looked
-    at where the positions at both of its ends are sound.
+    The scenario's parameters apply where the mission sets none. A leg is checked if the positions at both of its ends
+    are sound.
 
     Args:
-        mission: what is checked.
+        mission: the mission to check.
         scenario: the world that it is flown in; without one: format, firmware, fence.
-        ignore: codes of findings to be left out, besides those that the scenario ignores.
+        ignore: codes of findings to leave out, in addition to those that the scenario ignores.
 
     Returns:
         Errors before warnings, items in their order.
 
     Raises:
-        BadInput: a code in `ignore` is none, or a crash may follow from what it finds; the mission is of another place
-            than the scenario.
+        BadInput: a code in `ignore` is unknown, or a crash may follow from its finding; the mission is of another
+            place than the scenario.
 
     Example:
         >>> from ipoa_mission import check_mission, read_mission, read_scenario
@@ -56,7 +55,7 @@ def check_mission(
 
 
 def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Finding] = ()) -> tuple[Finding, ...]:
-    """The same of a mission whose flight is forecast already; `read` are the findings of reading its file."""
+    """Report what is wrong with a mission that has a forecast; `read` has the findings of reading its file."""
     mission, scenario = forecast.given, forecast.scenario
     ignored = expect_ignorable(ignore) | (frozenset() if scenario is None else scenario.safety.ignored)
     positions = tuple(check_positions(mission))
@@ -86,7 +85,7 @@ def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Findi
             from ipoa_mission.checks.ground_check import check_landings
 
             findings += check_landings(flown)
-        if scenario is not None:  # what looks at a world is imported where there is one
+        if scenario is not None:  # imported only where there is a scenario
             from ipoa_mission.checks.energy_check import check_energy
             from ipoa_mission.checks.failsafe_landing import check_failsafe_landing
             from ipoa_mission.checks.failsafe_return import check_failsafe_return
@@ -103,7 +102,6 @@ def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Findi
 
 
 def _check_world(forecast: "Forecast", promise: "Promise | None") -> Iterator[Finding]:
-    """Findings about the legs in a scenario's world, and about what their flights keep there."""
     from ipoa_mission.checks.airspace_check import check_airspace
     from ipoa_mission.checks.clearance import check_clearance
     from ipoa_mission.checks.ground_check import check_ground

@@ -1,4 +1,4 @@
-"""A mission of which too many flights would come too close, though its legs do not."""
+"""Check that enough flights keep the clearance, where the legs themselves keep it."""
 
 from collections.abc import Iterator
 
@@ -12,10 +12,10 @@ NEAR = {"obstacles": "to {}", "ground": "above the ground", "ceiling": "above th
 
 
 def check_clearance(mission: Mission, promise: Promise) -> Iterator[Finding]:
-    """On the way a limit that too few flights keep is an error; before and after it, and at a place that the scenario
-    itself puts too near for the tube, a warning.
+    """Report each limit that too few flights keep.
 
-    Something that too many flights would touch is an error anywhere.
+    It is an error between the first and the last waypoint, and a warning elsewhere. It is also a warning at a place
+    where the scenario itself leaves less room than the deviation bound. Contact with an obstacle is always an error.
     """
     scenario = promise.flight.scenario
     if promise.confidence is not None and (why := not_measured(mission.autopilot, scenario.wind.strongest)):
@@ -23,8 +23,8 @@ def check_clearance(mission: Mission, promise: Promise) -> Iterator[Finding]:
     for kept in promise.broken:
         item = item_of(mission, kept.item)
         touches = kept.limit == "obstacles" and kept.kept < scenario.vehicle.radius
-        says = item.error if kept.forbids or touches else item.warning
-        yield says("flights-too-near", f"{_where(kept)}: {kept.words(promise.confidence)}")
+        report = item.error if kept.forbids or touches else item.warning
+        yield report("flights-too-near", f"{_where(kept)}: {kept.words(promise.confidence)}")
 
 
 def _where(kept: Kept) -> str:

@@ -1,4 +1,4 @@
-"""Whether the battery brings the flight home with its reserve, and an RTL from any second of it."""
+"""Check that the battery lasts for the flight with its reserve, and for an RTL from each second of it."""
 
 from collections.abc import Iterator
 
@@ -6,11 +6,11 @@ from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.energy_budget import NEARER, budget_of
 from ipoa_mission.forecast.forecast import Forecast
 
-SURER = "the airframe's figures alone make this interval wide: `learn` narrows it by logs of the vehicle (--vehicle)"
+LEARN_HINT = "the energy is estimated from the airframe alone: `learn` narrows it from logs of the vehicle (--vehicle)"
 
 
 def check_energy(forecast: Forecast) -> Iterator[Finding]:
-    """What the scenario's battery does not give; nothing where it has none."""
+    """Report where the scenario's battery is too small; without a battery nothing."""
     if forecast.world.vehicle.battery is None or not forecast.mission.items:
         return
     budget = budget_of(forecast)
@@ -27,7 +27,7 @@ def check_energy(forecast: Forecast) -> Iterator[Finding]:
         needs = f"the flight needs {taken.low:.0f} to {taken.high:.0f} Wh (nine flights in ten)"
         words = f"{needs}; the battery has {usable:.0f} Wh above its reserve"
         learned = forecast.mission.vehicle or forecast.world.vehicle.learned
-        hint = None if learned is not None and learned.energy_ratio is not None else SURER
+        hint = None if learned is not None and learned.energy_ratio is not None else LEARN_HINT
         yield Finding("battery-unsure", Severity.WARNING, None, words, hint)
     if (late := budget.no_return) is not None:
         severity = Severity.ERROR if budget.plans_returns else Severity.WARNING

@@ -1,4 +1,4 @@
-"""LAND where it is, from the middle of a mission, where a failsafe that could as well return orders it."""
+"""Check the landings of failsafes that could return instead, from the middle of a mission."""
 
 from collections.abc import Iterator
 
@@ -14,9 +14,9 @@ from ipoa_mission.vehicles.contingency import Contingency
 
 
 def check_failsafe_landing(forecast: Forecast) -> Iterator[Finding]:
-    """A warning where the vehicle, landing by such a failsafe, would come down on something or too near to it.
+    """Warn where such a landing would come down on something, or too near to it.
 
-    A failsafe that cannot do otherwise (without a position it cannot return) is told of by `check --endings` only.
+    Failsafes that can only land (without a position no return is possible) are reported by `check --endings` only.
     """
     if not forecast.mission.items or not lands_by_choice(forecast):
         return
@@ -24,10 +24,10 @@ def check_failsafe_landing(forecast: Forecast) -> Iterator[Finding]:
     if len(ways.stops().times) < 2:
         return
     assessments = ways.assessments(Contingency.LAND)
-    asked = np.flatnonzero(((assessments.near < ways.required) & (assessments.which != GROUND)).any(axis=(1, 2)))
-    if len(asked):
-        seqs = np.unique(ways.stops().seqs_at(assessments.times[asked]))
-        worst = asked[np.argmin(assessments.spare[asked])]
+    unclear = np.flatnonzero(((assessments.near < ways.required) & (assessments.which != GROUND)).any(axis=(1, 2)))
+    if len(unclear):
+        seqs = np.unique(ways.stops().seqs_at(assessments.times[unclear]))
+        worst = unclear[np.argmin(assessments.spare[unclear])]
         kept = Check("obstacles", ways.exactly(Contingency.LAND, assessments, int(worst)), ways.required)
-        words = f"{in_words(seqs.tolist())}: LAND on the way there, by {who_lands(forecast)}, comes down {kept.words()}"
+        words = f"{in_words(seqs.tolist())}: LAND on the way there, by {who_lands(forecast)}, descends {kept.words()}"
         yield Finding("land-too-near", Severity.WARNING, int(seqs[0]), words, to_return_instead(forecast))

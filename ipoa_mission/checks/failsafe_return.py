@@ -1,7 +1,6 @@
-"""The way home from the middle of a mission: RTL, by hand or by a failsafe, from wherever on its path it is ordered.
+"""Check an RTL from the middle of a mission, by the pilot or by a failsafe, from each place of its path.
 
-The vehicle flies on until it has braked, climbs to its return altitude and flies straight to home or a rally point,
-whatever stands there.
+The vehicle brakes, climbs to its return altitude and flies straight to home or a rally point, without avoidance.
 """
 
 from collections.abc import Iterator, Sequence
@@ -16,29 +15,29 @@ from ipoa_mission.planning.proof import Check, prove_ground
 from ipoa_mission.vehicles.contingency import Contingency
 
 ROUNDING = 0.02  # [m]
-#: Which legs of a return are told of together, and how; where it comes down is a leg of the mission's own.
-TOLD = ((range(RETURNS), "brakes and climbs", "RTL or pause"), (range(RETURNS, RETURNS + 1), "flies home", "RTL"))
+#: Legs of a return that are reported together, with their words; the descent is a leg of the mission.
+LEG_GROUPS = ((range(RETURNS), "brakes and climbs", "RTL or pause"), (range(RETURNS, RETURNS + 1), "flies home", "RTL"))
 
 
 def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
-    """A warning where the vehicle, ordered home, would come nearer to something than the scenario allows."""
+    """Warn where an RTL would come nearer to something than the scenario allows."""
     if not forecast.mission.items:
         return
     ways = forecast.cached(ContingencyPaths)
     if len(ways.stops().times) < 2:
         return
     if (why := ways.why_unknown()) is not None:
-        yield Finding("return-too-near", Severity.WARNING, None, f"nobody looked where RTL from the way leads: {why}")
+        yield Finding("return-too-near", Severity.WARNING, None, f"RTL on the way was not checked: {why}")
         return
     assessments = ways.assessments(Contingency.RTL)
     begin, end = forecast.promise.flight.way
-    asked = (
+    checked = (
         ~assessments.clear & (assessments.times >= begin) & (assessments.times <= end)
-    )  # its own climb and return are legs
-    near = np.where(assessments.taken[..., None] & asked[:, None, None], assessments.near - ways.required, 0.0)
+    )  # the mission's own climb and return are legs
+    near = np.where(assessments.taken[..., None] & checked[:, None, None], assessments.near - ways.required, 0.0)
     braking = near[:, :, :RETURNS].min(axis=2, keepdims=True)
-    near[:, :, RETURNS:][near[:, :, RETURNS:] >= braking - ROUNDING] = 0.0  # it is where it begins that is too near
-    for legs, verb, order in TOLD:
+    near[:, :, RETURNS:][near[:, :, RETURNS:] >= braking - ROUNDING] = 0.0  # the place where the RTL begins is too near
+    for legs, verb, order in LEG_GROUPS:
         short = near[:, :, legs.start : legs.stop].min(axis=(1, 2))
         if (short < 0.0).any():
             seqs = np.unique(ways.stops().seqs_at(assessments.times[short < 0.0]))
@@ -49,7 +48,7 @@ def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
 
 
 def _check(ways: ContingencyPaths, assessments: ContingencySamples, n: int, legs: range) -> Check:
-    """What some legs of the ways from one look come nearest to breaking."""
+    """Return the check with the least slack on these legs of the paths from assessment `n`."""
     some = [way[legs.start : legs.stop + 1] for way in assessments.ways[n][assessments.taken[n]]]
     if GROUND in assessments.which[n, :, legs.start : legs.stop]:
         checks = (check for way in some for check in prove_ground(way[:2], ways.forecast.world))
@@ -59,7 +58,7 @@ def _check(ways: ContingencyPaths, assessments: ContingencySamples, n: int, legs
 
 
 def _remedy(ways: ContingencyPaths) -> str | None:
-    """A return altitude that is allowed, a multiple of five meters, at which the way home is clear from everywhere."""
+    """Return the lowest return altitude in steps of 5 m at which each return is clear."""
     by, short = (
         ways.mission.autopilot.book.return_height,
         list(shortfalls(ways, Contingency.RTL, ways.assessments(Contingency.RTL))),
@@ -72,7 +71,7 @@ def _remedy(ways: ContingencyPaths) -> str | None:
 
 
 def in_words(seqs: Sequence[int]) -> str:
-    """Items 3, 4, 5 and 7 are "items 3 to 5, 7"."""
+    """Format item numbers: 3, 4, 5 and 7 are "items 3 to 5, 7"."""
     runs = np.split(np.array(seqs), np.flatnonzero(np.diff(seqs) > 1) + 1)
     words = ", ".join(str(run[0]) if len(run) == 1 else f"{run[0]} to {run[-1]}" for run in runs)
     return f"item{'' if len(seqs) == 1 else 's'} {words}"

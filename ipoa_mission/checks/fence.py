@@ -1,4 +1,4 @@
-"""A geofence that would stop the mission it comes with: home, items, rally points or legs outside of it."""
+"""Check a mission against its own geofence: home, items, rally points and legs outside of it."""
 
 from collections.abc import Iterator
 
@@ -13,12 +13,12 @@ from ipoa_mission.mission.items import FenceCircle, FencePolygon, Mission
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.union import union_of
 
-CIRCLE_SEGMENTS = 90  # a quarter: the polygon lies within 4e-5 radii of the circle
-TOUCH = 0.05  # [m] by which a leg may cross the fence's edge
+CIRCLE_SEGMENTS = 90  # for each quarter: the polygon is within 4e-5 radii of the circle
+EDGE_TOLERANCE = 0.05  # [m] that a leg may cross the fence's edge
 
 
 def check_fence(forecast: Forecast) -> Iterator[Finding]:
-    """Findings about the fence itself, then about what lies outside of it."""
+    """Report faults of the fence, then positions and legs outside of it."""
     mission, frame = forecast.mission, forecast.frame
     wrong = {n: words for n, part in enumerate(mission.fence) if (words := _wrong(part, frame))}
     yield from (Finding("fence-shape", Severity.ERROR, None, f"fence[{n}]: {words}") for n, words in wrong.items())
@@ -50,7 +50,7 @@ def _wrong(part: FencePolygon | FenceCircle, frame: LocalFrame) -> str | None:
 
 
 def _allowed(mission: Mission, frame: LocalFrame) -> shapely.Geometry:
-    """Where the fence allows flying, in the local plane; a fence of exclusions only allows everything else."""
+    """Return the area of the fence in the local plane; exclusions alone allow all the rest."""
     inside = [_area(part, frame) for part in mission.fence if part.inclusion]
     outside = [_area(part, frame) for part in mission.fence if not part.inclusion]
     join = union_of if mission.autopilot.firmware().fence_is_union else shapely.intersection_all
@@ -67,7 +67,7 @@ def _area(part: FencePolygon | FenceCircle, frame: LocalFrame) -> shapely.Geomet
 
 
 def _legs(forecast: Forecast, allowed: shapely.Geometry) -> Iterator[Finding]:
-    wide = allowed.buffer(TOUCH)
+    wide = allowed.buffer(EDGE_TOLERANCE)
     reported: set[int] = set()
     for leg in forecast.legs:
         start, end = (wide.covers(shapely.Point(leg.points[n, :2])) for n in (0, -1))

@@ -1,4 +1,4 @@
-"""What a firmware refuses, changes in silence, or accepts and cannot fly."""
+"""Report what a firmware refuses, changes silently, or accepts and cannot fly."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -33,7 +33,7 @@ DEVELOPMENT = "dev"  # the stage of a version
 
 
 def check_firmware(mission: Mission) -> Iterator[Finding]:
-    """Findings about commands, frames, params, jumps, limits, take-off and ending."""
+    """Report faults of commands, frames, params, jumps, limits, take-off and ending."""
     firmware = mission.autopilot.firmware(mission.firmware_version)
     is_development = mission.firmware_version is not None and mission.firmware_version.stage == DEVELOPMENT
     wire = to_wire(mission)
@@ -51,7 +51,7 @@ def check_firmware(mission: Mission) -> Iterator[Finding]:
 
 
 def is_too_long(mission: Mission) -> bool:
-    """Whether its firmware holds fewer mission items than it has: it is refused, and nothing flies it."""
+    """Return whether the firmware holds fewer mission items than the mission has, and refuses it."""
     own = mission.autopilot.firmware(mission.firmware_version)
     return len(mission.items) + own.home_is_item_0 > own.max_items
 
@@ -64,9 +64,9 @@ def _limits(mission: Mission, firmware: Firmware, count: int) -> Iterator[Findin
         "fence items (one for each vertex or circle)": (len(fence_to_wire(mission.fence)), firmware.max_fence_items),
         "rally points": (len(rally_to_wire(mission.rally)), firmware.max_rally_points),
     }
-    for what, (held, most) in counts.items():
+    for kind, (held, most) in counts.items():
         if held > most:
-            message = f"the mission: expected at most {most} {what} for {firmware.name}, not {held}"
+            message = f"the mission: expected at most {most} {kind} for {firmware.name}, not {held}"
             yield Finding("too-many", Severity.ERROR, None, message)
 
 
@@ -80,12 +80,12 @@ def _command_and_frame(
         words = f"{firmware} does not take {name}{where}"
         yield at.error("command-not-taken", words, _taken_later(item, autopilot, firmware))
     elif item.command in firmware.never_flown:
-        yield at.error("command-never-flown", f"{firmware} keeps {name}, and flies no mission that holds it")
+        yield at.error("command-never-flown", f"{firmware} stores {name}, and flies no mission that has it")
     elif is_development and not _before(autopilot, firmware).takes(item.command):
         yield at.warning("command-of-development", f"not every development version of {firmware} takes {name}")
     elif placed and item.frame not in firmware.frames:
-        what = "an altitude above terrain" if item.frame in (10, 11) else f"frame {item.frame}"
-        yield at.error("frame-not-taken", f"expected an altitude above home (frame 3) or AMSL (frame 0), not {what}")
+        other = "an altitude above terrain" if item.frame in (10, 11) else f"frame {item.frame}"
+        yield at.error("frame-not-taken", f"expected an altitude above home (frame 3) or AMSL (frame 0), not {other}")
     elif placed and not plain and item.frame == Frame.MISSION:
         message = "expected a frame with a position, not frame 2"
         if firmware.frame_2_is_amsl:
@@ -95,7 +95,7 @@ def _command_and_frame(
 
 
 def _before(autopilot: Autopilot, firmware: Firmware) -> Firmware:
-    """The tables of the series before, or its own where it is the oldest."""
+    """Return the tables of the series before, or its own where it is the oldest."""
     older = [series for series in autopilot.tables.series if series < firmware.version.series]
     return autopilot.firmware(Version(*older[-1])) if older else firmware
 
@@ -108,14 +108,14 @@ def _taken_later(item: Item, autopilot: Autopilot, firmware: Firmware) -> str | 
 
 
 def _refused(mission: Mission, firmware: Firmware, wire: Sequence[Item]) -> Iterator[Finding]:
-    """Values that the firmware refuses at upload: of what a place may be `check_positions` says."""
+    """Report values that the firmware refuses at upload; `check_positions` reports positions."""
     first = len(wire) - len(mission.items)
     for at, spoken in zip(numbered(mission), wire[first:], strict=True):
         wrong = mission.autopilot.refusals.mission(firmware, spoken.command, spoken.frame, values_of(spoken), len(wire))
         if wrong is None or not wrong.param or spoken.command == Command.DO_JUMP:
-            continue  # unknown commands and frames, and jumps, have words of their own
+            continue  # unknown commands and frames, and jumps, have their own messages
         if wrong.param == 1 and spoken.command in HOLDING and math.isfinite(spoken.params[0]):
-            continue  # as have holds
+            continue  # so do holds
         is_place = wrong.param in (5, 6) and out_of_range(spoken.latitude_deg, spoken.longitude_deg)
         is_height = wrong.param == 7 and spoken.command in FLOWN_TO
         if at.item.frame == Frame.MISSION or not (is_place or is_height):
@@ -123,7 +123,7 @@ def _refused(mission: Mission, firmware: Firmware, wire: Sequence[Item]) -> Iter
             yield at.error("param-refused", words)
     for seq, item in enumerate(fence_to_wire(mission.fence)):
         wrong = mission.autopilot.refusals.fence(firmware, item.command, item.frame, values_of(item))
-        if wrong is not None and wrong.words and wrong.result != "ERROR":  # of too few vertices `_fence` speaks
+        if wrong is not None and wrong.words and wrong.result != "ERROR":  # `checks.fence` reports too few vertices
             words = f"fence item {seq}: {wrong.words}: {firmware} refuses the fence"
             yield Finding("fence-refused", Severity.ERROR, None, words)
 
@@ -148,7 +148,7 @@ def _params(at: Numbered, firmware: Firmware, mission: Mission) -> Iterator[Find
             words = f"param1: {firmware.name} holds for whole seconds: {int(hold)} s, not {hold:g}"
             yield at.warning("hold-rounded", words)
     if item.command in HOLDING and math.isnan(hold) and firmware.nan_holds:
-        yield at.error("hold", f"param1: expected a hold in seconds, not NaN, at which {firmware.name} stays for ever")
+        yield at.error("hold", f"param1: expected a hold in seconds, not NaN: {firmware.name} never ends it")
     if item.command == Command.DO_CHANGE_SPEED:
         too_fast = None if mission.other_vehicle else mission.autopilot.book.why_too_fast
         if not (item.params[1] > 0 or item.params[1] in (-1.0, -2.0)):
@@ -168,7 +168,7 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
             words = f"expected the take-off first, not {command_name(first.item.command)}"
             yield first.error("takeoff-not-first", words)
         else:
-            words = "the mission has no take-off: it serves a vehicle that already flies"
+            words = "the mission has no take-off: it is for a vehicle that already flies"
             yield first.warning("takeoff-missing", words)
     yield from _waits_armed(mission, first.seq)
     least = 0.0
@@ -179,27 +179,27 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
         height = mission.altitude_above_home(at.item)
         if at.item.command in TAKEOFFS and height <= least:
             if guidance.own_takeoff > 0.0:
-                climbs = f"{mission.autopilot.model} climbs {guidance.own_takeoff:g} m all the same"
+                climbs = f"{mission.autopilot.model} climbs {guidance.own_takeoff:g} m anyway"
                 yield at.warning("takeoff-low", f"a take-off to {height:g} m above home: {climbs}")
-            else:  # it finds such a mission infeasible
+            else:  # PX4 finds such a mission infeasible
                 words = f"expected a take-off to more than {least:g} m above home, not to {height:g} m"
                 yield at.error("takeoff-low", words)
 
 
 def _flown(mission: Mission) -> list[Numbered]:
-    """The items that move the vehicle."""
+    """Return the items that move the vehicle."""
     return [at for at in numbered(mission) if at.item.command < Command.CONDITION_DELAY]
 
 
 def _waits_armed(mission: Mission, takeoff: int) -> Iterator[Finding]:
-    """One that stands armed may disarm by itself, in a mission too."""
+    """Report a delay before the take-off that is longer than the vehicle stays armed."""
     name = mission.autopilot.guidance.waits_armed
     if not name:
         return
-    stands = {**mission.autopilot.book.moving, **mission.parameters}[name]
+    disarm_time = {**mission.autopilot.book.moving, **mission.parameters}[name]
     for at in numbered(mission)[: takeoff - 1]:
-        if at.item.command == Command.NAV_DELAY and 0.0 < stands <= at.item.params[0]:
-            words = f"on the ground {mission.autopilot.model} disarms after {stands:g} s ({name}; 0: never)"
+        if at.item.command == Command.NAV_DELAY and 0.0 < disarm_time <= at.item.params[0]:
+            words = f"on the ground {mission.autopilot.model} disarms after {disarm_time:g} s ({name}; 0: never)"
             yield at.warning("disarms-waiting", words)
 
 
@@ -209,7 +209,7 @@ def _terrain(mission: Mission) -> Iterator[Finding]:
     if over and sensor and not mission.parameters.get(sensor):
         items = f"item{'s' if len(over) > 1 else ''} {', '.join(map(str, over))}"
         message = (
-            f"{items}: above terrain: {mission.autopilot.model} is armed only with terrain data, which a ground "
+            f"{items}: above terrain: {mission.autopilot.model} arms only with terrain data, which a ground "
             f"station sends or its card holds, or with a range finder ({sensor})"
         )
         yield Finding("terrain-data", Severity.WARNING, over[0], message)
@@ -218,4 +218,4 @@ def _terrain(mission: Mission) -> Iterator[Finding]:
 def _ending(mission: Mission) -> Iterator[Finding]:
     flown = _flown(mission)
     if flown and flown[-1].item.command not in ENDINGS | {Command.NAV_LOITER_UNLIM}:
-        yield flown[-1].warning("ends-in-the-air", "the mission ends in the air, where the vehicle stays")
+        yield flown[-1].warning("ends-in-the-air", "the mission ends in the air, and the vehicle stays there")

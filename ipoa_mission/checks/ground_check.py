@@ -1,4 +1,4 @@
-"""Landings on ground that is not as high as home."""
+"""Check landings on ground that is higher or lower than home."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -16,15 +16,15 @@ from ipoa_mission.vehicles.slow_landing import SlowStretch
 if TYPE_CHECKING:
     from ipoa_mission.forecast.forecast import Forecast
 
-DEEP = 5.0  # ground that is lower than home by less than this makes no long landing [m]
-HOME_AGREES = 0.5  # ground at home may differ from home's altitude by so much [m]
+LONG_LANDING_DEPTH = 5.0  # depth below home from which a landing counts as long [m]
+HOME_TOLERANCE = 0.5  # tolerance of the ground at home and home's altitude [m]
 
 
 @dataclass(frozen=True)
 class Landing:
-    """Where an item comes down: east and north of home, how high above home the ground is, all in m.
+    """A place where an item lands: east and north of home, and the ground's height above home, all in m.
 
-    `counted`: as high as the autopilot takes the ground to be at worst, had it no sensor.
+    `counted`: the greatest height that the autopilot assumes for the ground, without a range finder.
     """
 
     item: Numbered
@@ -35,17 +35,15 @@ class Landing:
 
     @property
     def words(self) -> str:
-        """Which item, where, and how high."""
         return f"{self.item}: {self.where}"
 
     @property
     def where(self) -> str:
-        """Where, and how high."""
-        return f"at east {self.east:.1f}, north {self.north:.1f} the ground is {_apart(self.height)} home"
+        return f"at east {self.east:.1f}, north {self.north:.1f} the ground is {_above_or_below(self.height)} home"
 
 
 def landings(forecast: "Forecast") -> Iterator[Landing]:
-    """Where a mission comes down, at its end and at its rally points, each place once."""
+    """Return where a mission lands, at its end and at its rally points, each place once."""
     mission, reported = forecast.mission, set[tuple[int, float]]()
     for leg in forecast.legs:
         if leg.phase is not Phase.LANDING or leg.points[-1, 2] > leg.points[0, 2]:
@@ -63,23 +61,23 @@ def landings(forecast: "Forecast") -> Iterator[Landing]:
 
 
 def check_ground(forecast: "Forecast") -> Iterator[Finding]:
-    """Warnings of `check_landings`, and where a scenario's ground is not at home's altitude."""
+    """Warn about `check_landings`, and about ground at home that differs from home's altitude."""
     scenario = forecast.world
     at_home = float(scenario.airspace.ground(np.zeros((1, 3)))[0])
-    if abs(at_home) > HOME_AGREES:
+    if abs(at_home) > HOME_TOLERANCE:
         yield Finding(
             "home-not-on-ground",
             Severity.WARNING,
             0,
-            f"home: the ground there is {_apart(at_home)} home's altitude: a vehicle counts heights from where it "
-            f"stands, and flies {abs(at_home):.1f} m {'higher' if at_home > 0 else 'lower'} than planned",
+            f"home: the ground there is {_above_or_below(at_home)} home's altitude: a vehicle measures heights from "
+            f"its take-off, and flies {abs(at_home):.1f} m {'higher' if at_home > 0 else 'lower'} than planned",
             f"set home.altitude_amsl = {scenario.home.altitude_amsl + at_home:.1f}",
         )
     yield from check_landings(forecast)
 
 
 def check_landings(forecast: "Forecast") -> Iterator[Finding]:
-    """Warnings where the vehicle touches down too fast, or comes down slowly from far up."""
+    """Warn where the vehicle touches down too fast, or lands slowly from a great height."""
     mission = forecast.mission
     stretch = mission.autopilot.slow_stretch(mission.parameters)
     if stretch is None:
@@ -90,7 +88,7 @@ def check_landings(forecast: "Forecast") -> Iterator[Finding]:
             hint = f"{wanted} lets it slow down in time, in the vehicle and under [vehicle.parameters]"
             message = f"{landing.where}: {touches_down(stretch, landing)}"
             yield landing.item.warning("fast-touchdown", message, hint)
-        elif landing.height < -DEEP:
+        elif landing.height < -LONG_LANDING_DEPTH:
             way = stretch.ends - landing.height
             slowly = f"flown at {stretch.landing:.1f} m/s and take {way / stretch.landing:.0f} s"
             message = f"{landing.where}: without a rangefinder the last {way:.0f} m are {slowly}"
@@ -99,7 +97,6 @@ def check_landings(forecast: "Forecast") -> Iterator[Finding]:
 
 
 def touches_down(stretch: SlowStretch, landing: Landing) -> str:
-    """How fast, in words."""
     return (
         f"without a rangefinder the vehicle touches down at up to {stretch.touchdown(landing.counted):.1f} m/s, "
         f"not at {stretch.landing:.1f}"
@@ -107,9 +104,9 @@ def touches_down(stretch: SlowStretch, landing: Landing) -> str:
 
 
 def in_words(parameters: Parameters) -> str:
-    """Parameters, as a scenario has them."""
+    """Format parameters as in a scenario file."""
     return " and ".join(f"{name} = {value:g}" for name, value in parameters.items())
 
 
-def _apart(height: float) -> str:
+def _above_or_below(height: float) -> str:
     return f"{abs(height):.1f} m {'above' if height > 0 else 'below'}"

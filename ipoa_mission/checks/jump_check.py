@@ -1,4 +1,4 @@
-"""Jumps that lead nowhere, never end or are not followed, and items that a jump has done at another time."""
+"""Check jumps: targets, repeats, loops without end, and items that a jump runs at another time."""
 
 import math
 from collections import defaultdict
@@ -15,13 +15,13 @@ from ipoa_mission.vehicles.jump_profile import JumpProfile
 
 
 def check_jumps(mission: Mission) -> Iterator[Finding]:
-    """Findings about DO_JUMP, DO_JUMP_TAG and JUMP_TAG."""
+    """Report faults of DO_JUMP, DO_JUMP_TAG and JUMP_TAG."""
     jumps = [at for at in numbered(mission) if at.item.command in JUMPS]
-    habits = mission.autopilot.firmware(mission.firmware_version).jumps
-    found = [finding for at in jumps for finding in (*_target(mission, at), *_repeats(mission, at, habits))]
+    profile = mission.autopilot.firmware(mission.firmware_version).jumps
+    found = [finding for at in jumps for finding in (*_target(mission, at), *_repeats(mission, at, profile))]
     yield from found
     yield from _tags(mission)
-    yield from _too_many(mission, len(jumps), habits)
+    yield from _too_many(mission, len(jumps), profile)
     if jumps and not any(finding.code == "jump-target" for finding in found):
         program = program_of(mission, mission.items)
         in_turn = replace(program, jumping=replace(program.habits, queues_actions=False), jumped={})
@@ -29,7 +29,7 @@ def check_jumps(mission: Mission) -> Iterator[Finding]:
         if program.stuck_at is not None:
             words = (
                 f"from here jumps lead to jumps, or to items that do not move the vehicle: {mission.autopilot.model} "
-                "gets no further, in the air"
+                "stays there in the air"
             )
             yield item_of(mission, program.stuck_at + 1).error("jump-no-way-on", words)
         else:
@@ -48,12 +48,12 @@ def _target(mission: Mission, at: Numbered) -> Iterator[Finding]:
         yield at.error("jump-target", "param1: expected another item, not the jump itself")
 
 
-def _repeats(mission: Mission, at: Numbered, habits: JumpProfile) -> Iterator[Finding]:
-    asked, most = at.item.params[1], habits.most_repeats
+def _repeats(mission: Mission, at: Numbered, profile: JumpProfile) -> Iterator[Finding]:
+    asked, most = at.item.params[1], profile.most_repeats
     if asked == -1:
         words = f"param2: {asked:g} repeats never end: the mission flies until someone ends it"
-        if not habits.repeats_without_end:
-            words += f"; {mission.autopilot.model} keeps no sign, and what it makes of {asked:g} depends on the board"
+        if not profile.repeats_without_end:
+            words += f"; {mission.autopilot.model} stores no sign: its repeats of {asked:g} depend on the board"
         yield at.warning("jump-without-end", words)
     elif not (0 <= asked <= most and float(asked).is_integer()):
         yield at.error("jump-repeats", f"param2: expected a whole number of repeats from 0 to {most}, not {asked:g}")
@@ -67,31 +67,31 @@ def _tags(mission: Mission) -> Iterator[Finding]:
                 yield at.warning("jump-tag-twice", f"item {first} has the tag {tag:g} too: jumps lead there")
 
 
-def _too_many(mission: Mission, count: int, habits: JumpProfile) -> Iterator[Finding]:
+def _too_many(mission: Mission, count: int, profile: JumpProfile) -> Iterator[Finding]:
     name = mission.autopilot.firmware(mission.firmware_version).name
     words = f"the mission: {count} jumps, and {name} takes"
-    if count > habits.most:
-        yield Finding("too-many-jumps", Severity.ERROR, None, f"{words} the first {habits.most} that it meets")
-    elif count > habits.most_small:
-        words = f"{words} the first {habits.most_small} that it meets on a board with less than 500 kB of memory"
+    if count > profile.most:
+        yield Finding("too-many-jumps", Severity.ERROR, None, f"{words} the first {profile.most} that it meets")
+    elif count > profile.most_small:
+        words = f"{words} the first {profile.most_small} that it meets on a board with less than 500 kB of memory"
         yield Finding("too-many-jumps", Severity.WARNING, None, words)
 
 
 def _at_other_times(mission: Mission, flown: Steps, listed: Steps) -> Iterator[Finding]:
-    """Items that are not done when their turn comes in the list."""
+    """Report items that do not run when their turn comes in the list."""
     done, due = _steps_of(flown), _steps_of(listed)
     for index in sorted(due):
         if done[index] == due[index] or mission.items[index].command == Command.JUMP_TAG:
             continue
-        how = f"{len(done[index])} times, where the list has it {len(due[index])} times"
+        how = f"{len(done[index])} times, and the list has it {len(due[index])} times"
         jump = next((n + 1 for n in range(index, -1, -1) if mission.items[n].command in JUMPS), 0)
         if jump and done[index] and done[index][0] < due[index][0]:
             how = f"a pass of the jump at item {jump} early"
-        yield item_of(mission, index + 1).warning("action-at-other-time", f"{mission.autopilot.model} does it {how}")
+        yield item_of(mission, index + 1).warning("action-at-other-time", f"{mission.autopilot.model} runs it {how}")
 
 
 def _steps_of(steps: Steps) -> defaultdict[int, list[int]]:
-    """In which steps each item is done in passing."""
+    """Return the steps in which each item runs in passing."""
     found = defaultdict[int, list[int]](list)
     for number, (passed, at) in enumerate(steps):
         for index in passed if at is not None else ():

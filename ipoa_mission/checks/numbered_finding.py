@@ -1,4 +1,4 @@
-"""What a check has to say about an item of a mission."""
+"""Make findings about an item of a mission."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ from ipoa_mission.forecast.itinerary.flown_legs import Leg, Phase
 from ipoa_mission.mission.commands import command_name
 from ipoa_mission.mission.items import Item, Mission
 
-NAMES = {
+LEG_NAMES = {
     Phase.CRUISE: "the leg to it",
     Phase.RETURN: "the way home",
     Phase.TAKEOFF: "the climb",
@@ -26,27 +26,24 @@ class Numbered(NamedTuple):
         return f"item {self.seq} ({command_name(self.item.command)})"
 
     def error(self, code: str, message: str, hint: str | None = None, remedies: tuple[Remedy, ...] = ()) -> Finding:
-        """An error about it."""
         return Finding(code, Severity.ERROR, self.seq, f"{self}: {message}", hint, remedies)
 
     def warning(self, code: str, message: str, hint: str | None = None) -> Finding:
-        """A warning about it."""
         return Finding(code, Severity.WARNING, self.seq, f"{self}: {message}", hint)
 
 
 def numbered(mission: Mission) -> list[Numbered]:
-    """The items of a mission, the first one under number 1."""
+    """Return the items of a mission, numbered from 1."""
     return [Numbered(seq, item) for seq, item in enumerate(mission.items, start=1)]
 
 
 def item_of(mission: Mission, seq: int) -> Numbered:
-    """The item with this number."""
     return Numbered(seq, mission.items[seq - 1])
 
 
 def leg_name(leg: Leg) -> str:
-    """The leg in a message about its item; after a jump it names where it begins."""
+    """Return the name of a leg in a message about its item; after a jump with the item where it begins."""
     if leg.jumped_from < 0:
-        return NAMES[leg.phase]
+        return LEG_NAMES[leg.phase]
     begin = f"item {leg.jumped_from}" if leg.jumped_from else "home"
-    return f"{NAMES[leg.phase]} from {begin}, after a jump"
+    return f"{LEG_NAMES[leg.phase]} from {begin}, after a jump"

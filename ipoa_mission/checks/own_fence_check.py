@@ -1,4 +1,4 @@
-"""Whether a mission keeps within the fence that the vehicle has by its own parameters."""
+"""Check a mission against the fence that the vehicle's own parameters set."""
 
 import math
 from collections.abc import Iterator
@@ -14,16 +14,20 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.own_fence import FenceLimit, OwnFence
 from ipoa_mission.world.frame import Geodetic
 
-STRAYS = 0.01  # the share of flights that may get farther than is said here
+EXCEEDING_SHARE = 0.01  # the share of flights that may get farther
 
 
 def breaches(mission: Mission, fence: OwnFence, there: Geodetic) -> tuple[str, ...]:
-    """Each limit that a flight from home `there` would come to or pass, in words that name the furthest place.
+    """Report each limit that a flight from home `there` would reach, with the furthest place.
 
-    The legs are those that will be flown, the way home among them; flights stray from them as far as was measured.
+    The way home is among the legs. Flights deviate from them by the measured law.
     """
     law = law_of(mission.autopilot)
-    aside, down, up = law.beside(STRAYS), law.lowest.distance(STRAYS), law.highest.distance(STRAYS)
+    lateral, down, up = (
+        law.beside(EXCEEDING_SHARE),
+        law.lowest.distance(EXCEEDING_SHARE),
+        law.highest.distance(EXCEEDING_SHARE),
+    )
     forecast = Forecast(mission)
     frame, legs = forecast.frame, forecast.legs
     center = frame.local(there)[:2]
@@ -36,7 +40,7 @@ def breaches(mission: Mission, fence: OwnFence, there: Geodetic) -> tuple[str, .
 
     def found() -> Iterator[str]:
         yield from _beyond(
-            mission, fence.radius, [(leg, float(apart(leg).max())) for leg in legs], "away from home", aside
+            mission, fence.radius, [(leg, float(apart(leg).max())) for leg in legs], "away from home", lateral
         )
         yield from _beyond(mission, fence.ceiling, [(leg, float(heights(leg).max())) for leg in legs], "above home", up)
         between = [(leg, float(heights(leg).min())) for leg in legs if leg.phase is Phase.CRUISE]
@@ -48,12 +52,12 @@ def breaches(mission: Mission, fence: OwnFence, there: Geodetic) -> tuple[str, .
 def _beyond(
     mission: Mission, limit: FenceLimit, reached: list[tuple[Leg, float]], where: str, stray: float
 ) -> Iterator[str]:
-    """What is said where a flight that strays so far from a leg [m] comes to a limit; `stray` below 0: a least one."""
+    """Report a leg whose flights reach a limit with their deviation `stray` [m]; below 0: a lower limit."""
     sign = math.copysign(1.0, stray)
     leg, value = max(reached, key=lambda one: sign * one[1], default=(None, 0.0))
     if leg is None or sign * (value + stray - limit.value) < 0.0:
         return
     allowed = f"{limit.value:.1f} m at {'least' if sign < 0.0 else 'most'} ({limit.name})"
-    flown = f"{value:.1f} m {where} ({value + stray:.1f} m as flights stray)"
+    flown = f"{value:.1f} m {where} ({value + stray:.1f} m with the deviation of flights)"
     after = f" on {leg_name(leg)}" if leg.jumped_from >= 0 else ""
     yield f"{item_of(mission, leg.seq)}: {flown}{after}, and the vehicle's own fence allows {allowed}"

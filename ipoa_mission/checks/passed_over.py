@@ -1,6 +1,6 @@
-"""Whether a mission comes near to something on the maps that was passed over and may stand there all the same.
+"""Check the distance to map features that were skipped and may be obstacles.
 
-How high such a thing is nobody knows: what counts is the distance in plan.
+Their height is unknown: the distance in plan counts.
 """
 
 from collections.abc import Iterator, Sequence
@@ -16,7 +16,7 @@ from ipoa_mission.forecast.forecast import Forecast
 
 
 def check_passed_over(forecast: Forecast) -> Iterator[Finding]:
-    """An error for each leg, and each code, that comes nearer than an obstacle may be and the path may leave it."""
+    """Report an error for each leg and code nearer than an obstacle may be, with the path's tolerance."""
     things = [thing for thing in forecast.world.passed_over if thing.may_stand and not shapely.is_empty(thing.shape)]
     for code in sorted({thing.code for thing in things}):
         yield from _near(forecast, [thing for thing in things if thing.code == code], code)
@@ -31,9 +31,9 @@ def _near(forecast: Forecast, things: Sequence[Any], code: str) -> Iterator[Find
         near = [things[i] for i in tree.query(way, "dwithin", required + leg.stray)]
         if near:
             distances = [float(shapely.distance(way, thing.shape)) for thing in near]
-            first, aside = near[int(np.argmin(distances))], min(distances)
+            first, distance = near[int(np.argmin(distances))], min(distances)
             others = f" (and {len(near) - 1} more such)" if len(near) > 1 else ""
-            where = f"passes {aside:.1f} m from" if aside > 0 else "crosses"
+            where = f"passes {distance:.1f} m from" if distance > 0 else "crosses"
             words = f"{where} {first.name} on {first.file}, {first.reason}{others}"
             item = item_of(forecast.mission, leg.seq)
             sections = [n for n, section in enumerate(scenario.maps) if section.file.name == first.file]

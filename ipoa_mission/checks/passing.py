@@ -1,4 +1,4 @@
-"""Whether a version may pass a waypoint without reaching it, and then not return to it."""
+"""Check whether a firmware version may pass a waypoint without reaching it."""
 
 from collections.abc import Iterator
 
@@ -8,24 +8,24 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.program import as_flown, program_of
 from ipoa_mission.mission.commands import WAYPOINTS
 
-SAME_HEIGHT = 0.001  # PX4 takes two heights for the same up to this difference [m]
-NAMED = 5  # items in a message
+HEIGHT_TOLERANCE = 0.001  # PX4 takes two heights as equal up to this difference [m]
+NAMED_ITEMS = 5  # number of items in a message
 
 
 def check_passing(forecast: Forecast) -> Iterator[Finding]:
-    """An error for waypoints without a hold where the height changes next, and a warning for all others.
+    """Report an error for waypoints without a hold before a change of height, and a warning for all others.
 
-    PX4 from 1.18 on moves its vertical setpoint by itself: it oscillates where the next item has another height. A
-    waypoint that is passed too high or too low is not reached, and nothing leads the vehicle back.
+    PX4 from 1.18 on moves its vertical setpoint separately: it oscillates where the next item has another height.
+    A waypoint passed too high or too low is not reached, and the vehicle does not return to it.
     """
     mission = forecast.mission
     hold = mission.autopilot.waypoint_defaults(mission.firmware_version).hold
     if hold == 0.0:
         return
     rises = _rises(forecast)
-    climbing = [seq for seq, rise in rises.items() if not rise <= SAME_HEIGHT]
+    climbing = [seq for seq, rise in rises.items() if not rise <= HEIGHT_TOLERANCE]
     level = [seq for seq in rises if seq not in climbing]
-    hint = f"give each a hold of {hold:g} s (param1): there it stops and waits for its height"
+    hint = f"give each a hold of {hold:g} s (param1): the vehicle stops there and waits for its height"
     if climbing:
         words = f"{_named(climbing)}: {mission.autopilot.model} may pass at another height, and fly on without end"
         yield Finding("waypoint-passed", Severity.ERROR, climbing[0], words, hint)
@@ -35,7 +35,7 @@ def check_passing(forecast: Forecast) -> Iterator[Finding]:
 
 
 def _rises(forecast: Forecast) -> dict[int, float]:
-    """The greatest change of height behind each waypoint without a hold that is flown on from [m], in each pass."""
+    """Return the greatest change of height [m] after each waypoint without a hold, over all passes."""
     mission = forecast.mission
     try:
         program, seqs = forecast.itinerary.program, [visit.seq for visit in forecast.itinerary.visits]
@@ -51,5 +51,5 @@ def _rises(forecast: Forecast) -> dict[int, float]:
 
 
 def _named(items: list[int]) -> str:
-    names = ", ".join(map(str, items[:NAMED])) + (" and others" if len(items) > NAMED else "")
+    names = ", ".join(map(str, items[:NAMED_ITEMS])) + (" and others" if len(items) > NAMED_ITEMS else "")
     return f"{'items' if len(items) > 1 else 'item'} {names}"

@@ -1,4 +1,4 @@
-"""Positions and heights that no vehicle should be sent to; PX4 accepts them all, ArduPilot most of them."""
+"""Check positions and heights that no vehicle should fly to. PX4 accepts them all, ArduPilot most of them."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -10,14 +10,14 @@ from ipoa_mission.mission.commands import FLOWN_TO, Command, Frame, plain_frame
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.world.frame import Geodetic, apart
 
-FAR, TOO_FAR = 10_000.0, 100_000.0  # [m] from home
-HIGHEST, LOWEST = 10_000.0, -500.0  # [m] above home
-DEEPEST_LAND, HIGHEST_LAND = -450.0, 9_000.0  # [m AMSL] where a home can be
-MAY_BE_HERE = {Command.NAV_TAKEOFF, Command.NAV_LAND, Command.NAV_PAYLOAD_PLACE}
+FAR_DISTANCE, MAX_DISTANCE = 10_000.0, 100_000.0  # [m] from home
+MAX_HEIGHT, MIN_HEIGHT = 10_000.0, -500.0  # [m] above home
+LOWEST_LAND, HIGHEST_LAND = -450.0, 9_000.0  # [m AMSL] of a home
+POSITION_OPTIONAL = {Command.NAV_TAKEOFF, Command.NAV_LAND, Command.NAV_PAYLOAD_PLACE}
 
 
 def check_positions(mission: Mission) -> Iterator[Finding]:
-    """Findings about home, the positions and heights of items and rally points, and where the fence lies."""
+    """Report faults of home, of the positions and heights of items and rally points, and of the fence."""
     yield from _home(mission)
     elsewhere = home_elsewhere(mission)
     if elsewhere:
@@ -34,8 +34,8 @@ def check_positions(mission: Mission) -> Iterator[Finding]:
     for n, place in enumerate(mission.rally):
         if wrong := _wrong_corner(mission.home, place.latitude_deg, place.longitude_deg):
             yield Finding("rally-place", Severity.ERROR, None, f"rally[{n}]: {wrong}")
-        elif not LOWEST <= place.altitude <= HIGHEST:
-            message = f"rally[{n}]: expected {LOWEST:g} to {HIGHEST:g} m above home, not {place.altitude:g} m"
+        elif not MIN_HEIGHT <= place.altitude <= MAX_HEIGHT:
+            message = f"rally[{n}]: expected {MIN_HEIGHT:g} to {MAX_HEIGHT:g} m above home, not {place.altitude:g} m"
             yield Finding("rally-height", Severity.ERROR, None, message)
 
 
@@ -43,26 +43,26 @@ def _fence(mission: Mission) -> Iterator[Finding]:
     for n, part in enumerate(mission.fence):
         corners = part.vertices if isinstance(part, FencePolygon) else (part.center,)
         wrong = next(filter(None, (_wrong_corner(mission.home, *corner) for corner in corners)), None)
-        if isinstance(part, FenceCircle) and not 0 < part.radius <= TOO_FAR:
-            wrong = f"expected a radius above zero and up to {TOO_FAR / 1000:g} km, not {part.radius:g} m"
+        if isinstance(part, FenceCircle) and not 0 < part.radius <= MAX_DISTANCE:
+            wrong = f"expected a radius above zero and up to {MAX_DISTANCE / 1000:g} km, not {part.radius:g} m"
         if wrong:
             yield Finding("fence-place", Severity.ERROR, None, f"fence[{n}]: {wrong}")
 
 
 def _wrong_corner(home: Geodetic, latitude_deg: float, longitude_deg: float) -> str | None:
-    """What is wrong with a corner of the fence or a rally point, in words: far from home it makes no sense."""
+    """Return why a corner of the fence or a rally point is wrong; far from home it is."""
     if wrong := out_of_range(latitude_deg, longitude_deg):
         return wrong
     if out_of_range(home.latitude_deg, home.longitude_deg):
         return None
     metres = apart(home, Geodetic(latitude_deg, longitude_deg))
-    return None if metres <= TOO_FAR else f"expected a position within 100 km of home, not {metres / 1000:.0f} km"
+    return None if metres <= MAX_DISTANCE else f"expected a position within 100 km of home, not {metres / 1000:.0f} km"
 
 
 def home_elsewhere(mission: Mission) -> str | None:
-    """That the home in an ArduPilot file is not where its mission is flown, in words.
+    """Return a message if the home in an ArduPilot file is far from its mission.
 
-    ArduCopter puts where it is armed in its place and takes the rest as it is.
+    ArduCopter replaces it by the place where it is armed, and keeps the items.
     """
     placed = [item for item in mission.items if item.has_position and item.command != Command.NAV_TAKEOFF]
     places = [(item.latitude_deg, item.longitude_deg) for item in placed]
@@ -72,28 +72,28 @@ def home_elsewhere(mission: Mission) -> str | None:
     if any(out_of_range(*place) for place in (home, *places)):
         return None
     nearest = min(apart(mission.home, Geodetic(*place)) for place in places)
-    if nearest <= TOO_FAR or any(apart(Geodetic(*places[0]), Geodetic(*place)) > TOO_FAR for place in places):
+    if nearest <= MAX_DISTANCE or any(apart(Geodetic(*places[0]), Geodetic(*place)) > MAX_DISTANCE for place in places):
         return None
-    return f"home: it lies {nearest / 1000:.0f} km from all places of the mission, so it must be armed elsewhere"
+    return f"home: it lies {nearest / 1000:.0f} km from all places of the mission: the vehicle must be armed elsewhere"
 
 
 def refuse_unsound(mission: Mission) -> None:
     """Refuse a mission that cannot be drawn.
 
     Raises:
-        BadInput: in the first words of `refusals`.
+        BadInput: with the first message of `refusals`.
     """
     for finding in unsound(check_positions(mission)):
         raise BadInput(finding.message, code=finding.code)
 
 
 def refusals(mission: Mission) -> tuple[str, ...]:
-    """Why a mission can neither be drawn nor timed, in words: `unsound` of all that is said of its positions."""
+    """Return why a mission can neither be drawn nor timed: the messages of `unsound`."""
     return tuple(finding.message for finding in unsound(check_positions(mission)))
 
 
 def unsound(positions: Iterable[Finding]) -> list[Finding]:
-    """What of findings about positions keeps a mission from being drawn and timed: errors, then a home elsewhere."""
+    """Return the findings that keep a mission from being drawn and timed: errors, then a home elsewhere."""
     found = [one for one in positions if one.severity is Severity.ERROR or one.code == "home-elsewhere"]
     return sorted(found, key=lambda one: one.code == "home-elsewhere")
 
@@ -106,13 +106,13 @@ def _home(mission: Mission) -> Iterator[Finding]:
         needed = any(item.has_position for item in mission.items)
         message = "home: expected a position, not latitude 0, longitude 0"
         yield Finding("home-unknown", Severity.ERROR if needed else Severity.WARNING, 0, message)
-    if not DEEPEST_LAND <= home.altitude <= HIGHEST_LAND:
-        message = f"home: expected an altitude AMSL from {DEEPEST_LAND:g} to {HIGHEST_LAND:g} m, not {home.altitude:g}"
+    if not LOWEST_LAND <= home.altitude <= HIGHEST_LAND:
+        message = f"home: expected an altitude AMSL from {LOWEST_LAND:g} to {HIGHEST_LAND:g} m, not {home.altitude:g}"
         yield Finding("home-altitude", Severity.ERROR, 0, message)
 
 
 def out_of_range(latitude_deg: float, longitude_deg: float) -> str | None:
-    """What is wrong with a position, in words; None if it is one."""
+    """Return why a position is none; None if it is one."""
     if not abs(latitude_deg) <= 90:
         return f"expected a latitude from -90 to 90 degrees, not {latitude_deg:g}"
     if not abs(longitude_deg) <= 180:
@@ -126,9 +126,9 @@ def _position(at: Numbered, mission: Mission) -> Iterator[Finding]:
         yield at.error("position-out-of-range", wrong)
     elif item.command in FLOWN_TO and (item.latitude_deg, item.longitude_deg) == (0.0, 0.0):
         if item.is_here(mission.autopilot):
-            if item.command not in MAY_BE_HERE:
-                yield at.warning("position-here", f"latitude 0, longitude 0: {model} does it where it is")
-        elif item.command not in MAY_BE_HERE:
+            if item.command not in POSITION_OPTIONAL:
+                yield at.warning("position-here", f"latitude 0, longitude 0: {model} runs it at its current place")
+        elif item.command not in POSITION_OPTIONAL:
             yield at.error("position-missing", "expected a position, not latitude 0, longitude 0")
         elif not mission.autopilot.guidance.zero_is_here:
             yield at.error("position-missing", f"expected a position: {model} would fly to latitude 0, longitude 0")
@@ -139,9 +139,9 @@ def _far(at: Numbered, home: Geodetic) -> Iterator[Finding]:
     if not item.has_position or out_of_range(home.latitude_deg, home.longitude_deg):
         return
     km = apart(home, Geodetic(item.latitude_deg, item.longitude_deg)) / 1000
-    if km > TOO_FAR / 1000:
-        yield at.error("too-far", f"expected a position within {TOO_FAR / 1000:g} km of home, not {km:.0f} km")
-    elif km > FAR / 1000:
+    if km > MAX_DISTANCE / 1000:
+        yield at.error("too-far", f"expected a position within {MAX_DISTANCE / 1000:g} km of home, not {km:.0f} km")
+    elif km > FAR_DISTANCE / 1000:
         yield at.warning("far", f"lies {km:.1f} km from home")
 
 
@@ -154,24 +154,24 @@ def _height(at: Numbered, mission: Mission) -> Iterator[Finding]:
         return
     if item.is_as_high_as_now(mission.autopilot):
         if item.command != Command.NAV_PAYLOAD_PLACE:
-            yield at.warning("altitude-kept", "altitude 0: ArduCopter stays as high as it is")
+            yield at.warning("altitude-kept", "altitude 0: ArduCopter keeps its height")
         return
     if plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT:
-        if not (item.altitude > 0 or item.command == Command.NAV_LAND) or abs(item.altitude) > HIGHEST:
+        if not (item.altitude > 0 or item.command == Command.NAV_LAND) or abs(item.altitude) > MAX_HEIGHT:
             yield at.error("height-over-terrain", f"expected a height above the terrain, not {item.altitude:g} m")
         return
     height = mission.altitude_above_home(item)
     if math.isnan(height):
-        return  # a frame that no firmware takes: `check_firmware` says so
-    if not LOWEST <= height <= HIGHEST:
-        message = f"expected a height from {LOWEST:g} to {HIGHEST:g} m above home, not {height:g} m"
+        return  # an unknown frame: `check_firmware` reports it
+    if not MIN_HEIGHT <= height <= MAX_HEIGHT:
+        message = f"expected a height from {MIN_HEIGHT:g} to {MAX_HEIGHT:g} m above home, not {height:g} m"
         yield at.error("height-absurd", message + _doubt(item, mission))
-    elif height <= 0 and item.command not in MAY_BE_HERE:
-        words = f"lies {-height:g} m below home" if height else "flies at the height of home: has it no altitude?"
+    elif height <= 0 and item.command not in POSITION_OPTIONAL:
+        words = f"lies {-height:g} m below home" if height else "is at the height of home: is its altitude missing?"
         yield at.warning("below-home", words + _doubt(item, mission))
 
 
 def _doubt(item: Item, mission: Mission) -> str:
-    """A likely reason for an absurd height: an altitude above home in the AMSL frame."""
+    """Return a likely reason for an absurd height: an altitude above home in the AMSL frame."""
     mistaken = plain_frame(item.frame) == Frame.GLOBAL and 0 < item.altitude < mission.home.altitude
     return ": is it meant above home (frame 3), not AMSL (frame 0)?" if mistaken else ""

@@ -1,4 +1,4 @@
-"""What of a mission can be judged where some of its positions make no sense: its flight between the others."""
+"""Reduce a mission with unsound positions to the part that can be checked."""
 
 import math
 from collections.abc import Iterable
@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 
 def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | None:
-    """The flight without what `positions`, the findings about the mission's positions, call wrong.
+    """Return the flight without the items that `positions`, the findings about positions, call wrong.
 
-    Numbers of items stay. A take-off that names no place is one from home. None where home itself is wrong.
+    Items keep their numbers. A take-off without a place is one from home. Return None where home itself is wrong.
     """
     mission, wrong = forecast.given, {finding.seq for finding in unsound(positions)}
     if 0 in wrong:
@@ -43,6 +43,6 @@ def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | N
 
 
 def promise_if_flown(forecast: Forecast) -> "Promise | None":
-    """What its flights keep; None where no vehicle would fly it, or nobody can say how."""
+    """Return the deviations of its flights; None where no vehicle would fly it, or the flight is unknown."""
     mission = forecast.given
     return None if refusals(mission) or is_too_long(mission) else forecast.promise_if_known

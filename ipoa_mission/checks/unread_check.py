@@ -1,4 +1,4 @@
-"""Findings about what the readers of a scenario's files did not take."""
+"""Report content of a scenario's files that the readers skipped."""
 
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
@@ -11,32 +11,32 @@ from ipoa_mission.unread import Unread
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
 
-IGNORE = 'if it limits no flight: --ignore not-read, or [safety] ignore = ["not-read"]'
+IGNORE_HINT = 'if it limits no flight: --ignore not-read, or [safety] ignore = ["not-read"]'
 
 
 def check_unread(things: Iterable[Unread]) -> Iterator[Finding]:
-    """An error for each kind of thing that may limit the flight."""
+    """Report an error for each kind of content that may limit the flight."""
     for thing in things:
         if thing.may_limit:
-            hint = "; ".join(filter(None, (thing.remedy, IGNORE)))
+            hint = "; ".join(filter(None, (thing.remedy, IGNORE_HINT)))
             yield Finding("not-read", Severity.ERROR, None, thing.words, hint)
 
 
 def refuse_unread(scenario: "Scenario | None") -> None:
-    """Refuse a scenario of whose files something that may limit the flight was not read.
+    """Refuse a scenario with unread content that may limit the flight.
 
     Raises:
-        Unsafe: there is such a thing, and the scenario does not ignore it.
+        Unsafe: there is such content, and the scenario does not ignore it.
     """
     if scenario is not None and "not-read" not in scenario.safety.ignored:
         refuse_errors([*check_unread(scenario.unread)])
 
 
 def expect_plannable(scenario: "Scenario") -> None:
-    """Refuse to plan what is known to fail a check before any path is sought.
+    """Refuse a scenario that is known to fail a check, before a path is planned.
 
     Raises:
-        Unsafe: the firmware's version was not measured, or something that may limit the flight was not read.
+        Unsafe: the firmware's version was not measured, or content that may limit the flight was not read.
     """
     expect_measured(scenario)
     refuse_unread(scenario)

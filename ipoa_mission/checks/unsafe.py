@@ -1,4 +1,4 @@
-"""A mission that would crash or be refused does not leave the house."""
+"""Refuse a mission with errors: it would crash or the vehicle would refuse it."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -10,18 +10,18 @@ from ipoa_mission.mission.commands import Command
 
 
 class Unsafe(MissionError):
-    """The checks found errors; the message has each of them on a line."""
+    """The checks found errors; the message has one line for each."""
 
 
-#: Warnings that are errors, unless `--anyway` lets them pass.
-STRICT = frozenset({"other-vehicle"})
+#: Warnings that are errors without `--anyway`.
+STRICT_CODES = frozenset({"other-vehicle"})
 
 
 def strictly(findings: Sequence[Finding], anyway: bool = False) -> tuple[Finding, ...]:
-    """Make errors of what only `anyway` lets pass; errors stay before warnings."""
+    """Raise the codes of `STRICT_CODES` to errors unless `anyway`; errors come before warnings."""
     if anyway:
         return tuple(findings)
-    harder = [replace(one, severity=Severity.ERROR) if one.code in STRICT else one for one in findings]
+    harder = [replace(one, severity=Severity.ERROR) if one.code in STRICT_CODES else one for one in findings]
     return tuple(sorted(harder, key=lambda finding: finding.severity is Severity.WARNING))
 
 
@@ -31,7 +31,7 @@ def unreadable(error: BadInput) -> Finding:
 
 
 def refuse_errors(findings: Sequence[Finding]) -> tuple[Finding, ...]:
-    """The warnings among the findings of a check.
+    """Return the warnings of a check.
 
     Raises:
         Unsafe: there are errors.
@@ -47,7 +47,7 @@ def refuse_errors(findings: Sequence[Finding]) -> tuple[Finding, ...]:
 
 
 def refuse_unclear_returns(findings: Sequence[Finding], forecast: Forecast) -> None:
-    """Refuse a flight with a finding about a return where its scenario has returns planned.
+    """Refuse a flight with a finding about a return, if its scenario plans returns.
 
     Raises:
         Unsafe: a return is not clear.
@@ -56,7 +56,9 @@ def refuse_unclear_returns(findings: Sequence[Finding], forecast: Forecast) -> N
         return
     own = {seq for seq, item in enumerate(forecast.mission.items, 1) if item.command == Command.NAV_RETURN_TO_LAUNCH}
     codes = {"return-too-near", "land-too-near"}
-    told = [one for one in findings if one.code in codes or (one.code == "leg-too-near" and one.seq in own)]
-    if told:
-        hints = dict.fromkeys([*(one.hint for one in told if one.hint), '[safety] returns = "warn", to be warned only'])
-        raise Unsafe("\n".join(one.message for one in told), hint="; or ".join(hints))
+    unclear = [one for one in findings if one.code in codes or (one.code == "leg-too-near" and one.seq in own)]
+    if unclear:
+        hints = dict.fromkeys(
+            [*(one.hint for one in unclear if one.hint), '[safety] returns = "warn", to be warned only']
+        )
+        raise Unsafe("\n".join(one.message for one in unclear), hint="; or ".join(hints))

@@ -1,4 +1,4 @@
-"""A firmware whose flights were not measured: nothing is planned for it, checked clear or sent to it unasked."""
+"""Check whether flights of a firmware version were measured; others need an explicit request."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -14,14 +14,14 @@ if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
 
 NOT_MEASURED = "version-not-measured"
-HINT = (
+MEASURE_HINT = (
     "fly it in simulation first (docs/lab/flown.md), or go on with --unmeasured-version "
     "(in a scenario vehicle.unmeasured_version = true)"
 )
 
 
 def check_version(autopilot: Autopilot, version: Version | None, unmeasured: bool) -> Iterator[Finding]:
-    """An error where flights of the version were not measured; a warning where an `unmeasured` one is asked for."""
+    """Report a version whose flights were not measured: a warning if `unmeasured` requests it, else an error."""
     if (why := autopilot.not_measured(version)) is not None:
         yield _finding(why, unmeasured)
 
@@ -30,25 +30,27 @@ def expect_measured(scenario: "Scenario") -> None:
     """Refuse to plan for a version that was not measured.
 
     Raises:
-        Unsafe: the scenario names one, and does not ask for it as such.
+        Unsafe: the scenario names such a version without `unmeasured_version`.
     """
     vehicle = scenario.vehicle
     refuse_errors(tuple(check_version(vehicle.autopilot, vehicle.version, vehicle.unmeasured_version)))
 
 
-def check_aboard(mission: Mission, autopilot: Autopilot, said: Version | None) -> tuple[Mission, tuple[Finding, ...]]:
-    """The mission as a vehicle meets it that says this version, and a finding where it says none and nobody names one.
+def check_aboard(
+    mission: Mission, autopilot: Autopilot, reported: Version | None
+) -> tuple[Mission, tuple[Finding, ...]]:
+    """Return the mission with the version that the vehicle reports, and a finding if none is known.
 
-    A vehicle that says nothing is taken for the version that the mission names.
+    Without a report the vehicle has the version that the mission names.
     """
-    aboard = replace(mission, autopilot=autopilot, firmware_version=said or mission.firmware_version)
+    aboard = replace(mission, autopilot=autopilot, firmware_version=reported or mission.firmware_version)
     if aboard.firmware_version is not None:
         return aboard, ()
     taken = autopilot.checked_for(None)
-    why = f"the vehicle does not say its version: nobody knows whether it was measured; it is taken for {taken}"
+    why = f"the vehicle does not report its version: whether it was measured is unknown; {taken} is assumed"
     return aboard, (_finding(why, mission.unmeasured_version),)
 
 
 def _finding(why: str, unmeasured: bool) -> Finding:
     severity = Severity.WARNING if unmeasured else Severity.ERROR
-    return Finding("version-not-measured", severity, None, why, None if unmeasured else HINT)
+    return Finding("version-not-measured", severity, None, why, None if unmeasured else MEASURE_HINT)

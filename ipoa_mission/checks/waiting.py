@@ -1,4 +1,4 @@
-"""Items at which a mission waits for what it does not hold itself: for somebody, or for a time of day."""
+"""Check items at which a mission waits for an operator or for a time of day."""
 
 from collections.abc import Iterator
 
@@ -9,16 +9,16 @@ from ipoa_mission.mission.items import Mission
 
 
 def check_waiting(mission: Mission) -> Iterator[Finding]:
-    """Findings about NAV_LOITER_UNLIM before other items, and about NAV_DELAY until a time of day."""
+    """Report NAV_LOITER_UNLIM before other items, and NAV_DELAY until a time of day."""
     last = max((at.seq for at in numbered(mission) if at.item.command <= LAST_NAV), default=0)
     for at in numbered(mission):
         if at.item.command == Command.NAV_LOITER_UNLIM and at.seq < last:
-            words = "stays here until someone ends it: no time, and no clearance of its flights, is known"
+            words = "stays here until an operator ends it: the time and the clearance of its flights are unknown"
             yield at.warning("waits-for-someone", words)
         if until := at.item.clock:
             if mission.autopilot.guidance.waits_until_clock:
-                words = f"waits until {until}, which may be up to a day: the times leave that out"
+                words = f"waits until {until}, which may be up to a day: the forecast time leaves it out"
                 yield at.warning("waits-until-clock", words)
             elif any(value > 0 for value in at.item.params[1:]):
-                words = f"{mission.autopilot.model} knows no delay until {until}, and does not wait"
+                words = f"{mission.autopilot.model} has no delay until {until}, and does not wait"
                 yield at.warning("waits-until-clock", words)

@@ -1,4 +1,4 @@
-"""Items that the vehicle never gets to, and those after which nobody knows where it flies."""
+"""Check items that the vehicle never reaches, and items after which its flight is unknown."""
 
 import math
 from collections.abc import Iterator
@@ -11,14 +11,14 @@ from ipoa_mission.mission.commands import Command
 
 
 def check_way(forecast: Forecast) -> Iterator[Finding]:
-    """An error for each; what a firmware does not take, or never flies, has a finding of its own.
+    """Report an error for each, and a warning for a circle that is flown in the other direction.
 
-    And a warning of a circle that is flown the other way round.
+    `check_firmware` reports commands that the firmware does not take or never flies.
     """
     mission = forecast.given
     firmware = mission.autopilot.firmware(mission.firmware_version)
     for unknown in forecast.unknown:
-        at, words = item_of(mission, unknown.seq), f"{unknown.why}; the clearance is not known"
+        at, words = item_of(mission, unknown.seq), f"{unknown.why}; the clearance is unknown"
         if not firmware.takes(at.item.command) or at.item.command in firmware.never_flown:
             continue
         match unknown.code:

@@ -1,8 +1,8 @@
-"""The way home: straight, as high as the autopilot's parameters and the last waypoint say, over whatever stands there.
+"""Find a return altitude or an ending that makes the way home clear.
 
-An autopilot that returns from above its return altitude stays as high as it is (ArduCopter's RTL_ALT and PX4's
-RTL_RETURN_ALT are least heights), so a mission can see to a clear way home whatever the vehicle's
-parameters are.
+The way home is straight, at a height from the autopilot's parameters and the last waypoint. An autopilot above its
+return altitude keeps its height: ArduCopter's RTL_ALT and PX4's RTL_RETURN_ALT are minimum heights. So a mission can
+have a clear way home with any parameters of the vehicle.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -17,14 +17,14 @@ from ipoa_mission.planning.proof import prove_ground
 from ipoa_mission.scenario import Scenario
 
 LAND = Remedy(("route", "ending"), "land")
-TIGHT_PLACES = 4.0  # at so many tight places the tube has room on the way home
+TIGHT_PLACES = 4.0  # number of tight places on the way home for which the deviation bound has room
 
 
 def remedy(forecast: Forecast) -> tuple[str, tuple[Remedy, ...]]:
-    """Return what a user can do about a way home that leads through something, in one line and as changes.
+    """Return a hint and changes of the scenario that make the way home clear.
 
-    It names the lowest of every five metres of return altitude within the bounds at which the way home keeps the
-    required clearance, if one does: near home an autopilot does not climb to it.
+    Both name the lowest return altitude within the bounds, in steps of 5 m, that keeps the required clearance.
+    Near home there may be none: an autopilot does not climb to it there.
     """
     others = 'plan the way home too, with the goal over home and this one under via; or land: route.ending = "land"'
     mission, scenario = forecast.mission, forecast.world
@@ -44,12 +44,12 @@ def heights_to_try(scenario: Scenario) -> Iterator[float]:
 
 
 def heights_above(above: float) -> Iterator[float]:
-    """Every five meters above a height [m]."""
+    """Return each multiple of 5 m above a height [m]."""
     return (float(height) for height in range(HEIGHT_STEP, HIGHEST + 1, HEIGHT_STEP) if height > above)
 
 
 def clear_in(scenario: Scenario) -> Callable[[Iterable[Leg]], bool]:
-    """What tells of ways whether they keep what is required of them, with room for the tube."""
+    """Return a test of paths for the required clearance, with room for the deviation bound."""
     roomy, required = with_room(scenario, TIGHT_PLACES), scenario.limits.obstacle_distance
     spare = 0.0 if scenario.safety.chance is None else SAG
 

@@ -1,4 +1,4 @@
-"""Whether the vehicle can fly the mission in the scenario's wind, and at the upper end of its spread."""
+"""Check that the vehicle can fly the mission in the scenario's wind, and at the upper end of its spread."""
 
 from collections.abc import Iterator
 
@@ -9,12 +9,12 @@ from ipoa_mission.wind import CALM, Wind
 
 
 def check_wind(forecast: Forecast) -> Iterator[Finding]:
-    """An error where the wind pushes it off its path, or it does not get on."""
+    """Report an error where the wind pushes the vehicle off its path or stops its progress."""
     wind = forecast.wind
     if not forecast.mission.items or not wind.strongest > 0.0:
         return
     for one in dict.fromkeys((wind, wind.as_strong_as_may_be())):
-        why = _why_not(forecast, one)  # and is it the wind?
+        why = _why_not(forecast, one)  # the second test: also without wind?
         if why is not None and _why_not(forecast, CALM) is None:
             words = f"in wind up to {one.strongest:g} m/s: {why}"
             yield Finding("wind-too-strong", Severity.ERROR, None, words, "fly in less wind, slower, or another way")
@@ -22,7 +22,7 @@ def check_wind(forecast: Forecast) -> Iterator[Finding]:
 
 
 def _why_not(forecast: Forecast, wind: Wind) -> str | None:
-    """Why it is not flown in a wind; None where it is."""
+    """Return why the mission cannot be flown in a wind; None if it can."""
     try:
         Forecast(forecast.given, forecast.scenario, wind, forecast.left_out).predicted(sure=True)
     except MissionError as error:

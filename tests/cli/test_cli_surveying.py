@@ -168,7 +168,7 @@ def test_a_flight_from_another_place_waits_until_the_vehicle_is_there(
     words = " ".join(told.err.split())
     assert told.code == 1
     assert "field-1 has landed. Fly field-2: the vehicle stands at east 20, north 80 m (47.398" in words
-    assert "the vehicle stands 82.5 m from the mission's home, and nearer to another of the survey's start" in words
+    assert "the vehicle is 82.5 m from the mission's home, and nearer to another of the survey's start" in words
     assert "bring it to 47.398420, 8.545865" in words
     assert "survey.starts[1]: no flight begins there" in " ".join(told.out.split())
 

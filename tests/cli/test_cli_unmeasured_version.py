@@ -93,7 +93,7 @@ def test_a_vehicle_that_says_no_version_is_refused_unless_the_user_names_one(aut
     assert refused.value.known == {"codes": [CODE]}
     upload_mission(aboard(autopilot, None), replace(mission, firmware_version=autopilot.newest))
     remarks = upload_mission(aboard(autopilot, None), replace(mission, unmeasured_version=True))
-    assert any("does not say its version" in remark for remark in remarks)
+    assert any("does not report its version" in remark for remark in remarks)
 
 
 @pytest.mark.parametrize("autopilot", registered())

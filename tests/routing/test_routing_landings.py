@@ -86,7 +86,7 @@ def test_who_is_only_to_be_warned_is_told_of_the_items_the_failsafe_and_what_ret
     flight = plan_flight(asked, seed=0)
     found = [one for one in check_mission(flight.mission, asked) if one.code == "land-too-near"]
     assert len(found) == 1
-    assert "by critical battery (BATT_FS_CRT_ACT = 1), comes down" in found[0].message
+    assert "by critical battery (BATT_FS_CRT_ACT = 1), descends" in found[0].message
     assert str(found[0].hint).startswith("BATT_FS_CRT_ACT = 2 returns instead")
 
 
