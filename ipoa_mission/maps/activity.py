@@ -1,4 +1,4 @@
-"""When a zone is active: the periods and weekly schedules of ED-269 and ED-318, in seconds since 1970, UTC."""
+"""Read when a zone is active: periods and weekly schedules of ED-269 and ED-318, in seconds since 1970 (UTC)."""
 
 import json
 import math
@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 DAYS = ("MON", "TUE", "WED", "THU", "FRI", "SAT", "SUN")
-FIRST = 3  # 1 January 1970 was a Thursday
+EPOCH_WEEKDAY = 3  # 1 January 1970 was a Thursday
 DAY_S = 86_400.0
-#: A flight is taken to be over within this time [s].
+# Assumed longest duration of a flight [s].
 FLIGHT_S = 3_600.0
 _OFFSET = r"(?P<offset>Z|[+-]\d\d:?\d\d)"
 _CLOCK = re.compile(rf"(?P<h>\d\d):(?P<m>\d\d)(?::(?P<s>\d\d)(?:\.\d+)?)?{_OFFSET}", re.IGNORECASE)
@@ -21,7 +21,7 @@ _DATE = re.compile(r"(?P<date>\d{4}-\d\d-\d\d)T(?P<clock>.*)", re.IGNORECASE)
 
 @dataclass(frozen=True)
 class Slot:
-    """A time of the day on some days of the week (0 is Monday), in seconds from the day's begin, beyond its end too."""
+    """A time of day on some weekdays (0 is Monday), in seconds from midnight UTC; it may reach into the next day."""
 
     days: frozenset[int]
     begin: float
@@ -30,27 +30,28 @@ class Slot:
 
 @dataclass(frozen=True)
 class Period:
-    """From `begin` until `end`, at all times, or in its slots."""
+    """A time from `begin` to `end`, restricted to `slots` if there are any."""
 
     begin: float = -math.inf
     end: float = math.inf
     slots: tuple[Slot, ...] = ()
 
     def meets(self, begin: float, end: float) -> bool:
-        """Whether it is active some time from `begin` to `end`."""
         begin, end = max(begin, self.begin), min(end, self.end)
         if begin > end or not self.slots:
             return begin <= end
         days = range(math.floor(begin / DAY_S) - 2, math.floor(end / DAY_S) + 3)
         return any(
-            (day + FIRST) % 7 in slot.days and day * DAY_S + slot.begin <= end and day * DAY_S + slot.end >= begin
+            (day + EPOCH_WEEKDAY) % 7 in slot.days
+            and day * DAY_S + slot.begin <= end
+            and day * DAY_S + slot.end >= begin
             for slot in self.slots
             for day in days
         )
 
 
 def periods_of(tags: Mapping[str, str]) -> tuple[Period, ...] | None:
-    """When a zone is active by its tag `limitedApplicability`; None where that is at all times, or cannot be read.
+    """Return a zone's periods by its tag `limitedApplicability`; None for always active or unreadable.
 
     >>> periods_of({"limitedApplicability": '[{"endDateTime": "1970-01-02T01:00:00+01:00"}]'})
     (Period(begin=-inf, end=86400.0, slots=()),)
@@ -63,7 +64,7 @@ def periods_of(tags: Mapping[str, str]) -> tuple[Period, ...] | None:
 
 
 def may_be_active(tags: Mapping[str, str], time: float) -> bool:
-    """Whether a zone may be active in the hour from `time` on."""
+    """Return whether a zone may be active in the hour after `time`."""
     periods = periods_of(tags)
     return periods is None or any(period.meets(time, time + FLIGHT_S) for period in periods)
 
@@ -80,11 +81,11 @@ def _slots(schedule: Any) -> Iterator[Slot]:
     for one in schedule:
         named = one.get("day") or ["ANY"]
         listed = [DAYS.index(day) for day in named if day in DAYS]
-        days = frozenset(listed if len(listed) == len(named) else range(7))  # ANY, or a holiday: who knows
+        days = frozenset(listed if len(listed) == len(named) else range(7))  # "ANY", or a holiday of unknown date
         if "startTime" in one and "endTime" in one:
             begin, end = _clock(one["startTime"]), _clock(one["endTime"])
             yield Slot(days, begin, end if end > begin else end + DAY_S)
-        else:  # from or to dawn or dusk
+        else:  # begins or ends at dawn or dusk
             yield Slot(days, -DAY_S / 2, 1.5 * DAY_S)
 
 
@@ -97,7 +98,7 @@ def _instant(text: str) -> float:
 
 
 def _clock(text: str) -> float:
-    """Seconds from the begin of the day in UTC; one without an offset tells no time."""
+    """Return seconds since midnight UTC; a time without an offset is refused."""
     match = _CLOCK.fullmatch(text)
     if match is None:
         raise ValueError(text)

@@ -1,4 +1,4 @@
-"""Polygons of a map as zones to keep out of, or as the one area to stay in."""
+"""Read polygons of a map as no-fly zones, or as the one area to stay in."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,7 +14,7 @@ from ipoa_mission.maps.feature import Feature, Mistakes
 from ipoa_mission.maps.geoid import HIGHEST, LOWEST, undulation
 from ipoa_mission.maps.geozones import RADIUS
 from ipoa_mission.maps.kinds import Reason
-from ipoa_mission.maps.passed import FAR, PassedOver, not_read, passed_over
+from ipoa_mission.maps.passed import FAR_FROM_HOME, PassedOver, not_read, passed_over
 from ipoa_mission.maps.planar import Whereabouts, polygons_of, to_plane
 from ipoa_mission.maps.tag_heights import radius_of
 from ipoa_mission.maps.zone_limits import VerticalLimit, ZoneLimits, limits_of
@@ -22,18 +22,18 @@ from ipoa_mission.unread import Unread, gathered
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.union import union_of
 
-#: Of the words of ED-269 and ED-318, which spells one of them with a Z, those that keep a flight out unless allowed.
+# Restrictions of ED-269 and ED-318 that forbid a flight without permission; one is spelled with S or Z.
 Restriction: TypeAlias = Literal["PROHIBITED", "REQ_AUTHORISATION", "REQ_AUTHORIZATION", "CONDITIONAL", "USPACE"]
 RESTRICTIONS: tuple[Restriction, ...] = ("PROHIBITED", "REQ_AUTHORISATION", "CONDITIONAL", "USPACE")
 SPELLINGS = {"REQ_AUTHORIZATION": "REQ_AUTHORISATION"}
-QUARTER = 16  # sides of a quarter of a circle
-OPEN = "close the line in the map, so that it is the edge of a zone, or take it out"
+QUARTER_SEGMENTS = 16  # segments per quarter circle
+OPEN_LINE_REMEDY = "close the line in the map, so that it is the edge of a zone, or take it out"
 NAMED_RESTRICTIONS = {*RESTRICTIONS, "NO_RESTRICTION"}
 
 
 @dataclass(frozen=True)
 class MapArea:
-    """A valid polygon in the local plane, east, north [m], what it is called, and its own limits if it has any."""
+    """A valid polygon in the local plane, (east, north) [m], with its name and its own vertical limits."""
 
     name: str
     shape: Any
@@ -43,7 +43,7 @@ class MapArea:
 
 @dataclass(frozen=True)
 class Zones:
-    """The zones of a map, what of it is none, remarks on what was mended, and what else was not read."""
+    """The zones of a map, the features passed over, remarks on repairs, and unread parts."""
 
     zones: tuple[MapArea, ...]
     passed_over: tuple[PassedOver, ...]
@@ -58,13 +58,13 @@ def find_zones(
     restrictions: Sequence[str] = RESTRICTIONS,
     time: float | None = None,
 ) -> Zones:
-    """Every polygon among the features, the outline that a closed line draws among them.
+    """Return the zones among the features; a closed line counts as a polygon.
 
-    Of zones that name their restriction (ED-269, ED-318) those with one of `restrictions` are taken, and where
-    the flight's `time` [s since 1970] is known those that may be active in the hour from then on.
+    Zones that name a restriction (ED-269, ED-318) need one of `restrictions`. If `time` [s since 1970] is given, zones
+    that are inactive in the following hour are passed over.
 
     Raises:
-        BadInput: naming file and place of a polygon without an area, or that there is none.
+        BadInput: a polygon has no area, or there is no polygon.
     """
     about = Whereabouts(frame)
     shapes, near = to_plane([f.shape for f in features], [f.place for f in features], about)
@@ -106,20 +106,20 @@ def find_zones(
                 if at_times and (time is None or periods_of(feature.tags) is None):
                     remarks.append(f"{feature.name}: active at times only, kept at all times")
                 remarks += [f"{feature.name}: mended ({mended[1]})"] if mended[1] else []
-    mistakes.tell()
+    mistakes.raise_all()
     if not zones and not any("restriction" in thing.reason or "active" in thing.reason for thing in passed):
         raise NothingThere(f"expected a polygon, but there is none among {len(features)} features", place=path)
     return Zones(tuple(zones), tuple(passed), tuple(remarks), gathered(unread))
 
 
 def _restrictions(tags: Mapping[str, str]) -> set[str]:
-    """The restriction of a zone: ED-269 and its shapefiles call the key `restriction`, ED-318 `type`."""
+    """Return the restrictions of a zone: key `restriction` in ED-269 and its shapefiles, `type` in ED-318."""
     said = {tags[key].strip().upper() for key in ("restriction", "restrictio", "type") if key in tags}
     return {SPELLINGS.get(each, each) for each in said} & NAMED_RESTRICTIONS
 
 
 def _not_understood(feature: Feature, limits: ZoneLimits, is_named: bool, path: Path) -> Iterator[Unread]:
-    """What of a zone was not understood; it then keeps a flight away from more than it may."""
+    """Yield the parts of a zone that were not understood. The zone is then larger than it may need to be."""
     place = feature.name.removeprefix(f"{path}: ")
     for what, value in limits.odd:
         yield Unread(path.name, what, place, value)
@@ -132,7 +132,7 @@ def _not_understood(feature: Feature, limits: ZoneLimits, is_named: bool, path: 
 def _above_sea(
     limits: ZoneLimits, name: str, frame: LocalFrame, path: Path, remarks: list[str]
 ) -> tuple[ZoneLimits, list[Unread]]:
-    """Count limits above the ellipsoid from the geoid; where the geoid is unknown, it lies where it is worst."""
+    """Convert limits above the ellipsoid to mean sea level; an unknown geoid counts at its worst value."""
     found, unknown = {"lower": limits.lower, "upper": limits.upper}, list[Unread]()
     for side, limit in found.items():
         if limit is None or limit.reference != "WGS84":
@@ -150,10 +150,7 @@ def _above_sea(
 
 
 def join_zones(zones: Sequence[MapArea]) -> tuple[Any, tuple[Any, ...]]:
-    """The polygon that the zones make together with those they touch: the one nearest to home, and the others.
-
-    From one to the other no flight may go.
-    """
+    """Join touching zones; return the union nearest to home, and the others. No flight crosses from one to another."""
     whole = union_of([zone.shape for zone in zones])
     parts = sorted(shapely.get_parts(whole), key=lambda part: float(part.distance(shapely.Point(0.0, 0.0))))
     return parts[0], tuple(parts[1:])
@@ -161,23 +158,23 @@ def join_zones(zones: Sequence[MapArea]) -> tuple[Any, tuple[Any, ...]]:
 
 def _why_no_zone(rest: Sequence[Any], near: bool) -> Reason:
     if not near:
-        return FAR
+        return FAR_FROM_HOME
     if not rest:
         return Reason("without a geometry", False)
     lines = any(part.geom_type != "Point" for part in rest)
-    return Reason("a line that encloses no area", True, OPEN) if lines else Reason("a point", False)
+    return Reason("a line that encloses no area", True, OPEN_LINE_REMEDY) if lines else Reason("a point", False)
 
 
 def _outline(shape: Any, tags: Mapping[str, str]) -> Any:
-    """A closed line as the polygon in it, and a point with a radius as the circle round it."""
+    """Return a closed line as a polygon, and a point with a radius as the polygon around its circle."""
     if shape.geom_type == "Point" and (radius := radius_of(tags)) is not None:
         return shape.buffer(
-            radius / math.cos(math.pi / (4 * QUARTER)), quad_segs=QUARTER
-        )  # no narrower than the circle
+            radius / math.cos(math.pi / (4 * QUARTER_SEGMENTS)), quad_segs=QUARTER_SEGMENTS
+        )  # circumscribed
     closed = shape.geom_type == "LineString" and shape.is_closed and len(shape.coords) > 3
     return shapely.Polygon(shape) if closed else shape
 
 
 def flat(shape: Any) -> list[Any]:
-    """The simple shapes of a collection, however deep."""
+    """Return the simple shapes of a nested collection."""
     return [part for piece in shape.geoms for part in flat(piece)] if hasattr(shape, "geoms") else [shape]

@@ -1,4 +1,4 @@
-"""Which part of a map file is read: a file of a whole country is never in memory, only what lies round the flight."""
+"""Choose the part of a map file that is read, so that a country's file never has to fit in memory."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from ipoa_mission.errors import TooFar
 from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame
 
-EARTH = 6.36e6  # a least radius [m]
-GRID = 0.02  # a window is widened to multiples of so much: it stays the same when a flight changes a little [deg]
-SPARE = 0.001  # by so much at least, for what is bent in the plane and what is rounded in the file [deg]
-POLAR = 89.0  # beyond this latitude a window goes all round [deg]
+EARTH = 6.36e6  # lower bound of the Earth's radius [m]
+GRID = 0.02  # a window is rounded out to this grid, so that small changes of a flight do not change it [deg]
+MARGIN = 0.001  # margin for curvature in the plane and rounding in the file [deg]
+POLAR = 89.0  # beyond this latitude a window spans all longitudes [deg]
 Box: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]  # lower and upper corner (2,), east and north [m]
 
 
@@ -26,7 +26,7 @@ class Degrees(NamedTuple):
     north: float
 
     def meets(self, boxes: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Which boxes (n, 4) west, south, east, north it meets; longitudes go round."""
+        """Return which boxes (n, 4) west, south, east, north intersect this one; longitudes wrap around."""
         west, south, east, north = boxes.T
         level = (south <= self.north) & (north >= self.south)
         turns = (-360.0, 0.0, 360.0)
@@ -34,7 +34,7 @@ class Degrees(NamedTuple):
 
 
 def near_home(home: Geodetic) -> Degrees:
-    """The square of 100 km round home, and no less."""
+    """Return a square that reaches at least 100 km from home to each side."""
     reach = float(np.degrees(REACH / EARTH))
     wide = min(reach / max(float(np.cos(np.radians(home.latitude_deg))), 1e-9), 180.0)
     longitude, latitude = float(home.longitude_deg), float(home.latitude_deg)
@@ -42,23 +42,23 @@ def near_home(home: Geodetic) -> Degrees:
 
 
 def window_of(box: Box, frame: LocalFrame) -> Degrees:
-    """The window that holds a local box, and a little more."""
+    """Return the window that contains a local box, with a margin."""
     east, north = np.meshgrid(*(np.linspace(low, high, 5) for low, high in zip(*box, strict=True)))
     latitude, longitude, _ = frame.to_geodetic(np.column_stack([east.ravel(), north.ravel(), np.zeros(east.size)]))
     home = frame.home.longitude_deg
     longitude = home + (longitude - home + 180.0) % 360.0 - 180.0
     if np.abs(latitude).max() > POLAR:
         longitude = np.array([home - 180.0, home + 180.0])
-    low = np.floor((np.array([longitude.min(), latitude.min()]) - SPARE) / GRID) * GRID
-    high = np.ceil((np.array([longitude.max(), latitude.max()]) + SPARE) / GRID) * GRID
+    low = np.floor((np.array([longitude.min(), latitude.min()]) - MARGIN) / GRID) * GRID
+    high = np.ceil((np.array([longitude.max(), latitude.max()]) + MARGIN) / GRID) * GRID
     return Degrees(float(low[0]), float(low[1]), float(high[0]), float(high[1]))
 
 
 @dataclass
 class Around:
-    """What of a file is wanted: what meets the `window`, or all of it; `elsewhere` counts the rest, as it is met.
+    """Selects the features of a file that intersect `window`, or all; `elsewhere` counts the others.
 
-    `near` is 100 km round home, where something of the file must lie.
+    Some feature must lie in `near`, 100 km around home.
     """
 
     window: Degrees | None = None
@@ -71,19 +71,19 @@ class Around:
 
     @classmethod
     def of(cls, frame: LocalFrame, within: Box | None = None) -> Self:
-        """What lies within 100 km of home, or what meets a local box."""
+        """Select the features within 100 km of home, or those that intersect a local box."""
         near = near_home(frame.home)
         return cls(near if within is None else window_of(within, frame), near)
 
     @property
     def is_small(self) -> bool:
-        """Whether no more than what lies round a flight is wanted."""
+        """Return whether the window is smaller than the 100 km around home."""
         return self.window != self.near
 
     def wants(self, boxes: NDArray[np.float64], things: int = 1) -> NDArray[np.bool_]:
-        """Which of the boxes (n, 4) west, south, east, north [deg] of things are wanted, (n,).
+        """Return which boxes (n, 4) west, south, east, north [deg] are wanted, (n,).
 
-        An empty box, of NaN, always is, for it may be anywhere. Each box is of so many `things`, which are counted.
+        A box of NaN is wanted, since its place is unknown. `things` is the number of features per box, for the count.
         """
         if self.window is None or self.near is None:
             return np.ones(len(boxes), bool)
@@ -97,10 +97,10 @@ class Around:
         return np.asarray(wanted)
 
     def expect_near(self, path: Path) -> None:
-        """See that something of the file lay near home.
+        """Refuse a file without any feature near home.
 
         Raises:
-            BadInput: nothing did. It says where the file is.
+            BadInput: no feature is near home; the message names their extent.
         """
         if self.near is None or self._found_near or not np.isfinite(self._box).all():
             return
@@ -115,5 +115,5 @@ class Around:
 
 
 def cut_out(window: Degrees | None) -> str:
-    """The part of a command of osmium-tool that says what to cut out of a file."""
+    """Return the bounding box argument of an osmium-tool command."""
     return "W,S,E,N" if window is None else ",".join(f"{side:.2f}" for side in window)

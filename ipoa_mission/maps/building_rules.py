@@ -1,4 +1,4 @@
-"""What a scenario says of how the features of a map become obstacles, and how high and wide those are without tags."""
+"""Define how map features become obstacles, and their sizes where tags give none."""
 
 import math
 from collections.abc import Mapping
@@ -11,17 +11,17 @@ from ipoa_mission.maps.kinds import TALL, WOODS, is_bridge, tagged
 from ipoa_mission.maps.lengths import length_of
 from ipoa_mission.maps.tag_heights import Odd, width_of
 
-WIDE, WIDEST = 0.2, 10.0  # a point of unknown kind has a fifth of its height as radius, up to so much [m]
+RADIUS_RATIO, LARGEST_RADIUS = 0.2, 10.0  # radius of a point of unknown kind: a fifth of its height, up to 10 m
 
 
 @dataclass(frozen=True)
 class BuildingRules:
     """How features become obstacles where their tags leave it open, all in metres.
 
-    `height_key` is the property that holds the height. `take` is `all` for every feature that its tags do not call
-    flat, `tagged` for what tags call a thing that stands, the rest being nothing; None takes a file of nothing but
-    buildings whole. Heights and radii of None are by the kind of the thing. A height of 0 says that such things are
-    nothing; a `line_height` of None is by the voltage, and without a `wood_height` a wood may stand.
+    `height_key` is the property with the height. `take` is `all` for every feature not tagged as flat, `tagged` for
+    those tagged as tall. `take` None takes a file of buildings only as a whole. Heights and radii of None depend on the
+    kind. A height of 0 means no obstacle. `line_height` None depends on the voltage. Without `wood_height`, woods are
+    reported as possible obstacles.
     """
 
     default_height: float | None = None
@@ -36,7 +36,7 @@ class BuildingRules:
 
 
 def area_height(tags: Mapping[str, str], rules: BuildingRules) -> tuple[str, float]:
-    """What an area of no height is called, and how high it is taken to be [m]."""
+    """Return the kind of an area without a height, and its assumed height [m]."""
     if rules.wood_height is not None and tagged(tags, WOODS) and "building" not in tags:
         return "wood", rules.wood_height
     if "building" not in tags and "building:part" not in tags and (tagged(tags, TALL) or is_bridge(tags)):
@@ -46,7 +46,7 @@ def area_height(tags: Mapping[str, str], rules: BuildingRules) -> tuple[str, flo
 
 
 def thin_height(tags: Mapping[str, str], rules: BuildingRules) -> tuple[str, float]:
-    """What a point or line of no height is called, and how high it is taken to be [m]."""
+    """Return the kind of a point or line without a height, and its assumed height [m]."""
     size = size_of(tags)
     return size.kind, size.height if rules.point_height is None else rules.point_height
 
@@ -54,14 +54,14 @@ def thin_height(tags: Mapping[str, str], rules: BuildingRules) -> tuple[str, flo
 def reach_of(
     tags: Mapping[str, str], rules: BuildingRules, part: Any, top: float, odd: Odd
 ) -> tuple[float, str | None]:
-    """Radius of a point, or half the width of a line [m], and words about it where no tag says it.
+    """Return the radius of a point or the half width of a line [m], with a remark if it is assumed.
 
-    The blades of a wind turbine end above the ground; a high thing of unknown kind is wider than a low one.
+    Rotor blades end above the ground. The radius of an unknown kind grows with its height.
     """
     size, is_point = size_of(tags), part.geom_type == "Point"
     usual = size.radius if rules.point_radius is None else rules.point_radius
     if size is OTHER and is_point and rules.point_radius is None and math.isfinite(top):
-        usual = min(max(usual, top * WIDE), WIDEST)
+        usual = min(max(usual, top * RADIUS_RATIO), LARGEST_RADIUS)
     if is_turbine(tags) and rules.point_radius is None:
         hubs = [hub for key in those(tags, Means.HUB) if (hub := length_of(tags[key])[0])]
         usual = min(usual, top / 2, *(max(top - hub, 0.0) or usual for hub in hubs))
@@ -71,5 +71,5 @@ def reach_of(
         width = math.hypot(width, *lengths)
     if width is not None:
         return width / 2, None
-    what = "a radius" if is_point else "half a width"
+    what = "a radius" if is_point else "a half width"
     return usual, f"{size.kind}(s) without a width, given {what} of {usual:.2g} m"

@@ -1,7 +1,7 @@
-"""Which features of a map stand in the way, and as which obstacles: buildings, masts, trees, walls with a height.
+"""Find the features of a map that are obstacles: buildings, masts, trees, walls with a height.
 
-What has no height of its own gets a default one; how many did is told, as is all that was mended. What is passed over
-is kept with its place and reason.
+Features without a height get a default. Defaults and repairs are counted in remarks. Features passed over are kept with
+place and reason.
 """
 
 import math
@@ -39,7 +39,16 @@ from ipoa_mission.maps.kinds import (
 from ipoa_mission.maps.lengths import meters
 from ipoa_mission.maps.map_reader import hand_on_features
 from ipoa_mission.maps.naming import called
-from ipoa_mission.maps.passed import FAR, MOST_NAMED, NOT_READ, NOT_UNDERSTOOD, Key, PassedOver, not_read, passed_over
+from ipoa_mission.maps.passed import (
+    FAR_FROM_HOME,
+    MOST_NAMED,
+    NOT_READ,
+    NOT_UNDERSTOOD,
+    Key,
+    PassedOver,
+    not_read,
+    passed_over,
+)
 from ipoa_mission.maps.planar import Whereabouts, clean_polygons, polygons_of, to_plane
 from ipoa_mission.maps.standing import Standing
 from ipoa_mission.maps.tag_heights import Odd, foot_of, height_of, is_by_storeys, says_nothing, unread_heights, width_of
@@ -47,19 +56,19 @@ from ipoa_mission.maps.wires import Wire, spans, wire_of
 from ipoa_mission.unread import Unread
 from ipoa_mission.world.frame import LocalFrame
 
-#: Keys whose values, where they are not understood, may make a thing higher than it is taken to be.
+# Meanings of keys whose unreadable values may hide a greater height.
 HEIGHTENS = (Means.TOP, Means.LEVELS, Means.MAX_LEVEL, Means.HUB, Means.ROOF, Means.ROOF_LEVELS, Means.ROTOR)
 HEIGHT_REMEDY = "write the height in metres, or name the property that holds it under [[maps]]: height_key"
 
 
 @dataclass(frozen=True)
 class Buildings:
-    """What a map has: what stands in the way, what is passed over, and remarks on what was assumed or mended.
+    """The obstacles and the passed-over features of a map, with remarks on assumptions and repairs.
 
-    Of what lies outside the box that was asked for only the first things of each kind are there, for their names:
-    `beyond` counts the other things that stand, `left_out` those passed over. `box` is west, south, east and north of
-    all that stands [m], (4,); `features` are how many things of the map were looked at, `elsewhere` how many of a large
-    file were not, for they lie far from the box. `unread` is what else was not read.
+    Outside the requested box only the first few of each kind are kept, for their names. `beyond` counts the other
+    obstacles, `left_out` the other passed-over features. `box` is west, south, east and north of all obstacles [m],
+    (4,). `features` counts the examined features, `elsewhere` those of a large file too far from the box to be
+    examined. `unread` holds other unread parts.
     """
 
     standing: tuple[Standing, ...]
@@ -74,20 +83,17 @@ class Buildings:
 
 
 def search_buildings(path: Path, rules: BuildingRules, frame: LocalFrame, within: Box | None = None) -> Buildings:
-    """The things on the map `path`, in the local frame, each either standing or passed over.
+    """Return the obstacles and passed-over features of the map `path`, in the local frame.
 
+    Memory grows with the features in the box only, also for a large file.
     Args:
-        path: the map's file.
-        rules: how things become obstacles.
+        path: the map file.
+        rules: how features become obstacles.
         frame: the local frame.
-        within: lower and upper corner (2,) of the box in which all things are wanted [m]; None for everywhere.
-
-    Returns:
-        What was found. Of a large file it does not take more memory than what lies in the box.
+        within: lower and upper corner (2,) of the requested box [m]; None for everywhere.
 
     Raises:
-        BadInput: naming file and place of each feature that makes no sense, or that all are far away.
-        BadInput: a library that reads the file is not installed.
+        BadInput: a feature is invalid, all are far away, or a library is missing.
     """
     all_buildings: bool | None = None
     finder, around = _Finder(rules, frame, path, within), Around.of(frame, within)
@@ -105,10 +111,10 @@ def search_buildings(path: Path, rules: BuildingRules, frame: LocalFrame, within
 
 
 def find_buildings(features: Sequence[Feature], rules: BuildingRules, frame: LocalFrame, path: Path) -> Buildings:
-    """The features of the map `path` in the local frame, each either standing or passed over.
+    """Return the obstacles and passed-over features of the map `path`, in the local frame.
 
     Raises:
-        BadInput: naming file and place of each feature that makes no sense, or that all are far away.
+        BadInput: a feature is invalid, or all are far away.
     """
     finder = _Finder(rules, frame, path)
     finder.add(features)
@@ -116,10 +122,10 @@ def find_buildings(features: Sequence[Feature], rules: BuildingRules, frame: Loc
 
 
 class _Finder:
-    """Looks at the features of a map some at a time.
+    """Collects the obstacles of a map, batch by batch.
 
-    Whether a file is of nothing but buildings only all of it says: it is taken to be `all_buildings`, or, where that is
-    None, as its first features say.
+    Only a whole file shows whether it has nothing but buildings. `all_buildings` states it; None judges by the first
+    batch.
     """
 
     def __init__(
@@ -144,16 +150,16 @@ class _Finder:
 
     @property
     def only_buildings(self) -> bool:
-        """Whether, as far as was seen, the map is of nothing but buildings and is to be taken whole."""
+        """Return whether all features so far are buildings, to be taken whole."""
         return self._rules.take is None and self._has_heights and not self._has_kinds
 
     @property
     def guessed_wrong(self) -> bool:
-        """Whether things were judged as if they stood in a file of the other sort."""
+        """Return whether `all_buildings` was wrong."""
         return self._all_buildings is not None and self._all_buildings != self.only_buildings
 
     def add(self, features: Sequence[Feature]) -> None:
-        """Look at more features, which stand in the file behind those seen."""
+        """Examine the next features of the file."""
         features = [as_openstreetmap(feature) for feature in features]
         self._features += len(features)
         self._has_kinds = self._has_kinds or any(has_kind(feature) for feature in features)
@@ -167,7 +173,7 @@ class _Finder:
         each = zip(features, extents_of(drawn), *clean_polygons(shapes), near.tolist(), away, strict=True)
         standing: list[Standing] = []
         for feature, extent, shape, sound, counted, outside in each:
-            why = _why_passed_over(feature, extent, self._rules, self._all_buildings) if counted else FAR
+            why = _why_passed_over(feature, extent, self._rules, self._all_buildings) if counted else FAR_FROM_HOME
             if self._misses(feature, extent, self._all_buildings) and extent == "none":
                 continue
             if why is None:
@@ -178,21 +184,21 @@ class _Finder:
         self._keep(standing)
 
     def found(self, elsewhere: int = 0) -> Buildings:
-        """What was found; so many things of the file, `elsewhere`, were not looked at.
+        """Return the result; `elsewhere` counts the features that were not examined.
 
         Raises:
-            BadInput: what is wrong with any feature, or that all are far away.
+            BadInput: a feature is invalid, or all are far away.
         """
         self._about.expect_near()
-        self._mistakes.tell()
+        self._mistakes.raise_all()
         remarks = [
             f"{count} {words.replace('(s)', '' if count == 1 else 's')}" for words, count in self._counts.items()
         ]
         if self._odd:
-            of = f"{self._odd} tag{'s' if self._odd > 1 else ''} that cannot be read, taken as left out"
+            of = f"{self._odd} tag{'s' if self._odd > 1 else ''} that cannot be read, ignored"
             remarks.append(f"{of}: {', '.join(self._odd_first)}{', ...' if self._odd > MOST_NAMED else ''}")
         if elsewhere:
-            remarks.append(f"{elsewhere} thing{'s' if elsewhere > 1 else ''} far from the flight, not looked at")
+            remarks.append(f"{elsewhere} thing{'s' if elsewhere > 1 else ''} far from the flight, not examined")
         return Buildings(
             tuple(self._standing),
             tuple(self._passed),
@@ -206,7 +212,7 @@ class _Finder:
         )
 
     def _outside(self, boxes: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Which of some boxes (n, 4) west, south, east, north lie outside of the one that was asked for."""
+        """Return which boxes (n, 4) west, south, east, north lie outside the requested box."""
         boxes = boxes.reshape(-1, 4)
         if self._within is None:
             return np.zeros(len(boxes), bool)
@@ -214,7 +220,7 @@ class _Finder:
         return np.asarray((boxes[:, :2] > upper).any(axis=1) | (boxes[:, 2:] < lower).any(axis=1))
 
     def _keep(self, standing: Sequence[Standing]) -> None:
-        """Keep what stands in the box, or is one of the first outside of it."""
+        """Keep the obstacles in the box, and the first few outside."""
         boxes = shapely.bounds([s.shape for s in standing]).reshape(-1, 4)
         boxes += np.outer([s.reach for s in standing], [-1, -1, 1, 1])
         self._box[:2] = np.minimum(self._box[:2], boxes[:, :2].min(axis=0, initial=np.inf))
@@ -227,7 +233,7 @@ class _Finder:
         self._standing += compress(standing, (~outside).tolist())
 
     def _misses(self, feature: Feature, extent: Extent, every: bool) -> bool:
-        """Whether a part of a feature was not read that may be in the way, which is noted."""
+        """Note a part of a feature that was not read and may be an obstacle; return whether there is one."""
         if feature.missing is None and extent != "none":
             return False
         why = _why_passed_over(feature, "area", self._rules, every)
@@ -239,7 +245,7 @@ class _Finder:
         return thing is not None
 
     def _pass(self, feature: Feature, shape: Any, why: Reason, outside: bool, code: str = NOT_UNDERSTOOD) -> None:
-        """Note that a feature is passed over: where it is, if it matters, or is one of the first for its reason."""
+        """Note a passed-over feature: kept if it matters or is among the first for its reason, else counted."""
         key = (not why.may_stand, self._path.name, why.words)
         self._seen[key] += 1
         matters = self._within is None or (why.may_stand and not outside)
@@ -249,7 +255,7 @@ class _Finder:
             self._left_out[key] += 1
 
     def _stand(self, feature: Feature, shape: Any, sound: bool) -> list[Standing]:
-        """One obstacle for each part of the feature's shape; a `sound` shape is one polygon that needs no mending."""
+        """Return an obstacle for each part of a shape; a `sound` shape is one valid polygon."""
         rules, counts, doubts = self._rules, self._counts, list[str]()
 
         def odd(key: str, value: str) -> None:
@@ -262,10 +268,10 @@ class _Finder:
         over_home = TOP_AMSL in feature.tags
         height = height_of(feature.tags, rules.height_key, rules.storey_height, odd)
         if over_home:
-            height = math.inf  # said by sea level
+            height = math.inf  # given above sea level
         foot = foot_of(feature.tags, rules.storey_height, odd)
         if height is not None and foot >= height:
-            counts["building(s) whose min_height is not below the height, taken to stand on the ground"] += 1
+            counts["building(s) whose min_height is not below the height, taken to begin at the ground"] += 1
             foot = 0.0
         if is_by_storeys(feature.tags):
             counts[f"building(s) of known storeys and unknown roof, {rules.storey_height:g} m a storey"] += 1
@@ -308,7 +314,7 @@ class _Finder:
         return made
 
     def _doubt(self, feature: Feature, shape: Any, keys: Sequence[str], top: float) -> None:
-        """Note heights that were not understood, or may be above the top that was taken [m]."""
+        """Note heights that were not understood, or may exceed the height taken, `top` [m]."""
         for key in dict.fromkeys((*keys, *unread_heights(feature.tags, top, self._rules.storey_height))):
             words = f"a height that was not understood ({key} {feature.tags[key][:20]!r}), {top:g} m was taken"
             outside = bool(self._outside(shapely.bounds(shape))[0])
@@ -319,13 +325,11 @@ def _why_passed_over(feature: Feature, extent: Extent, rules: BuildingRules, eve
     why = why_passed_over(feature, extent, rules.height_key, every)
     if why is None:
         wire = None if rules.height_key in feature.tags else _wire(feature, rules)
-        return (
-            Reason(f"{wire.key} = 0 says that it is nothing", False) if wire is not None and not wire.height else None
-        )
+        return Reason(f"{wire.key} = 0 excludes it", False) if wire is not None and not wire.height else None
     if why is CABLE and rules.line_height is not None:
-        return None if rules.line_height else Reason("line_height = 0 says that it is nothing", False)
+        return None if rules.line_height else Reason("line_height = 0 excludes it", False)
     if why is WOOD and rules.wood_height is not None:
-        return None if rules.wood_height else Reason("wood_height = 0 says that it is nothing", False)
+        return None if rules.wood_height else Reason("wood_height = 0 excludes it", False)
     if rules.take == "all" and why not in (FLAT, WOOD, CABLE) and extent != "none":
         return None
     settled = rules.take == "tagged" or (rules.take == "all" and why not in (WOOD, CABLE))
@@ -337,7 +341,7 @@ def _wire(feature: Feature, rules: BuildingRules) -> Wire | None:
 
 
 def _parts(shape: Any, filled: bool) -> Iterator[Any]:
-    """Polygons, points and lines of a shape; where it is filled, a closed line is an outline."""
+    """Yield polygons, points and lines of a shape; if `filled`, a closed line is an outline."""
     for part in shapely.get_parts(shape):
         if hasattr(part, "geoms"):
             yield from _parts(part, filled)
@@ -348,6 +352,6 @@ def _parts(shape: Any, filled: bool) -> Iterator[Any]:
 
 
 def _reach(feature: Feature, usual: float, odd: Odd) -> float:
-    """Radius of a point, or half the width of a line [m]."""
+    """Return the radius of a point or the half width of a line [m]."""
     width = width_of(feature.tags, odd)
     return usual if width is None else width / 2

@@ -1,7 +1,7 @@
-"""CityJSON (1.0 to 2.0), as cities publish their buildings: footprints and heights by the extent of their surfaces.
+"""Read CityJSON (1.0 to 2.0): footprints and heights of buildings from the extents of their surfaces.
 
-Its heights are above sea level, or whatever its reference system says; what counts here is how high a thing is above
-the lowest point of the building that it belongs to, which stands on the scenario's ground.
+Its heights have the datum of its reference system. Here the height counts from the lowest point of the whole building,
+which is placed on the scenario's ground.
 """
 
 import math
@@ -23,31 +23,31 @@ from ipoa_mission.world.union import union_of
 
 VERSIONS = ("1.0", "1.1", "2.0")
 MOST_SHOWN = 60  # characters of a name
-#: How deep corners lie in the boundaries of each kind of geometry.
+# Nesting depth of corners in the boundaries, by kind of geometry.
 DEPTHS = {"GeometryInstance": 0, "MultiPoint": 0, "MultiLineString": 1, "MultiSurface": 2, "CompositeSurface": 2}
 DEPTHS |= {"Solid": 3, "MultiSolid": 4, "CompositeSolid": 4}
-#: What is no building, as OpenStreetMap's tags say it; what has a height stands, whatever it is.
-OTHERS = {
+# OpenStreetMap tags of objects other than buildings; with a height they are obstacles.
+TALL_KINDS = {
     "SolitaryVegetationObject": ("natural", "tree"),
     "PlantCover": ("natural", "wood"),
     "CityFurniture": ("man_made", "utility_pole"),
 }
-#: What lies on the ground, or is the ground itself.
-FLAT = {
+# Tags of objects on or of the ground.
+FLAT_KINDS = {
     **dict.fromkeys(("Road", "Square", "TransportSquare", "Track", "TransportationComplex"), ("highway", "road")),
     **dict.fromkeys(("WaterBody", "Waterway"), ("natural", "water")),
     **dict.fromkeys(("TINRelief", "LandUse", "CityObjectGroup"), ("landcover", "ground")),
     "Railway": ("railway", "rail"),
     **dict.fromkeys(("Tunnel", "TunnelPart"), ("location", "underground")),
 }
-LEAST_WALL_AREA = 1e-13  # a wall seen from above has no area [deg^2]
+LEAST_WALL_AREA = 1e-13  # the footprint of a wall has no area [deg^2]
 
 
 @dataclass(frozen=True)
 class _City:
-    """What all objects of a file share: corners (n, 3) in its own system, the way to degrees, and the unit of height.
+    """Data shared by all objects of a file: corners (n, 3), transformation to degrees, unit of height [m].
 
-    `lowest` is the least height of the building to which an object belongs, by the object's name.
+    `lowest` is the least height of the whole building, by the name of each of its objects.
     """
 
     corners: Points
@@ -57,15 +57,14 @@ class _City:
 
 
 def is_cityjson(document: Any) -> bool:
-    """Whether a JSON document says that it is one."""
     return isinstance(document, dict) and document.get("type") == "CityJSON"
 
 
 def cityjson_features(document: Mapping[str, Any], path: Path) -> tuple[Feature, ...]:
-    """Each object with a geometry as a feature: the shadow of its surfaces, and its height as the tag `height`.
+    """Return each object with a geometry as a feature: the footprint of its surfaces, and the tag `height`.
 
     Raises:
-        BadInput: naming file and place, and what was expected there.
+        BadInput: with file and place.
     """
     version = document.get("version")
     if not isinstance(version, str) or not version.startswith(VERSIONS):
@@ -77,7 +76,7 @@ def cityjson_features(document: Mapping[str, Any], path: Path) -> tuple[Feature,
     places = {name: f"{path}: CityObjects.{name[:MOST_SHOWN]}" for name in objects}
     mistakes = Mistakes()
     used = {name: mistakes.attempt(_used, objects[name], len(corners), place) or [] for name, place in places.items()}
-    mistakes.tell()
+    mistakes.raise_all()
     vertical = [axis for axis in system.axis_info if axis.direction == "up"]
     city = _City(
         corners,
@@ -89,14 +88,14 @@ def cityjson_features(document: Mapping[str, Any], path: Path) -> tuple[Feature,
 
 
 def _corners(document: Mapping[str, Any], path: Path) -> Points:
-    """All corners in the file's own system, (n, 3)."""
+    """Return all corners in the file's own system, (n, 3)."""
     try:
         corners = np.array(document.get("vertices"), float)
         transform = document.get("transform") or {"scale": [1, 1, 1], "translate": [0, 0, 0]}
         scale, translate = (np.array(transform[key], float) for key in ("scale", "translate"))
         if corners.size == 0:
             corners = np.zeros((0, 3))
-        with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is refused below
+        with np.errstate(invalid="ignore", over="ignore"):  # infinite values are refused below
             corners = corners * scale + translate
     except (TypeError, ValueError, KeyError, OverflowError):
         corners = np.zeros((0, 0))
@@ -121,7 +120,7 @@ def _system(document: Mapping[str, Any], path: Path) -> CRS:
 
 
 def _used(thing: Mapping[str, Any], count: int, place: str) -> list[NDArray[np.intp]]:
-    """The outer rings of all surfaces of an object, or its lines and points, as numbers of corners."""
+    """Return the outer rings of all surfaces of an object, or its lines and points, as indices of corners."""
     given = thing.get("geometry") or []
     if not isinstance(given, list):
         raise BadInput("expected a list", place=f"{place}.geometry")
@@ -139,7 +138,7 @@ def _rings(boundaries: Any, depth: int, count: int, place: str) -> Iterator[NDAr
     for level in range(depth):
         if not all(isinstance(each, list) for each in lists):
             raise BadInput("expected lists in lists", place=place)
-        outer_only = level == depth - 1 and depth > 1  # of a surface's rings the first is its edge
+        outer_only = level == depth - 1 and depth > 1  # the first ring of a surface is its edge
         lists = [inner for each in lists for inner in (each[:1] if outer_only else each)]
     for one in lists:
         try:
@@ -147,14 +146,14 @@ def _rings(boundaries: Any, depth: int, count: int, place: str) -> Iterator[NDAr
         except ValueError:
             ring = np.zeros((0, 0))
         if ring.ndim != 1 or not len(ring) or ring.dtype.kind not in "iu" or ring.min() < 0 or ring.max() >= count:
-            raise BadInput(f"expected lists of numbers below {count}, that of vertices", place=place)
+            raise BadInput(f"expected lists of numbers below {count}, the number of vertices", place=place)
         yield ring
 
 
 def _lowest(
     objects: Mapping[str, Any], used: Mapping[str, list[NDArray[np.intp]]], corners: Points, path: Path
 ) -> dict[str, float]:
-    """By the name of each object the least height among the objects that it belongs to and that belong to it."""
+    """Return the least height of the whole building, by the name of each object."""
     roots, lowest = dict[str, str](), dict[str, float]()
     for name in objects:
         way = [name]
@@ -164,7 +163,7 @@ def _lowest(
             if not isinstance(above, str) or above not in objects or above in way[-1:]:
                 break
             if len(way) > DEEPEST:
-                words = "expected a building that its parts lead to"
+                words = "expected parents that end at a building"
                 raise BadInput(words, place=f"{path}: CityObjects.{name[:MOST_SHOWN]}")
             way.append(above)
         root = roots.get(way[-1], way[-1])
@@ -182,7 +181,9 @@ def _feature(
     attributes = attributes if isinstance(attributes, dict) else {}
     named = attributes.get("name")
     tags = {"name": named} if isinstance(named, str) and named.strip() else {}
-    key, value = ("building", "yes") if kind.startswith("Building") else {**OTHERS, **FLAT}.get(kind, ("kind", kind))
+    key, value = (
+        ("building", "yes") if kind.startswith("Building") else {**TALL_KINDS, **FLAT_KINDS}.get(kind, ("kind", kind))
+    )
     tags |= {"id": name, key: value}
     if not rings:
         return None if thing.get("children") else Feature(place, shapely.GeometryCollection(), tags)
@@ -191,14 +192,14 @@ def _feature(
     measured = attributes.get("measuredHeight")
     if height <= 0 and isinstance(measured, int | float) and measured > 0:
         height = float(measured)
-    if height > 0 and kind not in FLAT:
+    if height > 0 and kind not in FLAT_KINDS:
         tags["height"] = f"{math.ceil(height * 100) / 100:.2f}"
     flat = on_earth(np.column_stack(city.to_degrees.transform(corners[:, 0], corners[:, 1])), place)
     return Feature(place, _shadow(np.split(flat, np.cumsum([len(ring) for ring in rings])[:-1])), tags)
 
 
 def _shadow(rings: list[Points]) -> Any:
-    """What lies below some surfaces; below points and lines alone, these."""
+    """Return the footprint of some surfaces, or the points themselves if there is no surface."""
     shadows = [shapely.make_valid(shapely.Polygon(ring)) for ring in rings if len(ring) > 2]
     pieces = [part for shadow in shadows for part in shapely.get_parts(shadow)]
     polygons = [part for part in pieces if "Polygon" in part.geom_type and part.area > LEAST_WALL_AREA]

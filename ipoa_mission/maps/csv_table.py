@@ -1,6 +1,6 @@
-"""Shapefile, FlatGeobuf and GeoPackage, as GDAL reads them (needs pyogrio): each row is a feature.
+"""Read Shapefile, FlatGeobuf and GeoPackage by GDAL (needs pyogrio): each row is a feature.
 
-GDAL goes by what a file holds, not by its name, and some formats name other files: a file must begin as its name says.
+GDAL ignores the suffix, and some formats refer to other files: a file must begin as its suffix says.
 """
 
 import warnings
@@ -17,9 +17,9 @@ from ipoa_mission.files import read_bytes
 from ipoa_mission.maps.around import Around
 from ipoa_mission.maps.feature import Corners, Feature, on_earth, read_all
 from ipoa_mission.maps.kinds import uncut
-from ipoa_mission.maps.properties import blank_keys, cut_off, tags_of
+from ipoa_mission.maps.properties import blank_keys, tags_of, truncated
 
-#: How files begin, by their suffix.
+# First bytes of a file, by suffix.
 BEGINS = {".shp": b"\x00\x00\x27\x0a", ".fgb": b"fgb", ".gpkg": b"SQLite format 3\x00"}
 HEADER, ROW = 100, 8  # of a .shx [bytes]
 MOST_ROWS = 5_000_000
@@ -27,26 +27,26 @@ WRONG_SYSTEM = "the file names a coordinate system (a Shapefile in its .prj) tha
 
 
 def read_table(path: Path, around: Around) -> tuple[Feature, ...]:
-    """The features of all layers that have shapes; fields are tags. What lies elsewhere is counted, where GDAL says so.
+    """Return the features of all layers with shapes; fields become tags. Features elsewhere are counted if GDAL reports
+    them.
 
     Raises:
-        BadInput: naming the file, the layer and the row, and what was expected there.
-        BadInput: pyogrio is not installed.
+        BadInput: with file, layer and row; or pyogrio is not installed.
     """
     pyogrio = imported("pyogrio", f"{path}: reading it needs pyogrio, which is not installed", "maps", BadInput)
     suffix = path.suffix.lower()
     if not read_bytes(path, 16).startswith(BEGINS[suffix]):
-        raise WrongFormat(f"expected a {suffix} file, but it does not begin like one", place=path)
+        raise WrongFormat(f"expected a {suffix} file, but its first bytes are those of another format", place=path)
     if suffix == ".shp":
         _expect_whole(path)
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # what GDAL mends it says; what it makes of it is judged here
+            warnings.simplefilter("ignore")  # GDAL reports repairs as warnings; the result is checked here
             layers = [str(name) for name, kind in pyogrio.list_layers(path) if kind is not None]
             several = len(layers) > 1
             features = [feature for name in layers for feature in _Layer(path, name, pyogrio, several).read(around)]
-    except (RuntimeError, ValueError, UnboundLocalError) as error:  # of pyogrio (with a .prj that is none), PROJ, texts
-        beside = "; the .shx and .dbf files must lie beside a .shp" if suffix == ".shp" else ""
+    except (RuntimeError, ValueError, UnboundLocalError) as error:  # of pyogrio (an invalid .prj), PROJ, texts
+        beside = "; the .shx and .dbf files must be next to a .shp" if suffix == ".shp" else ""
         raise DamagedFile(f"cannot be read: {error}{beside}", place=path) from error
     if not features and not around.elsewhere:
         raise NothingThere("expected shapes, but there are none that can be read", place=path)
@@ -55,7 +55,7 @@ def read_table(path: Path, around: Around) -> tuple[Feature, ...]:
 
 
 class _Layer:
-    """One layer of a table, and how its coordinates become degrees."""
+    """One layer of a table, with its transformation to degrees."""
 
     def __init__(self, path: Path, name: str, pyogrio: Any, named: bool) -> None:
         self._path, self._info = path, pyogrio.read_info(path, layer=name)
@@ -65,13 +65,13 @@ class _Layer:
         self._ask = partial(pyogrio.raw.read, path)
         if not self._info["crs"]:
             words = "expected a file that names its coordinate system"
-            raise NoCoordinateSystem(words, place=path, hint="a Shapefile says it in the .prj file beside it")
+            raise NoCoordinateSystem(words, place=path, hint="a Shapefile names it in the .prj file next to it")
         self._degrees = Transformer.from_crs(CRS.from_user_input(self._info["crs"]), "OGC:CRS84", always_xy=True)
 
     def read(self, around: Around) -> list[Feature]:
-        """What is wanted, rows without a shape among it."""
+        """Return the wanted features, including rows without a shape."""
         count, box, nulls = self._info["features"], self._box(around), list[Feature]()
-        if box is not None and self._path.suffix.lower() != ".fgb":  # which has no index where it has such rows
+        if box is not None and self._path.suffix.lower() != ".fgb":  # a FlatGeobuf with such rows has no index
             column = self._info["geometry_name"].replace('"', '""')
             nulls = self._features(self._raw(where=f'"{column}" IS NULL' if column else "OGR_GEOMETRY IS NULL"))
         if box is None or not self._is_indexed_whole(count - len(nulls)):
@@ -85,7 +85,7 @@ class _Layer:
         return [*nulls, *(feature for feature, near in zip(features, around.wants(boxes), strict=True) if near)]
 
     def _box(self, around: Around) -> tuple[float, ...] | None:
-        """The window in the layer's coordinates; None where all has to be read."""
+        """Return the window in the layer's coordinates; None if everything must be read."""
         window, bounds = around.window, self._info["total_bounds"]
         if window is None or bounds is None or window.west < -180.0 or window.east > 180.0:
             return None
@@ -98,19 +98,19 @@ class _Layer:
         return box
 
     def _is_indexed_whole(self, shapes: int) -> bool:
-        """Whether the rows in a box can be found without those elsewhere, and none of so many is missing in the index.
+        """Return whether the layer has a complete spatial index of its `shapes` rows.
 
         Raises:
-            BadInput: the file is cut short.
+            BadInput: the file is truncated.
         """
         suffix, count = self._path.suffix.lower(), self._info["features"]
-        if suffix == ".shp":  # an index beside it may be older than the file
+        if suffix == ".shp":  # an index file may be older than the .shp
             return not any(self._path.with_suffix(one).exists() for one in (".qix", ".sbn"))
         if suffix == ".gpkg":
             index = f'"rtree_{self._name}_{self._info["geometry_name"]}"'
             try:
                 return int(self._ask(sql=f"SELECT COUNT(*) AS n FROM {index}")[3][0][0]) == shapes
-            except RuntimeError:  # without an index every row is looked at
+            except RuntimeError:  # without an index GDAL reads every row
                 return True
         if not self._info["capabilities"]["random_read"]:
             return False
@@ -121,7 +121,6 @@ class _Layer:
         return True
 
     def _features(self, read: tuple[Any, ...]) -> list[Feature]:
-        """What GDAL read, as features."""
         meta, numbers, shapes, fields = read
         is_cut = self._path.suffix.lower() == ".shp"
         rows = (
@@ -136,10 +135,10 @@ class _Layer:
 
 
 def _expect_whole(path: Path) -> None:
-    """See that the files of a Shapefile are all there, whole, and of as many rows.
+    """Check that a Shapefile has all files, untruncated, with equal numbers of rows.
 
     Raises:
-        BadInput: they are not.
+        BadInput: it has not.
     """
     sizes = {}
     for suffix in (".shx", ".dbf"):
@@ -147,7 +146,7 @@ def _expect_whole(path: Path) -> None:
             (one for one in (path.with_suffix(suffix), path.with_suffix(suffix.upper())) if one.exists()), None
         )
         if beside is None:
-            words = f"expected the {suffix} file beside it"
+            words = f"expected the {suffix} file next to it"
             raise DamagedFile(words, hint="a Shapefile is .shp, .shx and .dbf", place=path)
         sizes[suffix] = read_bytes(beside, HEADER), beside.stat().st_size
     for begin, size in ((read_bytes(path, HEADER), path.stat().st_size), sizes[".shx"]):
@@ -164,7 +163,7 @@ def _feature(place: str, shape: Any, row: dict[str, Any], to_degrees: Transforme
     def convert(corners: Corners) -> Corners:
         return on_earth(np.column_stack(to_degrees.transform(*corners.T)), place, WRONG_SYSTEM)
 
-    tags, blank, missing = dict(tags_of(row)), frozenset(blank_keys(row)), cut_off(row)
+    tags, blank, missing = dict(tags_of(row)), frozenset(blank_keys(row)), truncated(row)
     if shape is None:
         return Feature(place, shapely.GeometryCollection(), tags, blank)
     try:
@@ -175,5 +174,5 @@ def _feature(place: str, shape: Any, row: dict[str, Any], to_degrees: Transforme
 
 
 def _plain(value: Any) -> Any:
-    """A field's value without NumPy's type."""
+    """Return a Python scalar for a NumPy one."""
     return value.item() if isinstance(value, np.generic) else value

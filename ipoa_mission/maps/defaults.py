@@ -1,6 +1,6 @@
-"""How high and wide things are taken to be where no map says it: by their kind, and rather too high and too wide.
+"""Define default sizes by kind of feature, on the large side.
 
-They are above most of their kind, not above all: what is given so is counted in a note.
+They exceed most of their kind, not all. A note counts the features that got one.
 """
 
 from collections.abc import Mapping
@@ -13,7 +13,7 @@ from ipoa_mission.maps.tag_heights import WIDEST_ROTOR
 
 
 class Size(NamedTuple):
-    """A kind of thing, the height of its top above the ground, and its radius or half its width [m]."""
+    """A kind of feature, with its height above the ground, and radius or half width [m]."""
 
     kind: str
     height: float
@@ -24,7 +24,7 @@ TREES = ("tree", "tree_row")
 TREE = Size("tree", 30.0, 5.0)
 TURBINE = Size("wind turbine", 250.0, WIDEST_ROTOR / 2)
 OTHER = Size("point or line", 20.0, 2.0)
-#: Points and lines, by the value of a tag that says what they are.
+# Height and radius [m] of points and lines, by the value of a tag.
 _POINTS: Mapping[str, tuple[float, float]] = {
     "antenna": (60, 5), "chimney": (150, 8), "column": (40, 5), "communications_tower": (250, 15),
     "cooling_tower": (180, 70), "crane": (100, 60), "flagpole": (40, 3), "gasometer": (100, 40),
@@ -35,8 +35,8 @@ _POINTS: Mapping[str, tuple[float, float]] = {
     "minaret": (90, 5), "statue": (60, 10), "flare": (150, 8),
 }  # fmt: skip
 _POWER_TOWER = Size("power tower", 80.0, 16.0)
-#: Buildings by their kind; those of unknown kind are 20 m high.
-_LOW = {
+# Kinds of low buildings. Buildings of unknown kind are 20 m high.
+_LOW_BUILDINGS = {
     "annexe", "barn", "boathouse", "bungalow", "bunker", "cabin", "carport", "conservatory", "cowshed",
     "detached", "farm", "farm_auxiliary", "garage", "garages", "ger", "greenhouse", "guardhouse", "house",
     "houseboat", "hut", "kiosk", "outbuilding", "pavilion", "roof", "semidetached_house", "service", "shed",
@@ -50,13 +50,13 @@ _BUILDINGS: Mapping[str, float] = {
     "synagogue": 40, "temple": 60, "tower": 150, "train_station": 40, "university": 40, "warehouse": 30,
     "water_tower": 70, "windmill": 40,
 }  # fmt: skip
-#: Above the higher ground at its ends, for each layer, and half its width [m].
+# Height of a bridge above the higher ground at its ends, for each layer, and its half width [m].
 BRIDGE_HEIGHT, BRIDGE_REACH = 10.0, 8.0
 LOW_HEIGHT, BUILDING_HEIGHT = 12.0, 20.0
 
 
 def size_of(tags: Mapping[str, str]) -> Size:
-    """The height and radius that a point or line of these tags is given."""
+    """Return the default size of a point or line with these tags."""
     if is_turbine(tags):
         return TURBINE
     if is_bridge(tags):
@@ -74,19 +74,19 @@ def size_of(tags: Mapping[str, str]) -> Size:
 
 
 def building_height(tags: Mapping[str, str]) -> tuple[str, float]:
-    """What a building is called, and the height that it is given [m]."""
+    """Return the kind of a building, and its default height [m]."""
     kinds = [tags[key] for key in ("building", "building:part") if key in tags]
     heights = [(_BUILDINGS[kind], kind) for kind in kinds if kind in _BUILDINGS]
     if heights:
         height, kind = max(heights)
         return kind.replace("_", " "), float(height)
-    if kinds and all(kind in _LOW for kind in kinds):
+    if kinds and all(kind in _LOW_BUILDINGS for kind in kinds):
         return "small building", LOW_HEIGHT
     return "building", BUILDING_HEIGHT
 
 
 def is_turbine(tags: Mapping[str, str]) -> bool:
-    """Whether it is a wind turbine: by what it is, or by its hub or rotor."""
+    """Return whether tags describe a wind turbine, by kind, hub or rotor."""
     if those(tags, Means.HUB, Means.ROTOR, Means.BLADE):
         return True
     return tags.get("generator:source") == "wind" or "wind_turbine" in (

@@ -1,7 +1,7 @@
-"""Elevation models (GeoTIFF, SRTM .hgt, whatever GDAL reads) as a regular grid of ground in the local frame.
+"""Read elevation models (GeoTIFF, SRTM .hgt, any GDAL format) as a regular grid in the local frame.
 
-A model's heights belong to posts, the centers of its pixels; between them it is bilinear. The local grid is read off
-that surface and then raised where needed, so that no post lies above it: coarse spacing costs room, never safety.
+Heights belong to posts, the centers of pixels, with bilinear interpolation between. The local grid samples that surface
+and is then raised so that no post lies above it. Coarse spacing therefore costs room, never safety.
 """
 
 from dataclasses import dataclass
@@ -19,17 +19,17 @@ from ipoa_mission.maps.raster import RasterFile, open_raster
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.terrain import Grid
 
-KNOTS = 33  # coordinates are converted on so many lines each way, and are smooth in between
-UPPER_LEVEL = 1000.0  # the second height at which they are converted; local coordinates are linear in height [m]
+KNOTS = 33  # coordinates are converted at this many lines each way, and interpolated between
+UPPER_LEVEL = 1000.0  # second altitude of conversion; local coordinates are linear in altitude [m]
 MOST_NODES = 8_000_000
-HOME_AGREES = 10.0  # home's given altitude may differ from the model's by so much [m]
+HOME_TOLERANCE = 10.0  # greatest difference between home's altitude and the model [m]
 
 
 @dataclass(frozen=True)
 class ElevationRules:
-    """How a model is to be read. `None` for `heights`: as its coordinate system says, or else above mean sea level.
+    """How to read an elevation model. `heights` None takes the coordinate system's datum, or else mean sea level.
 
-    `geoid` is the geoid's height above the ellipsoid [m] or a PROJ grid of it; `nodata` stands for a missing height.
+    `geoid` is the geoid's height above the ellipsoid [m] or a PROJ grid of it. `nodata` marks a missing height.
     """
 
     heights: Literal["amsl", "ellipsoidal"] | None = None
@@ -43,11 +43,10 @@ class ElevationRules:
 def local_grid(
     path: Path, rules: ElevationRules, frame: LocalFrame, lower: tuple[float, float], upper: tuple[float, float]
 ) -> tuple[Grid, tuple[str, ...]]:
-    """The ground between the corners `lower` and `upper` (east, north) [m] above home, and remarks on what was done.
+    """Return the ground between the corners `lower` and `upper` (east, north) [m] above home, with remarks.
 
     Raises:
-        BadInput: naming the file and what is wrong with it, or that it does not cover the area.
-        BadInput: rasterio is not installed.
+        BadInput: the file is invalid or does not cover the area, or rasterio is missing.
     """
     with open_raster(path, rules.nodata) as raster:
         area = _pixels(raster, frame, _knots(lower[0], upper[0]), _knots(lower[1], upper[1]), 0.0)
@@ -68,10 +67,10 @@ def local_grid(
 
 
 def ground_altitude(path: Path, latitude_deg: float, longitude_deg: float) -> float:
-    """The model's height at a place [m above mean sea level].
+    """Return the model's height at a place [m above mean sea level].
 
     Raises:
-        BadInput: the model does not cover the place, or is none.
+        BadInput: the file is invalid or does not cover the place.
     """
     frame, here = LocalFrame(Geodetic(latitude_deg, longitude_deg)), np.zeros(1)
     with open_raster(path, None) as raster:
@@ -84,7 +83,7 @@ def ground_altitude(path: Path, latitude_deg: float, longitude_deg: float) -> fl
 
 
 def _nodes(lower: tuple[float, float], upper: tuple[float, float], spacing: float) -> tuple[Vector, Vector]:
-    """East of the columns and north of the rows [m]: from the lower corner to the upper one or just beyond."""
+    """Return east of the columns and north of the rows [m], from the lower corner to the upper one or just beyond."""
     columns, rows = (max(int(np.ceil((upper[i] - lower[i]) / spacing - 1e-9)) + 1, 2) for i in (0, 1))
     if columns * rows > MOST_NODES:
         least = spacing * np.sqrt(columns * rows / MOST_NODES)
@@ -98,14 +97,14 @@ def _knots(low: float, high: float) -> Vector:
 
 
 def _pixels(raster: RasterFile, frame: LocalFrame, east: Vector, north: Vector, up: float) -> NDArray[np.float64]:
-    """Column, row and altitude [m AMSL] of a lattice of places, (3, len(east), len(north))."""
+    """Return column, row and altitude [m AMSL] of a lattice of places, (3, len(east), len(north))."""
     lattice = np.stack(np.meshgrid(east, north, indexing="ij"), axis=-1).reshape(-1, 2)
     latitude, longitude, altitude = frame.to_geodetic(np.column_stack([lattice, np.full(len(lattice), up)]))
     return np.stack([*raster.pixels(latitude, longitude), altitude]).reshape(3, len(east), len(north))
 
 
 def _posts(raster: RasterFile, frame: LocalFrame, first: "_First", heights: NDArray[np.float64]) -> NDArray[np.float64]:
-    """East, north, up of every post read, (3, rows, columns): at one place on Earth they are linear in height."""
+    """Return east, north, up of every post, (3, rows, columns), linear in height at a fixed place."""
     rows, columns = (begin + np.arange(count) for begin, count in zip(first, heights.shape, strict=True))
     knots = [_knots(each[0], each[-1]) for each in (rows, columns)]
     row, column = np.meshgrid(*knots, indexing="ij")
@@ -128,7 +127,10 @@ def _read_off(
     pixels: list[NDArray[np.float64]],
     nodes: tuple[Vector, Vector],
 ) -> NDArray[np.float64]:
-    """Ground above home at the nodes, (rows, columns): which place lies under a node depends a little on its height."""
+    """Return the ground above home at the nodes, (rows, columns).
+
+    The place under a node depends slightly on its height.
+    """
     smooth = scipy.interpolate.RectBivariateSpline
     low, high = ([smooth(*knots, values)(*nodes).T for values in level] for level in pixels)
     up = np.zeros_like(low[0])
@@ -142,7 +144,7 @@ def _read_off(
 def _raise_over_posts(
     ground: NDArray[np.float64], posts: NDArray[np.float64], lower: tuple[float, float], spacing: float
 ) -> float:
-    """Raise `ground` in place until no post lies above it; the greatest raise [m]."""
+    """Raise `ground` in place until no post lies above it; return the greatest raise [m]."""
     east, north, up = posts.reshape(3, -1)
     rows, columns = ground.shape
     x, y = (east - lower[0]) / spacing, (north - lower[1]) / spacing
@@ -160,7 +162,7 @@ def _raise_over_posts(
 
 
 def _post_distance(raster: RasterFile, frame: LocalFrame, area: NDArray[np.float64]) -> float:
-    """Distance between neighboring posts in the middle of the area, the shorter of both ways [m]."""
+    """Return the shorter distance between neighboring posts at the middle of the area [m]."""
     column, row = (float(area[i].mean()) for i in (0, 1))
     places = raster.places(np.array([column, column + 1, column]), np.array([row, row, row + 1]))
     here, right, down = frame.to_local(*places, np.full(3, frame.home.altitude))
@@ -170,7 +172,7 @@ def _post_distance(raster: RasterFile, frame: LocalFrame, area: NDArray[np.float
 def _above_sea(
     heights: NDArray[np.float64], raster: RasterFile, first: "_First", rules: ElevationRules
 ) -> tuple[NDArray[np.float64], tuple[str, ...]]:
-    """Heights above mean sea level, and what was said about it."""
+    """Return heights above mean sea level, and remarks on the conversion."""
     counted = rules.heights or ("ellipsoidal" if raster.ellipsoidal else "amsl")
     if counted == "amsl" or rules.level_at_home:
         return heights, (f"heights taken as {'above mean sea level' if counted == 'amsl' else 'differences only'}",)
@@ -187,14 +189,14 @@ def _level(
     corners: tuple[tuple[float, float], tuple[float, float]],
     path: Path,
 ) -> tuple[Grid, tuple[str, ...]]:
-    """The grid, levelled if so asked; refused if home's altitude does not agree with it."""
+    """Return the grid, shifted to 0 at home if asked. Refuse a disagreement with home's altitude."""
     if not all(low <= 0 <= high for low, high in zip(*corners, strict=True)):
         return grid, ()
     at_home = float(grid.height(np.zeros((1, 2)))[0])
     if rules.level_at_home:
         level = Grid(grid.east, grid.north, grid.spacing, grid.heights - at_home)
         return level, (f"moved by {-at_home:.2f} m, so that the ground at home is at 0",)
-    if abs(at_home) > HOME_AGREES:
+    if abs(at_home) > HOME_TOLERANCE:
         measured, given = frame.home.altitude + at_home, frame.home.altitude
         words = f"expected about {measured:.1f} m, the ground there in {path}, not {given:g} m"
         hint = f"set home.altitude_amsl = {measured:.1f}, or terrain.level_at_home = true"

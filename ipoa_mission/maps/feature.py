@@ -1,4 +1,4 @@
-"""A feature of a map file: a shape on the Earth with its tags, and where in the file it stands."""
+"""Define a feature of a map file: a shape on the Earth, its tags, and its place in the file."""
 
 import gc
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -13,14 +13,14 @@ from ipoa_mission.errors import BadInput
 Corners: TypeAlias = NDArray[np.float64]  # (n, 2) longitude, latitude [deg, WGS 84]
 Made = TypeVar("Made")
 NAMES = ("name", "addr:housename", "identifier", "@id", "id", "osm_way_id", "osm_id")
-MANY = 10  # mistakes told at once
-DEEPEST = 16  # collections in each other: nobody draws more, and shapely would not bear thousands
+MOST_ERRORS = 10  # errors reported at once
+DEEPEST = 16  # nested collections; shapely fails at thousands
 
 
 class Missing(NamedTuple):
-    """A part of a feature that was not read: what it is, where it is [deg], and what can be done about it.
+    """An unread part of a feature: its description, its shape [deg], and a remedy.
 
-    `shape` is empty where nobody knows; the part may then be anywhere, unless it is `elsewhere` for sure.
+    An empty `shape` means that it may be anywhere, unless it is certainly `elsewhere`.
     """
 
     words: str
@@ -30,10 +30,9 @@ class Missing(NamedTuple):
 
 
 class Feature(NamedTuple):
-    """`shape` is a shapely geometry in longitude, latitude [deg, WGS 84], as it stands in the file: it may be invalid.
+    """A feature of a map: a shapely geometry in longitude, latitude [deg, WGS 84], maybe invalid, or empty.
 
-    It is empty where the file gives none. `place` names file and feature for messages; `tags` are its properties as
-    text, and `blank` the keys of those without a value.
+    `place` names file and feature for messages. `tags` are its properties as text, `blank` the keys without a value.
     """
 
     place: str
@@ -44,7 +43,7 @@ class Feature(NamedTuple):
 
     @property
     def name(self) -> str:
-        """What messages call the thing: its name, or else its number in OpenStreetMap, or its place in the file."""
+        """Return a name for messages: its name, its OpenStreetMap number, or its place in the file."""
         name = self.place
         for key in NAMES:
             if named := self.tags.get(key):
@@ -54,10 +53,10 @@ class Feature(NamedTuple):
 
 
 def on_earth(corners: Corners, place: str, hint: str = "export the file in WGS 84 (EPSG:4326)") -> Corners:
-    """The same corners, if they are longitudes and latitudes.
+    """Return the corners if they are longitudes and latitudes.
 
     Raises:
-        BadInput: they are none.
+        BadInput: they are out of range.
     """
     outside = ~(np.abs(corners) <= (360.0, 90.0)).all(axis=1)
     if outside.any():
@@ -68,10 +67,10 @@ def on_earth(corners: Corners, place: str, hint: str = "export the file in WGS 8
 
 
 def positions_of(values: Any, place: str) -> Corners:
-    """The first two numbers of each position in a list of JSON, (n, 2).
+    """Return the first two numbers of each position in a JSON list, (n, 2).
 
     Raises:
-        BadInput: it is no such list.
+        BadInput: it is not a list of positions.
     """
     try:
         corners = np.array([position[:2] for position in values], float)
@@ -83,48 +82,48 @@ def positions_of(values: Any, place: str) -> Corners:
 
 
 class Mistakes:
-    """Collects what is wrong in a file, so that all of it is told at once."""
+    """Collects the errors of a file, to report them together."""
 
     def __init__(self) -> None:
         self._first: list[BadInput] = []
         self._count = 0
 
     def attempt(self, act: Callable[..., Made], *arguments: Any) -> Made | None:
-        """What `act` makes of its arguments; or None, if it raised BadInput."""
+        """Return `act(*arguments)`, or None if it raised BadInput."""
         try:
             return act(*arguments)
         except BadInput as mistake:
             self._count += 1
-            if self._count <= MANY:
+            if self._count <= MOST_ERRORS:
                 self._first.append(mistake)
             return None
 
-    def tell(self) -> None:
-        """Raise what was found, if anything was.
+    def raise_all(self) -> None:
+        """Raise the collected errors, if any.
 
         Raises:
-            BadInput: with a line for each mistake, but no more than ten.
+            BadInput: with a line for each error, at most ten.
         """
         if self._first:
-            more = (f"and {self._count - MANY} more of this kind",) if self._count > MANY else ()
+            more = (f"and {self._count - MOST_ERRORS} more of this kind",) if self._count > MOST_ERRORS else ()
             raise self._first[0].followed_by(*map(str, self._first[1:]), *more)
 
 
 def read_all(read: Callable[..., Feature | None], each: Iterable[tuple[Any, ...]]) -> tuple[Feature, ...]:
-    """The features that `read` makes of each set of arguments; those of which it makes none are left out.
+    """Return the features that `read` returns for each set of arguments, without None.
 
     Raises:
-        BadInput: what is wrong with any of them.
+        BadInput: any of them is invalid.
     """
     mistakes = Mistakes()
     features = [mistakes.attempt(read, *arguments) for arguments in each]
-    mistakes.tell()
+    mistakes.raise_all()
     return tuple(feature for feature in features if feature is not None)
 
 
 @contextmanager
 def many_objects() -> Iterator[None]:
-    """While very many objects are made that stay: Python does not search them for rings again and again."""
+    """Disable garbage collection while many objects are created that stay."""
     was_on = gc.isenabled()
     gc.disable()
     try:

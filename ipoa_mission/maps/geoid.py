@@ -1,4 +1,4 @@
-"""The geoid's height above the ellipsoid at a place: given, or from a PROJ grid of EGM96 or EGM2008 if one is there.
+"""Return the geoid's height above the ellipsoid: given, or from a PROJ grid of EGM96 or EGM2008.
 
 One value serves a whole flight: over some kilometres the geoid tilts by centimetres.
 """
@@ -10,16 +10,16 @@ from pyproj.exceptions import ProjError
 
 from ipoa_mission.errors import BadInput, NotCovered
 
-LOWEST, HIGHEST = -107.0, 86.0  # of EGM96 and EGM2008 above the ellipsoid, anywhere [m]
-#: PROJ's own names of the grids, the best match to an autopilot's mean sea level first.
+LOWEST, HIGHEST = -107.0, 86.0  # of EGM96 and EGM2008 above the ellipsoid, worldwide [m]
+# PROJ's names of the grids, the best match to an autopilot's mean sea level first.
 GRIDS = ("us_nga_egm96_15.tif", "egm96_15.gtx", "us_nga_egm08_25.tif", "egm08_25.gtx")
 
 
 def undulation(latitude_deg: float, longitude_deg: float, given: float | Path | None, place: Path) -> tuple[float, str]:
-    """Height of the geoid above the WGS 84 ellipsoid [m], and where it is from.
+    """Return the height of the geoid above the WGS 84 ellipsoid [m], and its source.
 
     Raises:
-        BadInput: nothing was given and PROJ has no grid on this machine, or a grid that was given says nothing here.
+        BadInput: PROJ has no grid on this machine, or the given one does not cover the place.
     """
     if isinstance(given, int | float):
         return float(given), "as given"
@@ -37,7 +37,7 @@ def undulation(latitude_deg: float, longitude_deg: float, given: float | Path | 
         words = f"expected a PROJ grid that covers {latitude_deg:.4f}, {longitude_deg:.4f}: {given}"
         raise NotCovered(words, place="terrain.geoid")
     raise BadInput(
-        "its heights are above the ellipsoid, and PROJ's grid of the geoid is not on this machine",
+        "expected PROJ's grid of the geoid on this machine, since heights are above the ellipsoid",
         hint=f"set terrain.geoid to the geoid's height there in metres, or get it by `pyproj sync --file {GRIDS[0]}`; "
         "or set terrain.level_at_home = true",
         place=place,

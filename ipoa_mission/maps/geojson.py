@@ -1,7 +1,7 @@
-"""GeoJSON (RFC 7946), also one value a line, as OpenStreetMap's exports write it: Overpass turbo, osmtogeojson, QGIS.
+"""Read GeoJSON (RFC 7946), also one value a line, as Overpass turbo, osmtogeojson and QGIS write it.
 
-They differ in where they keep the tags: beside each other in `properties`, under `properties.tags`, or, from GDAL's
-OSM driver, as text in `properties.other_tags`. QGIS may write other coordinates than degrees, and says so in `crs`.
+Tags are in `properties`, in `properties.tags`, or as text in `properties.other_tags` (GDAL's OSM driver). QGIS may
+write other coordinates than degrees, named in `crs`.
 """
 
 import json
@@ -32,43 +32,43 @@ from ipoa_mission.maps.feature import (
 from ipoa_mission.maps.geozones import circle, ed269_features, is_ed269, layer_tags, layers_apart, zone_tags
 from ipoa_mission.maps.outlines import sound_polygons
 from ipoa_mission.maps.overpass import is_overpass, overpass_features
-from ipoa_mission.maps.properties import blank_keys, cut_off, tags_of
+from ipoa_mission.maps.properties import blank_keys, tags_of, truncated
 from ipoa_mission.maps.streamed import Unstreamed, read_document, read_values
 
 MOST_SHOWN = 80  # characters of a place
 END = object()
-AT_ONCE = 1024  # features are made together
+BATCH = 1024  # features per batch
 
 
-#: Takes features, some at a time.
+# Receives features in batches.
 Take = Callable[[Sequence[Feature]], object]
 
 
 def read_geojson(path: Path, begin: Callable[[], Take]) -> None:
-    """Hand on the features of a FeatureCollection, of a single Feature, or of a bare geometry.
+    """Pass on the features of a FeatureCollection, a single Feature, or a bare geometry.
 
     Args:
         path: the file.
-        begin: what takes them from the first on; it is asked anew if the file turns out to be read otherwise.
+        begin: returns the receiver of all features; it is called again if reading restarts.
 
     Raises:
-        BadInput: naming file and place, and what was expected there.
+        BadInput: with file and place.
     """
     try:
         with many_objects():
             _hand_on(path, begin)
     except RecursionError:
-        raise TooLarge("expected a map, not brackets nested without end", place=path) from None
+        raise TooLarge("expected a map, not endlessly nested brackets", place=path) from None
 
 
 def _hand_on(path: Path, begin: Callable[[], Take]) -> None:
     document: dict[str, Any] = {}
-    if not path.is_fifo():  # which can be read only once
+    if not path.is_fifo():  # a FIFO can be read only once
         with suppress(Unstreamed):
             if _Collection(path, begin()).read(document) or _Collection(path, begin(), document).read({}):
                 return
     values = read_values(path)
-    with _told_of(path):
+    with _json_errors_named(path):
         first, second = next(values), next(values, None)
     if second is None:
         begin()(_whole(first, path))
@@ -77,10 +77,10 @@ def _hand_on(path: Path, begin: Callable[[], Take]) -> None:
 
 
 def _hand_on_each(path: Path, values: Iterator[Any], take: Take) -> None:
-    """Hand on the features of a file of several values of JSON (GeoJSONSeq, RFC 8142, CityJSONSeq)."""
+    """Pass on the features of a file of several JSON values (GeoJSONSeq, RFC 8142, CityJSONSeq)."""
     mistakes, features, city = Mistakes(), list[Feature](), dict[str, Any]()
     for number in count(1):
-        with _told_of(path):
+        with _json_errors_named(path):
             value: Any = next(values, END)
         if value is END:
             break
@@ -92,16 +92,16 @@ def _hand_on_each(path: Path, values: Iterator[Any], take: Take) -> None:
             features += mistakes.attempt(cityjson_features, {**city, **own}, path) or ()
         else:
             features += mistakes.attempt(_whole, value, path, place) or ()
-        if len(features) >= AT_ONCE:
+        if len(features) >= BATCH:
             take(features)
             features = []
-    mistakes.tell()
+    mistakes.raise_all()
     if features:
         take(features)
 
 
 @contextmanager
-def _told_of(path: Path) -> Iterator[None]:
+def _json_errors_named(path: Path) -> Iterator[None]:
     try:
         yield
     except json.JSONDecodeError as error:
@@ -112,9 +112,9 @@ def _told_of(path: Path) -> Iterator[None]:
 
 
 class _Collection:
-    """A collection's features, made of many at once as they come, and handed on; `document` is what stands round them.
+    """Reads a collection's features in batches.
 
-    Where it is None it is what stands before them.
+    `document` holds the members around the features; None takes the members before them.
     """
 
     def __init__(self, path: Path, take: Take, document: Mapping[str, Any] | None = None) -> None:
@@ -124,18 +124,18 @@ class _Collection:
         self._to_degrees: _Degrees | None = None
 
     def read(self, document: dict[str, Any]) -> bool:
-        """Read the file, and its members but the features into the `document`.
+        """Read the file; put its members other than the features into `document`.
 
         Returns:
-            Whether that was right: the coordinate system of the document was known from the first feature on.
+            Whether the coordinate system was known from the first feature on.
 
         Raises:
-            BadInput: what is wrong with any feature.
-            Unstreamed: the file is no such collection.
+            BadInput: any feature is invalid.
+            Unstreamed: the file is not such a collection.
         """
         pieces = read_document(self._path, document)
         while True:
-            with _told_of(self._path):  # only of what is read, not of what becomes of it
+            with _json_errors_named(self._path):  # guards reading only, not the use of what was read
                 number, features = next(pieces, (0, None))
             if features is None:
                 break
@@ -145,7 +145,7 @@ class _Collection:
         if self._document is not None and document.get("crs") != self._document.get("crs"):
             return False
         self._make(self._to_degrees or _coordinate_system(document, self._path))
-        self._mistakes.tell()
+        self._mistakes.raise_all()
         return True
 
     def _add(self, before: Mapping[str, Any], number: int, features: list[Any]) -> None:
@@ -157,7 +157,7 @@ class _Collection:
             for i, feature in enumerate(features, number)
             for part in layers_apart(feature)
         ]
-        if len(self._waiting) >= AT_ONCE:
+        if len(self._waiting) >= BATCH:
             self._make(self._to_degrees)
 
     def _make(self, to_degrees: "_Degrees") -> None:
@@ -172,7 +172,7 @@ class _Collection:
 
 
 def _rings(feature: Any) -> Any:
-    """What should be the rings of the polygon that a feature should be; None if it is something else."""
+    """Return the `coordinates` of a polygon, unchecked; None for other features."""
     geometry = feature.get("geometry") if isinstance(feature, dict) else None
     if isinstance(geometry, dict) and geometry.get("type") == "Polygon":
         return geometry.get("coordinates")
@@ -209,18 +209,18 @@ def _whole(document: Any, path: Path, place: str = "") -> tuple[Feature, ...]:
 
 
 def _number(feature: Any) -> str:
-    """What OpenStreetMap calls a feature, in brackets, if the file says so."""
+    """Return a feature's OpenStreetMap number in brackets, or nothing."""
     number = feature.get("id") if isinstance(feature, dict) else None
     return f" ({number})" if isinstance(number, str) and number else ""
 
 
 def _feature(place: str, feature: Any, to_degrees: "_Degrees", drawn: Any = None) -> Feature:
-    """A feature, whose shape may be `drawn` already."""
+    """Return a feature; its shape may be `drawn` already."""
     if not isinstance(feature, dict) or feature.get("type") != "Feature":
         raise BadInput("expected a Feature", place=place)
     geometry, properties = feature.get("geometry"), feature.get("properties")
     properties = properties if isinstance(properties, dict) else {}
-    missing = cut_off(properties)
+    missing = truncated(properties)
     tags = dict(tags_of(properties)) | dict(zone_tags(properties))
     if isinstance(feature.get("id"), str | int):
         tags.setdefault("@id", str(feature["id"]))
@@ -301,7 +301,7 @@ SHAPES: Mapping[str, _Reader] = {
 
 
 def _coordinate_system(document: Mapping[str, Any], path: Path) -> _Degrees:
-    """How to turn the file's coordinates into longitude and latitude: its `crs` member (GeoJSON of 2008, and QGIS)."""
+    """Return the conversion to longitude and latitude by the member `crs` (GeoJSON of 2008, and QGIS)."""
     if document.get("crs") is None:
         return lambda corners: corners
     try:
@@ -314,7 +314,7 @@ def _coordinate_system(document: Mapping[str, Any], path: Path) -> _Degrees:
 
 
 def degrees_of(system: CRS) -> _Degrees:
-    """How to turn coordinates in a system into longitude and latitude."""
+    """Return the conversion from a coordinate system to longitude and latitude."""
     if system.is_geographic and system.ellipsoid is not None and "WGS 84" in system.ellipsoid.name:
         return lambda corners: corners
     convert = Transformer.from_crs(system, "OGC:CRS84", always_xy=True)

@@ -1,7 +1,7 @@
-"""UAS geographical zones as European authorities publish them: ED-269 (JSON), and ED-318 (GeoJSON with layers).
+"""Read UAS geographical zones: ED-269 (JSON), and ED-318 (GeoJSON with layers).
 
-Both become features whose tags are the zone's restriction, limits and times (`activity`). A circle becomes a polygon
-round it.
+Both become features with the zone's restriction, limits and times (`activity`) as tags. A circle becomes a polygon
+around it.
 """
 
 import json
@@ -17,14 +17,14 @@ from pyproj import Geod
 from ipoa_mission.errors import BadInput, InvalidRing
 from ipoa_mission.maps.feature import Corners, Feature, on_earth, positions_of, read_all
 
-CORNERS = 72  # of the polygon round a circle, which is 0.1 % wider
-RADIUS = "radius in other units than M"  # a tag of ours
+CORNERS = 72  # of the polygon around a circle, 0.1 % wider
+RADIUS = "radius in other units than M"  # internal tag
 WIDEST = 1_000_000.0  # radius of a circle [m]
 _EARTH = Geod(ellps="WGS84")
 
 
 def is_ed269(document: Any) -> bool:
-    """Whether a JSON document holds zones by ED-269: features of its own kind, each with a list of geometries."""
+    """Return whether a JSON document is ED-269: each feature has a list of geometries."""
     features = document.get("features") if isinstance(document, dict) and "type" not in document else None
     return isinstance(features, list) and all(
         isinstance(each, dict) and isinstance(each.get("geometry"), list) for each in features
@@ -32,10 +32,10 @@ def is_ed269(document: Any) -> bool:
 
 
 def ed269_features(document: Mapping[str, Any], path: Path) -> tuple[Feature, ...]:
-    """Each volume of each zone as a feature.
+    """Return each volume of each zone as a feature.
 
     Raises:
-        BadInput: naming file and place, and what was expected there.
+        BadInput: with file and place.
     """
     return read_all(
         _volume,
@@ -48,10 +48,10 @@ def ed269_features(document: Mapping[str, Any], path: Path) -> tuple[Feature, ..
 
 
 def circle(center: Any, radius: Any, place: str) -> Any:
-    """A polygon round a circle of `radius` [m] about longitude and latitude [deg].
+    """Return the polygon around a circle of `radius` [m] at a longitude and latitude [deg].
 
     Raises:
-        BadInput: it is none.
+        BadInput: it is not a circle.
     """
     try:
         corner = np.array([center[:2]], float)
@@ -68,14 +68,14 @@ def circle(center: Any, radius: Any, place: str) -> Any:
 
 
 def layer_tags(layer: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """The limits of a layer of ED-318 as tags."""
+    """Return the limits of an ED-318 layer as tags."""
     for key in ("lower", "lowerReference", "upper", "upperReference", "uom"):
         if layer.get(key) is not None:
             yield key, str(layer[key])
 
 
 def layers_apart(feature: Any) -> list[Any]:
-    """A feature of ED-318 whose collection holds members with layers of their own, as one feature for each member."""
+    """Split an ED-318 feature whose members have their own layers into one feature for each member."""
     geometry = feature.get("geometry") if isinstance(feature, dict) else None
     members = geometry.get("geometries") if isinstance(geometry, dict) else None
     if not isinstance(geometry, dict) or not isinstance(members, list):
@@ -88,7 +88,7 @@ def layers_apart(feature: Any) -> list[Any]:
 
 
 def zone_tags(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """What the properties of a zone hold in lists and tables, as tags: name, times, limits."""
+    """Return nested properties of a zone as tags: name, times, limits."""
     if isinstance(names := properties.get("name"), list):  # ED-318: by language
         texts = [name for name in names if isinstance(name, dict) and isinstance(name.get("text"), str)]
         english = [name for name in texts if str(name.get("lang", "")).startswith("en")]
@@ -96,7 +96,7 @@ def zone_tags(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             yield "name", chosen[0]["text"]
     if isinstance(properties.get("applicability"), list):
         yield from _times(properties["applicability"])
-    if isinstance(volume := properties.get("geometry"), dict):  # Estonia: a volume of ED-269 in the properties
+    if isinstance(volume := properties.get("geometry"), dict):  # Estonia: an ED-269 volume in the properties
         yield from _limit_tags(volume)
 
 
@@ -113,14 +113,14 @@ def _volume(zone: Mapping[str, Any], volume: Any, place: str) -> Feature:
 
 
 def _limit_tags(volume: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """The limits of a volume of ED-269 as tags."""
+    """Return the limits of an ED-269 volume as tags."""
     given = {"uom": "uomDimensions", "lower": "lowerLimit", "upper": "upperLimit"}
     given |= {"lowerReference": "lowerVerticalReference", "upperReference": "upperVerticalReference"}
     yield from ((key, str(volume[name])) for key, name in given.items() if volume.get(name) is not None)
 
 
 def _times(times: Any) -> Iterator[tuple[str, str]]:
-    """The times of ED-269 as the tag of ED-318; none where the zone is permanent."""
+    """Return ED-269 times as the ED-318 tag; nothing for a permanent zone."""
     if isinstance(times, list) and not any(isinstance(each, dict) and each.get("permanent") == "YES" for each in times):
         yield "limitedApplicability", json.dumps(times)
 

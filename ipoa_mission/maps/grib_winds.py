@@ -1,4 +1,4 @@
-"""Read winds out of GRIB by eccodes, message by message, at the nearest point of each message's own grid."""
+"""Read winds from GRIB by eccodes, at the nearest point of each message's grid."""
 
 import re
 from collections import defaultdict
@@ -17,13 +17,13 @@ from ipoa_mission.world.frame import Geodetic
 
 EAST, NORTH, SPEED, FROM = "east", "north", "speed", "from"
 NAMED = re.compile(r"(\d*)(u|v|si|ws|wdir)")  # eccodes' shortName: u, 10u, 100v, 10si, wdir
-SHORT = {"u": EAST, "v": NORTH, "si": SPEED, "ws": SPEED, "wdir": FROM}
+SHORT_NAMES = {"u": EAST, "v": NORTH, "si": SPEED, "ws": SPEED, "wdir": FROM}
 NUMBERS = {0: FROM, 1: SPEED, 2: EAST, 3: NORTH}  # GRIB 2: parameters of discipline 0, category 2
 MOMENTUM = (0, 2)
 DATUMS = {"heightAboveGround": Datum.GROUND, "heightAboveSea": Datum.SEA}
-#: Grids whose axes point east and north: "relative to the grid" is no other direction there.
+# Grids with axes to east and north, where "relative to the grid" changes nothing.
 NORTH_UP = ("regular_ll", "regular_gg", "reduced_ll", "reduced_gg", "mercator", "unstructured_grid")
-PLAIN = {0, 1}  # product definition templates of one forecast, and of one member
+PLAIN = {0, 1}  # product definition templates of one forecast and one member
 MEAN = {0, 1}  # derived forecasts that are a mean of members; others are spreads and ranks
 
 
@@ -38,10 +38,11 @@ class _Message:
 
 
 def grib_winds(path: Path, place: Geodetic) -> ForecastWinds:
-    """The winds at the nearest grid point.
+    """Return the winds at the nearest grid point.
+
 
     Raises:
-        BadInput: the file is damaged, of another place, or gives winds along the axes of a turned grid.
+        BadInput: the file is damaged, elsewhere, or has winds along a rotated grid.
         MissionError: eccodes is not installed.
     """
     eccodes = imported("eccodes", f"{path}: a forecast of winds needs eccodes", "wind")
@@ -58,7 +59,7 @@ def grib_winds(path: Path, place: Geodetic) -> ForecastWinds:
         pairs = list(zip(both[EAST], both[NORTH], strict=False))
         if odd := len(both[EAST]) + len(both[NORTH]) - 2 * len(pairs):
             found.leave("one component of a wind without the other", f"{height:g} m", str(time), True, odd)
-        if not pairs:  # of a wind that is given in both ways its components count
+        if not pairs:  # if both forms are given, components count
             polar = [*zip(both[SPEED], np.radians(both[FROM]), strict=False)]
             pairs = [(-speed * np.sin(angle), -speed * np.cos(angle)) for speed, angle in polar]
             if odd := len(both[SPEED]) + len(both[FROM]) - 2 * len(pairs):
@@ -79,7 +80,7 @@ def grib_winds(path: Path, place: Geodetic) -> ForecastWinds:
 
 @contextmanager
 def _several_fields(eccodes: Any) -> Iterator[None]:
-    """Let a message hold more fields than one: NCEP packs both components of a wind together."""
+    """Allow several fields in a message: NCEP packs both wind components together."""
     eccodes.codes_grib_multi_support_on()
     try:
         yield
@@ -103,13 +104,13 @@ def _messages(eccodes: Any, path: Path) -> Iterator[Any]:
     except OSError as error:
         raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
     if not count:
-        raise NothingThere("expected a forecast of winds in GRIB, but there is no message in it", place=path)
+        raise NothingThere("expected a forecast of winds in GRIB, but the file has no message", place=path)
 
 
 def _read(
     eccodes: Any, handle: Any, path: Path, where: str, place: Geodetic, nearest: dict[str, int], found: ForecastWinds
 ) -> _Message | None:
-    """What a message says of the wind; None, counted, where it is wind and not taken."""
+    """Return the wind of a message; None, and a note, for wind that is not used."""
 
     def get(key: str, kind: type = str) -> Any:
         return eccodes.codes_get(handle, key, kind) if eccodes.codes_is_defined(handle, key) else None
@@ -121,7 +122,7 @@ def _read(
         part = NUMBERS.get(get("parameterNumber", int)) if numbers == MOMENTUM else None
         is_wind = numbers == MOMENTUM
     else:
-        part = None if named is None else SHORT[named[2]]
+        part = None if named is None else SHORT_NAMES[named[2]]
         is_wind = part is not None or "wind" in get("name").lower() or "gust" in get("name").lower()
     if part is None:
         if is_wind:
@@ -150,7 +151,7 @@ def _read(
 
 
 def _no_single_forecast(get: Any) -> str:
-    """Why a message is no wind at one time of one forecast: an average, a spread, a percentile."""
+    """Return why a message is not one forecast at one time: average, spread, percentile."""
     if get("stepType") not in (None, "instant"):
         return f"its {get('stepType')} over a time"
     template = get("productDefinitionTemplateNumber", int)
@@ -166,7 +167,7 @@ def _valid(get: Any) -> np.datetime64:
 
 
 def _nearest(eccodes: Any, handle: Any, path: Path, place: Geodetic, known: dict[str, int]) -> int:
-    """The number of the grid point nearest to the place, by eccodes' own latitudes and longitudes."""
+    """Return the index of the nearest grid point, by eccodes' latitudes and longitudes."""
     grid = eccodes.codes_get(handle, "md5GridSection")
     if grid not in known:
         latitudes, longitudes = (eccodes.codes_get_array(handle, key) for key in ("latitudes", "longitudes"))

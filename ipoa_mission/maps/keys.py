@@ -1,7 +1,7 @@
-"""What the keys of a map mean for height and width, whoever wrote it: `height`, `est_height`, `rotor:diameter`, `AGL`.
+"""Map keys of any source to what they measure: `height`, `est_height`, `rotor:diameter`, `AGL`.
 
-A key is taken by its words, so that `building:height`, `BLDG_HEIGHT` and `measuredHeight` are one. Names that a
-Shapefile has cut to ten letters, or that GDAL wrote with `_` in place of `:`, are found by OpenStreetMap's own.
+A key is read by its words: `building:height`, `BLDG_HEIGHT` and `measuredHeight` are the same. OpenStreetMap's names
+complete keys that a Shapefile cut to ten letters, or that GDAL wrote with `_` for `:`.
 """
 
 import re
@@ -10,8 +10,8 @@ from enum import StrEnum
 from functools import lru_cache
 
 CUT = 10  # letters of a name in a Shapefile
-CUT_BY_SHP_WRITE = 8  # in those of shp-write before 0.4.2
-PERHAPS = "perhaps"  # a word in the names of keys that may be another's
+CUT_BY_SHP_WRITE = 8  # of shp-write before 0.4.2
+AMBIGUITY_MARK = "perhaps"  # marks ambiguous keys
 
 
 def _set(words: str) -> frozenset[str]:
@@ -19,7 +19,7 @@ def _set(words: str) -> frozenset[str]:
 
 
 class Means(StrEnum):
-    """What a key measures."""
+    """The quantity that a key measures."""
 
     TOP = "top above the ground"
     FOOT = "lower side above the ground"
@@ -36,7 +36,7 @@ class Means(StrEnum):
     RADIUS = "radius"
     LENGTH = "length"
     UNIT = "unit of other keys"
-    PERHAPS = "may be a height"
+    AMBIGUOUS = "may be a height"
     NOTHING = "nothing of these"
 
 
@@ -58,17 +58,17 @@ _EXACT = {
     "length": Means.LENGTH,
     "crane_length": Means.LENGTH,
     "maxheight": Means.NOTHING,  # of vehicles below it
-    "height_amsl": Means.NOTHING,  # has a rule of its own
+    "height_amsl": Means.NOTHING,  # has its own rule
     "ele": Means.NOTHING,  # of the ground, above sea level
     "elevation": Means.NOTHING,
 }
-#: Words of a key that tells of another one, not of the thing.
+# Words of a key about another key.
 _ABOUT = _set(
     "source note notes date accuracy ref error type class code method check survey color quality status "
     "confidence material shape direction angle description name id start end name_en comment fixme"
 )
 _HEIGHT = re.compile(r"height|hoehe|höhe|hauteur|altura|altezza|hoogte|hgt|výška|vyska|wysokosc|agl$|^agl")
-#: Heights of something else than the top.
+# Words of heights other than the top.
 _LOWER = _set(
     "min base bottom foot ground clearance passage sill door entrance gate step kerb curb riser ceiling storey "
     "story level floor terrain restriction limit limits vehicle legal physical signed person seat table handrail "
@@ -90,28 +90,27 @@ _NARROW = _set(
     "trunk stem dbh hole pipe step door entrance lane lanes carriageway sidewalk max maxwidth min kerb road "
     "passage tread bore opening circumference"
 )
-_PERHAPS = _set("h ht alt altitude z zmax ztop hmax dach toit top tip amsl asl msl elev elevation")
+_AMBIGUOUS_WORDS = _set("h ht alt altitude z zmax ztop hmax dach toit top tip amsl asl msl elev elevation")
 _MEASURED = ("height", "diameter", "levels", "storeys", "floors", "radius")
 _UNITS = _set("unit units uom einheit")
 
 
 def plain(key: str) -> str:
-    """A key in small letters, its words parted by `_`."""
+    """Return a key in lower case, words separated by `_`."""
     words = re.sub(r"(?<=[a-zäöü0-9])(?=[A-ZÄÖÜ])", "_", key).lower()
     return re.sub(r"[\W_]+", "_", words).strip("_")
 
 
 @lru_cache(maxsize=65536)
 def meaning(key: str) -> Means:
-    """What a key measures."""
     text = plain(key)
     if text in _EXACT:
         return _EXACT[text]
     words = frozenset(text.split("_"))
     if words & _ABOUT:
         return Means.NOTHING
-    if PERHAPS in words:
-        return Means.PERHAPS
+    if AMBIGUITY_MARK in words:
+        return Means.AMBIGUOUS
     if words & _UNITS:
         return Means.UNIT
     if _HEIGHT.search(text):
@@ -122,7 +121,7 @@ def meaning(key: str) -> Means:
         return Means.NOTHING if words & _BELOW or "min" in words else Means.LEVELS
     if _WIDTH.search(text) or "radius" in words:
         return _width(words)
-    return Means.PERHAPS if words & _PERHAPS and not words & _LOWER else Means.NOTHING
+    return Means.AMBIGUOUS if words & _AMBIGUOUS_WORDS and not words & _LOWER else Means.NOTHING
 
 
 def _height(text: str, words: frozenset[str]) -> Means:
@@ -131,7 +130,7 @@ def _height(text: str, words: frozenset[str]) -> Means:
     if words & _LOWER or text.startswith(("maxheight", "minheight")):
         return Means.NOTHING
     if words & _EAVES:
-        return Means.PERHAPS
+        return Means.AMBIGUOUS
     return Means.ROOF if text.startswith("roof_") else Means.TOP
 
 
@@ -147,17 +146,17 @@ def _width(words: frozenset[str]) -> Means:
 
 
 class Names:
-    """Keys as a program knows them, found under the names that they have in files."""
+    """Finds known keys under their spellings in files."""
 
     def __init__(self, known: Iterable[str]) -> None:
         self._known = {plain(key): key for key in known}
 
     def of(self, key: str) -> str:
-        """The known key that is written so but for capitals and marks; else the key itself."""
+        """Return the known key that differs only in case and punctuation, or else the key itself."""
         return self._known.get(plain(key), key)
 
     def starting_as(self, key: str) -> tuple[str, ...]:
-        """The known keys of which a Shapefile keeps these ten letters, the last of them a number it may be."""
+        """Return the known keys that a Shapefile cuts to these ten letters; trailing digits may be a number."""
         text = _squeezed(key)
         begins = (text, re.sub(r"\d{1,2}$", "", text))  # a second one ends in _1
         return tuple(
@@ -166,7 +165,7 @@ class Names:
 
 
 def completed(key: str) -> str:
-    """A key whose last word measures something and was cut, with all of that word."""
+    """Complete a cut last word that measures something."""
     for word in _MEASURED:
         for length in range(len(word) - 1, 2, -1):
             if key.lower().endswith(word[:length]):
@@ -179,5 +178,5 @@ def _squeezed(key: str) -> str:
 
 
 def those(tags: Mapping[str, str], *means: Means) -> list[str]:
-    """The keys that mean one of these."""
+    """Return the keys with one of these meanings."""
     return [key for key in tags if meaning(key) in means]

@@ -1,6 +1,6 @@
-"""What the tags of a feature say that it is: something that stands in the way, something flat, or nothing at all.
+"""Classify features by their tags: tall, flat, or no obstacle.
 
-The tags are OpenStreetMap's, and those of other maps that mean the same (`keys`).
+The tags are OpenStreetMap's, or other maps' with the same meaning (`keys`).
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,14 +12,14 @@ import numpy as np
 import shapely
 
 from ipoa_mission.maps.feature import Feature
-from ipoa_mission.maps.keys import CUT, CUT_BY_SHP_WRITE, PERHAPS, Means, Names, completed, meaning, those
+from ipoa_mission.maps.keys import AMBIGUITY_MARK, CUT, CUT_BY_SHP_WRITE, Means, Names, completed, meaning, those
 from ipoa_mission.maps.wires import OVERGROUND, WIRES
 
-#: What a shape covers.
+# The extent of a shape.
 Extent: TypeAlias = Literal["area", "thin", "none"]
-#: Values of `building` and `building:part` that say that there is none.
+# Values of `building` and `building:part` for no building.
 NO_BUILDING = {"no", "entrance", "demolished", "razed", "proposed", "construction_site"}
-#: What is tall by nature, whether or not its height is known.
+# Kinds that are tall even without a known height.
 TALL = {
     "man_made": {
         "antenna", "bell_tower", "campanile", "ceremonial_gate", "chimney", "column", "communications_tower",
@@ -41,13 +41,13 @@ TALL = {
     "attraction": {"big_wheel", "drop_tower", "roller_coaster"},
     "advertising": {"column", "totem"},
 }  # fmt: skip
-#: Before a key these say that the thing no longer serves, or is not yet whole; it may stand.
+# Prefixes of keys of things out of service or unfinished, which may be there.
 LIFECYCLE = ("disused:", "abandoned:", "ruins:", "construction:", "was:")
-#: Roads, railways and paths on a bridge are in the air.
+# Ways that are in the air on a bridge.
 ON_BRIDGES = ("highway", "railway", "waterway")
-#: Trees over an area: no obstacle unless their height is known, but in the way.
+# Areas of trees: no obstacle unless their height is known, but reported as possible ones.
 WOODS = {"natural": {"wood"}, "landuse": {"forest", "orchard"}, "landcover": {"trees"}}
-#: What lies on the ground, or is only an area: all values of these keys but those named.
+# Keys of flat things or plain areas, for all values but these.
 GROUNDS: Mapping[str, set[str]] = {
     "highway": {"elevator"},
     "railway": {"station"},
@@ -63,33 +63,33 @@ GROUNDS: Mapping[str, set[str]] = {
     "landcover": {"trees"},
     "golf": set(),
 }
-#: Areas by `amenity` in which buildings are mapped on their own.
+# Areas by `amenity` whose buildings are mapped separately.
 FLAT_AMENITIES = {
     "bench", "bicycle_parking", "clinic", "college", "fountain", "grave_yard", "hospital", "kindergarten",
     "marketplace", "parking", "parking_entrance", "parking_space", "place_of_worship", "school", "university",
     "waste_basket",
 }  # fmt: skip
 NO_BRIDGE = {"no", "abandoned", "demolished", "removed", "proposed", "low_water_crossing", "boardwalk"}
-#: Keys by which a file of buildings is known even where they are null.
+# Keys that identify a file of buildings even if they are null.
 OVERTURE = {"has_parts", "is_underground"}
-#: The height of the top above mean sea level [m].
+# The height of the top above mean sea level [m].
 TOP_AMSL = "height:amsl"
-#: Tags that say which thing it is, not what.
+# Tags that identify a thing without its kind.
 NAMING = {"name", "id", "@id", "osm_id", "osm_way_id", "fid", "ID", "FID", "OBJECTID", "Name", "Id", "description"}
 
 
 @dataclass(frozen=True)
 class Reason:
-    """Why a feature is passed over; `may_stand`: it may be in the way all the same. `remedy`: what to do then.
+    """Why a feature is passed over; `may_stand` marks a possible obstacle, with a `remedy`.
 
-    `heights`: keys of the map's section, and values, that give it a height.
+    `heights`: keys and values of the map's section that give it a height.
     """
 
     words: str
     may_stand: bool
     remedy: str = (
-        'what stands there the map does not say: under [[maps]], take = "all" makes it an obstacle (default_height); '
-        'take = "tagged" says that it is nothing'
+        'the map does not name its kind: under [[maps]], take = "all" makes it an obstacle (default_height); '
+        'take = "tagged" excludes it'
     )
     heights: tuple[tuple[str, float], ...] = ()
 
@@ -97,21 +97,20 @@ class Reason:
 CABLE = Reason(
     "a power cable that may hang or lie in the ground",
     True,
-    "location=underground in the map says that it lies in the ground; under [[maps]], line_height = 15 lets all power "
-    "lines hang so high [m]",
+    "location=underground in the map excludes it; under [[maps]], line_height = 15 makes all power lines 15 m high",
     (("line_height", 15.0),),
 )
 WOOD = Reason(
     "a wood of unknown height",
     True,
-    "under [[maps]], wood_height = 35 gives woods that height [m]; wood_height = 0 says that nothing stands there",
+    "under [[maps]], wood_height = 35 gives woods that height [m]; wood_height = 0 excludes them",
     (("wood_height", 35.0), ("wood_height", 0.0)),
 )
 FLAT = Reason("tagged as something flat", False)
 
 
 _OTHER_KEYS = ("building", "building:part", "location", "tunnel", "bridge", "layer", "voltage", "barrier", "height")
-#: Keys of more than ten letters that bear on height, width, kind or limit: a Shapefile cuts them.
+# Keys of more than ten letters about height, width, kind or limit, which a Shapefile cuts.
 _LONG_KEYS = (
     "building:levels", "building:height", "building:min_level", "building:min_height", "building:max_level",
     "roof:height", "roof:levels", "diameter_crown", "rotor:diameter", "tower:height", "measuredHeight",
@@ -119,14 +118,14 @@ _LONG_KEYS = (
 )  # fmt: skip
 _NAMES = Names((*TALL, *WIRES, *WOODS, *OVERTURE, *_OTHER_KEYS, *_LONG_KEYS, TOP_AMSL))
 _KNOWN = frozenset(_OTHER_KEYS) | TALL.keys() | WIRES.keys() | WOODS.keys()
-UNSURE = (Means.NOTHING, Means.PERHAPS)
-#: What a thing measures only if it stands.
+UNSURE = (Means.NOTHING, Means.AMBIGUOUS)
+# Measures that only a thing with a height has.
 _MEASURES = (Means.TOP, Means.LEVELS, Means.MAX_LEVEL, Means.HUB, Means.ROTOR, Means.BLADE)
 _OF_BUILDINGS = (*_MEASURES, Means.FOOT, Means.MIN_LEVEL, Means.ROOF, Means.ROOF_LEVELS)
 
 
 def as_openstreetmap(feature: Feature) -> Feature:
-    """The same feature, its keys of kind as OpenStreetMap spells them, whatever their capitals and marks."""
+    """Return the feature with its kind keys as OpenStreetMap spells them, whatever their case and punctuation."""
     tags = feature.tags
     renamed = {key: named for key in tags if (named := _named(key)) != key and named not in tags}
     if not renamed and "is_underground" not in tags:
@@ -145,7 +144,7 @@ def _named(key: str) -> str:
 
 
 def uncut(key: str, value: str) -> str:
-    """The key of which a Shapefile's field is the beginning; what may be one of several has `perhaps` in its name."""
+    """Return the full key of a truncated Shapefile field; an ambiguous one gets `perhaps` in its name."""
     if len(key) not in (CUT, CUT_BY_SHP_WRITE) or _named(key) in _KNOWN or meaning(key) not in UNSURE:
         return key
     if len(key) != CUT:
@@ -154,20 +153,20 @@ def uncut(key: str, value: str) -> str:
     of_kind = [known for known in begun if value in TALL.get(known, ())]
     if of_kind or (len(begun) == 1 and not key[-1].isdigit()):
         return (of_kind or begun)[0]
-    return f"{key} {PERHAPS}" if begun else completed(key)
+    return f"{key} {AMBIGUITY_MARK}" if begun else completed(key)
 
 
 def has_place_for_height(feature: Feature, height_key: str) -> bool:
-    """Whether a feature has a key by which files of buildings are known, with a value or without."""
+    """Return whether a feature has a key that is typical of building files, with or without a value."""
     keys = {*feature.tags, *feature.blank}
     return not keys.isdisjoint(OVERTURE | {height_key}) or any(meaning(key) in _OF_BUILDINGS for key in keys)
 
 
 def has_kind(feature: Feature) -> bool:
-    """Whether tags say which kind of thing a feature is.
+    """Return whether tags name the kind of a feature.
 
-    A file in which none does, and some have a place for a height, is of buildings and nothing else. So are Overture's
-    files, a cadastre's, and what people draw.
+    A file without kinds, in which some features have a key for a height, has only buildings. Examples are Overture's
+    files, a cadastre's, and drawings.
     """
     tags = feature.tags
     mapped = "building" in tags or "building:part" in tags or any(tagged(tags, kinds) for kinds in (TALL, WIRES, WOODS))
@@ -175,7 +174,7 @@ def has_kind(feature: Feature) -> bool:
 
 
 def why_passed_over(feature: Feature, extent: Extent, height_key: str, all_buildings: bool) -> Reason | None:
-    """Why a feature, whose shape has such an extent, does not stand in the way; None if it does."""
+    """Return why a feature of this extent is no obstacle; None if it is one."""
     tags, areal = feature.tags, extent == "area"
     if extent == "none":
         return Reason("without a geometry", False)
@@ -202,11 +201,11 @@ def why_passed_over(feature: Feature, extent: Extent, height_key: str, all_build
     unknown = "of a kind unknown" if tags.keys() - NAMING else "untagged"
     if areal:
         return Reason(f"an area {unknown}", True)
-    return Reason(f"a point or line {unknown}", has_blank or bool(those(tags, Means.PERHAPS)))
+    return Reason(f"a point or line {unknown}", has_blank or bool(those(tags, Means.AMBIGUOUS)))
 
 
 def key_of_height(feature: Feature) -> str | None:
-    """The key under [[maps]] that says how high a thing is of which the map does not say it; None for other things."""
+    """Return the key under [[maps]] that sets the height of a feature without one; None for other features."""
     tags = feature.tags
     if {TOP_AMSL, "building"} & tags.keys() or those(tags, *_MEASURES) or _is_below(tags):
         return None
@@ -216,7 +215,7 @@ def key_of_height(feature: Feature) -> str | None:
 
 
 def tagged(tags: Mapping[str, str], kinds: Mapping[str, set[str]]) -> bool:
-    """Whether the tags have one of the values of one of the keys, alone or among others; most have none of them."""
+    """Return whether the tags have a value of a key in `kinds`, also within a list of values."""
     if kinds.keys().isdisjoint(tags):
         return False
     return any(not values.isdisjoint(values_of(tags[key])) for key, values in kinds.items() if key in tags)
@@ -224,17 +223,17 @@ def tagged(tags: Mapping[str, str], kinds: Mapping[str, set[str]]) -> bool:
 
 @lru_cache(maxsize=4096)
 def values_of(text: str) -> tuple[str, ...]:
-    """The values of a tag: `Mast; tower` are two."""
+    """Return the values of a tag: `Mast; tower` are two."""
     return tuple(part.strip().lower() for part in text.split(";"))
 
 
 def is_bridge(tags: Mapping[str, str]) -> bool:
-    """Whether it leads over a bridge."""
+    """Return whether tags describe a way on a bridge."""
     return tags.get("bridge", "no") not in NO_BRIDGE and not tags.keys().isdisjoint(ON_BRIDGES)
 
 
 def extents_of(shapes: Sequence[Any]) -> list[Extent]:
-    """Of each shape whether it has an area, or is the closed line round one; or is thin, or empty."""
+    """Return for each shape whether it is an area (or a closed line), thin, or empty."""
     each = np.array(shapes, dtype=object)
     kinds = shapely.get_type_id(each)
     closed = shapely.is_closed(each) & (shapely.get_num_coordinates(each) > 3)
@@ -246,7 +245,7 @@ def extents_of(shapes: Sequence[Any]) -> list[Extent]:
 
 
 def _is_areal(shape: Any) -> bool:
-    """Whether something of a collection has an area, or is the closed line round one."""
+    """Return whether a part of a collection is an area or a closed line."""
     parts = [part for piece in shapely.get_parts(shape) for part in shapely.get_parts(piece)]
     return any(
         part.geom_type in ("Polygon", "MultiPolygon", "GeometryCollection")

@@ -1,7 +1,7 @@
-"""KML 2.2, and KMZ, as Google Earth, Google My Maps and flight planners write it: points, lines, rings and polygons.
+"""Read KML 2.2 and KMZ from Google Earth, Google My Maps and flight planners: points, lines, rings, polygons.
 
-What is drawn down to the ground (`extrude`) has its greatest altitude as its height, above the ground or above sea
-level. Other heights in a KML are not read: a scenario says how high a zone is.
+A shape extended to the ground (`extrude`) has its greatest altitude as height, above ground or sea level. Other heights
+in a KML are not read: a scenario gives a zone's height.
 """
 
 import contextlib
@@ -24,8 +24,8 @@ from ipoa_mission.files import read_text
 from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, Missing, on_earth, read_all
 
 MOST_FOLDERS = 64
-ELSEWHERE = {"NetworkLink", "GroundOverlay", "PhotoOverlay"}  # what they show is in another file
-#: What is not read, and what it is.
+ELSEWHERE = {"NetworkLink", "GroundOverlay", "PhotoOverlay"}  # their content is in another file
+# Elements that are not read, with a description.
 UNREAD = {
     "NetworkLink": "whose places are in another file",
     "GroundOverlay": "an image on the ground",
@@ -33,43 +33,43 @@ UNREAD = {
     "Model": "a body in another file",
 }
 REMEDY = "save what it shows as a KML of its own, and name that under [[maps]]"
-BESIDE_COMMA = re.compile(r"\s*,\s*")
+COMMA = re.compile(r"\s*,\s*")
 MOST_COMMAS = 2  # in a position
 EXTRUDED = {"Polygon", "LinearRing", "LineString", "Point"}
-LARGEST = 64 << 20  # bytes of a .kml in a .kmz: an archive may hold a thousand times its size
-#: How altitudes count, and the tag that a height becomes.
+LARGEST = 64 << 20  # bytes of a .kml in a .kmz: an archive may expand to a thousand times its size
+# The tag of a height, by altitude mode.
 MODES = {"relativeToGround": "height", "absolute": "height:amsl"}
 HIGHEST = 100_000.0  # [m]
-#: What zipfile raises over a broken archive.
+# Exceptions of zipfile for a broken archive.
 BROKEN = (
     zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error, EOFError, NotImplementedError, RuntimeError,
     ValueError,
 )  # fmt: skip
 MOST_ELEMENTS = 500_000
-PIECE = 1 << 20  # bytes that are parsed at once
+PIECE = 1 << 20  # bytes parsed at once
 WORDS = {"Point": 1, "LineString": 2, "LinearRing": 3}
 
 
 def read_kml(path: Path) -> tuple[Feature, ...]:
-    """Every placemark with its name and extended data as tags; its shape is empty where it has none that we know.
+    """Return every placemark, with name and extended data as tags; unknown shapes are empty.
 
     Raises:
-        BadInput: naming file and place, and what was expected there.
+        BadInput: with file and place.
     """
     return _read(read_text(path).encode(), path)
 
 
 def read_kmz(path: Path) -> tuple[Feature, ...]:
-    """The same of the first KML in a KMZ, which is the one that Google Earth shows.
+    """Return the features of the first KML in a KMZ, the one that Google Earth shows.
 
     Raises:
-        BadInput: naming file and place, and what was expected there.
+        BadInput: with file and place.
     """
     try:
         with zipfile.ZipFile(path) as archive:
             names = [each for each in archive.namelist() if each.lower().endswith(".kml")]
             if not names:
-                raise NothingThere("expected a .kml in it, but there is none", place=path)
+                raise NothingThere("expected a .kml in the archive, but it has none", place=path)
             with archive.open(names[0]) as file:
                 text = file.read(LARGEST + 1)
     except OSError as error:
@@ -77,7 +77,7 @@ def read_kmz(path: Path) -> tuple[Feature, ...]:
     except BROKEN as error:
         raise WrongFormat(f"expected a KMZ, a .kml in a zip archive: {error}", place=path) from error
     if len(text) > LARGEST:
-        raise TooLarge(f"expected a .kml of at most {LARGEST >> 20} MB in it", place=path)
+        raise TooLarge(f"expected a .kml of at most {LARGEST >> 20} MB in the archive", place=path)
     nowhere = shapely.GeometryCollection()
     others = (
         Feature(f"{path}: {name}", nowhere, {}, missing=Missing(f"{name}, a second KML", nowhere, REMEDY))
@@ -92,7 +92,7 @@ def _read(text: bytes, path: Path) -> tuple[Feature, ...]:
     except ElementTree.ParseError as error:
         line = getattr(error, "position", (1, 0))[0]
         raise WrongFormat("expected well-formed XML", place=f"{path}: line {line}") from error
-    except (LookupError, ValueError) as error:  # of an encoding that nobody knows, or of several bytes
+    except (LookupError, ValueError) as error:  # of an unknown or multi-byte encoding
         raise WrongFormat(f"expected XML in an encoding such as UTF-8: {error}", place=path) from error
     if _local(root) != "kml":
         raise WrongFormat(f"expected a kml document, not {_local(root)}", place=path)
@@ -101,7 +101,7 @@ def _read(text: bytes, path: Path) -> tuple[Feature, ...]:
 
 
 def _parse(text: bytes, path: Path) -> ElementTree.Element:
-    """The document, piece by piece, so that one of nothing but elements does not fill the memory."""
+    """Parse the document in pieces, so that one of countless elements does not fill the memory."""
     parser: Any = ElementTree.XMLPullParser(("start",))
     root: ElementTree.Element | None = None
     count = 0
@@ -126,7 +126,7 @@ def _placemarks(root: ElementTree.Element, path: Path) -> Iterator[ElementTree.E
             continue
         if _local(element) == "Placemark":
             if sum(_local(one) == "Placemark" for one in element.iter()) > 1:
-                raise BadInput("expected no Placemark in another", place=path)
+                raise BadInput("expected no Placemark inside another", place=path)
             yield element
             continue
         if depth >= MOST_FOLDERS:
@@ -142,7 +142,7 @@ def _feature(placemark: ElementTree.Element, place: str) -> Feature:
 
 
 def _missing(placemark: ElementTree.Element, place: str) -> Missing | None:
-    """What of a placemark is drawn otherwise than by points, lines and polygons."""
+    """Return a part of a placemark other than points, lines and polygons, if there is one."""
     for element in placemark.iter():
         if (kind := _local(element)) in UNREAD:
             sides = {_local(each): (each.text or "").strip() for each in element.iter()}
@@ -155,7 +155,7 @@ def _missing(placemark: ElementTree.Element, place: str) -> Missing | None:
 
 
 def _height(placemark: ElementTree.Element) -> dict[str, str]:
-    """The greatest height of what is drawn down to the ground, as a tag; nothing where there is none."""
+    """Return the greatest height of shapes extended to the ground, as a tag; empty without any."""
     tops: dict[str, float] = {}
     for drawn in (each for each in placemark.iter() if _local(each) in EXTRUDED):
         texts = {_local(child): (child.text or "").strip() for child in drawn}
@@ -175,8 +175,8 @@ def _altitudes(text: str) -> Iterator[float]:
 
 
 def _words(text: str) -> list[str]:
-    """The positions in a text: blanks beside a comma do not part them, as in GDAL and fastkml."""
-    return BESIDE_COMMA.sub(",", text).split()
+    """Return the positions in a text; blanks around a comma do not separate them, as in GDAL and fastkml."""
+    return COMMA.sub(",", text).split()
 
 
 def _tags(placemark: ElementTree.Element) -> Iterator[tuple[str, str]]:
@@ -219,7 +219,7 @@ def _shapes(parent: ElementTree.Element, place: str, depth: int = 0) -> Iterator
 
 
 def _track(element: ElementTree.Element, place: str) -> Corners:
-    """The way that a `gx:Track` leads: longitude, latitude and altitude with blanks between them."""
+    """Return the positions of a `gx:Track`: longitude, latitude and altitude separated by blanks."""
     text = " ".join(",".join((each.text or "").split()) for each in element if _local(each) == "coord")
     return _positions(text, 2, f"{place}.coord")
 
@@ -245,5 +245,4 @@ def _positions(text: str, least: int, place: str) -> Corners:
 
 
 def _local(element: ElementTree.Element) -> str:
-    """The tag without its namespace."""
     return str(element.tag).rpartition("}")[2]

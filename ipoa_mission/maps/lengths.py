@@ -1,7 +1,7 @@
-"""Lengths and numbers of storeys as mappers spell them: `23 m`, `7'4"`, `22+`, `60 m (AGL)`, `1,200`, `G+4`.
+"""Parse lengths and storey counts as mappers spell them: `23 m`, `7'4"`, `22+`, `60 m (AGL)`, `1,200`, `G+4`.
 
-A bare number is metres. Of several values, of a range and of what can be read in two ways the greatest counts: too much
-is safe.
+A bare number is in metres. The greatest of several values, of a range and of ambiguous readings counts, since a greater
+height is safe.
 """
 
 import math
@@ -24,13 +24,13 @@ UNITS = {
     1609.344: "mi mile miles",
 }
 FACTORS = {name: factor for factor, names in UNITS.items() for name in names.split()}
-#: Thousands are parted by commas, dots or blanks; `12,5` is a decimal. A sign is no part: `12-15` is a range.
+# Commas, dots or blanks separate thousands; `12,5` is a decimal. A sign is excluded: `12-15` is a range.
 NUMBER = (
     r"(?:\d{1,3}(?:,\d{3})+(?:\.\d+)?(?!\d)|\d{1,3}(?:\.\d{3})+,\d+|\d{1,3}(?: \d{3})+(?!\d)"
     r"|\d+(?:[.,]\d+)?(?:e[-+]?\d(?!\d))?|[.,]\d+)"
 )
 _QUANTITY = re.compile(rf"({NUMBER})\.? ?([a-zм′’″”“`´'\"è]*)")
-#: Words beside a number that change nothing, or say that it is about so much.
+# Words that do not change a number, or mark it as approximate.
 _ASIDE = re.compile(
     r"approx(?:imate(?:ly)?)?|about|around|circa|ca?|est(?:imate[d]?)?|roughly|agl|above|over|ground|level|lvl|from|the|"
     r"high|tall|height|total|overall|roof|ridge|top|tip|spire|antenna|mast|tower|building|parapet|with(?:out)?|"
@@ -47,15 +47,15 @@ _TERM = r"(?:\d+(?:[.,]5)?[a-zäöü]{0,3}|[a-zäöü]{1,8}|(?:b|ub|ug|sb|ss)\d+
 _SUM = re.compile(rf"{_TERM}(?:\+{_TERM})+")
 
 
-#: Full-width letters, digits and marks as those of ASCII.
+# Full-width letters, digits and marks as ASCII.
 _WIDE = {code: code - 0xFEE0 for code in range(0xFF01, 0xFF5F)} | {0x3000: 0x20}
 
 
 def meters(text: str, place: str) -> float:
-    """A length in metres.
+    """Return a length in metres.
 
     Raises:
-        BadInput: it is none.
+        BadInput: it is not a length.
     """
     length, sure = length_of(text)
     if length is None or not sure:
@@ -63,11 +63,11 @@ def meters(text: str, place: str) -> float:
     return length
 
 
-@lru_cache(maxsize=4096)  # a map says the same few heights over and over
+@lru_cache(maxsize=4096)  # a map repeats a few heights
 def length_of(text: str) -> tuple[float | None, bool]:
-    """The greatest length that a text names, in metres, and whether all of the text was understood.
+    """Return the greatest length in a text [m], and whether all of the text was understood.
 
-    None where there is no number. A number whose unit is unknown counts as metres, and is not understood.
+    None without a number. A number of unknown unit counts as metres, and as not understood.
     """
     text = text.translate(_WIDE).strip().lower()
     if len(text) > LONGEST or text.startswith(("-", "−")):
@@ -79,7 +79,7 @@ def length_of(text: str) -> tuple[float | None, bool]:
         rest.append(between)
         unit = match[2]
         factor = FACTORS.get(unit)
-        if factor is None:  # 22approx, 60agl: a word that stands without a blank
+        if factor is None:  # 22approx, 60agl: a word without a blank before it
             factor = 1.0
             rest.append(unit)
         if last == FOOT and not unit and not between.strip():  # 6'2
@@ -98,9 +98,9 @@ def length_of(text: str) -> tuple[float | None, bool]:
 
 @lru_cache(maxsize=4096)
 def storeys_of(text: str) -> tuple[float | None, bool]:
-    """The greatest number of storeys above the ground that a text names, and whether all of it was understood.
+    """Return the greatest number of storeys above the ground in a text, and whether all of it was understood.
 
-    In `G+4` and `2+1` each part counts, a letter as one storey, those of basements as none.
+    In `G+4` and `2+1` each part counts, a letter as one storey, basements as none.
     """
     text = text.translate(_WIDE).strip().lower()
     if len(text) > LONGEST or text.startswith(("-", "−")):
@@ -119,7 +119,7 @@ def storeys_of(text: str) -> tuple[float | None, bool]:
 
 
 def counted_storeys(text: str) -> float | None:
-    """The storeys of a height that is told by them (`6 floors`, `G+4`); None where it is not."""
+    """Return the storeys of a height given as storeys (`6 floors`, `G+4`); None for others."""
     text = re.sub(r"\s*\+\s*", "+", text.translate(_WIDE).strip().lower())
     if len(text) > LONGEST:
         return None
@@ -129,7 +129,7 @@ def counted_storeys(text: str) -> float | None:
 
 
 def names_least(text: str) -> bool:
-    """Whether a text names the least that something measures: `22+`, `> 60 m`."""
+    """Return whether a text gives a lower bound: `22+`, `> 60 m`."""
     return _AT_LEAST.search(text.strip().lower()) is not None
 
 

@@ -1,4 +1,4 @@
-"""Map files with features: which reader reads which."""
+"""Choose the reader of a map file by its suffix."""
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
@@ -15,31 +15,30 @@ from ipoa_mission.maps.parquet import read_parquet
 from ipoa_mission.maps.pbf import read_pbf
 
 GEOJSON = (".geojson", ".json", ".geojsonl", ".geojsons", ".geojsonseq", ".ndjson", ".jsonl")
-_OTHERS = {
+_WHOLE_FILE_READERS = {
     ".kml": read_kml,
     ".kmz": read_kmz,
     ".osm": read_osm,
 }
-#: Of files that may be larger than memory only what is wanted is read, some at a time.
-_LARGE: dict[str, Callable[[Path, Around], Iterator[list[Feature]]]] = {
+# Readers of files that may exceed memory: they read only the wanted features, in batches.
+_BATCH_READERS: dict[str, Callable[[Path, Around], Iterator[list[Feature]]]] = {
     ".pbf": read_pbf,
     ".parquet": read_parquet,
     ".geoparquet": read_parquet,
 }
-READERS = (*GEOJSON, *_OTHERS, *BEGINS, *_LARGE)
-MOST_FEATURES = 2_000_000  # are in memory together
+READERS = (*GEOJSON, *_WHOLE_FILE_READERS, *BEGINS, *_BATCH_READERS)
+MOST_FEATURES = 2_000_000  # in memory together
 
 
 def read_features(path: Path, around: Around | None = None) -> tuple[Feature, ...]:
-    """The features of a map file, in its order, whatever it is by its suffix (`READERS`).
+    """Return the features of a map file, in its order, by its suffix (`READERS`).
 
     Args:
         path: the file.
-        around: what of a large file is wanted (of .pbf, GeoParquet, Shapefile, FlatGeobuf, GeoPackage); None for all.
+        around: the wanted part of a .pbf, GeoParquet, Shapefile, FlatGeobuf or GeoPackage; None for all.
 
     Raises:
-        BadInput: naming file and place of everything that is wrong, and what was expected there.
-        BadInput: a library that reads it is not installed.
+        BadInput: with file and place of every error; or a library is not installed.
     """
     features: list[Feature] = []
 
@@ -52,27 +51,26 @@ def read_features(path: Path, around: Around | None = None) -> tuple[Feature, ..
 
 
 def hand_on_features(path: Path, begin: Callable[[], Take], around: Around | None = None) -> None:
-    """Hand on the features of a map file some at a time, so that those of a large file never are all there.
+    """Pass on the features of a map file in batches, so that a large file is never whole in memory.
 
     Args:
         path: the file.
-        begin: what takes them, from the first on; it may be asked anew, for what was handed on is not so.
-        around: what of a large file is wanted, where what is not is counted; None for all of it.
+        begin: returns the receiver; a second call means that earlier batches are void.
+        around: the wanted part of a large file, and the count of the rest; None for all.
 
     Raises:
-        BadInput: naming file and place of everything that is wrong, and what was expected there.
-        BadInput: a library that reads it is not installed.
+        BadInput: with file and place of every error; or a library is not installed.
     """
     suffix = path.suffix.lower()
     if suffix in GEOJSON:
         read_geojson(path, begin)
-    elif suffix in _OTHERS:
-        if features := _OTHERS[suffix](path):
+    elif suffix in _WHOLE_FILE_READERS:
+        if features := _WHOLE_FILE_READERS[suffix](path):
             begin()(features)
     elif suffix in BEGINS:
         if features := read_table(path, around or Around()):
             begin()(features)
-    elif suffix in _LARGE:
+    elif suffix in _BATCH_READERS:
         with many_objects():
             _hand_on_large(path, begin(), around or Around())
     else:
@@ -90,18 +88,18 @@ def _hand_on_large(path: Path, take: Take, around: Around) -> None:
         take(features)
         return
     around.elsewhere = 0
-    for some in _LARGE[path.suffix.lower()](path, around):
+    for some in _BATCH_READERS[path.suffix.lower()](path, around):
         take(some)
     around.expect_near(path)
 
 
-@lru_cache(maxsize=2)  # on the page a scenario is read anew at every change, and little of it changes
+@lru_cache(maxsize=2)  # the studio reads a scenario again at every change, mostly with the same map
 def _small_part(
     path: Path, as_it_was: tuple[int, int], window: Degrees | None, near: Degrees | None
 ) -> tuple[tuple[Feature, ...], int]:
-    """What of a large file meets a window, and how much does not."""
+    """Return the features of a large file that intersect a window, and the count of the others."""
     around, features = Around(window, near), list[Feature]()
-    for some in _LARGE[path.suffix.lower()](path, around):
+    for some in _BATCH_READERS[path.suffix.lower()](path, around):
         _extend(features, some, path)
     around.expect_near(path)
     return tuple(features), around.elsewhere
@@ -111,4 +109,4 @@ def _extend(features: list[Feature], more: Sequence[Feature], path: Path) -> Non
     features.extend(more)
     if len(features) > MOST_FEATURES:
         words = f"expected at most {MOST_FEATURES:,} things"
-        raise TooLarge(words, hint="cut out what lies round the flight", place=path)
+        raise TooLarge(words, hint="cut out the surroundings of the flight", place=path)

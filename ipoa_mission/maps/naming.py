@@ -1,15 +1,15 @@
-"""Name a thing on a map as a pilot would: by its own name, else by what it is and its number in the map."""
+"""Name a feature for a pilot: by its own name, else by its kind and its number in the map."""
 
 from collections.abc import Mapping
 
 from ipoa_mission.maps.feature import Feature
 
-KINDS = ("man_made", "aerialway", "barrier", "power")  # keys whose value is a word for the thing
+KINDS = ("man_made", "aerialway", "barrier", "power")  # keys whose value names the kind
 WORDS = {"tree": "tree", "tree_row": "row of trees", "tower": "power tower", "pole": "power pole"}
 
 
 def called(feature: Feature) -> str:
-    """Name a thing on a map.
+    """Return the name of a feature.
 
     >>> called(Feature("town.geojson: features[3]", None, {"natural": "tree"}))
     'tree (features[3])'
@@ -28,7 +28,7 @@ def called(feature: Feature) -> str:
 
 
 def _kind(tags: Mapping[str, str]) -> str | None:
-    """What the thing is; None where its tags say nothing that helps a pilot."""
+    """Return the kind of a feature; None if its tags have no useful word."""
     if tags.get("power", "").endswith("line") or tags.get("power") == "cable":
         volts = [int(each) for each in tags.get("voltage", "").split(";") if each.isdecimal()]
         return f"{max(volts) / 1000:g} kV line" if volts else "power line"

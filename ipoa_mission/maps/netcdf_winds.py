@@ -1,4 +1,4 @@
-"""Read winds out of NetCDF by xarray, at the nearest grid point: what its attributes say goes before its names (CF)."""
+"""Read winds from NetCDF by xarray, at the nearest grid point; attributes (CF) take precedence over names."""
 
 import re
 import warnings
@@ -18,7 +18,7 @@ from ipoa_mission.maps.wind_levels import FARTHEST_DEG, Datum, ForecastWinds, Wi
 from ipoa_mission.world.frame import Geodetic
 
 EAST, NORTH, SPEED, FROM, TO = range(5)
-PAIRS = ((EAST, NORTH), (SPEED, FROM), (SPEED, TO))  # what makes a wind together
+PAIRS = ((EAST, NORTH), (SPEED, FROM), (SPEED, TO))  # pairs that define a wind
 STANDARD = {"eastward_wind": EAST, "x_wind": EAST, "northward_wind": NORTH, "y_wind": NORTH}
 STANDARD |= {"wind_speed": SPEED, "wind_from_direction": FROM, "wind_to_direction": TO}
 ALONE = (
@@ -40,10 +40,11 @@ DEGREES = {"lat": "degrees_north", "lon": "degrees_east"}
 
 
 def netcdf_winds(path: Path, place: Geodetic) -> ForecastWinds:
-    """The winds at the nearest grid point.
+    """Return the winds at the nearest grid point.
+
 
     Raises:
-        BadInput: the file is damaged, of another place, or in units that are unknown.
+        BadInput: the file is damaged, elsewhere, or in unknown units.
         MissionError: xarray is not installed.
     """
     found = ForecastWinds(path.name)
@@ -76,7 +77,7 @@ def _opened(path: Path) -> Iterator[Any]:
     xarray = imported("xarray", f"{path}: a forecast of winds needs xarray", "wind")
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # what the libraries say to each other
+            warnings.simplefilter("ignore")  # warnings among the libraries
             with xarray.open_dataset(path, decode_timedelta=True) as data:
                 yield data
     except MissionError:
@@ -86,7 +87,7 @@ def _opened(path: Path) -> Iterator[Any]:
 
 
 def _groups(path: Path) -> list[str]:
-    """The groups of a NetCDF-4 file, of which xarray reads none."""
+    """Return the groups of a NetCDF-4 file; xarray reads none of them."""
     h5py: Any = import_module("h5py")
     if not h5py.is_hdf5(path):
         return []
@@ -95,7 +96,7 @@ def _groups(path: Path) -> list[str]:
 
 
 def _component(name: str, variable: Any) -> int | None:
-    """Which part of a wind it is, None for anything else: a standard name goes before the name."""
+    """Return which component of a wind a variable is, or None; its standard name takes precedence over its name."""
     standard = variable.attrs.get("standard_name")
     if standard not in (None, "", "unknown"):
         return STANDARD.get(standard)
@@ -108,21 +109,21 @@ def _is_wind(name: str, variable: Any) -> bool:
 
 
 def _said(variable: Any) -> str:
-    """What a variable is by its own attributes."""
+    """Return the standard or long name of a variable, or nothing."""
     return next((str(variable.attrs[key]) for key in ("standard_name", "long_name") if key in variable.attrs), "")
 
 
 def _partner(first: Any, others: Sequence[Any]) -> Any | None:
-    """The other part of a wind on the same axes whose name is most alike."""
+    """Return the other component on the same axes with the most similar name."""
     alike = [each for each in others if each.dims == first.dims and set(each.coords) == set(first.coords)]
     name = str(first.name)
     return max(alike, key=lambda each: SequenceMatcher(None, name, str(each.name)).ratio(), default=None)
 
 
 def _levels(path: Path, east: Any, north: Any, found: ForecastWinds) -> Iterator[tuple[float, Datum, tuple[Any, Any]]]:
-    """Height, datum and both components at every level; levels that have no height are counted.
+    """Yield height, datum and both components of every level; note levels without a height.
 
-    An axis goes before a height in the name, and that before a coordinate of one value: xarray hands these to all
+    The order of precedence is: axis, height in the name, coordinate of one value. xarray attaches the last to all
     variables.
     """
     name = str(east.name)
@@ -168,10 +169,10 @@ def _samples(
 
 
 def _there(path: Path, part: Any, place: Geodetic) -> Any:
-    """A part of a wind at the nearest grid point.
+    """Return a component of a wind at the nearest grid point.
 
     Raises:
-        BadInput: the grid has no latitudes and longitudes, is of another place, or the wind is along its turned axes.
+        BadInput: the grid has no latitudes and longitudes, is elsewhere, or is rotated.
     """
     axes = ", ".join(map(str, part.dims))
     degrees = []
@@ -211,7 +212,7 @@ def _there(path: Path, part: Any, place: Geodetic) -> Any:
 
 
 def _counts_degrees(name: str, coordinate: Any, kind: str) -> bool:
-    """Whether a coordinate is the latitude (`lat`) or longitude (`lon`), in degrees of a grid that is not turned."""
+    """Return whether a coordinate is the latitude (`lat`) or longitude (`lon`) in degrees, not rotated."""
     standard, unit = coordinate.attrs.get("standard_name"), str(coordinate.attrs.get("units", DEGREES[kind]))
     whole = {"lat": "latitude", "lon": "longitude"}[kind]
     is_named = standard == whole or (standard is None and name.lower() in (kind, whole))
@@ -219,7 +220,10 @@ def _counts_degrees(name: str, coordinate: Any, kind: str) -> bool:
 
 
 def _valid_times(path: Path, part: Any) -> tuple[np.ndarray, Any]:
-    """When each value blows, (n,), and the values over the same axes: a run and its step make a time."""
+    """Return the valid time of each value, (n,), and the values on the same axes.
+
+    Run time plus step is a valid time.
+    """
     times = _time_of(part)
     known = {str(name) for name in (times.dims if times is not None else ())}
     strange = [str(name) for name in part.dims if str(name) not in known and not _is_member(part, str(name))]
@@ -235,7 +239,7 @@ def _valid_times(path: Path, part: Any) -> tuple[np.ndarray, Any]:
 
 
 def _time_of(part: Any) -> Any | None:
-    """When it blows: what is the time by its standard name, or run and step together."""
+    """Return the valid time by its standard name, or as run time plus step."""
     by_standard = {each.attrs.get("standard_name"): each for each in part.coords.values()}
     named = {str(name).lower(): each for name, each in part.coords.items()}
     lead = by_standard.get("forecast_period")

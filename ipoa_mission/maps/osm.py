@@ -1,7 +1,7 @@
-"""OpenStreetMap's own XML (.osm), as its Export button and Overpass give it: nodes with tags, ways, multipolygons.
+"""Read OpenStreetMap XML (.osm) from the Export button or Overpass: tagged nodes, ways, multipolygons.
 
-An extract may lack corners of what crosses its edge. Such a thing has no shape here; where its other corners are is
-noted.
+An extract may lack corners of things at its edge. Such a thing has an empty shape here, and a note of its other
+corners.
 """
 
 import math
@@ -19,26 +19,26 @@ from ipoa_mission.errors import BadInput, NothingThere, Unreadable, WrongFormat
 from ipoa_mission.maps.feature import Feature, Missing, on_earth
 from ipoa_mission.world.union import union_of
 
-#: A closed way with one of these is a line all the same, unless it says that it is an area.
+# Closed ways with one of these are lines, unless tagged as areas.
 LINES = {"highway", "barrier", "railway", "waterway", "aerialway", "route", "man_made=pipeline", "power=line"}
 AREAS = {"multipolygon", "building", "boundary"}  # types of relations that are areas
-UNTOLD = {"created_by", "source"}  # what says nothing of a thing
+META_TAGS = {"created_by", "source"}  # tags without information about a thing
 LEAST_RING = 4
 MOST_SHOWN = 80  # characters of a remark
 BOUNDS = ("minlon", "minlat", "maxlon", "maxlat")
-WHOLE = "export a larger part of the map, with all of what crosses its edge"
-NOWHERE = shapely.GeometryCollection()
+LARGER_EXTRACT = "export a larger part of the map, with everything that crosses its edge"
+EMPTY_SHAPE = shapely.GeometryCollection()
 
 
 class OsmWay(NamedTuple):
-    """The numbers of its nodes, and its tags."""
+    """The node numbers of a way, and its tags."""
 
     nodes: tuple[str, ...]
     tags: dict[str, str]
 
 
 class Relation(NamedTuple):
-    """Its members by type, number and role, and its tags."""
+    """The members of a relation by type, number and role, and its tags."""
 
     members: tuple[tuple[str, str, str], ...]
     tags: dict[str, str]
@@ -46,7 +46,7 @@ class Relation(NamedTuple):
 
 @dataclass
 class Extract:
-    """What a file says of nodes, ways and areas, by their numbers; `remarks` are a server's, which broke off."""
+    """Nodes, ways and areas of a file by their numbers; `remarks` are the errors of a server."""
 
     places: dict[str, tuple[float, float]] = field(default_factory=dict)
     tagged: dict[str, dict[str, str]] = field(default_factory=dict)
@@ -56,7 +56,7 @@ class Extract:
     remarks: list[str] = field(default_factory=list)
 
     def corners(self, each: Iterable[tuple[str, float | None, float | None]]) -> tuple[str, ...]:
-        """The numbers of a way's nodes, each with its longitude and latitude where these are given in it."""
+        """Return the numbers of a way's nodes; register the longitudes and latitudes given with them."""
         numbers = []
         for number, longitude, latitude in each:
             name = number or f"{longitude},{latitude}"
@@ -67,10 +67,10 @@ class Extract:
 
 
 def read_osm(path: Path) -> tuple[Feature, ...]:
-    """Everything with tags in an .osm file; its shape is empty where the file lacks some of it.
+    """Return every tagged thing in an .osm file; its shape is empty if a part is missing.
 
     Raises:
-        BadInput: it is no such file, or a place in it makes no sense.
+        BadInput: the file is of another format, or a coordinate is invalid.
     """
     try:
         extract = _extract(path)
@@ -78,18 +78,18 @@ def read_osm(path: Path) -> tuple[Feature, ...]:
         raise Unreadable(f"cannot be read: {error.strerror or error}", place=path) from error
     except ElementTree.ParseError as error:
         raise WrongFormat(f"expected OpenStreetMap's XML: {error}", place=path) from error
-    except (LookupError, ValueError) as error:  # of an encoding that nobody knows, or of several bytes
+    except (LookupError, ValueError) as error:  # of an unknown or multi-byte encoding
         raise WrongFormat(f"expected XML in an encoding such as UTF-8: {error}", place=path) from error
     return features_of(extract, path)
 
 
 def features_of(extract: Extract, path: Path) -> tuple[Feature, ...]:
-    """The things with tags of an extract.
+    """Return the tagged things of an extract.
 
     Raises:
-        BadInput: there are none, one lies nowhere on Earth, or of no way the places are known.
+        BadInput: there are none, one is not on Earth, or no way has node positions.
     """
-    tagged = [number for number, way in extract.ways.items() if way.tags.keys() - UNTOLD]
+    tagged = [number for number, way in extract.ways.items() if way.tags.keys() - META_TAGS]
     if tagged and not any(node in extract.places for number in tagged for node in extract.ways[number].nodes):
         raise BadInput(
             f"way {tagged[0]}: expected the places of its nodes",
@@ -125,7 +125,7 @@ def _take(element: ElementTree.Element, extract: Extract, path: Path) -> None:
     tags = plain_tags((tag.get("k", ""), tag.get("v", "")) for tag in element.iterfind("tag"))
     if element.tag == "node":
         extract.places[number] = _degrees(element, "lon", path), _degrees(element, "lat", path)
-        if tags.keys() - UNTOLD:
+        if tags.keys() - META_TAGS:
             extract.tagged[number] = tags
         return
     if (bounds := element.find("bounds")) is not None:
@@ -138,12 +138,12 @@ def _take(element: ElementTree.Element, extract: Extract, path: Path) -> None:
         for member in members:
             if member.get("type") == "way" and member.find("nd") is not None:
                 extract.ways.setdefault(member.get("ref", ""), OsmWay(_nodes(member, extract, path), {}))
-        told = tuple((one.get("type", ""), one.get("ref", ""), one.get("role", "")) for one in members)
-        extract.relations[number] = Relation(told, tags)
+        listed = tuple((one.get("type", ""), one.get("ref", ""), one.get("role", "")) for one in members)
+        extract.relations[number] = Relation(listed, tags)
 
 
 def _nodes(element: ElementTree.Element, extract: Extract, path: Path) -> tuple[str, ...]:
-    """The nodes of a way; Overpass writes their places into it by `out geom`."""
+    """Return the nodes of a way; Overpass includes their positions with `out geom`."""
     here = [(one, one.get("lat") is not None) for one in element.iterfind("nd")]
     return extract.corners(
         (one.get("ref", ""), *((_degrees(one, "lon", path), _degrees(one, "lat", path)) if known else (None, None)))
@@ -152,14 +152,14 @@ def _nodes(element: ElementTree.Element, extract: Extract, path: Path) -> tuple[
 
 
 def is_area(tags: Mapping[str, str]) -> bool:
-    """Whether a relation of these tags goes round an area."""
+    """Return whether a relation with these tags is an area."""
     kind = tags.get("type")
     return kind in AREAS or (kind != "route" and not tags.keys().isdisjoint(("building", "building:part")))
 
 
-def plain_tags(told: Iterable[tuple[str, str]]) -> dict[str, str]:
-    """Tags as they are kept: those with a value."""
-    return {key: value.strip() for key, value in told if value.strip()}
+def plain_tags(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """Return the tags that have a value."""
+    return {key: value.strip() for key, value in pairs if value.strip()}
 
 
 def _degrees(element: ElementTree.Element, key: str, path: Path) -> float:
@@ -179,24 +179,24 @@ def _features(extract: Extract, path: Path) -> Iterator[Feature]:
 
     for remark in extract.remarks:
         words = f"what the server left out ({remark[:MOST_SHOWN]})"
-        missing = Missing(words, NOWHERE, "ask it anew, for a smaller area")
-        yield Feature(f"{path}: remark", NOWHERE, {}, missing=missing)
+        missing = Missing(words, EMPTY_SHAPE, "repeat the query for a smaller area")
+        yield Feature(f"{path}: remark", EMPTY_SHAPE, {}, missing=missing)
     for number, tags in extract.tagged.items():
         yield thing("node", number, tags, shapely.Point(extract.places[number]), path)
     for number, way in extract.ways.items():
-        if way.tags.keys() - UNTOLD:
+        if way.tags.keys() - META_TAGS:
             closes = len(way.nodes) > 1 and way.nodes[0] == way.nodes[-1]
             known = _known((way,), extract, f"way {number}")
             yield thing("way", number, way.tags, shape_of(corners_of(number), closes, way.tags), path, known)
     for number, relation in extract.relations.items():
-        if relation.tags.keys() - UNTOLD - {"type"}:
+        if relation.tags.keys() - META_TAGS - {"type"}:
             ways = [extract.ways[way] for way, _ in ways_of(relation) if way in extract.ways]
             known = _known(ways, extract, f"relation {number}")
             yield thing("relation", number, relation.tags, area_of(relation, corners_of), path, known)
 
 
 def _known(ways: Iterable[OsmWay], extract: Extract, name: str) -> list[Any]:
-    """Those corners of some ways that the file has, or else those of the box that it says that they are in."""
+    """Return the known corners of some ways, or else those of their stated bounding box."""
     corners: list[Any] = [extract.places[node] for way in ways for node in way.nodes if node in extract.places]
     return corners or (shapely.get_coordinates(extract.boxes[name]).tolist() if name in extract.boxes else [])
 
@@ -204,40 +204,40 @@ def _known(ways: Iterable[OsmWay], extract: Extract, name: str) -> list[Any]:
 def thing(
     sort: str, number: str, tags: dict[str, str], shape: Any, path: Path, known: Sequence[Sequence[float]] = ()
 ) -> Feature:
-    """A node, way or relation with its shape [deg]; where it has none, with those of its corners that are `known`.
+    """Return a node, way or relation with its shape [deg]; an empty shape gets a note of its `known` corners.
 
     Raises:
-        BadInput: it lies nowhere on Earth.
+        BadInput: it is not on Earth.
     """
     place = f"{path}: {sort} {number}"
     on_earth(shapely.get_coordinates(shape), place)
     missing = None
     if shapely.is_empty(shape):
-        hull = shapely.MultiPoint(known).convex_hull if known else NOWHERE
-        missing = Missing("of which a part is not in the file", hull, WHOLE, elsewhere=not known)
+        hull = shapely.MultiPoint(known).convex_hull if known else EMPTY_SHAPE
+        missing = Missing("of which a part is not in the file", hull, LARGER_EXTRACT, elsewhere=not known)
     return Feature(place, shape, {**tags, "@id": f"{sort}/{number}"}, missing=missing)
 
 
 def _corners(way: OsmWay, extract: Extract) -> Sequence[tuple[float, float]] | None:
-    """Where a way leads; None where a part of it is not in the extract."""
+    """Return the corners of a way; None if the extract lacks some."""
     corners = [extract.places[node] for node in way.nodes if node in extract.places]
     return corners if len(corners) == len(way.nodes) > 1 else None
 
 
 def shape_of(corners: Sequence[Sequence[float]] | None, closes: bool, tags: Mapping[str, str]) -> Any:
-    """The polygon or line of a way whose corners (longitude, latitude) are known; nothing where they are None."""
+    """Return the polygon or line of a way by its corners (longitude, latitude); an empty shape for None."""
     if corners is None:
-        return NOWHERE
-    told = {*tags, *(f"{key}={value}" for key, value in tags.items())}
-    is_area = tags.get("area") != "no" and (tags.get("area") == "yes" or not told & LINES)
+        return EMPTY_SHAPE
+    named = {*tags, *(f"{key}={value}" for key, value in tags.items())}
+    is_area = tags.get("area") != "no" and (tags.get("area") == "yes" or not named & LINES)
     is_ring = closes and len(corners) >= LEAST_RING
     return shapely.Polygon(corners) if is_ring and is_area else shapely.LineString(corners)
 
 
 def ways_of(relation: Relation) -> Iterator[tuple[str, bool]]:
-    """The ways round the area that a relation is, by number, and whether each is an outer one.
+    """Yield the ways that bound an area relation by number, and whether each is an outer one.
 
-    A label, or a part of a building, is a thing of its own.
+    A label or a part of a building is a thing of its own.
     """
     for sort, number, role in relation.members:
         if sort == "way" and role in ("", "outer", "outline", "inner"):
@@ -245,17 +245,17 @@ def ways_of(relation: Relation) -> Iterator[tuple[str, bool]]:
 
 
 def area_of(relation: Relation, corners_of: Callable[[str], Sequence[Sequence[float]] | None]) -> Any:
-    """What the ways of a relation go round, less what its inner ones do; nothing where they do not close."""
+    """Return the area within outer ways without that within inner ones; an empty shape if they do not close."""
     rings: dict[bool, list[Any]] = {True: [], False: []}
     for number, is_outer in ways_of(relation):
         corners = corners_of(number)
         if corners is None:
-            return NOWHERE
+            return EMPTY_SHAPE
         rings[is_outer].append(shapely.LineString(corners))
     areas = {}
     for is_outer, lines in rings.items():
         found, cuts, dangles, invalid = shapely.polygonize_full(np.array(lines, object))
         if any(not shapely.is_empty(rest) for rest in (cuts, dangles, invalid)):
-            return NOWHERE
+            return EMPTY_SHAPE
         areas[is_outer] = union_of(shapely.get_parts(found))
     return shapely.difference(areas[True], areas[False])

@@ -1,4 +1,4 @@
-"""Polygons of many features made at once, of those whose rings leave nothing to say."""
+"""Build the polygons of many features at once, if their rings are valid."""
 
 from collections.abc import Callable, Sequence
 from itertools import chain
@@ -11,10 +11,9 @@ from ipoa_mission.maps.feature import Corners
 
 
 def sound_polygons(rings_of: Sequence[Any], to_degrees: Callable[[Corners], Corners]) -> list[Any]:
-    """The polygon of each list of rings of positions in JSON; None where it must be looked at on its own.
+    """Return the polygon of each list of rings of JSON positions; None if it needs a separate check.
 
-    That is so where rings are None, no rings, have fewer than three different corners at their begin, or are not on
-    Earth.
+    These are: None, no rings, rings whose first three corners are not all different, and corners not on Earth.
     """
     made: list[Any] = [None] * len(rings_of)
     taken = [i for i, rings in enumerate(rings_of) if _looks_sound(rings)]
@@ -22,7 +21,7 @@ def sound_polygons(rings_of: Sequence[Any], to_degrees: Callable[[Corners], Corn
     if not rings:
         return made
     try:
-        of_position = set(map(len, chain.from_iterable(rings)))  # some may have a height, and some none
+        of_position = set(map(len, chain.from_iterable(rings)))  # some positions may have a height, others not
         numbers = np.fromiter(chain.from_iterable(chain.from_iterable(rings)), float)
     except (TypeError, ValueError, KeyError, OverflowError):
         return made

@@ -1,4 +1,4 @@
-"""Overpass's own JSON (`[out:json]`): the same things as OpenStreetMap's XML, with places in them by `out geom`."""
+"""Read Overpass JSON (`[out:json]`): the content of OpenStreetMap's XML, with positions by `out geom`."""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -8,21 +8,20 @@ import shapely
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.feature import Feature
-from ipoa_mission.maps.osm import BOUNDS, UNTOLD, Extract, OsmWay, Relation, features_of, is_area, plain_tags
+from ipoa_mission.maps.osm import BOUNDS, META_TAGS, Extract, OsmWay, Relation, features_of, is_area, plain_tags
 
 SORTS = ("node", "way", "relation")
 
 
 def is_overpass(document: Any) -> bool:
-    """Whether a JSON document is one of Overpass."""
     return isinstance(document, dict) and isinstance(document.get("elements"), list)
 
 
 def overpass_features(document: Mapping[str, Any], path: Path) -> tuple[Feature, ...]:
-    """Everything with tags; its shape is empty where the file lacks some of it.
+    """Return every tagged thing; its shape is empty if a part is missing.
 
     Raises:
-        BadInput: naming the element that makes no sense, or has no place.
+        BadInput: with the element that is invalid or has no position.
     """
     extract = Extract(remarks=[str(document["remark"])] if document.get("remark") else [])
     for n, element in enumerate(document["elements"]):
@@ -43,7 +42,7 @@ def _take(element: Mapping[str, Any], extract: Extract) -> None:
     if sort == "node":
         if "lat" in element:
             extract.places[number] = float(element["lon"]), float(element["lat"])
-            if tags.keys() - UNTOLD:
+            if tags.keys() - META_TAGS:
                 extract.tagged[number] = tags
         return
     if bounds := element.get("bounds"):
@@ -55,12 +54,12 @@ def _take(element: Mapping[str, Any], extract: Extract) -> None:
         for member in members:
             if member["type"] == "way" and member.get("geometry"):
                 extract.ways.setdefault(str(member["ref"]), OsmWay(extract.corners(_nodes(member)), {}))
-        told = tuple((member["type"], str(member["ref"]), member.get("role") or "") for member in members)
-        extract.relations[number] = Relation(told, tags)
+        listed = tuple((member["type"], str(member["ref"]), member.get("role") or "") for member in members)
+        extract.relations[number] = Relation(listed, tags)
 
 
 def _nodes(way: Mapping[str, Any]) -> Iterator[tuple[str, float | None, float | None]]:
-    """Each node of a way with its place, if that is there: outside of the box that was asked for it is null."""
+    """Yield each node of a way, with its position if known: outside the queried box it is null."""
     numbers, places = way.get("nodes"), way.get("geometry")
     numbers = [""] * len(places or ()) if numbers is None else numbers
     for number, place in zip(numbers, [None] * len(numbers) if places is None else places, strict=True):

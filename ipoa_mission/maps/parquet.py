@@ -1,7 +1,7 @@
-"""GeoParquet, as Overture publishes its buildings (needs pyarrow): each row is a feature, its columns are tags.
+"""Read GeoParquet, as Overture publishes its buildings (needs pyarrow): rows are features, columns are tags.
 
-Of a file that says where the rows of its groups lie, as Overture's do, only the groups that are wanted are read, and of
-these no more than some rows at a time are in memory.
+If a file gives the bounding boxes of its row groups, as Overture's do, only wanted groups are read. Batches of rows
+limit the memory.
 """
 
 import json
@@ -22,18 +22,18 @@ from ipoa_mission.maps.around import Around
 from ipoa_mission.maps.feature import Corners, Feature, on_earth
 from ipoa_mission.maps.geojson import degrees_of
 from ipoa_mission.maps.keys import Means, meaning
-from ipoa_mission.maps.properties import PACKED, blank_keys, cut_off, tags_of
+from ipoa_mission.maps.properties import PACKED, blank_keys, tags_of, truncated
 
 MAGIC = b"PAR1"
-AT_ONCE = 4096  # rows are read together
+BATCH = 4096  # rows per batch
 LARGEST_GROUP = 2_000_000_000  # of rows, unpacked [bytes]
-OVERTURES_NAMES = "names"  # a column of which the primary one counts
+OVERTURES_NAMES = "names"  # a column whose primary entry counts
 
 
 class _Shapes(NamedTuple):
-    """The column with the shapes, how they become degrees, and the columns with their boxes: west, south, east, north.
+    """The geometry column, its conversion to degrees, and its bounding box columns: west, south, east, north.
 
-    Without boxes that are in degrees the latter is empty.
+    `boxes` is empty unless they are in degrees.
     """
 
     column: str
@@ -42,16 +42,16 @@ class _Shapes(NamedTuple):
 
 
 def read_parquet(path: Path, around: Around) -> Iterator[list[Feature]]:
-    """The rows of a GeoParquet file that are wanted.
+    """Yield the wanted rows of a GeoParquet file.
 
     Raises:
-        BadInput: naming the file and the row, and what was expected there; or pyarrow is not installed.
+        BadInput: with file and row; or pyarrow is not installed.
     """
     needed = f"{path}: reading it needs pyarrow, which is not installed"
     parquet = imported("pyarrow.parquet", needed, "maps", BadInput)
     arrow = imported("pyarrow", needed, "maps", BadInput)
     if read_bytes(path, len(MAGIC)) != MAGIC:
-        raise WrongFormat("expected a Parquet file, but it does not begin like one", place=path)
+        raise WrongFormat("expected a Parquet file, but its first bytes are those of another format", place=path)
     any_there = False
     try:
         with parquet.ParquetFile(path) as file:
@@ -61,7 +61,7 @@ def read_parquet(path: Path, around: Around) -> Iterator[list[Feature]]:
     except (arrow.ArrowException, OSError, ValueError) as error:
         raise DamagedFile(f"expected a whole Parquet file: {str(error).partition(chr(10))[0]}", place=path) from error
     if not any_there and not around.elsewhere:
-        raise NothingThere("expected rows with shapes, but there are none", place=path)
+        raise NothingThere("expected rows with shapes, but the file has none", place=path)
 
 
 def _rows(file: Any, arrow: Any, path: Path, around: Around) -> Iterator[list[Feature]]:
@@ -75,30 +75,30 @@ def _rows(file: Any, arrow: Any, path: Path, around: Around) -> Iterator[list[Fe
         if (box := _box_of(group, shapes.boxes)) is not None and not around.wants(box, group.num_rows).any():
             row += group.num_rows
             continue
-        for batch in file.iter_batches(AT_ONCE, [number], columns):
+        for batch in file.iter_batches(BATCH, [number], columns):
             if features := _features(batch, shapes, path, row, around):
                 yield features
             row += batch.num_rows
 
 
 def _shapes_of(file: Any, arrow: Any, path: Path) -> _Shapes:
-    """Which column has the shapes, by what the file says of itself."""
-    told = (file.schema_arrow.metadata or {}).get(b"geo")
-    if told is None:
+    """Return the geometry column, by the file's metadata."""
+    metadata = (file.schema_arrow.metadata or {}).get(b"geo")
+    if metadata is None:
         raise NothingThere(
-            "expected a GeoParquet file, but none of its columns is said to be a geometry",
+            "expected a GeoParquet file, but none of its columns is a geometry",
             hint="a table of places becomes one by GeoPandas: GeoDataFrame.to_parquet",
             place=path,
         )
     try:
-        geo = json.loads(told)
+        geo = json.loads(metadata)
         column = geo["primary_column"]
         about = geo["columns"][column]
         encoding, system = about["encoding"], about.get("crs", "OGC:CRS84")
         covering = (about.get("covering") or {}).get("bbox") or {}
         boxes = tuple(".".join(covering[side]) for side in ("xmin", "ymin", "xmax", "ymax")) if covering else ()
     except (ValueError, TypeError, KeyError, AttributeError) as error:
-        raise BadInput("expected what GeoParquet says of its columns", place=f"{path}: geo") from error
+        raise BadInput("expected GeoParquet's metadata of its columns", place=f"{path}: geo") from error
     schema = file.schema_arrow
     kind = schema.field(column).type if column in schema.names else None
     if encoding != "WKB" or kind not in (arrow.binary(), arrow.large_binary()):
@@ -113,7 +113,7 @@ def _shapes_of(file: Any, arrow: Any, path: Path) -> _Shapes:
 
 
 def _tag_columns(schema: Any, arrow: Any, shapes: str) -> Iterator[str]:
-    """The columns with tags: all but those with tables in them, of which only names, tags and measures are known."""
+    """Yield the columns of tags. Of nested columns only names, tags and measures count."""
     for field in schema:
         if field.name == OVERTURES_NAMES and arrow.types.is_struct(field.type):
             yield f"{field.name}.primary"
@@ -124,7 +124,7 @@ def _tag_columns(schema: Any, arrow: Any, shapes: str) -> Iterator[str]:
 
 
 def _box_of(group: Any, columns: tuple[str, ...]) -> NDArray[np.float64] | None:
-    """Where the rows of a group lie, (1, 4), if the file says so."""
+    """Return the bounding box of a row group, (1, 4), if the file gives it."""
     about = {}
     for n in range(group.num_columns if columns else 0):
         column = group.column(n)
@@ -134,12 +134,12 @@ def _box_of(group: Any, columns: tuple[str, ...]) -> NDArray[np.float64] | None:
         return None
     west, south, east, north = (about[name] for name in columns)
     box = np.array([[west.min, south.min, east.max, north.max]], float)
-    goes_round = west.max > east.max or west.min > east.min  # one of its rows lies across longitude 180
+    goes_round = west.max > east.max or west.min > east.min  # a row crosses longitude 180
     return None if goes_round or not np.isfinite(box).all() else box
 
 
 def _features(batch: Any, shapes: _Shapes, path: Path, row: int, around: Around) -> list[Feature]:
-    """Those rows of some, from number `row` on, that are wanted."""
+    """Return the wanted rows of a batch that begins at number `row`."""
     drawn = _drawn(batch.column(shapes.column).to_numpy(zero_copy_only=False), shapes.to_degrees, path, row)
     wanted = np.flatnonzero(around.wants(shapely.bounds(drawn)))
     tags = batch.drop_columns([shapes.column]).take(wanted).to_pylist() if len(wanted) else []
@@ -147,10 +147,10 @@ def _features(batch: Any, shapes: _Shapes, path: Path, row: int, around: Around)
 
 
 def _drawn(wkb: NDArray[Any], to_degrees: Callable[[Corners], Corners], path: Path, row: int) -> NDArray[Any]:
-    """The shapes of rows in degrees; what has none is empty.
+    """Return the shapes of rows in degrees; null becomes an empty shape.
 
     Raises:
-        BadInput: naming the first row that is no shape, or lies nowhere on Earth.
+        BadInput: with the first row that is not a shape on Earth.
     """
     try:
         shapes = shapely.force_2d(shapely.from_wkb(wkb))
@@ -169,14 +169,14 @@ def _drawn(wkb: NDArray[Any], to_degrees: Callable[[Corners], Corners], path: Pa
 
 def _feature(place: str, shape: Any, row: Mapping[str, Any]) -> Feature:
     plain = {name: _plain(value) for name, value in row.items()}
-    missing = cut_off(plain)
+    missing = truncated(plain)
     return Feature(
         place, shape, dict(tags_of(plain)), frozenset(blank_keys(plain)), missing and missing._replace(shape=shape)
     )
 
 
 def _plain(value: Any) -> Any:
-    """A value as JSON has it: of a map Arrow makes pairs."""
+    """Return a value as JSON has it; Arrow reads a map as pairs."""
     if isinstance(value, Decimal):
         return float(value)
     is_map = isinstance(value, list) and all(isinstance(one, tuple) for one in value)

@@ -1,4 +1,4 @@
-"""What a map has and a scenario does not take: named, counted by reason, and kept in its place for the check."""
+"""Collect map features that a scenario does not use: named, counted by reason, and located for the check."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -15,21 +15,20 @@ from ipoa_mission.unread import Unread
 from ipoa_mission.world.frame import LocalFrame
 
 MOST_NAMED = 3
-#: What things are counted by: whether they are nothing for sure, file, reason.
+# Key of a count: whether it is certainly no obstacle, file, reason.
 Key: TypeAlias = tuple[bool, str, str]
 NOT_UNDERSTOOD, NOT_READ = "map-not-understood", "not-read"
 NONE: Mapping[Key, int] = {}
 WITHOUT = "without a geometry"
-FAR = Reason("more than 100 km from home", False)
+FAR_FROM_HOME = Reason("more than 100 km from home", False)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class PassedOver:
-    """One thing of the map `file` that is no obstacle, and why; `shape` is local, east, north [m], or empty.
+    """A feature of the map `file` that is no obstacle, and why; `shape` is local, east, north [m], or empty.
 
-    `may_stand`: it may be in the way all the same, because nothing says that it is not; `remedy` says what to do then,
-    `heights` are keys of its map's section that give it one, and `code` is that of the finding. What has the code
-    `not-read` may be an obstacle, or a higher one than was taken.
+    `may_stand` marks a possible obstacle, `remedy` describes how to settle it. `heights` are keys of the map's section
+    that give it a height. `code` is that of the finding: `not-read` may also mean a higher obstacle than was taken.
     """
 
     file: str
@@ -44,7 +43,7 @@ class PassedOver:
 
 @dataclass(frozen=True)
 class PassedCount:
-    """How many things of a map were passed over for one reason; `names` are those of the first."""
+    """The number of features of a map passed over for one reason, with the `names` of the first."""
 
     file: str
     reason: str
@@ -54,22 +53,22 @@ class PassedCount:
     code: str = NOT_UNDERSTOOD
 
     def words(self) -> str:
-        """The count in a sentence without a full stop."""
+        """Return the count in words, without a full stop."""
         dots = ", ..." if self.count > len(self.names) else ""
         how = "not read" if self.code == NOT_READ else "passed over"
         return f"{self.file}: {self.count} {how}, {self.reason}: {', '.join(self.names)}{dots}"
 
 
 def passed_over(feature: Feature, shape: Any, why: Reason, path: Path) -> PassedOver:
-    """A feature of the map `path`, `shape` in the local plane, that is not taken."""
+    """Return a feature of the map `path` as passed over, with its local shape."""
     name = feature.name.removeprefix(f"{path}: ")
     return PassedOver(path.name, name, why.words, shape, why.may_stand, why.remedy, heights=why.heights)
 
 
 def not_read(feature: Feature, frame: LocalFrame, path: Path) -> PassedOver | Unread | None:
-    """What of a feature of the map `path` was not read: where it lies, or, if nobody knows, that it may be anywhere.
+    """Return the unread part of a feature of the map `path`: with its place, or as `Unread` if it may be anywhere.
 
-    None where nothing is missing, or it lies elsewhere for sure.
+    None if nothing is missing, or if it is certainly elsewhere.
     """
     if feature.missing is None and not shapely.is_empty(feature.shape):
         return None
@@ -86,7 +85,7 @@ def not_read(feature: Feature, frame: LocalFrame, path: Path) -> PassedOver | Un
 
 
 def count_passed_over(things: Iterable[PassedOver], left_out: Mapping[Key, int] = NONE) -> Iterator[PassedCount]:
-    """By file and reason, those that may stand in the way first; `left_out` are more of the kind of some of them."""
+    """Yield counts by file and reason, possible obstacles first; `left_out` adds to them."""
     for key, several in groupby(sorted(things, key=key_of), key=key_of):
         every = list(several)
         names = tuple(thing.name for thing in every[:MOST_NAMED])
@@ -95,5 +94,5 @@ def count_passed_over(things: Iterable[PassedOver], left_out: Mapping[Key, int] 
 
 
 def key_of(thing: PassedOver) -> Key:
-    """By what it is counted."""
+    """Return the key by which a feature is counted."""
     return not thing.may_stand, thing.file, thing.reason

@@ -1,7 +1,7 @@
-"""OpenStreetMap's binary extracts (.osm.pbf), as libosmium reads them (needs osmium): the same things as of its XML.
+"""Read OpenStreetMap's binary extracts (.osm.pbf) by libosmium (needs osmium), as its XML.
 
-Where all nodes are libosmium keeps in a file of its own. All things are looked at once for where they lie; what is
-wanted is then read again, with its tags.
+libosmium stores node positions in a temporary file. A first pass locates everything; a second reads the wanted things
+with tags.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -17,17 +17,27 @@ from ipoa_mission.errors import BadInput, DamagedFile, NothingThere, TooLarge, W
 from ipoa_mission.files import read_bytes
 from ipoa_mission.maps.around import Around, cut_out
 from ipoa_mission.maps.feature import Feature
-from ipoa_mission.maps.osm import NOWHERE, UNTOLD, Relation, area_of, is_area, plain_tags, shape_of, thing, ways_of
+from ipoa_mission.maps.osm import (
+    EMPTY_SHAPE,
+    META_TAGS,
+    Relation,
+    area_of,
+    is_area,
+    plain_tags,
+    shape_of,
+    thing,
+    ways_of,
+)
 
-LARGEST_PBF = 200_000_000  # a file of so much is read in about a minute [bytes]
-AT_ONCE = 4096  # things are looked at together
-HEADER = 64  # in so many bytes a file says what it is
+LARGEST_PBF = 200_000_000  # read in about a minute [bytes]
+BATCH = 4096  # things per batch
+HEADER = 64  # bytes that identify the format
 UNKNOWN = (np.nan,) * 4
 SORTS = {"n": "node", "w": "way", "r": "relation"}
 
 
 class _Place(NamedTuple):
-    """Where a node or way is: its corners as WKB, or, where some of them are not in the file, the box of the others."""
+    """The position of a node or way: its corners as WKB, or the box of its known corners if some are missing."""
 
     is_node: bool
     number: int
@@ -37,25 +47,25 @@ class _Place(NamedTuple):
 
 
 def read_pbf(path: Path, around: Around) -> Iterator[list[Feature]]:
-    """Everything with tags in an .osm.pbf file that is wanted; a shape is empty where the file lacks some of it.
+    """Yield every wanted thing with tags in an .osm.pbf file; a shape is empty if a part is missing.
 
     Raises:
-        BadInput: it is no such file, is cut off, or is too large; or osmium is not installed.
+        BadInput: the format is wrong, the file is truncated or too large, or osmium is missing.
     """
     osmium = imported("osmium", f"{path}: reading it needs osmium, which is not installed", "maps", BadInput)
     if b"OSMHeader" not in read_bytes(path, HEADER):
-        raise WrongFormat("expected an .osm.pbf file, but it does not begin like one", place=path)
+        raise WrongFormat("expected an .osm.pbf file, but its first bytes are those of another format", place=path)
     if (size := path.stat().st_size) > LARGEST_PBF:
         raise TooLarge(
             f"expected an extract of at most {LARGEST_PBF / 1e6:.0f} MB, not {size / 1e6:.0f} MB",
-            hint="cut out what lies round the flight: osmium extract --strategy smart "
+            hint="cut out the surroundings of the flight: osmium extract --strategy smart "
             f"--bbox {cut_out(around.window)} --output town.osm.pbf {path.name}",
             place=path,
         )
     any_there = False
     features = _Extract(osmium, path, around).read()
     try:
-        while some := list(islice(features, AT_ONCE)):
+        while some := list(islice(features, BATCH)):
             any_there = True
             yield some
     except (RuntimeError, OSError, ValueError) as error:
@@ -65,27 +75,27 @@ def read_pbf(path: Path, around: Around) -> Iterator[list[Feature]]:
 
 
 class _Extract:
-    """One file, and what of it is wanted."""
+    """A file, and the selection of its wanted things."""
 
     def __init__(self, osmium: Any, path: Path, around: Around) -> None:
         self._osmium, self._path, self._around = osmium, path, around
         self._file = osmium.io.File(str(path), "pbf")
         self._factory, self._all = osmium.geom.WKBFactory(), osmium.geom.use_nodes.ALL
-        self._nodes, self._ways = set[int](), set[int]()  # those with tags that are wanted
-        self._boxes: dict[str, list[float]] = {}  # of the ways that areas are made of [deg]
+        self._nodes, self._ways = set[int](), set[int]()  # wanted ones with tags
+        self._boxes: dict[str, list[float]] = {}  # of the ways that areas consist of [deg]
 
     def read(self) -> Iterator[Feature]:
-        """What is wanted of the file: nodes, ways, then areas that several ways go round."""
+        """Yield the wanted nodes, ways, then areas of several ways."""
         osmium, osm = self._osmium, self._osmium.osm
         if osmium.io.Reader(self._file, osm.NOTHING).header().has_multiple_object_versions:
             raise BadInput("expected the map as it is now, not its history", place=self._path)
         relations = self._relations()
-        places = self._look(_parts(relations))
+        places = self._locate(_parts(relations))
         if relations:
             counts = self._around.wants(np.array([self._box_of(relation) for relation in relations.values()]))
             relations = {number: relations[number] for number in compress(relations, counts.tolist())}
         for node in self._again(osm.NODE, self._nodes):
-            shape = shapely.Point(node.lon, node.lat) if _is_known(node) else NOWHERE
+            shape = shapely.Point(node.lon, node.lat) if _is_known(node) else EMPTY_SHAPE
             yield from self._thing("node", node.id, _tags(node), shape)
         parts, lines = _parts(relations), dict[str, list[tuple[float, float]] | None]()
         known = dict[str, list[tuple[float, float]]]()
@@ -104,38 +114,38 @@ class _Extract:
             yield thing("relation", number, relation.tags, area_of(relation, lines.get), self._path, of_ways)
 
     def _relations(self) -> dict[str, Relation]:
-        """The areas that several ways go round, by number."""
+        """Return the areas of several ways, by number."""
         found = {}
         for relation in self._osmium.FileProcessor(self._file, self._osmium.osm.RELATION):
             tags = _tags(relation)
-            if is_area(tags) and tags.keys() - UNTOLD - {"type"}:
+            if is_area(tags) and tags.keys() - META_TAGS - {"type"}:
                 members = tuple((SORTS.get(one.type, ""), str(one.ref), one.role) for one in relation.members)
                 found[str(relation.id)] = Relation(members, tags)
         return found
 
-    def _look(self, parts: set[str]) -> Any:
-        """See where nodes with tags and ways are, and which are wanted.
+    def _locate(self, parts: set[str]) -> Any:
+        """Locate tagged nodes and all ways, and select the wanted ones.
 
         Returns:
-            Where all nodes are, as libosmium keeps it.
+            libosmium's store of all node positions.
 
         Raises:
-            BadInput: something has a number below 0, as what is only drawn yet.
+            BadInput: a number is negative, as in unsaved edits.
         """
         osm = self._osmium.osm
         tagged = self._osmium.filter.EmptyTagFilter().enable_for(osm.NODE)
         things = self._osmium.FileProcessor(self._file, osm.NODE | osm.WAY).with_locations("sparse_file_array")
         waiting: list[_Place] = []
         for each in things.with_filter(tagged):
-            if each.id < 0:  # libosmium keeps no place for it
+            if each.id < 0:  # libosmium keeps no position for it
                 raise BadInput(
                     f"expected things that OpenStreetMap has numbered, not "
                     f"{'node' if each.is_node() else 'way'} {each.id}",
-                    hint="as OpenStreetMap's XML (.osm) they are read",
+                    hint="save it as OpenStreetMap's XML (.osm), which may have them",
                     place=self._path,
                 )
             waiting.append(self._place_of_node(each) if each.is_node() else self._place_of_way(each))
-            if len(waiting) >= AT_ONCE:
+            if len(waiting) >= BATCH:
                 self._choose(waiting, parts)
                 waiting.clear()
         self._choose(waiting, parts)
@@ -160,7 +170,7 @@ class _Extract:
         wkb, box = None, UNKNOWN
         try:
             wkb = bytes.fromhex(self._factory.create_linestring(way, self._all))
-        except (self._osmium.InvalidLocationError, RuntimeError):  # a node is not in the file, or there is but one
+        except (self._osmium.InvalidLocationError, RuntimeError):  # a missing node, or a single one
             corners = [(node.lon, node.lat) for node in way.nodes if _is_known(node)]
             if corners:
                 box = (*np.min(corners, axis=0).tolist(), *np.max(corners, axis=0).tolist())
@@ -171,16 +181,16 @@ class _Extract:
         return np.concatenate([np.fmin.reduce(boxes[:, :2]), np.fmax.reduce(boxes[:, 2:])])
 
     def _again(self, sort: Any, numbers: set[int], *handlers: Any) -> Iterator[Any]:
-        """Those of one sort with some numbers; each counts only until the next one is asked for."""
+        """Yield the things of one sort with these numbers; each is valid only until the next."""
         if numbers:
-            of_these = self._osmium.filter.IdFilter(numbers)  # the iterator does not keep it
+            of_these = self._osmium.filter.IdFilter(numbers)  # the iterator does not keep it alive
             with self._osmium.io.Reader(self._file, sort) as reader:
                 yield from self._osmium.OsmFileIterator(reader, *handlers, of_these)
 
     def _thing(
         self, sort: str, number: int, tags: dict[str, str], shape: Any, known: Sequence[tuple[float, float]] = ()
     ) -> Iterator[Feature]:
-        if tags.keys() - UNTOLD:
+        if tags.keys() - META_TAGS:
             yield thing(sort, str(number), tags, shape, self._path, known)
 
 
@@ -193,5 +203,5 @@ def _is_known(node: Any) -> bool:
 
 
 def _parts(relations: Mapping[str, Relation]) -> set[str]:
-    """The ways that areas are made of."""
+    """Return the ways that areas consist of."""
     return {number for relation in relations.values() for number, _ in ways_of(relation)}

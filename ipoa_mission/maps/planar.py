@@ -1,7 +1,7 @@
-"""Shapes of a map in the local plane: valid polygons in east, north [m], repaired where the file's rings are not.
+"""Convert shapes of a map to valid polygons in the local plane, east, north [m], repairing rings.
 
-A ring that crosses or touches itself is mended as shapely's `make_valid` does by "structure"; what has no area left is
-refused by name.
+A self-intersecting ring is repaired by shapely's `make_valid` with method "structure". One without remaining area is
+refused.
 """
 
 from collections.abc import Sequence
@@ -16,11 +16,11 @@ from ipoa_mission.maps.around import near_home
 from ipoa_mission.world.frame import REACH, LocalFrame
 
 LEAST_AREA = 1e-3  # [m^2]
-LONGEST_EDGE = 0.02  # a straight edge in degrees is bent in the plane: by 0.1 m over so much at 45 degrees [deg]
+LONGEST_EDGE = 0.02  # a straight edge in degrees is curved in the plane: by 0.1 m over this length at 45 degrees [deg]
 
 
 class Whereabouts:
-    """Where the shapes of a map lie, to be told if none of them comes within 100 km of home."""
+    """Tracks the extent of a map's shapes, for the error if none is within 100 km of home."""
 
     def __init__(self, frame: LocalFrame) -> None:
         self.frame = frame
@@ -29,7 +29,7 @@ class Whereabouts:
         self._box = np.array([np.inf, np.inf, -np.inf, -np.inf])  # west, south, east, north [deg]
 
     def near(self, degrees: NDArray[Any], places: Sequence[str]) -> NDArray[np.bool_]:
-        """Which of some shapes come near to home, or are empty."""
+        """Return which shapes are near home or empty."""
         boxes, empty = shapely.bounds(degrees).reshape(-1, 4), shapely.is_empty(degrees)
         near = _near(boxes, self.frame) | empty
         self._any_near = self._any_near or bool((near & ~empty).any())
@@ -41,10 +41,10 @@ class Whereabouts:
         return np.asarray(near)
 
     def expect_near(self) -> None:
-        """See that one of all those asked about comes near.
+        """Refuse shapes of which none was near home.
 
         Raises:
-            BadInput: none does. It says where they are, and whether their coordinates seem to stand in wrong order.
+            BadInput: with their extent, and whether their coordinates seem swapped.
         """
         if self._any_near or not self._first_far:
             return
@@ -52,8 +52,8 @@ class Whereabouts:
         raise TooFar(
             f"expected a place within {REACH / 1000:g} km of home "
             f"({home.latitude_deg:.4f}, {home.longitude_deg:.4f}), "
-            f"not round {(south + north) / 2:.4f}, {(west + east) / 2:.4f}",
-            hint="in its coordinates longitude must stand before latitude"
+            f"not near {(south + north) / 2:.4f}, {(west + east) / 2:.4f}",
+            hint="in its coordinates longitude must come before latitude"
             if self._turned_near
             else "is it the map of another place?",
             place=f"{self._first_far}.geometry",
@@ -63,9 +63,9 @@ class Whereabouts:
 def to_plane(
     shapes: Sequence[Any], places: Sequence[str], about: Whereabouts
 ) -> tuple[NDArray[Any], NDArray[np.bool_]]:
-    """Shapes in longitude, latitude [deg] as shapes in east, north [m], as many, and which come within 100 km of home.
+    """Convert shapes in longitude, latitude [deg] to east, north [m]; return which are within 100 km of home.
 
-    Those that do not are empty. Edges are straight in longitude and latitude, as the formats say: long ones are cut.
+    Others become empty. Edges are straight in longitude and latitude, as the formats define: long ones are divided.
     """
     frame = about.frame
     height = frame.home.altitude
@@ -83,9 +83,9 @@ def to_plane(
 
 
 def _unwrapped(degrees: NDArray[Any]) -> NDArray[Any]:
-    """The same shapes, those with an edge of more than 180 degrees drawn the short way: beyond longitude 180.
+    """Redraw shapes with an edge over more than 180 degrees the short way, beyond longitude 180.
 
-    RFC 7946 wants a shape cut in two there, but not all programs do so; nothing near home is half as wide as the Earth.
+    RFC 7946 asks to cut a shape there, but not all programs do. No shape near home spans half the Earth.
     """
     wide = np.flatnonzero(np.ptp(shapely.bounds(degrees).reshape(-1, 2, 2)[:, :, 0], axis=1) > 180.0)
     for i in wide.tolist():
@@ -94,12 +94,12 @@ def _unwrapped(degrees: NDArray[Any]) -> NDArray[Any]:
 
 
 def _short_way(shape: Any) -> Any:
-    """A shape whose rings and lines each go on from where they are by less than half a turn."""
+    """Redraw rings and lines so that each step is less than half a turn."""
     if hasattr(shape, "geoms"):
         return type(shape)([_short_way(part) for part in shape.geoms])
     if shape.geom_type == "Polygon":
         outer = _turned(shape.exterior)
-        return shapely.Polygon(outer, [_beside(_turned(ring), outer) for ring in shape.interiors])
+        return shapely.Polygon(outer, [_same_turn(_turned(ring), outer) for ring in shape.interiors])
     return shapely.LineString(_turned(shape)) if shape.geom_type == "LineString" else shape
 
 
@@ -111,19 +111,19 @@ def _turned(line: Any) -> NDArray[np.float64]:
     return np.asarray(corners)
 
 
-def _beside(hole: NDArray[np.float64], outer: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A hole on the same turn round the Earth as the outline that it is in."""
+def _same_turn(hole: NDArray[np.float64], outer: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Move a hole to the same turn of longitude as its outline."""
     hole[:, 0] += 360.0 * np.round((outer[:, 0].mean() - hole[:, 0].mean()) / 360.0)
     return hole
 
 
 def _near(boxes: NDArray[np.float64], frame: LocalFrame) -> NDArray[np.bool_]:
-    """Which boxes (n, 4) of longitudes and latitudes meet the square of 100 km round home."""
+    """Return which boxes (n, 4) of longitudes and latitudes intersect the 100 km square around home."""
     return near_home(frame.home).meets(boxes)
 
 
 def clean_polygons(shapes: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.bool_]]:
-    """Local shapes (n,), and which of them are one polygon of which `polygons_of` makes just that; these are clean."""
+    """Clean local shapes (n,); return them, and which are one valid polygon that `polygons_of` would keep."""
     clean = unrepeated(shapes)
     sound = (shapely.get_type_id(shapes) == shapely.GeometryType.POLYGON) & shapely.is_valid(clean)
     sound &= shapely.area(clean) > LEAST_AREA
@@ -131,7 +131,7 @@ def clean_polygons(shapes: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.bool_
 
 
 def unrepeated(shapes: NDArray[Any]) -> NDArray[Any]:
-    """Shapes without corners that repeat the one before; GEOS makes none with a ring all in one place: as it is."""
+    """Remove repeated corners; GEOS fails for a ring at a single point, which stays as it is."""
     try:
         return np.asarray(shapely.remove_repeated_points(shapes))
     except shapely.errors.GEOSException:
@@ -142,10 +142,10 @@ def unrepeated(shapes: NDArray[Any]) -> NDArray[Any]:
 
 
 def polygons_of(shape: Any, place: str) -> tuple[list[Any], str | None]:
-    """The valid polygons that a local polygon is or can be mended to, and what was wrong with it, if anything was.
+    """Return the valid polygons of a local polygon, repaired if needed, and its defect or None.
 
     Raises:
-        BadInput: nothing with an area is left.
+        BadInput: no area remains.
     """
     (clean,) = unrepeated(np.array([shape], object))
     wrong = None if shapely.is_valid(clean) else shapely.is_valid_reason(clean)
@@ -159,5 +159,5 @@ def polygons_of(shape: Any, place: str) -> tuple[list[Any], str | None]:
 
 
 def _words(reason: str | None) -> str:
-    """`a ring with self-intersection` of GEOS's `Self-intersection[12.3 45.6]`."""
+    """Return `a ring with self-intersection` for GEOS's `Self-intersection[12.3 45.6]`."""
     return "a ring with " + reason.partition("[")[0].strip().lower() if reason else "a line or a point"

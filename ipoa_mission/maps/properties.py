@@ -1,4 +1,4 @@
-"""The properties of a feature as tags: OpenStreetMap's may lie packed in one of them, as an object or as text."""
+"""Convert a feature's properties to tags; OpenStreetMap's may be packed in one, as an object or text."""
 
 import json
 import re
@@ -11,16 +11,16 @@ import shapely
 from ipoa_mission.maps.feature import Missing
 from ipoa_mission.maps.keys import Means, meaning
 
-#: Properties in which more tags lie: of osmtogeojson and osm2pgsql, and of GDAL's OSM driver.
+# Properties that pack tags: osmtogeojson's and osm2pgsql's, and GDAL's OSM driver's.
 PACKED = ("tags", "other_tags", "all_tags")
 HSTORE = re.compile(r'"((?:[^"\\]|\\.)*)"=>(?:"((?:[^"\\]|\\.)*)"|NULL)\s*(?:,\s*|$)')
-DEEPEST = 3  # objects in each other
+DEEPEST = 3  # nested objects
 
 
 def tags_of(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Properties as tags; of those that lie packed in one too. What has no value is left out.
+    """Yield properties with a value as tags, packed ones included.
 
-    Of other objects and lists what measures something is a tag, several values of it parted by `;`.
+    In other objects and lists only measures become tags, several values separated by `;`.
     """
     for key, value in properties.items():
         if isinstance(value, str):
@@ -41,21 +41,21 @@ def tags_of(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def blank_keys(properties: Mapping[str, Any]) -> Iterator[str]:
-    """Keys of the properties that have no value."""
+    """Yield the keys without a value."""
     for key, value in properties.items():
         if isinstance(value, str):
             if not value.strip():
                 yield key
         elif key in PACKED and isinstance(value, dict):
             yield from blank_keys(value)
-        elif value is None or value != value:  # NaN is what pandas makes of null
+        elif value is None or value != value:  # pandas writes NaN for null
             yield key
 
 
-def cut_off(properties: Mapping[str, Any]) -> Missing | None:
-    """Tags that lie packed in a text and were not read, as its end was cut off; None where there are none.
+def truncated(properties: Mapping[str, Any]) -> Missing | None:
+    """Return packed tags that were not read because their text is truncated; None without any.
 
-    A Shapefile cuts texts to 254 bytes.
+    A Shapefile truncates texts to 254 bytes.
     """
     for key in PACKED:
         text = properties.get(key)
@@ -66,7 +66,7 @@ def cut_off(properties: Mapping[str, Any]) -> Missing | None:
 
 
 def _unpacked(key: str, text: str) -> Iterator[tuple[str, str]]:
-    """The tags in a text of JSON or of PostgreSQL's hstore; any other text is a tag itself."""
+    """Yield the tags in a text of JSON or PostgreSQL's hstore; another text is one tag."""
     with suppress(ValueError, RecursionError):
         if isinstance(value := json.loads(text), dict):
             yield from tags_of(value)
@@ -78,7 +78,7 @@ def _unpacked(key: str, text: str) -> Iterator[tuple[str, str]]:
 
 
 def _rest(text: str) -> str:
-    """What of a text of tags is none; nothing where the text is of another kind."""
+    """Return the unparsed rest of a text of tags; nothing for another text."""
     is_json, is_hstore = text.lstrip().startswith('{"'), '"=>' in text
     if is_json:
         with suppress(ValueError, RecursionError):
@@ -89,7 +89,7 @@ def _rest(text: str) -> str:
 
 
 def _measures(key: str, value: Any, depth: int) -> Iterator[tuple[str, str]]:
-    """What measures something in an object or list."""
+    """Yield the measures in an object or list."""
     if isinstance(value, dict) and depth:
         for name, inner in value.items():
             yield from _measures(f"{key}:{name}", inner, depth - 1)

@@ -1,4 +1,4 @@
-"""An elevation raster opened by rasterio: its pixels by place, and a window of its heights in metres."""
+"""Open an elevation raster by rasterio: pixels by place, and a window of heights in metres."""
 
 import math
 import warnings
@@ -19,7 +19,7 @@ from ipoa_mission.geometry import Vector
 
 UNITS = {"": 1.0, "m": 1.0, "metre": 1.0, "meter": 1.0, "metres": 1.0, "meters": 1.0}
 UNITS |= {"ft": 0.3048, "foot": 0.3048, "feet": 0.3048, "us survey foot": 1200 / 3937, "ftus": 1200 / 3937}
-LOWEST, HIGHEST = -500.0, 9_000.0  # no ground on Earth is lower or higher [m]
+LOWEST, HIGHEST = -500.0, 9_000.0  # bounds of the ground on Earth [m]
 DROP = 100.0  # neighboring posts that differ by more may be spoiled: few cliffs are as high [m]
 EXTRA_POSTS = 2  # posts read beyond the area, so that its edge lies between posts
 FILL_REACH = 100  # pixels over which a missing height is filled from its neighbors
@@ -35,21 +35,21 @@ class RasterFile:
 
     @cached_property
     def system(self) -> CRS:
-        """Its coordinate system, heights included if it says how they count."""
+        """Return its coordinate system, with the vertical one if given."""
         if self.dataset.crs is None:
             raise NoCoordinateSystem("expected an elevation model that names its coordinate system", place=self.path)
         return CRS.from_wkt(self.dataset.crs.to_wkt())
 
     @property
     def ellipsoidal(self) -> bool:
-        """Whether the coordinate system itself says that heights are above the ellipsoid: it has three axes in one."""
+        """Return whether the coordinate system itself has ellipsoidal heights: three axes in one."""
         return not self.system.is_compound and len(self.system.axis_info) == 3
 
     def pixels(self, latitude_deg: Vector, longitude_deg: Vector) -> tuple[Vector, Vector]:
-        """Column and row of places, each (n,)."""
+        """Return column and row of places, each (n,)."""
         x, y = self._from_degrees.transform(longitude_deg, latitude_deg)
         a, b, c, d, e, f = self._affine
-        if self.system.is_geographic:  # the same meridian has many numbers: take the one nearest the raster's middle
+        if self.system.is_geographic:  # choose the longitude nearest the raster's middle
             middle = a * self.dataset.width / 2 + b * self.dataset.height / 2 + c
             x = (np.asarray(x) - middle + 180.0) % 360.0 - 180.0 + middle
         x, y = np.asarray(x) - c, np.asarray(y) - f
@@ -57,7 +57,7 @@ class RasterFile:
         return (e * x - b * y) / area - 0.5, (a * y - d * x) / area - 0.5
 
     def places(self, column: Vector, row: Vector) -> tuple[Vector, Vector]:
-        """Latitude and longitude [deg] of posts, each (n,)."""
+        """Return latitude and longitude [deg] of posts, each (n,)."""
         a, b, c, d, e, f = self._affine
         x, y = column + 0.5, row + 0.5
         longitude, latitude = self._from_degrees.transform(a * x + b * y + c, d * x + e * y + f, direction="INVERSE")
@@ -67,7 +67,7 @@ class RasterFile:
         """Refuse an area (its pixels, (2 or more, ...)) that the raster does not cover.
 
         Raises:
-            BadInput: saying on which side, and how many posts are missing.
+            BadInput: with the side, and the number of missing posts.
         """
         outside = {
             "left": -0.5 - pixels[0].min(),
@@ -87,10 +87,10 @@ class RasterFile:
     def read(
         self, pixels: Sequence[NDArray[np.float64]], fill: bool
     ) -> tuple[tuple[int, int], NDArray[np.float64], tuple[str, ...]]:
-        """First row and column, heights [m] of a window (rows, columns) round pixels, and remarks.
+        """Return first row and column, heights [m] of a window (rows, columns) around pixels, and remarks.
 
         Raises:
-            BadInput: heights are missing and `fill` is false, or are not of this Earth.
+            BadInput: heights are missing and `fill` is false, or are absurd.
         """
         left, top = (int(np.floor(min(level[i].min() for level in pixels))) for i in (0, 1))
         right, bottom = (int(np.ceil(max(level[i].max() for level in pixels))) for i in (0, 1))
@@ -108,16 +108,16 @@ class RasterFile:
         first = rows[0], columns[0]
         undeclared = heights[heights < LOWEST]
         heights[heights < LOWEST] = np.nan
-        why = f", for no ground is at {undeclared[0]:g} m" if undeclared.size else ""
+        why = f", since no ground is at {undeclared[0]:g} m" if undeclared.size else ""
         others = heights[(heights != 0) & np.isfinite(heights)]
         if others.size and others.min() > DROP and (heights == 0).any():
-            why += f", for they are 0 m, and all others above {others.min():.0f} m"
+            why += f", since they are 0 m, and all others above {others.min():.0f} m"
             heights[heights == 0] = np.nan
         heights, remarks = self._complete(heights, first, fill, why)
         return first, heights, (*remarks, *self._oddities(heights, first))
 
     def _oddities(self, heights: NDArray[np.float64], first: tuple[int, int]) -> Iterator[str]:
-        """Name bands that are not read, and ground that falls as steeply as where a height is missing or spoiled."""
+        """Yield remarks on unread bands, and on ground as steep as a missing or spoiled height makes it."""
         if self.dataset.count > 1:
             names = ", ".join(name for name in self.dataset.descriptions if name)
             yield f"heights are those of band 1 of {self.dataset.count}{f' ({names})' if names else ''}"
@@ -133,7 +133,7 @@ class RasterFile:
         wild = heights > HIGHEST
         if wild.any():
             words = f"expected heights of ground, not {heights[wild][0]:g} m {self._where(wild, first)}"
-            hint = "if this number stands for a missing height, say so by terrain.nodata"
+            hint = "if this number marks a missing height, set terrain.nodata to it"
             raise BadInput(words, hint=hint, code="heights-absurd", place=self.path)
         missing = np.isnan(heights)
         if not missing.any():
@@ -182,17 +182,16 @@ class RasterFile:
 
 @contextmanager
 def open_raster(path: Path, nodata: float | None) -> Iterator[RasterFile]:
-    """An elevation raster, open while in use.
+    """Open an elevation raster.
 
     Raises:
-        BadInput: the file is none that GDAL reads, or a picture.
-        BadInput: rasterio is not installed.
+        BadInput: GDAL cannot read it, it is a picture, or rasterio is not installed.
     """
     needed = f"{path}: reading an elevation model needs rasterio, which is not installed"
     rasterio = imported("rasterio", needed, "maps", BadInput)
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", rasterio.errors.NotGeoreferencedWarning)  # `system` refuses it in words
+            warnings.simplefilter("ignore", rasterio.errors.NotGeoreferencedWarning)  # `system` refuses it
             dataset = rasterio.open(path)
     except rasterio.errors.RasterioIOError as error:
         raise DamagedFile(f"expected an elevation model: {error}", place=path) from error
@@ -200,7 +199,7 @@ def open_raster(path: Path, nodata: float | None) -> Iterator[RasterFile]:
         with dataset:
             if dataset.colorinterp[0].name in ("red", "palette"):
                 words = "expected an elevation model, but it is a picture"
-                hint = "as MBTiles it lies under the studio's map: gdal_translate -of MBTILES, then `studio --tiles`"
+                hint = "to show it under the studio's map: gdal_translate -of MBTILES, then `studio --tiles`"
                 raise BadInput(words, hint=hint, code="picture", place=path)
             if dataset.driver == "AAIGrid":
                 _expect_as_many(path, dataset.width * dataset.height)
@@ -214,16 +213,16 @@ def open_raster(path: Path, nodata: float | None) -> Iterator[RasterFile]:
 
 
 def _expect_as_many(path: Path, heights: int) -> None:
-    """Refuse an ASCII grid with more or fewer heights than its head says: GDAL fills it up, or leaves them out."""
+    """Refuse an ASCII grid whose count of heights contradicts its header: GDAL fills or drops heights."""
     lines = path.read_bytes().splitlines(keepends=True) if path.is_file() else []
     keys = (line.split()[:1] for line in lines)
     head = next((n for n, key in enumerate(keys) if key and (not key[0][:1].isalpha() or key[0].lower() == b"nan")), 0)
     blank = np.frombuffer(b" " + b"".join(lines[head:]), np.uint8) <= ord(" ")
     if lines and (found := int((blank[:-1] & ~blank[1:]).sum())) != heights:
-        raise BadInput(f"expected {heights} heights, as its head says, not {found}", code="damaged-file", place=path)
+        raise BadInput(f"expected {heights} heights, as its header says, not {found}", code="damaged-file", place=path)
 
 
 def _at_least_four(span: tuple[int, int], size: int) -> tuple[int, int]:
-    """A span of posts widened to four, inside the raster."""
+    """Widen a span of posts to four, inside the raster."""
     first = max(min(span[0], size - 4), 0)
     return first, max(span[1], first + 4)

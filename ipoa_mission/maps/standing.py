@@ -1,4 +1,4 @@
-"""What stands on a map, and the obstacles that it is where the ground is known."""
+"""Place the obstacles of a map on the ground."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
@@ -12,14 +12,13 @@ from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
 from ipoa_mission.world.polygon import rings_of
 
-LEAST_HEIGHT = 0.1  # what stands is at least so high [m]
+LEAST_HEIGHT = 0.1  # least height of an obstacle [m]
 
 
 class Standing(NamedTuple):
-    """Something that stands on the ground: `shape` is local, east, north [m]; `reach` widens a point or line.
+    """An obstacle on the ground: `shape` is local, east, north [m]; `reach` widens a point or line.
 
-    It fills the air from `foot` above the lowest ground under it to `height` above the highest, or above home where
-    `over_home`.
+    It reaches from `foot` above the lowest ground under it to `height` above the highest, or above home if `over_home`.
     """
 
     name: str
@@ -29,11 +28,11 @@ class Standing(NamedTuple):
     height: float
     over_home: bool = False
     hangs: bool = False  # `shape` is a span of a wire between two supports
-    called: str = ""  # its name in messages, where that says more than `name`
+    called: str = ""  # a more informative name for messages
 
 
 def raise_buildings(standing: Sequence[Standing], ground: Ground) -> tuple[Obstacle, ...]:
-    """The obstacles themselves, standing on the ground."""
+    """Return the obstacles with bottom and top by the ground."""
     hanging = [prism for s in standing if s.hangs for prism in _span(s, ground)]
     standing = [s for s in standing if not s.hangs]
     if not standing:
@@ -56,7 +55,7 @@ def _span(s: Standing, ground: Ground) -> Iterator[Obstacle]:
 
 
 def _outline(s: Standing) -> NDArray[np.float64]:
-    """Places under it at which the ground is asked, (n, 2)."""
+    """Return the places where the ground is sampled, (n, 2)."""
     corners = shapely.get_coordinates(s.shape)
     if s.reach > 0:
         around = s.reach * np.array([(0, 0), (1, 0), (0, 1), (-1, 0), (0, -1)])

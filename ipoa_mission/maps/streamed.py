@@ -1,6 +1,6 @@
-"""JSON from a file of any size: the document without its `features`, which are handed on as they are read.
+"""Read JSON of any size: pass on `features` as they are read, and return the document without them.
 
-Neither the file's text nor the tree of its features is ever in memory whole.
+Neither the text nor the features are ever whole in memory.
 """
 
 import codecs
@@ -14,23 +14,23 @@ from typing import Any
 from ipoa_mission.errors import Unreadable
 from ipoa_mission.files import read_text
 
-BLOCK = 1 << 20  # read at once [bytes]
-NEAR_THE_END = 1 << 15  # in so many characters a border between features is sought
-#: The end of a feature before another one, as nearly all files have it.
+BLOCK = 1 << 20  # bytes per read
+NEAR_THE_END = 1 << 15  # a border between features is searched in this many characters
+# The end of a feature before another one, in nearly all files.
 _BORDER = re.compile(r'\}\s*(?=,\s*\{\s*"type"\s*:\s*"Feature")|"Feature"\s*\}\s*(?=,\s*\{)')
-_blank = re.compile(r"[ \t\n\r\x1e]*").match  # RFC 8142 parts values by \x1e
+_blank = re.compile(r"[ \t\n\r\x1e]*").match  # RFC 8142 separates values by \x1e
 _scan = json.JSONDecoder().scan_once  # type: ignore[attr-defined]
 
 
 def read_document(path: Path, document: dict[str, Any]) -> Iterator[tuple[int, list[Any]]]:
-    """The members of an object's list `features`, as they are read: some together, and the number of the first of them.
+    """Yield batches of an object's list `features`, each with the number of its first.
 
-    All its other members come into the `document`, as they are met; `features` is None there.
+    All other members are put into `document` as they are met; `features` is None there.
 
     Raises:
         BadInput: the file cannot be read, or is not UTF-8.
-        json.JSONDecodeError: it is no JSON.
-        Unstreamed: it is no object, or its features are no list, or stand there twice.
+        json.JSONDecodeError: it is not JSON.
+        Unstreamed: it is no object, or `features` is no list or is repeated.
     """
     text = _Text(_blocks(path))
     if not text.next_is("{"):
@@ -43,11 +43,12 @@ def read_document(path: Path, document: dict[str, Any]) -> Iterator[tuple[int, l
 
 
 def read_values(path: Path) -> Iterator[Any]:
-    """The values of a file that holds one, or several objects one after the other.
+    """Yield the values of a file that holds one value, or several objects in sequence.
+
 
     Raises:
         BadInput: the file cannot be read, or is not UTF-8.
-        json.JSONDecodeError: it is no JSON, or something else stands between them.
+        json.JSONDecodeError: it is not JSON, or has anything else between objects.
     """
     text = _Text(iter([read_text(path)]) if path.is_fifo() else _blocks(path))
     yield text.value()
@@ -58,36 +59,36 @@ def read_values(path: Path) -> Iterator[Any]:
 
 
 class Unstreamed(Exception):
-    """A document to be read as a whole."""
+    """A document that must be read as a whole."""
 
 
 class _Text:
-    """A text that is read block by block, and where in it one is."""
+    """A text that is read block by block, and the position in it."""
 
     def __init__(self, blocks: Iterator[str]) -> None:
         self._blocks, self._text, self._at, self._line = blocks, "", 0, 1
-        self._tried = False  # whether what is here of a list was taken together
+        self._tried = False  # whether the buffered part of a list was tried as a whole
 
     def mark(self) -> str:
-        """The next character that is not blank; nothing at the end."""
+        """Return the next character that is not blank; nothing at the end."""
         while True:
             self._at = _blank(self._text, self._at).end()  # type: ignore[union-attr]
             if self._at < len(self._text) or not self._more():
                 return self._text[self._at : self._at + 1]
 
     def next_is(self, mark: str) -> bool:
-        """Whether it is this one, which is then passed."""
+        """Return whether the next character is `mark`, and skip it then."""
         here = self.mark() == mark
         self._at += here
         return here
 
     def value(self) -> Any:
-        """The value that begins here."""
+        """Return the value that begins here."""
         self.mark()
         while True:
             try:
                 value, end = _scan(self._text, self._at)
-                if end < len(self._text) or not self._more():  # a number may go on in the next block
+                if end < len(self._text) or not self._more():  # a number may continue in the next block
                     self._at = end
                     return value
             except StopIteration as error:
@@ -98,26 +99,28 @@ class _Text:
                     raise self.wrong(error.msg, error.pos) from None
 
     def values(self) -> list[Any]:
-        """The value of a list that begins here, or as many together as are here."""
+        """Return the values of a list from here on, all that are buffered, or one."""
         self.mark()
         if not self._tried:
             self._tried = True
             begin = max(self._at, len(self._text) - NEAR_THE_END)
             end = max((border.end() for border in _BORDER.finditer(self._text, begin)), default=self._at)
-            with suppress(ValueError, RecursionError):  # not at a border, or what is no JSON: `value` says where
-                values: list[Any] = json.loads(f"[{self._text[self._at : end]}]")  # to a comma, and a list: its begin
+            with suppress(ValueError, RecursionError):  # not at a border, or no JSON: `value` finds where
+                values: list[Any] = json.loads(
+                    f"[{self._text[self._at : end]}]"
+                )  # up to a comma, or the begin of the value if that is a list
                 self._at = end
                 return values or [self.value()]
         return [self.value()]
 
     def wrong(self, words: str, at: int | None = None) -> json.JSONDecodeError:
-        """What is wrong here, with its line in the file."""
+        """Return the error here, with its line in the file."""
         error = json.JSONDecodeError(words, self._text, self._at if at is None else at)
         error.lineno += self._line - 1
         return error
 
     def _more(self) -> bool:
-        """Read on: at least as much as is still here, so that what is tried again is not tried too often."""
+        """Read at least as much as is buffered, which limits the number of repeated attempts."""
         pieces, size = [self._text[self._at :]], 0
         for block in self._blocks:
             pieces.append(block)
@@ -167,7 +170,7 @@ def _elements(text: _Text) -> Iterator[tuple[int, list[Any]]]:
 
 
 def _blocks(path: Path) -> Iterator[str]:
-    """The text of a file, a byte order mark dropped."""
+    """Yield the text of a file without a byte order mark."""
     decoder = codecs.getincrementaldecoder("utf-8-sig")()
     try:
         with path.open("rb") as file:
@@ -178,4 +181,4 @@ def _blocks(path: Path) -> Iterator[str]:
     except OSError as error:
         raise Unreadable(f"cannot be read: {error.strerror}", place=path) from error
     except UnicodeDecodeError:
-        yield read_text(path)[:0]  # which says where it is
+        yield read_text(path)[:0]  # which names the place

@@ -1,26 +1,26 @@
-"""How high and wide a thing is by its tags: OpenStreetMap's, and those of other maps that mean the same.
+"""Read height and width from tags: OpenStreetMap's, and other maps' with the same meaning.
 
-Of several heights the greatest counts: too high is safe. Of what cannot be read as a whole the greatest number counts,
-and the key is named.
+The greatest of several heights counts, since a greater height is safe. A value that is only partly understood counts as
+its greatest number, and its key is reported.
 """
 
 from collections.abc import Callable, Mapping
 
-from ipoa_mission.maps.keys import PERHAPS, Means, meaning, plain, those
+from ipoa_mission.maps.keys import AMBIGUITY_MARK, Means, meaning, plain, those
 from ipoa_mission.maps.lengths import FOOT, counted_storeys, length_of, storeys_of
 
-WIDEST_ROTOR = 170.0  # taken where nobody says it; newer ones are seldom wider [m]
-#: Units in the name of a key; smaller ones are not applied: too much is safe.
+WIDEST_ROTOR = 170.0  # assumed if no tag gives it; newer ones are seldom wider [m]
+# Units in the name of a key. Smaller ones are not applied, since a greater height is safe.
 IN_NAMES = {"ft": FOOT, "feet": FOOT, "km": 1000.0, "nm": 1852.0, "nmi": 1852.0, "mi": 1609.344, "miles": 1609.344}
 IN_METRES = {"m", "metre", "metres", "meter", "meters"}
-Odd = Callable[[str, str], None]  # called with the key and the value of a tag that is not understood
+Odd = Callable[[str, str], None]  # called with key and value of a tag that is not understood
 
 
 def height_of(tags: Mapping[str, str], height_key: str, storey_height: float, odd: Odd) -> float | None:
-    """Height of the top above the ground [m]; None if no tag says it.
+    """Return the height of the top above the ground [m]; None without a tag.
 
-    The `height_key` counts alone where it is not OpenStreetMap's. Else it is the greatest height, or, where there is
-    no `height`, the storeys and those in the roof if they reach higher.
+    A `height_key` other than OpenStreetMap's counts alone. Otherwise it is the greatest height. Without `height`, the
+    storeys plus those in the roof count too.
     """
     own = _top(tags, height_key, storey_height, odd) if height_key in tags else None
     if own is not None and height_key != "height":
@@ -35,9 +35,9 @@ def height_of(tags: Mapping[str, str], height_key: str, storey_height: float, od
 
 
 def foot_of(tags: Mapping[str, str], storey_height: float, odd: Odd) -> float:
-    """Height of the lower side above the ground [m]: of what bridges a street or stands on other parts.
+    """Return the height of the lower side above the ground [m], of a part over a street or over other parts.
 
-    What begins below the ground, or at a height that is not understood, stands on the ground.
+    A part that begins below the ground, or at an unreadable height, begins at the ground.
     """
     if any(meaning(key) is Means.UNIT and tags[key].lower() not in IN_METRES for key in tags):
         return 0.0
@@ -54,9 +54,9 @@ def foot_of(tags: Mapping[str, str], storey_height: float, odd: Odd) -> float:
 
 
 def width_of(tags: Mapping[str, str], odd: Odd, is_tree: bool = False) -> float | None:
-    """Diameter of what is a point, or width of a line [m]; None if no tag says it.
+    """Return the diameter of a point, or the width of a line [m]; None without a tag.
 
-    `diameter` is that of the trunk where it `is_tree`.
+    `diameter` is that of the trunk if `is_tree`.
     """
     wide = (Means.CROWN,) if is_tree else (Means.ROTOR, Means.CROWN, Means.WIDTH)
     widths = [_length(tags, key, odd) for key in those(tags, *wide)]
@@ -66,23 +66,23 @@ def width_of(tags: Mapping[str, str], odd: Odd, is_tree: bool = False) -> float 
 
 
 def unread_heights(tags: Mapping[str, str], height: float, storey_height: float) -> list[str]:
-    """The keys that may be a height, or storeys, with values above the `height` that was taken [m]."""
+    """Return the keys that may mean a height or storeys, with values above the `height` taken [m]."""
     return [
         key
-        for key in those(tags, Means.PERHAPS)
-        if (length_of(tags[key])[0] or 0.0) * (storey_height if PERHAPS in plain(key) else 1.0) > height
+        for key in those(tags, Means.AMBIGUOUS)
+        if (length_of(tags[key])[0] or 0.0) * (storey_height if AMBIGUITY_MARK in plain(key) else 1.0) > height
     ]
 
 
 def is_by_storeys(tags: Mapping[str, str]) -> bool:
-    """Whether storeys alone say how high a thing is, and nothing how high its roof."""
+    """Return whether a height is known by storeys alone, without the roof's height."""
     if those(tags, Means.TOP, Means.ROOF, Means.ROOF_LEVELS) or tags.get("roof:shape") == "flat":
         return False
     return bool(those(tags, Means.LEVELS, Means.MAX_LEVEL))
 
 
 def says_nothing(text: str) -> bool:
-    """Whether a value says that nobody knows: it has no number, or one that is not above 0."""
+    """Return whether a value has no number above 0."""
     value, _ = length_of(text)
     return not value
 
@@ -106,13 +106,14 @@ def _length(tags: Mapping[str, str], key: str, odd: Odd) -> float | None:
 
 
 def radius_of(tags: Mapping[str, str]) -> float | None:
-    """The radius of the circle that a point stands for [m]; None where no tag says it."""
+    """Return the radius of the circle that a point marks [m]; None without a tag."""
     radii = [_length(tags, key, lambda *_: None) for key in those(tags, Means.RADIUS)]
     return max((radius for radius in radii if radius), default=None)
 
 
 def _tip(tags: Mapping[str, str], odd: Odd, height_known: bool) -> float | None:
-    """Where the blades of a wind turbine reach [m], by its hub; None where no tag says it but a `height`."""
+    """Return the height of a wind turbine's blade tip by its hub [m]; None without a hub, or if only `height` is given.
+    Return the height of a wind turbine's blade tip by its hub [m]; None without a hub, or if only `height` is given."""
     hubs = [height for key in those(tags, Means.HUB) if (height := _length(tags, key, odd))]
     rotor = width_of(tags, odd) if those(tags, Means.ROTOR, Means.BLADE) else None
     if not hubs or (rotor is None and height_known):
@@ -130,7 +131,7 @@ def _by_storeys(tags: Mapping[str, str], storey_height: float, odd: Odd) -> floa
     if not any(roof is not None for roof in roofs):
         roofs = [(_count(tags, key, odd) or 0.0) * storey_height for key in those(tags, Means.ROOF_LEVELS)]
     roof = max((roof for roof in roofs if roof is not None), default=0.0)
-    return max(known) * storey_height + roof or None  # no storey at all is said of sheds and canopies
+    return max(known) * storey_height + roof or None  # sheds and canopies are tagged with 0 storeys
 
 
 def _count(tags: Mapping[str, str], key: str, odd: Odd) -> float | None:

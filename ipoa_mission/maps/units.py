@@ -6,13 +6,14 @@ from typing import Any
 
 from ipoa_mission.errors import BadInput, imported
 
-#: CF and GRIB write an exponent right behind its unit: "m s-1".
+# CF and GRIB write an exponent directly after its unit: "m s-1".
 _EXPONENT = re.compile(r"(?<=[A-Za-z])(?=-?\d)")
 OTHER_NAMES = ("geopotential_meter = meter = gpm", "feet_per_minute = foot / minute = fpm")
 
 
 def unit_factor(unit: str, target: str, place: str) -> float:
-    """The factor that converts a value in `unit` to `target`, both as text.
+    """Return the factor from `unit` to `target`, both as text.
+
 
     Raises:
         BadInput: the unit is unknown, or of another kind.

@@ -1,4 +1,4 @@
-"""Find out what a vertical coordinate of a forecast counts: its unit, and its datum by CF's standard names."""
+"""Find unit and datum of a forecast's vertical coordinate, by CF's standard names."""
 
 import re
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.units import unit_factor
 from ipoa_mission.maps.wind_levels import Datum
 
-#: CF's standard names of heights; other standard names of a vertical axis (air_pressure, ...) are no height.
+# CF's standard names of heights; other standard names of a vertical axis (air_pressure, ...) are no height.
 STANDARD = {
     "height": Datum.GROUND,
     "altitude": Datum.SEA,
@@ -20,7 +20,7 @@ STANDARD = {
     "geopotential_height": Datum.SEA,
     "height_above_reference_ellipsoid": Datum.ELLIPSOID,
 }
-#: What words of a name or a description say, where no standard name does.
+# Datum by words of a name or description, if there is no standard name.
 WORDS = (
     (Datum.ELLIPSOID, re.compile(r"ellipsoid|wgs ?84|\bhae\b")),
     (Datum.SEA, re.compile(r"above[ _]?(the )?(mean[ _]?)?sea|\b(a?msl|asl)\b|altitude|geoid|geopotential")),
@@ -36,7 +36,7 @@ HIGHEST_NAMED = 200  # u10, u100, u200 are meters; u250 to u1000 are hPa
 
 @dataclass(frozen=True)
 class Vertical:
-    """A vertical coordinate; `values` are its heights [m], None where it counts something else, such as pressure."""
+    """A vertical coordinate; `values` are its heights [m], None for another quantity, such as pressure."""
 
     coordinate: Any
     values: Any
@@ -45,7 +45,7 @@ class Vertical:
 
 
 def vertical_of(path: Path, coordinate: Any) -> Vertical | None:
-    """What a coordinate says of heights; None if it is no vertical coordinate.
+    """Return the heights of a coordinate; None if it is not vertical.
 
     Raises:
         BadInput: its unit is unknown, or it counts downwards.
@@ -66,7 +66,7 @@ def vertical_of(path: Path, coordinate: Any) -> Vertical | None:
     datum = _datum(name, standard, by_words)
     factor = 1.0
     if unit is None and datum is Datum.UNKNOWN:
-        return Vertical(coordinate, None, datum)  # numbers of levels, most likely
+        return Vertical(coordinate, None, datum)  # most likely level numbers
     if unit is not None:
         bare = DATUM_IN_UNIT.sub("", str(unit)).strip()
         if NO_UNIT.fullmatch(bare) or _is_pressure(name, bare, standard):
@@ -80,9 +80,9 @@ def vertical_of(path: Path, coordinate: Any) -> Vertical | None:
 
 
 def height_in_name(name: str, long_name: str, is_usual: bool) -> tuple[float, Datum] | None:
-    """The height that stands in a variable's name [m], such as u10, and its datum; None where none does.
+    """Return the height in a variable's name [m], such as u10, and its datum; None without one.
 
-    Where the name is not a usual one of a wind, its number must have the unit m.
+    In a name that is unusual for a wind, the number must have the unit m.
     """
     match = BARE.fullmatch(name.lower())
     if match is None or PRESSURE.search(long_name) or PRESSURE.search(name):
@@ -96,7 +96,7 @@ def height_in_name(name: str, long_name: str, is_usual: bool) -> tuple[float, Da
 def _datum(name: str, standard: str | None, by_words: list[Datum]) -> Datum:
     if standard is not None:
         stated = STANDARD[standard]
-        return stated if not by_words or stated in by_words else Datum.UNKNOWN  # they contradict each other
+        return stated if not by_words or stated in by_words else Datum.UNKNOWN  # contradictory
     if len(by_words) > 1:
         return Datum.UNKNOWN
     if by_words:

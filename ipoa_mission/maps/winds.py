@@ -1,6 +1,6 @@
-"""Wind out of a weather forecast (NetCDF or GRIB): a profile above home, with what members and hours differ by.
+"""Read wind from a weather forecast (NetCDF or GRIB): a profile above home, with its spread over members and hours.
 
-Winds at the nearest point of the grid count. Heights above sea level are taken less home's altitude.
+It takes the winds at the nearest grid point. Heights above sea level are reduced by home's altitude.
 """
 
 from collections.abc import Sequence
@@ -20,19 +20,21 @@ from ipoa_mission.wind import MOST_LEVELS, Wind
 from ipoa_mission.world.frame import Geodetic
 
 GRIB_BEGINS = b"GRIB"
-LASTS = np.timedelta64(1, "h")  # a flight, as for zones
-USUAL = range(0, 160, 10)  # heights that are flown [m]
-HIGHEST = 500.0  # above home [m]: of the levels above it only the lowest is read
-SAY_DATUM = "the standard_name height (above ground) or altitude (above the geoid) says it"
-DIGITS = 2  # levels whose heights agree to a centimeter are one
+FLIGHT_DURATION = np.timedelta64(1, "h")  # duration of a flight, as for zones
+USUAL = range(0, 160, 10)  # usual flight heights [m]
+HIGHEST = 500.0  # above home [m]: only the lowest of the levels above it is read
+DATUM_REMEDY = "set standard_name to height (above ground) or altitude (above the geoid)"
+DIGITS = 2  # levels with heights equal to a centimeter are one
 
 
 def read_wind(path: Path, place: Geodetic, time: np.datetime64 | None) -> ForecastWind:
-    """The wind over a place from a time (UTC) on; its `spread`: how far a member or an hour is from the mean at most.
+    """Return the wind over a place from a time (UTC) on; `spread` is the greatest deviation of a member or hour from
+    the mean.
+
 
     Raises:
         BadInput: the file cannot be read, has no such winds, or is of another place or time.
-        MissionError: a library that reads it is not installed.
+        MissionError: a library is not installed.
     """
     found = grib_winds(path, place) if _is_grib(path) else netcdf_winds(path, place)
     if not found.samples:
@@ -48,7 +50,7 @@ def read_wind(path: Path, place: Geodetic, time: np.datetime64 | None) -> Foreca
 
 
 def _harm(forecast: ForecastWind) -> tuple[float, float]:
-    """How much a wind disturbs a flight at usual heights: at its strongest, and on average [m/s]."""
+    """Return the strongest and the mean wind at usual heights, spread included [m/s]."""
     speeds = [forecast.wind.at(height) + forecast.wind.spread for height in USUAL]
     return max(speeds), float(np.mean(speeds))
 
@@ -64,7 +66,7 @@ def _is_grib(path: Path) -> bool:
 def _profile(
     path: Path, found: ForecastWinds, place: Geodetic, time: np.datetime64 | None, unknown: Datum
 ) -> ForecastWind:
-    """The wind above home, heights of unknown datum taken as of `unknown`."""
+    """Return the wind above home, with heights of unknown datum counted from `unknown`."""
     levels = dict[float, list[WindSamples]]()
     remarks, notes = list[str](), ForecastWinds(path.name)
     for each in found.samples:
@@ -72,7 +74,7 @@ def _profile(
         at_home = _datum_at_home(path, datum, place)
         levels.setdefault(round(each.height - at_home, DIGITS) + 0.0, []).append(each)
         if each.datum is Datum.UNKNOWN:
-            notes.leave(f"datum of its heights, taken as {datum}: {SAY_DATUM}", "wind", f"{each.height:g}")
+            notes.leave(f"datum of its heights, taken as {datum}: {DATUM_REMEDY}", "wind", f"{each.height:g}")
         elif datum is not Datum.GROUND:
             remarks.append(f"{path.name}: heights above {datum} taken less home's {at_home:g} m")
     kept = _kept(path, sorted(levels), place, notes)
@@ -90,7 +92,7 @@ def _profile(
 
 
 def _datum_at_home(path: Path, datum: Datum, place: Geodetic) -> float:
-    """Home's height by a datum [m]."""
+    """Return home's height above a datum [m]."""
     if datum is Datum.GROUND:
         return 0.0
     if datum is Datum.SEA:
@@ -103,7 +105,7 @@ def _datum_at_home(path: Path, datum: Datum, place: Geodetic) -> float:
 
 
 def _kept(path: Path, heights: list[float], place: Geodetic, notes: ForecastWinds) -> list[float]:
-    """The levels that a flight meets: from the ground up to the first one above `HIGHEST`."""
+    """Return the levels of a flight: from the ground up to the first one above `HIGHEST`."""
     above = [height for height in heights if height >= 0]
     if not above:
         raise NotCovered(
@@ -123,7 +125,7 @@ def _kept(path: Path, heights: list[float], place: Geodetic, notes: ForecastWind
 def _at_the_time(
     path: Path, height: float, samples: Sequence[WindSamples], time: np.datetime64 | None, notes: ForecastWinds
 ) -> Points:
-    """The winds of all members at the times that a flight meets, (n, 2); those that the file lacks are counted."""
+    """Return the winds of all members at the times of the flight, (n, 2); note missing ones."""
     winds, times = np.concatenate([s.winds for s in samples]), np.concatenate([s.times for s in samples])
     undated = np.isnat(times)
     if undated.any():
@@ -144,16 +146,16 @@ def _at_the_time(
 
 
 def _hours(path: Path, times: Times, time: np.datetime64 | None) -> Times:
-    """The times that a flight meets: the last one before it, those in it, the first one after it."""
+    """Return the times of the flight: the last before it, those during it, the first after it."""
     if time is None:
         if len(times) == 1:
             return times
         words = f"expected `time` in the scenario, for a forecast of {len(times)} times"
         raise BadInput(words, code="time-missing", place=path)
     begin = time.astype("datetime64[s]")
-    if begin + LASTS < times[0] or begin - LASTS > times[-1]:
+    if begin + FLIGHT_DURATION < times[0] or begin - FLIGHT_DURATION > times[-1]:
         words = f"expected a forecast for {begin}, not of {times[0]} to {times[-1]}"
         raise BadInput(words, code="time-not-covered", place=path)
     first = int(np.searchsorted(times, begin, side="right")) - 1
-    last = int(np.searchsorted(times, begin + LASTS, side="left"))
+    last = int(np.searchsorted(times, begin + FLIGHT_DURATION, side="left"))
     return times[max(first, 0) : min(last, len(times) - 1) + 1]

@@ -1,7 +1,7 @@
-"""Lines in the air: how high and wide power lines and aerialways are where their map does not say, and how they stand.
+"""Define lines in the air: default heights and widths of power lines and aerialways, and their obstacles.
 
-A rope hangs between its supports, never above the straight line between their tops: over a valley it may be far above
-the ground. Nothing flies under it: it stands as a wall from the ground up.
+A rope is never above the straight line between the tops of its supports. Over a valley it may be far above the ground.
+Nothing flies under it: its obstacle is a wall from the ground up.
 """
 
 import math
@@ -19,15 +19,15 @@ from ipoa_mission.geometry import Vector
 from ipoa_mission.world.obstacles import Prism
 from ipoa_mission.world.polygon import rings_of
 
-#: Up to so many volts: height of the towers or poles, and half the width of what they carry [m].
+# Height of towers or poles, and half width of their wires [m], up to a voltage [V].
 POWER = ((1e3, 10.0, 2.0), (60e3, 15.0, 3.0), (150e3, 40.0, 8.0), (300e3, 50.0, 12.0), (math.inf, 60.0, 16.0))
-#: What power lines and others carry that say no voltage.
+# Assumed voltage of lines without one [V].
 VOLTAGES = {"line": math.inf, "minor_line": 60e3, "cable": 60e3}
 AERIALWAYS = {"cable_car", "gondola", "mixed_lift", "chair_lift", "goods", "zip_line"}
 DRAG_LIFTS = {"drag_lift", "t-bar", "j-bar", "platter", "rope_tow"}
-DRAG_LIFT = 15.0  # the most that is taken for the height of one [m]
-AERIALWAY_REACH = 5.0  # half the width of two ropes and what hangs on them [m]
-#: Lines in the air by their tags; a power cable that does not say where it runs lies in the ground as a rule.
+DRAG_LIFT = 15.0  # greatest height assumed [m]
+AERIALWAY_REACH = 5.0  # half the width of two ropes and their cabins [m]
+# Lines in the air by their tags; a power cable is underground by default.
 WIRES = {
     "power": {"line", "minor_line", "cable"},
     "aerialway": AERIALWAYS | DRAG_LIFTS,
@@ -35,14 +35,14 @@ WIRES = {
     "telecom": {"line"},
 }
 OVERGROUND = {"overground", "overhead", "kiosk", "roof"}
-STEP = 8.0  # the ground under a wire is looked at so often [m]
-RELIEF = 5.0  # a span whose top rises or falls by more is cut into pieces [m] ...
-LEAST_PIECE = 20.0  # ... that are no shorter than this [m]
+STEP = 8.0  # interval of ground samples under a wire [m]
+RELIEF = 5.0  # a span whose top varies by more is divided [m] ...
+LEAST_PIECE = 20.0  # ... into pieces no shorter than this [m]
 
 
 @dataclass(frozen=True)
 class Wire:
-    """What a line in the air is called, how high it is and half its width [m], and the key that changes the height."""
+    """A kind of line in the air: its height and half width [m], and the key that changes the height."""
 
     words: str
     height: float
@@ -51,7 +51,7 @@ class Wire:
 
 
 def wire_of(tags: Mapping[str, str], line_height: float | None, aerialway_height: float) -> Wire | None:
-    """The wire that tags speak of, as high as its kind is or as the scenario says; None where they speak of none."""
+    """Return the wire of these tags, with the height of its kind or the scenario's; None for others."""
     if WIRES.keys().isdisjoint(tags):
         return None
     if tags.get("aerialway") in WIRES["aerialway"]:
@@ -72,13 +72,13 @@ def wire_of(tags: Mapping[str, str], line_height: float | None, aerialway_height
 
 
 def volts_of(text: str) -> float | None:
-    """The highest of the voltages of a line ("110000", "380000;110000", "20 kV") [V]; None where none can be read."""
+    """Return the highest voltage of a line ("110000", "380000;110000", "20 kV") [V]; None if unreadable."""
     found = [re.fullmatch(r"(\d{1,7}(?:\.\d{1,3})?) ?(k?)v?", part.strip().lower()) for part in text.split(";")]
     return max((float(one[1]) * (1000.0 if one[2] else 1.0) for one in found if one), default=None)
 
 
 def spans(shape: Any) -> Iterator[Any]:
-    """The straight stretches of lines, each a line of two points; a line that is all in one place has none."""
+    """Yield the straight segments of lines, each a line of two points, without those of length 0."""
     for part in shapely.get_parts(shape):
         if hasattr(part, "geoms"):
             yield from spans(part)
@@ -93,7 +93,7 @@ def spans(shape: Any) -> Iterator[Any]:
 def raise_span(
     name: str, span: Any, reach: float, height: float, ground: Callable[[NDArray[np.float64]], Vector]
 ) -> Iterator[Prism]:
-    """The walls under a span, whose supports are `height` high: several where its top rises or falls."""
+    """Yield the walls under a span with supports of this `height`: several if its top rises or falls."""
     begin, end = shapely.get_coordinates(span)
     count = max(math.ceil(span.length / STEP), 2)
     share = np.linspace(0.0, 1.0, count + 1)

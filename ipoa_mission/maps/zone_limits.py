@@ -1,6 +1,6 @@
 """Read the vertical limits of a zone: number, unit and reference, as ED-269, ED-318 and national files spell them.
 
-A limit that is not understood is none: the zone then reaches on to that side, and the limit is named.
+A limit that is not understood is dropped, which enlarges the zone, and is reported.
 """
 
 import math
@@ -15,9 +15,9 @@ UNITS |= {"FT": FOOT, "F": FOOT, "FEET": FOOT, "FOOT": FOOT}
 REFERENCES = {"AGL": "AGL", "GND": "AGL", "SFC": "AGL", "AMSL": "AMSL", "MSL": "AMSL", "WGS84": "WGS84"}
 GROUND = {"SFC", "GND", "SURFACE", "GROUND"}
 NO_LIMIT = {"UNL", "UNLTD", "UNLIMITED"}
-#: In words, as EANS and AIP texts have it: "120m AGL", "6000 FT AMSL".
+# In words, as in EANS and AIP texts: "120m AGL", "6000 FT AMSL".
 IN_WORDS = re.compile(r"(?P<height>[-+]?\d+(?:\.\d+)?) ?(?P<unit>[A-Z]+)[ ,]*(?P<reference>[A-Z]+)")
-#: Keys of the parts of a limit: those of ED-318, of ED-269, and of its shapefiles, which cut names to ten letters.
+# Keys of the parts of a limit: ED-318, ED-269, and its shapefiles, which cut names to ten letters.
 KEYS = {
     "uom": ("uom", "uomDimensions", "uomDimensi"),
     **{side: (side, f"{side}Limit") for side in ("lower", "upper")},
@@ -28,7 +28,7 @@ KEYS = {
     **{f"{side}Meters": (f"{side}Meters",) for side in ("lower", "upper")},
 }
 READ = {key.lower() for keys in KEYS.values() for key in keys}
-#: Other keys that may hold a limit.
+# Other keys that may hold a limit.
 MAY_LIMIT = re.compile(
     r"(lower|upper|floor|ceiling|bottom|base|top|min|max)([-_: ]?(limit|alt|hei|lev|agl|a?msl|ft|m)\w*)?"
 )
@@ -44,7 +44,7 @@ class VerticalLimit:
 
 
 class Odd(NamedTuple):
-    """Something of a zone that was not understood: what it is, and its value."""
+    """A part of a zone that was not understood, and its value."""
 
     what: str
     value: str
@@ -52,7 +52,7 @@ class Odd(NamedTuple):
 
 @dataclass(frozen=True)
 class ZoneLimits:
-    """Both limits, None where there is none, or where it is the ground itself; `odd` are those not understood."""
+    """Both limits, None for no limit or a lower limit at the ground; `odd` are those not understood."""
 
     lower: VerticalLimit | None = None
     upper: VerticalLimit | None = None
@@ -60,7 +60,7 @@ class ZoneLimits:
 
 
 def limits_of(tags: Mapping[str, str]) -> ZoneLimits:
-    """The limits that the tags of a zone give it."""
+    """Return the vertical limits in the tags of a zone."""
     given = {name: next((tags[key].strip() for key in keys if key in tags), "") for name, keys in KEYS.items()}
     odd = [Odd(f'tag "{key}", which may be a limit', value) for key, value in tags.items() if _may_limit(key)]
     lower, upper = (_limit(given, side, odd) for side in SIDES)
@@ -104,7 +104,7 @@ def _in_words(text: str) -> VerticalLimit | None:
 
 
 def _by_keys(text: str, unit: str, reference: str) -> VerticalLimit | None:
-    """By a number with a unit and a reference of their own; M where no unit stands, as the schemas say."""
+    """Return a limit by a number with its own unit and reference; the default unit is M, as in the schemas."""
     factor, counted = UNITS.get(unit or "M"), REFERENCES.get(reference)
     return VerticalLimit(float(text) * factor, counted) if factor and counted and _is_number(text) else None
 

@@ -80,7 +80,7 @@ def test_what_is_near_and_what_is_counted_are_those_of_the_whole_map(
     rules = BuildingRules(**TAKEN[seed % len(TAKEN)])
     whole = find_buildings(read_features(path), rules, frame, path)
     monkeypatch.setattr(streamed, "BLOCK", 3000)
-    monkeypatch.setattr(geojson, "AT_ONCE", 5)
+    monkeypatch.setattr(geojson, "BATCH", 5)
     near = search_buildings(path, rules, frame, WITHIN)
     assert near.remarks == whole.remarks
     assert list(count_passed_over(near.passed_over, near.left_out)) == list(count_passed_over(whole.passed_over))
