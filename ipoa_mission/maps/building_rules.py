@@ -16,7 +16,7 @@ RADIUS_RATIO, LARGEST_RADIUS = 0.2, 10.0  # radius of a point of unknown kind: a
 
 @dataclass(frozen=True)
 class BuildingRules:
-    """How features become obstacles where their tags leave it open, all in metres.
+    """Rules for features whose tags give no size, all in metres.
 
     `height_key` is the property with the height. `take` is `all` for every feature not tagged as flat, `tagged` for
     those tagged as tall. `take` None takes a file of buildings only as a whole. Heights and radii of None depend on the

@@ -46,8 +46,8 @@ def read_table(path: Path, around: Around) -> tuple[Feature, ...]:
             several = len(layers) > 1
             features = [feature for name in layers for feature in _Layer(path, name, pyogrio, several).read(around)]
     except (RuntimeError, ValueError, UnboundLocalError) as error:  # of pyogrio (an invalid .prj), PROJ, texts
-        beside = "; the .shx and .dbf files must be next to a .shp" if suffix == ".shp" else ""
-        raise DamagedFile(f"cannot be read: {error}{beside}", place=path) from error
+        note = "; the .shx and .dbf files must be next to a .shp" if suffix == ".shp" else ""
+        raise DamagedFile(f"cannot be read: {error}{note}", place=path) from error
     if not features and not around.elsewhere:
         raise NothingThere("expected shapes, but there are none that can be read", place=path)
     around.expect_near(path)
@@ -142,13 +142,13 @@ def _expect_whole(path: Path) -> None:
     """
     sizes = {}
     for suffix in (".shx", ".dbf"):
-        beside = next(
+        sidecar = next(
             (one for one in (path.with_suffix(suffix), path.with_suffix(suffix.upper())) if one.exists()), None
         )
-        if beside is None:
+        if sidecar is None:
             words = f"expected the {suffix} file next to it"
             raise DamagedFile(words, hint="a Shapefile is .shp, .shx and .dbf", place=path)
-        sizes[suffix] = read_bytes(beside, HEADER), beside.stat().st_size
+        sizes[suffix] = read_bytes(sidecar, HEADER), sidecar.stat().st_size
     for begin, size in ((read_bytes(path, HEADER), path.stat().st_size), sizes[".shx"]):
         if len(begin) < HEADER or int.from_bytes(begin[24:28], "big") * 2 > size:
             raise DamagedFile("expected a whole Shapefile, but its end is missing", place=path)

@@ -27,8 +27,9 @@ HOME_TOLERANCE = 10.0  # greatest difference between home's altitude and the mod
 
 @dataclass(frozen=True)
 class ElevationRules:
-    """How to read an elevation model. `heights` None takes the coordinate system's datum, or else mean sea level.
+    """Options for reading an elevation model.
 
+    `heights` None takes the coordinate system's datum, or else mean sea level.
     `geoid` is the geoid's height above the ellipsoid [m] or a PROJ grid of it. `nodata` marks a missing height.
     """
 

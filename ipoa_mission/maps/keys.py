@@ -14,8 +14,8 @@ CUT_BY_SHP_WRITE = 8  # of shp-write before 0.4.2
 AMBIGUITY_MARK = "perhaps"  # marks ambiguous keys
 
 
-def _set(words: str) -> frozenset[str]:
-    return frozenset(words.split())
+def _set(*lines: str) -> frozenset[str]:
+    return frozenset(" ".join(lines).split())
 
 
 class Means(StrEnum):
@@ -64,31 +64,31 @@ _EXACT = {
 }
 # Words of a key about another key.
 _ABOUT = _set(
-    "source note notes date accuracy ref error type class code method check survey color quality status "
-    "confidence material shape direction angle description name id start end name_en comment fixme"
+    "source note notes date accuracy ref error type class code method check survey color quality status",
+    "confidence material shape direction angle description name id start end name_en comment fixme",
 )
 _HEIGHT = re.compile(r"height|hoehe|höhe|hauteur|altura|altezza|hoogte|hgt|výška|vyska|wysokosc|agl$|^agl")
 # Words of heights other than the top.
 _LOWER = _set(
-    "min base bottom foot ground clearance passage sill door entrance gate step kerb curb riser ceiling storey "
-    "story level floor terrain restriction limit limits vehicle legal physical signed person seat table handrail "
-    "maxheight platform tunnel lane parking under"
+    "min base bottom foot ground clearance passage sill door entrance gate step kerb curb riser ceiling storey",
+    "story level floor terrain restriction limit limits vehicle legal physical signed person seat table handrail",
+    "maxheight platform tunnel lane parking under",
 )
 _EAVES = _set("eave eaves gutter traufe trauf gouttiere parapet wall")
 _HUB = _set("hub nacelle axis")
 _ROTOR = _set("rotor blade blades turbine")
 _CROWN = _set("crown canopy spread")
 _LEVELS = _set(
-    "levels storeys stories floors etages étages geschosse geschosszahl vollgeschosse stockwerke plantas pisos "
-    "piani bouwlagen numfloors nbetages"
+    "levels storeys stories floors etages étages geschosse geschosszahl vollgeschosse stockwerke plantas pisos",
+    "piani bouwlagen numfloors nbetages",
 )
 _COUNTED = _set("storey story floor etage geschoss stockwerk")
 _COUNT = _set("num number nb no count anzahl total of nombre cnt")
 _BELOW = _set("underground basement below under skipped height start parking attic non_existent source")
 _WIDTH = re.compile(r"diameter|durchmesser|diametre|width|breite|largeur|ancho")
 _NARROW = _set(
-    "trunk stem dbh hole pipe step door entrance lane lanes carriageway sidewalk max maxwidth min kerb road "
-    "passage tread bore opening circumference"
+    "trunk stem dbh hole pipe step door entrance lane lanes carriageway sidewalk max maxwidth min kerb road",
+    "passage tread bore opening circumference",
 )
 _AMBIGUOUS_WORDS = _set("h ht alt altitude z zmax ztop hmax dach toit top tip amsl asl msl elev elevation")
 _MEASURED = ("height", "diameter", "levels", "storeys", "floors", "radius")

@@ -1,4 +1,4 @@
-"""The one file that a user writes: what is to be flown, where, by what, and how it is judged."""
+"""Define the scenario file, the only file that a user writes: places, world, vehicle and weights of a flight."""
 
 from ipoa_mission.scenario.model import Scenario
 from ipoa_mission.scenario.scenario_file import parse_scenario, read_scenario

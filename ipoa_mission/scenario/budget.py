@@ -1,4 +1,4 @@
-"""The energy of a flight, by the scenario's airframe and what was learned of the vehicle, against its battery."""
+"""Compare a flight's energy, by the airframe and learned figures, with its battery."""
 
 from dataclasses import replace
 
@@ -9,11 +9,11 @@ from ipoa_mission.vehicles.energy.curve import PowerCurve
 from ipoa_mission.vehicles.learned import LearnedVehicle
 from ipoa_mission.wind import CALM, Wind
 
-#: What flights take as a multiple of what is reckoned, nine in ten. By an airframe's figures alone: rotors and drives
-#: may be a quarter better or worse than is assumed, and flights came to 0.75 to 1 times (docs/lab/profiles.md).
+# Range of actual over predicted energy, nine flights in ten, by an airframe's figures alone. Rotors and drives may be a
+# quarter better or worse than assumed; flights came to 0.75 to 1 times (docs/lab/profiles.md).
 BY_AIRFRAME = (0.75, 1.4)
-MORE = ("square", "cube", "climb", "descent")  # what flying takes more than hovering
-#: With the power in hover measured, but not that of flying.
+CURVE_TERMS = ("square", "cube", "climb", "descent")  # power of flying in addition to hover
+# As above, with measured power in hover only.
 BY_HOVER = (0.85, 1.25)
 
 
@@ -25,10 +25,10 @@ def flight_energy(
     learned: LearnedVehicle | None = None,
     wind: Wind = CALM,
 ) -> Consumption | None:
-    """What flying a track takes, given as for `consumption`; None where neither airframe nor hover power is known.
+    """Return the energy of a flown track, as `consumption` does; None without airframe and hover power.
 
-    The track is the whole flight, take-off, way home and landing included, as an estimate predicts it. `learned` goes
-    before what the scenario knows of the vehicle.
+    The track is the whole flight with take-off, return and landing, as an estimate predicts it. `learned` takes
+    precedence over the scenario's vehicle.
     """
     vehicle = None if scenario is None else scenario.vehicle
     learned = learned or (None if vehicle is None else vehicle.learned)
@@ -36,7 +36,7 @@ def flight_energy(
     curve, measured = curve_of(learned), None if learned is None else learned.hover_power
     hover_w = None if measured is None else measured.value
 
-    def taken(against: float) -> Consumption | None:
+    def consumed(against: float) -> Consumption | None:
         if curve is not None:
             return by_curve(curve, times, points, speeds, wind, against)
         if scenario is None or vehicle is None or vehicle.airframe is None:
@@ -44,16 +44,16 @@ def flight_energy(
         airframe, altitude = vehicle.airframe.build(), scenario.home.altitude_amsl
         return consumption(airframe, times, points, speeds, altitude, against, hover_w, wind)
 
-    used = taken(head_wind)
+    used = consumed(head_wind)
     if used is None:
         return None
-    if wind.spread > 0.0 and (against := taken(head_wind + wind.spread)) is not None:
+    if wind.spread > 0.0 and (against := consumed(head_wind + wind.spread)) is not None:
         used = replace(used, most_w=against.most_w)
     return used.widened(*_share(learned))
 
 
 def _share(learned: LearnedVehicle | None) -> tuple[float, float]:
-    """Of what is reckoned what nine flights in ten take: from how little to how much."""
+    """Return the range of actual over predicted energy of nine flights in ten."""
     if learned is None or learned.hover_power is None:
         return BY_AIRFRAME
     ratio = learned.energy_ratio
@@ -61,14 +61,13 @@ def _share(learned: LearnedVehicle | None) -> tuple[float, float]:
 
 
 def curve_of(learned: LearnedVehicle | None) -> PowerCurve | None:
-    """The power of a vehicle whose flights told it by airspeed and climb; None of others."""
+    """Return the learned power by airspeed and climb; None if it was not learned."""
     if learned is None or learned.hover_power is None or learned.airspeed is None:
         return None
-    square, cube, climb, descent = (learned.value(f"{name}_power", 0.0) for name in MORE)
+    square, cube, climb, descent = (learned.value(f"{name}_power", 0.0) for name in CURVE_TERMS)
     return PowerCurve(learned.hover_power.value, square, cube, climb, descent, learned.airspeed.value)
 
 
 def battery_of(scenario: Scenario | None) -> Battery | None:
-    """The scenario's battery, if it has one."""
     section = None if scenario is None else scenario.vehicle.battery
     return None if section is None else section.build()

@@ -1,4 +1,4 @@
-"""A camera that looks straight down: what a photo shows of the ground, by the published figures of its sensor."""
+"""Define cameras that look straight down: the footprint of a photo by the sensor's published figures."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,12 +13,12 @@ from ipoa_mission.scenario.section import Positive, Section
 
 @dataclass(frozen=True)
 class Camera:
-    """A camera whose photos are wide across the way; lengths of its sensor and lens in millimetres.
+    """A camera whose photos are wide across the track.
 
     Attributes:
-        name: what it is called.
+        name: its name.
         sensor: width and height of the sensor [mm].
-        focal_length: of the lens itself, not that of a lens for 35 mm film with the same view [mm].
+        focal_length: of the lens itself, not the 35 mm equivalent [mm].
         pixels: width and height of a photo.
 
     Example:
@@ -34,18 +34,18 @@ class Camera:
     pixels: tuple[int, int]
 
     def footprint(self, height: float) -> tuple[float, float]:
-        """What a photo shows from a height above level ground, across and along the way [m]."""
+        """Return the footprint of a photo from a height above level ground, across and along the track [m]."""
         across, along = self.sensor
         return across * height / self.focal_length, along * height / self.focal_length
 
     def height_for(self, gsd_cm: float) -> float:
-        """The height above ground from which no pixel is wider on the ground than that [cm]."""
+        """Return the greatest height above ground at which a pixel covers at most `gsd_cm` [cm]."""
         pitch = max(side / count for side, count in zip(self.sensor, self.pixels, strict=True))
         return gsd_cm / 100 * self.focal_length / pitch
 
 
-#: By name, as QGroundControl lists them (its CameraMetaData), which has the makers' published figures; the P1's and the
-#: Mavic 3E's are DJI's data sheets, the A6000's Sony's.
+# Cameras by name, as QGroundControl lists them (its CameraMetaData) with the makers' published figures. The P1's and
+# the Mavic 3E's figures are from DJI's data sheets, the A6000's from Sony's.
 CAMERAS: Mapping[str, Camera] = {
     camera.name: camera
     for camera in (
@@ -60,17 +60,17 @@ CAMERAS: Mapping[str, Camera] = {
 
 
 def camera_named(name: str) -> Camera:
-    """The camera of that name, in letters large or small.
+    """Return the camera of a name, in any case.
 
     Raises:
-        BadInput: there is none, with those that there are.
+        BadInput: there is none; the message lists the known ones.
     """
     by_letters = {known.casefold(): camera for known, camera in CAMERAS.items()}
     if (found := by_letters.get(name.casefold())) is not None:
         return found
     near = get_close_matches(name.casefold(), by_letters, n=1)
     hint = f"; did you mean {by_letters[near[0]].name!r}?" if near else f", one of {', '.join(CAMERAS)}"
-    words = f"expected the name of a camera that is known{hint}"
+    words = f"expected the name of a known camera{hint}"
     raise UnknownName(words, hint="give one by its numbers: sensor_mm, focal_length_mm, pixels")
 
 
@@ -78,21 +78,20 @@ class CameraSection(Section):
     """A camera by its numbers."""
 
     sensor_mm: tuple[Positive, Positive]
-    """Width and height of the sensor [mm]; the width lies across the way."""
+    """Width and height of the sensor [mm]. The width is across the track."""
     focal_length_mm: Positive
-    """Of the lens itself [mm]; the "35 mm equivalent" is another length."""
+    """Focal length of the lens itself [mm], not the 35 mm equivalent."""
     pixels: tuple[PositiveInt, PositiveInt]
     """Width and height of a photo."""
     name: str = "camera"
-    """What it is called."""
+    """Name of the camera."""
 
     def build(self) -> Camera:
-        """The camera itself."""
         return Camera(self.name, self.sensor_mm, self.focal_length_mm, self.pixels)
 
 
 class _OrName:
-    """That a name may stand for the table."""
+    """Adds a plain name to the schema, in place of the table."""
 
     def __get_pydantic_json_schema__(self, core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         return {"anyOf": [{"type": "string"}, handler(core_schema)]}

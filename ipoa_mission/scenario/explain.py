@@ -1,4 +1,4 @@
-"""Where a scenario is wrong, in plain words: the place, what was expected there, what stands there."""
+"""Explain errors of a scenario: the place, the expected value, the given value."""
 
 import difflib
 from collections.abc import Mapping, Sequence
@@ -9,12 +9,12 @@ from pydantic import BaseModel, ValidationError
 
 from ipoa_mission.errors import BadInput, MissionError
 
-MOST_EXPLAINED = 20  # mistakes; explaining a key takes long
+MOST_EXPLAINED = 20  # errors; explaining a key is slow
 
 
 def explained(error: ValidationError, table: Mapping[str, Any], model: type[BaseModel], source: str = "") -> BadInput:
-    """All that pydantic finds wrong with a table, a line each; `source` is where it comes from, and begins each."""
-    problems = [one for one in error.errors(include_url=False) if not _follows(one)]
+    """Return all pydantic errors of a table as one error, a line each; `source` is the prefix of each."""
+    problems = [one for one in error.errors(include_url=False) if not _is_consequence(one)]
     lines = [f"{source}{_explain(problem, table, model)}" for problem in problems[:MOST_EXPLAINED]]
     if len(problems) > MOST_EXPLAINED:
         lines.append(f"{source}and {len(problems) - MOST_EXPLAINED} more like these")
@@ -31,8 +31,8 @@ def explained(error: ValidationError, table: Mapping[str, Any], model: type[Base
 
 _CODES = {"missing": "missing", "union_tag_not_found": "missing", "extra_forbidden": "unknown-key"}
 
-#: What is expected, by pydantic's kind of mistake.
-_WANTED = {
+# Expected values, by pydantic's type of error.
+_EXPECTED = {
     "greater_than": "a number greater than {gt:g}",
     "greater_than_equal": "a number of at least {ge:g}",
     "less_than_equal": "a number of at most {le:g}",
@@ -43,7 +43,7 @@ _WANTED = {
 
 
 def _explain(problem: Any, table: Mapping[str, Any], model: type[BaseModel]) -> str:
-    """One of pydantic's findings in our words: `obstacles[0].radius: expected a number greater than 0, not -3`."""
+    """Return a pydantic error in words: `obstacles[0].radius: expected a number greater than 0, not -3`."""
     place, kind, given = _place(problem["loc"], table), problem["type"], problem["input"]
     limits = problem.get("ctx", {})
     match kind:
@@ -54,10 +54,10 @@ def _explain(problem: Any, table: Mapping[str, Any], model: type[BaseModel]) -> 
             keys = _known_keys(problem["loc"], model)
             near = [one for one in keys if key in one.split("_")] or difflib.get_close_matches(key, keys, n=1)
             if others := [] if near else _tables_with(key, model):
-                return f"{place}: unknown key; {key} stands {_or(others)}"
+                return f"{place}: unknown key; {key} belongs {_or(others)}"
             return f"{place}: unknown key" + (f"; did you mean {_or(near)}?" if near else "")
-        case _ if kind in _WANTED:
-            wanted = _WANTED[kind].format(**limits)
+        case _ if kind in _EXPECTED:
+            wanted = _EXPECTED[kind].format(**limits)
         case "enum" | "literal_error" | "union_tag_invalid":
             if kind == "union_tag_invalid":
                 place, given = f"{place}.kind", limits["tag"]
@@ -70,7 +70,7 @@ def _explain(problem: Any, table: Mapping[str, Any], model: type[BaseModel]) -> 
         case "value_error":
             return f"{place}: {limits['error']}" if place else str(limits["error"])
         case "string_pattern_mismatch":
-            wanted = "what a file can be called" if place == "name" else "letters, digits and underscores"
+            wanted = "a valid file name" if place == "name" else "letters, digits and underscores"
         case "too_short" | "too_long":
             wanted = (
                 f"at least {limits['min_length']} entries" if kind == "too_short" else f"{limits['max_length']} entries"
@@ -83,13 +83,14 @@ def _explain(problem: Any, table: Mapping[str, Any], model: type[BaseModel]) -> 
     return f"{place}: expected {wanted}, not {_shown(given)}"
 
 
-def _follows(problem: Any) -> bool:
-    """Whether a list is called too short only as some of its entries, of which is told, make no sense."""
+def _is_consequence(problem: Any) -> bool:
+    """Return whether a list is too short only because some entries are invalid, which are reported."""
     return bool(problem["type"] == "too_short" and len(problem["input"]) >= problem["ctx"]["min_length"])
 
 
 def _place(location: Sequence[int | str], table: Any) -> str:
-    """`obstacles[0].radius` of pydantic's ("obstacles", 0, "sphere", "radius"): a union's tag is no key of the file."""
+    """Return `obstacles[0].radius` for pydantic's ("obstacles", 0, "sphere", "radius"), which includes a union's tag.
+    Return `obstacles[0].radius` for pydantic's ("obstacles", 0, "sphere", "radius"), which includes a union's tag."""
     place, here = "", table
     for step in location:
         if isinstance(step, int):
@@ -118,7 +119,7 @@ def _known_keys(location: Sequence[int | str], model: type[BaseModel]) -> list[s
 
 
 def _tables_with(key: str, model: type[BaseModel]) -> list[str]:
-    """Where else a scenario has this key: `in [safety]`, `before all tables`."""
+    """Return the other places of a key in a scenario: `in [safety]`, `before all tables`."""
     schema = _schema(model)
     tables = {name: _resolved(one, schema, "") for name, one in schema["properties"].items()}
     before = ["before all tables"] if key in tables and "properties" not in tables[key] else []
@@ -126,7 +127,7 @@ def _tables_with(key: str, model: type[BaseModel]) -> list[str]:
 
 
 def _resolved(node: Any, schema: Any, tag: str) -> Any:
-    node = next((one for one in node.get("anyOf", ()) if "$ref" in one), node)  # or left out
+    node = next((one for one in node.get("anyOf", ()) if "$ref" in one), node)  # an optional value
     if "discriminator" in node:
         mapping = node["discriminator"]["mapping"]
         node = {"$ref": mapping[tag]} if tag in mapping else node
@@ -136,13 +137,13 @@ def _resolved(node: Any, schema: Any, tag: str) -> Any:
 
 
 def _or(words: Sequence[str]) -> str:
-    """`a, b or c`."""
+    """Return `a, b or c`."""
     *others, last = words
     return f"{', '.join(others)} or {last}" if others else last
 
 
 def lowered(message: str) -> str:
-    """It as the rest of a sentence."""
+    """Return a message with a small first letter."""
     return message[:1].lower() + message[1:]
 
 

@@ -1,4 +1,4 @@
-"""A fence drawn by hand, as the planned path keeps it: inside of inclusions, away from exclusions."""
+"""Convert geofences drawn by hand to limits of the planned path."""
 
 import math
 from collections.abc import Sequence
@@ -13,16 +13,16 @@ from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.obstacles import Obstacle, RoundZone, Zone
 
 HOME = shapely.Point(0.0, 0.0)
-SEGMENTS = 16  # of a quarter of an inclusion circle, which the path sees from the inside
+SEGMENTS = 16  # per quarter of an inclusion circle, which is seen from inside
 
 
 def allowed_area(fences: Sequence[FenceSection], frame: LocalFrame) -> Any | None:
-    """What all inclusions have in common, a polygon in the local plane; None without any.
+    """Return the intersection of all inclusions, a polygon in the local plane; None without any.
 
-    PX4 joins inclusions and ArduPilot crosses them: inside of all is inside for both.
+    PX4 unites inclusions and ArduPilot intersects them: the intersection satisfies both.
 
     Raises:
-        BadInput: a polygon crosses itself, or home is outside, or inclusions have no area in common, or several.
+        BadInput: a polygon is invalid, home is outside, or inclusions do not have exactly one common area.
     """
     shapes = [_shape(fence, frame, f"fence[{i}]") for i, fence in enumerate(fences) if fence.inclusion]
     if not shapes:
@@ -37,10 +37,10 @@ def allowed_area(fences: Sequence[FenceSection], frame: LocalFrame) -> Any | Non
 
 
 def forbidden(fences: Sequence[FenceSection], frame: LocalFrame, base: float, top: float) -> tuple[Obstacle, ...]:
-    """The exclusions as obstacles between two heights.
+    """Return the exclusions as obstacles between two heights.
 
     Raises:
-        BadInput: a polygon crosses itself, or home is in one.
+        BadInput: a polygon is invalid, or contains home.
     """
     obstacles: list[Obstacle] = []
     for i, fence in enumerate(fences):

@@ -1,4 +1,4 @@
-"""A first scenario from a few answers, or from a map: the text of a commented TOML file that is ready to plan."""
+"""Write a first scenario from a few answers or a map: a commented TOML file, ready to plan."""
 
 import json
 import math
@@ -26,17 +26,17 @@ from ipoa_mission.scenario.scenario_file import parse_scenario
 from ipoa_mission.vehicles.autopilot import registered
 from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, why_so_far
 
-CLEAR = 12.0  # a suggested take-off or goal has so much room around it [m]
-APART = 200.0  # and lies no farther than this from the middle of the map, along either axis [m]
-TRIED_SPACING = 4.0  # distance between the places that are tried [m]
+FREE_RADIUS = 12.0  # room around a suggested take-off or goal [m]
+LARGEST_OFFSET = 200.0  # its greatest distance from the middle of the map, along either axis [m]
+CANDIDATE_SPACING = 4.0  # distance between candidate places [m]
 
 
 @dataclass(frozen=True)
 class Question:
-    """Something that `new_scenario` wants to know: what to ask, in which form, and what holds without an answer.
+    """A question of `new_scenario`: its words, the form of its answer, and its default.
 
-    `default` is None where there is none. `check` raises BadInput for an answer that will not do; its message begins
-    with `key`, the name under which `new_scenario` takes the answer.
+    `default` None means that an answer is needed. `check` raises BadInput for an invalid answer; its message begins
+    with `key`, the name of the answer in `new_scenario`.
     """
 
     key: str
@@ -96,66 +96,69 @@ def _one_of(*choices: str) -> Callable[[str, str], str]:
 
 
 AUTOPILOTS = tuple(map(str, registered()))
-#: In the order in which they are best asked.
+# In the order of asking.
 QUESTIONS = (
     Question("home", "Where does the vehicle take off?", "latitude, longitude", None, _place),
     Question("altitude", "How high is the ground there above mean sea level?", "metres", "0", _number),
-    Question("goal", "Where is it to fly?", "latitude, longitude", None, _place),
-    Question("height", "How high above the ground do start and goal lie?", "metres", "20", _positive),
+    Question("goal", "Where does it fly to?", "latitude, longitude", None, _place),
+    Question("height", "How high above the ground are start and goal?", "metres", "20", _positive),
     Question("autopilot", "Which autopilot flies it?", " or ".join(AUTOPILOTS), AUTOPILOTS[0], _one_of(*AUTOPILOTS)),
-    Question("cruise_speed", "How fast?", "metres per second", "8", _speed),
-    Question("safety_distance", "How near may its hull come to anything?", "metres", "2", _positive),
-    Question("ending", "How does it end?", "rtl (fly home) or land (at the goal)", "rtl", _one_of("rtl", "land")),
+    Question("cruise_speed", "What is the cruise speed?", "metres per second", "8", _speed),
+    Question("safety_distance", "What is the least distance of its hull to anything?", "metres", "2", _positive),
+    Question(
+        "ending", "How does the flight end?", "rtl (fly home) or land (at the goal)", "rtl", _one_of("rtl", "land")
+    ),
     Question(
         "profile",
-        "For what task?",
+        "What is the task?",
         f"{', '.join(PROFILES)}, or none (balanced)",
         "none",
         _one_of(*PROFILES, "none"),
     ),
 )
 
-#: Of things whose height a map does not say, by the key under [[maps]].
+# Questions on heights that a map leaves open, by the key under [[maps]].
 HEIGHTS = (
-    Question("line_height", "How high are power lines?", "metres, 0: there are none, or voltage", "voltage", _height),
-    Question("aerialway_height", "How high are cable cars and lifts?", "metres, 0: there are none", "40", _height),
-    Question("wood_height", "How high are woods?", "metres, 0: nothing stands there", "35", _height),
+    Question("line_height", "How high are power lines?", "metres, 0: no obstacle, or voltage", "voltage", _height),
+    Question("aerialway_height", "How high are cable cars and lifts?", "metres, 0: no obstacle", "40", _height),
+    Question("wood_height", "How high are woods?", "metres, 0: no obstacle", "35", _height),
     Question("point_height", "How high are masts, trees and rows of trees?", "metres, or kind", "kind", _of_points),
 )
-_BY = {"voltage": "by their voltage", "kind": "by their kind"}
-_OF = {
-    "line_height": "of power lines; left out, by their voltage; 0: there are none [m]",
-    "aerialway_height": "of cable cars and lifts; 0: there are none [m]",
-    "wood_height": "of woods; left out, no flight may be near one; 0: nothing stands there [m]",
+_DEFAULTS_BY_KIND = {"voltage": "by their voltage", "kind": "by their kind"}
+_COMMENTS = {
+    "line_height": "of power lines; left out, by their voltage; 0: no obstacle [m]",
+    "aerialway_height": "of cable cars and lifts; 0: no obstacle [m]",
+    "wood_height": "of woods; left out, no flight may be near one; 0: no obstacle [m]",
     "point_height": "of masts, trees and rows of trees; left out, by their kind [m]",
 }
 
 
 def questions_about(buildings: Path | None) -> tuple[Question, ...]:
-    """Those of `HEIGHTS` that a map leaves open.
+    """Return the `HEIGHTS` that a map leaves open.
 
     Raises:
         BadInput: the map cannot be read.
     """
     if buildings is None:
         return ()
-    return tuple(question for question in HEIGHTS if question.key in _look_at(buildings).left_open)
+    return tuple(question for question in HEIGHTS if question.key in _content_of(buildings).left_open)
 
 
 def taken_heights(answers: Mapping[str, str], buildings: Path | None) -> tuple[str, ...]:
-    """What is taken, unasked, for heights that a map leaves open, in words."""
+    """Return in words the defaults taken for heights that a map leaves open."""
     left = (question for question in questions_about(buildings) if question.key not in answers)
+    things = {key: words.split(";")[0].removesuffix(" [m]").removeprefix("of ") for key, words in _COMMENTS.items()}
     return tuple(
-        f"without a height on the map: {_OF[question.key].split(';')[0].removesuffix(' [m]').removeprefix('of ')}, "
-        f"taken {_BY.get(str(question.default), f'as {question.default} m high')} "
+        f"without a height on the map: {things[question.key]}, "
+        f"taken {_DEFAULTS_BY_KIND.get(str(question.default), f'as {question.default} m high')} "
         f"({question.key})"
         for question in left
     )
 
 
 @dataclass
-class _Looked:
-    """What a map has: how many features, west, south, east, north of them [deg], and which heights it leaves open."""
+class _MapContent:
+    """The content of a map: number of features, west, south, east, north [deg], and open heights."""
 
     features: int
     box: NDArray[np.float64]
@@ -169,29 +172,29 @@ class _Looked:
 
 
 @lru_cache(maxsize=1)
-def _look_at(path: Path) -> _Looked:
-    """What a map is about, which is large and asked for several times."""
-    looked = _Looked(0, np.full(4, np.nan), set())
+def _content_of(path: Path) -> _MapContent:
+    """Return the content of a map, cached since it is large and requested several times."""
+    content = _MapContent(0, np.full(4, np.nan), set())
 
     def begin() -> Take:
-        nonlocal looked
-        looked = _Looked(0, np.full(4, np.nan), set())
-        return looked.add
+        nonlocal content
+        content = _MapContent(0, np.full(4, np.nan), set())
+        return content.add
 
     hand_on_features(path, begin)
-    return looked
+    return content
 
 
 def new_scenario(
     answers: Mapping[str, str], target: Path, buildings: Path | None = None, elevation: Path | None = None
 ) -> str:
-    """The text of a scenario file for `target`; `answers` by the keys of `QUESTIONS` and of `questions_about` the map.
+    """Return the text of a scenario file for `target`; `answers` has keys of `QUESTIONS` and `questions_about` the map.
 
-    `buildings` (GeoJSON or KML) and `elevation` (GeoTIFF, .hgt) are named in it, relative to `target`; the elevation
-    model also answers for home's altitude if nobody else does.
+    The text names `buildings` (GeoJSON or KML) and `elevation` (GeoTIFF, .hgt) relative to `target`. Without an answer
+    the elevation model gives home's altitude.
 
     Raises:
-        BadInput: an answer will not do, is missing, or answers no question.
+        BadInput: an answer is invalid, missing, or of no question.
     """
     of_map = questions_about(buildings)
     questions = {question.key: question for question in (*QUESTIONS, *of_map)}
@@ -237,21 +240,25 @@ def new_scenario(
 
 
 def _height_line(key: str, texts: Mapping[str, str]) -> str:
-    """The line that says how high things are of which the map does not say it."""
-    return f"# {key} = 30.0  # {_OF[key]}" if texts[key] in _BY else f"{key} = {texts[key]}  # {_OF[key]}"
+    """Return the line of a height that the map leaves open."""
+    return (
+        f"# {key} = 30.0  # {_COMMENTS[key]}"
+        if texts[key] in _DEFAULTS_BY_KIND
+        else f"{key} = {texts[key]}  # {_COMMENTS[key]}"
+    )
 
 
 def _parts() -> dict[str, str]:
-    """The parts of the template by name: the whole without its terrain and maps, and what may stand for these."""
+    """Return the parts of the template by name: the whole without terrain and maps, and the variants of these."""
     template = files("ipoa_mission.scenario").joinpath("new.toml.template").read_text(encoding="utf-8")
     return dict(re.findall(r"^%% (\w+)\n(.*?)(?=^%%|\Z)", template, re.MULTILINE | re.DOTALL))
 
 
 def check_goal(answers: Mapping[str, str]) -> None:
-    """See that home and goal, once both are answered, lie near enough to each other for one scenario.
+    """Check that home and goal, once both are answered, are near enough for one scenario.
 
     Raises:
-        BadInput: they are farther apart than a flight goes; most often latitude and longitude are swapped in one.
+        BadInput: they are too far apart, often since latitude and longitude are swapped.
     """
     if "home" in answers and "goal" in answers:
         home, goal = _place("home", answers["home"]), _place("goal", answers["goal"])
@@ -276,10 +283,10 @@ def suggest_answers(buildings: Path | None = None) -> dict[str, str]:
 
 
 def suggest_altitude(elevation: Path, home: str) -> str:
-    """Read the altitude of the ground at home, as `home` was answered, out of an elevation model.
+    """Return the altitude of the ground at the answered `home` from an elevation model.
 
     Raises:
-        BadInput: home is no place, or the model has no ground there.
+        BadInput: home is invalid, or outside the model.
     """
     from ipoa_mission.maps.elevation import ground_altitude  # SciPy's splines are slow to import
 
@@ -287,37 +294,37 @@ def suggest_altitude(elevation: Path, home: str) -> str:
 
 
 def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Two places among the buildings (latitude, longitude), south-west and north-east of their middle."""
-    looked = _look_at(path)
-    if not looked.features:
+    """Return two free places (latitude, longitude), south-west and north-east of the buildings' middle."""
+    content = _content_of(path)
+    if not content.features:
         raise NothingThere("expected buildings, but it has no features", place=path)
-    west, south, east, north = looked.box.tolist()
+    west, south, east, north = content.box.tolist()
     frame = LocalFrame(Geodetic((south + north) / 2, (west + east) / 2))
-    within = np.full(2, -APART - 2 * CLEAR), np.full(2, APART + 2 * CLEAR)
+    within = np.full(2, -LARGEST_OFFSET - 2 * FREE_RADIUS), np.full(2, LARGEST_OFFSET + 2 * FREE_RADIUS)
     found = search_buildings(path, BuildingRules(), frame, within)
     if not found.standing:
         found = search_buildings(path, BuildingRules(take="all"), frame, within)
     if not found.standing:
-        raise NothingThere(f"expected buildings, but none of {found.features} features stands in the way", place=path)
+        raise NothingThere(f"expected buildings, but none of {found.features} features is an obstacle", place=path)
     shapes = [s.shape.buffer(s.reach) if s.reach else s.shape for s in found.standing]
-    reach = np.minimum(np.ptp(found.box.reshape(2, 2), axis=0) / 2 + 2 * CLEAR, APART)
-    sides = [np.arange(-each, each + TRIED_SPACING, TRIED_SPACING) for each in reach]
+    reach = np.minimum(np.ptp(found.box.reshape(2, 2), axis=0) / 2 + 2 * FREE_RADIUS, LARGEST_OFFSET)
+    sides = [np.arange(-each, each + CANDIDATE_SPACING, CANDIDATE_SPACING) for each in reach]
     places = np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
     in_doubt = [thing.shape for thing in found.passed_over if thing.may_stand and not shapely.is_empty(thing.shape)]
-    near = shapely.STRtree([*shapes, *in_doubt]).query(shapely.points(places), "dwithin", CLEAR)[0]
+    near = shapely.STRtree([*shapes, *in_doubt]).query(shapely.points(places), "dwithin", FREE_RADIUS)[0]
     free = np.delete(places, np.unique(near), axis=0)
     if len(free) < 2:
-        raise BadInput(f"expected {CLEAR:g} m of room for a take-off somewhere among the buildings", place=path)
+        raise BadInput(f"expected {FREE_RADIUS:g} m of free room for a take-off among the buildings", place=path)
     ends = [free[np.argmin(np.linalg.norm(free - corner, axis=1))] for corner in (-0.8 * reach, 0.8 * reach)]
     latitude, longitude, _ = frame.to_geodetic(np.column_stack([ends, np.zeros(2)]))
     return (float(latitude[0]), float(longitude[0])), (float(latitude[1]), float(longitude[1]))
 
 
 def _quoted(path: Path, target: Path) -> str:
-    """A path as the scenario at `target` names it: a TOML string, relative, with slashes."""
+    """Return a path relative to the scenario at `target`, as a TOML string with slashes."""
     return json.dumps(Path(os.path.relpath(path, target.parent)).as_posix(), ensure_ascii=False)
 
 
 def _aligned(text: str) -> str:
-    """The same text with the comments behind its lines in one column."""
+    """Align the comments after values in one column."""
     return re.sub(r"^(\S.*?) {2,}(# .*)$", lambda match: f"{match[1]:<32} {match[2]}", text, flags=re.MULTILINE)

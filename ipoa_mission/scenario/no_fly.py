@@ -1,4 +1,4 @@
-"""No-fly zones of maps as obstacles: how high they reach over the ground and the sea within the bounds."""
+"""Convert no-fly zones of maps to obstacles, with their heights over ground and sea within the bounds."""
 
 from collections.abc import Sequence
 
@@ -15,9 +15,9 @@ from ipoa_mission.world.obstacles import Obstacle, Zone
 from ipoa_mission.world.polygon import rings_of
 from ipoa_mission.world.terrain import Grid, SeaLevel, Terrain
 
-ENDLESS = 10_000.0  # the height of what has no top, above any return [m]
-MARGIN = 100.0  # what lies farther outside the bounds is left out [m]
-GROUND_LINES = 33  # the ground is looked at on so many lines each way to see how high the bounds must be
+UNLIMITED_HEIGHT = 10_000.0  # height of an obstacle without a top, above any return [m]
+MARGIN = 100.0  # features farther outside the bounds are dropped [m]
+GROUND_LINES = 33  # lattice lines each way, to sample the ground
 
 
 def no_fly_prisms(
@@ -27,9 +27,9 @@ def no_fly_prisms(
     terrain: Terrain,
     frame: LocalFrame,
 ) -> tuple[tuple[Obstacle, ...], tuple[Unread, ...]]:
-    """The zones as obstacles; without a lower end they begin well below the bounds, without an upper one they go on.
+    """Return the zones as obstacles; a missing lower end is below the bounds, a missing upper end above any flight.
 
-    A zone whose own limits leave nothing above the ground has none, and is named.
+    A zone whose own limits are below the ground counts as unlimited, and is reported.
     """
     prisms, unread = list[Obstacle](), list[Unread]()
     for section, zone in no_fly:
@@ -39,18 +39,18 @@ def no_fly_prisms(
         if section.base is None and section.top is None and top is not None:
             least = _ground_under(terrain, _box_of(zone, corners))[0]
             if top <= max(least, least if base is None else base):
-                what = "limits that leave nothing above the ground, so that the zone has none"
+                what = "limits below the ground, ignored"
                 unread.append(Unread(section.file.name, what, zone.name.removeprefix(f"{section.file}: ")))
                 base = top = None
         low = base if base is not None else min(up[0], top or 0.0) - MARGIN
-        high = top if top is not None else max(ENDLESS, (base or 0.0) + MARGIN)
+        high = top if top is not None else max(UNLIMITED_HEIGHT, (base or 0.0) + MARGIN)
         if low < high:
             prisms.append(Zone(zone.name, *rings_of(zone.shape), low, high))
     return tuple(prisms), tuple(unread)
 
 
 def _box_of(zone: MapArea, corners: Box) -> Box:
-    """What of the box round a zone lies within the bounds, or just outside."""
+    """Return the part of a zone's bounding box within the bounds and their margin."""
     west, south, east, north = shapely.bounds(zone.shape)
     return np.maximum(corners[0] - MARGIN, (west, south)), np.minimum(corners[1] + MARGIN, (east, north))
 
@@ -58,7 +58,7 @@ def _box_of(zone: MapArea, corners: Box) -> Box:
 def _ends(
     section: NoFlyMap, zone: MapArea, corners: Box, terrain: Terrain, frame: LocalFrame
 ) -> tuple[float | None, float | None]:
-    """Lower and upper end of a zone above home's plane [m], no narrower than its limits anywhere within the bounds."""
+    """Return the lower and upper end of a zone above home's plane [m], enclosing its limits within the bounds."""
     base, top = section.base, section.top
     if zone.lower is None and zone.upper is None:
         return base, top
@@ -76,7 +76,7 @@ def _ends(
 
 
 def _ground_under(terrain: Terrain, box: Box) -> tuple[float, float]:
-    """Least and greatest height of the ground in a box; of a grid, that of all its nodes there and round it."""
+    """Return the least and greatest height of the ground in a box; for a grid, over all nodes in and around it."""
     if isinstance(terrain, Grid):
         rows, columns = terrain.heights.shape
         origin = np.array([terrain.east, terrain.north])
@@ -89,17 +89,17 @@ def _ground_under(terrain: Terrain, box: Box) -> tuple[float, float]:
 
 
 def on_lines(terrain: Terrain, box: Box) -> NDArray[np.float64]:
-    """Heights of the ground on a grid of places in a box, (n,) [m]."""
+    """Return heights of the ground on a lattice of places in a box, (n,) [m]."""
     east, north = (np.linspace(box[0][axis], box[1][axis], GROUND_LINES) for axis in (0, 1))
     return terrain.height(np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2))
 
 
 def meets(boxes: NDArray[np.float64], box: Box, reach: float) -> NDArray[np.bool_]:
-    """Which of the boxes (n, 4) west, south, east, north come within `reach` of a box, (n,)."""
+    """Return which boxes (n, 4) west, south, east, north are within `reach` of a box, (n,)."""
     boxes = boxes.reshape(-1, 4)
     return np.asarray((boxes[:, :2] <= box[1] + reach).all(axis=1) & (boxes[:, 2:] >= box[0] - reach).all(axis=1))
 
 
 def zone_near(zone: MapArea, corners: Box) -> bool:
-    """Whether a zone comes within `MARGIN` of the bounds."""
+    """Return whether a zone is within `MARGIN` of the bounds."""
     return bool(meets(np.array([shapely.bounds(zone.shape)]), corners, MARGIN)[0])

@@ -1,6 +1,6 @@
-"""Obstacles as a scenario file draws them, a section a kind, and how each becomes a body of the world.
+"""Define obstacles of a scenario file, one section a kind, and build their bodies.
 
-What stands on the ground leaves its height out (`up`, `base`).
+Obstacles on the ground omit their height (`up`, `base`).
 """
 
 from typing import Annotated, Literal, Self, TypeAlias
@@ -18,18 +18,17 @@ from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism, Sphere
 
 
 class SphereSection(Horizontal):
-    """A ball."""
+    """A sphere."""
 
     kind: Literal["sphere"]
     name: str | None = None
-    """What messages call it; left out, its kind and number."""
+    """Name for messages. Default: its kind and number."""
     radius: Positive
     """Radius [m]."""
     up: float | None = None
-    """Height of the center [m above home]; left out, the ball rests on the ground."""
+    """Height of the center [m above home]. Default: the sphere touches the ground."""
 
     def build(self, name: str, frame: LocalFrame, ground: Ground) -> Obstacle:
-        """The obstacle itself."""
         east, north = self.east_north(frame)
         up = self.up if self.up is not None else float(ground(np.array([[east, north]]))[0]) + self.radius
         return Sphere(name, (east, north, up), self.radius)
@@ -40,44 +39,42 @@ class CylinderSection(Horizontal):
 
     kind: Literal["cylinder"]
     name: str | None = None
-    """What messages call it; left out, its kind and number."""
+    """Name for messages. Default: its kind and number."""
     radius: Positive
     """Radius [m]."""
     height: Positive
     """Height above its base, or above the highest ground under it [m]."""
     base: float | None = None
-    """Height of the lower end [m above home]; left out, it stands on the ground."""
+    """Height of the lower end [m above home]. Default: the ground."""
 
     def build(self, name: str, frame: LocalFrame, ground: Ground) -> Obstacle:
-        """The obstacle itself."""
         east, north = self.east_north(frame)
         rim = np.array([[east, north]]) + self.radius * np.array([(0, 0), (1, 0), (0, 1), (-1, 0), (0, -1)])
-        return Cylinder(name, east, north, self.radius, *_stand(self.base, self.height, ground, rim))
+        return Cylinder(name, east, north, self.radius, *_vertical_extent(self.base, self.height, ground, rim))
 
 
 class BoxSection(Horizontal):
-    """A box, centered on its position, turned clockwise from north by `heading_deg`."""
+    """A box around its position, turned clockwise from north by `heading_deg`."""
 
     kind: Literal["box"]
     name: str | None = None
-    """What messages call it; left out, its kind and number."""
+    """Name for messages. Default: its kind and number."""
     width: Positive
-    """Extent along east, before it is turned [m]."""
+    """Extent along east, before rotation [m]."""
     depth: Positive
-    """Extent along north, before it is turned [m]."""
+    """Extent along north, before rotation [m]."""
     height: Positive
     """Height above its base, or above the highest ground under it [m]."""
     heading_deg: float = 0.0
-    """How far it is turned, clockwise from north."""
+    """Rotation, clockwise from north."""
     base: float | None = None
-    """Height of the lower side [m above home]; left out, it stands on the ground."""
+    """Height of the lower end [m above home]. Default: the ground."""
 
     def build(self, name: str, frame: LocalFrame, ground: Ground) -> Obstacle:
-        """The obstacle itself."""
         corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * (self.width / 2, self.depth / 2)
         c, s = np.cos(np.radians(self.heading_deg)), np.sin(np.radians(self.heading_deg))
         corners = corners @ np.array([(c, -s), (s, c)]) + self.east_north(frame)
-        return Prism(name, _ring(corners), (), *_stand(self.base, self.height, ground, corners))
+        return Prism(name, _ring(corners), (), *_vertical_extent(self.base, self.height, ground, corners))
 
 
 class PrismSection(Section):
@@ -85,7 +82,7 @@ class PrismSection(Section):
 
     kind: Literal["prism"]
     name: str | None = None
-    """What messages call it; left out, its kind and number."""
+    """Name for messages. Default: its kind and number."""
     footprint: Ring | None = None
     """Corners as [east, north]."""
     footprint_geodetic: Ring | None = None
@@ -95,7 +92,7 @@ class PrismSection(Section):
     height: Positive
     """Height above its base, or above the highest ground under it [m]."""
     base: float | None = None
-    """Height of the lower side [m above home]; left out, it stands on the ground."""
+    """Height of the lower end [m above home]. Default: the ground."""
 
     @field_validator("footprint", "footprint_geodetic")
     @classmethod
@@ -113,11 +110,10 @@ class PrismSection(Section):
         return self
 
     def build(self, name: str, frame: LocalFrame, ground: Ground) -> Obstacle:
-        """The obstacle itself."""
         outer = _corners(self.footprint, self.footprint_geodetic, frame)
         geodetic = self.footprint_geodetic is not None
         holes = [_corners(None if geodetic else hole, hole if geodetic else None, frame) for hole in self.holes]
-        bottom, top = _stand(self.base, self.height, ground, outer)
+        bottom, top = _vertical_extent(self.base, self.height, ground, outer)
         return Prism(name, _ring(outer), tuple(_ring(hole) for hole in holes), bottom, top)
 
 
@@ -126,8 +122,8 @@ ObstacleSection: TypeAlias = Annotated[
 ]
 
 
-def _stand(base: float | None, height: float, ground: Ground, footprint: Points) -> tuple[float, float]:
-    """Lower and upper end: on a slope from the lowest ground under the footprint to `height` above the highest."""
+def _vertical_extent(base: float | None, height: float, ground: Ground, footprint: Points) -> tuple[float, float]:
+    """Return lower and upper end: on a slope, from the lowest ground below to `height` above the highest."""
     if base is not None:
         return base, base + height
     heights = ground(np.vstack([footprint, footprint.mean(axis=0)]))

@@ -1,6 +1,6 @@
-"""A scenario whose home is one of its survey's start places; all else stays where it is on the Earth.
+"""Move a scenario's home to a start place of its survey; everything else keeps its place on the Earth.
 
-A flight counts heights and metres from where it takes off: what is given in metres from home is given anew.
+A flight counts heights and metres from its take-off. Values in metres from home are therefore converted.
 """
 
 import math
@@ -12,7 +12,7 @@ import numpy as np
 from ipoa_mission.errors import BadInput, MissionError
 from ipoa_mission.geometry import Points
 from ipoa_mission.scenario.map_sections import NoFlyMap
-from ipoa_mission.scenario.model import KEPT, WORLD, Scenario
+from ipoa_mission.scenario.model import CACHED, WORLD, Scenario
 from ipoa_mission.scenario.place_sections import (
     BoundsSection,
     FlatTerrain,
@@ -27,38 +27,39 @@ from ipoa_mission.scenario.survey_section import SurveySection
 from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
 from ipoa_mission.world.terrain import Grid
 
-AT_START = 1.0  # a mission whose home is so near to a start place begins there [m]
+START_TOLERANCE = 1.0  # a mission whose home is this near to a start place begins there [m]
 Moved = TypeVar("Moved", bound=Section)
 Ring: TypeAlias = tuple[tuple[float, float], ...]
-#: From places (n, 2), metres from one home, to the same ones from another.
+# Conversion of places (n, 2) [m] from one home to another.
 Move: TypeAlias = Callable[[Points], Points]
 
 
 def flown_from(scenario: Scenario, home: Geodetic) -> Scenario:
-    """The scenario as a mission with this home has it: from the start place there, if there is one."""
+    """Return the scenario as seen from a mission's home: from the start place there, if there is one."""
     away = _away(scenario, home)
-    if not away or min(away) > AT_START or apart(home, scenario.frame.home) <= AT_START:
+    if not away or min(away) > START_TOLERANCE or apart(home, scenario.frame.home) <= START_TOLERANCE:
         return scenario
     return at_start(scenario, int(np.argmin(away)))
 
 
 def nearest_start(scenario: Scenario, there: Geodetic) -> Scenario:
-    """The scenario with its home at the start place that is nearest to a place; the same where it has none."""
+    """Return the scenario with home at the start place nearest to a place; unchanged without start places."""
     away = _away(scenario, there)
     return at_start(scenario, int(np.argmin(away))) if away else scenario
 
 
 def _away(scenario: Scenario, there: Geodetic) -> list[float]:
-    """How far a place is from each start place [m]."""
+    """Return the distances of a place from the start places [m]."""
     starts = () if scenario.survey is None else scenario.survey.starts or ()
     return [apart(there, scenario.frame.geodetic(np.array([*start, 0.0]))) for start in starts]
 
 
 def at_start(scenario: Scenario, n: int) -> Scenario:
-    """The scenario with its home at start place number `n`, on the ground; made once for each world.
+    """Return the scenario with home at start place `n`, on the ground, cached for each world.
+
 
     Raises:
-        BadInput: flights may not begin there, or its terrain is known from home only.
+        BadInput: no flight may begin there, or the terrain is defined from home only.
         MissionError: a library that reads a map is not installed.
     """
     assert scenario.survey is not None
@@ -70,15 +71,15 @@ def at_start(scenario: Scenario, n: int) -> Scenario:
         try:
             seen.read_maps()
         except MissionError as error:
-            raise error.at(f"survey.starts[{n}]: from there") from error
+            raise error.at(f"survey.starts[{n}]: as home") from error
         scenario.from_starts[n] = seen
     moved = scenario.model_copy(update={key: getattr(seen, key) for key in (*WORLD, "rally")})
-    moved.__dict__ |= {key: seen.__dict__[key] for key in KEPT if key in seen.__dict__}
+    moved.__dict__ |= {key: seen.__dict__[key] for key in CACHED if key in seen.__dict__}
     return moved
 
 
 def between(old: LocalFrame, new: LocalFrame) -> Move:
-    """How places in one frame are given in another."""
+    """Return the conversion of places between two frames."""
 
     def moved(places: Points) -> Points:
         if old.home == new.home:
@@ -90,7 +91,7 @@ def between(old: LocalFrame, new: LocalFrame) -> Move:
 
 
 def _sections_from(scenario: Scenario, n: int) -> dict[str, Any]:
-    """The tables of the world, written for a home at a start place."""
+    """Return the tables of the world, converted to a home at a start place."""
     section, old = scenario.survey, scenario.frame
     assert section is not None
     assert section.starts is not None
@@ -114,7 +115,7 @@ def _sections_from(scenario: Scenario, n: int) -> dict[str, Any]:
 
 
 def _home_at(scenario: Scenario, place: Points) -> HomeSection:
-    """The ground at a place, as exact as missions carry it."""
+    """Return the ground at a place, with the resolution of missions."""
     height = float(scenario.airspace.terrain.height(place[None])[0])
     there = scenario.frame.geodetic(np.append(place, height))
     return HomeSection(
@@ -125,7 +126,7 @@ def _home_at(scenario: Scenario, place: Points) -> HomeSection:
 
 
 def _bounds(scenario: Scenario, new: LocalFrame, rise: float) -> BoundsSection:
-    """Those of the whole scenario, for every flight."""
+    """Return the bounds of the whole scenario, for every flight."""
     air, (east, north, _) = scenario.airspace.bounds, new.local(scenario.frame.home)
     (west, south, low), (right, back, high) = air.lower, air.upper
     return BoundsSection(
@@ -153,13 +154,13 @@ def _terrain(scenario: Scenario, new: LocalFrame, rise: float, n: int) -> Terrai
         grid = {"east": float(corner[0]), "north": float(corner[1]), "heights": heights, "file": None}
         return given.model_copy(update=grid)
     if given.kind == "analytic":
-        words = "expected home, or terrain of another kind: this one is told from home only"
+        words = "expected home, or terrain of another kind: this one is defined from home only"
         raise BadInput(words, place=f"survey.starts[{n}]")
     return given
 
 
 def _moved(one: Moved, old: LocalFrame, new: LocalFrame) -> Moved:
-    """A table with its places in degrees, and its heights and headings as from the other home."""
+    """Return a table with places in degrees, and heights and headings relative to the other home."""
     changes, at = dict[str, Any](), (0.0, 0.0)
     if isinstance(one, Horizontal):
         at = one.east_north(old)
@@ -206,7 +207,7 @@ def _survey(section: SurveySection, move: Move) -> SurveySection:
 
 
 def _nested(value: Any, move: Move) -> Any:
-    """Lists in lists of [east, north], moved."""
+    """Return nested lists of [east, north], moved."""
     if value is None:
         return None
     if not isinstance(value[0][0], int | float):

@@ -1,8 +1,8 @@
-"""What a path must keep: distance to obstacles, height above ground, climb angles, bounds.
+"""Define the limits of a path: distance to obstacles, height above ground, climb angles.
 
-Start, goal and via points may lie lower than the least height above ground: the scenario puts them there, and the
-vehicle takes off and lands vertically. Round such a place the requirement is relaxed to the place's own height, over
-a circle wide enough to climb out of at 1 in 2 (or at the climb limit, if that is flatter).
+Start, goal and via points may be lower than the least height above ground, since the vehicle takes off and lands
+vertically. Around such a place the required height is that of the place. The circle is wide enough to climb out at 1 in
+2, or at the climb limit if that is flatter.
 """
 
 from dataclasses import dataclass, replace
@@ -12,14 +12,14 @@ import numpy as np
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.airspace import Airspace
 
-SLACK = 0.01  # a place that is lower by less than this is not lower [m]
+SLACK = 0.01  # tolerance for a low place [m]
 CLIMB_OUT = 0.5  # height over distance
-SAME = 1e-3  # places as near as this are one [m]
+SAME_PLACE_DISTANCE = 1e-3  # places this near are one [m]
 
 
 @dataclass(frozen=True)
 class LowZone:
-    """A circle in which the ground may be as near as `height` [m]."""
+    """A circle in which the required height above ground is `height` [m]."""
 
     east: float
     north: float
@@ -29,15 +29,15 @@ class LowZone:
 
 @dataclass(frozen=True)
 class Limits:
-    """What a path must keep.
+    """The limits of a path.
 
     Attributes:
         obstacle_distance: least distance to an obstacle [m].
         height_above_ground: least height [m].
-        ceiling_above_ground: greatest height [m]; infinite: there is no such limit.
+        ceiling_above_ground: greatest height [m]; infinite: no limit.
         climb_angle: steepest climb above the horizontal [rad]; infinite: no limit.
         descent_angle: steepest descent below it [rad]; infinite: no limit.
-        low_zones: circles in which the ground may be nearer.
+        low_zones: circles with a lower required height.
 
     Example:
         >>> import numpy as np
@@ -53,7 +53,7 @@ class Limits:
     low_zones: tuple[LowZone, ...] = ()
 
     def required_height(self, points: Points) -> Vector:
-        """The height above ground that is required at points (n, 2 or 3), (n,) [m]."""
+        """Return the required height above ground at points (n, 2 or 3), (n,) [m]."""
         required = np.full(len(points), self.height_above_ground)
         for zone in self.low_zones:
             within = np.hypot(points[:, 0] - zone.east, points[:, 1] - zone.north) <= zone.radius
@@ -61,9 +61,9 @@ class Limits:
         return required
 
     def tightened(self, above: float, below: float, places: Points, airspace: Airspace) -> "Limits":
-        """The same with `above` [m] more above the ground of an `airspace`, and a ceiling that is lower by `below`.
+        """Return limits with the least height raised by `above` [m] and the ceiling lowered by `below` [m].
 
-        The given `places` (k, 3) stay where they are; no ceiling comes lower than the least height.
+        The given `places` (k, 3) remain valid. The ceiling is never below the least height.
         """
         least, ceiling = self.height_above_ground + above, self.ceiling_above_ground
         return replace(
@@ -75,23 +75,23 @@ class Limits:
 
 
 def without_repeats(start: Vector, via: Points, goal: Vector) -> Points:
-    """Start, via points and goal, in this order, (k, 3); a via point where the way already is counts once."""
+    """Return start, via points and goal in order, (k, 3), without successive repeats."""
     stops = [start]
     for place in via:
-        if np.linalg.norm(place - stops[-1]) > SAME:
+        if np.linalg.norm(place - stops[-1]) > SAME_PLACE_DISTANCE:
             stops.append(place)
-    if len(stops) > 1 and np.linalg.norm(goal - stops[-1]) <= SAME:
+    if len(stops) > 1 and np.linalg.norm(goal - stops[-1]) <= SAME_PLACE_DISTANCE:
         stops.pop()
     return np.vstack([*stops, goal])
 
 
 def place_names(places: Points) -> list[str]:
-    """What start, via points and goal (k, 3) are called in a scenario."""
+    """Return the names of start, via points and goal (k, 3) in a scenario."""
     return ["start", *(f"via[{n}]" for n in range(len(places) - 2)), "goal"]
 
 
 def low_zones(spots: Points, airspace: Airspace, least: float, angle: float) -> tuple[LowZone, ...]:
-    """The circles round places (k, 3) that lie lower than `least` above the ground [m]; `angle` limits the climb."""
+    """Return the circles around places (k, 3) lower than `least` above the ground [m]; `angle` limits the climb."""
     heights = spots[:, 2] - airspace.ground(spots)
     slope = min(CLIMB_OUT, float(np.tan(min(angle, 1.5))))
     return tuple(

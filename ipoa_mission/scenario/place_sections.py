@@ -1,7 +1,7 @@
-"""Where things are in a scenario: home, start, goal, terrain and obstacles, as written, and how they become a world.
+"""Define home, places, terrain, fences and bounds of a scenario, and build them.
 
 Positions are local (`east`, `north`, `up`: metres from home) or geodetic (`latitude_deg`, `longitude_deg`,
-`altitude_amsl`). What stands on the ground leaves its height out (`up`, `altitude_amsl`, `base`).
+`altitude_amsl`). Things on the ground omit their height (`up`, `altitude_amsl`, `base`).
 """
 
 from dataclasses import replace
@@ -13,17 +13,17 @@ from pydantic import Field, field_validator, model_validator
 
 from ipoa_mission.geometry import Vector
 from ipoa_mission.scenario.map_sections import ElevationTerrain
-from ipoa_mission.scenario.section import Latitude, Longitude, NotNegative, Positive, Section, beside
+from ipoa_mission.scenario.section import Latitude, Longitude, NotNegative, Positive, Section, existing_file
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, SeaLevel, Terrain
 
-LEAST_DROP = 0.01  # flat ground that falls below home's plane by less than this is a plane [m]
+LEAST_DROP = 0.01  # flat ground with a smaller curvature drop is a plane [m]
 Ring: TypeAlias = Annotated[tuple[tuple[float, float], ...], Field(min_length=3)]
 
 
 class HomeSection(Section):
-    """Where the vehicle takes off, and the origin of the local frame."""
+    """Take-off place, and origin of the local frame."""
 
     latitude_deg: Latitude
     """Degrees on WGS 84, positive to the north."""
@@ -33,7 +33,6 @@ class HomeSection(Section):
     """Height of the ground at home above mean sea level [m]."""
 
     def geodetic(self) -> Geodetic:
-        """Home as a place on the Earth."""
         return Geodetic(self.latitude_deg, self.longitude_deg, self.altitude_amsl)
 
 
@@ -59,13 +58,13 @@ class Horizontal(Section):
         return self
 
     def there(self) -> Geodetic | None:
-        """The position on the Earth, where it is given so."""
+        """Return the position on the Earth, if given in degrees."""
         if self.latitude_deg is None or self.longitude_deg is None:
             return None
         return Geodetic(self.latitude_deg, self.longitude_deg)
 
     def east_north(self, frame: LocalFrame) -> tuple[float, float]:
-        """The position in the local frame [m]."""
+        """Return the position in the local frame [m]."""
         if self.east is not None and self.north is not None:
             return self.east, self.north
         there = self.there()
@@ -91,7 +90,7 @@ class Place(Horizontal):
         return self
 
     def point(self, frame: LocalFrame, ground: Ground) -> Vector:
-        """East, north, up of this place, (3,) [m]."""
+        """Return east, north, up, (3,) [m]."""
         east, north = self.east_north(frame)
         if self.up is not None:
             up = self.up
@@ -107,14 +106,14 @@ class Place(Horizontal):
 
 
 class FlatTerrain(Section):
-    """A plain at one height above mean sea level: over kilometres it curves as the Earth does."""
+    """Level ground above mean sea level, curved as the Earth."""
 
     kind: Literal["flat"] = "flat"
     height: float = 0.0
     """Height of the ground [m above home]."""
 
     def build(self, home: Geodetic, reach: float) -> Terrain:
-        """The terrain itself, asked for as far as `reach` from home [m]; near home the Earth's curve is nothing."""
+        """Build the terrain up to `reach` from home [m]; the Earth's curvature is ignored near home."""
         ground = SeaLevel.around(home, self.height, reach)
         return ground if ground.drop > LEAST_DROP else Flat(self.height)
 
@@ -129,42 +128,41 @@ class PeakSection(Section):
     north: float
     """North of its top [m from home]."""
     a: Positive
-    """Slope along east: the distance at which the peak has fallen to 1/e [m]."""
+    """Extent along east: distance at which the height falls to 1/e [m]."""
     b: Positive
-    """Slope along north [m]."""
+    """Extent along north [m]."""
 
 
 class AnalyticTerrain(Section):
-    """The paper's surface: its eq. (1) with coefficients a to g, the peaks of eq. (2), and their maximum, eq. (3)."""
+    """The paper's surface: eq. (1) with coefficients a to g, the peaks of eq. (2), and their maximum, eq. (3)."""
 
     kind: Literal["analytic"]
     a: float = 0.0
-    """Shift of the sine along north, inside it [m]."""
+    """Shift of the sine along north, in its argument [m]."""
     b: float = 0.0
     """Weight of the sine along east."""
     c: float = 0.0
-    """Weight of the cosine rings round home."""
+    """Weight of the cosine rings around home."""
     d: float = 0.0
-    """Their wave number [1/m]."""
+    """Wave number of these rings [1/m]."""
     e: float = 0.0
     """Weight of the cosine along north."""
     f: float = 0.0
-    """Weight and wave number of the sine rings round home."""
+    """Weight and wave number of the sine rings around home."""
     g: float = 0.0
     """Weight of a second cosine along north."""
     base: float = 0.0
-    """h_0 of eq. (2): the height from which the peaks rise [m]."""
+    """h_0 of eq. (2): base height of the peaks [m]."""
     peaks: tuple[PeakSection, ...] = ()
     """The mountains."""
 
     def build(self) -> Terrain:
-        """The terrain itself."""
         peaks = tuple(Peak(p.height, p.east, p.north, p.a, p.b) for p in self.peaks)
         return Analytic(self.a, self.b, self.c, self.d, self.e, self.f, self.g, peaks, self.base)
 
 
 class GridTerrain(Section):
-    """A regular grid of heights, bilinear in between: rows go north, columns go east."""
+    """A regular grid of heights with bilinear interpolation: rows go north, columns go east."""
 
     kind: Literal["grid"]
     east: float
@@ -175,7 +173,7 @@ class GridTerrain(Section):
     """Distance between neighboring heights, along east and north [m]."""
     heights: Annotated[tuple[tuple[float, ...], ...], Field(min_length=2)] | None = None
     """Heights [m above home], the southernmost row first."""
-    file: Annotated[Path | None, beside("a file of heights")] = None
+    file: Annotated[Path | None, existing_file("a file of heights")] = None
     """A CSV file of heights in place of `heights`, relative to the scenario file."""
 
     @field_validator("file")
@@ -199,7 +197,6 @@ class GridTerrain(Section):
         return self
 
     def build(self) -> Terrain:
-        """The terrain itself."""
         if self.file is not None:
             heights = np.loadtxt(self.file, delimiter=",", ndmin=2)
         else:
@@ -213,10 +210,10 @@ TerrainSection: TypeAlias = Annotated[
 
 
 class FenceSection(Section):
-    """A geofence for the vehicle to keep: a polygon, or a circle round `center`."""
+    """A geofence: a polygon, or a circle around `center`."""
 
     inclusion: bool = True
-    """Stay inside; false: stay outside."""
+    """true: stay inside; false: stay outside."""
     polygon: Ring | None = None
     """Corners as [east, north]."""
     polygon_geodetic: Ring | None = None
@@ -236,20 +233,20 @@ class FenceSection(Section):
 
 
 class BoundsSection(Section):
-    """The box in which the flight must stay, each as [least, most]; what is left out is chosen wide enough."""
+    """Box in which the flight stays, each as [least, greatest]. Default: large enough."""
 
     east: tuple[float, float] | None = None
-    """West and east side [m from home]; left out where a map has a flight area, the sides of that."""
+    """West and east side [m from home]. Default: large enough, or those of a map's flight area."""
     north: tuple[float, float] | None = None
-    """South and north side [m from home]; left out where a map has a flight area, the sides of that."""
+    """South and north side [m from home]. Default: large enough, or those of a map's flight area."""
     up: tuple[float, float] | None = None
     """Heights [m above home]."""
     margin: NotNegative = 50.0
-    """How far beyond home, start, goal, ground, obstacles and near buildings a side that is left out lies [m]."""
+    """Distance of a default side beyond home, start, goal, ground, obstacles and near buildings [m]."""
 
     @field_validator("east", "north", "up")
     @classmethod
     def _ordered(cls, value: tuple[float, float] | None) -> tuple[float, float] | None:
         if value is not None and value[0] >= value[1]:
-            raise ValueError(f"expected [least, most], not [{value[0]:g}, {value[1]:g}]")
+            raise ValueError(f"expected [least, greatest], not [{value[0]:g}, {value[1]:g}]")
         return value

@@ -1,4 +1,4 @@
-"""How sure the clearance of a scenario's flights must be."""
+"""Define the confidence in the clearance of a scenario's flights."""
 
 from typing import Annotated, Literal
 
@@ -10,18 +10,18 @@ from ipoa_mission.scenario.section import Section
 
 
 class SafetySection(Section):
-    """How sure the clearance is."""
+    """Confidence in the clearance."""
 
     confidence: Annotated[float, Field(ge=0.5, le=0.999)] | Literal["nominal"] = 0.99
-    """The share of flights that keep the required clearance, by how far this autopilot flies beside its predicted path;
-    `nominal`: what the predicted path keeps, as the paper has it."""
+    """Share of flights that keep the required clearance, by this autopilot's lateral deviation from its predicted path.
+    `nominal`: clearance of the predicted path, as in the paper."""
     returns: Literal["planned", "warn"] = "warn"
-    """`planned`: RTL, SmartRTL and holding are clear from every second of the flight, by another path, a return
-    altitude or rally points, and so is LAND where `vehicle.parameters` make a failsafe land that could return; a flight
-    of which they cannot be is refused. `warn`: only a warning tells of RTL that is not clear. `ipoa-mission new` writes
-    `planned`."""
+    """`planned`: RTL, SmartRTL and holding are clear from every second of the flight. Another path, a return altitude
+    or rally points achieve it; otherwise the flight is refused. LAND must be clear too where `vehicle.parameters` make
+    a failsafe land although it could return. `warn`: an RTL without clearance is only a warning. `ipoa-mission new`
+    writes `planned`."""
     ignore: tuple[str, ...] = ()
-    """Codes of findings that are not to be told; those from which a crash may follow are told all the same."""
+    """Codes of findings to ignore. Findings that may mean a crash are reported anyway."""
 
     @field_validator("ignore")
     @classmethod
@@ -34,10 +34,10 @@ class SafetySection(Section):
 
     @property
     def ignored(self) -> frozenset[str]:
-        """The same, to look codes up."""
+        """Return the ignored codes as a set."""
         return frozenset(self.ignore)
 
     @property
     def chance(self) -> float | None:
-        """With what chance a flight may come nearer than it must; None if only the predicted path counts."""
+        """Return the accepted probability of less clearance; None if only the predicted path counts."""
         return None if self.confidence == "nominal" else 1.0 - self.confidence

@@ -1,4 +1,4 @@
-"""Reading a scenario file, and saying in plain words where it is wrong: file, place, what was expected."""
+"""Read a scenario file; errors name file, place and expected value."""
 
 import re
 import tomllib
@@ -12,10 +12,10 @@ from ipoa_mission.files import read_text
 from ipoa_mission.scenario.explain import explained, lowered
 from ipoa_mission.scenario.model import Scenario
 
-LONGEST_KEY = 16  # parts; tomllib takes the square of their number in time
+LONGEST_KEY = 16  # parts; tomllib is quadratic in their number
 _COMMA = re.compile(r"=\s*([-+]?\d+),(\d+)\s*(?:#.*)?$")  # a decimal comma
 _PART = r"""(?:[\w-]++|"(?:\\.|[^"\\\n])*+"|'[^'\n]*+')"""
-#: The words of a TOML text, each taken whole: strings of several lines, comments, keys of too many parts, the rest.
+# Tokens of a TOML text: multi-line strings, comments, keys of too many parts, the rest.
 _WORDS = re.compile(
     rf'''"""(?:\\.|[^\\"]|"(?!""))*+(?:"""|\Z)|\'{{3}}(?:[^\']|\'(?!\'\'))*+(?:\'{{3}}|\Z)|\#[^\n]*+|'''
     rf"(?P<long>{_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{LONGEST_KEY}}})|{_PART}",
@@ -24,16 +24,16 @@ _WORDS = re.compile(
 
 
 def read_scenario(path: str | Path) -> Scenario:
-    """Read the scenario in a TOML file, and every map that it names.
+    """Read a scenario from a TOML file, with all its maps.
 
     Args:
-        path: of the file, whose name is the scenario's unless it says otherwise.
+        path: of the file; its name is the default name of the scenario.
 
     Returns:
         The scenario.
 
     Raises:
-        BadInput: naming file and place, and what was expected there, be it in the scenario or in a map.
+        BadInput: with file, place and expected value, in the scenario or in a map.
         BadInput: a library that reads a map is not installed.
 
     Example:
@@ -45,16 +45,16 @@ def read_scenario(path: str | Path) -> Scenario:
 
 
 def read_table(path: Path) -> dict[str, Any]:
-    """A scenario's table as its file has it.
+    """Return a scenario's table from its file.
 
     Raises:
-        BadInput: the file cannot be read; naming the line and what is wrong there.
+        BadInput: the file cannot be read, or a line is invalid.
     """
     return parse_toml(read_text(path), path)
 
 
 def parse_scenario(text: str, path: Path) -> Scenario:
-    """The scenario in a TOML text; files that it names are sought beside `path`, which errors also name.
+    """Return the scenario in a TOML text; `path` gives the folder of its files, and names errors.
 
     Raises:
         BadInput, MissionError: as `read_scenario`.
@@ -63,7 +63,7 @@ def parse_scenario(text: str, path: Path) -> Scenario:
 
 
 def scenario_of(table: dict[str, Any], path: Path) -> Scenario:
-    """The scenario in a table, as `parse_toml` has it; files that it names are sought beside `path`.
+    """Return the scenario in a table of `parse_toml`; `path` gives the folder of its files.
 
     Raises:
         BadInput, MissionError: as `read_scenario`.
@@ -76,16 +76,16 @@ def scenario_of(table: dict[str, Any], path: Path) -> Scenario:
         scenario.read_maps()
     except BadInput as error:
         if re.split(r"[.:\[ ]", str(error), maxsplit=1)[0] not in Scenario.model_fields:
-            raise  # a map names itself
+            raise  # the map names itself
         raise error.at(path) from error
     return scenario.with_wind_read()
 
 
 def parse_toml(text: str, path: Path) -> dict[str, Any]:
-    """A TOML text as a table; errors name `path`.
+    """Parse a TOML text; errors name `path`.
 
     Raises:
-        BadInput: naming the line and what is wrong there.
+        BadInput: with the line and its error.
     """
     for word in _WORDS.finditer(text):
         if word["long"]:
@@ -100,6 +100,6 @@ def parse_toml(text: str, path: Path) -> dict[str, Any]:
             raise WrongFormat(words, place=f"{path}: line {at[1]}") from error
         raise WrongFormat(f"{lowered(str(error))}", hint="a scenario is a TOML file", place=path) from error
     except RecursionError:
-        raise TooLarge("expected a scenario, not brackets nested without end", place=path) from None
+        raise TooLarge("expected a scenario, not endlessly nested brackets", place=path) from None
     except ValueError:
         raise TooLarge("expected numbers that fit in 64 bits, not one of thousands of digits", place=path) from None

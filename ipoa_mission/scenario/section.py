@@ -1,4 +1,4 @@
-"""What every table of a scenario file has in common: unknown keys are refused, values are finite and do not change."""
+"""Define the base of all scenario tables: no unknown keys, finite values, immutable."""
 
 import ast
 import inspect
@@ -18,7 +18,7 @@ class Section(BaseModel):
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        """With the string behind each field as its description, which pydantic would read at every import."""
+        """Add the string after each field as its description; pydantic's own way would slow each import."""
         schema = handler(core_schema)
         properties = handler.resolve_ref_schema(schema).get("properties", {})
         for kind in cls.__mro__:
@@ -28,7 +28,7 @@ class Section(BaseModel):
         return schema
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """A copy with some values replaced, unchecked; what was worked out from the old ones is not taken along."""
+        """Return a copy with some values replaced, unchecked, without cached values."""
         copied = super().model_copy(update=update, deep=deep)
         for name in copied.__dict__.keys() - type(self).model_fields.keys():
             del copied.__dict__[name]
@@ -36,7 +36,7 @@ class Section(BaseModel):
 
 
 def _attribute_docstrings(kind: type) -> Iterator[tuple[str, str]]:
-    """Fields of a class, each with the string behind it."""
+    """Yield the fields of a class, each with the string after it."""
     (definition,) = ast.parse(dedent(inspect.getsource(kind))).body
     assert isinstance(definition, ast.ClassDef)
     for field, words in pairwise(definition.body):
@@ -46,14 +46,14 @@ def _attribute_docstrings(kind: type) -> Iterator[tuple[str, str]]:
 
 
 def _no_truth(value: Any) -> Any:
-    """TOML's true and false are no numbers, though Python takes them for 1 and 0."""
+    """Refuse true and false, which Python takes for 1 and 0."""
     if isinstance(value, bool):
         raise ValueError(f"expected a number, not {str(value).lower()}")
     return value
 
 
-def beside(what: str) -> AfterValidator:
-    """For the path of a file that a scenario names, from its own folder; where there is none `what` was expected."""
+def existing_file(what: str) -> AfterValidator:
+    """Resolve a path relative to the scenario file; an error for a missing file asks for `what`."""
 
     def found(value: Any, info: ValidationInfo) -> Any:
         if not isinstance(value, Path):
@@ -66,7 +66,7 @@ def beside(what: str) -> AfterValidator:
     return AfterValidator(found)
 
 
-NUMBER = BeforeValidator(_no_truth)  # behind the limits, so that the schema keeps them
+NUMBER = BeforeValidator(_no_truth)  # listed after the limits, so that the schema keeps them
 Positive = Annotated[float, Field(gt=0), NUMBER]
 NotNegative = Annotated[float, Field(ge=0), NUMBER]
 Latitude = Annotated[float, Field(ge=-90, le=90), NUMBER]

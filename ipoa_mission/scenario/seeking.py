@@ -1,4 +1,4 @@
-"""How a path is judged, and how it is sought."""
+"""Define the cost of a path, and the search for it."""
 
 from typing import Annotated, Any, Literal
 
@@ -11,7 +11,7 @@ class CostSection(Section):
     """The paper's cost, eqs. (4)-(10)."""
 
     omega: tuple[NotNegative, NotNegative, NotNegative] = (0.7, 0.15, 0.15)
-    """Weights of length, turning and threat; their sum is 1."""
+    """Weights of length, turning and threat, with a sum of 1."""
     a1: NotNegative = 1.0
     """Weight of turning in the turning cost, eq. (8)."""
     a2: NotNegative = 1.0
@@ -21,7 +21,7 @@ class CostSection(Section):
     d_safe: NotNegative = 5.0
     """Distance beyond which an obstacle is no threat [m], eq. (9)."""
     form: Literal["integral", "nodes"] = "integral"
-    """`nodes`: the paper's sums over path nodes; `integral`: over arc length, whatever the number of nodes."""
+    """`nodes`: the paper's sums over path nodes. `integral`: over arc length, independent of the number of nodes."""
 
     @model_validator(mode="after")
     def _weights_sum_to_one(self) -> "CostSection":
@@ -31,26 +31,26 @@ class CostSection(Section):
 
 
 class PlanningSection(Section):
-    """How the path is sought."""
+    """The search for a path."""
 
     planner: Literal["default", "paper"] = "default"
-    """`paper`: the algorithm as printed, in absolute coordinates, one long search and no polish."""
+    """`paper`: the algorithm as printed, in absolute coordinates, with one long search and no polish."""
     polish: bool = True
     """Refine the best paths found on the smooth problem."""
     encoding: Literal["absolute", "chord", "sine"] | None = None
-    """What the search varies; left out, the planner's own choice."""
+    """Variables of the search. Default: the planner's own choice."""
     control_points: Annotated[int, Field(ge=2, le=60)] = 8
     """Inner control points of the cubic B-spline."""
     samples: Annotated[int, Field(ge=20, le=2000)] = 100
-    """Nodes at which the search looks at the curve."""
+    """Nodes at which the search evaluates the curve."""
     min_height_above_ground: NotNegative | None = None
-    """Left out: the safety distance and the vehicle's radius [m]."""
+    """Default: safety distance plus the vehicle's radius [m]."""
     max_height_above_ground: Positive | None = None
-    """Left out, there is no such limit [m]."""
+    """Default: no limit [m]."""
     max_climb_angle_deg: Annotated[float, Field(gt=0, le=90)] | None = None
-    """Left out, the path may climb as steeply as it likes."""
+    """Default: no limit."""
     max_descent_angle_deg: Annotated[float, Field(gt=0, le=90)] | None = None
-    """Left out, the path may descend as steeply as it likes."""
+    """Default: no limit."""
 
 
 class OptimizerSection(Section):
@@ -59,9 +59,9 @@ class OptimizerSection(Section):
     model_config = ConfigDict(extra="allow")
 
     name: str = "ipoa"
-    """Which one; its other keys are that algorithm's own settings."""
+    """Name of the algorithm; other keys are its own settings."""
 
     @property
     def settings(self) -> dict[str, Any]:
-        """Everything but the name, as the optimizer's own fields."""
+        """Return the settings of the optimizer: all keys except the name."""
         return dict(self.model_extra or {})

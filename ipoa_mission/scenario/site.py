@@ -1,4 +1,4 @@
-"""What of a scenario its world is made from, for those who make it."""
+"""Define the parts of a scenario that its world depends on."""
 
 from typing import Protocol, TypeAlias
 
@@ -10,13 +10,13 @@ from ipoa_mission.scenario.obstacles import ObstacleSection
 from ipoa_mission.scenario.place_sections import BoundsSection, FenceSection, Place, TerrainSection
 from ipoa_mission.world.frame import LocalFrame
 
-#: Where a survey is flown, corners (n, 2), and how high above the ground at most [m]; without one, nowhere.
+# Corners (n, 2) of a survey, and its greatest height above the ground [m]; empty without one.
 Reach: TypeAlias = tuple[NDArray[np.float64], float]
 NO_REACH: Reach = (np.zeros((0, 2)), 0.0)
 
 
 class Layout(Protocol):
-    """What of a scenario its world is made from."""
+    """The parts of a scenario that its world depends on."""
 
     start: Place
     goal: Place
@@ -28,16 +28,14 @@ class Layout(Protocol):
     fence: tuple[FenceSection, ...]
 
     @property
-    def frame(self) -> LocalFrame:
-        """The local frame at home."""
-        ...
+    def frame(self) -> LocalFrame: ...
 
     @property
     def unix_s(self) -> float | None:
-        """When it takes off [s since 1970]."""
+        """Return the take-off time [s since 1970]."""
         ...
 
     @property
     def survey_reach(self) -> Reach:
-        """Where a survey is flown, and how high above the ground at most."""
+        """Return the extent of a survey, and its greatest height above the ground."""
         ...

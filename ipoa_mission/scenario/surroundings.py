@@ -1,7 +1,7 @@
-"""From a scenario to its world: bounds, terrain and obstacles in the local frame, drawn by hand and read from maps.
+"""Build a scenario's world: bounds, terrain and obstacles in the local frame, from sections and maps.
 
-Maps may reach far beyond the flight. Where `bounds` leaves a side open it is drawn round the ends, what was drawn by
-hand, and those things on the maps that are near; what lies well outside the bounds is left out.
+Maps may extend far beyond the flight. An open side of `bounds` encloses the places, the drawn obstacles, and near map
+features. Features well outside the bounds are dropped.
 """
 
 from collections import Counter
@@ -23,7 +23,7 @@ from ipoa_mission.maps.passed import Key, PassedCount, PassedOver, count_passed_
 from ipoa_mission.maps.standing import Standing, raise_buildings
 from ipoa_mission.scenario.fencing import allowed_area, forbidden
 from ipoa_mission.scenario.map_sections import BuildingsMap, ElevationTerrain, FlightAreaMap, NoFlyMap
-from ipoa_mission.scenario.no_fly import ENDLESS, MARGIN, meets, no_fly_prisms, on_lines, zone_near
+from ipoa_mission.scenario.no_fly import MARGIN, UNLIMITED_HEIGHT, meets, no_fly_prisms, on_lines, zone_near
 from ipoa_mission.scenario.place_sections import FenceSection, FlatTerrain
 from ipoa_mission.scenario.site import Layout
 from ipoa_mission.unread import Unread, gathered
@@ -33,18 +33,17 @@ from ipoa_mission.world.obstacles import Obstacle
 from ipoa_mission.world.polygon import Polygon, rings_of
 from ipoa_mission.world.terrain import Grid, Terrain
 
-SPARE = 500.0  # what is so long may draw the bounds towards it without the maps being read again [m]
+WINDOW_MARGIN = 500.0  # bounds may grow by this much without a second reading of the maps [m]
 BEYOND = f"more than {MARGIN:g} m outside the bounds"
-SAME = 1e-6  # [m]
+COVER_TOLERANCE = 1e-6  # [m]
 
 
 @dataclass(frozen=True)
 class Surroundings:
-    """A scenario's world, the geofence of its mission, and what its maps have beyond that.
+    """A scenario's world, the geofence of its mission, and other content of its maps.
 
-    `passed_over` are the things near the flight that are no obstacles and may stand there all the same, and some of the
-    others; `passed_counts` count all. `unread` is what else the readers did not take. `remarks` say what was assumed,
-    mended or passed over.
+    `passed_over` holds near features that may be obstacles, and some others; `passed_counts` counts all. `unread` holds
+    other unread parts. `remarks` describe assumptions, repairs and omissions.
     """
 
     airspace: Airspace
@@ -57,7 +56,7 @@ class Surroundings:
 
 @dataclass(frozen=True)
 class _Zones:
-    """What was found in the maps of zones; `remarks` by the number of the map."""
+    """The content of zone maps; `remarks` by the number of the map."""
 
     no_fly: tuple[tuple[NoFlyMap, MapArea], ...]
     area: Any | None
@@ -68,10 +67,11 @@ class _Zones:
 
 
 def surroundings_of(scenario: Layout) -> Surroundings:
-    """The world of a scenario.
+    """Return the world of a scenario.
+
 
     Raises:
-        BadInput: naming the map file and the place in it that makes no sense, or that home lies outside.
+        BadInput: with the map file and the place in it, or home is outside.
         BadInput: a library that reads a map is not installed.
     """
     with many_objects():
@@ -89,7 +89,7 @@ def _surroundings_of(scenario: Layout) -> Surroundings:
     raised = raise_buildings(near, Ground(terrain))
     up = scenario.bounds.up or _up(scenario, terrain, (lower, upper), (*drawn, *raised))
     prisms, contrary = no_fly_prisms(maps.no_fly, (lower, upper), up, terrain, scenario.frame)
-    zones = (*prisms, *forbidden(scenario.fence, scenario.frame, min(up[0], 0.0) - MARGIN, ENDLESS))
+    zones = (*prisms, *forbidden(scenario.fence, scenario.frame, min(up[0], 0.0) - MARGIN, UNLIMITED_HEIGHT))
     areas = [area for area in (maps.area, allowed) if area is not None and not area.covers(shapely.box(*lower, *upper))]
     footprint = Polygon(*rings_of(_one(areas))) if areas else None
     bounds = Bounds((*map(float, lower), up[0]), (*map(float, upper), up[1]), footprint)  # type: ignore[arg-type]
@@ -127,7 +127,7 @@ def _read_zones(scenario: Layout) -> _Zones:
         else:
             area, others = join_zones(found.zones)
             areas.append(area)
-            why = "an area that does not touch the one in which home is"
+            why = "an area that does not touch the one around home"
             passed += [PassedOver(section.file.name, f"area {n}", why, each, False) for n, each in enumerate(others, 2)]
             fenced |= section.geofence
         _expect_home_allowed(section, found.zones, scenario.frame.home.altitude)
@@ -137,10 +137,9 @@ def _read_zones(scenario: Layout) -> _Zones:
 def _read_buildings(
     scenario: Layout, area: Any | None, things: Box, allowed: Any | None
 ) -> tuple[dict[int, Buildings], Box]:
-    """What the maps of buildings have near the flight, by the number of the map, and the bounds in plan.
+    """Return the building maps' content near the flight, by map number, and the horizontal bounds.
 
-    How far the bounds reach depends on the buildings: the maps are read as far as they most likely will, and once more
-    if they reach farther.
+    The bounds depend on the buildings. The maps are read for the likely bounds, and again if these grow.
     """
 
     def read(within: Box) -> dict[int, Buildings]:
@@ -148,7 +147,7 @@ def _read_buildings(
         return {number: section.read(scenario.frame, within) for number, section in sections}
 
     least, most = _horizontal_bounds(scenario, area, things, np.zeros((0, 4)), allowed)
-    reach = _reach(scenario) + SPARE + MARGIN
+    reach = _reach(scenario) + WINDOW_MARGIN + MARGIN
     window = np.minimum(least, things[0]) - reach, np.maximum(most, things[1]) + reach
     found = read(window)
     bounds = _horizontal_bounds(scenario, area, things, _boxes(_standing(scenario, found)), allowed)
@@ -163,7 +162,7 @@ def _standing(scenario: Layout, buildings: Mapping[int, Buildings]) -> tuple[tup
 
 
 def _left_out(scenario: Layout, buildings: Mapping[int, Buildings]) -> Counter[Key]:
-    """How many more things than those that are there were passed over, by what they are counted by."""
+    """Return the numbers of passed-over features in addition to those kept, by their key."""
     counts = Counter[Key]()
     for number, found in buildings.items():
         counts.update(found.left_out)
@@ -174,7 +173,7 @@ def _left_out(scenario: Layout, buildings: Mapping[int, Buildings]) -> Counter[K
 def _one(areas: list[Any]) -> Any:
     common = shapely.intersection_all(areas)
     if common.geom_type != "Polygon" or common.is_empty:
-        words = "expected flight areas, and fences, that have one area in common"
+        words = "expected flight areas and fences with one common area"
         raise BadInput(words, code="fence-empty", place="maps")
     return common
 
@@ -196,28 +195,28 @@ def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[MapArea
 
 
 def _places(scenario: Layout) -> NDArray[np.float64]:
-    """Home, and where the path begins, passes and ends, (n, 2) [m]."""
+    """Return home, start, goal, via points and survey corners, (n, 2) [m]."""
     places = (scenario.start, scenario.goal, *scenario.via)
     corners = scenario.survey_reach[0]
     return np.vstack([(0.0, 0.0), *(place.east_north(scenario.frame) for place in places), corners])
 
 
 def _things(scenario: Layout) -> Box:
-    """What is round the ends and all that was drawn by hand."""
+    """Return the bounding box of the places and the drawn obstacles."""
     drawn = [o.build("", scenario.frame, LEVEL) for o in scenario.obstacles]
     things = np.vstack([_places(scenario), *(obstacle.bounds[:, :2] for obstacle in drawn)])
     return things.min(axis=0), things.max(axis=0)
 
 
 def _reach(scenario: Layout) -> float:
-    """What stands so near to the things of a scenario draws its bounds towards it [m]."""
+    """Return the distance within which map features extend the bounds [m]."""
     return max(scenario.bounds.margin, float(np.linalg.norm(np.ptp(_places(scenario), axis=0))) / 2)
 
 
 def _horizontal_bounds(
     scenario: Layout, area: Any | None, things: Box, boxes: NDArray[np.float64], allowed: Any | None
 ) -> Box:
-    """Lower and upper corner (2,) of the bounds, with the boxes (n, 4) of what stands on the maps."""
+    """Return lower and upper corner (2,) of the bounds, given the boxes (n, 4) of map obstacles."""
     if area is not None:
         west, south, east, north = shapely.bounds(area)
         least, most = np.array([west, south]), np.array([east, north])
@@ -236,7 +235,7 @@ def _horizontal_bounds(
 
 
 def _boxes(standing: Sequence[tuple[Path, Standing]]) -> NDArray[np.float64]:
-    """West, south, east, north of what stands on the maps, (n, 4)."""
+    """Return west, south, east, north of map obstacles, (n, 4)."""
     shapes = np.array([thing.shape for _, thing in standing], dtype=object)
     reach = np.array([thing.reach for _, thing in standing], float)
     wide = reach != 0.0
@@ -247,7 +246,7 @@ def _boxes(standing: Sequence[tuple[Path, Standing]]) -> NDArray[np.float64]:
 def _near(
     standing: Sequence[tuple[Path, Standing]], no_fly: Sequence[tuple[NoFlyMap, MapArea]], corners: Box
 ) -> tuple[tuple[Standing, ...], tuple[PassedOver, ...]]:
-    """What stands near enough to the bounds to matter; the rest, zones among it, as passed over."""
+    """Return the map obstacles near the bounds; the others, and far zones, as passed over."""
     near, beyond = list[Standing](), list[PassedOver]()
     for (file, thing), counts in zip(standing, meets(_boxes(standing), corners, MARGIN).tolist(), strict=True):
         if counts:
@@ -278,12 +277,12 @@ def _terrain(
 
 
 def _expect_cover(grid: Grid, corners: Box) -> None:
-    """Refuse a grid that ends more than half its spacing inside the bounds: beyond its edge nothing is known."""
+    """Refuse a grid that ends more than half its spacing inside the bounds, since the ground beyond is unknown."""
     first = np.array([grid.east, grid.north])
     last = first + grid.spacing * (np.array(grid.heights.shape[::-1]) - 1)
     missing = np.concatenate([first - corners[0], corners[1] - last]) - grid.spacing / 2
     side = int(np.argmax(missing))
-    if missing[side] > SAME:
+    if missing[side] > COVER_TOLERANCE:
         raise NotCovered(
             f"expected a grid over the whole flight area, which lies {missing[side] + grid.spacing / 2:.1f} m "
             f"beyond its {('west', 'south', 'east', 'north')[side]} edge",
@@ -299,7 +298,7 @@ def _drawn(scenario: Layout, terrain: Terrain) -> tuple[Obstacle, ...]:
 
 
 def _up(scenario: Layout, terrain: Terrain, corners: Box, obstacles: tuple[Obstacle, ...]) -> tuple[float, float]:
-    """From below all ground, ends and obstacles inside the bounds to above them."""
+    """Return lower and upper bound [m] around ground, places and obstacles inside the bounds."""
     places = (scenario.start, scenario.goal, *scenario.via)
     ends = [0.0, *(place.point(scenario.frame, Ground(terrain))[2] for place in places)]
     ground = on_lines(terrain, corners)
@@ -311,7 +310,7 @@ def _up(scenario: Layout, terrain: Terrain, corners: Box, obstacles: tuple[Obsta
 
 
 def _geofence(maps: _Zones, corners: Box) -> tuple[FenceSection, ...]:
-    """The flight area, its holes, and the zones without an end, as the vehicle is told to keep them."""
+    """Return the geofence: the flight area, its holes, and the zones without vertical limits."""
     fences = []
     if maps.area is not None and maps.area_fenced:
         outer, holes = rings_of(maps.area)

@@ -1,4 +1,4 @@
-"""`[survey]`: an area to be seen, from how high and how densely, with what; and the area itself, in the local plane."""
+"""Define `[survey]`: an area, the height and density of its lines, the camera; and build the area."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -16,24 +16,24 @@ from ipoa_mission.maps.around import Around
 from ipoa_mission.maps.map_reader import read_features
 from ipoa_mission.maps.planar import Whereabouts, to_plane, unrepeated
 from ipoa_mission.scenario.camera import Camera, GivenCamera
-from ipoa_mission.scenario.section import NUMBER, NotNegative, Positive, Section, beside
+from ipoa_mission.scenario.section import NUMBER, NotNegative, Positive, Section, existing_file
 from ipoa_mission.scenario.site import Reach
 from ipoa_mission.survey.area import LEAST_M2, Area
 from ipoa_mission.world.frame import REACH, LocalFrame
 from ipoa_mission.world.union import union_of
 
-BAND = 0.15  # over ground that is not flat it is flown up to such a share higher than it must be
-OVERLAP = 0.7  # where a camera comes with none
+BAND = 0.15  # over uneven ground the height may exceed the least one by this share
+DEFAULT_OVERLAP = 0.7  # default with a camera
 WORDS = ("best", "crosshatch")
-MITRE = 2.0  # corners of a corridor reach no farther than so many times half its width
-APART = 2.0  # start places nearer to each other are one [m]
-USUAL_SPACING, USUAL_HEIGHT = 20.0, 40.0  # where nobody says more than an area [m]
-LOWEST_START = 10.0  # over home, of a survey of which the height is not known yet [m above ground]
+MITRE_LIMIT = 2.0  # mitre limit of a corridor's corners, in half widths
+SAME_START_DISTANCE = 2.0  # start places this near are one [m]
+USUAL_SPACING, USUAL_HEIGHT = 20.0, 40.0  # defaults if only an area is given [m]
+LOWEST_START = 10.0  # above ground over home, before the survey's height is known [m]
 
 
 def _an_overlap(share: float) -> float:
     if not 0.0 <= share < 1.0:
-        meant = f" ({share / 100:g} for {share:g} %)" if 1.0 < share < 100.0 else ": at 100 % no photo shows more"
+        meant = f" ({share / 100:g} for {share:g} %)" if 1.0 < share < 100.0 else ": at 100 % photos do not advance"
         raise ValueError(f"expected a share from 0 to below 1, not {share:g}{meant if share >= 1 else ''}")
     return share
 
@@ -53,7 +53,7 @@ def _nested(value: Any) -> Any:
 
 
 def _depth(value: Any) -> int:
-    """How many lists are in each other, at the first of each."""
+    """Return the nesting depth of lists, by the first item of each."""
     return 1 + (_depth(value[0]) if value else 0) if isinstance(value, list | tuple) else 0
 
 
@@ -72,48 +72,47 @@ Rings: TypeAlias = Annotated[
 
 
 class SurveySection(Section):
-    """An area to be seen from above in parallel lines, in place of a goal to be flown to."""
+    """An area to photograph or scan in parallel lines, in place of a goal."""
 
-    area: Annotated[Path | None, beside("a map")] = None
-    """A map with the area as polygons, holes as their inner rings: what `maps` reads, such as GeoJSON and KML; relative
-    to the scenario file. With `width`, the lines in it are corridors."""
+    area: Annotated[Path | None, existing_file("a map")] = None
+    """A map with the area as polygons, holes as inner rings, in a format of `maps`, such as GeoJSON and KML. The path
+    is relative to the scenario file. With `width`, its lines are corridors."""
     polygon: Rings | None = None
-    """The area in the file itself: `[[east, north], ...]`, metres from home; a list of such rings has holes after the
-    first, and a list of these is several areas."""
+    """The area itself: `[[east, north], ...]`, metres from home. In a list of such rings the others are holes; a list
+    of these is several areas."""
     line: Annotated[tuple[Spot, ...], Field(min_length=2)] | None = None
-    """In place of an area, the middle of a corridor: `[[east, north], ...]`, metres from home."""
+    """In place of an area, the center line of a corridor: `[[east, north], ...]`, metres from home."""
     width: Positive | None = None
-    """Of a corridor [m]."""
+    """Width of the corridor [m]."""
     line_spacing: Positive | None = None
-    """Between neighboring lines [m]; left out, by the camera's footprint and `side_overlap`."""
+    """Distance between neighboring lines [m]. Default: by the camera's footprint and `side_overlap`."""
     camera: GivenCamera | None = None
-    """Which camera takes photos, by its name or a table of its numbers; left out, none is triggered."""
+    """The camera, by its name or a table of its numbers. Default: no photos."""
     gsd_cm: Positive | None = None
-    """How wide a pixel may be on the ground [cm]: in place of a height, with a camera."""
+    """Greatest width of a pixel on the ground [cm], in place of a height; needs a camera."""
     gimbal: Literal["nadir"] | None = None
-    """`nadir`: the gimbal has the camera look straight down, from the take-off on; left out, it is told nothing."""
+    """`nadir`: the gimbal points the camera straight down from take-off on. Default: no gimbal command."""
     front_overlap: Overlap | None = None
-    """Share of a photo that the next one shows too, at least; left out, 0.7. With a camera."""
+    """Least share of a photo that the next one repeats; needs a camera. Default: 0.7."""
     side_overlap: Overlap | None = None
-    """Share of a photo that those of the next line show too, at least; left out, 0.7. With a camera."""
+    """Least share of a photo that those of the next line repeat; needs a camera. Default: 0.7."""
     height_above_ground: Positive | None = None
-    """How high it is flown above the highest ground that is seen, at least [m]; over ground that is not flat, up to
-    15 % higher. Left out, by `gsd_cm`."""
+    """Least height above the highest visible ground [m]; over uneven ground up to 15 % higher. Default: by `gsd_cm`."""
     direction_deg: Direction = "best"
-    """Of the lines, clockwise from north: the quickest one, a number, several (one pass in each), or `crosshatch`: the
-    best one and the one across."""
+    """Direction of the lines, clockwise from north: `best` is the quickest one; a number; several (one pass each); or
+    `crosshatch`: the best one and the one across."""
     turns_outside: NotNegative = 0.0
-    """How far beyond the area the vehicle may be told to fly to turn [m]."""
+    """Greatest distance of turns beyond the area, as commanded [m]."""
     entry: Spot | None = None
-    """Near where the first line begins, `[east, north]`, metres from home; left out, near home."""
+    """Place near the begin of the first line, `[east, north]`, metres from home. Default: home."""
     exit: Spot | None = None
-    """Near where the last line ends, `[east, north]`, metres from home; left out, near home or the goal."""
+    """Place near the end of the last line, `[east, north]`, metres from home. Default: home or the goal."""
     flights: PositiveInt | None = None
-    """In how many flights; left out, in as few as the battery is enough for, each with its reserve."""
+    """Number of flights. Default: the fewest that the battery allows, each with its reserve."""
     starts: Annotated[tuple[Spot, ...], Field(min_length=1)] | None = None
-    """Places on the ground where flights take off and land in place of home, `[[east, north], ...]`, metres from home,
-    which is one of them as `[0, 0]`: each flight has the one from which all take the least time; without a battery
-    each place has one flight, over what is nearest to it."""
+    """Take-off and landing places on the ground in place of home, `[[east, north], ...]`, metres from home; home itself
+    is `[0, 0]`. Each flight gets the place with the least total time. Without a battery each place has one flight over
+    the nearest part."""
 
     @model_validator(mode="after")
     def _one_of_each(self) -> Self:
@@ -141,22 +140,22 @@ class SurveySection(Section):
     def _expect_apart(self, starts: tuple[Spot, ...]) -> None:
         for key in ("flights", "entry", "exit"):
             if getattr(self, key) is not None:
-                raise ValueError(f"{key}: expected without starts, of which each flight has one")
+                raise ValueError(f"{key}: expected without starts, since each flight has its own")
         for n, here in enumerate(starts):
             if not math.hypot(*here) < REACH:
                 raise ValueError(f"starts[{n}]: expected a place within {REACH / 1000:g} km of home")
             for m, there in enumerate(starts[:n]):
-                if math.dist(here, there) < APART:
+                if math.dist(here, there) < SAME_START_DISTANCE:
                     raise ValueError(f"starts[{n}]: expected another place than starts[{m}]")
 
     @property
     def taken_by(self) -> Camera | None:
-        """The camera; None where none is triggered."""
+        """Return the camera; None without photos."""
         return None if self.camera is None else self.camera.build()
 
     @property
     def height(self) -> float:
-        """How high above the ground it is flown, or with `gsd_cm` at most [m]."""
+        """Return the height above the ground, or with `gsd_cm` the greatest one [m]."""
         if self.height_above_ground is not None:
             return self.height_above_ground
         camera = self.taken_by
@@ -165,12 +164,12 @@ class SurveySection(Section):
         return camera.height_for(self.gsd_cm)
 
     def reach(self, area: Area) -> Reach:
-        """Where an area is flown over, turns and all, and flown to from, and how high above the ground at most."""
+        """Return the extent of a survey with turns and start places, and its greatest height above the ground."""
         corners = shapely.get_coordinates(shapely.box(*area.shape.buffer(self.turns_outside).bounds))
         return np.vstack([corners, *(self.starts or ())]), self.height * (1.0 + BAND)
 
     def spacing(self, height: float) -> float:
-        """Between lines flown so high at least [m]."""
+        """Return the distance between lines at this least height [m]."""
         camera = self.taken_by
         if self.line_spacing is not None or camera is None:
             assert self.line_spacing is not None
@@ -178,15 +177,15 @@ class SurveySection(Section):
         return camera.footprint(height)[0] * (1.0 - _given(self.side_overlap))
 
     def trigger(self, height: float) -> float | None:
-        """Between photos taken from so high at least [m]; None without a camera."""
+        """Return the distance between photos at this least height [m]; None without a camera."""
         camera = self.taken_by
         return None if camera is None else camera.footprint(height)[1] * (1.0 - _given(self.front_overlap))
 
     def build(self, frame: LocalFrame) -> Area:
-        """The area in the local plane.
+        """Return the area in the local plane.
 
         Raises:
-            BadInput: naming the map, or the key, and the place in it that makes no sense.
+            BadInput: with the map or key, and the place in it.
         """
         if self.line is not None:
             corridor = _corridor(np.array(self.line), self.width or 0.0, "survey.line")
@@ -197,7 +196,7 @@ class SurveySection(Section):
         return _expect_here(_mapped(self.area, self.width, frame), str(self.area))
 
     def middles(self, frame: LocalFrame) -> tuple[Points, ...]:
-        """The lines along which corridors lead, (n, 2) each; none of an area."""
+        """Return the center lines of corridors, (n, 2) each; empty for an area."""
         if self.line is not None:
             return (np.array(self.line),)
         if self.width is None or self.area is None:
@@ -207,7 +206,7 @@ class SurveySection(Section):
 
 
 def _expect_here(area: Area, place: str) -> Area:
-    """The area, if all of it is near home; raises BadInput where it is not."""
+    """Return the area if it is near home, else raise BadInput."""
     farthest = float(np.linalg.norm(shapely.get_coordinates(area.shape), axis=1).max())
     if not farthest < REACH:
         words = f"expected an area within {REACH / 1000:g} km of home, not up to {farthest / 1000:.0f} km away"
@@ -216,7 +215,7 @@ def _expect_here(area: Area, place: str) -> Area:
 
 
 def _given(overlap: float | None) -> float:
-    return OVERLAP if overlap is None else overlap
+    return DEFAULT_OVERLAP if overlap is None else overlap
 
 
 def _drawn(polygon: Any) -> Area:
@@ -224,7 +223,7 @@ def _drawn(polygon: Any) -> Area:
     parts = [[polygon]] if depth == 2 else [polygon] if depth == 3 else polygon
     try:
         return Area.of(parts, "survey.polygon")
-    except BadInput as error:  # in the words of who wrote fewer brackets
+    except BadInput as error:  # match the place to the brackets given
         all_brackets = "survey.polygon" + "[0]" * (4 - depth)
         error.place = error.place and error.place.replace(all_brackets, "survey.polygon")
         error.args = (error.args[0].replace(all_brackets, "survey.polygon"),)
@@ -256,7 +255,7 @@ def _mapped(path: Path, width: float | None, frame: LocalFrame) -> Area:
 
 
 def _shapes(path: Path, frame: LocalFrame) -> Iterator[tuple[str, Any]]:
-    """Polygons, closed lines and lines of a map, each with its place, in the local plane."""
+    """Yield polygons, closed lines and lines of a map, each with its place, in the local plane."""
     features = read_features(path, Around.of(frame))
     about = Whereabouts(frame)
     shapes, near = to_plane([f.shape for f in features], [f.place for f in features], about)
@@ -273,26 +272,26 @@ def _shapes(path: Path, frame: LocalFrame) -> Iterator[tuple[str, Any]]:
 
 def _corridor(line: Points, width: float, place: str) -> Any:
     if not np.isfinite(line).all() or (np.diff(line, axis=0) == 0.0).all(axis=1).any():
-        raise InvalidRing("expected a line of corners that differ", place=place)
-    shape = shapely.LineString(line).buffer(width / 2, cap_style="flat", join_style="mitre", mitre_limit=MITRE)
+        raise InvalidRing("expected a line without repeated corners", place=place)
+    shape = shapely.LineString(line).buffer(width / 2, cap_style="flat", join_style="mitre", mitre_limit=MITRE_LIMIT)
     if shape.geom_type != "Polygon" or shape.area < LEAST_M2:
-        raise InvalidRing("expected a line with room beside it", place=place)
+        raise InvalidRing("expected a line whose corridor is one polygon", place=place)
     return shape
 
 
 def with_survey(table: Mapping[str, Any], context: Any) -> dict[str, Any]:
-    """A scenario's table in which a survey begins over home, as high as it is flown, and ends where it began.
+    """Return a scenario's table with defaults of a survey: begin over home at its height, end there too.
 
-    That is so where the table says nothing else of `start` and `goal`.
+    `start` and `goal` of the table take precedence.
 
     Raises:
-        ValueError: it says something else, and that the survey has start places of its own.
+        ValueError: `start` or `goal` contradicts the survey's own start places.
     """
     if not isinstance(table.get("survey"), Mapping | SurveySection):
         return dict(table)
     try:
         section = SurveySection.model_validate(table["survey"], context=context)
-    except ValidationError:  # of which the reader of the key tells
+    except ValidationError:  # reported by the reader of the key
         height = LOWEST_START
     else:
         height = section.height

@@ -1,4 +1,4 @@
-"""What flies the mission, in the scenario: the autopilot, its speeds, and what its energy depends on."""
+"""Define the vehicle of a scenario: autopilot, speeds, airframe and battery."""
 
 import math
 from typing import Annotated, Any
@@ -43,26 +43,25 @@ AutopilotName = Annotated[
 
 
 class AirframeSection(Section):
-    """A multirotor as its power needs it."""
+    """A multirotor, as its power model needs it."""
 
     mass_kg: Positive
     """Take-off mass, battery and payload included."""
     rotors: Annotated[int, Field(ge=1)] = 4
-    """Rotor discs seen from above: a coaxial pair is one."""
+    """Rotor discs seen from above; a coaxial pair counts once."""
     rotor_diameter: Positive
     """Diameter of a rotor [m]."""
     drag_area: Positive | None = None
-    """Drag coefficient times frontal area [m^2]; left out, 0.05 (mass_kg)^(2/3), a rule of thumb. Measured in level
-    flight at a steady airspeed V and tilt it is 2 m g tan(tilt) / (rho V^2)."""
+    """Drag coefficient times frontal area [m^2]. Default: 0.05 (mass_kg)^(2/3), a rule of thumb. Measurement in level
+    flight at steady airspeed V and tilt: 2 m g tan(tilt) / (rho V^2)."""
     figure_of_merit: Annotated[float, Field(gt=0, le=1 / KAPPA)] = 0.6
-    """Ideal over real power of the rotors in hover."""
+    """Ideal over actual power of the rotors in hover."""
     drive_efficiency: Annotated[float, Field(gt=0, le=1)] = 0.8
     """Efficiency of motors and speed controllers."""
     avionics_w: NotNegative = 10.0
     """Power of everything but the rotors [W]."""
 
     def build(self) -> PowerModel:
-        """The airframe itself."""
         return PowerModel(
             mass_kg=self.mass_kg,
             disc_area=self.rotors * math.pi * self.rotor_diameter**2 / 4,
@@ -73,27 +72,27 @@ class AirframeSection(Section):
         )
 
 
-COLD, WARM = (-18.0, 0.5), (27.0, 1.0)  # degrees Celsius, and the share of its capacity that a battery gives there
+COLD, WARM = (-18.0, 0.5), (27.0, 1.0)  # degrees Celsius, and the available share of the capacity there
 
 
 class BatterySection(Section):
-    """The battery; with it, a plan that would land with less than the reserve is refused."""
+    """The battery; a plan that lands with less than the reserve is refused."""
 
     capacity_wh: Positive | None = None
-    """Energy that is printed on it, or in its place `capacity_mah` and `voltage`."""
+    """Printed energy [Wh]; or use `capacity_mah` and `voltage`."""
     capacity_mah: Positive | None = None
-    """Charge that is printed on it."""
+    """Printed charge [mAh]."""
     voltage: Positive | None = None
-    """Its nominal voltage: 3.7 V times the number of cells in series, or as printed [V]."""
+    """Nominal voltage: 3.7 V times the number of cells in series, or as printed [V]."""
     health: Annotated[float, Field(gt=0, le=1)] = 1.0
-    """Share of the capacity that age has left, as a charger or `SOH` of a smart battery tells it."""
+    """Remaining share of the capacity, as a charger or `SOH` of a smart battery reports it."""
     temperature: Annotated[float, Field(ge=COLD[0], le=60)] | None = None
-    """Of the battery as it takes off [degrees Celsius]: a cold one gives less, at -18 half of what it gives at 27, and
-    in proportion between (Battery University, BU-502). Left out, it is warm."""
+    """Temperature of the battery at take-off [degrees Celsius]. At -18 it gives half of the energy at 27, linear
+    between (Battery University, BU-502). Default: warm."""
     reserve: Annotated[float, Field(ge=0, lt=1)] = 0.2
-    """Share of what it gives that must be left after landing."""
+    """Share of the available energy that must remain after landing."""
     head_wind: NotNegative = 0.0
-    """Wind to reckon with besides that under `[wind]`, blowing against the flight all the way [m/s]."""
+    """Additional head wind during the whole flight, on top of `[wind]` [m/s]."""
 
     @model_validator(mode="after")
     def _one_capacity(self) -> "BatterySection":
@@ -103,7 +102,7 @@ class BatterySection(Section):
         return self
 
     def build(self) -> Battery:
-        """The battery itself, as old and cold as it is."""
+        """Return the battery at its age and temperature."""
         wh = self.capacity_wh or (self.capacity_mah or 0.0) / 1000.0 * (self.voltage or 0.0)
         warm = 1.0 if self.temperature is None else (min(self.temperature, WARM[0]) - COLD[0]) / (WARM[0] - COLD[0])
         given = COLD[1] + warm * (WARM[1] - COLD[1])
@@ -111,31 +110,31 @@ class BatterySection(Section):
 
 
 class VehicleSection(Section):
-    """What flies the mission."""
+    """The vehicle of the mission."""
 
     autopilot: AutopilotName = Field(default_factory=default_autopilot)
-    """The firmware that the mission is written and its time predicted for."""
+    """The firmware for which the mission is written and its time predicted."""
     firmware_version: str | None = None
-    """Its version, like "1.17"; left out, the newest whose flights were measured."""
+    """Its version, like "1.17". Default: the newest with measured flights."""
     unmeasured_version: bool = False
-    """Plan, check and fly although flights of the firmware's version were not measured."""
+    """Plan, check and fly although no flights of this firmware version were measured."""
     radius: NotNegative = 0.5
-    """Radius of a ball that holds the whole vehicle [m]."""
+    """Radius of a sphere around the whole vehicle [m]."""
     cruise_speed: Positive = 5.0
     """Ground speed along the route [m/s], sent as DO_CHANGE_SPEED."""
     climb_speed: Positive | None = None
-    """Left out: what the autopilot's parameters say [m/s]."""
+    """Default: the autopilot's parameter [m/s]."""
     descent_speed: Positive | None = None
-    """Left out: what the autopilot's parameters say [m/s]."""
+    """Default: the autopilot's parameter [m/s]."""
     parameters: dict[ParameterName, Single] = Field(default_factory=dict)
-    """Parameters of the autopilot that differ from its defaults, by its own names and units. For a landing on high
-    ground a plan raises LAND_ALT_LOW, or MPC_LAND_ALT1 and MPC_LAND_ALT2, unless one of them is named here. Another
-    autopilot (`--autopilot`) has its counterparts of speeds, accelerations, lean, acceptance radius and return height;
-    the others are left out. Both is said."""
+    """Autopilot parameters that differ from their defaults, in its own names and units. For a landing on high ground a
+    plan raises LAND_ALT_LOW, or MPC_LAND_ALT1 and MPC_LAND_ALT2, unless one is given here. With another autopilot
+    (`--autopilot`), speeds, accelerations, lean, acceptance radius and return height are converted. Others are dropped.
+    Both are reported."""
     airframe: AirframeSection | None = None
-    """Left out, energy is estimated by a hover power that was learned, else not."""
+    """Default: energy is estimated by a learned hover power, or not at all."""
     battery: BatterySection | None = None
-    """Left out, no plan is refused for its energy."""
+    """Default: no plan is refused for its energy."""
     _learned: LearnedVehicle | None = PrivateAttr(None)
     _remarks: tuple[str, ...] = PrivateAttr(())
 
@@ -173,27 +172,27 @@ class VehicleSection(Section):
 
     @property
     def version(self) -> Version | None:
-        """The firmware's version, where the scenario names one."""
+        """Return the firmware version, if given."""
         return None if self.firmware_version is None else Version.parsed(self.firmware_version)
 
     @property
     def learned(self) -> LearnedVehicle | None:
-        """What was learned of the vehicle from its flights, where the command line names a file of it."""
+        """Return the learned figures of the vehicle, if the command line names a file of them."""
         return self._learned
 
     def learned_as(self, vehicle: LearnedVehicle) -> "VehicleSection":
-        """The same with what was learned of it."""
+        """Return the section with learned figures."""
         copied = self.model_copy()
         copied._learned = vehicle
         return copied
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """What became of its parameters where another autopilot than the scenario's flies it."""
+        """Return remarks on the parameters if another autopilot than the scenario's flies it."""
         return self._remarks
 
     def flown_by(self, autopilot: Autopilot) -> "VehicleSection":
-        """The same vehicle with this autopilot: parameters are translated, or left out."""
+        """Return the vehicle with this autopilot; parameters are converted or dropped."""
         if autopilot is self.autopilot:
             return self
         parameters, words = translated(self.parameters, self.autopilot, autopilot)
@@ -204,7 +203,7 @@ class VehicleSection(Section):
         return copied
 
     def autopilot_parameters(self) -> Parameters:
-        """Parameters that differ from the autopilot's defaults: the speeds above, then `parameters`."""
+        """Return the parameters that differ from the autopilot's defaults: the speeds above, then `parameters`."""
         book = self.autopilot.book
         speeds = ((book.climb, self.climb_speed), (book.descent, self.descent_speed))
         given = {by.name: by.spelled(speed) for by, speed in speeds if speed is not None}
