@@ -15,7 +15,7 @@ from ipoa_mission.maps.geoid import HIGHEST, LOWEST, undulation
 from ipoa_mission.maps.geozones import RADIUS
 from ipoa_mission.maps.kinds import Reason
 from ipoa_mission.maps.passed import FAR_FROM_HOME, PassedOver, not_read, passed_over
-from ipoa_mission.maps.planar import Whereabouts, polygons_of, to_plane
+from ipoa_mission.maps.planar import MapExtent, polygons_of, to_plane
 from ipoa_mission.maps.tag_heights import radius_of
 from ipoa_mission.maps.zone_limits import VerticalLimit, ZoneLimits, limits_of
 from ipoa_mission.unread import Unread, gathered
@@ -66,7 +66,7 @@ def find_zones(
     Raises:
         BadInput: a polygon has no area, or there is no polygon.
     """
-    about = Whereabouts(frame)
+    about = MapExtent(frame)
     shapes, near = to_plane([f.shape for f in features], [f.place for f in features], about)
     about.expect_near()
     mistakes, zones, remarks = Mistakes(), list[MapArea](), list[str]()

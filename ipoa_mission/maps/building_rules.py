@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from ipoa_mission.maps.defaults import OTHER, TREES, building_height, is_turbine, size_of
-from ipoa_mission.maps.keys import Means, those
+from ipoa_mission.maps.keys import Means, keys_of
 from ipoa_mission.maps.kinds import TALL, WOODS, is_bridge, tagged
 from ipoa_mission.maps.lengths import length_of
 from ipoa_mission.maps.tag_heights import Odd, width_of
@@ -63,10 +63,10 @@ def reach_of(
     if size is OTHER and is_point and rules.point_radius is None and math.isfinite(top):
         usual = min(max(usual, top * RADIUS_RATIO), LARGEST_RADIUS)
     if is_turbine(tags) and rules.point_radius is None:
-        hubs = [hub for key in those(tags, Means.HUB) if (hub := length_of(tags[key])[0])]
+        hubs = [hub for key in keys_of(tags, Means.HUB) if (hub := length_of(tags[key])[0])]
         usual = min(usual, top / 2, *(max(top - hub, 0.0) or usual for hub in hubs))
     width = width_of(tags, odd, is_tree=tags.get("natural") in TREES)
-    lengths = [length for key in those(tags, Means.LENGTH) if (length := length_of(tags[key])[0])]
+    lengths = [length for key in keys_of(tags, Means.LENGTH) if (length := length_of(tags[key])[0])]
     if is_point and width is not None and lengths:
         width = math.hypot(width, *lengths)
     if width is not None:

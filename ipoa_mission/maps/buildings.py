@@ -49,7 +49,7 @@ from ipoa_mission.maps.passed import (
     not_read,
     passed_over,
 )
-from ipoa_mission.maps.planar import Whereabouts, clean_polygons, polygons_of, to_plane
+from ipoa_mission.maps.planar import MapExtent, clean_polygons, polygons_of, to_plane
 from ipoa_mission.maps.standing import Standing
 from ipoa_mission.maps.tag_heights import Odd, foot_of, height_of, is_by_storeys, says_nothing, unread_heights, width_of
 from ipoa_mission.maps.wires import Wire, spans, wire_of
@@ -139,7 +139,7 @@ class _Finder:
         self._rules, self._frame, self._path, self._within = rules, frame, path, within
         self._all_buildings = all_buildings
         self._has_kinds = self._has_heights = False
-        self._about, self._mistakes = Whereabouts(frame), Mistakes()
+        self._about, self._mistakes = MapExtent(frame), Mistakes()
         self._counts: Counter[str] = Counter()
         self._odd, self._odd_first = 0, list[str]()
         self._standing, self._outside_named, self._beyond = list[Standing](), 0, 0

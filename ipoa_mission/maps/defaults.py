@@ -6,7 +6,7 @@ They exceed most of their kind, not all. A note counts the features that got one
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from ipoa_mission.maps.keys import Means, those
+from ipoa_mission.maps.keys import Means, keys_of
 from ipoa_mission.maps.kinds import is_bridge, values_of
 from ipoa_mission.maps.lengths import storeys_of
 from ipoa_mission.maps.tag_heights import WIDEST_ROTOR
@@ -87,7 +87,7 @@ def building_height(tags: Mapping[str, str]) -> tuple[str, float]:
 
 def is_turbine(tags: Mapping[str, str]) -> bool:
     """Return whether tags describe a wind turbine, by kind, hub or rotor."""
-    if those(tags, Means.HUB, Means.ROTOR, Means.BLADE):
+    if keys_of(tags, Means.HUB, Means.ROTOR, Means.BLADE):
         return True
     return tags.get("generator:source") == "wind" or "wind_turbine" in (
         tags.get("generator:method"), tags.get("man_made"), tags.get("power")

@@ -58,12 +58,12 @@ def grib_winds(path: Path, place: Geodetic) -> ForecastWinds:
     for (height, datum, time, member), both in parts.items():
         pairs = list(zip(both[EAST], both[NORTH], strict=False))
         if odd := len(both[EAST]) + len(both[NORTH]) - 2 * len(pairs):
-            found.leave("one component of a wind without the other", f"{height:g} m", str(time), True, odd)
+            found.note("one component of a wind without the other", f"{height:g} m", str(time), True, odd)
         if not pairs:  # if both forms are given, components count
             polar = [*zip(both[SPEED], np.radians(both[FROM]), strict=False)]
             pairs = [(-speed * np.sin(angle), -speed * np.cos(angle)) for speed, angle in polar]
             if odd := len(both[SPEED]) + len(both[FROM]) - 2 * len(pairs):
-                found.leave("speed or direction of a wind without the other", f"{height:g} m", str(time), True, odd)
+                found.note("speed or direction of a wind without the other", f"{height:g} m", str(time), True, odd)
         if pairs:
             levels[height, datum] += [(time, *pair) for pair in pairs]
             members[height, datum, time].add(member)
@@ -71,7 +71,7 @@ def grib_winds(path: Path, place: Geodetic) -> ForecastWinds:
     if gaps := sum(len(each) < most for each in members.values()):
         what = f"members: {most} at some levels and times, fewer at {gaps} of {len(members)}"
         first = next(key for key, each in members.items() if len(each) < most)
-        found.leave(what, f"{first[0]:g} m, {first[2]}", len(members[first]))
+        found.note(what, f"{first[0]:g} m, {first[2]}", len(members[first]))
     for (height, datum), rows in levels.items():
         winds = np.array([row[1:] for row in rows], float).reshape(-1, 2)
         found.samples.append(WindSamples(height, datum, winds, np.array([row[0] for row in rows])))
@@ -126,15 +126,15 @@ def _read(
         is_wind = part is not None or "wind" in get("name").lower() or "gust" in get("name").lower()
     if part is None:
         if is_wind:
-            found.leave(f"{get('name')} at {level_type}", where, get("level"))
+            found.note(f"{get('name')} at {level_type}", where, get("level"))
         return None
     above_ground = named is not None and named[1] and level_type == "surface"  # ECMWF's 10 m wind in GRIB 1
     datum = Datum.GROUND if above_ground else DATUMS.get(level_type)
     if datum is None:
-        found.leave(f"wind at {level_type}, which is no height", where, get("level"))
+        found.note(f"wind at {level_type}, which is no height", where, get("level"))
         return None
     if why := _no_single_forecast(get):
-        found.leave(f"{get('name')}, {why}", where, get("level"))
+        found.note(f"{get('name')}, {why}", where, get("level"))
         return None
     index = _nearest(eccodes, handle, path, place, nearest)
     if part in (EAST, NORTH) and get("uvRelativeToGrid", int) and get("gridType") not in NORTH_UP:

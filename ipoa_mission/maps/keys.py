@@ -177,6 +177,6 @@ def _squeezed(key: str) -> str:
     return re.sub(r"[\W_]+", "", key).lower()
 
 
-def those(tags: Mapping[str, str], *means: Means) -> list[str]:
+def keys_of(tags: Mapping[str, str], *means: Means) -> list[str]:
     """Return the keys with one of these meanings."""
     return [key for key in tags if meaning(key) in means]

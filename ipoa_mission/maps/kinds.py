@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.maps.feature import Feature
-from ipoa_mission.maps.keys import AMBIGUITY_MARK, CUT, CUT_BY_SHP_WRITE, Means, Names, completed, meaning, those
+from ipoa_mission.maps.keys import AMBIGUITY_MARK, CUT, CUT_BY_SHP_WRITE, Means, Names, completed, keys_of, meaning
 from ipoa_mission.maps.wires import OVERGROUND, WIRES
 
 # The extent of a shape.
@@ -185,7 +185,7 @@ def why_passed_over(feature: Feature, extent: Extent, height_key: str, all_build
         return None
     if values and not tagged(tags, WIRES):
         return Reason(f"tagged building={values[0]}", False)
-    if {height_key, TOP_AMSL} & tags.keys() or those(tags, *_MEASURES):
+    if {height_key, TOP_AMSL} & tags.keys() or keys_of(tags, *_MEASURES):
         return None
     if tags.get("power") == "cable" and tags.get("location") not in OVERGROUND:
         return CABLE
@@ -201,13 +201,13 @@ def why_passed_over(feature: Feature, extent: Extent, height_key: str, all_build
     unknown = "of a kind unknown" if tags.keys() - NAMING else "untagged"
     if areal:
         return Reason(f"an area {unknown}", True)
-    return Reason(f"a point or line {unknown}", has_blank or bool(those(tags, Means.AMBIGUOUS)))
+    return Reason(f"a point or line {unknown}", has_blank or bool(keys_of(tags, Means.AMBIGUOUS)))
 
 
 def key_of_height(feature: Feature) -> str | None:
     """Return the key under [[maps]] that sets the height of a feature without one; None for other features."""
     tags = feature.tags
-    if {TOP_AMSL, "building"} & tags.keys() or those(tags, *_MEASURES) or _is_below(tags):
+    if {TOP_AMSL, "building"} & tags.keys() or keys_of(tags, *_MEASURES) or _is_below(tags):
         return None
     if tagged(tags, WIRES):
         return "aerialway_height" if tags.get("aerialway") in WIRES["aerialway"] else "line_height"

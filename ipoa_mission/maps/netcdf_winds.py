@@ -55,7 +55,7 @@ def netcdf_winds(path: Path, place: Geodetic) -> ForecastWinds:
             if which is not None:
                 winds[which].append(variable)
             elif _is_wind(str(name), variable):
-                found.leave("variable that may be a wind", str(name), _said(variable))
+                found.note("variable that may be a wind", str(name), _said(variable))
         for one, other in PAIRS:
             for first in [*winds[one]]:
                 if (second := _partner(first, winds[other])) is None:
@@ -65,10 +65,10 @@ def netcdf_winds(path: Path, place: Geodetic) -> ForecastWinds:
                 for height, datum, parts in _levels(path, first, second, found):
                     found.samples.append(_samples(path, height, datum, parts, place, found, other))
         for group in _groups(path):
-            found.leave("group of variables", group)
+            found.note("group of variables", group)
         for part in (part for parts in winds.values() for part in parts):
             which = _component(str(part.name), part) or EAST
-            found.leave(ALONE[which], str(part.name), _said(part), which <= NORTH or not found.samples)
+            found.note(ALONE[which], str(part.name), _said(part), which <= NORTH or not found.samples)
     return found
 
 
@@ -139,11 +139,11 @@ def _levels(path: Path, east: Any, north: Any, found: ForecastWinds) -> Iterator
     if not heights:
         level = given[0].coordinate if given else None
         what = "wind at no height" if level is None else f"wind at {level.name}, which is no height"
-        found.leave(what, name, "" if level is None else level.attrs.get("units", ""))
+        found.note(what, name, "" if level is None else level.attrs.get("units", ""))
         return
     vertical = min(heights, key=lambda each: each.datum is Datum.UNKNOWN)
     if vertical.has_no_unit:
-        found.leave("unit of a height, taken as m", str(vertical.coordinate.name))
+        found.note("unit of a height, taken as m", str(vertical.coordinate.name))
     along = next(iter(vertical.coordinate.dims), None)
     for n, height in enumerate(np.atleast_1d(vertical.values).tolist()):
         parts = (east, north) if along is None else (east.isel({along: n}), north.isel({along: n}))
@@ -157,7 +157,7 @@ def _samples(
     for part, target in zip(parts, ("m/s", "m/s" if second == NORTH else "deg"), strict=True):
         unit = part.attrs.get("units")
         if unit is None:
-            found.leave(f"unit of a wind, taken as {target}", str(part.name))
+            found.note(f"unit of a wind, taken as {target}", str(part.name))
         factor = 1.0 if unit is None else unit_factor(str(unit), target, f"{path}: {part.name}.units")
         there = _there(path, part, place)
         times, there = _valid_times(path, there)

@@ -19,7 +19,7 @@ LEAST_AREA = 1e-3  # [m^2]
 LONGEST_EDGE = 0.02  # a straight edge in degrees is curved in the plane: by 0.1 m over this length at 45 degrees [deg]
 
 
-class Whereabouts:
+class MapExtent:
     """Tracks the extent of a map's shapes, for the error if none is within 100 km of home."""
 
     def __init__(self, frame: LocalFrame) -> None:
@@ -60,9 +60,7 @@ class Whereabouts:
         )
 
 
-def to_plane(
-    shapes: Sequence[Any], places: Sequence[str], about: Whereabouts
-) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+def to_plane(shapes: Sequence[Any], places: Sequence[str], about: MapExtent) -> tuple[NDArray[Any], NDArray[np.bool_]]:
     """Convert shapes in longitude, latitude [deg] to east, north [m]; return which are within 100 km of home.
 
     Others become empty. Edges are straight in longitude and latitude, as the formats define: long ones are divided.

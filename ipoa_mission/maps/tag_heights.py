@@ -6,7 +6,7 @@ its greatest number, and its key is reported.
 
 from collections.abc import Callable, Mapping
 
-from ipoa_mission.maps.keys import AMBIGUITY_MARK, Means, meaning, plain, those
+from ipoa_mission.maps.keys import AMBIGUITY_MARK, Means, keys_of, meaning, plain
 from ipoa_mission.maps.lengths import FOOT, counted_storeys, length_of, storeys_of
 
 WIDEST_ROTOR = 170.0  # assumed if no tag gives it; newer ones are seldom wider [m]
@@ -25,7 +25,7 @@ def height_of(tags: Mapping[str, str], height_key: str, storey_height: float, od
     own = _top(tags, height_key, storey_height, odd) if height_key in tags else None
     if own is not None and height_key != "height":
         return own
-    others = [_top(tags, key, storey_height, odd) for key in those(tags, Means.TOP) if key != height_key]
+    others = [_top(tags, key, storey_height, odd) for key in keys_of(tags, Means.TOP) if key != height_key]
     heights = [height for height in (own, *others) if height is not None]
     if (tip := _tip(tags, odd, bool(heights))) is not None:
         heights.append(tip)
@@ -41,8 +41,8 @@ def foot_of(tags: Mapping[str, str], storey_height: float, odd: Odd) -> float:
     """
     if any(meaning(key) is Means.UNIT and tags[key].lower() not in IN_METRES for key in tags):
         return 0.0
-    feet = those(tags, Means.FOOT)
-    keys, read, each = (feet, length_of, 1.0) if feet else (those(tags, Means.MIN_LEVEL), storeys_of, storey_height)
+    feet = keys_of(tags, Means.FOOT)
+    keys, read, each = (feet, length_of, 1.0) if feet else (keys_of(tags, Means.MIN_LEVEL), storeys_of, storey_height)
     heights = []
     for key in keys:
         value, sure = read(tags[key])
@@ -59,9 +59,11 @@ def width_of(tags: Mapping[str, str], odd: Odd, is_tree: bool = False) -> float 
     `diameter` is that of the trunk if `is_tree`.
     """
     wide = (Means.CROWN,) if is_tree else (Means.ROTOR, Means.CROWN, Means.WIDTH)
-    widths = [_length(tags, key, odd) for key in those(tags, *wide)]
+    widths = [_length(tags, key, odd) for key in keys_of(tags, *wide)]
     half = (Means.RADIUS,) if is_tree else (Means.BLADE, Means.RADIUS)
-    widths += [None if radius is None else 2 * radius for radius in (_length(tags, k, odd) for k in those(tags, *half))]
+    widths += [
+        None if radius is None else 2 * radius for radius in (_length(tags, k, odd) for k in keys_of(tags, *half))
+    ]
     return max((width for width in widths if width), default=None)
 
 
@@ -69,16 +71,16 @@ def unread_heights(tags: Mapping[str, str], height: float, storey_height: float)
     """Return the keys that may mean a height or storeys, with values above the `height` taken [m]."""
     return [
         key
-        for key in those(tags, Means.AMBIGUOUS)
+        for key in keys_of(tags, Means.AMBIGUOUS)
         if (length_of(tags[key])[0] or 0.0) * (storey_height if AMBIGUITY_MARK in plain(key) else 1.0) > height
     ]
 
 
 def is_by_storeys(tags: Mapping[str, str]) -> bool:
     """Return whether a height is known by storeys alone, without the roof's height."""
-    if those(tags, Means.TOP, Means.ROOF, Means.ROOF_LEVELS) or tags.get("roof:shape") == "flat":
+    if keys_of(tags, Means.TOP, Means.ROOF, Means.ROOF_LEVELS) or tags.get("roof:shape") == "flat":
         return False
-    return bool(those(tags, Means.LEVELS, Means.MAX_LEVEL))
+    return bool(keys_of(tags, Means.LEVELS, Means.MAX_LEVEL))
 
 
 def says_nothing(text: str) -> bool:
@@ -107,29 +109,29 @@ def _length(tags: Mapping[str, str], key: str, odd: Odd) -> float | None:
 
 def radius_of(tags: Mapping[str, str]) -> float | None:
     """Return the radius of the circle that a point marks [m]; None without a tag."""
-    radii = [_length(tags, key, lambda *_: None) for key in those(tags, Means.RADIUS)]
+    radii = [_length(tags, key, lambda *_: None) for key in keys_of(tags, Means.RADIUS)]
     return max((radius for radius in radii if radius), default=None)
 
 
 def _tip(tags: Mapping[str, str], odd: Odd, height_known: bool) -> float | None:
     """Return the height of a wind turbine's blade tip by its hub [m]; None without a hub, or if only `height` is given.
     Return the height of a wind turbine's blade tip by its hub [m]; None without a hub, or if only `height` is given."""
-    hubs = [height for key in those(tags, Means.HUB) if (height := _length(tags, key, odd))]
-    rotor = width_of(tags, odd) if those(tags, Means.ROTOR, Means.BLADE) else None
+    hubs = [height for key in keys_of(tags, Means.HUB) if (height := _length(tags, key, odd))]
+    rotor = width_of(tags, odd) if keys_of(tags, Means.ROTOR, Means.BLADE) else None
     if not hubs or (rotor is None and height_known):
         return None
     return max(hubs) + (min(WIDEST_ROTOR / 2, max(hubs)) if rotor is None else rotor / 2)
 
 
 def _by_storeys(tags: Mapping[str, str], storey_height: float, odd: Odd) -> float | None:
-    counts = [_count(tags, key, odd) for key in those(tags, Means.LEVELS)]
-    counts += [None if n is None else n + 1 for n in (_count(tags, key, odd) for key in those(tags, Means.MAX_LEVEL))]
+    counts = [_count(tags, key, odd) for key in keys_of(tags, Means.LEVELS)]
+    counts += [None if n is None else n + 1 for n in (_count(tags, key, odd) for key in keys_of(tags, Means.MAX_LEVEL))]
     known = [count for count in counts if count is not None]
     if not known:
         return None
-    roofs = [_length(tags, key, odd) for key in those(tags, Means.ROOF)]
+    roofs = [_length(tags, key, odd) for key in keys_of(tags, Means.ROOF)]
     if not any(roof is not None for roof in roofs):
-        roofs = [(_count(tags, key, odd) or 0.0) * storey_height for key in those(tags, Means.ROOF_LEVELS)]
+        roofs = [(_count(tags, key, odd) or 0.0) * storey_height for key in keys_of(tags, Means.ROOF_LEVELS)]
     roof = max((roof for roof in roofs if roof is not None), default=0.0)
     return max(known) * storey_height + roof or None  # sheds and canopies are tagged with 0 storeys
 

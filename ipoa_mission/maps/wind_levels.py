@@ -45,7 +45,7 @@ class ForecastWinds:
     samples: list[WindSamples] = field(default_factory=list)
     unread: list[Unread] = field(default_factory=list)
 
-    def leave(self, what: str, place: str, example: object = "", may_limit: bool = False, count: int = 1) -> None:
+    def note(self, what: str, place: str, example: object = "", may_limit: bool = False, count: int = 1) -> None:
         """Note a part that is not read or not understood."""
         self.unread.append(Unread(self.file, what, place, str(example), count, may_limit))
 

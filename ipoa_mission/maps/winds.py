@@ -45,11 +45,11 @@ def read_wind(path: Path, place: Geodetic, time: np.datetime64 | None) -> Foreca
     if not is_unknown:
         chosen = _profile(path, found, place, time, Datum.GROUND)
     else:
-        chosen = max((_profile(path, found, place, time, each) for each in (Datum.GROUND, Datum.SEA)), key=_harm)
+        chosen = max((_profile(path, found, place, time, each) for each in (Datum.GROUND, Datum.SEA)), key=_disturbance)
     return replace(chosen, unread=gathered((*found.unread, *chosen.unread)))
 
 
-def _harm(forecast: ForecastWind) -> tuple[float, float]:
+def _disturbance(forecast: ForecastWind) -> tuple[float, float]:
     """Return the strongest and the mean wind at usual heights, spread included [m/s]."""
     speeds = [forecast.wind.at(height) + forecast.wind.spread for height in USUAL]
     return max(speeds), float(np.mean(speeds))
@@ -74,11 +74,11 @@ def _profile(
         at_home = _datum_at_home(path, datum, place)
         levels.setdefault(round(each.height - at_home, DIGITS) + 0.0, []).append(each)
         if each.datum is Datum.UNKNOWN:
-            notes.leave(f"datum of its heights, taken as {datum}: {DATUM_REMEDY}", "wind", f"{each.height:g}")
+            notes.note(f"datum of its heights, taken as {datum}: {DATUM_REMEDY}", "wind", f"{each.height:g}")
         elif datum is not Datum.GROUND:
             remarks.append(f"{path.name}: heights above {datum} taken less home's {at_home:g} m")
-    kept = _kept(path, sorted(levels), place, notes)
-    blowing = {height: _at_the_time(path, height, levels[height], time, notes) for height in kept}
+    kept = _flown_levels(path, sorted(levels), place, notes)
+    blowing = {height: _winds_at_time(path, height, levels[height], time, notes) for height in kept}
     means = {height: winds.mean(axis=0) for height, winds in blowing.items()}
     picked = [kept[n] for n in np.linspace(0, len(kept) - 1, min(len(kept), MOST_LEVELS)).round().astype(int)]
     towards = [Wind.towards_north_east(float(means[height][1]), float(means[height][0])) for height in picked]
@@ -104,7 +104,7 @@ def _datum_at_home(path: Path, datum: Datum, place: Geodetic) -> float:
         raise error.at(hint=hint) from error
 
 
-def _kept(path: Path, heights: list[float], place: Geodetic, notes: ForecastWinds) -> list[float]:
+def _flown_levels(path: Path, heights: list[float], place: Geodetic, notes: ForecastWinds) -> list[float]:
     """Return the levels of a flight: from the ground up to the first one above `HIGHEST`."""
     above = [height for height in heights if height >= 0]
     if not above:
@@ -113,23 +113,23 @@ def _kept(path: Path, heights: list[float], place: Geodetic, notes: ForecastWind
             place=path,
         )
     if len(above) < len(heights):
-        notes.leave("wind below the ground at home", "height", f"{heights[0]:g}", count=len(heights) - len(above))
+        notes.note("wind below the ground at home", "height", f"{heights[0]:g}", count=len(heights) - len(above))
     low = [height for height in above if height < HIGHEST]
     kept = above[: len(low) + 1]
     if len(kept) < len(above):
         what = f"wind more than {kept[-1]:g} m above home"
-        notes.leave(what, "height", f"{above[len(kept)]:g}", count=len(above) - len(kept))
+        notes.note(what, "height", f"{above[len(kept)]:g}", count=len(above) - len(kept))
     return kept
 
 
-def _at_the_time(
+def _winds_at_time(
     path: Path, height: float, samples: Sequence[WindSamples], time: np.datetime64 | None, notes: ForecastWinds
 ) -> Points:
     """Return the winds of all members at the times of the flight, (n, 2); note missing ones."""
     winds, times = np.concatenate([s.winds for s in samples]), np.concatenate([s.times for s in samples])
     undated = np.isnat(times)
     if undated.any():
-        notes.leave("time of a wind, taken as the flight's", f"{height:g} m up")
+        notes.note("time of a wind, taken as the flight's", f"{height:g} m up")
     if not undated.all():
         chosen = _hours(path, np.unique(times[~undated]), time)
         winds = winds[undated | np.isin(times, chosen)]
@@ -139,7 +139,7 @@ def _at_the_time(
         raise NothingThere(words, place=path)
     if gaps := int((~there).sum()):
         what = f"wind of a member or time: {len(winds) - gaps} others count"
-        notes.leave(what, f"{height:g} m up", "missing", count=gaps)
+        notes.note(what, f"{height:g} m up", "missing", count=gaps)
     if (strange := np.abs(winds[there]).max()) > STRONGEST:
         raise BadInput(f"expected winds, not {strange:g} m/s, {height:g} m up", code="winds-absurd", place=path)
     return np.asarray(winds[there])

@@ -14,7 +14,7 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.maps.areas import flat
 from ipoa_mission.maps.around import Around
 from ipoa_mission.maps.map_reader import read_features
-from ipoa_mission.maps.planar import Whereabouts, to_plane, unrepeated
+from ipoa_mission.maps.planar import MapExtent, to_plane, unrepeated
 from ipoa_mission.scenario.camera import Camera, GivenCamera
 from ipoa_mission.scenario.section import NUMBER, NotNegative, Positive, Section, existing_file
 from ipoa_mission.scenario.site import Reach
@@ -257,7 +257,7 @@ def _mapped(path: Path, width: float | None, frame: LocalFrame) -> Area:
 def _shapes(path: Path, frame: LocalFrame) -> Iterator[tuple[str, Any]]:
     """Yield polygons, closed lines and lines of a map, each with its place, in the local plane."""
     features = read_features(path, Around.of(frame))
-    about = Whereabouts(frame)
+    about = MapExtent(frame)
     shapes, near = to_plane([f.shape for f in features], [f.place for f in features], about)
     about.expect_near()
     for feature, shape, counts in zip(features, shapes, near, strict=True):

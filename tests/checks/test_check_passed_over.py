@@ -84,7 +84,7 @@ def test_plan_refuses_it(read: Read, monkeypatch: pytest.MonkeyPatch) -> None:
     with refuses("unsafe", "", "thing on m.geojson") as told:
         plan_flight(read(-5.0), seed=0)
     assert told.value.hint
-    assert 'take = "tagged" says that it is nothing' in told.value.hint
+    assert 'take = "tagged" excludes it' in told.value.hint
 
 
 def test_what_is_passed_over_is_a_remark_of_every_plan(read: Read, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.map_reader import read_features
-from ipoa_mission.maps.planar import Whereabouts, to_plane
+from ipoa_mission.maps.planar import MapExtent, to_plane
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import examples
 from tests.refused import refuses
@@ -36,8 +36,8 @@ def test_a_ring_across_longitude_180_stays_where_it_is(
 
     drawn = shapely.transform(sure, wrapped)
     for shape in (drawn, shapely.MultiPolygon([drawn])):
-        ((there,), (near,)) = to_plane([shape], ["here"], Whereabouts(home))
-        ((truth,), _) = to_plane([sure], ["here"], Whereabouts(home))
+        ((there,), (near,)) = to_plane([shape], ["here"], MapExtent(home))
+        ((truth,), _) = to_plane([sure], ["here"], MapExtent(home))
         assert near
         assert shapely.is_valid(there)
         assert shapely.symmetric_difference(there, truth).area <= 1e-6 * truth.area
@@ -45,7 +45,7 @@ def test_a_ring_across_longitude_180_stays_where_it_is(
 
 def test_a_zone_round_the_whole_earth_stays_one() -> None:
     world = shapely.box(-180.0, -80.0, 180.0, 80.0)
-    ((there,), (near,)) = to_plane([world], ["here"], Whereabouts(LocalFrame(Geodetic(10.0, 20.0))))
+    ((there,), (near,)) = to_plane([world], ["here"], MapExtent(LocalFrame(Geodetic(10.0, 20.0))))
     assert near
     assert not shapely.is_empty(there)
 

@@ -230,7 +230,7 @@ def test_without_a_grid_of_the_geoid_that_is_said(write_model: Write, monkeypatc
     with pytest.raises(BadInput) as told:
         read(path, heights="ellipsoidal")
     assert str(told.value) == (
-        f"{path}: its heights are above the ellipsoid, and PROJ's grid of the geoid is not on this machine"
+        f"{path}: expected PROJ's grid of the geoid on this machine, since heights are above the ellipsoid"
     )
     assert "terrain.geoid" in str(told.value.hint)
     _, said = read(path, heights="ellipsoidal", level_at_home=True)  # differences need no geoid

@@ -145,7 +145,7 @@ def drawn(scenario: Scenario) -> list[tuple[str, float, float]]:
         ((20, "AGL"), (40, "AGL"), "LY", (-np.inf, np.inf), 'lower limit, so that the zone has none'),
         ((40, "AGL"), (20, "AGL"), "M", (-np.inf, np.inf), 'limits, of which the upper is not above the lower'),
         ((0, "AGL"), (50, "AMSL"), "M", (-np.inf, np.inf),
-         'limits that leave nothing above the ground, so that the zone has none'),
+         'limits below the ground, ignored'),
     ],
 )  # fmt: skip
 def test_a_limit_that_is_not_understood_opens_no_hole_and_is_named(

@@ -116,7 +116,7 @@ def test_groups_far_away_are_not_even_unpacked(write: Write) -> None:
     path.write_bytes(spoiled)
     found = search_buildings(path, BuildingRules(), HOME, HERE)
     assert (len(found.standing), found.elsewhere, found.features) == (5, 4, 6)
-    assert "4 things far from the flight, not looked at" in found.remarks
+    assert "4 things far from the flight, not examined" in found.remarks
     with refuses("damaged-file", "map.parquet"):
         read_features(path)
 
@@ -175,10 +175,10 @@ def spoiled(**about: Any) -> dict[str, Any]:
     ("geo", "words"),
     [
         (None, "expected a GeoParquet file, but none of its columns is said to be a geometry"),
-        ("{", "geo: expected what GeoParquet says of its columns"),
-        ([], "geo: expected what GeoParquet says of its columns"),
-        (ABOUT | {"primary_column": "shape"}, "geo: expected what GeoParquet says of its columns"),
-        (spoiled(covering={"bbox": {"xmin": 1}}), "geo: expected what GeoParquet says of its columns"),
+        ("{", "geo: expected GeoParquet's metadata of its columns"),
+        ([], "geo: expected GeoParquet's metadata of its columns"),
+        (ABOUT | {"primary_column": "shape"}, "geo: expected GeoParquet's metadata of its columns"),
+        (spoiled(covering={"bbox": {"xmin": 1}}), "geo: expected GeoParquet's metadata of its columns"),
         (spoiled(encoding="polygon"), "geometry: expected shapes as WKB, not as 'polygon' in binary"),
         (spoiled(crs=None), "expected a file that names its coordinate system"),
         (spoiled(crs={"type": "GeographicCRS"}), "crs: expected a coordinate system as PROJ's JSON has it"),

@@ -93,7 +93,7 @@ def test_obstacles_are_those_of_the_xml(make: Make) -> None:
     near, same = ([s for s in found.standing if here.intersects(s.shape)] for found in (ours, theirs))
     assert [(one.name, one.height, one.shape.wkb) for one in near] == [(s.name, s.height, s.shape.wkb) for s in same]
     assert {one.name for one in near} == {"node/9", "Hall & more", "way/12", "way/120", "relation/30"}
-    assert "3 things far from the flight, not looked at" in ours.remarks
+    assert "3 things far from the flight, not examined" in ours.remarks
     wood = [one for one in ours.passed_over if one.may_stand]
     assert [(one.name, one.reason) for one in wood] == [
         ("way/13", "of which a part is not in the file"),

@@ -159,7 +159,7 @@ def test_of_several_flight_areas_the_one_with_home_counts_and_what_touches_it(re
     apart = read("kind = 'flight_area'", box(160, -20, 250, 50), box(-20, -20, 150, 50))
     assert apart.airspace.bounds.upper[0] == pytest.approx(150)
     assert len(apart.geofence) == 1
-    told = "x.geojson: 1 passed over, an area that does not touch the one in which home is: area 2"
+    told = "x.geojson: 1 passed over, an area that does not touch the one around home: area 2"
     assert told in apart.remarks
 
 

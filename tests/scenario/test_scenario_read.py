@@ -38,12 +38,12 @@ BROKEN = {
         "vehicle: climb_speed: expected at most 40 m/s, unless WPNAV_SPEED allows more, not 250: is it in cm/s? 2.5 m/s"
     ),
     "goal = { east = 0, nort = 0, up = 1 }": "goal.nort: unknown key; did you mean north?",
-    "ignore = ['battery-reserve']": "ignore: unknown key; ignore stands in [safety]",
+    "ignore = ['battery-reserve']": "ignore: unknown key; ignore belongs in [safety]",
     "survey = { line_spacin = 3 }": "survey.line_spacin: unknown key; did you mean line_spacing?",
     "safety_distance = -1": "safety_distance: expected a number of at least 0, not -1",
     "safety_distance = inf": "safety_distance: expected a finite number, not inf",
     "safety_distance = 'far'": "safety_distance: expected a number, not 'far'",
-    "name = 'a:b'": "name: expected what a file can be called, not 'a:b'",
+    "name = 'a:b'": "name: expected a valid file name, not 'a:b'",
     "obstacles = [{ kind = 'sphere', east = 0, north = 0, radius = -3 }]": (
         "obstacles[0].radius: expected a number greater than 0, not -3"
     ),
@@ -57,7 +57,7 @@ BROKEN = {
     "obstacles = [{ kind = 'box', east = 0, north = 0, width = 1, depth = 1, heigth = 1, height = 1 }]": (
         "obstacles[0].heigth: unknown key; did you mean height?"
     ),
-    "bounds = { east = [3, 1] }": "bounds.east: expected [least, most], not [3, 1]",
+    "bounds = { east = [3, 1] }": "bounds.east: expected [least, greatest], not [3, 1]",
     "cost = { omega = [0.5, 0.5, 0.5] }": "cost: omega: expected three weights that sum to 1, not to 1.5",
     "vehicle = { autopilot = 'betaflight' }": "vehicle.autopilot: expected 'px4' or 'ardupilot', not 'betaflight'",
     "terrain = { kind = 'grid', east = 0, north = 0, spacing = 1 }": "terrain: expected either heights or file",
@@ -172,8 +172,8 @@ def test_a_copy_with_another_start_forgets_what_followed_from_the_old_one(missio
 
 
 NONSENSE = {
-    "a = " + "[" * 50_000 + "]" * 50_000: "brackets nested without end",
-    "a = " + "{b=" * 50_000 + "1" + "}" * 50_000: "brackets nested without end",
+    "a = " + "[" * 50_000 + "]" * 50_000: "endlessly nested brackets",
+    "a = " + "{b=" * 50_000 + "1" + "}" * 50_000: "endlessly nested brackets",
     "a = " + "9" * 6_000: "not one of thousands of digits",
     ".".join(["a"] * 20_000) + " = 1": "line 1: expected a key of at most 16 parts",
     "\n[" + " . ".join(['"a.b"', "'c'"] * 10_000) + "]": "line 2: expected a key of at most 16 parts",
