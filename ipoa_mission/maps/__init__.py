@@ -1,1 +1,1 @@
-"""Other people's maps: buildings and areas of GeoJSON and KML files, elevation models."""
+"""Read map files: buildings, areas, elevation and winds."""

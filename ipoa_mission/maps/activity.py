@@ -1,4 +1,4 @@
-"""Read when a zone is active: periods and weekly schedules of ED-269 and ED-318, in seconds since 1970 (UTC)."""
+"""Read the active times of zones (ED-269, ED-318) in seconds since 1970 (UTC)."""
 
 import json
 import math
@@ -21,7 +21,7 @@ _DATE = re.compile(r"(?P<date>\d{4}-\d\d-\d\d)T(?P<clock>.*)", re.IGNORECASE)
 
 @dataclass(frozen=True)
 class Slot:
-    """A time of day on some weekdays (0 is Monday), in seconds from midnight UTC; it may reach into the next day."""
+    """Seconds from midnight UTC on some weekdays (0 is Monday), maybe into the next day."""
 
     days: frozenset[int]
     begin: float
@@ -30,8 +30,6 @@ class Slot:
 
 @dataclass(frozen=True)
 class Period:
-    """A time from `begin` to `end`, restricted to `slots` if there are any."""
-
     begin: float = -math.inf
     end: float = math.inf
     slots: tuple[Slot, ...] = ()
@@ -51,7 +49,7 @@ class Period:
 
 
 def periods_of(tags: Mapping[str, str]) -> tuple[Period, ...] | None:
-    """Return a zone's periods by its tag `limitedApplicability`; None for always active or unreadable.
+    """Return periods by the tag `limitedApplicability`; None for always active or unreadable.
 
     >>> periods_of({"limitedApplicability": '[{"endDateTime": "1970-01-02T01:00:00+01:00"}]'})
     (Period(begin=-inf, end=86400.0, slots=()),)
@@ -64,7 +62,6 @@ def periods_of(tags: Mapping[str, str]) -> tuple[Period, ...] | None:
 
 
 def may_be_active(tags: Mapping[str, str], time: float) -> bool:
-    """Return whether a zone may be active in the hour after `time`."""
     periods = periods_of(tags)
     return periods is None or any(period.meets(time, time + FLIGHT_S) for period in periods)
 
@@ -98,7 +95,6 @@ def _instant(text: str) -> float:
 
 
 def _clock(text: str) -> float:
-    """Return seconds since midnight UTC; a time without an offset is refused."""
     match = _CLOCK.fullmatch(text)
     if match is None:
         raise ValueError(text)

@@ -1,4 +1,4 @@
-"""Read polygons of a map as no-fly zones, or as the one area to stay in."""
+"""Read polygons of a map as no-fly zones or flight area."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -22,18 +22,18 @@ from ipoa_mission.unread import Unread, gathered
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.union import union_of
 
-# Restrictions of ED-269 and ED-318 that forbid a flight without permission; one is spelled with S or Z.
+# Restrictions that forbid a flight without permission.
 Restriction: TypeAlias = Literal["PROHIBITED", "REQ_AUTHORISATION", "REQ_AUTHORIZATION", "CONDITIONAL", "USPACE"]
 RESTRICTIONS: tuple[Restriction, ...] = ("PROHIBITED", "REQ_AUTHORISATION", "CONDITIONAL", "USPACE")
 SPELLINGS = {"REQ_AUTHORIZATION": "REQ_AUTHORISATION"}
-QUARTER_SEGMENTS = 16  # segments per quarter circle
+QUARTER_SEGMENTS = 16
 OPEN_LINE_REMEDY = "close the line in the map, so that it is the edge of a zone, or take it out"
 NAMED_RESTRICTIONS = {*RESTRICTIONS, "NO_RESTRICTION"}
 
 
 @dataclass(frozen=True)
 class MapArea:
-    """A valid polygon in the local plane, (east, north) [m], with its name and its own vertical limits."""
+    """A valid polygon in east, north [m], with its vertical limits."""
 
     name: str
     shape: Any
@@ -43,8 +43,6 @@ class MapArea:
 
 @dataclass(frozen=True)
 class Zones:
-    """The zones of a map, the features passed over, remarks on repairs, and unread parts."""
-
     zones: tuple[MapArea, ...]
     passed_over: tuple[PassedOver, ...]
     remarks: tuple[str, ...]
@@ -60,11 +58,11 @@ def find_zones(
 ) -> Zones:
     """Return the zones among the features; a closed line counts as a polygon.
 
-    Zones that name a restriction (ED-269, ED-318) need one of `restrictions`. If `time` [s since 1970] is given, zones
-    that are inactive in the following hour are passed over.
+    Zones that name a restriction need one of `restrictions`. Zones inactive in the hour after `time` [s since 1970] are
+    passed over.
 
     Raises:
-        BadInput: a polygon has no area, or there is no polygon.
+        BadInput: a polygon has no area, or there is none.
     """
     about = MapExtent(frame)
     shapes, near = to_plane([f.shape for f in features], [f.place for f in features], about)
@@ -113,13 +111,12 @@ def find_zones(
 
 
 def _restrictions(tags: Mapping[str, str]) -> set[str]:
-    """Return the restrictions of a zone: key `restriction` in ED-269 and its shapefiles, `type` in ED-318."""
+    """Read key `restriction` (ED-269), `restrictio` (its shapefiles) or `type` (ED-318)."""
     said = {tags[key].strip().upper() for key in ("restriction", "restrictio", "type") if key in tags}
     return {SPELLINGS.get(each, each) for each in said} & NAMED_RESTRICTIONS
 
 
 def _not_understood(feature: Feature, limits: ZoneLimits, is_named: bool, path: Path) -> Iterator[Unread]:
-    """Yield the parts of a zone that were not understood. The zone is then larger than it may need to be."""
     place = feature.name.removeprefix(f"{path}: ")
     for what, value in limits.odd:
         yield Unread(path.name, what, place, value)
@@ -132,7 +129,7 @@ def _not_understood(feature: Feature, limits: ZoneLimits, is_named: bool, path: 
 def _above_sea(
     limits: ZoneLimits, name: str, frame: LocalFrame, path: Path, remarks: list[str]
 ) -> tuple[ZoneLimits, list[Unread]]:
-    """Convert limits above the ellipsoid to mean sea level; an unknown geoid counts at its worst value."""
+    """Convert ellipsoidal limits to mean sea level, with the worst geoid if it is unknown."""
     found, unknown = {"lower": limits.lower, "upper": limits.upper}, list[Unread]()
     for side, limit in found.items():
         if limit is None or limit.reference != "WGS84":
@@ -150,7 +147,7 @@ def _above_sea(
 
 
 def join_zones(zones: Sequence[MapArea]) -> tuple[Any, tuple[Any, ...]]:
-    """Join touching zones; return the union nearest to home, and the others. No flight crosses from one to another."""
+    """Return the union of touching zones nearest to home, and the others."""
     whole = union_of([zone.shape for zone in zones])
     parts = sorted(shapely.get_parts(whole), key=lambda part: float(part.distance(shapely.Point(0.0, 0.0))))
     return parts[0], tuple(parts[1:])
@@ -166,7 +163,6 @@ def _why_no_zone(rest: Sequence[Any], near: bool) -> Reason:
 
 
 def _outline(shape: Any, tags: Mapping[str, str]) -> Any:
-    """Return a closed line as a polygon, and a point with a radius as the polygon around its circle."""
     if shape.geom_type == "Point" and (radius := radius_of(tags)) is not None:
         return shape.buffer(
             radius / math.cos(math.pi / (4 * QUARTER_SEGMENTS)), quad_segs=QUARTER_SEGMENTS
@@ -176,5 +172,4 @@ def _outline(shape: Any, tags: Mapping[str, str]) -> Any:
 
 
 def flat(shape: Any) -> list[Any]:
-    """Return the simple shapes of a nested collection."""
     return [part for piece in shape.geoms for part in flat(piece)] if hasattr(shape, "geoms") else [shape]

@@ -1,4 +1,4 @@
-"""Choose the part of a map file that is read, so that a country's file never has to fit in memory."""
+"""Choose the part of a map file to read."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,9 +11,9 @@ from ipoa_mission.errors import TooFar
 from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame
 
 EARTH = 6.36e6  # lower bound of the Earth's radius [m]
-GRID = 0.02  # a window is rounded out to this grid, so that small changes of a flight do not change it [deg]
-MARGIN = 0.001  # margin for curvature in the plane and rounding in the file [deg]
-POLAR = 89.0  # beyond this latitude a window spans all longitudes [deg]
+GRID = 0.02  # rounds windows, so that small changes of a flight do not change them [deg]
+MARGIN = 0.001  # for curvature in the plane and rounding in the file [deg]
+POLAR = 89.0  # beyond it a window spans all longitudes [deg]
 Box: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]  # lower and upper corner (2,), east and north [m]
 
 
@@ -26,7 +26,7 @@ class Degrees(NamedTuple):
     north: float
 
     def meets(self, boxes: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Return which boxes (n, 4) west, south, east, north intersect this one; longitudes wrap around."""
+        """Return which boxes (n, 4) west, south, east, north intersect, with longitudes wrapped."""
         west, south, east, north = boxes.T
         level = (south <= self.north) & (north >= self.south)
         turns = (-360.0, 0.0, 360.0)
@@ -34,7 +34,6 @@ class Degrees(NamedTuple):
 
 
 def near_home(home: Geodetic) -> Degrees:
-    """Return a square that reaches at least 100 km from home to each side."""
     reach = float(np.degrees(REACH / EARTH))
     wide = min(reach / max(float(np.cos(np.radians(home.latitude_deg))), 1e-9), 180.0)
     longitude, latitude = float(home.longitude_deg), float(home.latitude_deg)
@@ -42,7 +41,7 @@ def near_home(home: Geodetic) -> Degrees:
 
 
 def window_of(box: Box, frame: LocalFrame) -> Degrees:
-    """Return the window that contains a local box, with a margin."""
+    """Return the window around a local box."""
     east, north = np.meshgrid(*(np.linspace(low, high, 5) for low, high in zip(*box, strict=True)))
     latitude, longitude, _ = frame.to_geodetic(np.column_stack([east.ravel(), north.ravel(), np.zeros(east.size)]))
     home = frame.home.longitude_deg
@@ -56,9 +55,9 @@ def window_of(box: Box, frame: LocalFrame) -> Degrees:
 
 @dataclass
 class Around:
-    """Selects the features of a file that intersect `window`, or all; `elsewhere` counts the others.
+    """Selects features that intersect `window` (None: all); `elsewhere` counts the others.
 
-    Some feature must lie in `near`, 100 km around home.
+    Some feature must be in `near`, 100 km around home.
     """
 
     window: Degrees | None = None
@@ -71,19 +70,17 @@ class Around:
 
     @classmethod
     def of(cls, frame: LocalFrame, within: Box | None = None) -> Self:
-        """Select the features within 100 km of home, or those that intersect a local box."""
         near = near_home(frame.home)
         return cls(near if within is None else window_of(within, frame), near)
 
     @property
     def is_small(self) -> bool:
-        """Return whether the window is smaller than the 100 km around home."""
         return self.window != self.near
 
     def wants(self, boxes: NDArray[np.float64], things: int = 1) -> NDArray[np.bool_]:
         """Return which boxes (n, 4) west, south, east, north [deg] are wanted, (n,).
 
-        A box of NaN is wanted, since its place is unknown. `things` is the number of features per box, for the count.
+        A box of NaN is wanted. Each box counts as `things` features.
         """
         if self.window is None or self.near is None:
             return np.ones(len(boxes), bool)
@@ -97,10 +94,10 @@ class Around:
         return np.asarray(wanted)
 
     def expect_near(self, path: Path) -> None:
-        """Refuse a file without any feature near home.
+        """Refuse a file without features near home.
 
         Raises:
-            BadInput: no feature is near home; the message names their extent.
+            BadInput: with their extent.
         """
         if self.near is None or self._found_near or not np.isfinite(self._box).all():
             return
@@ -115,5 +112,4 @@ class Around:
 
 
 def cut_out(window: Degrees | None) -> str:
-    """Return the bounding box argument of an osmium-tool command."""
     return "W,S,E,N" if window is None else ",".join(f"{side:.2f}" for side in window)

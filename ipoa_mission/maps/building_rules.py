@@ -1,4 +1,4 @@
-"""Define how map features become obstacles, and their sizes where tags give none."""
+"""Define how map features become obstacles."""
 
 import math
 from collections.abc import Mapping
@@ -11,17 +11,16 @@ from ipoa_mission.maps.kinds import TALL, WOODS, is_bridge, tagged
 from ipoa_mission.maps.lengths import length_of
 from ipoa_mission.maps.tag_heights import Odd, width_of
 
-RADIUS_RATIO, LARGEST_RADIUS = 0.2, 10.0  # radius of a point of unknown kind: a fifth of its height, up to 10 m
+RADIUS_RATIO, LARGEST_RADIUS = 0.2, 10.0  # of a point of unknown kind; ratio to its height [m]
 
 
 @dataclass(frozen=True)
 class BuildingRules:
-    """Rules for features whose tags give no size, all in metres.
+    """Rules for features whose tags give no size [m].
 
-    `height_key` is the property with the height. `take` is `all` for every feature not tagged as flat, `tagged` for
-    those tagged as tall. `take` None takes a file of buildings only as a whole. Heights and radii of None depend on the
-    kind. A height of 0 means no obstacle. `line_height` None depends on the voltage. Without `wood_height`, woods are
-    reported as possible obstacles.
+    `height_key`: the property with the height. `take`: `all` features not tagged as flat, `tagged` ones only, or None:
+    `all` in a file of buildings only. None is by kind; `line_height` by voltage, `wood_height` reports woods as
+    possible obstacles. A height of 0 means no obstacle.
     """
 
     default_height: float | None = None
@@ -36,7 +35,7 @@ class BuildingRules:
 
 
 def area_height(tags: Mapping[str, str], rules: BuildingRules) -> tuple[str, float]:
-    """Return the kind of an area without a height, and its assumed height [m]."""
+    """Return a kind and its assumed height [m]."""
     if rules.wood_height is not None and tagged(tags, WOODS) and "building" not in tags:
         return "wood", rules.wood_height
     if "building" not in tags and "building:part" not in tags and (tagged(tags, TALL) or is_bridge(tags)):
@@ -46,7 +45,7 @@ def area_height(tags: Mapping[str, str], rules: BuildingRules) -> tuple[str, flo
 
 
 def thin_height(tags: Mapping[str, str], rules: BuildingRules) -> tuple[str, float]:
-    """Return the kind of a point or line without a height, and its assumed height [m]."""
+    """Return a kind and its assumed height [m]."""
     size = size_of(tags)
     return size.kind, size.height if rules.point_height is None else rules.point_height
 
@@ -54,9 +53,9 @@ def thin_height(tags: Mapping[str, str], rules: BuildingRules) -> tuple[str, flo
 def reach_of(
     tags: Mapping[str, str], rules: BuildingRules, part: Any, top: float, odd: Odd
 ) -> tuple[float, str | None]:
-    """Return the radius of a point or the half width of a line [m], with a remark if it is assumed.
+    """Return the radius or half width [m], with a remark if assumed.
 
-    Rotor blades end above the ground. The radius of an unknown kind grows with its height.
+    Rotor blades end above the ground.
     """
     size, is_point = size_of(tags), part.geom_type == "Point"
     usual = size.radius if rules.point_radius is None else rules.point_radius

@@ -1,7 +1,6 @@
-"""Find the features of a map that are obstacles: buildings, masts, trees, walls with a height.
+"""Find the obstacles of a map: buildings, masts, trees, walls.
 
-Features without a height get a default. Defaults and repairs are counted in remarks. Features passed over are kept with
-place and reason.
+Defaults and repairs are counted in remarks.
 """
 
 import math
@@ -56,19 +55,17 @@ from ipoa_mission.maps.wires import Wire, spans, wire_of
 from ipoa_mission.unread import Unread
 from ipoa_mission.world.frame import LocalFrame
 
-# Meanings of keys whose unreadable values may hide a greater height.
+# Unreadable values of these keys may hide a greater height.
 HEIGHTENS = (Means.TOP, Means.LEVELS, Means.MAX_LEVEL, Means.HUB, Means.ROOF, Means.ROOF_LEVELS, Means.ROTOR)
 HEIGHT_REMEDY = "write the height in metres, or name the property that holds it under [[maps]]: height_key"
 
 
 @dataclass(frozen=True)
 class Buildings:
-    """The obstacles and the passed-over features of a map, with remarks on assumptions and repairs.
+    """The obstacles and passed-over features of a map, with remarks.
 
-    Outside the requested box only the first few of each kind are kept, for their names. `beyond` counts the other
-    obstacles, `left_out` the other passed-over features. `box` is west, south, east and north of all obstacles [m],
-    (4,). `features` counts the examined features, `elsewhere` those of a large file too far from the box to be
-    examined. `unread` holds other unread parts.
+    Outside the requested box only the first few are kept; `beyond` and `left_out` count the others. `box` is west,
+    south, east and north of all obstacles [m], (4,). `features` counts the examined features, `elsewhere` the others.
     """
 
     standing: tuple[Standing, ...]
@@ -83,14 +80,13 @@ class Buildings:
 
 
 def search_buildings(path: Path, rules: BuildingRules, frame: LocalFrame, within: Box | None = None) -> Buildings:
-    """Return the obstacles and passed-over features of the map `path`, in the local frame.
+    """Return the obstacles and passed-over features of a map, in the local frame.
 
-    Memory grows with the features in the box only, also for a large file.
     Args:
         path: the map file.
         rules: how features become obstacles.
         frame: the local frame.
-        within: lower and upper corner (2,) of the requested box [m]; None for everywhere.
+        within: lower and upper corner (2,) of a box [m]; None for everywhere.
 
     Raises:
         BadInput: a feature is invalid, all are far away, or a library is missing.
@@ -111,21 +107,16 @@ def search_buildings(path: Path, rules: BuildingRules, frame: LocalFrame, within
 
 
 def find_buildings(features: Sequence[Feature], rules: BuildingRules, frame: LocalFrame, path: Path) -> Buildings:
-    """Return the obstacles and passed-over features of the map `path`, in the local frame.
-
-    Raises:
-        BadInput: a feature is invalid, or all are far away.
-    """
+    """Return what `search_buildings` does, for features already read."""
     finder = _Finder(rules, frame, path)
     finder.add(features)
     return finder.found()
 
 
 class _Finder:
-    """Collects the obstacles of a map, batch by batch.
+    """Collects obstacles batch by batch.
 
-    Only a whole file shows whether it has nothing but buildings. `all_buildings` states it; None judges by the first
-    batch.
+    `all_buildings` None judges by the first batch whether the file has only buildings.
     """
 
     def __init__(
@@ -150,16 +141,13 @@ class _Finder:
 
     @property
     def only_buildings(self) -> bool:
-        """Return whether all features so far are buildings, to be taken whole."""
         return self._rules.take is None and self._has_heights and not self._has_kinds
 
     @property
     def guessed_wrong(self) -> bool:
-        """Return whether `all_buildings` was wrong."""
         return self._all_buildings is not None and self._all_buildings != self.only_buildings
 
     def add(self, features: Sequence[Feature]) -> None:
-        """Examine the next features of the file."""
         features = [as_openstreetmap(feature) for feature in features]
         self._features += len(features)
         self._has_kinds = self._has_kinds or any(has_kind(feature) for feature in features)
@@ -184,7 +172,7 @@ class _Finder:
         self._keep(standing)
 
     def found(self, elsewhere: int = 0) -> Buildings:
-        """Return the result; `elsewhere` counts the features that were not examined.
+        """Return the result, with the count of features `elsewhere`.
 
         Raises:
             BadInput: a feature is invalid, or all are far away.
@@ -212,7 +200,7 @@ class _Finder:
         )
 
     def _outside(self, boxes: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Return which boxes (n, 4) west, south, east, north lie outside the requested box."""
+        """Return which boxes (n, 4) are outside the requested one."""
         boxes = boxes.reshape(-1, 4)
         if self._within is None:
             return np.zeros(len(boxes), bool)
@@ -220,7 +208,6 @@ class _Finder:
         return np.asarray((boxes[:, :2] > upper).any(axis=1) | (boxes[:, 2:] < lower).any(axis=1))
 
     def _keep(self, standing: Sequence[Standing]) -> None:
-        """Keep the obstacles in the box, and the first few outside."""
         boxes = shapely.bounds([s.shape for s in standing]).reshape(-1, 4)
         boxes += np.outer([s.reach for s in standing], [-1, -1, 1, 1])
         self._box[:2] = np.minimum(self._box[:2], boxes[:, :2].min(axis=0, initial=np.inf))
@@ -233,7 +220,6 @@ class _Finder:
         self._standing += compress(standing, (~outside).tolist())
 
     def _misses(self, feature: Feature, extent: Extent, every: bool) -> bool:
-        """Note a part of a feature that was not read and may be an obstacle; return whether there is one."""
         if feature.missing is None and extent != "none":
             return False
         why = _why_passed_over(feature, "area", self._rules, every)
@@ -245,7 +231,7 @@ class _Finder:
         return thing is not None
 
     def _pass(self, feature: Feature, shape: Any, why: Reason, outside: bool, code: str = NOT_UNDERSTOOD) -> None:
-        """Note a passed-over feature: kept if it matters or is among the first for its reason, else counted."""
+        """Keep a passed-over feature if it matters or is among the first, else count it."""
         key = (not why.may_stand, self._path.name, why.words)
         self._seen[key] += 1
         matters = self._within is None or (why.may_stand and not outside)
@@ -255,7 +241,7 @@ class _Finder:
             self._left_out[key] += 1
 
     def _stand(self, feature: Feature, shape: Any, sound: bool) -> list[Standing]:
-        """Return an obstacle for each part of a shape; a `sound` shape is one valid polygon."""
+        """Return an obstacle for each part; a `sound` shape is one valid polygon."""
         rules, counts, doubts = self._rules, self._counts, list[str]()
 
         def odd(key: str, value: str) -> None:
@@ -314,7 +300,7 @@ class _Finder:
         return made
 
     def _doubt(self, feature: Feature, shape: Any, keys: Sequence[str], top: float) -> None:
-        """Note heights that were not understood, or may exceed the height taken, `top` [m]."""
+        """Report heights not understood, or maybe above the assumed `top` [m]."""
         for key in dict.fromkeys((*keys, *unread_heights(feature.tags, top, self._rules.storey_height))):
             words = f"a height that was not understood ({key} {feature.tags[key][:20]!r}), {top:g} m was taken"
             outside = bool(self._outside(shapely.bounds(shape))[0])
@@ -341,7 +327,6 @@ def _wire(feature: Feature, rules: BuildingRules) -> Wire | None:
 
 
 def _parts(shape: Any, filled: bool) -> Iterator[Any]:
-    """Yield polygons, points and lines of a shape; if `filled`, a closed line is an outline."""
     for part in shapely.get_parts(shape):
         if hasattr(part, "geoms"):
             yield from _parts(part, filled)
@@ -352,6 +337,5 @@ def _parts(shape: Any, filled: bool) -> Iterator[Any]:
 
 
 def _reach(feature: Feature, usual: float, odd: Odd) -> float:
-    """Return the radius of a point or the half width of a line [m]."""
     width = width_of(feature.tags, odd)
     return usual if width is None else width / 2

@@ -1,7 +1,6 @@
-"""Read CityJSON (1.0 to 2.0): footprints and heights of buildings from the extents of their surfaces.
+"""Read CityJSON (1.0 to 2.0): footprints and heights from the extents of surfaces.
 
-Its heights have the datum of its reference system. Here the height counts from the lowest point of the whole building,
-which is placed on the scenario's ground.
+Height counts from the lowest point of the whole building, which is placed on the ground.
 """
 
 import math
@@ -22,17 +21,17 @@ from ipoa_mission.maps.feature import DEEPEST, Feature, Mistakes, on_earth, read
 from ipoa_mission.world.union import union_of
 
 VERSIONS = ("1.0", "1.1", "2.0")
-MOST_SHOWN = 60  # characters of a name
-# Nesting depth of corners in the boundaries, by kind of geometry.
+MOST_SHOWN = 60  # characters
+# Nesting depth of corners, by geometry.
 DEPTHS = {"GeometryInstance": 0, "MultiPoint": 0, "MultiLineString": 1, "MultiSurface": 2, "CompositeSurface": 2}
 DEPTHS |= {"Solid": 3, "MultiSolid": 4, "CompositeSolid": 4}
-# OpenStreetMap tags of objects other than buildings; with a height they are obstacles.
+# Tags of objects other than buildings.
 TALL_KINDS = {
     "SolitaryVegetationObject": ("natural", "tree"),
     "PlantCover": ("natural", "wood"),
     "CityFurniture": ("man_made", "utility_pole"),
 }
-# Tags of objects on or of the ground.
+# Tags of flat objects.
 FLAT_KINDS = {
     **dict.fromkeys(("Road", "Square", "TransportSquare", "Track", "TransportationComplex"), ("highway", "road")),
     **dict.fromkeys(("WaterBody", "Waterway"), ("natural", "water")),
@@ -45,10 +44,7 @@ LEAST_WALL_AREA = 1e-13  # the footprint of a wall has no area [deg^2]
 
 @dataclass(frozen=True)
 class _City:
-    """Data shared by all objects of a file: corners (n, 3), transformation to degrees, unit of height [m].
-
-    `lowest` is the least height of the whole building, by the name of each of its objects.
-    """
+    """Corners (n, 3), transformation, unit [m], and least height of the whole building by object name."""
 
     corners: Points
     to_degrees: Transformer
@@ -61,7 +57,7 @@ def is_cityjson(document: Any) -> bool:
 
 
 def cityjson_features(document: Mapping[str, Any], path: Path) -> tuple[Feature, ...]:
-    """Return each object with a geometry as a feature: the footprint of its surfaces, and the tag `height`.
+    """Return each object as a feature with its footprint and `height`.
 
     Raises:
         BadInput: with file and place.
@@ -88,7 +84,6 @@ def cityjson_features(document: Mapping[str, Any], path: Path) -> tuple[Feature,
 
 
 def _corners(document: Mapping[str, Any], path: Path) -> Points:
-    """Return all corners in the file's own system, (n, 3)."""
     try:
         corners = np.array(document.get("vertices"), float)
         transform = document.get("transform") or {"scale": [1, 1, 1], "translate": [0, 0, 0]}
@@ -120,7 +115,7 @@ def _system(document: Mapping[str, Any], path: Path) -> CRS:
 
 
 def _used(thing: Mapping[str, Any], count: int, place: str) -> list[NDArray[np.intp]]:
-    """Return the outer rings of all surfaces of an object, or its lines and points, as indices of corners."""
+    """Return outer rings, lines and points as indices of corners."""
     given = thing.get("geometry") or []
     if not isinstance(given, list):
         raise BadInput("expected a list", place=f"{place}.geometry")
@@ -153,7 +148,7 @@ def _rings(boundaries: Any, depth: int, count: int, place: str) -> Iterator[NDAr
 def _lowest(
     objects: Mapping[str, Any], used: Mapping[str, list[NDArray[np.intp]]], corners: Points, path: Path
 ) -> dict[str, float]:
-    """Return the least height of the whole building, by the name of each object."""
+    """Return the least height of the whole building, by object name."""
     roots, lowest = dict[str, str](), dict[str, float]()
     for name in objects:
         way = [name]
@@ -199,7 +194,7 @@ def _feature(
 
 
 def _shadow(rings: list[Points]) -> Any:
-    """Return the footprint of some surfaces, or the points themselves if there is no surface."""
+    """Return the footprint of surfaces, or the points if there are none."""
     shadows = [shapely.make_valid(shapely.Polygon(ring)) for ring in rings if len(ring) > 2]
     pieces = [part for shadow in shadows for part in shapely.get_parts(shadow)]
     polygons = [part for part in pieces if "Polygon" in part.geom_type and part.area > LEAST_WALL_AREA]

@@ -1,6 +1,6 @@
-"""Read Shapefile, FlatGeobuf and GeoPackage by GDAL (needs pyogrio): each row is a feature.
+"""Read Shapefile, FlatGeobuf and GeoPackage by GDAL (pyogrio).
 
-GDAL ignores the suffix, and some formats refer to other files: a file must begin as its suffix says.
+GDAL ignores the suffix, and some formats refer to other files: the first bytes must match it.
 """
 
 import warnings
@@ -27,11 +27,10 @@ WRONG_SYSTEM = "the file names a coordinate system (a Shapefile in its .prj) tha
 
 
 def read_table(path: Path, around: Around) -> tuple[Feature, ...]:
-    """Return the features of all layers with shapes; fields become tags. Features elsewhere are counted if GDAL reports
-    them.
+    """Return the features of all layers with shapes.
 
     Raises:
-        BadInput: with file, layer and row; or pyogrio is not installed.
+        BadInput: with file, layer and row; or pyogrio is missing.
     """
     pyogrio = imported("pyogrio", f"{path}: reading it needs pyogrio, which is not installed", "maps", BadInput)
     suffix = path.suffix.lower()

@@ -1,4 +1,4 @@
-"""Define a feature of a map file: a shape on the Earth, its tags, and its place in the file."""
+"""Define a feature of a map file."""
 
 import gc
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -13,14 +13,14 @@ from ipoa_mission.errors import BadInput
 Corners: TypeAlias = NDArray[np.float64]  # (n, 2) longitude, latitude [deg, WGS 84]
 Made = TypeVar("Made")
 NAMES = ("name", "addr:housename", "identifier", "@id", "id", "osm_way_id", "osm_id")
-MOST_ERRORS = 10  # errors reported at once
+MOST_ERRORS = 10
 DEEPEST = 16  # nested collections; shapely fails at thousands
 
 
 class Missing(NamedTuple):
-    """An unread part of a feature: its description, its shape [deg], and a remedy.
+    """An unread part of a feature, with its shape [deg] and a remedy.
 
-    An empty `shape` means that it may be anywhere, unless it is certainly `elsewhere`.
+    With an empty `shape` it may be anywhere, unless it is certainly `elsewhere`.
     """
 
     words: str
@@ -30,9 +30,9 @@ class Missing(NamedTuple):
 
 
 class Feature(NamedTuple):
-    """A feature of a map: a shapely geometry in longitude, latitude [deg, WGS 84], maybe invalid, or empty.
+    """A geometry in longitude, latitude [deg, WGS 84], maybe invalid or empty, with tags.
 
-    `place` names file and feature for messages. `tags` are its properties as text, `blank` the keys without a value.
+    `place` names file and feature in messages; `blank` are keys without a value.
     """
 
     place: str
@@ -43,7 +43,7 @@ class Feature(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Return a name for messages: its name, its OpenStreetMap number, or its place in the file."""
+        """Return its name, OpenStreetMap number or place."""
         name = self.place
         for key in NAMES:
             if named := self.tags.get(key):
@@ -53,10 +53,10 @@ class Feature(NamedTuple):
 
 
 def on_earth(corners: Corners, place: str, hint: str = "export the file in WGS 84 (EPSG:4326)") -> Corners:
-    """Return the corners if they are longitudes and latitudes.
+    """Return the corners, checked.
 
     Raises:
-        BadInput: they are out of range.
+        BadInput: they are not longitudes and latitudes.
     """
     outside = ~(np.abs(corners) <= (360.0, 90.0)).all(axis=1)
     if outside.any():
@@ -67,7 +67,7 @@ def on_earth(corners: Corners, place: str, hint: str = "export the file in WGS 8
 
 
 def positions_of(values: Any, place: str) -> Corners:
-    """Return the first two numbers of each position in a JSON list, (n, 2).
+    """Return the first two numbers of each JSON position, (n, 2).
 
     Raises:
         BadInput: it is not a list of positions.
@@ -82,14 +82,14 @@ def positions_of(values: Any, place: str) -> Corners:
 
 
 class Mistakes:
-    """Collects the errors of a file, to report them together."""
+    """Collects errors, to report them together."""
 
     def __init__(self) -> None:
         self._first: list[BadInput] = []
         self._count = 0
 
     def attempt(self, act: Callable[..., Made], *arguments: Any) -> Made | None:
-        """Return `act(*arguments)`, or None if it raised BadInput."""
+        """Return `act(*arguments)`, or None after BadInput."""
         try:
             return act(*arguments)
         except BadInput as mistake:
@@ -99,10 +99,10 @@ class Mistakes:
             return None
 
     def raise_all(self) -> None:
-        """Raise the collected errors, if any.
+        """Raise the collected errors.
 
         Raises:
-            BadInput: with a line for each error, at most ten.
+            BadInput: a line for each, at most ten.
         """
         if self._first:
             more = (f"and {self._count - MOST_ERRORS} more of this kind",) if self._count > MOST_ERRORS else ()
@@ -110,10 +110,10 @@ class Mistakes:
 
 
 def read_all(read: Callable[..., Feature | None], each: Iterable[tuple[Any, ...]]) -> tuple[Feature, ...]:
-    """Return the features that `read` returns for each set of arguments, without None.
+    """Return all results of `read` except None.
 
     Raises:
-        BadInput: any of them is invalid.
+        BadInput: any is invalid.
     """
     mistakes = Mistakes()
     features = [mistakes.attempt(read, *arguments) for arguments in each]
@@ -123,7 +123,7 @@ def read_all(read: Callable[..., Feature | None], each: Iterable[tuple[Any, ...]
 
 @contextmanager
 def many_objects() -> Iterator[None]:
-    """Disable garbage collection while many objects are created that stay."""
+    """Disable garbage collection while many lasting objects are created."""
     was_on = gc.isenabled()
     gc.disable()
     try:

@@ -1,6 +1,6 @@
-"""Return the geoid's height above the ellipsoid: given, or from a PROJ grid of EGM96 or EGM2008.
+"""Return the geoid's height: given, or from a PROJ grid.
 
-One value serves a whole flight: over some kilometres the geoid tilts by centimetres.
+One value serves a flight: over kilometres the geoid tilts by centimetres.
 """
 
 from pathlib import Path
@@ -10,16 +10,16 @@ from pyproj.exceptions import ProjError
 
 from ipoa_mission.errors import BadInput, NotCovered
 
-LOWEST, HIGHEST = -107.0, 86.0  # of EGM96 and EGM2008 above the ellipsoid, worldwide [m]
-# PROJ's names of the grids, the best match to an autopilot's mean sea level first.
+LOWEST, HIGHEST = -107.0, 86.0  # bounds of EGM96 and EGM2008 [m]
+# The best match to an autopilot's mean sea level first.
 GRIDS = ("us_nga_egm96_15.tif", "egm96_15.gtx", "us_nga_egm08_25.tif", "egm08_25.gtx")
 
 
 def undulation(latitude_deg: float, longitude_deg: float, given: float | Path | None, place: Path) -> tuple[float, str]:
-    """Return the height of the geoid above the WGS 84 ellipsoid [m], and its source.
+    """Return the geoid's height above the WGS 84 ellipsoid [m], and its source.
 
     Raises:
-        BadInput: PROJ has no grid on this machine, or the given one does not cover the place.
+        BadInput: no grid is here, or it does not cover the place.
     """
     if isinstance(given, int | float):
         return float(given), "as given"

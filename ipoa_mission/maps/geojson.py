@@ -1,7 +1,7 @@
-"""Read GeoJSON (RFC 7946), also one value a line, as Overpass turbo, osmtogeojson and QGIS write it.
+"""Read GeoJSON (RFC 7946), also one value a line.
 
-Tags are in `properties`, in `properties.tags`, or as text in `properties.other_tags` (GDAL's OSM driver). QGIS may
-write other coordinates than degrees, named in `crs`.
+Tags are in `properties`, `properties.tags`, or as text in `properties.other_tags` (GDAL). QGIS may name another
+coordinate system in `crs`.
 """
 
 import json
@@ -35,21 +35,20 @@ from ipoa_mission.maps.overpass import is_overpass, overpass_features
 from ipoa_mission.maps.properties import blank_keys, tags_of, truncated
 from ipoa_mission.maps.streamed import Unstreamed, read_document, read_values
 
-MOST_SHOWN = 80  # characters of a place
+MOST_SHOWN = 80  # characters
 END = object()
-BATCH = 1024  # features per batch
+BATCH = 1024
 
 
-# Receives features in batches.
 Take = Callable[[Sequence[Feature]], object]
 
 
 def read_geojson(path: Path, begin: Callable[[], Take]) -> None:
-    """Pass on the features of a FeatureCollection, a single Feature, or a bare geometry.
+    """Pass on the features of a file in batches.
 
     Args:
         path: the file.
-        begin: returns the receiver of all features; it is called again if reading restarts.
+        begin: returns the receiver; called again if reading restarts.
 
     Raises:
         BadInput: with file and place.
@@ -77,7 +76,7 @@ def _hand_on(path: Path, begin: Callable[[], Take]) -> None:
 
 
 def _hand_on_each(path: Path, values: Iterator[Any], take: Take) -> None:
-    """Pass on the features of a file of several JSON values (GeoJSONSeq, RFC 8142, CityJSONSeq)."""
+    """Read several JSON values (GeoJSONSeq, RFC 8142, CityJSONSeq)."""
     mistakes, features, city = Mistakes(), list[Feature](), dict[str, Any]()
     for number in count(1):
         with _json_errors_named(path):
@@ -112,10 +111,7 @@ def _json_errors_named(path: Path) -> Iterator[None]:
 
 
 class _Collection:
-    """Reads a collection's features in batches.
-
-    `document` holds the members around the features; None takes the members before them.
-    """
+    """Reads a collection in batches; `document` holds its other members, None if still unknown."""
 
     def __init__(self, path: Path, take: Take, document: Mapping[str, Any] | None = None) -> None:
         self._path, self._take, self._mistakes = path, take, Mistakes()
@@ -124,18 +120,18 @@ class _Collection:
         self._to_degrees: _Degrees | None = None
 
     def read(self, document: dict[str, Any]) -> bool:
-        """Read the file; put its members other than the features into `document`.
+        """Read the file; put other members than `features` into `document`.
 
         Returns:
             Whether the coordinate system was known from the first feature on.
 
         Raises:
-            BadInput: any feature is invalid.
-            Unstreamed: the file is not such a collection.
+            BadInput: a feature is invalid.
+            Unstreamed: it is no such collection.
         """
         pieces = read_document(self._path, document)
         while True:
-            with _json_errors_named(self._path):  # guards reading only, not the use of what was read
+            with _json_errors_named(self._path):  # not around `_add`
                 number, features = next(pieces, (0, None))
             if features is None:
                 break
@@ -172,7 +168,6 @@ class _Collection:
 
 
 def _rings(feature: Any) -> Any:
-    """Return the `coordinates` of a polygon, unchecked; None for other features."""
     geometry = feature.get("geometry") if isinstance(feature, dict) else None
     if isinstance(geometry, dict) and geometry.get("type") == "Polygon":
         return geometry.get("coordinates")
@@ -209,13 +204,11 @@ def _whole(document: Any, path: Path, place: str = "") -> tuple[Feature, ...]:
 
 
 def _number(feature: Any) -> str:
-    """Return a feature's OpenStreetMap number in brackets, or nothing."""
     number = feature.get("id") if isinstance(feature, dict) else None
     return f" ({number})" if isinstance(number, str) and number else ""
 
 
 def _feature(place: str, feature: Any, to_degrees: "_Degrees", drawn: Any = None) -> Feature:
-    """Return a feature; its shape may be `drawn` already."""
     if not isinstance(feature, dict) or feature.get("type") != "Feature":
         raise BadInput("expected a Feature", place=place)
     geometry, properties = feature.get("geometry"), feature.get("properties")
@@ -301,7 +294,7 @@ SHAPES: Mapping[str, _Reader] = {
 
 
 def _coordinate_system(document: Mapping[str, Any], path: Path) -> _Degrees:
-    """Return the conversion to longitude and latitude by the member `crs` (GeoJSON of 2008, and QGIS)."""
+    """Read the member `crs` (GeoJSON of 2008, and QGIS)."""
     if document.get("crs") is None:
         return lambda corners: corners
     try:
@@ -314,7 +307,6 @@ def _coordinate_system(document: Mapping[str, Any], path: Path) -> _Degrees:
 
 
 def degrees_of(system: CRS) -> _Degrees:
-    """Return the conversion from a coordinate system to longitude and latitude."""
     if system.is_geographic and system.ellipsoid is not None and "WGS 84" in system.ellipsoid.name:
         return lambda corners: corners
     convert = Transformer.from_crs(system, "OGC:CRS84", always_xy=True)

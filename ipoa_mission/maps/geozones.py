@@ -1,7 +1,6 @@
-"""Read UAS geographical zones: ED-269 (JSON), and ED-318 (GeoJSON with layers).
+"""Read UAS geographical zones: ED-269 (JSON) and ED-318 (GeoJSON).
 
-Both become features with the zone's restriction, limits and times (`activity`) as tags. A circle becomes a polygon
-around it.
+Restriction, limits and times become tags, a circle becomes a polygon around it.
 """
 
 import json
@@ -17,14 +16,13 @@ from pyproj import Geod
 from ipoa_mission.errors import BadInput, InvalidRing
 from ipoa_mission.maps.feature import Corners, Feature, on_earth, positions_of, read_all
 
-CORNERS = 72  # of the polygon around a circle, 0.1 % wider
+CORNERS = 72  # 0.1 % wider than the circle
 RADIUS = "radius in other units than M"  # internal tag
-WIDEST = 1_000_000.0  # radius of a circle [m]
+WIDEST = 1_000_000.0  # [m]
 _EARTH = Geod(ellps="WGS84")
 
 
 def is_ed269(document: Any) -> bool:
-    """Return whether a JSON document is ED-269: each feature has a list of geometries."""
     features = document.get("features") if isinstance(document, dict) and "type" not in document else None
     return isinstance(features, list) and all(
         isinstance(each, dict) and isinstance(each.get("geometry"), list) for each in features
@@ -32,7 +30,7 @@ def is_ed269(document: Any) -> bool:
 
 
 def ed269_features(document: Mapping[str, Any], path: Path) -> tuple[Feature, ...]:
-    """Return each volume of each zone as a feature.
+    """Return each volume of each zone.
 
     Raises:
         BadInput: with file and place.
@@ -48,10 +46,10 @@ def ed269_features(document: Mapping[str, Any], path: Path) -> tuple[Feature, ..
 
 
 def circle(center: Any, radius: Any, place: str) -> Any:
-    """Return the polygon around a circle of `radius` [m] at a longitude and latitude [deg].
+    """Return a polygon around a circle of `radius` [m] about a longitude and latitude [deg].
 
     Raises:
-        BadInput: it is not a circle.
+        BadInput: it is no circle.
     """
     try:
         corner = np.array([center[:2]], float)
@@ -68,14 +66,13 @@ def circle(center: Any, radius: Any, place: str) -> Any:
 
 
 def layer_tags(layer: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Return the limits of an ED-318 layer as tags."""
     for key in ("lower", "lowerReference", "upper", "upperReference", "uom"):
         if layer.get(key) is not None:
             yield key, str(layer[key])
 
 
 def layers_apart(feature: Any) -> list[Any]:
-    """Split an ED-318 feature whose members have their own layers into one feature for each member."""
+    """Split an ED-318 feature by members with their own layers."""
     geometry = feature.get("geometry") if isinstance(feature, dict) else None
     members = geometry.get("geometries") if isinstance(geometry, dict) else None
     if not isinstance(geometry, dict) or not isinstance(members, list):
@@ -88,7 +85,7 @@ def layers_apart(feature: Any) -> list[Any]:
 
 
 def zone_tags(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Return nested properties of a zone as tags: name, times, limits."""
+    """Return name, times and limits as tags."""
     if isinstance(names := properties.get("name"), list):  # ED-318: by language
         texts = [name for name in names if isinstance(name, dict) and isinstance(name.get("text"), str)]
         english = [name for name in texts if str(name.get("lang", "")).startswith("en")]
@@ -113,14 +110,13 @@ def _volume(zone: Mapping[str, Any], volume: Any, place: str) -> Feature:
 
 
 def _limit_tags(volume: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Return the limits of an ED-269 volume as tags."""
     given = {"uom": "uomDimensions", "lower": "lowerLimit", "upper": "upperLimit"}
     given |= {"lowerReference": "lowerVerticalReference", "upperReference": "upperVerticalReference"}
     yield from ((key, str(volume[name])) for key, name in given.items() if volume.get(name) is not None)
 
 
 def _times(times: Any) -> Iterator[tuple[str, str]]:
-    """Return ED-269 times as the ED-318 tag; nothing for a permanent zone."""
+    """Return ED-269 times as the ED-318 tag; nothing if permanent."""
     if isinstance(times, list) and not any(isinstance(each, dict) and each.get("permanent") == "YES" for each in times):
         yield "limitedApplicability", json.dumps(times)
 

@@ -1,4 +1,4 @@
-"""Read winds from GRIB by eccodes, at the nearest point of each message's grid."""
+"""Read winds from GRIB by eccodes, at each grid's nearest point."""
 
 import re
 from collections import defaultdict
@@ -21,10 +21,10 @@ SHORT_NAMES = {"u": EAST, "v": NORTH, "si": SPEED, "ws": SPEED, "wdir": FROM}
 NUMBERS = {0: FROM, 1: SPEED, 2: EAST, 3: NORTH}  # GRIB 2: parameters of discipline 0, category 2
 MOMENTUM = (0, 2)
 DATUMS = {"heightAboveGround": Datum.GROUND, "heightAboveSea": Datum.SEA}
-# Grids with axes to east and north, where "relative to the grid" changes nothing.
+# Grids with axes to east and north.
 NORTH_UP = ("regular_ll", "regular_gg", "reduced_ll", "reduced_gg", "mercator", "unstructured_grid")
-PLAIN = {0, 1}  # product definition templates of one forecast and one member
-MEAN = {0, 1}  # derived forecasts that are a mean of members; others are spreads and ranks
+PLAIN = {0, 1}  # product definition templates: one forecast, one member
+MEAN = {0, 1}  # derived forecasts: means of members
 
 
 @dataclass(frozen=True)
@@ -38,12 +38,12 @@ class _Message:
 
 
 def grib_winds(path: Path, place: Geodetic) -> ForecastWinds:
-    """Return the winds at the nearest grid point.
+    """Return the winds at the nearest grid points.
 
 
     Raises:
-        BadInput: the file is damaged, elsewhere, or has winds along a rotated grid.
-        MissionError: eccodes is not installed.
+        BadInput: the file is damaged, elsewhere, or on a rotated grid.
+        MissionError: eccodes is missing.
     """
     eccodes = imported("eccodes", f"{path}: a forecast of winds needs eccodes", "wind")
     found, nearest = ForecastWinds(path.name), dict[str, int]()
@@ -59,7 +59,7 @@ def grib_winds(path: Path, place: Geodetic) -> ForecastWinds:
         pairs = list(zip(both[EAST], both[NORTH], strict=False))
         if odd := len(both[EAST]) + len(both[NORTH]) - 2 * len(pairs):
             found.note("one component of a wind without the other", f"{height:g} m", str(time), True, odd)
-        if not pairs:  # if both forms are given, components count
+        if not pairs:  # components take precedence
             polar = [*zip(both[SPEED], np.radians(both[FROM]), strict=False)]
             pairs = [(-speed * np.sin(angle), -speed * np.cos(angle)) for speed, angle in polar]
             if odd := len(both[SPEED]) + len(both[FROM]) - 2 * len(pairs):
@@ -80,7 +80,7 @@ def grib_winds(path: Path, place: Geodetic) -> ForecastWinds:
 
 @contextmanager
 def _several_fields(eccodes: Any) -> Iterator[None]:
-    """Allow several fields in a message: NCEP packs both wind components together."""
+    """Allow several fields in a message, as NCEP packs components."""
     eccodes.codes_grib_multi_support_on()
     try:
         yield
@@ -110,8 +110,6 @@ def _messages(eccodes: Any, path: Path) -> Iterator[Any]:
 def _read(
     eccodes: Any, handle: Any, path: Path, where: str, place: Geodetic, nearest: dict[str, int], found: ForecastWinds
 ) -> _Message | None:
-    """Return the wind of a message; None, and a note, for wind that is not used."""
-
     def get(key: str, kind: type = str) -> Any:
         return eccodes.codes_get(handle, key, kind) if eccodes.codes_is_defined(handle, key) else None
 
@@ -151,7 +149,7 @@ def _read(
 
 
 def _no_single_forecast(get: Any) -> str:
-    """Return why a message is not one forecast at one time: average, spread, percentile."""
+    """Return whether a message is an average, spread or percentile, in words."""
     if get("stepType") not in (None, "instant"):
         return f"its {get('stepType')} over a time"
     template = get("productDefinitionTemplateNumber", int)
@@ -167,7 +165,6 @@ def _valid(get: Any) -> np.datetime64:
 
 
 def _nearest(eccodes: Any, handle: Any, path: Path, place: Geodetic, known: dict[str, int]) -> int:
-    """Return the index of the nearest grid point, by eccodes' latitudes and longitudes."""
     grid = eccodes.codes_get(handle, "md5GridSection")
     if grid not in known:
         latitudes, longitudes = (eccodes.codes_get_array(handle, key) for key in ("latitudes", "longitudes"))

@@ -1,7 +1,7 @@
-"""Map keys of any source to what they measure: `height`, `est_height`, `rotor:diameter`, `AGL`.
+"""Map keys of any source to what they measure.
 
-A key is read by its words: `building:height`, `BLDG_HEIGHT` and `measuredHeight` are the same. OpenStreetMap's names
-complete keys that a Shapefile cut to ten letters, or that GDAL wrote with `_` for `:`.
+A key is read by its words: `building:height`, `BLDG_HEIGHT` and `measuredHeight` are the same. Keys cut by a Shapefile,
+or with `_` for `:` by GDAL, are completed by OpenStreetMap's names.
 """
 
 import re
@@ -11,7 +11,7 @@ from functools import lru_cache
 
 CUT = 10  # letters of a name in a Shapefile
 CUT_BY_SHP_WRITE = 8  # of shp-write before 0.4.2
-AMBIGUITY_MARK = "perhaps"  # marks ambiguous keys
+AMBIGUITY_MARK = "perhaps"
 
 
 def _set(*lines: str) -> frozenset[str]:
@@ -19,8 +19,6 @@ def _set(*lines: str) -> frozenset[str]:
 
 
 class Means(StrEnum):
-    """The quantity that a key measures."""
-
     TOP = "top above the ground"
     FOOT = "lower side above the ground"
     LEVELS = "storeys above the ground"
@@ -96,7 +94,7 @@ _UNITS = _set("unit units uom einheit")
 
 
 def plain(key: str) -> str:
-    """Return a key in lower case, words separated by `_`."""
+    """Return a key in lower case, words joined by `_`."""
     words = re.sub(r"(?<=[a-zäöü0-9])(?=[A-ZÄÖÜ])", "_", key).lower()
     return re.sub(r"[\W_]+", "_", words).strip("_")
 
@@ -146,17 +144,17 @@ def _width(words: frozenset[str]) -> Means:
 
 
 class Names:
-    """Finds known keys under their spellings in files."""
+    """Finds known keys under other spellings."""
 
     def __init__(self, known: Iterable[str]) -> None:
         self._known = {plain(key): key for key in known}
 
     def of(self, key: str) -> str:
-        """Return the known key that differs only in case and punctuation, or else the key itself."""
+        """Return the known key that differs in case and punctuation only, or else the key."""
         return self._known.get(plain(key), key)
 
     def starting_as(self, key: str) -> tuple[str, ...]:
-        """Return the known keys that a Shapefile cuts to these ten letters; trailing digits may be a number."""
+        """Return the known keys that a Shapefile cuts to this; a digit at the end may be a number."""
         text = _squeezed(key)
         begins = (text, re.sub(r"\d{1,2}$", "", text))  # a second one ends in _1
         return tuple(
@@ -178,5 +176,4 @@ def _squeezed(key: str) -> str:
 
 
 def keys_of(tags: Mapping[str, str], *means: Means) -> list[str]:
-    """Return the keys with one of these meanings."""
     return [key for key in tags if meaning(key) in means]

@@ -1,7 +1,4 @@
-"""Classify features by their tags: tall, flat, or no obstacle.
-
-The tags are OpenStreetMap's, or other maps' with the same meaning (`keys`).
-"""
+"""Classify features by tags: tall, flat, or no obstacle."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,11 +12,10 @@ from ipoa_mission.maps.feature import Feature
 from ipoa_mission.maps.keys import AMBIGUITY_MARK, CUT, CUT_BY_SHP_WRITE, Means, Names, completed, keys_of, meaning
 from ipoa_mission.maps.wires import OVERGROUND, WIRES
 
-# The extent of a shape.
 Extent: TypeAlias = Literal["area", "thin", "none"]
 # Values of `building` and `building:part` for no building.
 NO_BUILDING = {"no", "entrance", "demolished", "razed", "proposed", "construction_site"}
-# Kinds that are tall even without a known height.
+# Kinds that are tall.
 TALL = {
     "man_made": {
         "antenna", "bell_tower", "campanile", "ceremonial_gate", "chimney", "column", "communications_tower",
@@ -41,13 +37,13 @@ TALL = {
     "attraction": {"big_wheel", "drop_tower", "roller_coaster"},
     "advertising": {"column", "totem"},
 }  # fmt: skip
-# Prefixes of keys of things out of service or unfinished, which may be there.
+# Prefixes of things out of service or unfinished.
 LIFECYCLE = ("disused:", "abandoned:", "ruins:", "construction:", "was:")
 # Ways that are in the air on a bridge.
 ON_BRIDGES = ("highway", "railway", "waterway")
-# Areas of trees: no obstacle unless their height is known, but reported as possible ones.
+# No obstacle without a height, but a possible one.
 WOODS = {"natural": {"wood"}, "landuse": {"forest", "orchard"}, "landcover": {"trees"}}
-# Keys of flat things or plain areas, for all values but these.
+# Keys of flat things, for all values but these.
 GROUNDS: Mapping[str, set[str]] = {
     "highway": {"elevator"},
     "railway": {"station"},
@@ -70,19 +66,18 @@ FLAT_AMENITIES = {
     "waste_basket",
 }  # fmt: skip
 NO_BRIDGE = {"no", "abandoned", "demolished", "removed", "proposed", "low_water_crossing", "boardwalk"}
-# Keys that identify a file of buildings even if they are null.
+# Keys of building files, even if null.
 OVERTURE = {"has_parts", "is_underground"}
-# The height of the top above mean sea level [m].
 TOP_AMSL = "height:amsl"
-# Tags that identify a thing without its kind.
+# Tags without a kind.
 NAMING = {"name", "id", "@id", "osm_id", "osm_way_id", "fid", "ID", "FID", "OBJECTID", "Name", "Id", "description"}
 
 
 @dataclass(frozen=True)
 class Reason:
-    """Why a feature is passed over; `may_stand` marks a possible obstacle, with a `remedy`.
+    """The reason to pass over a feature; `may_stand` marks a possible obstacle.
 
-    `heights`: keys and values of the map's section that give it a height.
+    `heights` are keys and values under [[maps]] that give it a height.
     """
 
     words: str
@@ -110,7 +105,7 @@ FLAT = Reason("tagged as something flat", False)
 
 
 _OTHER_KEYS = ("building", "building:part", "location", "tunnel", "bridge", "layer", "voltage", "barrier", "height")
-# Keys of more than ten letters about height, width, kind or limit, which a Shapefile cuts.
+# Keys that a Shapefile cuts to ten letters.
 _LONG_KEYS = (
     "building:levels", "building:height", "building:min_level", "building:min_height", "building:max_level",
     "roof:height", "roof:levels", "diameter_crown", "rotor:diameter", "tower:height", "measuredHeight",
@@ -119,13 +114,12 @@ _LONG_KEYS = (
 _NAMES = Names((*TALL, *WIRES, *WOODS, *OVERTURE, *_OTHER_KEYS, *_LONG_KEYS, TOP_AMSL))
 _KNOWN = frozenset(_OTHER_KEYS) | TALL.keys() | WIRES.keys() | WOODS.keys()
 UNSURE = (Means.NOTHING, Means.AMBIGUOUS)
-# Measures that only a thing with a height has.
 _MEASURES = (Means.TOP, Means.LEVELS, Means.MAX_LEVEL, Means.HUB, Means.ROTOR, Means.BLADE)
 _OF_BUILDINGS = (*_MEASURES, Means.FOOT, Means.MIN_LEVEL, Means.ROOF, Means.ROOF_LEVELS)
 
 
 def as_openstreetmap(feature: Feature) -> Feature:
-    """Return the feature with its kind keys as OpenStreetMap spells them, whatever their case and punctuation."""
+    """Return the feature with kind keys in OpenStreetMap's spelling."""
     tags = feature.tags
     renamed = {key: named for key in tags if (named := _named(key)) != key and named not in tags}
     if not renamed and "is_underground" not in tags:
@@ -144,7 +138,7 @@ def _named(key: str) -> str:
 
 
 def uncut(key: str, value: str) -> str:
-    """Return the full key of a truncated Shapefile field; an ambiguous one gets `perhaps` in its name."""
+    """Return the full key of a Shapefile field, with `perhaps` if ambiguous."""
     if len(key) not in (CUT, CUT_BY_SHP_WRITE) or _named(key) in _KNOWN or meaning(key) not in UNSURE:
         return key
     if len(key) != CUT:
@@ -157,16 +151,15 @@ def uncut(key: str, value: str) -> str:
 
 
 def has_place_for_height(feature: Feature, height_key: str) -> bool:
-    """Return whether a feature has a key that is typical of building files, with or without a value."""
+    """Return whether a key is typical of building files, even without a value."""
     keys = {*feature.tags, *feature.blank}
     return not keys.isdisjoint(OVERTURE | {height_key}) or any(meaning(key) in _OF_BUILDINGS for key in keys)
 
 
 def has_kind(feature: Feature) -> bool:
-    """Return whether tags name the kind of a feature.
+    """Return whether tags name the kind.
 
-    A file without kinds, in which some features have a key for a height, has only buildings. Examples are Overture's
-    files, a cadastre's, and drawings.
+    Files without kinds but with heights have only buildings: Overture's, a cadastre's, drawings.
     """
     tags = feature.tags
     mapped = "building" in tags or "building:part" in tags or any(tagged(tags, kinds) for kinds in (TALL, WIRES, WOODS))
@@ -174,7 +167,7 @@ def has_kind(feature: Feature) -> bool:
 
 
 def why_passed_over(feature: Feature, extent: Extent, height_key: str, all_buildings: bool) -> Reason | None:
-    """Return why a feature of this extent is no obstacle; None if it is one."""
+    """Return the reason why a feature is no obstacle, or None."""
     tags, areal = feature.tags, extent == "area"
     if extent == "none":
         return Reason("without a geometry", False)
@@ -205,7 +198,7 @@ def why_passed_over(feature: Feature, extent: Extent, height_key: str, all_build
 
 
 def key_of_height(feature: Feature) -> str | None:
-    """Return the key under [[maps]] that sets the height of a feature without one; None for other features."""
+    """Return the key under [[maps]] for the height of a feature without one."""
     tags = feature.tags
     if {TOP_AMSL, "building"} & tags.keys() or keys_of(tags, *_MEASURES) or _is_below(tags):
         return None
@@ -215,7 +208,7 @@ def key_of_height(feature: Feature) -> str | None:
 
 
 def tagged(tags: Mapping[str, str], kinds: Mapping[str, set[str]]) -> bool:
-    """Return whether the tags have a value of a key in `kinds`, also within a list of values."""
+    """Return whether the tags have a value in `kinds`, also within a list."""
     if kinds.keys().isdisjoint(tags):
         return False
     return any(not values.isdisjoint(values_of(tags[key])) for key, values in kinds.items() if key in tags)
@@ -228,12 +221,11 @@ def values_of(text: str) -> tuple[str, ...]:
 
 
 def is_bridge(tags: Mapping[str, str]) -> bool:
-    """Return whether tags describe a way on a bridge."""
     return tags.get("bridge", "no") not in NO_BRIDGE and not tags.keys().isdisjoint(ON_BRIDGES)
 
 
 def extents_of(shapes: Sequence[Any]) -> list[Extent]:
-    """Return for each shape whether it is an area (or a closed line), thin, or empty."""
+    """Return for each shape: area (or closed line), thin, or empty."""
     each = np.array(shapes, dtype=object)
     kinds = shapely.get_type_id(each)
     closed = shapely.is_closed(each) & (shapely.get_num_coordinates(each) > 3)
@@ -245,7 +237,6 @@ def extents_of(shapes: Sequence[Any]) -> list[Extent]:
 
 
 def _is_areal(shape: Any) -> bool:
-    """Return whether a part of a collection is an area or a closed line."""
     parts = [part for piece in shapely.get_parts(shape) for part in shapely.get_parts(piece)]
     return any(
         part.geom_type in ("Polygon", "MultiPolygon", "GeometryCollection")

@@ -1,7 +1,7 @@
-"""Read KML 2.2 and KMZ from Google Earth, Google My Maps and flight planners: points, lines, rings, polygons.
+"""Read KML 2.2 and KMZ.
 
-A shape extended to the ground (`extrude`) has its greatest altitude as height, above ground or sea level. Other heights
-in a KML are not read: a scenario gives a zone's height.
+A shape extended to the ground (`extrude`) has its greatest altitude as height. Other heights are not read: a scenario
+gives a zone's height.
 """
 
 import contextlib
@@ -25,7 +25,6 @@ from ipoa_mission.maps.feature import DEEPEST, Corners, Feature, Missing, on_ear
 
 MOST_FOLDERS = 64
 ELSEWHERE = {"NetworkLink", "GroundOverlay", "PhotoOverlay"}  # their content is in another file
-# Elements that are not read, with a description.
 UNREAD = {
     "NetworkLink": "whose places are in another file",
     "GroundOverlay": "an image on the ground",
@@ -36,11 +35,9 @@ REMEDY = "save what it shows as a KML of its own, and name that under [[maps]]"
 COMMA = re.compile(r"\s*,\s*")
 MOST_COMMAS = 2  # in a position
 EXTRUDED = {"Polygon", "LinearRing", "LineString", "Point"}
-LARGEST = 64 << 20  # bytes of a .kml in a .kmz: an archive may expand to a thousand times its size
-# The tag of a height, by altitude mode.
+LARGEST = 64 << 20  # bytes of a .kml in a .kmz, which may expand a thousandfold
 MODES = {"relativeToGround": "height", "absolute": "height:amsl"}
 HIGHEST = 100_000.0  # [m]
-# Exceptions of zipfile for a broken archive.
 BROKEN = (
     zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error, EOFError, NotImplementedError, RuntimeError,
     ValueError,
@@ -51,7 +48,7 @@ WORDS = {"Point": 1, "LineString": 2, "LinearRing": 3}
 
 
 def read_kml(path: Path) -> tuple[Feature, ...]:
-    """Return every placemark, with name and extended data as tags; unknown shapes are empty.
+    """Return every placemark; unknown shapes are empty.
 
     Raises:
         BadInput: with file and place.
@@ -60,7 +57,7 @@ def read_kml(path: Path) -> tuple[Feature, ...]:
 
 
 def read_kmz(path: Path) -> tuple[Feature, ...]:
-    """Return the features of the first KML in a KMZ, the one that Google Earth shows.
+    """Return the features of the first KML, as Google Earth.
 
     Raises:
         BadInput: with file and place.
@@ -101,7 +98,7 @@ def _read(text: bytes, path: Path) -> tuple[Feature, ...]:
 
 
 def _parse(text: bytes, path: Path) -> ElementTree.Element:
-    """Parse the document in pieces, so that one of countless elements does not fill the memory."""
+    """Parse in pieces, to limit the memory for countless elements."""
     parser: Any = ElementTree.XMLPullParser(("start",))
     root: ElementTree.Element | None = None
     count = 0
@@ -142,7 +139,7 @@ def _feature(placemark: ElementTree.Element, place: str) -> Feature:
 
 
 def _missing(placemark: ElementTree.Element, place: str) -> Missing | None:
-    """Return a part of a placemark other than points, lines and polygons, if there is one."""
+    """Return a part other than points, lines and polygons."""
     for element in placemark.iter():
         if (kind := _local(element)) in UNREAD:
             sides = {_local(each): (each.text or "").strip() for each in element.iter()}
@@ -155,7 +152,7 @@ def _missing(placemark: ElementTree.Element, place: str) -> Missing | None:
 
 
 def _height(placemark: ElementTree.Element) -> dict[str, str]:
-    """Return the greatest height of shapes extended to the ground, as a tag; empty without any."""
+    """Return the greatest height of extruded shapes as a tag."""
     tops: dict[str, float] = {}
     for drawn in (each for each in placemark.iter() if _local(each) in EXTRUDED):
         texts = {_local(child): (child.text or "").strip() for child in drawn}
@@ -175,7 +172,7 @@ def _altitudes(text: str) -> Iterator[float]:
 
 
 def _words(text: str) -> list[str]:
-    """Return the positions in a text; blanks around a comma do not separate them, as in GDAL and fastkml."""
+    """Split positions; blanks around a comma do not separate them, as in GDAL and fastkml."""
     return COMMA.sub(",", text).split()
 
 
@@ -219,7 +216,7 @@ def _shapes(parent: ElementTree.Element, place: str, depth: int = 0) -> Iterator
 
 
 def _track(element: ElementTree.Element, place: str) -> Corners:
-    """Return the positions of a `gx:Track`: longitude, latitude and altitude separated by blanks."""
+    """Read a `gx:Track`, with blanks between longitude, latitude and altitude."""
     text = " ".join(",".join((each.text or "").split()) for each in element if _local(each) == "coord")
     return _positions(text, 2, f"{place}.coord")
 

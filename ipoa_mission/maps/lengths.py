@@ -1,7 +1,6 @@
 """Parse lengths and storey counts as mappers spell them: `23 m`, `7'4"`, `22+`, `60 m (AGL)`, `1,200`, `G+4`.
 
-A bare number is in metres. The greatest of several values, of a range and of ambiguous readings counts, since a greater
-height is safe.
+A bare number is in metres. The greatest of ambiguous values counts, since it is safe.
 """
 
 import math
@@ -11,7 +10,7 @@ from functools import lru_cache
 from ipoa_mission.errors import BadInput
 
 INCH, FOOT = 0.0254, 0.3048
-LONGEST = 60  # characters of a length
+LONGEST = 60  # characters
 UNITS = {
     1.0: "m metre metres meter meters mtr mtrs mt mts м metri metros mètre mètres",
     0.01: "cm centimetre centimetres centimeter centimeters",
@@ -24,13 +23,13 @@ UNITS = {
     1609.344: "mi mile miles",
 }
 FACTORS = {name: factor for factor, names in UNITS.items() for name in names.split()}
-# Commas, dots or blanks separate thousands; `12,5` is a decimal. A sign is excluded: `12-15` is a range.
+# Commas, dots or blanks separate thousands. A sign is excluded: `12-15` is a range.
 NUMBER = (
     r"(?:\d{1,3}(?:,\d{3})+(?:\.\d+)?(?!\d)|\d{1,3}(?:\.\d{3})+,\d+|\d{1,3}(?: \d{3})+(?!\d)"
     r"|\d+(?:[.,]\d+)?(?:e[-+]?\d(?!\d))?|[.,]\d+)"
 )
 _QUANTITY = re.compile(rf"({NUMBER})\.? ?([a-zм′’″”“`´'\"è]*)")
-# Words that do not change a number, or mark it as approximate.
+# Words that do not change a number.
 _ASIDE = re.compile(
     r"approx(?:imate(?:ly)?)?|about|around|circa|ca?|est(?:imate[d]?)?|roughly|agl|above|over|ground|level|lvl|from|the|"
     r"high|tall|height|total|overall|roof|ridge|top|tip|spire|antenna|mast|tower|building|parapet|with(?:out)?|"
@@ -47,15 +46,15 @@ _TERM = r"(?:\d+(?:[.,]5)?[a-zäöü]{0,3}|[a-zäöü]{1,8}|(?:b|ub|ug|sb|ss)\d+
 _SUM = re.compile(rf"{_TERM}(?:\+{_TERM})+")
 
 
-# Full-width letters, digits and marks as ASCII.
+# Full-width characters as ASCII.
 _WIDE = {code: code - 0xFEE0 for code in range(0xFF01, 0xFF5F)} | {0x3000: 0x20}
 
 
 def meters(text: str, place: str) -> float:
-    """Return a length in metres.
+    """Return a length [m].
 
     Raises:
-        BadInput: it is not a length.
+        BadInput: it is none.
     """
     length, sure = length_of(text)
     if length is None or not sure:
@@ -65,9 +64,9 @@ def meters(text: str, place: str) -> float:
 
 @lru_cache(maxsize=4096)  # a map repeats a few heights
 def length_of(text: str) -> tuple[float | None, bool]:
-    """Return the greatest length in a text [m], and whether all of the text was understood.
+    """Return the greatest length in a text [m], and whether all was understood.
 
-    None without a number. A number of unknown unit counts as metres, and as not understood.
+    An unknown unit counts as metres, and as not understood.
     """
     text = text.translate(_WIDE).strip().lower()
     if len(text) > LONGEST or text.startswith(("-", "−")):
@@ -98,7 +97,7 @@ def length_of(text: str) -> tuple[float | None, bool]:
 
 @lru_cache(maxsize=4096)
 def storeys_of(text: str) -> tuple[float | None, bool]:
-    """Return the greatest number of storeys above the ground in a text, and whether all of it was understood.
+    """Return the greatest number of storeys above the ground, and whether all was understood.
 
     In `G+4` and `2+1` each part counts, a letter as one storey, basements as none.
     """
@@ -119,7 +118,7 @@ def storeys_of(text: str) -> tuple[float | None, bool]:
 
 
 def counted_storeys(text: str) -> float | None:
-    """Return the storeys of a height given as storeys (`6 floors`, `G+4`); None for others."""
+    """Return the storeys of `6 floors` or `G+4`; None for other heights."""
     text = re.sub(r"\s*\+\s*", "+", text.translate(_WIDE).strip().lower())
     if len(text) > LONGEST:
         return None
@@ -129,7 +128,7 @@ def counted_storeys(text: str) -> float | None:
 
 
 def names_least(text: str) -> bool:
-    """Return whether a text gives a lower bound: `22+`, `> 60 m`."""
+    """Return whether it is a lower bound: `22+`, `> 60 m`."""
     return _AT_LEAST.search(text.strip().lower()) is not None
 
 

@@ -20,7 +20,7 @@ _WHOLE_FILE_READERS = {
     ".kmz": read_kmz,
     ".osm": read_osm,
 }
-# Readers of files that may exceed memory: they read only the wanted features, in batches.
+# Readers of files that may exceed memory.
 _BATCH_READERS: dict[str, Callable[[Path, Around], Iterator[list[Feature]]]] = {
     ".pbf": read_pbf,
     ".parquet": read_parquet,
@@ -31,14 +31,14 @@ MOST_FEATURES = 2_000_000  # in memory together
 
 
 def read_features(path: Path, around: Around | None = None) -> tuple[Feature, ...]:
-    """Return the features of a map file, in its order, by its suffix (`READERS`).
+    """Return the features of a map file, in its order.
 
     Args:
-        path: the file.
-        around: the wanted part of a .pbf, GeoParquet, Shapefile, FlatGeobuf or GeoPackage; None for all.
+        path: the file; its suffix is in `READERS`.
+        around: the wanted part of a large file; None for all.
 
     Raises:
-        BadInput: with file and place of every error; or a library is not installed.
+        BadInput: with file and place of every error; or a library is missing.
     """
     features: list[Feature] = []
 
@@ -51,15 +51,15 @@ def read_features(path: Path, around: Around | None = None) -> tuple[Feature, ..
 
 
 def hand_on_features(path: Path, begin: Callable[[], Take], around: Around | None = None) -> None:
-    """Pass on the features of a map file in batches, so that a large file is never whole in memory.
+    """Pass on the features of a map file in batches.
 
     Args:
         path: the file.
-        begin: returns the receiver; a second call means that earlier batches are void.
-        around: the wanted part of a large file, and the count of the rest; None for all.
+        begin: returns the receiver; a second call voids earlier batches.
+        around: the wanted part of a large file; None for all.
 
     Raises:
-        BadInput: with file and place of every error; or a library is not installed.
+        BadInput: with file and place of every error; or a library is missing.
     """
     suffix = path.suffix.lower()
     if suffix in GEOJSON:
@@ -93,11 +93,11 @@ def _hand_on_large(path: Path, take: Take, around: Around) -> None:
     around.expect_near(path)
 
 
-@lru_cache(maxsize=2)  # the studio reads a scenario again at every change, mostly with the same map
+@lru_cache(maxsize=2)  # the studio reads a scenario again at every change
 def _small_part(
     path: Path, as_it_was: tuple[int, int], window: Degrees | None, near: Degrees | None
 ) -> tuple[tuple[Feature, ...], int]:
-    """Return the features of a large file that intersect a window, and the count of the others."""
+    """Return features in a window, and the count of the others."""
     around, features = Around(window, near), list[Feature]()
     for some in _BATCH_READERS[path.suffix.lower()](path, around):
         _extend(features, some, path)

@@ -1,10 +1,10 @@
-"""Name a feature for a pilot: by its own name, else by its kind and its number in the map."""
+"""Name features for a pilot: by name, else by kind and number."""
 
 from collections.abc import Mapping
 
 from ipoa_mission.maps.feature import Feature
 
-KINDS = ("man_made", "aerialway", "barrier", "power")  # keys whose value names the kind
+KINDS = ("man_made", "aerialway", "barrier", "power")
 WORDS = {"tree": "tree", "tree_row": "row of trees", "tower": "power tower", "pole": "power pole"}
 
 
@@ -28,7 +28,6 @@ def called(feature: Feature) -> str:
 
 
 def _kind(tags: Mapping[str, str]) -> str | None:
-    """Return the kind of a feature; None if its tags have no useful word."""
     if tags.get("power", "").endswith("line") or tags.get("power") == "cable":
         volts = [int(each) for each in tags.get("voltage", "").split(";") if each.isdecimal()]
         return f"{max(volts) / 1000:g} kV line" if volts else "power line"

@@ -1,4 +1,4 @@
-"""Read winds from NetCDF by xarray, at the nearest grid point; attributes (CF) take precedence over names."""
+"""Read winds from NetCDF by xarray; attributes (CF) take precedence over names."""
 
 import re
 import warnings
@@ -45,7 +45,7 @@ def netcdf_winds(path: Path, place: Geodetic) -> ForecastWinds:
 
     Raises:
         BadInput: the file is damaged, elsewhere, or in unknown units.
-        MissionError: xarray is not installed.
+        MissionError: xarray is missing.
     """
     found = ForecastWinds(path.name)
     with _opened(path) as data:
@@ -87,7 +87,7 @@ def _opened(path: Path) -> Iterator[Any]:
 
 
 def _groups(path: Path) -> list[str]:
-    """Return the groups of a NetCDF-4 file; xarray reads none of them."""
+    """Return the groups of a NetCDF-4 file, which xarray skips."""
     h5py: Any = import_module("h5py")
     if not h5py.is_hdf5(path):
         return []
@@ -96,7 +96,7 @@ def _groups(path: Path) -> list[str]:
 
 
 def _component(name: str, variable: Any) -> int | None:
-    """Return which component of a wind a variable is, or None; its standard name takes precedence over its name."""
+    """Return the component of a wind, first by standard name."""
     standard = variable.attrs.get("standard_name")
     if standard not in (None, "", "unknown"):
         return STANDARD.get(standard)
@@ -109,22 +109,20 @@ def _is_wind(name: str, variable: Any) -> bool:
 
 
 def _said(variable: Any) -> str:
-    """Return the standard or long name of a variable, or nothing."""
     return next((str(variable.attrs[key]) for key in ("standard_name", "long_name") if key in variable.attrs), "")
 
 
 def _partner(first: Any, others: Sequence[Any]) -> Any | None:
-    """Return the other component on the same axes with the most similar name."""
+    """Return the other component on these axes with the most similar name."""
     alike = [each for each in others if each.dims == first.dims and set(each.coords) == set(first.coords)]
     name = str(first.name)
     return max(alike, key=lambda each: SequenceMatcher(None, name, str(each.name)).ratio(), default=None)
 
 
 def _levels(path: Path, east: Any, north: Any, found: ForecastWinds) -> Iterator[tuple[float, Datum, tuple[Any, Any]]]:
-    """Yield height, datum and both components of every level; note levels without a height.
+    """Yield height, datum and components of every level.
 
-    The order of precedence is: axis, height in the name, coordinate of one value. xarray attaches the last to all
-    variables.
+    Precedence: axis, height in the name, coordinate of one value, since xarray attaches the last to all variables.
     """
     name = str(east.name)
     given = [vertical for each in east.coords.values() if (vertical := vertical_of(path, each)) is not None]
@@ -169,7 +167,7 @@ def _samples(
 
 
 def _there(path: Path, part: Any, place: Geodetic) -> Any:
-    """Return a component of a wind at the nearest grid point.
+    """Return a component at the nearest grid point.
 
     Raises:
         BadInput: the grid has no latitudes and longitudes, is elsewhere, or is rotated.
@@ -212,7 +210,7 @@ def _there(path: Path, part: Any, place: Geodetic) -> Any:
 
 
 def _counts_degrees(name: str, coordinate: Any, kind: str) -> bool:
-    """Return whether a coordinate is the latitude (`lat`) or longitude (`lon`) in degrees, not rotated."""
+    """Return whether it is the latitude (`lat`) or longitude (`lon`), not rotated."""
     standard, unit = coordinate.attrs.get("standard_name"), str(coordinate.attrs.get("units", DEGREES[kind]))
     whole = {"lat": "latitude", "lon": "longitude"}[kind]
     is_named = standard == whole or (standard is None and name.lower() in (kind, whole))
@@ -220,10 +218,7 @@ def _counts_degrees(name: str, coordinate: Any, kind: str) -> bool:
 
 
 def _valid_times(path: Path, part: Any) -> tuple[np.ndarray, Any]:
-    """Return the valid time of each value, (n,), and the values on the same axes.
-
-    Run time plus step is a valid time.
-    """
+    """Return the valid times, (n,), and the values on the same axes."""
     times = _time_of(part)
     known = {str(name) for name in (times.dims if times is not None else ())}
     strange = [str(name) for name in part.dims if str(name) not in known and not _is_member(part, str(name))]
@@ -239,7 +234,7 @@ def _valid_times(path: Path, part: Any) -> tuple[np.ndarray, Any]:
 
 
 def _time_of(part: Any) -> Any | None:
-    """Return the valid time by its standard name, or as run time plus step."""
+    """Return the valid time by standard name, or run time plus step."""
     by_standard = {each.attrs.get("standard_name"): each for each in part.coords.values()}
     named = {str(name).lower(): each for name, each in part.coords.items()}
     lead = by_standard.get("forecast_period")

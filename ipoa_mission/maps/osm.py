@@ -1,7 +1,6 @@
-"""Read OpenStreetMap XML (.osm) from the Export button or Overpass: tagged nodes, ways, multipolygons.
+"""Read OpenStreetMap XML (.osm).
 
-An extract may lack corners of things at its edge. Such a thing has an empty shape here, and a note of its other
-corners.
+A thing with corners outside the extract gets an empty shape, and a note of its other corners.
 """
 
 import math
@@ -19,34 +18,30 @@ from ipoa_mission.errors import BadInput, NothingThere, Unreadable, WrongFormat
 from ipoa_mission.maps.feature import Feature, Missing, on_earth
 from ipoa_mission.world.union import union_of
 
-# Closed ways with one of these are lines, unless tagged as areas.
+# Closed ways with these are lines, unless tagged as areas.
 LINES = {"highway", "barrier", "railway", "waterway", "aerialway", "route", "man_made=pipeline", "power=line"}
-AREAS = {"multipolygon", "building", "boundary"}  # types of relations that are areas
-META_TAGS = {"created_by", "source"}  # tags without information about a thing
+AREAS = {"multipolygon", "building", "boundary"}
+META_TAGS = {"created_by", "source"}
 LEAST_RING = 4
-MOST_SHOWN = 80  # characters of a remark
+MOST_SHOWN = 80  # characters
 BOUNDS = ("minlon", "minlat", "maxlon", "maxlat")
 LARGER_EXTRACT = "export a larger part of the map, with everything that crosses its edge"
 EMPTY_SHAPE = shapely.GeometryCollection()
 
 
 class OsmWay(NamedTuple):
-    """The node numbers of a way, and its tags."""
-
     nodes: tuple[str, ...]
     tags: dict[str, str]
 
 
 class Relation(NamedTuple):
-    """The members of a relation by type, number and role, and its tags."""
-
     members: tuple[tuple[str, str, str], ...]
     tags: dict[str, str]
 
 
 @dataclass
 class Extract:
-    """Nodes, ways and areas of a file by their numbers; `remarks` are the errors of a server."""
+    """The content of a file by numbers; `remarks` are a server's errors."""
 
     places: dict[str, tuple[float, float]] = field(default_factory=dict)
     tagged: dict[str, dict[str, str]] = field(default_factory=dict)
@@ -56,7 +51,7 @@ class Extract:
     remarks: list[str] = field(default_factory=list)
 
     def corners(self, each: Iterable[tuple[str, float | None, float | None]]) -> tuple[str, ...]:
-        """Return the numbers of a way's nodes; register the longitudes and latitudes given with them."""
+        """Return the node numbers of a way; register their positions."""
         numbers = []
         for number, longitude, latitude in each:
             name = number or f"{longitude},{latitude}"
@@ -67,10 +62,10 @@ class Extract:
 
 
 def read_osm(path: Path) -> tuple[Feature, ...]:
-    """Return every tagged thing in an .osm file; its shape is empty if a part is missing.
+    """Return every tagged thing; an incomplete shape is empty.
 
     Raises:
-        BadInput: the file is of another format, or a coordinate is invalid.
+        BadInput: the format or a coordinate is wrong.
     """
     try:
         extract = _extract(path)
@@ -87,7 +82,7 @@ def features_of(extract: Extract, path: Path) -> tuple[Feature, ...]:
     """Return the tagged things of an extract.
 
     Raises:
-        BadInput: there are none, one is not on Earth, or no way has node positions.
+        BadInput: there are none, one is not on Earth, or no position is known.
     """
     tagged = [number for number, way in extract.ways.items() if way.tags.keys() - META_TAGS]
     if tagged and not any(node in extract.places for number in tagged for node in extract.ways[number].nodes):
@@ -143,7 +138,7 @@ def _take(element: ElementTree.Element, extract: Extract, path: Path) -> None:
 
 
 def _nodes(element: ElementTree.Element, extract: Extract, path: Path) -> tuple[str, ...]:
-    """Return the nodes of a way; Overpass includes their positions with `out geom`."""
+    """Return the nodes of a way, with positions by `out geom`."""
     here = [(one, one.get("lat") is not None) for one in element.iterfind("nd")]
     return extract.corners(
         (one.get("ref", ""), *((_degrees(one, "lon", path), _degrees(one, "lat", path)) if known else (None, None)))
@@ -152,13 +147,11 @@ def _nodes(element: ElementTree.Element, extract: Extract, path: Path) -> tuple[
 
 
 def is_area(tags: Mapping[str, str]) -> bool:
-    """Return whether a relation with these tags is an area."""
     kind = tags.get("type")
     return kind in AREAS or (kind != "route" and not tags.keys().isdisjoint(("building", "building:part")))
 
 
 def plain_tags(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
-    """Return the tags that have a value."""
     return {key: value.strip() for key, value in pairs if value.strip()}
 
 
@@ -196,7 +189,7 @@ def _features(extract: Extract, path: Path) -> Iterator[Feature]:
 
 
 def _known(ways: Iterable[OsmWay], extract: Extract, name: str) -> list[Any]:
-    """Return the known corners of some ways, or else those of their stated bounding box."""
+    """Return the known corners, or else those of the stated box."""
     corners: list[Any] = [extract.places[node] for way in ways for node in way.nodes if node in extract.places]
     return corners or (shapely.get_coordinates(extract.boxes[name]).tolist() if name in extract.boxes else [])
 
@@ -204,7 +197,7 @@ def _known(ways: Iterable[OsmWay], extract: Extract, name: str) -> list[Any]:
 def thing(
     sort: str, number: str, tags: dict[str, str], shape: Any, path: Path, known: Sequence[Sequence[float]] = ()
 ) -> Feature:
-    """Return a node, way or relation with its shape [deg]; an empty shape gets a note of its `known` corners.
+    """Return a feature; with an empty shape, note its `known` corners.
 
     Raises:
         BadInput: it is not on Earth.
@@ -219,13 +212,13 @@ def thing(
 
 
 def _corners(way: OsmWay, extract: Extract) -> Sequence[tuple[float, float]] | None:
-    """Return the corners of a way; None if the extract lacks some."""
+    """Return all corners of a way, or None."""
     corners = [extract.places[node] for node in way.nodes if node in extract.places]
     return corners if len(corners) == len(way.nodes) > 1 else None
 
 
 def shape_of(corners: Sequence[Sequence[float]] | None, closes: bool, tags: Mapping[str, str]) -> Any:
-    """Return the polygon or line of a way by its corners (longitude, latitude); an empty shape for None."""
+    """Return the polygon or line of a way; empty for None."""
     if corners is None:
         return EMPTY_SHAPE
     named = {*tags, *(f"{key}={value}" for key, value in tags.items())}
@@ -235,9 +228,9 @@ def shape_of(corners: Sequence[Sequence[float]] | None, closes: bool, tags: Mapp
 
 
 def ways_of(relation: Relation) -> Iterator[tuple[str, bool]]:
-    """Yield the ways that bound an area relation by number, and whether each is an outer one.
+    """Yield the ways of an area, and whether each is outer.
 
-    A label or a part of a building is a thing of its own.
+    Labels and building parts are things of their own.
     """
     for sort, number, role in relation.members:
         if sort == "way" and role in ("", "outer", "outline", "inner"):
@@ -245,7 +238,7 @@ def ways_of(relation: Relation) -> Iterator[tuple[str, bool]]:
 
 
 def area_of(relation: Relation, corners_of: Callable[[str], Sequence[Sequence[float]] | None]) -> Any:
-    """Return the area within outer ways without that within inner ones; an empty shape if they do not close."""
+    """Return the area of a relation; empty if its ways do not close."""
     rings: dict[bool, list[Any]] = {True: [], False: []}
     for number, is_outer in ways_of(relation):
         corners = corners_of(number)

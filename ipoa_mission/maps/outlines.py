@@ -1,4 +1,4 @@
-"""Build the polygons of many features at once, if their rings are valid."""
+"""Build many polygons at once."""
 
 from collections.abc import Callable, Sequence
 from itertools import chain
@@ -11,9 +11,9 @@ from ipoa_mission.maps.feature import Corners
 
 
 def sound_polygons(rings_of: Sequence[Any], to_degrees: Callable[[Corners], Corners]) -> list[Any]:
-    """Return the polygon of each list of rings of JSON positions; None if it needs a separate check.
+    """Return the polygon of each list of rings; None if it needs a separate check.
 
-    These are: None, no rings, rings whose first three corners are not all different, and corners not on Earth.
+    That is: no rings, a ring whose first three corners are not all different, or corners not on Earth.
     """
     made: list[Any] = [None] * len(rings_of)
     taken = [i for i, rings in enumerate(rings_of) if _looks_sound(rings)]

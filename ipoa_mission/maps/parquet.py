@@ -1,7 +1,6 @@
-"""Read GeoParquet, as Overture publishes its buildings (needs pyarrow): rows are features, columns are tags.
+"""Read GeoParquet (pyarrow), such as Overture's buildings.
 
-If a file gives the bounding boxes of its row groups, as Overture's do, only wanted groups are read. Batches of rows
-limit the memory.
+Row groups outside the window are skipped if their boxes are stated.
 """
 
 import json
@@ -25,16 +24,13 @@ from ipoa_mission.maps.keys import Means, meaning
 from ipoa_mission.maps.properties import PACKED, blank_keys, tags_of, truncated
 
 MAGIC = b"PAR1"
-BATCH = 4096  # rows per batch
+BATCH = 4096
 LARGEST_GROUP = 2_000_000_000  # of rows, unpacked [bytes]
-OVERTURES_NAMES = "names"  # a column whose primary entry counts
+OVERTURES_NAMES = "names"  # its primary entry counts
 
 
 class _Shapes(NamedTuple):
-    """The geometry column, its conversion to degrees, and its bounding box columns: west, south, east, north.
-
-    `boxes` is empty unless they are in degrees.
-    """
+    """The geometry column, its conversion, and its box columns: west, south, east, north [deg]."""
 
     column: str
     to_degrees: Callable[[Corners], Corners]
@@ -42,10 +38,10 @@ class _Shapes(NamedTuple):
 
 
 def read_parquet(path: Path, around: Around) -> Iterator[list[Feature]]:
-    """Yield the wanted rows of a GeoParquet file.
+    """Yield the wanted rows.
 
     Raises:
-        BadInput: with file and row; or pyarrow is not installed.
+        BadInput: with file and row; or pyarrow is missing.
     """
     needed = f"{path}: reading it needs pyarrow, which is not installed"
     parquet = imported("pyarrow.parquet", needed, "maps", BadInput)
@@ -82,7 +78,6 @@ def _rows(file: Any, arrow: Any, path: Path, around: Around) -> Iterator[list[Fe
 
 
 def _shapes_of(file: Any, arrow: Any, path: Path) -> _Shapes:
-    """Return the geometry column, by the file's metadata."""
     metadata = (file.schema_arrow.metadata or {}).get(b"geo")
     if metadata is None:
         raise NothingThere(
@@ -113,7 +108,7 @@ def _shapes_of(file: Any, arrow: Any, path: Path) -> _Shapes:
 
 
 def _tag_columns(schema: Any, arrow: Any, shapes: str) -> Iterator[str]:
-    """Yield the columns of tags. Of nested columns only names, tags and measures count."""
+    """Yield the columns of tags; nested ones only for names, tags and measures."""
     for field in schema:
         if field.name == OVERTURES_NAMES and arrow.types.is_struct(field.type):
             yield f"{field.name}.primary"
@@ -124,7 +119,7 @@ def _tag_columns(schema: Any, arrow: Any, shapes: str) -> Iterator[str]:
 
 
 def _box_of(group: Any, columns: tuple[str, ...]) -> NDArray[np.float64] | None:
-    """Return the bounding box of a row group, (1, 4), if the file gives it."""
+    """Return the stated box of a row group, (1, 4)."""
     about = {}
     for n in range(group.num_columns if columns else 0):
         column = group.column(n)
@@ -139,7 +134,6 @@ def _box_of(group: Any, columns: tuple[str, ...]) -> NDArray[np.float64] | None:
 
 
 def _features(batch: Any, shapes: _Shapes, path: Path, row: int, around: Around) -> list[Feature]:
-    """Return the wanted rows of a batch that begins at number `row`."""
     drawn = _drawn(batch.column(shapes.column).to_numpy(zero_copy_only=False), shapes.to_degrees, path, row)
     wanted = np.flatnonzero(around.wants(shapely.bounds(drawn)))
     tags = batch.drop_columns([shapes.column]).take(wanted).to_pylist() if len(wanted) else []
@@ -147,7 +141,7 @@ def _features(batch: Any, shapes: _Shapes, path: Path, row: int, around: Around)
 
 
 def _drawn(wkb: NDArray[Any], to_degrees: Callable[[Corners], Corners], path: Path, row: int) -> NDArray[Any]:
-    """Return the shapes of rows in degrees; null becomes an empty shape.
+    """Return shapes in degrees; null becomes empty.
 
     Raises:
         BadInput: with the first row that is not a shape on Earth.
@@ -176,7 +170,7 @@ def _feature(place: str, shape: Any, row: Mapping[str, Any]) -> Feature:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value as JSON has it; Arrow reads a map as pairs."""
+    """Convert to a JSON value; Arrow reads a map as pairs."""
     if isinstance(value, Decimal):
         return float(value)
     is_map = isinstance(value, list) and all(isinstance(one, tuple) for one in value)

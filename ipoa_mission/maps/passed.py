@@ -1,4 +1,4 @@
-"""Collect map features that a scenario does not use: named, counted by reason, and located for the check."""
+"""Collect map features that a scenario does not use."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from ipoa_mission.unread import Unread
 from ipoa_mission.world.frame import LocalFrame
 
 MOST_NAMED = 3
-# Key of a count: whether it is certainly no obstacle, file, reason.
+# Whether it is certainly no obstacle, file, reason.
 Key: TypeAlias = tuple[bool, str, str]
 NOT_UNDERSTOOD, NOT_READ = "map-not-understood", "not-read"
 NONE: Mapping[Key, int] = {}
@@ -25,10 +25,10 @@ FAR_FROM_HOME = Reason("more than 100 km from home", False)
 
 @dataclass(frozen=True, eq=False, slots=True)
 class PassedOver:
-    """A feature of the map `file` that is no obstacle, and why; `shape` is local, east, north [m], or empty.
+    """A feature that is no obstacle; `shape` is east, north [m], or empty.
 
-    `may_stand` marks a possible obstacle, `remedy` describes how to settle it. `heights` are keys of the map's section
-    that give it a height. `code` is that of the finding: `not-read` may also mean a higher obstacle than was taken.
+    `may_stand` marks a possible obstacle, `remedy` how to settle it. `heights` are keys under [[maps]] that give it a
+    height. Code `not-read` may mean a higher obstacle.
     """
 
     file: str
@@ -43,7 +43,7 @@ class PassedOver:
 
 @dataclass(frozen=True)
 class PassedCount:
-    """The number of features of a map passed over for one reason, with the `names` of the first."""
+    """The features of a map passed over for one reason; `names` of the first."""
 
     file: str
     reason: str
@@ -53,20 +53,18 @@ class PassedCount:
     code: str = NOT_UNDERSTOOD
 
     def words(self) -> str:
-        """Return the count in words, without a full stop."""
         dots = ", ..." if self.count > len(self.names) else ""
         how = "not read" if self.code == NOT_READ else "passed over"
         return f"{self.file}: {self.count} {how}, {self.reason}: {', '.join(self.names)}{dots}"
 
 
 def passed_over(feature: Feature, shape: Any, why: Reason, path: Path) -> PassedOver:
-    """Return a feature of the map `path` as passed over, with its local shape."""
     name = feature.name.removeprefix(f"{path}: ")
     return PassedOver(path.name, name, why.words, shape, why.may_stand, why.remedy, heights=why.heights)
 
 
 def not_read(feature: Feature, frame: LocalFrame, path: Path) -> PassedOver | Unread | None:
-    """Return the unread part of a feature of the map `path`: with its place, or as `Unread` if it may be anywhere.
+    """Return the unread part of a feature, as `Unread` if it may be anywhere.
 
     None if nothing is missing, or if it is certainly elsewhere.
     """
@@ -85,7 +83,7 @@ def not_read(feature: Feature, frame: LocalFrame, path: Path) -> PassedOver | Un
 
 
 def count_passed_over(things: Iterable[PassedOver], left_out: Mapping[Key, int] = NONE) -> Iterator[PassedCount]:
-    """Yield counts by file and reason, possible obstacles first; `left_out` adds to them."""
+    """Yield counts by file and reason, possible obstacles first, with `left_out` added."""
     for key, several in groupby(sorted(things, key=key_of), key=key_of):
         every = list(several)
         names = tuple(thing.name for thing in every[:MOST_NAMED])
@@ -94,5 +92,4 @@ def count_passed_over(things: Iterable[PassedOver], left_out: Mapping[Key, int] 
 
 
 def key_of(thing: PassedOver) -> Key:
-    """Return the key by which a feature is counted."""
     return not thing.may_stand, thing.file, thing.reason

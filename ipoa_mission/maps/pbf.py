@@ -1,7 +1,6 @@
-"""Read OpenStreetMap's binary extracts (.osm.pbf) by libosmium (needs osmium), as its XML.
+"""Read OpenStreetMap's binary extracts (.osm.pbf) by osmium.
 
-libosmium stores node positions in a temporary file. A first pass locates everything; a second reads the wanted things
-with tags.
+libosmium stores node positions in a temporary file. A first pass locates all things, a second reads the wanted ones.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -29,15 +28,15 @@ from ipoa_mission.maps.osm import (
     ways_of,
 )
 
-LARGEST_PBF = 200_000_000  # read in about a minute [bytes]
-BATCH = 4096  # things per batch
+LARGEST_PBF = 200_000_000  # [bytes], read in about a minute
+BATCH = 4096
 HEADER = 64  # bytes that identify the format
 UNKNOWN = (np.nan,) * 4
 SORTS = {"n": "node", "w": "way", "r": "relation"}
 
 
 class _Place(NamedTuple):
-    """The position of a node or way: its corners as WKB, or the box of its known corners if some are missing."""
+    """The corners of a node or way as WKB, or the box of the known ones."""
 
     is_node: bool
     number: int
@@ -47,10 +46,10 @@ class _Place(NamedTuple):
 
 
 def read_pbf(path: Path, around: Around) -> Iterator[list[Feature]]:
-    """Yield every wanted thing with tags in an .osm.pbf file; a shape is empty if a part is missing.
+    """Yield every wanted thing with tags; an incomplete shape is empty.
 
     Raises:
-        BadInput: the format is wrong, the file is truncated or too large, or osmium is missing.
+        BadInput: the file is wrong, truncated or too large, or osmium is missing.
     """
     osmium = imported("osmium", f"{path}: reading it needs osmium, which is not installed", "maps", BadInput)
     if b"OSMHeader" not in read_bytes(path, HEADER):
@@ -75,17 +74,14 @@ def read_pbf(path: Path, around: Around) -> Iterator[list[Feature]]:
 
 
 class _Extract:
-    """A file, and the selection of its wanted things."""
-
     def __init__(self, osmium: Any, path: Path, around: Around) -> None:
         self._osmium, self._path, self._around = osmium, path, around
         self._file = osmium.io.File(str(path), "pbf")
         self._factory, self._all = osmium.geom.WKBFactory(), osmium.geom.use_nodes.ALL
-        self._nodes, self._ways = set[int](), set[int]()  # wanted ones with tags
-        self._boxes: dict[str, list[float]] = {}  # of the ways that areas consist of [deg]
+        self._nodes, self._ways = set[int](), set[int]()
+        self._boxes: dict[str, list[float]] = {}  # of the ways of areas [deg]
 
     def read(self) -> Iterator[Feature]:
-        """Yield the wanted nodes, ways, then areas of several ways."""
         osmium, osm = self._osmium, self._osmium.osm
         if osmium.io.Reader(self._file, osm.NOTHING).header().has_multiple_object_versions:
             raise BadInput("expected the map as it is now, not its history", place=self._path)
@@ -114,7 +110,6 @@ class _Extract:
             yield thing("relation", number, relation.tags, area_of(relation, lines.get), self._path, of_ways)
 
     def _relations(self) -> dict[str, Relation]:
-        """Return the areas of several ways, by number."""
         found = {}
         for relation in self._osmium.FileProcessor(self._file, self._osmium.osm.RELATION):
             tags = _tags(relation)
@@ -124,10 +119,7 @@ class _Extract:
         return found
 
     def _locate(self, parts: set[str]) -> Any:
-        """Locate tagged nodes and all ways, and select the wanted ones.
-
-        Returns:
-            libosmium's store of all node positions.
+        """Locate all things, select the wanted ones, and return libosmium's node positions.
 
         Raises:
             BadInput: a number is negative, as in unsaved edits.
@@ -181,7 +173,7 @@ class _Extract:
         return np.concatenate([np.fmin.reduce(boxes[:, :2]), np.fmax.reduce(boxes[:, 2:])])
 
     def _again(self, sort: Any, numbers: set[int], *handlers: Any) -> Iterator[Any]:
-        """Yield the things of one sort with these numbers; each is valid only until the next."""
+        """Yield things by number, each valid only until the next."""
         if numbers:
             of_these = self._osmium.filter.IdFilter(numbers)  # the iterator does not keep it alive
             with self._osmium.io.Reader(self._file, sort) as reader:
@@ -203,5 +195,4 @@ def _is_known(node: Any) -> bool:
 
 
 def _parts(relations: Mapping[str, Relation]) -> set[str]:
-    """Return the ways that areas consist of."""
     return {number for relation in relations.values() for number, _ in ways_of(relation)}

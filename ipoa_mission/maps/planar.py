@@ -1,7 +1,6 @@
-"""Convert shapes of a map to valid polygons in the local plane, east, north [m], repairing rings.
+"""Convert shapes of a map to valid polygons in east, north [m].
 
-A self-intersecting ring is repaired by shapely's `make_valid` with method "structure". One without remaining area is
-refused.
+Rings are repaired by `make_valid` with method "structure"; one without area is refused.
 """
 
 from collections.abc import Sequence
@@ -16,11 +15,11 @@ from ipoa_mission.maps.around import near_home
 from ipoa_mission.world.frame import REACH, LocalFrame
 
 LEAST_AREA = 1e-3  # [m^2]
-LONGEST_EDGE = 0.02  # a straight edge in degrees is curved in the plane: by 0.1 m over this length at 45 degrees [deg]
+LONGEST_EDGE = 0.02  # a straight edge in degrees bends by 0.1 m over this length at 45 degrees [deg]
 
 
 class MapExtent:
-    """Tracks the extent of a map's shapes, for the error if none is within 100 km of home."""
+    """Tracks the extent of a map, for the error if all of it is far."""
 
     def __init__(self, frame: LocalFrame) -> None:
         self.frame = frame
@@ -29,7 +28,6 @@ class MapExtent:
         self._box = np.array([np.inf, np.inf, -np.inf, -np.inf])  # west, south, east, north [deg]
 
     def near(self, degrees: NDArray[Any], places: Sequence[str]) -> NDArray[np.bool_]:
-        """Return which shapes are near home or empty."""
         boxes, empty = shapely.bounds(degrees).reshape(-1, 4), shapely.is_empty(degrees)
         near = _near(boxes, self.frame) | empty
         self._any_near = self._any_near or bool((near & ~empty).any())
@@ -41,10 +39,10 @@ class MapExtent:
         return np.asarray(near)
 
     def expect_near(self) -> None:
-        """Refuse shapes of which none was near home.
+        """Refuse shapes of which none was near.
 
         Raises:
-            BadInput: with their extent, and whether their coordinates seem swapped.
+            BadInput: with their extent, and whether coordinates seem swapped.
         """
         if self._any_near or not self._first_far:
             return
@@ -61,9 +59,9 @@ class MapExtent:
 
 
 def to_plane(shapes: Sequence[Any], places: Sequence[str], about: MapExtent) -> tuple[NDArray[Any], NDArray[np.bool_]]:
-    """Convert shapes in longitude, latitude [deg] to east, north [m]; return which are within 100 km of home.
+    """Convert degrees to east, north [m]; return which shapes are within 100 km of home.
 
-    Others become empty. Edges are straight in longitude and latitude, as the formats define: long ones are divided.
+    Others become empty. Long edges are divided, since edges are straight in degrees.
     """
     frame = about.frame
     height = frame.home.altitude
@@ -81,9 +79,9 @@ def to_plane(shapes: Sequence[Any], places: Sequence[str], about: MapExtent) -> 
 
 
 def _unwrapped(degrees: NDArray[Any]) -> NDArray[Any]:
-    """Redraw shapes with an edge over more than 180 degrees the short way, beyond longitude 180.
+    """Redraw shapes wider than 180 degrees across longitude 180.
 
-    RFC 7946 asks to cut a shape there, but not all programs do. No shape near home spans half the Earth.
+    RFC 7946 asks to cut them there; not all programs do.
     """
     wide = np.flatnonzero(np.ptp(shapely.bounds(degrees).reshape(-1, 2, 2)[:, :, 0], axis=1) > 180.0)
     for i in wide.tolist():
@@ -92,7 +90,7 @@ def _unwrapped(degrees: NDArray[Any]) -> NDArray[Any]:
 
 
 def _short_way(shape: Any) -> Any:
-    """Redraw rings and lines so that each step is less than half a turn."""
+    """Redraw rings and lines so that each step is below half a turn."""
     if hasattr(shape, "geoms"):
         return type(shape)([_short_way(part) for part in shape.geoms])
     if shape.geom_type == "Polygon":
@@ -116,12 +114,11 @@ def _same_turn(hole: NDArray[np.float64], outer: NDArray[np.float64]) -> NDArray
 
 
 def _near(boxes: NDArray[np.float64], frame: LocalFrame) -> NDArray[np.bool_]:
-    """Return which boxes (n, 4) of longitudes and latitudes intersect the 100 km square around home."""
     return near_home(frame.home).meets(boxes)
 
 
 def clean_polygons(shapes: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.bool_]]:
-    """Clean local shapes (n,); return them, and which are one valid polygon that `polygons_of` would keep."""
+    """Clean shapes (n,); return which are one valid polygon."""
     clean = unrepeated(shapes)
     sound = (shapely.get_type_id(shapes) == shapely.GeometryType.POLYGON) & shapely.is_valid(clean)
     sound &= shapely.area(clean) > LEAST_AREA
@@ -129,7 +126,7 @@ def clean_polygons(shapes: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.bool_
 
 
 def unrepeated(shapes: NDArray[Any]) -> NDArray[Any]:
-    """Remove repeated corners; GEOS fails for a ring at a single point, which stays as it is."""
+    """Remove repeated corners; GEOS fails for a ring at one point, kept as is."""
     try:
         return np.asarray(shapely.remove_repeated_points(shapes))
     except shapely.errors.GEOSException:
@@ -140,7 +137,7 @@ def unrepeated(shapes: NDArray[Any]) -> NDArray[Any]:
 
 
 def polygons_of(shape: Any, place: str) -> tuple[list[Any], str | None]:
-    """Return the valid polygons of a local polygon, repaired if needed, and its defect or None.
+    """Return the valid polygons of a shape, repaired, and its defect.
 
     Raises:
         BadInput: no area remains.
@@ -157,5 +154,5 @@ def polygons_of(shape: Any, place: str) -> tuple[list[Any], str | None]:
 
 
 def _words(reason: str | None) -> str:
-    """Return `a ring with self-intersection` for GEOS's `Self-intersection[12.3 45.6]`."""
+    """Convert GEOS's `Self-intersection[12.3 45.6]` to `a ring with self-intersection`."""
     return "a ring with " + reason.partition("[")[0].strip().lower() if reason else "a line or a point"

@@ -1,4 +1,4 @@
-"""Convert a feature's properties to tags; OpenStreetMap's may be packed in one, as an object or text."""
+"""Convert a feature's properties to tags."""
 
 import json
 import re
@@ -11,16 +11,16 @@ import shapely
 from ipoa_mission.maps.feature import Missing
 from ipoa_mission.maps.keys import Means, meaning
 
-# Properties that pack tags: osmtogeojson's and osm2pgsql's, and GDAL's OSM driver's.
+# Packed tags of osmtogeojson, osm2pgsql and GDAL's OSM driver.
 PACKED = ("tags", "other_tags", "all_tags")
 HSTORE = re.compile(r'"((?:[^"\\]|\\.)*)"=>(?:"((?:[^"\\]|\\.)*)"|NULL)\s*(?:,\s*|$)')
 DEEPEST = 3  # nested objects
 
 
 def tags_of(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Yield properties with a value as tags, packed ones included.
+    """Yield tags, packed ones included.
 
-    In other objects and lists only measures become tags, several values separated by `;`.
+    In nested values only measures count, separated by `;`.
     """
     for key, value in properties.items():
         if isinstance(value, str):
@@ -41,7 +41,6 @@ def tags_of(properties: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def blank_keys(properties: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the keys without a value."""
     for key, value in properties.items():
         if isinstance(value, str):
             if not value.strip():
@@ -53,7 +52,7 @@ def blank_keys(properties: Mapping[str, Any]) -> Iterator[str]:
 
 
 def truncated(properties: Mapping[str, Any]) -> Missing | None:
-    """Return packed tags that were not read because their text is truncated; None without any.
+    """Return packed tags in a truncated text, if any.
 
     A Shapefile truncates texts to 254 bytes.
     """
@@ -66,7 +65,7 @@ def truncated(properties: Mapping[str, Any]) -> Missing | None:
 
 
 def _unpacked(key: str, text: str) -> Iterator[tuple[str, str]]:
-    """Yield the tags in a text of JSON or PostgreSQL's hstore; another text is one tag."""
+    """Yield the tags in JSON or PostgreSQL's hstore; another text is one tag."""
     with suppress(ValueError, RecursionError):
         if isinstance(value := json.loads(text), dict):
             yield from tags_of(value)
@@ -78,7 +77,6 @@ def _unpacked(key: str, text: str) -> Iterator[tuple[str, str]]:
 
 
 def _rest(text: str) -> str:
-    """Return the unparsed rest of a text of tags; nothing for another text."""
     is_json, is_hstore = text.lstrip().startswith('{"'), '"=>' in text
     if is_json:
         with suppress(ValueError, RecursionError):
@@ -89,7 +87,6 @@ def _rest(text: str) -> str:
 
 
 def _measures(key: str, value: Any, depth: int) -> Iterator[tuple[str, str]]:
-    """Yield the measures in an object or list."""
     if isinstance(value, dict) and depth:
         for name, inner in value.items():
             yield from _measures(f"{key}:{name}", inner, depth - 1)

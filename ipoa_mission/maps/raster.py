@@ -1,4 +1,4 @@
-"""Open an elevation raster by rasterio: pixels by place, and a window of heights in metres."""
+"""Open an elevation raster by rasterio."""
 
 import math
 import warnings
@@ -19,15 +19,15 @@ from ipoa_mission.geometry import Vector
 
 UNITS = {"": 1.0, "m": 1.0, "metre": 1.0, "meter": 1.0, "metres": 1.0, "meters": 1.0}
 UNITS |= {"ft": 0.3048, "foot": 0.3048, "feet": 0.3048, "us survey foot": 1200 / 3937, "ftus": 1200 / 3937}
-LOWEST, HIGHEST = -500.0, 9_000.0  # bounds of the ground on Earth [m]
-DROP = 100.0  # neighboring posts that differ by more may be spoiled: few cliffs are as high [m]
-EXTRA_POSTS = 2  # posts read beyond the area, so that its edge lies between posts
-FILL_REACH = 100  # pixels over which a missing height is filled from its neighbors
+LOWEST, HIGHEST = -500.0, 9_000.0  # of the ground on Earth [m]
+DROP = 100.0  # larger steps between posts may be spoiled heights [m]
+EXTRA_POSTS = 2  # read around the area
+FILL_REACH = 100  # pixels
 
 
 @dataclass(frozen=True, eq=False)
 class RasterFile:
-    """An open dataset. Pixel coordinates are those of posts: column 0, row 0 is the center of the first pixel."""
+    """An open dataset; column 0, row 0 is the center of the first pixel."""
 
     path: Path
     dataset: Any
@@ -35,14 +35,13 @@ class RasterFile:
 
     @cached_property
     def system(self) -> CRS:
-        """Return its coordinate system, with the vertical one if given."""
         if self.dataset.crs is None:
             raise NoCoordinateSystem("expected an elevation model that names its coordinate system", place=self.path)
         return CRS.from_wkt(self.dataset.crs.to_wkt())
 
     @property
     def ellipsoidal(self) -> bool:
-        """Return whether the coordinate system itself has ellipsoidal heights: three axes in one."""
+        """Return whether the coordinate system has ellipsoidal heights: three axes in one."""
         return not self.system.is_compound and len(self.system.axis_info) == 3
 
     def pixels(self, latitude_deg: Vector, longitude_deg: Vector) -> tuple[Vector, Vector]:
@@ -64,10 +63,10 @@ class RasterFile:
         return np.asarray(latitude), np.asarray(longitude)
 
     def expect_cover(self, pixels: NDArray[np.float64]) -> None:
-        """Refuse an area (its pixels, (2 or more, ...)) that the raster does not cover.
+        """Refuse an area (pixels (2 or more, ...)) that is not covered.
 
         Raises:
-            BadInput: with the side, and the number of missing posts.
+            BadInput: with the side, and the missing posts.
         """
         outside = {
             "left": -0.5 - pixels[0].min(),
@@ -87,7 +86,7 @@ class RasterFile:
     def read(
         self, pixels: Sequence[NDArray[np.float64]], fill: bool
     ) -> tuple[tuple[int, int], NDArray[np.float64], tuple[str, ...]]:
-        """Return first row and column, heights [m] of a window (rows, columns) around pixels, and remarks.
+        """Return first row and column, heights [m] (rows, columns) around pixels, and remarks.
 
         Raises:
             BadInput: heights are missing and `fill` is false, or are absurd.
@@ -117,7 +116,7 @@ class RasterFile:
         return first, heights, (*remarks, *self._oddities(heights, first))
 
     def _oddities(self, heights: NDArray[np.float64], first: tuple[int, int]) -> Iterator[str]:
-        """Yield remarks on unread bands, and on ground as steep as a missing or spoiled height makes it."""
+        """Yield remarks on unread bands and suspiciously steep ground."""
         if self.dataset.count > 1:
             names = ", ".join(name for name in self.dataset.descriptions if name)
             yield f"heights are those of band 1 of {self.dataset.count}{f' ({names})' if names else ''}"
@@ -182,10 +181,10 @@ class RasterFile:
 
 @contextmanager
 def open_raster(path: Path, nodata: float | None) -> Iterator[RasterFile]:
-    """Open an elevation raster.
+    """Open a raster.
 
     Raises:
-        BadInput: GDAL cannot read it, it is a picture, or rasterio is not installed.
+        BadInput: GDAL cannot read it, it is a picture, or rasterio is missing.
     """
     needed = f"{path}: reading an elevation model needs rasterio, which is not installed"
     rasterio = imported("rasterio", needed, "maps", BadInput)
@@ -213,7 +212,7 @@ def open_raster(path: Path, nodata: float | None) -> Iterator[RasterFile]:
 
 
 def _expect_as_many(path: Path, heights: int) -> None:
-    """Refuse an ASCII grid whose count of heights contradicts its header: GDAL fills or drops heights."""
+    """Refuse an ASCII grid with a wrong count of heights, which GDAL fills or drops."""
     lines = path.read_bytes().splitlines(keepends=True) if path.is_file() else []
     keys = (line.split()[:1] for line in lines)
     head = next((n for n, key in enumerate(keys) if key and (not key[0][:1].isalpha() or key[0].lower() == b"nan")), 0)
@@ -223,6 +222,5 @@ def _expect_as_many(path: Path, heights: int) -> None:
 
 
 def _at_least_four(span: tuple[int, int], size: int) -> tuple[int, int]:
-    """Widen a span of posts to four, inside the raster."""
     first = max(min(span[0], size - 4), 0)
     return first, max(span[1], first + 4)

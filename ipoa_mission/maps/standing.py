@@ -1,5 +1,3 @@
-"""Place the obstacles of a map on the ground."""
-
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
@@ -12,11 +10,11 @@ from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.obstacles import Cylinder, Obstacle, Prism
 from ipoa_mission.world.polygon import rings_of
 
-LEAST_HEIGHT = 0.1  # least height of an obstacle [m]
+LEAST_HEIGHT = 0.1  # [m]
 
 
 class Standing(NamedTuple):
-    """An obstacle on the ground: `shape` is local, east, north [m]; `reach` widens a point or line.
+    """An obstacle; `shape` is east, north [m], `reach` widens a point or line.
 
     It reaches from `foot` above the lowest ground under it to `height` above the highest, or above home if `over_home`.
     """
@@ -27,12 +25,12 @@ class Standing(NamedTuple):
     foot: float
     height: float
     over_home: bool = False
-    hangs: bool = False  # `shape` is a span of a wire between two supports
-    called: str = ""  # a more informative name for messages
+    hangs: bool = False  # `shape` is a span between two supports
+    called: str = ""  # a better name for messages
 
 
 def raise_buildings(standing: Sequence[Standing], ground: Ground) -> tuple[Obstacle, ...]:
-    """Return the obstacles with bottom and top by the ground."""
+    """Return the obstacles on the ground."""
     hanging = [prism for s in standing if s.hangs for prism in _span(s, ground)]
     standing = [s for s in standing if not s.hangs]
     if not standing:
@@ -55,7 +53,6 @@ def _span(s: Standing, ground: Ground) -> Iterator[Obstacle]:
 
 
 def _outline(s: Standing) -> NDArray[np.float64]:
-    """Return the places where the ground is sampled, (n, 2)."""
     corners = shapely.get_coordinates(s.shape)
     if s.reach > 0:
         around = s.reach * np.array([(0, 0), (1, 0), (0, 1), (-1, 0), (0, -1)])

@@ -1,7 +1,4 @@
-"""Read JSON of any size: pass on `features` as they are read, and return the document without them.
-
-Neither the text nor the features are ever whole in memory.
-"""
+"""Read JSON of any size: `features` in batches, then the rest."""
 
 import codecs
 import json
@@ -14,18 +11,18 @@ from typing import Any
 from ipoa_mission.errors import Unreadable
 from ipoa_mission.files import read_text
 
-BLOCK = 1 << 20  # bytes per read
-NEAR_THE_END = 1 << 15  # a border between features is searched in this many characters
-# The end of a feature before another one, in nearly all files.
+BLOCK = 1 << 20  # [bytes]
+NEAR_THE_END = 1 << 15  # characters in which the last border is sought
+# The end of a feature, in nearly all files.
 _BORDER = re.compile(r'\}\s*(?=,\s*\{\s*"type"\s*:\s*"Feature")|"Feature"\s*\}\s*(?=,\s*\{)')
 _blank = re.compile(r"[ \t\n\r\x1e]*").match  # RFC 8142 separates values by \x1e
 _scan = json.JSONDecoder().scan_once  # type: ignore[attr-defined]
 
 
 def read_document(path: Path, document: dict[str, Any]) -> Iterator[tuple[int, list[Any]]]:
-    """Yield batches of an object's list `features`, each with the number of its first.
+    """Yield batches of `features`, each with the number of its first.
 
-    All other members are put into `document` as they are met; `features` is None there.
+    Other members are put into `document` as they are met.
 
     Raises:
         BadInput: the file cannot be read, or is not UTF-8.
@@ -43,12 +40,12 @@ def read_document(path: Path, document: dict[str, Any]) -> Iterator[tuple[int, l
 
 
 def read_values(path: Path) -> Iterator[Any]:
-    """Yield the values of a file that holds one value, or several objects in sequence.
+    """Yield one value, or several objects in sequence.
 
 
     Raises:
         BadInput: the file cannot be read, or is not UTF-8.
-        json.JSONDecodeError: it is not JSON, or has anything else between objects.
+        json.JSONDecodeError: it is not JSON, or has more between objects.
     """
     text = _Text(iter([read_text(path)]) if path.is_fifo() else _blocks(path))
     yield text.value()
@@ -63,27 +60,26 @@ class Unstreamed(Exception):
 
 
 class _Text:
-    """A text that is read block by block, and the position in it."""
+    """A text read block by block, and the position in it."""
 
     def __init__(self, blocks: Iterator[str]) -> None:
         self._blocks, self._text, self._at, self._line = blocks, "", 0, 1
-        self._tried = False  # whether the buffered part of a list was tried as a whole
+        self._tried = False  # whether the buffered part was tried as a whole
 
     def mark(self) -> str:
-        """Return the next character that is not blank; nothing at the end."""
+        """Return the next character that is not blank."""
         while True:
             self._at = _blank(self._text, self._at).end()  # type: ignore[union-attr]
             if self._at < len(self._text) or not self._more():
                 return self._text[self._at : self._at + 1]
 
     def next_is(self, mark: str) -> bool:
-        """Return whether the next character is `mark`, and skip it then."""
+        """Return whether `mark` is next, and skip it then."""
         here = self.mark() == mark
         self._at += here
         return here
 
     def value(self) -> Any:
-        """Return the value that begins here."""
         self.mark()
         while True:
             try:
@@ -99,13 +95,13 @@ class _Text:
                     raise self.wrong(error.msg, error.pos) from None
 
     def values(self) -> list[Any]:
-        """Return the values of a list from here on, all that are buffered, or one."""
+        """Return all buffered values of a list, or one."""
         self.mark()
         if not self._tried:
             self._tried = True
             begin = max(self._at, len(self._text) - NEAR_THE_END)
             end = max((border.end() for border in _BORDER.finditer(self._text, begin)), default=self._at)
-            with suppress(ValueError, RecursionError):  # not at a border, or no JSON: `value` finds where
+            with suppress(ValueError, RecursionError):  # `value` reports where
                 values: list[Any] = json.loads(
                     f"[{self._text[self._at : end]}]"
                 )  # up to a comma, or the begin of the value if that is a list
@@ -114,13 +110,13 @@ class _Text:
         return [self.value()]
 
     def wrong(self, words: str, at: int | None = None) -> json.JSONDecodeError:
-        """Return the error here, with its line in the file."""
+        """Return an error with its line in the file."""
         error = json.JSONDecodeError(words, self._text, self._at if at is None else at)
         error.lineno += self._line - 1
         return error
 
     def _more(self) -> bool:
-        """Read at least as much as is buffered, which limits the number of repeated attempts."""
+        """Read at least as much as is buffered, to limit repeated attempts."""
         pieces, size = [self._text[self._at :]], 0
         for block in self._blocks:
             pieces.append(block)
@@ -170,7 +166,6 @@ def _elements(text: _Text) -> Iterator[tuple[int, list[Any]]]:
 
 
 def _blocks(path: Path) -> Iterator[str]:
-    """Yield the text of a file without a byte order mark."""
     decoder = codecs.getincrementaldecoder("utf-8-sig")()
     try:
         with path.open("rb") as file:

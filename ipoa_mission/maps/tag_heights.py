@@ -1,7 +1,6 @@
-"""Read height and width from tags: OpenStreetMap's, and other maps' with the same meaning.
+"""Read height and width from tags.
 
-The greatest of several heights counts, since a greater height is safe. A value that is only partly understood counts as
-its greatest number, and its key is reported.
+The greatest height counts, since it is safe. A value that is partly understood counts and is reported.
 """
 
 from collections.abc import Callable, Mapping
@@ -9,18 +8,17 @@ from collections.abc import Callable, Mapping
 from ipoa_mission.maps.keys import AMBIGUITY_MARK, Means, keys_of, meaning, plain
 from ipoa_mission.maps.lengths import FOOT, counted_storeys, length_of, storeys_of
 
-WIDEST_ROTOR = 170.0  # assumed if no tag gives it; newer ones are seldom wider [m]
-# Units in the name of a key. Smaller ones are not applied, since a greater height is safe.
+WIDEST_ROTOR = 170.0  # assumed without a tag; newer ones are seldom wider [m]
+# Units in the name of a key; smaller ones are ignored, which is safe.
 IN_NAMES = {"ft": FOOT, "feet": FOOT, "km": 1000.0, "nm": 1852.0, "nmi": 1852.0, "mi": 1609.344, "miles": 1609.344}
 IN_METRES = {"m", "metre", "metres", "meter", "meters"}
-Odd = Callable[[str, str], None]  # called with key and value of a tag that is not understood
+Odd = Callable[[str, str], None]  # called with a key and value not understood
 
 
 def height_of(tags: Mapping[str, str], height_key: str, storey_height: float, odd: Odd) -> float | None:
-    """Return the height of the top above the ground [m]; None without a tag.
+    """Return the height of the top above the ground [m].
 
-    A `height_key` other than OpenStreetMap's counts alone. Otherwise it is the greatest height. Without `height`, the
-    storeys plus those in the roof count too.
+    A `height_key` other than `height` counts alone. Without `height`, storeys plus those in the roof count too.
     """
     own = _top(tags, height_key, storey_height, odd) if height_key in tags else None
     if own is not None and height_key != "height":
@@ -35,9 +33,9 @@ def height_of(tags: Mapping[str, str], height_key: str, storey_height: float, od
 
 
 def foot_of(tags: Mapping[str, str], storey_height: float, odd: Odd) -> float:
-    """Return the height of the lower side above the ground [m], of a part over a street or over other parts.
+    """Return the height of the lower side above the ground [m].
 
-    A part that begins below the ground, or at an unreadable height, begins at the ground.
+    It is 0 if below the ground or unreadable.
     """
     if any(meaning(key) is Means.UNIT and tags[key].lower() not in IN_METRES for key in tags):
         return 0.0
@@ -54,7 +52,7 @@ def foot_of(tags: Mapping[str, str], storey_height: float, odd: Odd) -> float:
 
 
 def width_of(tags: Mapping[str, str], odd: Odd, is_tree: bool = False) -> float | None:
-    """Return the diameter of a point, or the width of a line [m]; None without a tag.
+    """Return the diameter of a point or width of a line [m].
 
     `diameter` is that of the trunk if `is_tree`.
     """
@@ -68,7 +66,7 @@ def width_of(tags: Mapping[str, str], odd: Odd, is_tree: bool = False) -> float 
 
 
 def unread_heights(tags: Mapping[str, str], height: float, storey_height: float) -> list[str]:
-    """Return the keys that may mean a height or storeys, with values above the `height` taken [m]."""
+    """Return ambiguous keys with values above the assumed `height` [m]."""
     return [
         key
         for key in keys_of(tags, Means.AMBIGUOUS)
@@ -77,14 +75,13 @@ def unread_heights(tags: Mapping[str, str], height: float, storey_height: float)
 
 
 def is_by_storeys(tags: Mapping[str, str]) -> bool:
-    """Return whether a height is known by storeys alone, without the roof's height."""
+    """Return whether only storeys give the height, without a roof."""
     if keys_of(tags, Means.TOP, Means.ROOF, Means.ROOF_LEVELS) or tags.get("roof:shape") == "flat":
         return False
     return bool(keys_of(tags, Means.LEVELS, Means.MAX_LEVEL))
 
 
 def says_nothing(text: str) -> bool:
-    """Return whether a value has no number above 0."""
     value, _ = length_of(text)
     return not value
 
@@ -108,14 +105,12 @@ def _length(tags: Mapping[str, str], key: str, odd: Odd) -> float | None:
 
 
 def radius_of(tags: Mapping[str, str]) -> float | None:
-    """Return the radius of the circle that a point marks [m]; None without a tag."""
     radii = [_length(tags, key, lambda *_: None) for key in keys_of(tags, Means.RADIUS)]
     return max((radius for radius in radii if radius), default=None)
 
 
 def _tip(tags: Mapping[str, str], odd: Odd, height_known: bool) -> float | None:
-    """Return the height of a wind turbine's blade tip by its hub [m]; None without a hub, or if only `height` is given.
-    Return the height of a wind turbine's blade tip by its hub [m]; None without a hub, or if only `height` is given."""
+    """Return a wind turbine's tip height by its hub [m]; None without a hub, or if only `height` is given."""
     hubs = [height for key in keys_of(tags, Means.HUB) if (height := _length(tags, key, odd))]
     rotor = width_of(tags, odd) if keys_of(tags, Means.ROTOR, Means.BLADE) else None
     if not hubs or (rotor is None and height_known):

@@ -1,4 +1,4 @@
-"""Convert units of measurement as files spell them ("m s-1", "kt", "km/h", "ft"), by pint."""
+"""Convert units as files spell them ("m s-1", "kt", "km/h", "ft"), by pint."""
 
 import re
 from functools import cache
@@ -6,18 +6,18 @@ from typing import Any
 
 from ipoa_mission.errors import BadInput, imported
 
-# CF and GRIB write an exponent directly after its unit: "m s-1".
+# CF and GRIB: "m s-1".
 _EXPONENT = re.compile(r"(?<=[A-Za-z])(?=-?\d)")
 OTHER_NAMES = ("geopotential_meter = meter = gpm", "feet_per_minute = foot / minute = fpm")
 
 
 def unit_factor(unit: str, target: str, place: str) -> float:
-    """Return the factor from `unit` to `target`, both as text.
+    """Return the factor from `unit` to `target`.
 
 
     Raises:
         BadInput: the unit is unknown, or of another kind.
-        MissionError: pint is not installed.
+        MissionError: pint is missing.
     """
     pint, registry = _registry()
     for spelling in (unit, unit.lower()):

@@ -1,4 +1,4 @@
-"""Find unit and datum of a forecast's vertical coordinate, by CF's standard names."""
+"""Find unit and datum of a vertical coordinate (CF)."""
 
 import re
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.units import unit_factor
 from ipoa_mission.maps.wind_levels import Datum
 
-# CF's standard names of heights; other standard names of a vertical axis (air_pressure, ...) are no height.
+# CF's standard names of heights.
 STANDARD = {
     "height": Datum.GROUND,
     "altitude": Datum.SEA,
@@ -20,7 +20,7 @@ STANDARD = {
     "geopotential_height": Datum.SEA,
     "height_above_reference_ellipsoid": Datum.ELLIPSOID,
 }
-# Datum by words of a name or description, if there is no standard name.
+# Datum by words, without a standard name.
 WORDS = (
     (Datum.ELLIPSOID, re.compile(r"ellipsoid|wgs ?84|\bhae\b")),
     (Datum.SEA, re.compile(r"above[ _]?(the )?(mean[ _]?)?sea|\b(a?msl|asl)\b|altitude|geoid|geopotential")),
@@ -36,7 +36,7 @@ HIGHEST_NAMED = 200  # u10, u100, u200 are meters; u250 to u1000 are hPa
 
 @dataclass(frozen=True)
 class Vertical:
-    """A vertical coordinate; `values` are its heights [m], None for another quantity, such as pressure."""
+    """A vertical coordinate; `values` are heights [m], None for others, such as pressure."""
 
     coordinate: Any
     values: Any
@@ -80,9 +80,9 @@ def vertical_of(path: Path, coordinate: Any) -> Vertical | None:
 
 
 def height_in_name(name: str, long_name: str, is_usual: bool) -> tuple[float, Datum] | None:
-    """Return the height in a variable's name [m], such as u10, and its datum; None without one.
+    """Return the height in a name [m], such as u10, and its datum.
 
-    In a name that is unusual for a wind, the number must have the unit m.
+    In an unusual name the number must have the unit m.
     """
     match = BARE.fullmatch(name.lower())
     if match is None or PRESSURE.search(long_name) or PRESSURE.search(name):

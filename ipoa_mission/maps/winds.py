@@ -1,6 +1,6 @@
-"""Read wind from a weather forecast (NetCDF or GRIB): a profile above home, with its spread over members and hours.
+"""Read wind from a forecast (NetCDF or GRIB): a profile above home, with spread.
 
-It takes the winds at the nearest grid point. Heights above sea level are reduced by home's altitude.
+Heights above sea level are reduced by home's altitude.
 """
 
 from collections.abc import Sequence
@@ -20,21 +20,20 @@ from ipoa_mission.wind import MOST_LEVELS, Wind
 from ipoa_mission.world.frame import Geodetic
 
 GRIB_BEGINS = b"GRIB"
-FLIGHT_DURATION = np.timedelta64(1, "h")  # duration of a flight, as for zones
-USUAL = range(0, 160, 10)  # usual flight heights [m]
-HIGHEST = 500.0  # above home [m]: only the lowest of the levels above it is read
+FLIGHT_DURATION = np.timedelta64(1, "h")  # as for zones
+USUAL = range(0, 160, 10)  # [m]
+HIGHEST = 500.0  # above home [m]; one level above it is read
 DATUM_REMEDY = "set standard_name to height (above ground) or altitude (above the geoid)"
-DIGITS = 2  # levels with heights equal to a centimeter are one
+DIGITS = 2  # of heights [m]
 
 
 def read_wind(path: Path, place: Geodetic, time: np.datetime64 | None) -> ForecastWind:
-    """Return the wind over a place from a time (UTC) on; `spread` is the greatest deviation of a member or hour from
-    the mean.
+    """Return the wind from a time (UTC) on; `spread` is the greatest deviation of a member or hour.
 
 
     Raises:
         BadInput: the file cannot be read, has no such winds, or is of another place or time.
-        MissionError: a library is not installed.
+        MissionError: a library is missing.
     """
     found = grib_winds(path, place) if _is_grib(path) else netcdf_winds(path, place)
     if not found.samples:
@@ -50,7 +49,7 @@ def read_wind(path: Path, place: Geodetic, time: np.datetime64 | None) -> Foreca
 
 
 def _disturbance(forecast: ForecastWind) -> tuple[float, float]:
-    """Return the strongest and the mean wind at usual heights, spread included [m/s]."""
+    """Return the strongest and the mean wind at usual heights [m/s]."""
     speeds = [forecast.wind.at(height) + forecast.wind.spread for height in USUAL]
     return max(speeds), float(np.mean(speeds))
 
@@ -66,7 +65,7 @@ def _is_grib(path: Path) -> bool:
 def _profile(
     path: Path, found: ForecastWinds, place: Geodetic, time: np.datetime64 | None, unknown: Datum
 ) -> ForecastWind:
-    """Return the wind above home, with heights of unknown datum counted from `unknown`."""
+    """Return the wind above home, with unknown datums taken as `unknown`."""
     levels = dict[float, list[WindSamples]]()
     remarks, notes = list[str](), ForecastWinds(path.name)
     for each in found.samples:
@@ -105,7 +104,7 @@ def _datum_at_home(path: Path, datum: Datum, place: Geodetic) -> float:
 
 
 def _flown_levels(path: Path, heights: list[float], place: Geodetic, notes: ForecastWinds) -> list[float]:
-    """Return the levels of a flight: from the ground up to the first one above `HIGHEST`."""
+    """Return the levels up to the first one above `HIGHEST`."""
     above = [height for height in heights if height >= 0]
     if not above:
         raise NotCovered(
@@ -125,7 +124,7 @@ def _flown_levels(path: Path, heights: list[float], place: Geodetic, notes: Fore
 def _winds_at_time(
     path: Path, height: float, samples: Sequence[WindSamples], time: np.datetime64 | None, notes: ForecastWinds
 ) -> Points:
-    """Return the winds of all members at the times of the flight, (n, 2); note missing ones."""
+    """Return the winds of all members at the flight's times, (n, 2)."""
     winds, times = np.concatenate([s.winds for s in samples]), np.concatenate([s.times for s in samples])
     undated = np.isnat(times)
     if undated.any():
@@ -146,7 +145,7 @@ def _winds_at_time(
 
 
 def _hours(path: Path, times: Times, time: np.datetime64 | None) -> Times:
-    """Return the times of the flight: the last before it, those during it, the first after it."""
+    """Return the last time before the flight, those during it, the first after it."""
     if time is None:
         if len(times) == 1:
             return times

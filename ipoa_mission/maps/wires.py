@@ -1,7 +1,7 @@
-"""Define lines in the air: default heights and widths of power lines and aerialways, and their obstacles.
+"""Define power lines and aerialways, and their obstacles.
 
-A rope is never above the straight line between the tops of its supports. Over a valley it may be far above the ground.
-Nothing flies under it: its obstacle is a wall from the ground up.
+A rope is below the line between its supports. Over a valley it may be far above the ground. Nothing flies under it: its
+obstacle is a wall.
 """
 
 import math
@@ -19,15 +19,15 @@ from ipoa_mission.geometry import Vector
 from ipoa_mission.world.obstacles import Prism
 from ipoa_mission.world.polygon import rings_of
 
-# Height of towers or poles, and half width of their wires [m], up to a voltage [V].
+# Voltage up to [V], height and half width [m].
 POWER = ((1e3, 10.0, 2.0), (60e3, 15.0, 3.0), (150e3, 40.0, 8.0), (300e3, 50.0, 12.0), (math.inf, 60.0, 16.0))
-# Assumed voltage of lines without one [V].
+# Without a voltage [V].
 VOLTAGES = {"line": math.inf, "minor_line": 60e3, "cable": 60e3}
 AERIALWAYS = {"cable_car", "gondola", "mixed_lift", "chair_lift", "goods", "zip_line"}
 DRAG_LIFTS = {"drag_lift", "t-bar", "j-bar", "platter", "rope_tow"}
-DRAG_LIFT = 15.0  # greatest height assumed [m]
-AERIALWAY_REACH = 5.0  # half the width of two ropes and their cabins [m]
-# Lines in the air by their tags; a power cable is underground by default.
+DRAG_LIFT = 15.0  # greatest assumed height [m]
+AERIALWAY_REACH = 5.0  # half width with cabins [m]
+# A power cable is underground by default.
 WIRES = {
     "power": {"line", "minor_line", "cable"},
     "aerialway": AERIALWAYS | DRAG_LIFTS,
@@ -35,14 +35,14 @@ WIRES = {
     "telecom": {"line"},
 }
 OVERGROUND = {"overground", "overhead", "kiosk", "roof"}
-STEP = 8.0  # interval of ground samples under a wire [m]
-RELIEF = 5.0  # a span whose top varies by more is divided [m] ...
-LEAST_PIECE = 20.0  # ... into pieces no shorter than this [m]
+STEP = 8.0  # of ground samples under a wire [m]
+RELIEF = 5.0  # of a span's top, above which it is divided [m]
+LEAST_PIECE = 20.0  # [m]
 
 
 @dataclass(frozen=True)
 class Wire:
-    """A kind of line in the air: its height and half width [m], and the key that changes the height."""
+    """Height and half width [m], and the key that changes the height."""
 
     words: str
     height: float
@@ -51,7 +51,7 @@ class Wire:
 
 
 def wire_of(tags: Mapping[str, str], line_height: float | None, aerialway_height: float) -> Wire | None:
-    """Return the wire of these tags, with the height of its kind or the scenario's; None for others."""
+    """Return the wire of these tags, or None."""
     if WIRES.keys().isdisjoint(tags):
         return None
     if tags.get("aerialway") in WIRES["aerialway"]:
@@ -72,13 +72,13 @@ def wire_of(tags: Mapping[str, str], line_height: float | None, aerialway_height
 
 
 def volts_of(text: str) -> float | None:
-    """Return the highest voltage of a line ("110000", "380000;110000", "20 kV") [V]; None if unreadable."""
+    """Return the highest voltage ("110000", "380000;110000", "20 kV") [V]."""
     found = [re.fullmatch(r"(\d{1,7}(?:\.\d{1,3})?) ?(k?)v?", part.strip().lower()) for part in text.split(";")]
     return max((float(one[1]) * (1000.0 if one[2] else 1.0) for one in found if one), default=None)
 
 
 def spans(shape: Any) -> Iterator[Any]:
-    """Yield the straight segments of lines, each a line of two points, without those of length 0."""
+    """Yield the straight segments of lines, without those of length 0."""
     for part in shapely.get_parts(shape):
         if hasattr(part, "geoms"):
             yield from spans(part)
@@ -93,7 +93,7 @@ def spans(shape: Any) -> Iterator[Any]:
 def raise_span(
     name: str, span: Any, reach: float, height: float, ground: Callable[[NDArray[np.float64]], Vector]
 ) -> Iterator[Prism]:
-    """Yield the walls under a span with supports of this `height`: several if its top rises or falls."""
+    """Yield the walls under a span: several if its top rises or falls."""
     begin, end = shapely.get_coordinates(span)
     count = max(math.ceil(span.length / STEP), 2)
     share = np.linspace(0.0, 1.0, count + 1)

@@ -1,6 +1,6 @@
-"""Read the vertical limits of a zone: number, unit and reference, as ED-269, ED-318 and national files spell them.
+"""Read vertical limits of zones: ED-269, ED-318 and national files.
 
-A limit that is not understood is dropped, which enlarges the zone, and is reported.
+A limit that is not understood is dropped and reported: the zone grows.
 """
 
 import math
@@ -15,9 +15,9 @@ UNITS |= {"FT": FOOT, "F": FOOT, "FEET": FOOT, "FOOT": FOOT}
 REFERENCES = {"AGL": "AGL", "GND": "AGL", "SFC": "AGL", "AMSL": "AMSL", "MSL": "AMSL", "WGS84": "WGS84"}
 GROUND = {"SFC", "GND", "SURFACE", "GROUND"}
 NO_LIMIT = {"UNL", "UNLTD", "UNLIMITED"}
-# In words, as in EANS and AIP texts: "120m AGL", "6000 FT AMSL".
+# EANS and AIP: "120m AGL", "6000 FT AMSL".
 IN_WORDS = re.compile(r"(?P<height>[-+]?\d+(?:\.\d+)?) ?(?P<unit>[A-Z]+)[ ,]*(?P<reference>[A-Z]+)")
-# Keys of the parts of a limit: ED-318, ED-269, and its shapefiles, which cut names to ten letters.
+# ED-318, ED-269, and its shapefiles.
 KEYS = {
     "uom": ("uom", "uomDimensions", "uomDimensi"),
     **{side: (side, f"{side}Limit") for side in ("lower", "upper")},
@@ -37,22 +37,20 @@ SIDES: tuple[Literal["lower", "upper"], ...] = ("lower", "upper")
 
 @dataclass(frozen=True)
 class VerticalLimit:
-    """A lower or upper limit [m], above ground (`AGL`), mean sea level (`AMSL`) or the ellipsoid (`WGS84`)."""
+    """A limit [m] above ground (`AGL`), mean sea level (`AMSL`) or ellipsoid (`WGS84`)."""
 
     height: float
     reference: str
 
 
 class Odd(NamedTuple):
-    """A part of a zone that was not understood, and its value."""
-
     what: str
     value: str
 
 
 @dataclass(frozen=True)
 class ZoneLimits:
-    """Both limits, None for no limit or a lower limit at the ground; `odd` are those not understood."""
+    """Both limits, None for no limit or the ground; `odd` are those not understood."""
 
     lower: VerticalLimit | None = None
     upper: VerticalLimit | None = None
@@ -60,7 +58,6 @@ class ZoneLimits:
 
 
 def limits_of(tags: Mapping[str, str]) -> ZoneLimits:
-    """Return the vertical limits in the tags of a zone."""
     given = {name: next((tags[key].strip() for key in keys if key in tags), "") for name, keys in KEYS.items()}
     odd = [Odd(f'tag "{key}", which may be a limit', value) for key, value in tags.items() if _may_limit(key)]
     lower, upper = (_limit(given, side, odd) for side in SIDES)
@@ -104,7 +101,7 @@ def _in_words(text: str) -> VerticalLimit | None:
 
 
 def _by_keys(text: str, unit: str, reference: str) -> VerticalLimit | None:
-    """Return a limit by a number with its own unit and reference; the default unit is M, as in the schemas."""
+    """Return a limit by number, unit (M by default, as in the schemas) and reference."""
     factor, counted = UNITS.get(unit or "M"), REFERENCES.get(reference)
     return VerticalLimit(float(text) * factor, counted) if factor and counted and _is_number(text) else None
 

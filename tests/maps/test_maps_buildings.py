@@ -119,7 +119,7 @@ def test_what_was_assumed_is_said(write_map: WriteMap, frame: LocalFrame, square
     standing = found.standing
     assert found.remarks == (
         "2 buildings without a height, given 11 m",
-        "1 building whose min_height is not below the height, taken to stand on the ground",
+        "1 building whose min_height is not below the height, taken to begin at the ground",
         "1 outline mended (a ring with self-intersection)",
         "1 power line of unknown voltage without a height, given 60 m (line_height)",
     )

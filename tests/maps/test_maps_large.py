@@ -142,7 +142,7 @@ goal = { east = 100, north = 0, up = 10 }
 maps = [{ kind = "buildings", file = "map.geojson" }]
 """
     twice = parse_scenario(text, tmp_path / "s.toml")
-    monkeypatch.setattr(surroundings, "SPARE", 1e5)
+    monkeypatch.setattr(surroundings, "WINDOW_MARGIN", 1e5)
     once = parse_scenario(text, tmp_path / "s.toml")
     for scenario in (twice, once):
         assert len(scenario.airspace.obstacles) == 2

@@ -174,7 +174,7 @@ def spoiled(**about: Any) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("geo", "words"),
     [
-        (None, "expected a GeoParquet file, but none of its columns is said to be a geometry"),
+        (None, "expected a GeoParquet file, but none of its columns is a geometry"),
         ("{", "geo: expected GeoParquet's metadata of its columns"),
         ([], "geo: expected GeoParquet's metadata of its columns"),
         (ABOUT | {"primary_column": "shape"}, "geo: expected GeoParquet's metadata of its columns"),

@@ -91,8 +91,8 @@ def test_a_kmz_is_read_as_the_kml_in_it(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda folder: kmz(folder, icon_png="x"), "expected a .kml in it, but there is none"),
-        (lambda folder: kmz(folder, doc_kml=" " * (65 << 20)), "expected a .kml of at most 64 MB in it"),
+        (lambda folder: kmz(folder, icon_png="x"), "expected a .kml in the archive, but it has none"),
+        (lambda folder: kmz(folder, doc_kml=" " * (65 << 20)), "expected a .kml of at most 64 MB in the archive"),
         (lambda folder: kmz(folder, doc_kml="<kml>"), "line 1: expected well-formed XML"),
     ],
     ids=["empty", "bomb", "spoiled"],

@@ -68,8 +68,8 @@ def test_the_scenario_changes_heights_and_zero_is_nothing(write_map: WriteMap, f
     assert not nothing.standing
     assert [thing.may_stand for thing in nothing.passed_over] == [False, False, False]
     assert {thing.reason for thing in nothing.passed_over} == {
-        "line_height = 0 says that it is nothing",
-        "aerialway_height = 0 says that it is nothing",
+        "line_height = 0 excludes it",
+        "aerialway_height = 0 excludes it",
     }
 
 
