@@ -1,4 +1,4 @@
-"""A flight from its scenario to its files; what fails a check does not come out."""
+"""Plan a flight from its scenario to its files; a flight that fails a check is refused."""
 
 import logging
 from dataclasses import asdict, dataclass
@@ -53,20 +53,20 @@ from ipoa_mission.wind import Wind
 if TYPE_CHECKING:
     from ipoa_mission.link.logbook import FlightRecord
 
-OF_BATTERY = frozenset({"battery-short", "battery-no-return"})  # flights of one battery each have neither
+BATTERY_CODES = frozenset({"battery-short", "battery-no-return"})  # not for flights of one battery each
 log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, repr=False)
 class Flight:
-    """A planned flight, ready to be flown; `plan_flight` makes it.
+    """A planned flight, ready to fly; `plan_flight` makes it.
 
     Attributes:
         plan: the path.
-        options: the ways to choose waypoints, and what each would come to.
-        forecast: how it is expected to be flown.
+        options: the ways to choose waypoints, each with its result.
+        forecast: of the flight.
         findings: warnings of the check.
-        remarks: what the user should know, the warnings first.
+        remarks: notes for the user, the warnings first.
     """
 
     plan: Plan
@@ -80,54 +80,54 @@ class Flight:
 
     @property
     def scenario(self) -> Scenario:
-        """In whose world it was planned, in the wind that was asked for."""
+        """Return the scenario, with the requested wind."""
         return self.forecast.world
 
     @property
     def mission(self) -> Mission:
-        """What is written and flown."""
+        """Return the mission that is written and flown."""
         return self.forecast.mission
 
     @property
     def proof(self) -> Proof:
-        """What its legs keep between the take-off and the last waypoint."""
+        """Return the clearances of its legs between the take-off and the last waypoint."""
         return self.forecast.proof
 
     @property
     def promise(self) -> Promise:
-        """What its flights keep."""
+        """Return the guaranteed clearances of its flights."""
         return self.forecast.promise
 
     @property
     def estimate(self) -> Estimate:
-        """How long it takes."""
+        """Return its estimated time."""
         return self.forecast.estimate
 
     @property
     def energy(self) -> Consumption | None:
-        """What it takes; None without an airframe or a vehicle that was learned."""
+        """Return its energy, or None without an airframe or a learned vehicle."""
         return self.forecast.energy
 
     @property
     def budget(self) -> Budget | None:
-        """The same item by item, against the battery."""
+        """Return its energy item by item, compared with the battery."""
         return budget_of(self.forecast)
 
     @property
     def name(self) -> str:
-        """The scenario's, and that of the files."""
+        """Return the name of the scenario and of the files."""
         return self.scenario.name
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """The remarks that are no warnings."""
+        """Return the remarks that are no warnings."""
         warned = {words for finding in self.findings for words in (finding.message, finding.hint)}
         return tuple(remark for remark in self.remarks if remark not in warned)
 
     def write(self, folder: str | Path = ".") -> tuple[Path, ...]:
-        """Write NAME.plan, NAME.waypoints and NAME.json about them, and NAME.params if the mission has parameters.
+        """Write NAME.plan, NAME.waypoints and NAME.json, and NAME.params if the mission has parameters.
 
-        The folder is made if it is not there. The same flight gives the same bytes.
+        Makes a missing folder. The same flight gives the same bytes.
 
         Raises:
             BadInput: the folder cannot be made or written.
@@ -137,7 +137,7 @@ class Flight:
         return files
 
     def summary(self) -> dict[str, object]:
-        """What NAME.json holds: metres, seconds, degrees; `legs` are those that will be flown."""
+        """Return the contents of NAME.json in meters, seconds and degrees; `legs` are those that will be flown."""
         scenario, plan, estimate, energy = self.scenario, self.plan, self.estimate, self.energy
         budget = self.budget
         ground, parameters = landing_height(self.mission), dict(self.mission.parameters)
@@ -173,11 +173,11 @@ class Flight:
         }
 
     def report(self, path: str | Path, record: "FlightRecord | None" = None) -> None:
-        """Write the page that shows it, and how it was flown if that is known.
+        """Write the page of the flight, with its flown record if given.
 
         Args:
             path: of an HTML file.
-            record: how it was flown.
+            record: of the flight as flown.
 
         Raises:
             BadInput: the file cannot be written.
@@ -188,23 +188,23 @@ class Flight:
 
 
 def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, progress: Progress = silent) -> Flight:
-    """Plan a path, choose waypoints, prove, check and time the mission, and see that the battery lasts.
+    """Plan a path, choose waypoints, check and time the mission, and compare it with the battery.
 
     Args:
         scenario: places, world, vehicle and limits.
-        seed: what the random numbers begin with; the same scenario, seed and wind give the same flight.
-        wind: goes before the scenario's own. It counts for the choice of the route, for the tube and the times.
-        progress: told the share done and some words.
+        seed: of the random numbers; the same scenario, seed and wind give the same flight.
+        wind: replaces the scenario's. It affects the choice of the route, the deviation bound and the times.
+        progress: called with the share done and a message.
 
     Returns:
         The flight, whose `write` makes the files.
 
     Raises:
-        BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place; the scenario has
-            a survey.
+        BadInput: the optimizer is unknown, or lacks a setting; start and goal are the same place; the scenario has a
+            survey.
         NoPath, NoRoute: no safe way was found.
         Unsafe: the mission fails a check.
-        NotEnoughBattery: it would not come home with its reserve; with planned returns, not from every second.
+        NotEnoughBattery: it would not return with its reserve; with planned returns, not from every second.
 
     Example:
         >>> from ipoa_mission import plan_flight, read_scenario
@@ -213,9 +213,9 @@ def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, 
         (True, ['sitl.plan', 'sitl.waypoints', 'sitl.json', 'sitl.params'])
     """
     if scenario.survey is not None:
-        words = "expected a scenario without one"
-        raise BadInput(words, hint="plan_survey plans it, as `ipoa-mission plan` does", place="survey")
-    with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
+        words = "expected a scenario without a survey"
+        raise BadInput(words, hint="use plan_survey, as `ipoa-mission plan` does", place="survey")
+    with threadpool_limits(1, "blas"):  # on small matrices more threads only wait, and round differently
         flight = _plan_flight(scenario if wind is None else scenario.in_wind(wind), seed, progress)
     if (short := refusal_of(flight.forecast)) is not None:
         raise short
@@ -225,7 +225,7 @@ def plan_flight(scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, 
 def plan_for_batteries(
     scenario: Scenario, *, wind: Wind | None = None, seed: int = 0, progress: Progress = silent
 ) -> tuple[Flight, tuple[Forecast, ...]]:
-    """The same where one battery may be too little: the whole, and the fewest flights that each come home with one.
+    """Plan a flight for one or more batteries; return the whole, and the fewest flights with a battery each.
 
     Raises:
         BadInput: as `plan_flight`; or the scenario has no battery.
@@ -237,24 +237,24 @@ def plan_for_batteries(
 
 
 def _plan_flight(scenario: Scenario, seed: int, progress: Progress) -> Flight:
-    """A flight that keeps everything but, it may be, the reserve of its battery."""
+    """Plan a flight without checking the reserve of its battery."""
     expect_plannable(scenario)
     world = scenario.airspace
     log.info("%s: %d obstacles, planning by %s", scenario.name, len(world.obstacles), scenario.optimizer.name)
     found = plan_with_room(scenario, seed, progress)
-    asked, scenario = scenario, found.scenario
+    requested, scenario = scenario, found.scenario
     plan, forecast = found.plan.judged_by(scenario), found.forecast
     options = weigh_routes(plan, scenario, found)
     mission = forecast.mission
     log.info("%s: cost %.4f after %d evaluations", scenario.name, plan.history[-1], plan.evaluations[-1])
-    told = check(forecast)
-    refuse_errors([finding for finding in told if finding.code not in OF_BATTERY])
-    refuse_unclear_returns(told, forecast)
-    findings = tuple(finding for finding in told if finding.severity is Severity.WARNING)
+    found_by_check = check(forecast)
+    refuse_errors([finding for finding in found_by_check if finding.code not in BATTERY_CODES])
+    refuse_unclear_returns(found_by_check, forecast)
+    findings = tuple(finding for finding in found_by_check if finding.severity is Severity.WARNING)
     messages = (words for finding in findings for words in (finding.message, finding.hint) if words)
     planned = (
         *slowed_stretches(forecast),
-        *planned_way_home(scenario, asked),
+        *planned_way_home(scenario, requested),
         *climb_for_way_home(mission),
         *slowed_for_ground(forecast),
         *planned_returns(forecast),

@@ -1,4 +1,4 @@
-"""The files of a flight that is flown in parts, a battery each: NAME-1.plan and so on; NAME.json and a page of all."""
+"""Write a flight of several parts, one battery each: NAME-1.plan and so on, NAME.json and one page."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,9 +15,9 @@ from ipoa_mission.forecast.forecast import Forecast
 def write_parts(
     whole: Flight, parts: Sequence[Forecast], summary: dict[str, Any], folder: Path, report: bool = False
 ) -> tuple[Path, ...]:
-    """Write the parts of a flight as missions of their own; the whole, which no battery flies, is not written.
+    """Write the parts of a flight as missions of their own, without the whole, which needs several batteries.
 
-    `summary` is theirs, for NAME.json; with `report` there is one page about all, NAME.html.
+    `summary` goes to NAME.json; with `report` write one page of all parts, NAME.html.
 
     Raises:
         BadInput: the folder cannot be made or written.
@@ -42,12 +42,12 @@ def write_parts(
 
 
 def names_of(whole: Flight, parts: Sequence[Forecast], folder: Path) -> list[Path]:
-    """NAME-1.plan and so on."""
+    """Return NAME-1.plan and so on."""
     return [folder / f"{whole.name}-{number}.plan" for number in range(1, len(parts) + 1)]
 
 
 def parts_summary(whole: Flight, parts: Sequence[Forecast]) -> dict[str, Any]:
-    """What NAME.json holds: the summary of the whole, and of each part its file, its time and its energy."""
+    """Return the contents of NAME.json: the whole flight's summary, and the file, time and energy of each part."""
     flights = []
     for path, part in zip(names_of(whole, parts, Path()), parts, strict=True):
         budget = budget_of(part)

@@ -1,4 +1,4 @@
-"""The parts of NAME.json: what is told of a flight to machines. The same flight gives the same numbers."""
+"""Format the parts of NAME.json. The same flight gives the same numbers."""
 
 import math
 from dataclasses import asdict
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from ipoa_mission.centimeters import down, up
 
-if TYPE_CHECKING:  # `check` and `estimate` tell some of it, and do without what plans
+if TYPE_CHECKING:  # `check` and `estimate` run without the planner
     from collections.abc import Iterable
 
     from ipoa_mission.finding import Finding
@@ -18,13 +18,13 @@ if TYPE_CHECKING:  # `check` and `estimate` tell some of it, and do without what
     from ipoa_mission.scenario import Scenario
     from ipoa_mission.vehicles.energy.consumption import Interval
 
-MILLIMETRES = 1000
+MILLIMETERS = 1000
 
 
 def clearance_as_json(promise: "Promise | None") -> dict[str, Any]:
-    """The least clearance that the flights keep on the way, and to what at which item; empty if nobody knows.
+    """Return the smallest guaranteed clearance on the way, its object and its item; empty if unknown.
 
-    `elsewhere` is where less than required is kept, and the promise is not about: take-off, ending and given places.
+    `elsewhere` holds shortfalls outside the guarantee: at take-off, in contingencies and at given places.
     """
     kept = None if promise is None else promise.clearance
     if promise is None:
@@ -36,23 +36,23 @@ def clearance_as_json(promise: "Promise | None") -> dict[str, Any]:
 
 
 def _kept_as_json(kept: "Kept") -> dict[str, Any]:
-    """To the millimetre: what is kept rounded down and what is required up, as in words."""
+    """Round to the millimeter: the kept clearance down, the required one up."""
     return {
-        "required_m": up(kept.required, MILLIMETRES),
-        "nominal_m": down(kept.nominal, MILLIMETRES),
-        "kept_m": down(kept.kept, MILLIMETRES),
+        "required_m": up(kept.required, MILLIMETERS),
+        "nominal_m": down(kept.nominal, MILLIMETERS),
+        "kept_m": down(kept.kept, MILLIMETERS),
         "to": kept.to,
         "item": kept.item,
     }
 
 
 def passed_over_as_json(scenario: "Scenario") -> list[dict[str, Any]]:
-    """What the scenario's maps have that became no obstacle, counted by file and reason."""
+    """Return the map objects that became no obstacle, counted by file and reason."""
     return [asdict(counted) for counted in scenario.passed_counts]
 
 
 def energy_as_json(budget: "Budget") -> dict[str, Any]:
-    """What a flight takes, low, likely and high [Wh], and the shares of its battery that are left; by item too."""
+    """Return the energy (low, likely, high) [Wh] and the shares of the battery left, in total and by item."""
     late = budget.no_return
     return {
         "energy_wh": [rounded(wh) for wh in budget.used.between],
@@ -72,7 +72,7 @@ def _shares(left: "Interval | None") -> list[float] | None:
 
 
 def route_summary(estimate: "Estimate") -> dict[str, float] | None:
-    """The time of the route, the least time on it, and how many times that it takes; None where there is no route."""
+    """Return the time of the route, its lower bound, and their ratio, or None without a route."""
     route = estimate.route
     if not route.seconds > 0:
         return None
@@ -80,7 +80,7 @@ def route_summary(estimate: "Estimate") -> dict[str, float] | None:
 
 
 def option_as_json(option: "Option", mode: str) -> dict[str, Any]:
-    """A way to choose waypoints, and whether it is the one that `mode` names."""
+    """Return a choice of waypoints, and whether `mode` names it."""
     return {
         "mode": option.mode,
         "waypoints": len(option.route.points),
@@ -95,7 +95,7 @@ def option_as_json(option: "Option", mode: str) -> dict[str, Any]:
 
 
 def limits_as_json(proof: "Proof") -> list[dict[str, Any]]:
-    """How near a path comes to each limit that it has."""
+    """Return the distance of a path to each of its limits."""
     return [
         {"limit": c.limit, "found": rounded(c.nearest.distance), "required": rounded(c.required), "unit": c.unit}
         for c in proof.checks
@@ -104,16 +104,16 @@ def limits_as_json(proof: "Proof") -> list[dict[str, Any]]:
 
 
 def proof_as_json(proof: "Proof") -> dict[str, Any]:
-    """The least clearance of a path, to what and where."""
+    """Return the smallest clearance of a path, its object and its place."""
     least = proof.clearance
     return {"least": rounded(least.distance), "to": least.what, "at": [rounded(value) for value in least.place]}
 
 
 def findings_as_json(findings: "Iterable[Finding]") -> list[dict[str, Any]]:
-    """What a check found, each with its severity."""
+    """Return the findings with their severity."""
     return [{name: one for name, one in asdict(each).items() if name != "remedies"} for each in findings]
 
 
 def rounded(value: float) -> float:
-    """To the millionth."""
+    """Round to 1e-6."""
     return round(float(value), 6)

@@ -1,4 +1,4 @@
-"""What a flight kept of a scenario's clearance: its flown path against the terrain and the obstacles."""
+"""Compare a flown path with the terrain, the obstacles and the clearance that its scenario requires."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -14,20 +14,20 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Clearance
 from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
 
-#: A flight that begins farther from the scenario's home is of another place [m].
-SAME_PLACE = 20_000.0
-#: It rises and sinks straight up and down within so much [m].
-COLUMN = 3.0
+#: A flight that begins farther from the scenario's home belongs to another place [m].
+MAX_DISTANCE_OF_HOME = 20_000.0
+#: Horizontal distance within which climb and descent count as vertical [m].
+COLUMN_RADIUS = 3.0
 
 
 @dataclass(frozen=True)
 class FlownClearance:
-    """How near a flight came to anything, against what the scenario requires and what its mission has [m].
+    """The smallest clearance of a flight, the required and the planned one [m].
 
-    `least` is where the least is left of what is required; its place is east, north, up of the scenario's home, and
-    `place` the same on the Earth; `time_s` is since the arming. `planned` is the clearance of the mission's own legs,
-    `strayed` the farthest that the flight was from them between its first and last waypoint; both are None without a
-    mission that flies somewhere. `promised` is what the mission promises to keep.
+    `least` has the smallest slack; its place is east, north, up of the scenario's home. `place` is its geodetic
+    place, and `time_s` the time since arming. `planned` is the clearance of the mission's own legs. `strayed` is the
+    largest distance from them between the first and last waypoint. Both are None without a mission that flies
+    somewhere. `promised` is the clearance that the mission guarantees.
     """
 
     least: Clearance
@@ -40,13 +40,13 @@ class FlownClearance:
 
     @property
     def kept(self) -> bool:
-        """Whether the flight kept what is required, as both are printed."""
+        """Return whether the flight kept the required clearance, as both are printed."""
         return not falls_short(self.least.distance, self.required)
 
     def words(self) -> str:
-        """The finding in a sentence without a full stop."""
+        """Return the finding as a sentence without a full stop."""
         where = f"{self.place.latitude_deg:.6f}, {self.place.longitude_deg:.6f}, up {self.least.place[2]:.1f} m"
-        promised = "" if self.promised is None else f", {down(self.promised):.2f} m promised"
+        promised = "" if self.promised is None else f", {down(self.promised):.2f} m guaranteed"
         strayed = "" if self.strayed is None else f"; at most {self.strayed:.1f} m from the planned legs"
         verdict = "" if self.kept else ", which was NOT kept"
         return (
@@ -56,12 +56,11 @@ class FlownClearance:
 
 
 def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission | None = None) -> FlownClearance | None:
-    """The least clearance of a flown path; None where the log has no path at the scenario's place.
+    """Return the smallest clearance of a flown path, or None if the log has no path at the scenario's place.
 
-    Heights are those above the place of arming, which stands on the scenario's ground. The ground counts from the
-    first time that it was cleared by what is required until the last, so not for take-off and landing; where all of
-    that was kept, the rest of the climb and of the descent is left out too. Obstacles always count. What is
-    promised is what the mission promises at the scenario's confidence.
+    Heights are above the place of arming, which is on the scenario's ground. The ground counts from the first to the
+    last time that it was cleared as required, so not in take-off and landing. If that was kept throughout, the rest of
+    climb and descent is left out too. Obstacles always count. The guaranteed clearance has the scenario's confidence.
 
     Raises:
         BadInput: the flight is of another place than the scenario.
@@ -71,7 +70,7 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
         return None
     begins = Geodetic(record.path[0].latitude_deg, record.path[0].longitude_deg)
     scenario.expect_here(begins)
-    if apart(begins, scenario.frame.home) > SAME_PLACE:
+    if apart(begins, scenario.frame.home) > MAX_DISTANCE_OF_HOME:
         return None
     points, times = _flown(record, scenario), np.array([sample.time_s for sample in record.path])
     least, required = _least(points, scenario)
@@ -92,7 +91,7 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
 
 
 def _flown(record: FlightRecord, scenario: Scenario) -> Points:
-    """The path in the scenario's frame, (n, 3)."""
+    """Return the path in the scenario's frame, (n, 3)."""
     latitude, longitude, height = (
         np.array([getattr(sample, name) for sample in record.path])
         for name in ("latitude_deg", "longitude_deg", "height")
@@ -104,7 +103,7 @@ def _flown(record: FlightRecord, scenario: Scenario) -> Points:
 
 
 def _least(points: Points, scenario: Scenario) -> tuple[Clearance, float]:
-    """The clearance, to an obstacle or to the ground, with the least left of what is required, and that."""
+    """Return the clearance, to an obstacle or the ground, with the smallest slack, and what is required."""
     world, limits = scenario.airspace, scenario.limits
     clearances = [(world.obstacle_clearance(points), limits.obstacle_distance)]
     high = np.flatnonzero(points[:, 2] - world.ground(points) >= limits.height_above_ground)
@@ -114,15 +113,15 @@ def _least(points: Points, scenario: Scenario) -> tuple[Clearance, float]:
         way = over[_in_column(over) : len(over) - _in_column(over[::-1])]
         if falls_short(ground.distance, limits.height_above_ground):
             clearances.append((ground, limits.height_above_ground))
-        elif len(way) > 1:  # where it rose and sank it came through every height, which tells nothing
+        elif len(way) > 1:  # a climb or descent passes every height
             clearances.append((world.terrain_clearance(way), limits.height_above_ground))
     return min(clearances, key=lambda one: one[0].distance - one[1])
 
 
 def _in_column(points: Points) -> int:
-    """How many points, from the first, are above it or below it."""
-    beside = np.flatnonzero(np.linalg.norm((points - points[0])[:, :2], axis=1) > COLUMN)
-    return int(beside[0]) if len(beside) else len(points)
+    """Return the number of points, from the first, that are above or below it."""
+    outside = np.flatnonzero(np.linalg.norm((points - points[0])[:, :2], axis=1) > COLUMN_RADIUS)
+    return int(outside[0]) if len(outside) else len(points)
 
 
 def _between(points: Points, first: Points, last: Points) -> Points:
@@ -132,7 +131,7 @@ def _between(points: Points, first: Points, last: Points) -> Points:
 
 
 def _farthest(points: Points, polylines: list[Points]) -> float:
-    """The greatest distance of points (n, 3) to the nearest of some polylines."""
+    """Return the largest distance of points (n, 3) to the nearest of some polylines."""
     nearest = np.full(len(points), np.inf)
     for polyline in polylines:
         for a, b in pairwise(polyline):

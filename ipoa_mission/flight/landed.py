@@ -1,6 +1,6 @@
-"""Where a flight landed: at which rally point, and whether on the ground that its mission knows of.
+"""Report where a flight landed: at a rally point, or on ground of another height than the mission's.
 
-A simulator's ground may be as high as home everywhere.
+A simulator's ground may be at home's height everywhere.
 """
 
 import math
@@ -12,12 +12,12 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import landing_height, landing_on
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
-NOTICED = 1.0  # [m]
-AT_A_POINT = 10.0  # who lands no farther from it has landed there [m]
+MIN_HEIGHT_DIFFERENCE = 1.0  # smallest reported height difference [m]
+RALLY_RADIUS = 10.0  # largest distance of a landing at a rally point [m]
 
 
 def landed_at_rally(mission: Mission, record: FlightRecord) -> tuple[str, ...]:
-    """Words about a return that ended at a rally point; nothing where it ended at home or the mission has none."""
+    """Report a return that ended at a rally point; empty if it ended at home or the mission has none."""
     if not record.completed or not record.path or not mission.rally:
         return ()
     end, frame = record.path[-1], LocalFrame(mission.home)
@@ -25,27 +25,27 @@ def landed_at_rally(mission: Mission, record: FlightRecord) -> tuple[str, ...]:
     here = tuple(map(float, frame.local(there)[:2]))
     ways = [math.dist(here, place[:2]) for place in rally_places(mission)]
     nearest = min(range(len(ways)), key=ways.__getitem__)
-    if ways[nearest] > AT_A_POINT or math.hypot(*here) <= ways[nearest]:
+    if ways[nearest] > RALLY_RADIUS or math.hypot(*here) <= ways[nearest]:
         return ()
     bearing = math.degrees(math.atan2(here[0], here[1])) % 360.0
     return (f"it landed at rally point {nearest + 1}, {math.hypot(*here):.0f} m {bearing:.0f}° from home",)
 
 
 def landed_elsewhere(forecast: Forecast, record: FlightRecord) -> tuple[str, ...]:
-    """Words about a landing that was higher or lower than the ground is there, and how long that is estimated to take.
+    """Report a landing above or below the expected ground, and the estimated time to it.
 
-    Nothing where the flight did not land or came down where it should.
+    Empty if the flight did not land, or landed as expected.
     """
     mission = forecast.mission
     expected = landing_height(mission)
     if expected is None or not record.completed or not record.path:
         return ()
     landed = round(record.path[-1].height, 1) + 0.0
-    if abs(landed - expected) < NOTICED:
+    if abs(landed - expected) < MIN_HEIGHT_DIFFERENCE:
         return ()
     other = Forecast(landing_on(mission, landed), wind=forecast.wind).estimate.total_s
     return (
         f"it landed {landed:.1f} m above home, but the ground there is {abs(expected - landed):.1f} m "
-        f"{'higher' if expected > landed else 'lower'}: a simulator whose ground is level? `mock --scenario` has the "
-        f"scenario's. To where it landed {other:.1f} s are estimated",
+        f"{'higher' if expected > landed else 'lower'}: is it a simulator with level ground? `mock --scenario` has the "
+        f"scenario's. The estimate to that landing is {other:.1f} s",
     )

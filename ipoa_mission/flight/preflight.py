@@ -1,4 +1,4 @@
-"""Whether a mission may go on this very vehicle: what the command line and the studio ask before they upload."""
+"""Compare a mission with this very vehicle before the upload, for the command line and the studio."""
 
 import logging
 import math
@@ -21,38 +21,38 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.world.frame import Geodetic, apart
 
-FAR = 100.0  # [m] over the ground
-HIGHER = 5.0  # [m]
-CHARGED = 0.95  # a charged battery is told as so full or fuller
+MAX_HOME_DISTANCE = 100.0  # [m] over the ground
+MAX_HEIGHT_DIFFERENCE = 5.0  # [m]
+CHARGED_SHARE = 0.95  # a higher battery level counts as fully charged
 log = logging.getLogger(__name__)
 
 
 class FarFromHome(MissionError):
-    """The vehicle is somewhere else; heights above home would be above another ground."""
+    """The vehicle is elsewhere, so heights above home would refer to other ground."""
 
 
 def compare_homes(mission: Mission, there: Geodetic, anyway: bool = False) -> tuple[str, ...]:
-    """Hold the vehicle's home against the mission's; what comes back are remarks for the user.
+    """Compare the vehicle's home with the mission's; return remarks for the user.
 
     Raises:
-        FarFromHome: it is over 100 m away, heights count from home, and `anyway` does not say to send it all the same.
+        FarFromHome: it is over 100 m away, heights count from home, and `anyway` is not set.
     """
     here = mission.home
-    aside, higher = apart(here, there), there.altitude - here.altitude
-    if aside > FAR:
+    distance, higher = apart(here, there), there.altitude - here.altitude
+    if distance > MAX_HOME_DISTANCE:
         words = (
-            f"the vehicle's home is {_distance(aside)} from the mission's: "
+            f"the vehicle's home is {_distance(distance)} from the mission's: "
             f"it is at {_place(there)}, and the mission takes off at {_place(here)}"
         )
         if counts_from_home(mission) and not anyway:
             raise FarFromHome(
                 words,
-                hint="heights count from the vehicle's home: plan from where it stands, or send it with --anyway; "
-                "one that was moved since it was armed last has its home where it stands once it is restarted "
-                f"(the built-in autopilot goes there by `mock --home {_words(here)}`)",
+                hint="heights count from the vehicle's home: plan from its position, or send with --anyway. "
+                "A vehicle moved since its last arming sets its home there after a restart "
+                f"(the built-in autopilot starts there with `mock --home {_words(here)}`)",
             )
         return (words,)
-    if math.isfinite(higher) and abs(higher) > HIGHER:
+    if math.isfinite(higher) and abs(higher) > MAX_HEIGHT_DIFFERENCE:
         return (
             f"the vehicle's home is {abs(higher):.1f} m {'higher' if higher > 0 else 'lower'} than the mission's "
             f"({there.altitude:.1f} m AMSL, not {here.altitude:.1f} m); heights count from the vehicle's",
@@ -61,7 +61,7 @@ def compare_homes(mission: Mission, there: Geodetic, anyway: bool = False) -> tu
 
 
 def counts_from_home(mission: Mission) -> bool:
-    """Whether some height in the mission is above home."""
+    """Return whether an item's height is above home."""
     return any(item.has_position and plain_frame(item.frame) == Frame.GLOBAL_RELATIVE_ALT for item in mission.items)
 
 
@@ -78,14 +78,14 @@ def _words(place: Geodetic) -> str:
 
 
 class FastLanding(MissionError):
-    """With the parameters that it has the vehicle would touch down fast, and with the mission's it would not."""
+    """The vehicle would touch down fast with its own parameters, but not with the mission's."""
 
 
 def expect_slow_landing(vehicle: Vehicle, forecast: Forecast) -> None:
-    """Refuse a vehicle that would touch down fast because it has not the parameters that the mission was made for.
+    """Refuse a vehicle that would touch down fast because it lacks the mission's parameters.
 
     Raises:
-        FastLanding: naming the place, the ground there, and how fast.
+        FastLanding: with the place, the ground there, and the speed.
     """
     mission = forecast.mission
     planned = mission.autopilot.slow_stretch(mission.parameters)
@@ -96,25 +96,25 @@ def expect_slow_landing(vehicle: Vehicle, forecast: Forecast) -> None:
         if own is not None and own.is_fast(landing.counted) and not planned.is_fast(landing.counted):
             raise FastLanding(
                 f"{landing.words}: with the vehicle's own parameters, {touches_down(own, landing)}",
-                hint="give it those that the mission was made for (NAME.params): `fly --set-params` does; "
-                "--anyway flies with its own",
+                hint="set the mission's parameters (NAME.params) by `fly --set-params`; "
+                "--anyway flies with the vehicle's own",
             )
 
 
 class LowBattery(MissionError):
-    """By the vehicle's own word its battery is not enough for the flight and its reserve."""
+    """The vehicle reports too little battery for the flight and its reserve."""
 
 
 def expect_charge(vehicle: Vehicle, forecast: Forecast, first: int = 0) -> None:
-    """Refuse a vehicle that would land with less than the scenario's reserve, by what it says of its battery.
+    """Refuse a vehicle that would land with less than the scenario's reserve, by its reported battery.
 
     `first`: index of the item with which the flight begins.
 
     Raises:
-        LowBattery: with how much is left, and with what it would land.
+        LowBattery: with the charge now and after landing.
     """
     left = vehicle.state.battery_left
-    if forecast.scenario is None or left is None or left >= CHARGED:
+    if forecast.scenario is None or left is None or left >= CHARGED_SHARE:
         return
     from ipoa_mission.forecast.energy_budget import budget_of
 
@@ -125,48 +125,48 @@ def expect_charge(vehicle: Vehicle, forecast: Forecast, first: int = 0) -> None:
     now = budget.against_plan(left, begins)
     if now is not None and now.lands.likely < now.reserve:
         raise LowBattery(
-            f"the vehicle says that {left:.0%} of its battery is left, and this flight takes "
+            f"the vehicle reports {left:.0%} of its battery, and this flight takes "
             f"{left - now.lands.likely:.1%}: {now.reserve:.0%} must be left after landing",
-            hint="put in a charged one; or, if the vehicle has not noticed that one is in, begin with --anyway",
+            hint="insert a charged battery; or, if it is charged and the vehicle does not report it, use --anyway",
         )
 
 
 class OutsideOwnFence(MissionError):
-    """The vehicle's own fence would break the flight off."""
+    """The vehicle's own fence would abort the flight."""
 
 
 def await_home(vehicle: Vehicle, progress: Progress = silent) -> None:
-    """Wait until a vehicle knows where it is; `progress` is told what it says meanwhile.
+    """Wait until a vehicle knows its position; `progress` gets its messages meanwhile.
 
     Raises:
-        NotReady, TimeUp: it does not come to know it in time.
+        NotReady, TimeUp: it has no position in time.
     """
     state, until_s = vehicle.state, vehicle.line.now() + vehicle.ready_s
-    hinders = ""
+    reason = ""
     try:
         while vehicle.home() is None:
-            hinders = "; ".join(("the vehicle does not know yet where it is", *dict.fromkeys(state.warnings)))
-            progress(0.0, hinders)
+            reason = "; ".join(("the vehicle has no position yet", *dict.fromkeys(state.warnings)))
+            progress(0.0, reason)
             if vehicle.line.now() > until_s:
-                raise NotReady(f"not ready after {vehicle.ready_s:.0f} s: {hinders}", hint="has it GPS reception?")
+                raise NotReady(f"not ready after {vehicle.ready_s:.0f} s: {reason}", hint="check its GPS reception")
             state.warnings.clear()
     except TimeUp as late:
-        raise TimeUp(f"{late}: {hinders}" if hinders else str(late), late.hint) from None
+        raise TimeUp(f"{late}: {reason}" if reason else str(late), late.hint) from None
 
 
 def expect_fit(vehicle: Vehicle, mission: Mission, anyway: bool = False) -> tuple[str, ...]:
-    """Check a mission as this vehicle would meet it. Nothing is sent.
+    """Check a mission against this vehicle. Sends nothing.
 
     Args:
-        vehicle: at the other end of a link, as `connect` finds it.
-        mission: what it is to fly.
-        anyway: what fails a check is among the remarks, but a version that was not measured.
+        vehicle: at the other end of a link, from `connect`.
+        mission: to fly.
+        anyway: return failed checks as remarks, except a firmware version that was not measured.
 
     Returns:
         Remarks for the user.
 
     Raises:
-        Unsafe, FarFromHome, OutsideOwnFence: it would crash, be refused or be broken off.
+        Unsafe, FarFromHome, OutsideOwnFence: it would crash, be refused or be aborted.
         MissionError: it was made for another autopilot.
 
     Example:
@@ -178,12 +178,12 @@ def expect_fit(vehicle: Vehicle, mission: Mission, anyway: bool = False) -> tupl
     if mission.autopilot is not vehicle.autopilot and not anyway:
         raise MissionError(
             f"the mission was made for {mission.autopilot}, and the vehicle is {vehicle.autopilot}: "
-            "its path and its time would be others",
+            "its path and its time would differ",
             hint=f"make it for {vehicle.autopilot} (--autopilot {vehicle.autopilot}), or send it with --anyway",
             code="other-autopilot",
         )
-    aboard, unsaid = check_aboard(mission, vehicle.autopilot, vehicle.firmware_version())
-    findings = (*unsaid, *check_mission(aboard))
+    aboard, remarks_aboard = check_aboard(mission, vehicle.autopilot, vehicle.firmware_version())
+    findings = (*remarks_aboard, *check_mission(aboard))
     refuse_errors([finding for finding in findings if not anyway or finding.code == NOT_MEASURED])
     there = _home_of(vehicle)
     return (
@@ -194,11 +194,11 @@ def expect_fit(vehicle: Vehicle, mission: Mission, anyway: bool = False) -> tupl
 
 
 def _compare_fence(mission: Mission, vehicle: Vehicle, there: Geodetic | None, anyway: bool) -> tuple[str, ...]:
-    """Hold the mission against the fence that the vehicle has by its own parameters."""
+    """Compare the mission with the fence that the vehicle's own parameters set."""
     try:
         fence = vehicle.autopilot.own_fence(vehicle.parameters(vehicle.autopilot.own_fence_by))
     except NoAnswer:
-        return ("the vehicle does not tell whether it has a fence of its own: nobody compared the mission with it",)
+        return ("the vehicle does not report its own fence: the mission was not compared with it",)
     if fence is None or refusals(mission):
         return ()
     wrong = breaches(replace(mission, autopilot=vehicle.autopilot), fence, there or mission.home)
@@ -216,10 +216,10 @@ def _home_of(vehicle: Vehicle) -> Geodetic | None:
 
 def _compare_home(mission: Mission, there: Geodetic | None, anyway: bool) -> tuple[str, ...]:
     if there is None:
-        return ("the vehicle does not say where its home is: nobody compared it with the mission's",)
+        return ("the vehicle does not report its home: it was not compared with the mission's",)
     log.info("the vehicle's home: %.6f, %.6f, %.1f m AMSL", there.latitude_deg, there.longitude_deg, there.altitude)
     remarks = compare_homes(mission, there, anyway)
     wrong = refusals(replace(mission, home=replace(there, altitude=mission.home.altitude)))
     if wrong and not anyway:
-        raise Unsafe("\n".join(f"from where the vehicle stands: {words}" for words in wrong))
+        raise Unsafe("\n".join(f"from the vehicle's position: {words}" for words in wrong))
     return (*remarks, *wrong)

@@ -1,4 +1,4 @@
-"""The one safe way to put a mission on a vehicle, and to fly it: what the command line, the studio and users call."""
+"""Upload and fly a mission by the one safe procedure of the command line, the studio and users."""
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext, suppress
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 class Stage(StrEnum):
-    """Where a flight is, from the first look at the vehicle until it stands again."""
+    """The stages of a flight, from the first look at the vehicle until it is on the ground again."""
 
     POSITION = "waiting for a position"
     CHECK = "checking the mission against the vehicle"
@@ -36,7 +36,7 @@ class Stage(StrEnum):
     FLIGHT = "flying"
 
 
-#: What is to be shown, and said where it breaks off, while each stage lasts.
+#: Called with each stage; returns a context that shows the stage's progress.
 Stages: TypeAlias = Callable[[Stage], AbstractContextManager[Progress]]
 
 
@@ -44,31 +44,31 @@ Remark: TypeAlias = Callable[[str], None]
 
 
 def unheard(words: str) -> None:
-    """Nobody is told."""
+    """Ignore a remark."""
 
 
 def unseen(stage: Stage) -> AbstractContextManager[Progress]:
-    """Nothing is shown of any stage."""
+    """Show nothing of a stage."""
     return nullcontext(silent)
 
 
 def upload_mission(
     vehicle: Vehicle, mission: Mission, *, anyway: bool = False, stages: Stages = unseen
 ) -> tuple[str, ...]:
-    """Check a mission as this very vehicle would meet it, upload it and verify each list.
+    """Check a mission against this very vehicle, upload it, and verify each list.
 
     Args:
-        vehicle: at the other end of a link, as `connect` finds it.
+        vehicle: at the other end of a link, from `connect`.
         mission: for this vehicle's autopilot, unless `anyway`.
-        anyway: what fails a check is among the remarks, and the mission is sent all the same.
-        stages: told of each stage; what it gives shows how far that is.
+        anyway: return failed checks as remarks, and upload all the same.
+        stages: called with each stage; returns a context that shows its progress.
 
     Returns:
-        Remarks for the user: warnings of the check, parameters that the vehicle has otherwise, a fence that is off.
+        Remarks for the user: warnings, parameters that differ on the vehicle, a disabled fence.
 
     Raises:
-        Unsafe, FarFromHome, OutsideOwnFence: it would crash, be refused or broken off; nothing was sent.
-        MissionError: it was made for another autopilot; or it is not on the vehicle, as `Vehicle.upload` says.
+        Unsafe, FarFromHome, OutsideOwnFence: it would crash, be refused or be aborted; nothing was sent.
+        MissionError: it was made for another autopilot; or it is not on the vehicle, see `Vehicle.upload`.
 
     Example:
         >>> from ipoa_mission import connect, read_mission, upload_mission
@@ -83,12 +83,12 @@ def upload_mission(
 def _put(
     vehicle: Vehicle, mission: Mission, anyway: bool, stages: Stages, is_flown: bool = False
 ) -> tuple[tuple[str, ...], tuple[OtherValue, ...], tuple[str, ...]]:
-    """As `upload_mission`, with the parameters apart that the vehicle has otherwise, or lacks."""
+    """Upload as `upload_mission`; also return the parameters that differ or are missing on the vehicle."""
     with stages(Stage.CHECK):
         remarks = expect_fit(vehicle, mission, anyway)
         left = left_lists(vehicle, mission)
         if is_flown and not anyway and MissionType.RALLY in left:
-            hint = "clear what it holds (ipoa-mission clear), or fly with --anyway"
+            hint = "clear its lists (ipoa-mission clear), or fly with --anyway"
             raise MissionError(left[MissionType.RALLY], hint, code="other-rally-points")
     with stages(Stage.UPLOAD) as show:
         vehicle.upload(replace(mission, autopilot=vehicle.autopilot) if anyway else mission, show, checked=False)
@@ -100,15 +100,15 @@ def _put(
 
 
 def left_lists(vehicle: Vehicle, mission: Mission) -> dict[MissionType, str]:
-    """What to say of a fence or rally points that the vehicle holds of another mission, where this one has none."""
+    """Report a fence or rally points of another mission on the vehicle, if this one has none."""
     left: dict[MissionType, str] = {}
     for kind, own, words in (
         (MissionType.RALLY, mission.rally, "rally points of another mission: RTL flies to one of them"),
         (MissionType.FENCE, mission.fence, "a fence of another mission: it may end the flight"),
     ):
-        with suppress(MissionError):  # a vehicle may know no such list
+        with suppress(MissionError):  # a vehicle may not support the list
             if not own and vehicle.download_items(kind):
-                left[kind] = f"the vehicle holds {words}, and nobody looked at that"
+                left[kind] = f"the vehicle holds {words}, and that was not checked"
     return left
 
 
@@ -123,29 +123,28 @@ def fly_mission(
     stages: Stages = unseen,
     remark: Remark = unheard,
 ) -> FlightRecord:
-    """Upload a mission, make the vehicle ready, arm it, start it, and watch it until it stands again.
+    """Upload a mission, prepare, arm and start the vehicle, and watch it until it is on the ground again.
 
-    Position and progress are compared with the forecast. At the first deviation the vehicle is ordered what
-    `vehicle.conformance.on_deviation` says, to hold by default; once it holds, the watching ends.
+    Position and progress are compared with the forecast. At the first deviation the vehicle gets the order in
+    `vehicle.conformance.on_deviation`, by default to hold. Once it holds, the watch ends.
 
     Args:
         vehicle: on the ground and disarmed.
         mission: for its autopilot, unless `anyway`.
-        scenario: in whose world the way from where the vehicle stands is looked at.
-        first: the index in `mission.items` of the item to begin with.
-        anyway: what fails a check is told to `remark`, and it is flown all the same.
-        set_params: write the parameters that the mission was made for, where the vehicle has others.
-        stages: told of each stage; what it gives shows how far that is.
-        remark: told what the user should know, as it is found.
+        scenario: world in which the way from the vehicle's position is checked.
+        first: index in `mission.items` of the first item.
+        anyway: pass failed checks to `remark`, and fly all the same.
+        set_params: write the mission's parameters where the vehicle's differ.
+        stages: called with each stage; returns a context that shows its progress.
+        remark: called with notes for the user as they arise.
 
     Returns:
         When its items were reached, its path, whether it completed, and its deviations from the forecast.
 
     Raises:
-        NotReady: it is armed already, does not know where it is, or cannot be armed; with its own reasons.
-        FastLanding, LowBattery, NotAtStart, Unsafe, FarFromHome, OutsideOwnFence: a check says no, and nothing was
-            armed.
-        MissionError: as `upload_mission` and `Vehicle.start`, or the vehicle was lost; or it holds rally points of
+        NotReady: it is armed already, has no position, or cannot be armed; with its own reasons.
+        FastLanding, LowBattery, NotAtStart, Unsafe, FarFromHome, OutsideOwnFence: a check failed; nothing was armed.
+        MissionError: as `upload_mission` and `Vehicle.start`; or the vehicle was lost; or it holds rally points of
             another mission, and this one has none.
 
     Example:
@@ -170,7 +169,7 @@ def fly_forecast(
     stages: Stages = unseen,
     remark: Remark = unheard,
 ) -> FlightRecord:
-    """As `fly_mission`, of a mission whose flight is forecast already."""
+    """Fly a mission as `fly_mission`, with its given forecast."""
     own = load_mission(vehicle, forecast, anyway=anyway, set_params=set_params, stages=stages, remark=remark)
     return begin_mission(vehicle, own, first=first, anyway=anyway, stages=stages, remark=remark)
 
@@ -184,10 +183,10 @@ def load_mission(
     stages: Stages = unseen,
     remark: Remark = unheard,
 ) -> Forecast:
-    """The first half of `fly_forecast`: all until the mission is on a vehicle that stands and knows where it is.
+    """Run the first half of `fly_forecast`: until the mission is on a vehicle that knows its position.
 
     Returns:
-        The forecast with the vehicle's own values of the parameters that the mission names.
+        The forecast with the vehicle's own values of the mission's parameters.
     """
     mission = forecast.given
     vehicle.expect_on_ground()
@@ -195,10 +194,10 @@ def load_mission(
         await_home(vehicle, show)
     if set_params:
         _set_parameters(vehicle, mission, remark)
-    if not anyway:  # also of what was set: a vehicle may lack it, or have lost it again
+    if not anyway:  # after setting parameters too: the vehicle may lack one, or lose it
         expect_slow_landing(vehicle, forecast)
     remarks, others, lacking = _put(vehicle, mission, anyway, stages, is_flown=True)
-    with suppress(NoAnswer):  # it does not tell
+    with suppress(NoAnswer):  # no parameter reply
         vehicle.absence.meanwhile = without_station(vehicle, vehicle.firmware_version())
     for words in (*remarks, *(f"{other}: --set-params writes it" for other in others), *lacking):
         remark(words)
@@ -217,19 +216,19 @@ def begin_mission(
     stages: Stages = unseen,
     remark: Remark = unheard,
 ) -> FlightRecord:
-    """The second half of `fly_forecast`: the vehicle is made ready, armed, started and watched."""
+    """Run the second half of `fly_forecast`: prepare, arm, start and watch the vehicle."""
 
     def permit(there: Geodetic) -> None:
         if not anyway:
             expect_charge(vehicle, forecast, first)
         try:
-            told = check_start(forecast, first, there)
+            notes = check_start(forecast, first, there)
         except NotAtStart as elsewhere:
             if not anyway:
                 elsewhere.hint = f"{elsewhere.hint}; or begin there with --anyway"
                 raise
-            told = (str(elsewhere),)
-        for words in told:
+            notes = (str(elsewhere),)
+        for words in notes:
             remark(words)
 
     with stages(Stage.READY) as show:
@@ -242,7 +241,7 @@ def begin_mission(
 
 
 def _monitor(vehicle: Vehicle, forecast: Forecast, first: int, remark: Remark) -> "ConformanceMonitor | None":
-    """Return what a flight that begins with item `first` is compared with; None, and a remark, where nobody knows."""
+    """Return the monitor of a flight that begins with item `first`, or None and a remark without a forecast."""
     from ipoa_mission.forecast.conformance import ConformanceMonitor
 
     mission = forecast.given

@@ -1,4 +1,4 @@
-"""A survey from its scenario to its files: one mission for each flight, and one NAME.json about them all."""
+"""Plan a survey from its scenario to its files: one mission for each flight, and one NAME.json."""
 
 import logging
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -37,20 +37,20 @@ from ipoa_mission.world.frame import Geodetic
 if TYPE_CHECKING:
     from ipoa_mission.logs.flight_log import FlightLog
 
-#: A log of what was flown, or such a log of several vehicles with the system id of one.
+#: A log of a flight, or a log of several vehicles with the system id of one.
 Flown: TypeAlias = str | Path | tuple[str | Path, int]
-UNSURE = "battery-unsure"  # the code of a finding
+UNSURE_CODE = "battery-unsure"  # code of a finding
 log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, repr=False)
 class Survey:
-    """A planned survey, ready to be flown; `plan_survey` makes it.
+    """A planned survey, ready to fly; `plan_survey` makes it.
 
     Attributes:
-        plan: its lines, what they see, and its flights.
-        seed: what the random numbers began with.
-        remarks: what the user should know.
+        plan: its lines, their coverage, and its flights.
+        seed: of the random numbers.
+        remarks: notes for the user.
     """
 
     plan: SurveyPlan
@@ -62,46 +62,46 @@ class Survey:
 
     @property
     def name(self) -> str:
-        """The scenario's, and that of the files."""
+        """Return the name of the scenario and of the files."""
         return self.plan.scenario.name
 
     @property
     def flights(self) -> tuple[Forecast, ...]:
-        """How each of its missions is expected to be flown, in the order flown."""
+        """Return the forecasts of its missions, in flight order."""
         return tuple(flight.forecast for flight in self.plan.flights)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What the files of each flight are called: NAME, or NAME-1, NAME-2, ... where there are several."""
+        """Return the file names of its flights: NAME, or NAME-1, NAME-2, ... for several."""
         count = len(self.flights)
         return (self.name,) if count == 1 else tuple(f"{self.name}-{n}" for n in range(1, count + 1))
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Those of the remarks that are no findings of a check of one of its flights."""
-        warned = {*_told_of_flights(self.plan, _warned), *_more_flights(self.plan)}
+        """Return the remarks that are no findings of a flight's check."""
+        warned = {*_messages_of_flights(self.plan, _warned), *_more_flights(self.plan)}
         return tuple(words for words in self.remarks if words not in warned)
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What the checks of its flights found: the warnings, then their hints, each as a line."""
-        messages = _told_of_flights(self.plan, lambda flight: (finding.message for finding in flight.findings))
-        hints = (*_told_of_flights(self.plan, _hints), *_more_flights(self.plan))
+        """Return the findings of its flights' checks: the warnings, then their hints, each as a line."""
+        messages = _messages_of_flights(self.plan, lambda flight: (finding.message for finding in flight.findings))
+        hints = (*_messages_of_flights(self.plan, _hints), *_more_flights(self.plan))
         return (*(f"warning: {words}" for words in messages), *(f"hint: {words}" for words in hints))
 
     def _notes_of(self, flight: SurveyFlight) -> tuple[str, ...]:
-        of_flights, own = {*_told_of_flights(self.plan, _repairs)}, tuple(_repairs(flight))
+        of_flights, own = {*_messages_of_flights(self.plan, _repairs)}, tuple(_repairs(flight))
         return (*own, *(words for words in self.notes if words not in of_flights))
 
     @property
     def total_s(self) -> float:
-        """How long all flights take together [s]."""
+        """Return the total time of all flights [s]."""
         return sum(forecast.estimate.total_s for forecast in self.flights)
 
     def write(self, folder: str | Path = ".") -> tuple[Path, ...]:
-        """Write the .plan and .waypoints of each flight, what they are about beside them, and NAME.json about all.
+        """Write the .plan and .waypoints of each flight, its .json, and NAME.json for the survey.
 
-        The folder is made if it is not there. The same survey gives the same bytes.
+        Makes a missing folder. The same survey gives the same bytes.
 
         Raises:
             BadInput: the folder cannot be made or written.
@@ -120,7 +120,7 @@ class Survey:
         return tuple(written)
 
     def summary(self) -> dict[str, object]:
-        """What NAME.json holds: metres, seconds, watt hours."""
+        """Return the contents of NAME.json in meters, seconds and watt hours."""
         plan, first = self.plan, self.flights[0]
         firmware = first.mission.autopilot.facts(first.mission.firmware_version)
         return {
@@ -136,7 +136,7 @@ class Survey:
         }
 
     def report(self, folder: str | Path = ".") -> tuple[Path, ...]:
-        """Write the page of each flight, each with what all of them see; where there are several, one of all first.
+        """Write the page of each flight with the survey's coverage; for several flights first a page of all.
 
         Raises:
             BadInput: a file cannot be written.
@@ -157,7 +157,7 @@ class Survey:
 
 
 def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
-    """What a survey comes to, for machines."""
+    """Return the results of a survey for NAME.json."""
     seen, sight, flown = plan.coverage, plan.sight, plan.flown
     return {
         "lines": len(plan.tour.swaths),
@@ -188,7 +188,7 @@ def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
 
 
 def _start_as_json(plan: SurveyPlan, flight: SurveyFlight) -> dict[str, float]:
-    """Where a flight takes off and lands, in metres from the scenario's home and in degrees."""
+    """Return the take-off and landing place of a flight, in meters from the scenario's home and in degrees."""
     (east, north), home = plan.begin_of(flight), flight.forecast.mission.home
     return {
         "east": rounded(east),
@@ -199,7 +199,7 @@ def _start_as_json(plan: SurveyPlan, flight: SurveyFlight) -> dict[str, float]:
 
 
 def _overlap_as_json(plan: SurveyPlan) -> dict[str, Any] | None:
-    """The smallest overlaps, where they are and what was asked; None without a camera."""
+    """Return the smallest overlaps, their places and the requested ones, or None without a camera."""
     if (found := plan.overlaps) is None:
         return None
     asked = plan.sight.overlaps
@@ -212,7 +212,7 @@ def _overlap_as_json(plan: SurveyPlan) -> dict[str, Any] | None:
 
 
 def _about(forecast: Forecast) -> dict[str, Any]:
-    """One mission: what it keeps, how long it takes, and what reading it again needs."""
+    """Return the clearance and time of a mission, and the values that reading it again needs."""
     mission, energy, ground = forecast.mission, forecast.energy, landing_height(forecast.mission)
     return {
         "firmware": mission.autopilot.facts(mission.firmware_version),
@@ -239,27 +239,26 @@ def plan_survey(
     progress: Progress = silent,
     **asked: Any,
 ) -> Survey:
-    """Plan the lines that see an area, and the flights that fly them: proved, checked, timed, split by battery.
+    """Plan the lines that see an area, and the flights that fly them: checked, timed, split by battery.
 
     Args:
-        area: corners as `polygon` of [survey] has them, or a map with polygons; left out, what the scenario's own
-            [survey] says counts, and `asked` goes before it.
-        camera: by name or by its numbers, as `camera` of [survey]; None: none takes photos.
+        area: corners as `polygon` of [survey], or a map with polygons. If None, the scenario's own [survey] counts,
+            with `asked` in place of its keys.
+        camera: by name or by its numbers, as `camera` of [survey]; None: no photos.
         scenario: home, world, vehicle and limits.
-        wind: goes before the scenario's own.
-        seed: what the random numbers begin with; the same scenario, seed and wind give the same survey.
-        flown: logs (`.tlog`, `.bin`, `.ulg`) of what was flown of the same survey before: what is left of it is
-            planned, from a little before where it was left, and is called NAME-rest. Of several vehicles in a
-            `.tlog` the first multicopter counts, or that of a pair (log, system id).
-        progress: told the share done and some words.
+        wind: replaces the scenario's.
+        seed: of the random numbers; the same scenario, seed and wind give the same survey.
+        flown: logs (`.tlog`, `.bin`, `.ulg`) of earlier flights of the same survey. The rest is planned, with some
+            overlap, as NAME-rest. Of several vehicles in a `.tlog` the first multicopter counts, or that of a pair
+            (log, system id).
+        progress: called with the share done and a message.
         asked: any other key of [survey], such as `line_spacing`, `height_above_ground`, `gsd_cm`, `direction_deg`.
 
     Returns:
         The survey, whose `write` makes the files.
 
     Raises:
-        BadInput: naming the key, or the map, and the place in it that makes no sense; or nothing is
-            left, or was flown of it.
+        BadInput: naming the wrong key, or the map and the place in it; or nothing is left, or nothing was flown.
         NoPath, NoRoute: obstacles leave nothing of the area, or no safe way was found.
         NotEnoughBattery: a line cannot be reached and left again with the reserve.
         Unsafe: a mission fails a check.
@@ -276,7 +275,7 @@ def plan_survey(
         scenario = _asking(scenario, area, camera, asked)
     scenario = scenario if wind is None else scenario.in_wind(wind)
     expect_plannable(scenario)
-    with threadpool_limits(1, "blas"):  # on matrices this small threads only wait, and round by their number
+    with threadpool_limits(1, "blas"):  # on small matrices more threads only wait, and round differently
         plan = plan_flights(scenario, seed, progress)
         if flown:
             whole = plan
@@ -290,19 +289,19 @@ def plan_survey(
 
 
 def _flown_log(given: Flown) -> tuple[str, "FlightLog"]:
-    from ipoa_mission.logs.flight_log import read_flights  # and with it all that a link speaks
+    from ipoa_mission.logs.flight_log import read_flights  # imports all of the link
 
     log, system = given if isinstance(given, tuple) else (given, None)
     return str(log), read_flights(log, system)
 
 
 def _of_logs(logs: Sequence[tuple[str, "FlightLog"]]) -> Iterator[str]:
-    """What their readers say of logs."""
+    """Return the remarks of the logs' readers."""
     yield from (f"{name}: {remark}" for name, log in logs for remark in log.remarks)
 
 
 def _paths(log: "FlightLog", scenario: Scenario) -> Iterator[Points]:
-    """Where the flights in a log went in the mission mode, (n, 3) each, heights over home."""
+    """Return the paths of a log's flights in mission mode, (n, 3) each, heights above home."""
     for flight in log.flights:
         places = [(one.latitude_deg, one.longitude_deg, one.height) for one in flight.flown_in_mission()]
         if places:
@@ -312,19 +311,19 @@ def _paths(log: "FlightLog", scenario: Scenario) -> Iterator[Points]:
 
 
 def _flown_words(whole: SurveyPlan, rest: SurveyPlan, logs: Sequence[str]) -> str:
-    """How much of it was flown; raises BadInput where nothing was."""
+    """Report how much was flown; raise BadInput if nothing was."""
     every, left = (sum(swath.length for swath in plan.tour.swaths) for plan in (whole, rest))
     if left >= every:
-        raise BadInput("nothing in it was flown along the lines of this survey", place=", ".join(logs))
+        raise BadInput("no flight in it follows the lines of this survey", place=", ".join(logs))
     source = "the log" if len(logs) == 1 else "the logs"
     return f"by {source}, {every - left:.0f} m of {every:.0f} m of lines were flown before"
 
 
 def _elsewhere(whole: SurveyPlan, paths: Mapping[str, list[Points]]) -> Iterator[str]:
-    """Which of the logs are of something else."""
+    """Report the logs of something else."""
     for log, flown in paths.items():
         if not any(is_along(whole.tour, path, whole.sight, whole.scenario.airspace.ground) for path in flown):
-            yield f"{log}: nothing in it was flown along the lines of this survey"
+            yield f"{log}: no flight in it follows the lines of this survey"
 
 
 def _asking(scenario: Scenario, area: Any, camera: Any, asked: Mapping[str, Any]) -> Scenario:
@@ -347,13 +346,13 @@ def _asking(scenario: Scenario, area: Any, camera: Any, asked: Mapping[str, Any]
     return asking
 
 
-def _told_of_flights(plan: SurveyPlan, told: Callable[[SurveyFlight], Iterable[str]]) -> Iterator[str]:
-    """What is told of the flights, each thing once: of which it is said, where it is not of all of several."""
-    of = dict[str, list[int]]()
+def _messages_of_flights(plan: SurveyPlan, messages_of: Callable[[SurveyFlight], Iterable[str]]) -> Iterator[str]:
+    """Return messages of the flights without repeats, prefixed with flight numbers where not all have them."""
+    flights_by_words = dict[str, list[int]]()
     for n, flight in enumerate(plan.flights, 1):
-        for words in dict.fromkeys(told(flight)):
-            of.setdefault(words, []).append(n)
-    for words, numbers in of.items():
+        for words in dict.fromkeys(messages_of(flight)):
+            flights_by_words.setdefault(words, []).append(n)
+    for words, numbers in flights_by_words.items():
         some = f"flight{'s' * (len(numbers) > 1)} {', '.join(map(str, numbers))}: "
         yield words if len(numbers) == len(plan.flights) else some + words
 
@@ -367,8 +366,8 @@ def _hints(flight: SurveyFlight) -> Iterator[str]:
 
 
 def _more_flights(plan: SurveyPlan) -> tuple[str, ...]:
-    """Offer one flight more where one of them may land on its reserve."""
-    unsure = any(finding.code == UNSURE for flight in plan.flights for finding in flight.findings)
+    """Suggest one more flight if one of them may land on its reserve."""
+    unsure = any(finding.code == UNSURE_CODE for flight in plan.flights for finding in flight.findings)
     offer = unsure and plan.section.starts is None
     return () if not offer else (f"flights = {len(plan.flights) + 1} under [survey] leaves more in each battery",)
 
@@ -382,15 +381,15 @@ def _repairs(flight: SurveyFlight) -> Iterator[str]:
 
 
 def _remarks(plan: SurveyPlan, asked: Scenario) -> Iterator[str]:
-    yield from _told_of_flights(plan, _warned)
+    yield from _messages_of_flights(plan, _warned)
     yield from _more_flights(plan)
     if (speed := plan.scenario.vehicle.cruise_speed) != asked.vehicle.cruise_speed:
         yield f"flown at {speed:g} m/s: at {asked.vehicle.cruise_speed:g} m/s flights would come too near"
     if plan.overlaps is not None:
         yield from plan.overlaps.falls_short(*plan.sight.overlaps)
-    yield from _told_of_flights(plan, _repairs)
+    yield from _messages_of_flights(plan, _repairs)
     starts, used = () if plan.section.starts is None else plan.section.starts, {one.start for one in plan.flights}
     for n in range(len(starts)):
         if n not in used:
-            yield f"survey.starts[{n}]: no flight begins there: the others are nearer, or quicker"
+            yield f"survey.starts[{n}]: no flight begins there: the other start places are nearer, or quicker"
     yield from plan.scenario.remarks

@@ -1,4 +1,4 @@
-"""The files of a planned mission: written, and which of those that are there are nobody's plan, or were changed."""
+"""Write the files of a planned mission, and find files that were changed or are not ours."""
 
 import json
 from collections.abc import Mapping
@@ -19,9 +19,9 @@ PAGE_MARK = '<meta name="generator" content="ipoa-mission">'
 def write_files(
     mission: Mission, folder: Path, name: str, about: Mapping[str, Any] | None = None
 ) -> tuple[tuple[Path, ...], dict[str, str]]:
-    """Write NAME.plan, NAME.waypoints, NAME.params if it has parameters, and NAME.json if there is something about it.
+    """Write NAME.plan and NAME.waypoints, NAME.params if it has parameters, and NAME.json if `about` is given.
 
-    All or none. They come back, with the digests of the first two, which NAME.json has as well.
+    Writes all or none. Return them, with the digests of the first two, which NAME.json has too.
 
     Raises:
         BadInput: one cannot be written.
@@ -35,13 +35,13 @@ def write_files(
     return (*contents, *([beside(plan)] if mission.parameters else [])), digests
 
 
-def as_text(told: Mapping[str, Any]) -> str:
-    """The text of NAME.json."""
-    return json.dumps(told, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+def as_text(contents: Mapping[str, Any]) -> str:
+    """Return the text of NAME.json."""
+    return json.dumps(contents, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def not_as_written(folder: Path, name: str, report: bool = False) -> list[Path]:
-    """NAME.plan, NAME.waypoints, NAME.json (and the page, NAME.html) that `Flight.write` did not leave like this."""
+    """Return the NAME.plan, NAME.waypoints, NAME.json (and NAME.html) that `Flight.write` did not write so."""
     about = folder / f"{name}.json"
     digests = written_with(about)
     missions = (folder / f"{name}{suffix}" for suffix in MISSIONS)

@@ -13,7 +13,7 @@ from ipoa_mission.studio.answers import Remedy
 from ipoa_mission.studio.area_edits import depth_of
 from ipoa_mission.studio.area_view import ring_name
 from ipoa_mission.studio.requests import Change, Put, Take
-from ipoa_mission.survey.keep_out import SPARE, keep_out, tube
+from ipoa_mission.survey.keep_out import SPARE, keep_out, survey_bound
 from ipoa_mission.survey.sight import sight_of
 from ipoa_mission.world.obstacles import Obstacle
 
@@ -86,7 +86,8 @@ def _height_over(body: Obstacle, scenario: Scenario) -> float:
     """How high above the lowest ground round it one must fly to pass over something [m]."""
     (west, south, _), (east, north, top) = body.bounds.tolist()
     ground = scenario.airspace.ground(np.array([[west, south], [west, north], [east, south], [east, north]]))
-    return float(top) - float(ground.min()) + float(scenario.limits.obstacle_distance) + tube(scenario).down + 2 * SPARE
+    clearance = float(scenario.limits.obstacle_distance) + survey_bound(scenario).down
+    return float(top) - float(ground.min()) + clearance + 2 * SPARE
 
 
 def area_remedies(error: MissionError, table: Mapping[str, Any]) -> Iterator[Remedy]:

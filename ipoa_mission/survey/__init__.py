@@ -1,1 +1,1 @@
-"""From an area to the quickest order of lines over it, and how much of it they see."""
+"""Plan the quickest order of lines over an area, and compute how much of it they see."""

@@ -1,6 +1,6 @@
-"""What must be fast, compiled: how long a path takes, who sees whom, the ways between the ends of lines.
+"""Compute path times, lines of sight and ways between line ends, compiled.
 
-Line k has the ends 2k and 2k+1; one that is entered at end e is left at e ^ 1. A `Clock` says how long all takes.
+Line k has the ends 2k and 2k+1. A line entered at end e is left at e ^ 1. A `Clock` gives the times.
 """
 
 # mypy: disable-error-code="no-untyped-def,misc"
@@ -13,13 +13,13 @@ from ipoa_mission.compiled import njit
 
 NO_WAY = 1e9  # [s]
 DIRECT, NONE = -1, -2
-BESIDE = 0.05  # [m]
-BOXED = 8  # edges, one after the other, that are looked at together first
+TOUCH_TOLERANCE = 0.05  # [m]
+BOX_EDGES = 8  # edges, one after the other, that are looked at together first
 
 
 @njit(cache=True, error_model="numpy")
 def seconds_of(clock, east, north):
-    """How long a straight leg takes at the speed that was asked for."""
+    """Return the time of a straight leg at the requested speed [s]."""
     length = math.sqrt(east * east + north * north)
     count = clock.pace.size
     if count == 1:
@@ -32,7 +32,7 @@ def seconds_of(clock, east, north):
 
 @njit(cache=True, error_model="numpy")
 def corner_at(clock, cosine, length):
-    """What a corner between legs, the shorter one so long, costs beyond their lengths [s]."""
+    """Return the time a corner adds [s]; `length` is the shorter of its two legs."""
     angles, lengths = clock.corner.shape
     a = math.acos(min(max(cosine, -1.0), 1.0)) / math.pi * (angles - 1)
     i = min(int(a), angles - 2)
@@ -45,7 +45,7 @@ def corner_at(clock, cosine, length):
 
 @njit(cache=True, error_model="numpy")
 def path_seconds(clock, path):
-    """How long a polyline (n, 2) takes, corners counted, at its ends at speed."""
+    """Return the time of a polyline (n, 2) flown at speed at both ends, with its corners [s]."""
     total, before, was_e, was_n = 0.0, 0.0, 0.0, 0.0
     for k in range(len(path) - 1):
         e, n = path[k + 1, 0] - path[k, 0], path[k + 1, 1] - path[k, 1]
@@ -61,11 +61,11 @@ def path_seconds(clock, path):
 
 @njit(cache=True, error_model="numpy")
 def _boxes(edges):
-    """What each `BOXED` edges (m, 4), one after the other, lie in: west, east, south, north (k, 4)."""
-    boxes = np.empty(((len(edges) + BOXED - 1) // BOXED, 4))
+    """Return the bounds of each `BOX_EDGES` successive edges (m, 4): west, east, south, north (k, 4)."""
+    boxes = np.empty(((len(edges) + BOX_EDGES - 1) // BOX_EDGES, 4))
     for box in range(len(boxes)):
         boxes[box] = np.inf, -np.inf, np.inf, -np.inf
-        for k in range(box * BOXED, min((box + 1) * BOXED, len(edges))):
+        for k in range(box * BOX_EDGES, min((box + 1) * BOX_EDGES, len(edges))):
             boxes[box, 0] = min(boxes[box, 0], edges[k, 0], edges[k, 2])
             boxes[box, 1] = max(boxes[box, 1], edges[k, 0], edges[k, 2])
             boxes[box, 2] = min(boxes[box, 2], edges[k, 1], edges[k, 3])
@@ -75,12 +75,12 @@ def _boxes(edges):
 
 @njit(cache=True, error_model="numpy")
 def _is_clear(edges, boxes, px, py, qx, qy):
-    """Whether a segment crosses no edge (m, 4); one that just touches an edge's begin counts as crossing."""
+    """Return whether a segment crosses no edge (m, 4). Touching the begin of an edge counts as crossing."""
     west, east, south, north = min(px, qx), max(px, qx), min(py, qy), max(py, qy)
     for box in range(len(boxes)):
         if boxes[box, 1] < west or boxes[box, 0] > east or boxes[box, 3] < south or boxes[box, 2] > north:
             continue
-        for k in range(box * BOXED, min((box + 1) * BOXED, len(edges))):
+        for k in range(box * BOX_EDGES, min((box + 1) * BOX_EDGES, len(edges))):
             ax, ay, bx, by = edges[k, 0], edges[k, 1], edges[k, 2], edges[k, 3]
             if max(ax, bx) < west or min(ax, bx) > east or max(ay, by) < south or min(ay, by) > north:
                 continue
@@ -97,7 +97,7 @@ def _is_clear(edges, boxes, px, py, qx, qy):
 
 @njit(cache=True, error_model="numpy")
 def sights(places, others, edges):
-    """Which of the `others` (m, 2) each of the places (n, 2) sees past the edges, (n, m)."""
+    """Return which of the `others` (m, 2) each of the places (n, 2) sees past the edges, (n, m)."""
     seen, boxes = np.empty((len(places), len(others)), np.bool_), _boxes(edges)
     for i in range(len(places)):
         for j in range(len(others)):
@@ -107,20 +107,20 @@ def sights(places, others, edges):
 
 @njit(cache=True, error_model="numpy")
 def _goes_by(arms, corner, east, north):
-    """Whether a way from so far away may touch a corner: what leads along its `arms` is on one side of the way.
+    """Return whether a way in this direction may touch a corner: both `arms` are on one side of it.
 
-    Almost so is enough, as lines may end nearer to what is gone round than corners lie.
+    A way within `TOUCH_TOLERANCE` passes: lines may end nearer to an obstacle than its corners.
     """
     one = east * arms[corner, 1] - north * arms[corner, 0]
     other = east * arms[corner, 3] - north * arms[corner, 2]
-    return one * other >= 0.0 or min(abs(one), abs(other)) <= BESIDE
+    return one * other >= 0.0 or min(abs(one), abs(other)) <= TOUCH_TOLERANCE
 
 
 @njit(cache=True, error_model="numpy")
 def straight_ways(corners, arms, edges):
-    """How far it is straight from each corner (n, 2) to each other that a shortest way may go to from it (n, n) [m].
+    """Return the straight distances between corners (n, 2) that a shortest way may use (n, n) [m].
 
-    NO_WAY where an edge is between, or the way would not go by both; `arms` (n, 4) lead to the corners beside each.
+    NO_WAY where an edge is between, or where the way does not touch both corners. `arms` (n, 4) lead to the neighbors.
     """
     count = len(corners)
     apart, boxes = np.empty((count, count)), _boxes(edges)
@@ -137,7 +137,7 @@ def straight_ways(corners, arms, edges):
 
 @njit(cache=True, error_model="numpy")
 def _near(ends, corners, arms, edges):
-    """How far it is straight from each end (n, 2) to each corner (m, 2) by which ways go from there (n, m) [m]."""
+    """Return the straight distance from each end (n, 2) to each corner (m, 2) that a way may touch (n, m) [m]."""
     away, boxes = np.empty((len(ends), len(corners))), _boxes(edges)
     for i in range(len(ends)):
         for c in range(len(corners)):
@@ -150,7 +150,7 @@ def _near(ends, corners, arms, edges):
 
 @njit(cache=True, error_model="numpy")
 def _lists(apart):
-    """Where less than NO_WAY stands in each row (n, m), one row after the other, and where each row's begin."""
+    """Return the columns of each row (n, m) that hold less than NO_WAY, concatenated, and the begin of each row."""
     begins = np.empty(len(apart) + 1, np.int32)
     begins[0] = 0
     for i in range(len(apart)):
@@ -168,7 +168,7 @@ def _lists(apart):
 
 @njit(cache=True, error_model="numpy")
 def _spread(start, near, between, begins, others, bend, dist, prev):
-    """The shortest ways from one end to all corners, a bend counted as so long, and the corner before each."""
+    """Compute the shortest ways from one end to all corners, with `bend` [m] a corner, and the corner before each."""
     count = near.shape[1]
     done = np.empty(count, np.bool_)
     for c in range(count):
@@ -190,15 +190,15 @@ def _spread(start, near, between, begins, others, bend, dist, prev):
 
 @njit(cache=True, error_model="numpy")
 def ways_between(clock, ends, corners, arms, between, edges, bend):
-    """How long the way takes from each end of a line to each other's (n, n) [s], corners at both ends counted.
+    """Return the times of the ways between all line ends (n, n) [s], with the corners at both ends.
 
-    Returns the times, and to find the ways again: by which corner an end is reached at last (n, n), and by which one
-    that corner was reached (n, corners); DIRECT where by none, NONE where no way was found.
+    Also return what rebuilds the ways: the last corner before an end (n, n) and before a corner (n, corners).
+    DIRECT marks no corner, NONE no way.
     """
     count, many = len(ends), len(corners)
     near, boxes = _near(ends, corners, arms, edges), _boxes(edges)
     begins, others = _lists(between)
-    first, beside = _lists(near)
+    first, near_corners = _lists(near)
     times, last = np.empty((count, count)), np.empty((count, count), np.int16)
     prev = np.empty((count, max(many, 1)), np.int16)
     dist = np.empty(max(many, 1))
@@ -215,12 +215,12 @@ def ways_between(clock, ends, corners, arms, between, edges, bend):
             else:
                 least = NO_WAY
                 for k in range(first[j], first[j + 1]):
-                    through = dist[beside[k]] + near[j, beside[k]]
+                    through = dist[near_corners[k]] + near[j, near_corners[k]]
                     if through < least:
-                        least, last[i, j] = through, beside[k]
+                        least, last[i, j] = through, near_corners[k]
                 if last[i, j] == NONE:
                     continue
-            # Backward from j: the line there, the corners one after the other, the line at i.
+            # Go backward from j: its line, the corners, the line at i.
             in_e, in_n = ends[j ^ 1, 0] - ends[j, 0], ends[j ^ 1, 1] - ends[j, 1]
             length, total, c = math.hypot(in_e, in_n), 0.0, last[i, j]
             x, y = ends[j, 0], ends[j, 1]

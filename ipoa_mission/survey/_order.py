@@ -1,6 +1,6 @@
-"""The search for a quick order of lines, compiled.
+"""Search for a quick order of lines, compiled.
 
-Line k has the ends 2k and 2k+1; one that is entered at end e is left at e ^ 1.
+Line k has the ends 2k and 2k+1. A line entered at end e is left at e ^ 1.
 """
 
 # mypy: disable-error-code="no-untyped-def,misc"
@@ -12,7 +12,7 @@ from ipoa_mission.compiled import njit
 
 @njit(cache=True, error_model="numpy")
 def _sums(entries, times, lines, forth, back):
-    """What the order costs up to each line, flown forth and back; the first and the last of `entries` are no lines."""
+    """Sum the cost up to each line, flown forward and backward. The first and last of `entries` are no lines."""
     forth[1], back[1] = lines[entries[1]], lines[entries[1] ^ 1]
     for k in range(2, len(entries) - 1):
         here, there = entries[k - 1], entries[k]
@@ -22,7 +22,7 @@ def _sums(entries, times, lines, forth, back):
 
 @njit(cache=True, error_model="numpy")
 def _flip(entries, i, j):
-    """Fly lines i to j the other way round."""
+    """Reverse lines i to j."""
     while i <= j:
         entries[i], entries[j] = entries[j] ^ 1, entries[i] ^ 1
         i, j = i + 1, j - 1
@@ -30,11 +30,11 @@ def _flip(entries, i, j):
 
 @njit(cache=True, error_model="numpy")
 def _better(entries, k, times, lines, forth, back):
-    """The best change that begins at line k: its kind (0: none, 1: flip, 2: move, 3: move and flip), and where."""
+    """Return the best change at line k: its kind (0: none, 1: flip, 2: move, 3: move and flip), and its indices."""
     beyond = len(entries) - 1
     best, kind, a, b, c = -1e-7, 0, 0, 0, 0
     before, head = entries[k - 1] ^ 1, entries[k]
-    for i in range(1, k):  # flip what lies between k and another
+    for i in range(1, k):  # reverse the lines between k and another
         y = entries[k + 1]
         delta = times[entries[i - 1] ^ 1, head ^ 1] + times[entries[i], y]
         delta -= times[entries[i - 1] ^ 1, entries[i]] + times[head ^ 1, y]
@@ -47,7 +47,7 @@ def _better(entries, k, times, lines, forth, back):
         delta += (back[j] - back[k] + lines[head ^ 1]) - (forth[j] - forth[k] + lines[head])
         if delta < best:
             best, kind, a, b = delta, 1, k, j
-    for e in range(k, min(k + 3, beyond)):  # move lines k to e elsewhere
+    for e in range(k, min(k + 3, beyond)):  # move lines k to e
         tail, after = entries[e] ^ 1, entries[e + 1]
         out = times[before, after] - times[before, head] - times[tail, after]
         if out > -1e-7:
@@ -69,7 +69,7 @@ def _better(entries, k, times, lines, forth, back):
 
 @njit(cache=True, error_model="numpy")
 def _move(entries, i, e, p):
-    """Put lines i to e behind line p: three flips."""
+    """Move lines i to e behind line p by three flips."""
     if p < i:
         _flip(entries, p + 1, e)
         _flip(entries, p + 1, p + e - i + 1)
@@ -82,7 +82,7 @@ def _move(entries, i, e, p):
 
 @njit(cache=True, error_model="numpy")
 def _descend(entries, times, lines, dirty, forth, back):
-    """Change the order for the better, beginning where it is dirty, until nothing helps; what it costs [s]."""
+    """Apply improving changes from the dirty lines until none is left; return the cost [s]."""
     beyond = len(entries) - 1
     _sums(entries, times, lines, forth, back)
     k, clean = 1, 0
@@ -111,21 +111,21 @@ def _descend(entries, times, lines, dirty, forth, back):
 
 @njit(cache=True, error_model="numpy")
 def search_order(lines_in_order, times, lines, rounds):
-    """A quick order of lines, by the ends at which they are entered (n,), and what it costs [s].
+    """Return a quick order of lines, as the ends at which they are entered (n,), and its cost [s].
 
-    Local search from the given order, kicked until nothing better was found so many times. `times` (2n + 2, 2n + 2) of
-    ways between ends, and from and to two more, where the tour begins and ends; `lines` by their entry (2n,).
+    A local search, perturbed until `rounds` perturbations in a row gain nothing. `times` (2n + 2, 2n + 2) are those of
+    the ways between ends, and of two more ends where the tour begins and ends. `lines` are times by entry (2n,).
     """
     count = len(lines_in_order)
     best, now = np.empty(count + 2, np.int64), np.empty(count + 2, np.int64)
-    best[0], best[count + 1] = 2 * count + 1, 2 * count  # left by the one, entered by the other
+    best[0], best[count + 1] = 2 * count + 1, 2 * count  # the first is only left, the last only entered
     forth, back, dirty = np.empty(count + 2), np.empty(count + 2), np.empty(count + 2, np.bool_)
     for k in range(count):
         best[k + 1] = lines_in_order[k]
     for k in range(count + 2):
         dirty[k] = True
     cost = _descend(best, times, lines, dirty, forth, back)
-    state, failed, reach = 2463534242, 0, min(count, 30)
+    state, failed, window = 2463534242, 0, min(count, 30)
     while failed < rounds and count > 3:
         for k in range(count + 2):
             now[k] = best[k]
@@ -135,9 +135,9 @@ def search_order(lines_in_order, times, lines, rounds):
             state ^= state >> 17
             state ^= (state << 5) & 0xFFFFFFFF
             if n == 0:
-                low = 1 + state % (count - reach + 1)
+                low = 1 + state % (count - window + 1)
                 continue
-            at = low + state % reach
+            at = low + state % window
             if n == 1:
                 i = at
             elif n == 2:
@@ -145,7 +145,7 @@ def search_order(lines_in_order, times, lines, rounds):
             else:
                 i, e, p = min(i, at), max(min(e, at), i), max(e, at)
         if e < p:
-            _move(now, i, e, p)  # two stretches change places
+            _move(now, i, e, p)  # exchange two stretches
         else:
             _flip(now, i, p)
         for m in (i, i + p - e, p + 1):

@@ -1,4 +1,4 @@
-"""What a survey has to see: polygons with holes, which are kept out of, in metres east and north of home."""
+"""The area of a survey: polygons with holes that are kept out of, in meters east and north of home."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -10,14 +10,14 @@ import shapely
 from ipoa_mission.errors import BadInput, InvalidRing, Remedy
 from ipoa_mission.geometry import Points
 
-LEAST_M2 = 1e-3  # a ring that holds less has no area
-INSET = 0.02  # lines and ways keep so far inside, more than a mission's whole 1e-7 degrees are off [m]
-ARC = 64  # segments of a quarter of a circle
+LEAST_M2 = 1e-3  # a smaller ring has no area
+INSET = 0.02  # inset of lines and ways [m], more than the rounding of a mission's coordinates to 1e-7 degrees
+ARC = 64  # segments of a quarter circle
 
 
 @dataclass(frozen=True, eq=False)
 class Area:
-    """One or several polygons that do not meet, with holes; `shape` is a valid `shapely.MultiPolygon` in metres.
+    """One or several disjoint polygons with holes; `shape` is a valid `shapely.MultiPolygon` in meters.
 
     Example:
         >>> field = [[0.0, 0.0], [90.0, 0.0], [90.0, 60.0], [0.0, 60.0]]
@@ -30,7 +30,7 @@ class Area:
 
     @classmethod
     def of(cls, parts: Sequence[Sequence[Sequence[Sequence[float]] | Points]], where: str = "area") -> "Area":
-        """The area of parts that are rings of corners (n, 2), the outer one first, then its holes, as GeoJSON has them.
+        """Return the area of parts, each a list of rings (n, 2): the outer one, then its holes, as in GeoJSON.
 
         A ring may repeat its first corner at its end.
 
@@ -46,11 +46,11 @@ class Area:
         return cls(shapely.MultiPolygon(polygons))
 
     def without(self, keep_out: Any | None) -> Any:
-        """What of it may be flown over where a shapely geometry is kept out of, or nothing."""
+        """Return the area without `keep_out`, both shapely geometries."""
         return self.shape if keep_out is None else self.shape.difference(keep_out)
 
     def visible(self, keep_out: Any | None, width: float) -> Any:
-        """What of it lies within half a width of where lines may be: `INSET` away from what is kept out of."""
+        """Return the part within half a width of permitted lines, which are `INSET` from `keep_out`."""
         if keep_out is None:
             return self.shape
         inner = self.without(keep_out).buffer(-INSET, join_style="mitre")

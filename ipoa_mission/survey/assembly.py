@@ -1,4 +1,4 @@
-"""From some lines to the mission that flies them: there, along them with the camera on, and home."""
+"""Assemble the mission of a tour: out, along the lines with the camera on, and home."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -18,17 +18,17 @@ from ipoa_mission.survey.line_heights import lifted
 from ipoa_mission.survey.qgc_item import survey_item
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.tour import Tour
-from ipoa_mission.survey.transit import SAME, clear_way
+from ipoa_mission.survey.transit import SAME_PLACE, clear_way
 
-STRAIGHT_DOWN = -90.0  # pitch of a gimbal [degrees]
-BY_ANGLES = 2.0  # MAV_MOUNT_MODE_MAVLINK_TARGETING
+PITCH_DOWN_DEG = -90.0  # of the gimbal
+MOUNT_MODE_TARGETING = 2.0  # MAV_MOUNT_MODE_MAVLINK_TARGETING
 
 
 def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mapping[str, float], seed: int) -> Mission:
-    """The mission that flies a tour from home to home.
+    """Return the mission that flies a tour from home to home.
 
     Raises:
-        NoPath, NoRoute: there is no clear way there, or home.
+        NoPath, NoRoute: no clear way leads there, or home.
         MissionError: the vehicle triggers no camera.
         BadInput, Unsafe: as `build_mission`.
     """
@@ -36,7 +36,7 @@ def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mappin
     points, corners = lifted(path, sight, scenario.airspace.ground)
     out = clear_way(scenario.start_point, points[0], scenario, growth, seed)[:-1]
     back = np.zeros((0, 3))
-    if np.linalg.norm(scenario.goal_point - scenario.start_point) > SAME:
+    if np.linalg.norm(scenario.goal_point - scenario.start_point) > SAME_PLACE:
         back = clear_way(points[-1], scenario.goal_point, scenario, growth, seed)[1:]
     built = _built(out, points, back, scenario)
     if scenario.route.ending == "rtl" and not clear_in(scenario)(Forecast(built[0], scenario).ways_home):
@@ -53,11 +53,11 @@ def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mappin
         items[place + 1 : place + 1] = camera
     added = sum(len(camera) for *_, camera in after)
     gimbal = gimbal_items(scenario, mission)
-    items[1:1] = gimbal  # it turns while the vehicle is on its way
+    items[1:1] = gimbal  # the gimbal turns while the vehicle flies to the first line
     first = max(numbers[corners[begins[0]]], 2) + len(gimbal)
     last = numbers[corners[ends[-1]]] + added + len(gimbal)
     flown = replace(mission, items=tuple(items))
-    if flown.items[first].command != Command.NAV_WAYPOINT:  # the first line begins where the take-off ends
+    if flown.items[first].command != Command.NAV_WAYPOINT:  # the first line begins at the end of the take-off
         return flown
     return replace(flown, complex_items=(survey_item(flown, first, last, tour, sight, scenario),))
 
@@ -68,7 +68,7 @@ def _built(out: Points, points: Points, back: Points, scenario: Scenario) -> tup
 
 
 def _path(tour: Tour) -> tuple[Points, list[int], list[int]]:
-    """The corners in the order flown (n, 2), no place twice in a row, and at which of them lines begin and end."""
+    """Return the corners in flight order (n, 2), without repeats, and the indices at which lines begin and end."""
     path, begins, ends = list[Points](), list[int](), list[int]()
 
     def reach(place: Points) -> int:
@@ -85,7 +85,7 @@ def _path(tour: Tour) -> tuple[Points, list[int], list[int]]:
 
 
 def gimbal_items(scenario: Scenario, mission: Mission) -> list[Item]:
-    """What has the gimbal look straight down, where it is asked for.
+    """Return the items that point the gimbal straight down, if the scenario asks for it.
 
     Raises:
         MissionError: the vehicle has no command for it.
@@ -94,18 +94,17 @@ def gimbal_items(scenario: Scenario, mission: Mission) -> list[Item]:
         return []
     own = mission.autopilot.firmware(mission.firmware_version)
     if not own.takes(Command.DO_MOUNT_CONTROL):
-        words = f"{own} takes no command in a mission that turns one"
+        words = f"{own} takes no mission command that turns a gimbal"
         raise MissionError(words, code="command-not-taken", place="survey.gimbal")
-    return [Item(Command.DO_MOUNT_CONTROL, Frame.MISSION, (STRAIGHT_DOWN, 0.0, 0.0, 0.0), altitude=BY_ANGLES)]
+    angles = PITCH_DOWN_DEG, 0.0, 0.0, 0.0
+    return [Item(Command.DO_MOUNT_CONTROL, Frame.MISSION, angles, altitude=MOUNT_MODE_TARGETING)]
 
 
 def camera_items(distance: float, mission: Mission) -> tuple[list[Item], list[Item]]:
-    """What has this vehicle take a photo where a line begins and then one each so far [m], and what ends that.
-
-    Nothing where the distance is 0.
+    """Return the items that start photos every `distance` [m], and those that stop them; none if it is 0.
 
     Raises:
-        MissionError: it has no command for it.
+        MissionError: the vehicle has no command for it.
     """
     if distance == 0.0:
         return [], []
@@ -116,5 +115,5 @@ def camera_items(distance: float, mission: Mission) -> tuple[list[Item], list[It
         every = round(distance / (mission.cruise_speed or 1.0), 2)
         start = Item(Command.IMAGE_START_CAPTURE, Frame.MISSION, (0.0, every, 0.0, 0.0))
         return [start], [Item(Command.IMAGE_STOP_CAPTURE, Frame.MISSION)]
-    words = f"{own} takes no command in a mission that triggers one"
+    words = f"{own} takes no mission command that triggers a camera"
     raise MissionError(words, code="command-not-taken", place="camera")

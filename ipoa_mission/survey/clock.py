@@ -1,4 +1,4 @@
-"""What the kernels know of a vehicle's times."""
+"""The times of a vehicle as the kernels take them."""
 
 from typing import NamedTuple
 
@@ -6,13 +6,13 @@ from ipoa_mission.geometry import Points, Vector
 
 
 class Clock(NamedTuple):
-    """Seconds per metre by direction, and what corners cost.
+    """Seconds per meter by direction, and the cost of corners.
 
     Attributes:
-        pace: from east counterclockwise, evenly (d,) [s/m]; one for all.
-        corner: by angle, from none to a turn about, and by the shorter of its two legs (angles, lengths) [s].
+        pace: by direction, counterclockwise from east, evenly spaced (d,) [s/m]; size 1 for all directions.
+        corner: by angle from 0 to 180 degrees, and by the shorter of its two legs (angles, lengths) [s].
         shortest: the first of these lengths [m].
-        ratio: the natural logarithm of that of each length to the one before.
+        ratio: natural logarithm of the ratio of successive lengths.
     """
 
     pace: Vector

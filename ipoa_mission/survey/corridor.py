@@ -1,4 +1,4 @@
-"""A corridor seen in lines that follow it, to and fro beside its middle."""
+"""Cover a corridor by lines that follow its middle."""
 
 import math
 from itertools import pairwise
@@ -11,20 +11,20 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.tour import Swath, Tour
 
-SHORT = 1 / 8  # of the spacing
-INSIDE = 1e-6  # lines may lie so far outside by rounding [m]
+MAX_TRIM = 1 / 8  # of the spacing
+INSIDE = 1e-6  # tolerance of rounding [m]
 
 
 def corridor_tour(middle: Points, width: float, spacing: float, begin: Vector, inside: Any, past: float) -> Tour | None:
-    """Lines `spacing` apart at most, from the end of the corridor that is nearer to `begin` (2,).
+    """Return lines at most `spacing` apart, from the corridor's end that is nearer to `begin` (2,).
 
-    They end before it by what the vehicle flies `past` corners [m], as far as hardly anything is lost to view.
-    None where one would bend back on itself, or leave what `inside` holds: then it is an area like any other.
+    The lines end earlier by the distance that the vehicle flies `past` corners [m], at most `MAX_TRIM` of the spacing.
+    Return None if a line bends back on itself, or leaves `inside`: the caller then treats it as an area.
     """
     count = max(math.ceil(width / spacing - 1e-9), 1)
     if np.linalg.norm(middle[-1] - begin) < np.linalg.norm(middle[0] - begin):
         middle = middle[::-1]
-    middle = _shorter(middle, min(past, SHORT * spacing))
+    middle = _trimmed(middle, min(past, MAX_TRIM * spacing))
     lines = list[Points]()
     for n in range(count):
         line = shapely.LineString(middle).offset_curve(width * ((n + 0.5) / count - 0.5), join_style="mitre")
@@ -36,8 +36,8 @@ def corridor_tour(middle: Points, width: float, spacing: float, begin: Vector, i
     return Tour(swaths, tuple(np.array([one.end, other.begin]) for one, other in pairwise(swaths)))
 
 
-def _shorter(middle: Points, by: float) -> Points:
-    """A line (n, 2) without so much at either end [m], if its first and last leg are longer than twice that."""
+def _trimmed(middle: Points, by: float) -> Points:
+    """Return a line (n, 2) shortened at both ends by `by` [m], if its first and last leg are longer than twice that."""
     legs = middle[[1, -2]] - middle[[0, -1]]
     lengths = np.linalg.norm(legs, axis=1, keepdims=True)
     if (lengths <= 2 * by).any():
@@ -47,5 +47,5 @@ def _shorter(middle: Points, by: float) -> Points:
 
 
 def where_allowed(area: Area, keep_out: Any | None) -> Any:
-    """Where its lines may lie."""
+    """Return where the corridor's lines may lie."""
     return area.without(keep_out).buffer(INSIDE)

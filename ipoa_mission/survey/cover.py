@@ -1,4 +1,4 @@
-"""The quickest tour of parallel lines that sees all of an area and keeps inside it."""
+"""Find the quickest tour of parallel lines that sees all of an area and stays inside."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -15,30 +15,30 @@ from ipoa_mission.survey._kernels import NO_WAY
 from ipoa_mission.survey._order import search_order
 from ipoa_mission.survey.area import ARC, Area
 from ipoa_mission.survey.free import FreeSpace, Ways
-from ipoa_mission.survey.line_gaps import LEFT, Closing, SensedPath
+from ipoa_mission.survey.line_gaps import MAX_UNSEEN, Closing, SensedPath
 from ipoa_mission.survey.outline import narrower, wider
-from ipoa_mission.survey.survey_lines import SHORT, LineAxes, cut, heights, line_over, parts_of, seen_from
+from ipoa_mission.survey.survey_lines import MIN_PIECE, LineAxes, cut, heights, line_over, parts_of, seen_from
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Swath, Tour
 from ipoa_mission.world.union import union_of
 
-#: Of the lines, clockwise from north [degrees]; several: one pass in each; crosshatch: the best one and the one across.
+#: Of the lines, clockwise from north [degrees]. Several: one pass in each. Crosshatch: the best one, then across it.
 Direction: TypeAlias = Literal["best", "crosshatch"] | float | Sequence[float]
 
-BUILT = 20  # directions and shifts of which the lines are laid out and put in order, of all that are looked at
-BUILT_WHOLE = 4  # of an area without holes
-WORKED_OUT = 800  # lines of all of them
-REFINED = 2  # times what closes gaps is put in order with the lines
-SURELY = 0.5  # of the least that it took to see all that others left unseen: each needs that, too
-LARGE, LONG = 0.2, 4.0  # a gap of such an area, of such an outline, by the spacing, gets a line before all is ordered
-LONG_LEG = 9e3  # [m]
-MOST_LOOKED_AT = 36
-ALIKE_DEG = 1.0  # directions nearer to each other are one
+MAX_LAID = 20  # directions and shifts whose lines are laid out and ordered
+MAX_LAID_WHOLE = 4  # the same of an area without holes
+MAX_LINES = 800  # maximum number of lines of all of them
+REFINEMENTS = 2  # times that the detours which close gaps are ordered together with the lines
+ASSUMED_SHARE = 0.5  # share of the smallest cost of closing gaps so far that every other pass is assumed to need
+GAP_AREA, GAP_OUTLINE = 0.2, 4.0  # [spacing^2], [spacing]: larger gaps get a line before the lines are ordered
+TURN_LEG = 9e3  # [m]
+MAX_DIRECTIONS = 36
+MIN_DIRECTION_DIFFERENCE = 1.0  # directions nearer to each other are one
 SHIFTS = (0.0, -1.0, 1.0, -0.5, 0.5)
-ROUNDS, STEPS = 1000, 1e6  # of the search that find nothing better, and so many for the square of the number of lines
-RIM = 0.25  # of what may stay unseen: so much a rim may cost, into which no lines lead
-SIMPLER = 0.03  # of the spacing: by so much what is kept out of may grow, to have fewer corners
-EDGES, EDGES_M = 0.03, 0.1  # of the spacing, and at most: how far rounded edges of the area are kept off, to have fewer
+MAX_ROUNDS, MAX_STEPS = 1000, 1e6  # failed rounds, and rounds times squared lines, at most
+INSET_SHARE = 0.25  # share of the coverage budget that the inset of lines may use
+SIMPLIFICATION = 0.03  # of the spacing: how far the kept-out geometry may grow to have fewer corners
+EDGE_INSET, MAX_EDGE_INSET = 0.03, 0.1  # [spacing], [m]: inset that gives the area fewer corners
 
 
 def quickest_tour(
@@ -52,24 +52,24 @@ def quickest_tour(
     begin: Vector | None = None,
     end: Vector | None = None,
 ) -> Tour:
-    """The tour that takes the least time.
+    """Return the tour that takes the least time.
 
     Args:
-        area: what is to be seen; its holes are kept out of.
-        spacing: between lines [m]: what lies within half of it of a line is seen.
-        cost: how long the vehicle takes.
-        keep_out: a shapely geometry that neither lines nor ways enter, obstacles grown by their clearance.
+        area: to be seen; its holes are kept out of.
+        spacing: between lines [m]; a line sees half of it on either side.
+        cost: times of the vehicle.
+        keep_out: a shapely geometry that neither lines nor ways enter: obstacles grown by their clearance.
         direction: of the lines.
         turns_outside: how far ways may leave the area [m].
-        begin: where the vehicle comes from (2,); left out, it does not matter.
-        end: where it goes afterwards (2,).
+        begin: place before the tour (2,), or None if it does not matter.
+        end: place after the tour (2,), or None.
 
     Returns:
         Lines and ways; the same for the same arguments.
 
     Raises:
         BadInput: naming the argument.
-        MissionError: nothing of the area may be flown over, or there is no way between its parts.
+        MissionError: nothing of the area may be flown over, or no way leads between its parts.
     """
     _expect(spacing > 0 and math.isfinite(spacing), "spacing", "more than 0 m", spacing)
     _expect(turns_outside >= 0 and math.isfinite(turns_outside), "turns_outside", "0 m or more", turns_outside)
@@ -100,7 +100,7 @@ def quickest_tour(
 def way_between(
     area: Area, spacing: float, *, cost: LegTimes, keep_out: Any = None, turns_outside: float = 0.0
 ) -> Callable[[Vector, Vector], Points]:
-    """What leads from one place (2,) over an area to another: the corners (k, 2) of the way, both places with it.
+    """Return a function that gives the corners (k, 2) of the way between two places (2,), both included.
 
     The arguments are those of `quickest_tour`.
     """
@@ -114,10 +114,10 @@ def _expect(is_so: bool, place: str, words: str, given: object) -> None:
 
 @dataclass(frozen=True, eq=False)
 class _Pass:
-    """Lines (n, 2, 2), most of them in one direction, and how they are flown: the route, and its seconds.
+    """Lines (n, 2, 2), most of them in one direction, their route, and its seconds.
 
-    `goals` are the lines and places to which detours lead, that see what was left; `unseen` is the share of the area
-    that still is, where that is too much.
+    `goals` are the lines and places of the detours that close gaps. `unseen` is the share of the area that is
+    still unseen, where that is too much.
     """
 
     degrees: float
@@ -130,13 +130,13 @@ class _Pass:
 
     @property
     def worth(self) -> tuple[float, float]:
-        """The less, the better: a pass that leaves more unseen is no quicker one."""
+        """Return the sort key; smaller is better, and coverage counts before time."""
         return self.unseen, self.seconds
 
 
 @dataclass(frozen=True, eq=False)
 class _Survey:
-    """What is to be seen, from where, and where ways lead: in the area, or round what is kept out of to other parts."""
+    """The area to see, where lines may lie, and where ways lead: inside, or around to other parts."""
 
     area: Any
     free: FreeSpace
@@ -152,7 +152,7 @@ class _Survey:
         free = FreeSpace.of(_where_lines_go(area.shape, kept, visible, spacing, cost.past_corners))
         if free.inner.is_empty:
             words = "nothing of the area may be flown over"
-            raise MissionError(words, hint="it lies in what is kept out of", code="area-kept-out", place="survey")
+            raise MissionError(words, hint="it is in the keep-out", code="area-kept-out", place="survey")
         holes = union_of([shapely.Polygon(ring) for part in area.shape.geoms for ring in part.interiors])
         closed = holes.union(kept)
         ways = FreeSpace.of(area.shape.buffer(turns_outside).difference(closed)) if turns_outside > 0 else free
@@ -161,7 +161,7 @@ class _Survey:
         return cls(visible, free, ways, around, spacing, cost)
 
     def directions(self) -> list[float]:
-        """Those of the edges, and of the hull's, the longest first, but no two alike [degrees]."""
+        """Return the directions of the edges and of the hull, the longest first, without duplicates [degrees]."""
         rings = [*shapely.get_rings(shapely.get_parts(self.free.shape)), self.area.convex_hull.exterior]
         legs = np.concatenate([np.diff(shapely.get_coordinates(ring), axis=0) for ring in rings])
         lengths = np.linalg.norm(legs, axis=1)
@@ -169,16 +169,16 @@ class _Survey:
         found = list[float]()
         for n in np.argsort(-lengths, kind="stable"):
             apart = [abs((degrees[n] - other + 90.0) % 180.0 - 90.0) for other in found]
-            if min(apart, default=90.0) > ALIKE_DEG:
+            if min(apart, default=90.0) > MIN_DIRECTION_DIFFERENCE:
                 found.append(float(degrees[n]))
-        return found[:MOST_LOOKED_AT]
+        return found[:MAX_DIRECTIONS]
 
     def quickest(self, degrees: list[float], begin: Vector | None, end: Vector | None) -> _Pass:
-        """The quickest pass in one of some directions; of those that promise the most all is worked out."""
+        """Return the quickest pass of some directions; only the most promising ones are computed in full."""
         looked = sorted((self._rough(each, shift), each, shift) for each in degrees for shift in SHIFTS)
         laid, lines = list[tuple[float, Points]](), 0
-        for _, each, shift in looked[: BUILT if self._is_holed else BUILT_WHOLE]:
-            if not laid or lines + len(laid[-1][1]) <= WORKED_OUT:
+        for _, each, shift in looked[: MAX_LAID if self._is_holed else MAX_LAID_WHOLE]:
+            if not laid or lines + len(laid[-1][1]) <= MAX_LINES:
                 laid.append((each, self._laid(each, shift)))
                 lines += len(laid[-1][1])
         ordered = sorted((self._ordered(*one, begin, end) for one in laid), key=lambda one: one.seconds)
@@ -186,14 +186,14 @@ class _Survey:
             (self._closed(ordered[0], once, begin, end) for once in sorted({False, self._is_holed})),
             key=lambda one: one.worth,
         )
-        needed = SURELY * (best.seconds - ordered[0].seconds)
+        assumed = ASSUMED_SHARE * (best.seconds - ordered[0].seconds)
         for one in ordered[1:]:
-            if best.worth <= (0.0, one.seconds + needed):
+            if best.worth <= (0.0, one.seconds + assumed):
                 break
             closed = self._closed(one, best.once, begin, end)
-            needed = min(needed, SURELY * (closed.seconds - one.seconds))
+            assumed = min(assumed, ASSUMED_SHARE * (closed.seconds - one.seconds))
             best = min(best, closed, key=lambda one: one.worth)
-        for _ in range(REFINED):
+        for _ in range(REFINEMENTS):
             more = [goal[[0, -1]] for goal in best.goals if len(goal) < 3]
             if not more:
                 break
@@ -205,7 +205,7 @@ class _Survey:
         return best
 
     def _rough(self, degrees: float, shift: float) -> float:
-        """About how long lines in a direction take, ways not counted [s]."""
+        """Return the approximate time of the lines in a direction, without ways [s]."""
         lines = self._lines(degrees, shift)
         length = float(np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1).sum())
         return length / self.cost.speed + self._turn * len(lines) + abs(shift)
@@ -216,25 +216,25 @@ class _Survey:
         corners = [shapely.get_coordinates(ring) for ring in rings]
         edges = np.concatenate([np.column_stack([ring[:-1], ring[1:]]) for ring in corners])
         lines = cut(edges, grid, heights(self.area, grid, self.spacing, shift))
-        return np.asarray(lines[np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > SHORT * self.spacing])
+        return np.asarray(lines[np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1) > MIN_PIECE * self.spacing])
 
     def _laid(self, degrees: float, shift: float) -> Points:
-        """The lines (n, 2, 2) of a direction, with those that holes make necessary besides."""
+        """Return the lines (n, 2, 2) of a direction, and those that holes require in addition."""
         lines = self._lines(degrees, shift)
         more = []
         for gap in parts_of(self.area.difference(seen_from(lines, self.spacing))):
-            if gap.area > LARGE * self.spacing**2 and gap.length > LONG * self.spacing:
+            if gap.area > GAP_AREA * self.spacing**2 and gap.length > GAP_OUTLINE * self.spacing:
                 line = line_over(gap, self.free.inner, self.spacing)
                 more += [] if line is None else [line]
         lines = np.concatenate([lines, np.array(more).reshape(-1, 2, 2)])
         drawn = shapely.linestrings(lines)
         parts = [part for part in shapely.get_parts(self.free.inner) if not shapely.intersects(part, drawn).any()]
-        worth_it = [part for part in parts if part.area > LEFT * self.area.area / 10 or not len(lines)]
+        worth_it = [part for part in parts if part.area > MAX_UNSEEN * self.area.area / 10 or not len(lines)]
         spots = [shapely.get_coordinates(part.representative_point()) for part in worth_it]
         return np.concatenate([lines, np.array(spots).repeat(2, axis=0).reshape(-1, 2, 2)])
 
     def _ordered(self, degrees: float, lines: Points, begin: Vector | None, end: Vector | None) -> _Pass:
-        """The lines in a quick order; what they leave unseen is not looked at.
+        """Return the lines in a quick order, without closing their gaps.
 
         Raises:
             MissionError: no way leads from one of them to another.
@@ -243,11 +243,11 @@ class _Survey:
         ways = Ways(ends, self.ways, self.around, self.cost)
         along = np.array([self.cost.seconds(line) for each in lines for line in (each, each[::-1])])
         spots = np.repeat((lines[:, 0] == lines[:, 1]).all(axis=1), 2)
-        along[spots] = self._turn / 2  # whatever the corner there will be
+        along[spots] = self._turn / 2  # the corner there is not known yet
         times = np.zeros((len(ends) + 2, len(ends) + 2))
         times[:-2, :-2] = ways.times
         times[-2, :-2], times[:-2, -2] = (self._reach(ends, place) for place in (begin, end))
-        rounds = int(min(10 * len(lines), ROUNDS, STEPS / len(lines) ** 2))
+        rounds = int(min(10 * len(lines), MAX_ROUNDS, MAX_STEPS / len(lines) ** 2))
         entries, seconds = search_order(np.arange(len(lines), dtype=np.int64) * 2, times, along, rounds)
         if seconds >= NO_WAY:
             raise _parted()
@@ -255,18 +255,18 @@ class _Survey:
         return _Pass(degrees, lines, route, self._seconds(route, begin, end), [], 1.0)
 
     def _closed(self, one: _Pass, once: bool, begin: Vector | None, end: Vector | None) -> _Pass:
-        """The same led past what it leaves unseen, `once` round holes or to each gap."""
+        """Return the pass with detours to its gaps; `once` round holes instead of to each gap."""
         route = SensedPath([*one.route.places], [*one.route.is_on])
         goals, unseen = Closing(self.area, self.spacing, self.ways, self.cost).close(route, once)
         seconds = self._seconds(route, begin, end)
         return replace(one, route=route, seconds=seconds, goals=goals, unseen=round(unseen, 4), once=once)
 
     def _seconds(self, route: SensedPath, begin: Vector | None, end: Vector | None) -> float:
-        """How long a route takes, with the ways to it and from it."""
+        """Return the time of a route with the ways to it and from it [s]."""
         return self.cost.seconds(np.array([*_known(begin), *route.places, *_known(end)]))
 
     def way(self, start: Vector, end: Vector) -> Points:
-        """The corners (k, 2) of the way from one place to another.
+        """Return the corners (k, 2) of the way from one place to another.
 
         Raises:
             MissionError: there is none.
@@ -278,9 +278,9 @@ class _Survey:
         return np.concatenate([first[:-1], ways.way(0, 2), last[-2::-1]])
 
     def _out(self, place: Vector) -> Points:
-        """A place, and the nearest one out of what is kept out of only to have fewer corners, (1 or 2, 2).
+        """Return a place, then the nearest free one if the simplified outline covers it, (1 or 2, 2).
 
-        What that is differs between an area and a part of it, where lines may end.
+        An area and a part of it have different simplified outlines, and lines may end between them.
         """
         spot = shapely.Point(place)
         if self.around.shape.covers(spot) or self.ways.inner.is_empty:
@@ -293,12 +293,12 @@ class _Survey:
 
     @cached_property
     def _turn(self) -> float:
-        """What it costs to turn about from one long line to the next [s]."""
-        corners = np.array([[0.0, 0.0], [LONG_LEG, 0.0], [LONG_LEG, self.spacing], [0.0, self.spacing]])
-        return self.cost.seconds(corners) - 2 * LONG_LEG / self.cost.speed
+        """Return the time of a turn from one long line to the next [s]."""
+        corners = np.array([[0.0, 0.0], [TURN_LEG, 0.0], [TURN_LEG, self.spacing], [0.0, self.spacing]])
+        return self.cost.seconds(corners) - 2 * TURN_LEG / self.cost.speed
 
     def _reach(self, ends: Points, place: Vector | None) -> Vector:
-        """How long it is from each end (2n, 2) of lines to a place, or nothing, the corner there counted [s]."""
+        """Return the time from each end (2n, 2) of lines to a place, with the corner [s]; 0 if it is None."""
         if place is None:
             return np.zeros(len(ends))
         lines = [ends[[n ^ 1, n]] for n in range(len(ends))]
@@ -316,24 +316,25 @@ def _parted() -> MissionError:
 
 
 def _simpler(kept: Any, area: Any, spacing: float) -> Any:
-    """What is kept out of with fewer corners, grown by so little that hardly anything more is lost to view."""
+    """Return the kept-out geometry with fewer corners, grown so little that the coverage loss is negligible."""
     edge = float(kept.boundary.intersection(area).length)
-    most = SIMPLER * spacing if edge <= 0.0 else min(SIMPLER * spacing, LEFT / 2 * area.area / edge)
+    most = SIMPLIFICATION * spacing if edge <= 0.0 else min(SIMPLIFICATION * spacing, MAX_UNSEEN / 2 * area.area / edge)
     return wider(kept, most)
 
 
 def _where_lines_go(area: Any, kept: Any, visible: Any, spacing: float, past: float) -> Any:
-    """What of the area is not kept out of, with fewer corners, without the rim into which vehicles fly past corners.
+    """Return the area for lines: without `kept`, with fewer corners, and inset by the overshoot past corners.
 
-    Only where all that is visible can be seen from there; round holes there is no such rim: it takes many lines more.
+    The inset must not hide anything visible. Holes get no inset: it takes many more lines.
     """
     outlines = union_of([shapely.Polygon(part.exterior) for part in area.geoms])
-    rim = min(past, (RIM * LEFT * spacing**2 * math.sqrt(area.area)) ** (1 / 3))  # as what ends of lines miss grows
+    # The area that the ends of lines miss grows with the cube of the inset.
+    inset = min(past, (INSET_SHARE * MAX_UNSEEN * spacing**2 * math.sqrt(area.area)) ** (1 / 3))
     whole = area.difference(kept)
-    may_hide = visible.difference(whole.buffer(spacing / 2, quad_segs=ARC)).area + LEFT / 10 * area.area
+    may_hide = visible.difference(whole.buffer(spacing / 2, quad_segs=ARC)).area + MAX_UNSEEN / 10 * area.area
     for share in (1.0, 0.5, 0.0):
-        inside = outlines.buffer(-share * rim, join_style="mitre").intersection(area)
-        simple = narrower(inside, min(EDGES * spacing, EDGES_M)).difference(kept)
+        inside = outlines.buffer(-share * inset, join_style="mitre").intersection(area)
+        simple = narrower(inside, min(EDGE_INSET * spacing, MAX_EDGE_INSET)).difference(kept)
         hidden = visible.difference(simple.buffer(spacing / 2, quad_segs=ARC)).area
         if len(shapely.get_parts(simple)) == len(shapely.get_parts(whole)) and hidden <= may_hide:
             return simple
@@ -341,7 +342,7 @@ def _where_lines_go(area: Any, kept: Any, visible: Any, spacing: float, past: fl
 
 
 def _route(entries: Any, ways: Ways) -> SensedPath:
-    """Lines in an order, by the ends at which they are entered, as places, and where the sensor is on."""
+    """Return the route that flies lines in an order, given by the ends at which they are entered."""
     route = SensedPath([ways.ends[entries[0]]])
     for n, entry in enumerate(entries):
         if n:
@@ -354,7 +355,7 @@ def _route(entries: Any, ways: Ways) -> SensedPath:
 
 
 def _tour_of(places: Points, is_on: list[bool]) -> Tour:
-    """Legs with the sensor on as lines, those between them as ways."""
+    """Return the tour: legs with the sensor on are lines, the others ways."""
     swaths, ways, way = list[Swath](), list[Points](), list[Points]()
     for n, on in enumerate(is_on):
         if on:

@@ -1,7 +1,7 @@
-"""How much of an area a tour sees, where not, and whether it keeps inside: by geometry, not by how it was planned.
+"""Compute how much of an area a tour sees, where not, and whether it stays inside, by geometry alone.
 
-A place is seen that lies within half the width of a line, its ends rounded: the sensor sees a disc. Of what can be
-covered all is asked: places of the area within half the width of some place of it where lines may be (`Area.visible`).
+A place within half the width of a line is seen, the line's ends rounded: the sensor sees a disc. The share
+counts places that can be covered: those within half the width of a permitted line (`Area.visible`).
 """
 
 from dataclasses import dataclass
@@ -14,18 +14,18 @@ from ipoa_mission.survey.area import ARC, Area
 from ipoa_mission.survey.survey_lines import union_along
 from ipoa_mission.survey.tour import Tour
 
-STEP, MOST = 0.1, 20_000  # between places at which it is looked how far a path strays [m], and how many at most
+STEP, MAX_STEPS = 0.1, 20_000  # spacing of the places at which a stray path is measured [m], and their maximum number
 
 
 @dataclass(frozen=True, eq=False)
 class Coverage:
-    """What a tour sees of an area.
+    """The part of an area that a tour sees.
 
     Attributes:
         share: of what can be covered, 0 to 1.
-        gaps: where it can be covered, and is not: a shapely geometry.
-        seen: what of the area is seen: a shapely geometry.
-        outside_m: the farthest that the path leaves the area, or enters a hole or what is kept out of [m].
+        gaps: what can be covered and is not seen: a shapely geometry.
+        seen: the part of the area that is seen: a shapely geometry.
+        outside_m: maximum distance of the path outside the area, or inside a hole or `keep_out` [m].
     """
 
     share: float
@@ -35,17 +35,17 @@ class Coverage:
 
     @property
     def seen_m2(self) -> float:
-        """How much of the area is seen [m^2]."""
+        """Return the seen area [m^2]."""
         return float(self.seen.area)
 
 
 def coverage(area: Area, tour: Tour, width: float, keep_out: Any = None) -> Coverage:
-    """How much of an area the lines of a tour see.
+    """Return how much of an area the lines of a tour see.
 
     Args:
-        area: what is to be seen.
-        tour: what is flown.
-        width: of what the sensor sees [m].
+        area: to be seen.
+        tour: as planned.
+        width: seen by the sensor [m].
         keep_out: a shapely geometry that is not entered.
     """
     can = area.visible(keep_out, width)
@@ -58,7 +58,7 @@ def coverage(area: Area, tour: Tour, width: float, keep_out: Any = None) -> Cove
 
 
 def _outside(shape: Any, tour: Tour, keep_out: Any) -> float:
-    """The farthest that the path leaves where it may be [m]."""
+    """Return the maximum distance of the path from where it may be [m]."""
     if len(tour.path) < 2:
         return 0.0
     path = shapely.LineString(tour.path)
@@ -69,5 +69,5 @@ def _outside(shape: Any, tour: Tour, keep_out: Any) -> float:
 
 
 def _places(stray: Any) -> list[Any]:
-    """Places along what strays, close to each other."""
-    return list(shapely.points(shapely.get_coordinates(shapely.segmentize(stray, max(STEP, stray.length / MOST)))))
+    """Return closely spaced places along a geometry."""
+    return list(shapely.points(shapely.get_coordinates(shapely.segmentize(stray, max(STEP, stray.length / MAX_STEPS)))))

@@ -1,4 +1,4 @@
-"""The flights that fly the lines of a survey: as few as battery and firmware let, or so many, or from start places."""
+"""Split the lines of a survey into flights: the fewest, a given number, or from start places."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -30,16 +30,16 @@ from ipoa_mission.survey.tour import Sortie, Swath, Tour
 from ipoa_mission.survey.tour_split import fewest_parts, part_of, parts_of_equal_length
 from ipoa_mission.vehicles.energy.consumption import NotEnoughBattery
 
-FEW = 3  # start places of which every set is looked at
-MANY = 10  # of which no set but all of them is
-PERHAPS = 1.5  # times as many lines as a flight seems to fly are tried at once
-NEVER = RouteCost(np.inf, np.inf)
-BARELY = float(np.nextafter(1.0, 2.0))
+MAX_EVERY_SUBSET = 3  # up to this many start places, try every subset
+MIN_ONLY_FULL_SET = 10  # from this many start places, try only the full set
+TRIAL_FACTOR = 1.5  # a flight is tried with up to this factor times its estimated number of lines
+IMPOSSIBLE_COST = RouteCost(np.inf, np.inf)
+JUST_OVER_ONE = float(np.nextafter(1.0, 2.0))
 
 
 @dataclass(frozen=True)
 class FlightMaker:
-    """Makes the forecast of a flight from its lines, with more room for some obstacles: `growth` [m], by name."""
+    """Forecasts flights from their lines; `growth` [m] by obstacle name adds clearance."""
 
     scenario: Scenario
     sight: Sight
@@ -48,11 +48,11 @@ class FlightMaker:
     _longest: dict[Swath, tuple[Tour, Forecast]] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __call__(self, part: Sortie) -> Forecast:
-        """How it is expected to be flown.
+        """Return the forecast of a flight.
 
         Raises:
             BadInput: no flight may begin at its start place.
-            NoPath, NoRoute: there is no clear way there, or home.
+            NoPath, NoRoute: no clear way leads there, or home.
             MissionError, Unsafe: as `assemble_survey`.
         """
         world, tour = self.scenario, part.tour
@@ -65,7 +65,7 @@ class FlightMaker:
         return Forecast(assemble_survey(tour, self.sight, world, self.growth, self.seed), world)
 
     def fits(self, tour: Tour) -> bool:
-        """Whether one flight from home flies all of a tour; the last one from each line that does is kept."""
+        """Return whether one flight from home flies all of a tour; cache the last that does, by its first line."""
         forecast = self._taken(Sortie(tour))
         if forecast is None or (self.scenario.vehicle.battery is not None and refusal_of(forecast) is not None):
             return False
@@ -73,36 +73,36 @@ class FlightMaker:
         return True
 
     def tried(self, part: Sortie) -> RouteCost:
-        """Whether the vehicle takes so many items, and comes home with its reserve."""
+        """Return the cost of a flight: infinite with too many items, over 1 without the battery reserve."""
         forecast = self._taken(part)
         if forecast is None:
-            return NEVER
+            return IMPOSSIBLE_COST
         budget, seconds = budget_of(forecast), forecast.estimate.total_s
         if refusal_of(forecast) is not None:
-            return RouteCost(BARELY if budget is None else max(budget.share, BARELY), seconds)
+            return RouteCost(JUST_OVER_ONE if budget is None else max(budget.share, JUST_OVER_ONE), seconds)
         return RouteCost(0.0 if budget is None else min(budget.share, 1.0), seconds)
 
     @property
-    def most_lines(self) -> int:
-        """So many lines one flight has at most."""
+    def max_lines(self) -> int:
+        """Return the maximum number of lines of one flight."""
         vehicle = self.scenario.vehicle
-        per = 2 if self.sight.trigger is None else 4  # items of a line at least
+        per = 2 if self.sight.trigger is None else 4  # minimum number of items of a line
         return vehicle.autopilot.firmware(vehicle.version).max_items // per
 
     def _taken(self, part: Sortie) -> Forecast | None:
-        if len(part.tour.swaths) > self.most_lines:
+        if len(part.tour.swaths) > self.max_lines:
             return None
         forecast = self(part)
         return None if is_too_long(forecast.mission) else forecast
 
     @cached_property
-    def again(self) -> float:
-        """How much of a line that is cut is flown again, so that photos overlap there [m]."""
+    def cut_overlap(self) -> float:
+        """Return the overlap of both parts of a line that is cut, so that photos overlap there [m]."""
         return max(self.sight.trigger or 0.0, self.sight.along / 2, 1.0)
 
 
 def _expect_clear(world: Scenario, n: int) -> Scenario:
-    """The world of a start place, where the climb from it is clear.
+    """Return the world of a start place, if the climb from it is clear.
 
     Raises:
         BadInput: it is not.
@@ -116,7 +116,7 @@ def _expect_clear(world: Scenario, n: int) -> Scenario:
 
 
 def laid_tours(make: FlightMaker, section: SurveySection, area: Area, outside: Any | None) -> list[Tour]:
-    """Lines over the area that are worth a look; the more start places there are, the more.
+    """Return tours over the area to compare; more start places give more tours.
 
     Raises:
         NoPath: obstacles leave nothing of it.
@@ -137,13 +137,14 @@ def laid_tours(make: FlightMaker, section: SurveySection, area: Area, outside: A
 
 
 def _sets(count: int) -> Iterator[tuple[int, ...]]:
-    """Sets of start places that may be the quickest: all; each alone, and all but one; of many only all of them."""
-    sizes = range(count, 0, -1) if count <= FEW else (count, count - 1, 1) if count < MANY else (count,)
+    """Return sets of start places to try: all, each alone, all but one; with many only the full set."""
+    large = (count, count - 1, 1) if count < MIN_ONLY_FULL_SET else (count,)
+    sizes = range(count, 0, -1) if count <= MAX_EVERY_SUBSET else large
     return chain.from_iterable(combinations(range(count), size) for size in sizes)
 
 
 def _joined(make: FlightMaker, section: SurveySection, area: Area, outside: Any | None, starts: Points) -> Tour:
-    """The lines of what is nearest to each start place, one after the other."""
+    """Join the lines of the areas nearest to each start place into one tour."""
     scenario, sight = make.scenario, make.sight
     swaths, ways, way = list[Swath](), list[Points](), way_over(area, scenario, section, sight, outside)
     for start, own in zip(starts, nearest_areas(area, starts, sight.spacing), strict=True):
@@ -153,15 +154,15 @@ def _joined(make: FlightMaker, section: SurveySection, area: Area, outside: Any 
         ways += [way(swaths[-1].end, tour.swaths[0].begin)] if swaths else []
         swaths, ways = [*swaths, *tour.swaths], [*ways, *tour.ways]
     if not swaths:
-        lay_lines(scenario, section, area, sight, outside)  # which tells why
+        lay_lines(scenario, section, area, sight, outside)  # raises the reason
     return Tour(tuple(swaths), tuple(ways))
 
 
 def parts_of(tours: Sequence[Tour], make: FlightMaker, section: SurveySection) -> tuple[Tour, tuple[Sortie, ...]]:
-    """The flights of the best of some tours, and that tour.
+    """Return the best of some tours, and its flights.
 
     Raises:
-        BadInput: more flights are asked for than there are lines; or none may begin at a start place.
+        BadInput: more flights than lines are requested, or a start place is blocked.
         NotEnoughBattery: a line cannot be reached and left again.
         NoPath, NoRoute: no clear way leads there.
     """
@@ -171,7 +172,7 @@ def parts_of(tours: Sequence[Tour], make: FlightMaker, section: SurveySection) -
     if section.flights is not None:
         if section.flights > len(tour.swaths):
             raise BadInput(
-                f"expected at most one for each of {len(tour.swaths)} lines",
+                f"expected at most {len(tour.swaths)} flights, one for each line",
                 code="too-many-flights",
                 place="survey.flights",
                 remedies=(Remedy(("survey", "flights"), len(tour.swaths)), Remedy(("survey", "flights"))),
@@ -179,36 +180,36 @@ def parts_of(tours: Sequence[Tour], make: FlightMaker, section: SurveySection) -
         return tour, tuple(map(Sortie, parts_of_equal_length(tour, section.flights)))
 
     about = _lines_at_once(tour, make)
-    if len(tour.swaths) <= PERHAPS * about and make.fits(tour):
+    if len(tour.swaths) <= TRIAL_FACTOR * about and make.fits(tour):
         return tour, (Sortie(tour),)
-    parts = fewest_parts(tour, make.fits, make.again, max(int(about), 1))
+    parts = fewest_parts(tour, make.fits, make.cut_overlap, max(int(about), 1))
     if isinstance(parts, Swath):
         raise _unreached(parts, "and home")
     return tour, tuple(map(Sortie, parts))
 
 
 def _lines_at_once(tour: Tour, make: FlightMaker) -> float:
-    """About how many lines of a tour one flight flies, by what the first of them takes alone."""
+    """Estimate how many lines of a tour one flight flies, from the first line flown alone."""
     if make.scenario.vehicle.battery is None or len(tour.swaths) == 1:
-        return make.most_lines
+        return make.max_lines
     try:
         alone = make.tried(Sortie(part_of(tour, 0, 1)))
-    except (NoPath, NoRoute):  # from its end no way may lead home, and from that of another line one may
-        return make.most_lines
+    except (NoPath, NoRoute):  # another line may have a way home
+        return make.max_lines
     if not 0.0 < alone.share <= 1.0:
-        return 1.0 if alone.share else make.most_lines
+        return 1.0 if alone.share else make.max_lines
     on_a_line = leg_times(make.scenario, make.sight).seconds(tour.path) / len(tour.swaths)
-    return min(1.0 + (1.0 / alone.share - 1.0) * alone.seconds / on_a_line, make.most_lines)
+    return min(1.0 + (1.0 / alone.share - 1.0) * alone.seconds / on_a_line, make.max_lines)
 
 
 def _from_starts(tours: Sequence[Tour], make: FlightMaker, starts: Points) -> tuple[Tour, tuple[Sortie, ...]]:
-    """With a battery all cuts and start places are compared; without one each place has what is nearest to it."""
+    """Return the best tour and its flights; without a battery each place gets the nearest lines."""
 
     def tried(part: Sortie) -> RouteCost:
         try:
             return make.tried(part)
         except (NoPath, NoRoute):  # another place may have one
-            return NEVER
+            return IMPOSSIBLE_COST
 
     for n in range(len(starts)):
         _expect_clear(at_start(make.scenario, n), n)
@@ -217,11 +218,11 @@ def _from_starts(tours: Sequence[Tour], make: FlightMaker, starts: Points) -> tu
     unreached: Swath | None = None
     for tour in tours:
         if make.scenario.vehicle.battery is None:
-            near = nearest_parts(tour, starts, make.tried, make.again)
+            near = nearest_parts(tour, starts, make.tried, make.cut_overlap)
             found: tuple[tuple[Sortie, ...], float] | Swath | None = near if isinstance(near, Swath) else (near, 0.0)
         else:
             most = np.inf if best is None else best[0]
-            found = quickest_parts(tour, starts, times, tried, make.again, most)
+            found = quickest_parts(tour, starts, times, tried, make.cut_overlap, most)
         if found is None:
             continue
         if isinstance(found, Swath):
@@ -231,7 +232,7 @@ def _from_starts(tours: Sequence[Tour], make: FlightMaker, starts: Points) -> tu
     if best is None:
         assert unreached is not None
         for n in range(len(starts)):
-            make(Sortie(Tour((unreached,), ()), n))  # or no way leads there: that is told
+            make(Sortie(Tour((unreached,), ()), n))  # raises if no way leads there
         raise _unreached(unreached, "from a start place, and back there")
     return best[1:]
 
@@ -239,18 +240,18 @@ def _from_starts(tours: Sequence[Tour], make: FlightMaker, starts: Points) -> tu
 def _unreached(swath: Swath, words: str) -> NotEnoughBattery:
     east, north = swath.begin.tolist()
     return NotEnoughBattery(
-        f"expected enough for the way to the line at east {east:.0f}, north {north:.0f} m, {words} with the "
-        "reserve, but it is not",
-        hint="begin nearer by, or with a larger battery",
+        f"expected enough charge to reach the line at east {east:.0f}, north {north:.0f} m, {words} with the "
+        "reserve, but it is too little",
+        hint="begin nearer, or with a larger battery",
         place="battery",
     )
 
 
 def returning(forecast: Forecast) -> Forecast:
-    """The same with what its endings need, where they are to be planned.
+    """Return the forecast with the items that planned returns need, if the scenario asks for them.
 
     Raises:
-        NoPath: one of them is not clear all the same.
+        NoPath: a return path is not clear.
     """
     if forecast.world.safety.returns != "planned":
         return forecast

@@ -1,4 +1,4 @@
-"""What a survey sees as its flights are flown, or expected to be: vehicles cut corners, and fly past them."""
+"""Compute the coverage of a survey as flown or forecast, with corners cut and overshot."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -15,26 +15,26 @@ from ipoa_mission.survey.survey_lines import union_along
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.world.frame import LocalFrame
 
-SAME = 0.05  # an item so near to the end of a line is it [m]
-ARC = 16  # segments of a quarter of a circle
+END_TOLERANCE = 0.05  # maximum distance between an item and the line's end that it marks [m]
+ARC = 16  # segments of a quarter circle
 
 
 @dataclass(frozen=True)
 class AsFlown:
-    """Of what can be seen the share that is, and how far lines and the ways between them lead out of the area [m]."""
+    """The seen share of the visible area, and how far lines and ways leave the area [m]."""
 
     share: float
     outside_m: float
 
 
 def as_flown(flights: Iterable[tuple[Track, Points]], area: Any, visible: Any, width: float) -> AsFlown:
-    """What flights see of an area, the sensor on along their lines.
+    """Return what flights see of an area, with the sensor on along their lines.
 
     Args:
-        flights: how each is flown, and when it begins and ends its lines (n, 2) [s].
+        flights: the track of each, and the times at which its lines begin and end (n, 2) [s].
         area: a shapely geometry that is not to be left.
-        visible: what of it can be seen.
-        width: of what the sensor sees [m].
+        visible: the part that can be seen.
+        width: seen by the sensor [m].
     """
     lines, outside = list[Any](), 0.0
     shapely.prepare(area)
@@ -48,14 +48,14 @@ def as_flown(flights: Iterable[tuple[Track, Points]], area: Any, visible: Any, w
 
 
 def expected_lines(forecast: Forecast, tour: Tour, frame: LocalFrame) -> tuple[Track, Points]:
-    """How a flight of lines that are given in a frame is expected to be flown, as `as_flown` takes it."""
+    """Return the forecast track of a flight and the times of its lines, as `as_flown` takes them."""
     prediction, move = forecast.promise.flight.prediction, between(forecast.frame, frame)
     items = [visit.item for visit in forecast.itinerary.visits]
     latitude, longitude = np.array([[item.latitude_deg, item.longitude_deg] for item in items]).T
     places = frame.to_local(latitude, longitude, forecast.mission.home.altitude)[:, :2]
     visits, n = list[int](), 0
     for end in (end for swath in tour.swaths for end in (swath.begin, swath.end)):
-        n += int(np.argmax(np.linalg.norm(places[n:] - end, axis=1) < SAME))
+        n += int(np.argmax(np.linalg.norm(places[n:] - end, axis=1) < END_TOLERANCE))
         visits.append(n)
     track = prediction.track
     plan = np.column_stack([move(track.points[:, :2]), track.points[:, 2]])
@@ -63,9 +63,9 @@ def expected_lines(forecast: Forecast, tour: Tour, frame: LocalFrame) -> tuple[T
 
 
 def _path(track: Track, begin: float, end: float) -> Any:
-    """Where it leads in plan from one time to another [s], a line of shapely."""
+    """Return the track in plan between two times [s] as a shapely line."""
     before = max(int(np.searchsorted(track.times, begin, "right")) - 1, 0)
-    near = slice(before, np.searchsorted(track.times, end) + 1)  # all of many hours takes long for each line
+    near = slice(before, np.searchsorted(track.times, end) + 1)  # the full track of many hours is slow for each line
     first, last = Track(track.times[near], track.points[near], track.speeds[near]).at(np.array([begin, end]))
     places = np.vstack([first, track.between(begin, end).points, last])[:, :2]
     return shapely.simplify(shapely.LineString(places), STRAY, preserve_topology=False)

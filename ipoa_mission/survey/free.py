@@ -1,4 +1,4 @@
-"""Where a survey may fly, and the shortest ways there between the ends of its lines."""
+"""Compute the space in which a survey may fly, and the shortest ways between the ends of its lines."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,16 +13,16 @@ from ipoa_mission.survey._kernels import DIRECT, NO_WAY, NONE, sights, straight_
 from ipoa_mission.survey.area import INSET
 from ipoa_mission.survey.times import LegTimes
 
-BEND_S = 1.0  # a bend of a way counts as so much, when the shortest is sought [s]
-SHARP = np.radians(40.0)  # a corner that turns by more
-LEAVING_S = 60.0  # that a way leaves the area counts as so much: only to come to another part [s]
+BEND_S = 1.0  # time that a bend adds in the search for the shortest way [s]
+SHARP_ANGLE = np.radians(40.0)  # a sharp corner turns by more
+OUTSIDE_S = 60.0  # time that a way outside the area adds, so that only ways to other parts use it [s]
 
 
 @dataclass(frozen=True, eq=False)
 class FreeSpace:
-    """Polygons that may be flown in: all, what of them is `INSET` from the edge, edges (m, 4), corners to go round.
+    """Polygons to fly in: the whole, its part `INSET` from the edge, edges (m, 4), and corners to go round.
 
-    `arms` (n, 4) are the directions from each corner (n, 2) to those beside it.
+    `arms` (n, 4) are the directions from each corner (n, 2) to its neighbors.
     """
 
     shape: Any
@@ -33,7 +33,6 @@ class FreeSpace:
 
     @classmethod
     def of(cls, shape: Any) -> "FreeSpace":
-        """That of polygons (shapely)."""
         inner = shape.buffer(-INSET, join_style="mitre")
         rings = _rings(shape)
         edges = [np.column_stack([ring[:-1], ring[1:]]) for ring in rings]
@@ -48,23 +47,23 @@ class FreeSpace:
 
     @cached_property
     def between(self) -> Points:
-        """How far it is straight from corner to corner (n, n) [m]."""
+        """Return the straight distances between corners (n, n) [m]."""
         return np.asarray(straight_ways(self.corners, self.arms, self.edges))
 
     def sees(self, places: Points, others: Points) -> NDArray[np.bool_]:
-        """Whether there is a straight way from each of the places (n, 2) to each of the others (m, 2), (n, m)."""
+        """Return whether a straight way leads from each of the places (n, 2) to each of the others (m, 2), (n, m)."""
         return np.asarray(sights(np.ascontiguousarray(places), np.ascontiguousarray(others), self.edges))
 
     def ways(self, ends: Points, cost: LegTimes, bend: float) -> Any:
-        """The ways between ends of lines (2n, 2), as `ways_between` has them."""
+        """Return the result of `ways_between` for ends of lines (2n, 2)."""
         return ways_between(cost.clock, ends, self.corners, self.arms, self.between, self.edges, bend)
 
 
 class Ways:
-    """The ways from each end of lines to each other's; line k has the ends 2k and 2k + 1 of `ends` (2n, 2).
+    """The ways between the ends of lines; line k has the ends 2k and 2k + 1 of `ends` (2n, 2).
 
     Attributes:
-        times: how long they take, corners counted where they leave and join lines, (2n, 2n) [s].
+        times: with corners where they leave and join lines, (2n, 2n) [s].
     """
 
     def __init__(self, ends: Points, inside: FreeSpace, outside: FreeSpace, cost: LegTimes) -> None:
@@ -78,10 +77,10 @@ class Ways:
         self._is_outside = lost
         if lost.any():
             self._found.append(outside.ways(ends, cost, bend))
-            self.times = np.where(lost, np.minimum(self._found[1][0] + LEAVING_S, NO_WAY), self.times)
+            self.times = np.where(lost, np.minimum(self._found[1][0] + OUTSIDE_S, NO_WAY), self.times)
 
     def way(self, i: int, j: int) -> Points:
-        """The corners (k, 2) of the way from end i to end j, both with it."""
+        """Return the corners (k, 2) of the way from end i to end j, both included."""
         which = int(self._is_outside[i, j])
         _, last, prev = self._found[which]
         corners, passed, c = self._spaces[which].corners, [self.ends[j]], int(last[i, j])
@@ -93,20 +92,19 @@ class Ways:
 
 
 def _rings(shape: Any) -> list[Points]:
-    """All rings of polygons, what is inside on their left, closed."""
+    """Return all rings of polygons, closed, with the interior on their left."""
     oriented = shapely.orient_polygons(shape)
     return [shapely.get_coordinates(ring) for ring in shapely.get_rings(shapely.get_parts(oriented))]
 
 
 def _bends(ring: Points) -> Points:
-    """The corners of a ring, what is inside on its left, that a shortest way may go round, as it turns right there.
+    """Return the right turns of a ring (interior on its left), with the directions to their neighbors, (k, 6).
 
-    With the directions to those beside each, (k, 6); with zeros where it turns sharply, as a way of fewer bends may
-    turn there before it must.
+    A shortest way may go round these. Directions at sharp corners are 0: a way may turn before it must.
     """
     corners = ring[:-1]
     back, on = np.roll(corners, 1, axis=0) - corners, np.roll(corners, -1, axis=0) - corners
     back, on = (arm / np.linalg.norm(arm, axis=1, keepdims=True) for arm in (back, on))
     turns = np.arctan2(on[:, 0] * back[:, 1] - on[:, 1] * back[:, 0], -(on * back).sum(axis=1))
-    arms = np.where(turns[:, None] > -SHARP, np.column_stack([back, on]), 0.0)
+    arms = np.where(turns[:, None] > -SHARP_ANGLE, np.column_stack([back, on]), 0.0)
     return np.asarray(np.column_stack([corners, arms])[turns < 0.0])

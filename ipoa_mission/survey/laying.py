@@ -1,4 +1,4 @@
-"""From what a scenario asks of its survey to the lines that see its area; and these at once, without a flight."""
+"""Lay the lines of a scenario's survey, and sketch them without planning a flight."""
 
 import math
 from collections.abc import Callable
@@ -18,20 +18,20 @@ from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.corridor import corridor_tour, where_allowed
 from ipoa_mission.survey.cover import quickest_tour, way_between
 from ipoa_mission.survey.coverage import Coverage, coverage
-from ipoa_mission.survey.keep_out import SPARE, keep_out, tube
+from ipoa_mission.survey.keep_out import SPARE, keep_out, survey_bound
 from ipoa_mission.survey.sight import Sight, sight_of
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Tour
 
-MOST_LINES = 3000  # in one survey: to put them in order takes room for the ways from each to each other
-MOST_HOURS = 100  # of flight in one survey: to plan it takes a gigabyte or two, and nobody flies for so long in one go
+MAX_LINES = 3000  # in one survey: ordering needs memory for the ways between all of them
+MAX_HOURS = 100  # of flight in one survey: planning it takes 1 to 2 GB
 
 
 @dataclass(frozen=True, eq=False)
 class SurveySketch:
-    """Lines as they are laid first: no flight flies them yet, and nothing of them is proved.
+    """Lines as first laid, without flights and without checks.
 
-    `seconds` is about how long they take with the ways between them, from start to end and nothing else.
+    `seconds` is the approximate time of the lines with the ways between them, without take-off and landing.
     """
 
     area: Area
@@ -43,12 +43,12 @@ class SurveySketch:
 
 
 def sketch_survey(scenario: Scenario) -> SurveySketch:
-    """The lines of a scenario's survey, for who is still moving things about.
+    """Return the lines of a scenario's survey, for interactive editing.
 
     Raises:
-        BadInput: the scenario has no survey, or one that makes no sense.
+        BadInput: the scenario has no survey, or an inconsistent one.
         NoPath: it is too low, or obstacles leave nothing of the area.
-        MissionError: no time is known of its lines, or no way leads between them.
+        MissionError: its lines have no time, or no way leads between them.
     """
     section, area = expect_survey(scenario)
     sight = sight_of(section, area, scenario)
@@ -61,27 +61,27 @@ def sketch_survey(scenario: Scenario) -> SurveySketch:
 
 
 def expect_survey(scenario: Scenario) -> tuple[SurveySection, Area]:
-    """What is asked of a scenario's survey, and its area.
+    """Return the survey section of a scenario, and its area.
 
     Raises:
         BadInput: it has none.
     """
     section, area = scenario.survey, scenario.survey_area
     if section is None or area is None:
-        raise BadInput("expected in the scenario, but not there", code="missing", place="survey")
+        raise BadInput("expected in the scenario, but missing", code="missing", place="survey")
     return section, area
 
 
 def expect_high_enough(sight: Sight, scenario: Scenario) -> None:
-    """Refuse a height above ground at which flights would come too near to it.
+    """Refuse a height at which flights would come too near to the ground.
 
     Raises:
-        NoPath: saying from what height on they would not.
+        NoPath: with the minimum height.
     """
-    needed = scenario.limits.height_above_ground + tube(scenario).down + 2 * SPARE
+    needed = scenario.limits.height_above_ground + survey_bound(scenario).down + 2 * SPARE
     if sight.least < needed:
         raise NoPath(
-            f"{sight.least:g} m above the ground is too near to it, at least {needed:.2f} m required",
+            f"{sight.least:g} m above the ground is too low, at least {needed:.2f} m required",
             hint="fly higher (survey.height_above_ground, or a larger survey.gsd_cm)",
             code="survey-too-low",
             place="survey",
@@ -97,14 +97,14 @@ def lay_lines(
     outside: Any | None,
     at: Vector | None = None,
 ) -> Tour:
-    """The quickest lines over what obstacles leave of the area.
+    """Return the quickest lines over the part of the area that obstacles leave.
 
-    They begin and end near where flights do, or, if it is given, near `at` (2,). Of a survey with start places, of
-    which nobody knows yet which, they begin anywhere.
+    The lines begin and end near the ends of flights, or near `at` (2,). With start places and no `at` they begin
+    anywhere.
 
     Raises:
-        BadInput: it would take more lines than can be put in order, or more hours than can be planned.
-        NoPath: they leave nothing.
+        BadInput: too many lines to order, or too many hours to plan.
+        NoPath: obstacles leave nothing.
     """
     free = area.without(outside)
     if free.is_empty:
@@ -137,20 +137,20 @@ def lay_lines(
 
 def _expect_lines(area: Area, spacing: float) -> None:
     (west, south, east, north) = area.shape.bounds
-    least = area.shape.area / spacing / math.hypot(east - west, north - south)  # no line is longer than that
-    if least > MOST_LINES:
-        words = f"expected at most {MOST_LINES} lines, not {least:.0f} or more, {spacing:g} m apart"
-        hint = "with lines farther apart (survey.line_spacing, or a camera from higher), or in several surveys"
+    least = area.shape.area / spacing / math.hypot(east - west, north - south)  # no line is longer than the diagonal
+    if least > MAX_LINES:
+        words = f"expected at most {MAX_LINES} lines, not {least:.0f} or more, {spacing:g} m apart"
+        hint = "set lines farther apart (survey.line_spacing, or a greater height), or split the survey"
         raise BadInput(words, hint=hint, code="survey-too-long", place="survey")
 
 
 def _expect_hours(seen_m2: float, spacing: float, speed: float) -> None:
-    length = seen_m2 / spacing  # no lines that see all of it are shorter
-    if (hours := length / speed / 3600.0) > MOST_HOURS:
+    length = seen_m2 / spacing  # minimum length of lines that see all of it
+    if (hours := length / speed / 3600.0) > MAX_HOURS:
         raise BadInput(
-            f"expected at most {MOST_HOURS} h of flight, not {hours:.0f} h or more: "
+            f"expected at most {MAX_HOURS} h of flight, not {hours:.0f} h or more: "
             f"{length / 1000.0:.0f} km of lines at {speed:g} m/s",
-            hint="in several surveys, or with lines farther apart (survey.line_spacing, or a camera from higher)",
+            hint="split the survey, or set lines farther apart (survey.line_spacing, or a greater height)",
             code="survey-too-long",
             place="survey",
         )
@@ -159,7 +159,7 @@ def _expect_hours(seen_m2: float, spacing: float, speed: float) -> None:
 def way_over(
     area: Area, scenario: Scenario, section: SurveySection, sight: Sight, outside: Any | None
 ) -> Callable[[Vector, Vector], Points]:
-    """What leads from one place (2,) over an area to another: the corners (k, 2) of the way, both places with it."""
+    """Return a function that gives the corners (k, 2) of the way between two places (2,), both included."""
     return way_between(
         area,
         sight.spacing,
@@ -170,10 +170,10 @@ def way_over(
 
 
 def leg_times(scenario: Scenario, sight: Sight) -> LegTimes:
-    """How long the scenario's vehicle takes for lines, and for the corners between them.
+    """Return the times of lines and corners of the scenario's vehicle.
 
     Raises:
-        MissionError: no time is known of them.
+        MissionError: they have no time.
     """
     vehicle = scenario.vehicle
     given = Mission(

@@ -1,7 +1,7 @@
-"""The heights of a survey's path: above the highest ground that is seen at each moment, and no higher than need be.
+"""Compute the heights of a survey's path: above the highest ground in view, and no higher than necessary.
 
-Ground that a camera sees from no less than the least height lies in the photo at least as wide as on level ground: so
-the overlap is never less than what was asked, on slopes too.
+Ground seen from at least the minimum height covers at least as much of the photo as on level ground. So the
+overlap is never less than requested, on slopes too.
 """
 
 import math
@@ -13,25 +13,25 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.world.ground import Ground
 
-STEP = 5.0  # between places along the path at which the ground is looked at, at most [m]
-ASIDE = 9  # places across the way, and on a few lines ahead and behind, at which it is looked at
-TOUCHING = 0.01  # [m]
+STEP = 5.0  # maximum distance of ground samples along the path [m]
+GROUND_SAMPLES = 9  # ground samples across the path, and along the photo
+TOLERANCE = 0.01  # [m]
 
 
 def lifted(path: Points, sight: Sight, ground: Ground) -> tuple[Points, list[int]]:
-    """A path (n, 2) with its heights and the places between that it needs for them, (m, 3), and where its corners are.
+    """Return a path (n, 2) with heights and the places that these need, (m, 3), and the indices of its corners.
 
     Over flat ground its corners are enough.
     """
     if sight.band == 0.0:
         return np.column_stack([path, ground(path) + sight.least]), [*range(len(path))]
-    looked = [_looked_at(a, b, sight, ground) for a, b in pairwise(path)]
-    floor = np.array([lower[0] for _, lower in looked] + [looked[-1][1][-1]])
-    floor[1:] = np.maximum(floor[1:], [lower[-1] for _, lower in looked])
+    sampled = [_sampled(a, b, sight, ground) for a, b in pairwise(path)]
+    floor = np.array([lower[0] for _, lower in sampled] + [sampled[-1][1][-1]])
+    floor[1:] = np.maximum(floor[1:], [lower[-1] for _, lower in sampled])
     heights = floor + sight.band / 2
     points, corners = [np.append(path[0], heights[0])], [0]
     for n, (a, b) in enumerate(pairwise(path)):
-        shares, lower = looked[n]
+        shares, lower = sampled[n]
         lower[[0, -1]] = floor[n : n + 2]
         vertices = _fewest(shares, lower, sight.band, (heights[n], heights[n + 1]))
         points += [np.append(a + share * (b - a), height) for share, height in vertices]
@@ -39,22 +39,22 @@ def lifted(path: Points, sight: Sight, ground: Ground) -> tuple[Points, list[int
     return np.array(points), corners
 
 
-def _looked_at(a: Points, b: Points, sight: Sight, ground: Ground) -> tuple[Vector, Vector]:
-    """Shares of a straight leg, and how high the flight must be there at least, (n,) each."""
+def _sampled(a: Points, b: Points, sight: Sight, ground: Ground) -> tuple[Vector, Vector]:
+    """Return shares of a straight leg, and the minimum flight height at each, (n,) each."""
     ahead = b - a
     length = float(np.linalg.norm(ahead))
     ahead = ahead / max(length, 1e-9)
-    shares = np.linspace(0.0, 1.0, math.ceil(length / min(STEP, max(sight.across / ASIDE, 0.5))) + 1)
+    shares = np.linspace(0.0, 1.0, math.ceil(length / min(STEP, max(sight.across / GROUND_SAMPLES, 0.5))) + 1)
     right = np.array([ahead[1], -ahead[0]])
-    sides = np.linspace(-sight.across / 2, sight.across / 2, ASIDE)
-    along = np.linspace(-sight.along / 2, sight.along / 2, 1 if sight.along == 0.0 else ASIDE)
+    sides = np.linspace(-sight.across / 2, sight.across / 2, GROUND_SAMPLES)
+    along = np.linspace(-sight.along / 2, sight.along / 2, 1 if sight.along == 0.0 else GROUND_SAMPLES)
     seen = (sides[:, None, None] * right + along[None, :, None] * ahead).reshape(-1, 2)
     spots = (a + shares[:, None] * (b - a))[:, None, :] + seen
     return shares, ground(spots.reshape(-1, 2)).reshape(len(shares), -1).max(axis=1) + sight.least
 
 
 def _fewest(shares: Vector, lower: Vector, band: float, ends: tuple[float, float]) -> list[tuple[float, float]]:
-    """Places of a leg, its end among them, between which straight flight stays in the band above `lower`."""
+    """Return the places of a leg, with its end, between which straight flight stays in the band above `lower`."""
     found: list[tuple[float, float]] = []
     ahead = [(0, len(shares) - 1, *ends)]
     while ahead:
@@ -63,7 +63,7 @@ def _fewest(shares: Vector, lower: Vector, band: float, ends: tuple[float, float
         line = np.interp(shares[part], shares[[first, last]], [begin, end])
         short = np.maximum(lower[part] - line, line - lower[part] - band)
         worst = first + int(np.argmax(short[1:-1])) + 1 if last - first > 1 else first
-        if last - first <= 1 or short[worst - first] <= TOUCHING:
+        if last - first <= 1 or short[worst - first] <= TOLERANCE:
             found.append((float(shares[last]), end))
             continue
         middle = float(lower[worst]) + band / 2

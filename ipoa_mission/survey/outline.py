@@ -1,4 +1,4 @@
-"""Outlines with fewer corners: ways round them are flown faster, and found sooner."""
+"""Simplify outlines: ways round fewer corners are flown faster and found sooner."""
 
 import math
 from collections.abc import Callable
@@ -10,13 +10,13 @@ import shapely
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.union import union_of
 
-MOST_TURN = math.radians(60.0)  # of a corner that takes the place of others: what turns more is a corner of its own
+MAX_TURN = math.radians(60.0)  # of a corner that replaces others; sharper corners stay
 
 
 def wider(shape: Any, most: float) -> Any:
-    """Polygons (shapely) that hold those of `shape`, with fewer corners, nowhere wider by more than `most` [m].
+    """Return polygons (shapely) that contain `shape`, with fewer corners, wider by at most `most` [m].
 
-    Only what is rounded is drawn anew, by edges that touch it.
+    Only rounded parts are replaced, by edges that touch them.
 
     Example:
         >>> pond = shapely.Point(0.0, 0.0).buffer(10.0)
@@ -28,12 +28,12 @@ def wider(shape: Any, most: float) -> Any:
 
 
 def narrower(shape: Any, most: float) -> Any:
-    """Polygons (shapely) that `shape` holds, with fewer corners, nowhere narrower by more than `most` [m]."""
+    """Return polygons (shapely) within `shape`, with fewer corners, narrower by at most `most` [m]."""
     return _redrawn(shape, lambda ring: _pointed(_filled(ring[::-1], most), most)[::-1])
 
 
 def _redrawn(shape: Any, redraw: Callable[[Points], Points]) -> Any:
-    """The same with each ring (n, 2), what is inside on its left, redrawn; where rings would cross nothing is."""
+    """Redraw each ring (n, 2), interior on its left; keep a part whose new rings would cross."""
     parts = []
     for part in shapely.get_parts(shapely.orient_polygons(shape)):
         outer, *inner = (redraw(shapely.get_coordinates(ring)[:-1]) for ring in shapely.get_rings(part))
@@ -43,13 +43,13 @@ def _redrawn(shape: Any, redraw: Callable[[Points], Points]) -> Any:
 
 
 def _turns(ring: Points) -> Vector:
-    """By how much a ring (n, 2), not closed, turns at each corner, left more than 0 [rad]."""
+    """Return the turn of an open ring (n, 2) at each corner, left positive [rad]."""
     into, out = ring - np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0) - ring
     return np.asarray(np.arctan2(into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0], (into * out).sum(axis=1)))
 
 
 def _filled(ring: Points, most: float) -> Points:
-    """The same ring, what turns right in small steps passed straight on the right."""
+    """Return a ring with runs of small right turns replaced by a straight edge on the right."""
     turns = _turns(ring)
     if (turns >= 0.0).all():
         return ring
@@ -58,7 +58,7 @@ def _filled(ring: Points, most: float) -> Points:
     kept, n, count = [0], 0, len(ring)
     while n < count:
         end, turned = n + 1, 0.0
-        while end < count and turns[end] < 0.0 and turned - turns[end] <= MOST_TURN:
+        while end < count and turns[end] < 0.0 and turned - turns[end] <= MAX_TURN:
             begin, leg = ring[n], ring[(end + 1) % count] - ring[n]
             away = (ring[n + 1 : end + 1] - begin) @ np.array([-leg[1], leg[0]]) / max(math.hypot(*leg), 1e-12)
             if away.max() > most:
@@ -71,14 +71,14 @@ def _filled(ring: Points, most: float) -> Points:
 
 
 def _pointed(ring: Points, most: float) -> Points:
-    """The same ring, each run of small left turns drawn as one corner, where the edges before and after it meet."""
+    """Return a ring with each run of small left turns replaced by the corner where its outer edges meet."""
     turns = _turns(ring)
-    first = int(turns.argmax()) if turns.max() > MOST_TURN else int(turns.argmin())
+    first = int(turns.argmax()) if turns.max() > MAX_TURN else int(turns.argmin())
     ring, turns = np.roll(ring, -first, axis=0), np.roll(turns, -first)
     corners, n, count = [ring[0]], 1, len(ring)
     while n < count:
         corner, turned, end = ring[n], turns[n], n + 1
-        while end < count and min(turns[end], turns[end - 1]) > 0.0 and turned + turns[end] <= MOST_TURN:
+        while end < count and min(turns[end], turns[end - 1]) > 0.0 and turned + turns[end] <= MAX_TURN:
             meets = _crossing(ring[n - 1], ring[n], ring[end], ring[(end + 1) % count])
             if shapely.LineString(ring[n : end + 1]).distance(shapely.Point(meets)) > most:
                 break
@@ -89,7 +89,7 @@ def _pointed(ring: Points, most: float) -> Points:
 
 
 def _crossing(a: Points, b: Points, c: Points, d: Points) -> Points:
-    """Where the line through a and b meets that through c and d."""
+    """Return the intersection of the lines a-b and c-d."""
     along, other = b - a, d - c
     share = ((c - a)[0] * other[1] - (c - a)[1] * other[0]) / (along[0] * other[1] - along[1] * other[0])
     return np.asarray(a + share * along)

@@ -1,8 +1,8 @@
-"""How much the photos of a survey overlap at least, and where: by the items that are uploaded, over the terrain.
+"""Compute the smallest overlap of a survey's photos, and where, from the uploaded items over the terrain.
 
-Nothing of what planned the lines is asked, but how wide the camera sees and how far apart the vehicle takes photos. A
-share is that of a photo, as it lies in the image: of what it shows, and on ground that slopes. What stands on the
-ground is not counted; a roof is nearer to the camera, and overlaps less.
+Uses only the camera's footprint and the trigger distance, not the planner's lines. A share is that of a photo, as
+it lies in the image, on sloping ground too. Obstacles are not counted: a roof is nearer to the camera, and overlaps
+less.
 """
 
 import math
@@ -23,17 +23,17 @@ from ipoa_mission.survey.tour import Swath, Tour
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import Ground
 
-ALONG, ACROSS = 41, 5  # places of a photo that are looked at: in the direction of an overlap, and across it
-ROUNDS = 6  # in which it is found where such a place lies on the ground
-PARALLEL = math.sin(math.radians(2.0))  # of the angle between them
-ROUNDING = 0.05  # lines so much farther apart than the spacing are as far apart as they may be [m]
-NOISE = 0.002  # of a photo: what places rounded to 1e-7 degrees make of an overlap
-SAME = 0.1  # of a spacing: lines nearer to each other are one, flown twice
+SAMPLES_ALONG, SAMPLES_ACROSS = 41, 5  # samples of a photo in the direction of an overlap, and across it
+ITERATIONS = 6  # iterations that find the ground of a sample
+MAX_SINE = math.sin(math.radians(2.0))  # sine of the angle between parallel lines
+SPACING_TOLERANCE = 0.05  # tolerance of the spacing between lines [m]
+NOISE = 0.002  # of a photo: effect of places rounded to 1e-7 degrees on an overlap
+MIN_SEPARATION = 0.1  # of the spacing: nearer lines are one line flown twice
 
 
 @dataclass(frozen=True)
 class Overlap:
-    """The smallest share of a photo that another one shows too, and where that photo is taken, east and north [m]."""
+    """The smallest share of a photo that another one shows too, and that photo's place, east and north [m]."""
 
     share: float
     at: tuple[float, float]
@@ -41,46 +41,45 @@ class Overlap:
 
 @dataclass(frozen=True)
 class Overlaps:
-    """The smallest overlap with the next photo, and with those of the next line; None where there is no such."""
+    """The smallest overlap with the next photo, and with those of the next line, or None without such."""
 
     front: Overlap | None
     side: Overlap | None
 
     def __str__(self) -> str:
-        told = (("ahead", self.front), ("to the side", self.side))
-        return " and ".join(f"{100 * one.share:.1f} % {way}" for way, one in told if one is not None)
+        parts = (("ahead", self.front), ("to the side", self.side))
+        return " and ".join(f"{100 * one.share:.1f} % {way}" for way, one in parts if one is not None)
 
     def falls_short(self, front: float, side: float) -> Iterator[str]:
-        """Which of the two is less than was asked, and where, in words."""
-        for name, one, asked in (("front", self.front, front), ("side", self.side, side)):
-            if one is not None and one.share < asked - NOISE:
+        """Report each of the two that is less than requested, and where."""
+        for name, one, requested in (("front", self.front, front), ("side", self.side, side)):
+            if one is not None and one.share < requested - NOISE:
                 where = "at east {:.0f}, north {:.0f} m".format(*one.at)
-                yield f"survey.{name}_overlap: {100 * asked:.0f} % asked, but {100 * one.share:.1f} % {where}"
+                yield f"survey.{name}_overlap: {100 * requested:.0f} % requested, but {100 * one.share:.1f} % {where}"
 
 
 @dataclass(frozen=True, eq=False)
 class PhotoLine:
-    """A straight line of photos: its ends (2, 3), and where they are taken (n, 3)."""
+    """A straight line of photos: its ends (2, 3), and the photos' places (n, 3)."""
 
     ends: Points
     photos: Points
 
     @property
     def ahead(self) -> Vector:
-        """Its direction in plan (2,)."""
+        """Return its direction in plan (2,)."""
         leg = self.ends[1, :2] - self.ends[0, :2]
         return np.asarray(leg / np.linalg.norm(leg))
 
 
 def smallest_overlaps(lines: Sequence[PhotoLine], sight: Sight, ground: Ground, free: Any) -> Overlaps:
-    """The smallest overlaps of all photos on some lines.
+    """Return the smallest overlaps of all photos on some lines.
 
     Args:
         lines: of all flights.
-        sight: how wide a photo shows, and how far apart lines are to be.
-        ground: that it shows.
-        free: a shapely geometry, what is to be seen and may be flown over; lines with something else between them are
-            none that lie side by side.
+        sight: footprint of a photo, and spacing of lines.
+        ground: below the photos.
+        free: a shapely geometry, the area that may be flown over; lines are neighbors only across it.
     """
     half = sight.across / sight.least / 2, sight.along / sight.least / 2
     fronts, sides = list[Overlap](), list[Overlap]()
@@ -91,7 +90,7 @@ def smallest_overlaps(lines: Sequence[PhotoLine], sight: Sight, ground: Ground, 
             fronts.append(_least(_shares(line.photos[:-1], line.photos[1:], ahead, half[::-1], ground), line.photos))
         right = np.array([ahead[1], -ahead[0]])
         for towards in (right, -right):
-            taken, others = _beside(line, lines, towards, sight, free)
+            taken, others = _neighbors(line, lines, towards, sight, free)
             if len(taken):
                 sides.append(_least(_shares(taken, others, towards, half, ground), taken))
     least = [min(found, key=lambda one: one.share, default=None) for found in (fronts, sides)]
@@ -99,9 +98,9 @@ def smallest_overlaps(lines: Sequence[PhotoLine], sight: Sight, ground: Ground, 
 
 
 def flown_lines(forecast: Forecast, lag: float, frame: LocalFrame) -> Iterator[PhotoLine]:
-    """The lines of a mission along which photos are triggered, in a frame.
+    """Return the lines of a mission along which photos are triggered, in a frame.
 
-    `lag`: how much later than it is due a photo is taken, in the mean [m]; here twice as much.
+    `lag`: mean delay of a photo [m]; twice as much is assumed.
     """
     home, speed, every = forecast.mission.home, forecast.mission.cruise_speed or 1.0, 0.0
     here: Vector | None = None
@@ -121,7 +120,7 @@ def flown_lines(forecast: Forecast, lag: float, frame: LocalFrame) -> Iterator[P
 
 
 def laid_lines(tour: Tour, sight: Sight, ground: Ground) -> Iterator[PhotoLine]:
-    """The same of lines that no mission flies yet."""
+    """Return the photo lines of a tour that no mission flies yet."""
     for swath in tour.swaths:
         every = sight.triggering(swath.length)[0]
         if every > 0.0 and swath.length > 0.0:
@@ -130,7 +129,7 @@ def laid_lines(tour: Tour, sight: Sight, ground: Ground) -> Iterator[PhotoLine]:
 
 
 def photo_places(swath: Swath, sight: Sight) -> Points:
-    """Where photos are taken along a line, in the mean, (n, 2); none without a camera."""
+    """Return the mean places of photos along a line (n, 2); empty without a camera."""
     distance, count = sight.triggering(swath.length)
     ahead = (swath.end - swath.begin) / max(swath.length, 1e-9)
     return np.asarray(swath.begin + np.arange(count)[:, None] * (distance + sight.lag) * ahead)
@@ -143,46 +142,46 @@ def _line(begin: Vector, end: Vector, apart: float) -> PhotoLine:
 
 
 def _shares(taken: Points, others: Points, towards: Vector, half: tuple[float, float], ground: Ground) -> Vector:
-    """What share (n,) of each photo (n, 3) another one (n, 3), in the direction `towards` (2,) of it, shows too.
+    """Return the share (n,) of each photo (n, 3) that another one (n, 3), in direction `towards` (2,), shows too.
 
-    `half`: half of what a photo shows in that direction, and across, for each metre of height.
+    `half`: half of the footprint in that direction, and across, per meter of height.
     """
     aside = np.array([-towards[1], towards[0]])
-    u, v = np.linspace(-1.0, 1.0, ALONG), np.linspace(-1.0, 1.0, ACROSS)
+    u, v = np.linspace(-1.0, 1.0, SAMPLES_ALONG), np.linspace(-1.0, 1.0, SAMPLES_ACROSS)
     rays = (u[None, :, None] * half[0] * towards + v[:, None, None] * half[1] * aside).reshape(-1, 2)
     height = taken[:, 2] - ground(taken)
-    for _ in range(ROUNDS):
+    for _ in range(ITERATIONS):
         seen = taken[:, None, :2] + height.reshape(len(taken), -1, 1) * rays
         height = taken[:, 2:] - ground(seen.reshape(-1, 2)).reshape(len(taken), -1)
     above = others[:, 2:] - (taken[:, 2:] - height)
     there = ((seen - others[:, None, :2]) @ towards) / (half[0] * np.maximum(above, 1e-6))
-    there = np.maximum.accumulate(there.reshape(len(taken), ACROSS, ALONG), axis=2)
+    there = np.maximum.accumulate(there.reshape(len(taken), SAMPLES_ACROSS, SAMPLES_ALONG), axis=2)
     begins = np.array([[np.interp(-1.0, row, u) for row in photo] for photo in there])
     begins[there[:, :, -1] < -1.0] = 1.0
     return np.asarray((1.0 - begins).mean(axis=1) / 2)
 
 
-def _beside(
+def _neighbors(
     line: PhotoLine, lines: Sequence[PhotoLine], towards: Vector, sight: Sight, free: Any
 ) -> tuple[Points, Points]:
-    """The photos (n, 3) of a line that have a line beside them on one side, and the nearest places (n, 3) on that."""
+    """Return the photos (n, 3) of a line with a neighboring line on one side, and the nearest places (n, 3) on that."""
     ends = np.array([other.ends for other in lines])
     legs = ends[:, 1, :2] - ends[:, 0, :2]
     lengths = np.linalg.norm(legs, axis=1)
     ahead = line.ahead
-    is_parallel = np.abs(legs[:, 0] * ahead[1] - legs[:, 1] * ahead[0]) < PARALLEL * lengths
+    is_parallel = np.abs(legs[:, 0] * ahead[1] - legs[:, 1] * ahead[0]) < MAX_SINE * lengths
     ends, legs, lengths = ends[is_parallel], legs[is_parallel], lengths[is_parallel]
     off = line.photos[:, None, :2] - ends[None, :, 0, :2]
     share = (off * legs).sum(axis=2) / lengths**2
     away = ((share[:, :, None] * legs - off) * towards).sum(axis=2)
-    beyond = np.abs(share - np.clip(share, 0.0, 1.0)) * lengths  # photos at its ends show what lies so far beyond, too
-    is_beside = (beyond <= sight.spacing / 2) & (away > SAME * sight.spacing) & (away < sight.across)
-    away = np.where(is_beside, away, np.inf)
+    beyond = np.abs(share - np.clip(share, 0.0, 1.0)) * lengths  # photos at its ends also show this far beyond
+    is_neighbor = (beyond <= sight.spacing / 2) & (away > MIN_SEPARATION * sight.spacing) & (away < sight.across)
+    away = np.where(is_neighbor, away, np.inf)
     one, apart = away.argmin(axis=1), away.min(axis=1)
     n = np.flatnonzero(np.isfinite(apart))
     along = np.clip(share[n, one[n], None], 0.0, 1.0)
     others = ends[one[n], 0] + along * (ends[one[n], 1] - ends[one[n], 0])
-    is_near = apart[n] <= sight.spacing + ROUNDING
+    is_near = apart[n] <= sight.spacing + SPACING_TOLERANCE
     between = shapely.linestrings(np.stack([line.photos[n, :2], others[:, :2]], axis=1))
     is_near[~is_near] = shapely.covers(free, between[~is_near])
     return line.photos[n[is_near]], others[is_near]

@@ -1,6 +1,6 @@
-"""A survey's lines as QGroundControl's own survey or corridor item, so that it opens and edits them.
+"""Write a survey's lines as QGroundControl's own survey or corridor item, which opens and edits there.
 
-It knows no holes and no obstacles: where somebody edits the item there, it lays its transects anew without them.
+The item has no holes and no obstacles: if somebody edits it there, new transects ignore them.
 """
 
 import math
@@ -17,13 +17,13 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.tour import Tour
 
-MANUAL, CUSTOM = "Manual (no camera specs)", "Custom Camera"  # what it calls none, and one that is not in its list
+MANUAL_CAMERA, CUSTOM_CAMERA = "Manual (no camera specs)", "Custom Camera"  # as QGroundControl has them
 ABOVE_HOME = 1
 VERSIONS = {"survey": 5, "CorridorScan": 2}
 
 
 def survey_item(mission: Mission, first: int, last: int, tour: Tour, sight: Sight, scenario: Scenario) -> ComplexItem:
-    """The items from `first` up to `last` of a mission as one of QGroundControl's."""
+    """Return the items `first` to `last` of a mission as a complex item of QGroundControl."""
     section, area = scenario.survey, scenario.survey_area
     assert section is not None
     assert area is not None
@@ -32,7 +32,7 @@ def survey_item(mission: Mission, first: int, last: int, tour: Tour, sight: Sigh
     angle = math.degrees(math.atan2(*(end - begin).tolist()))
     middles = section.middles(scenario.frame)
     kind = "CorridorScan" if middles else "survey"
-    told: dict[str, Any] = {
+    entry: dict[str, Any] = {
         TRANSECTS: {
             "CameraCalc": _camera(sight, scenario),
             "CameraShots": sight.photos_of(tour),
@@ -51,34 +51,34 @@ def survey_item(mission: Mission, first: int, last: int, tour: Tour, sight: Sigh
         "version": VERSIONS[kind],
     }
     if middles:
-        told |= {"CorridorWidth": section.width, "EntryPoint": 0, "polyline": _degrees(middles[0], scenario)}
+        entry |= {"CorridorWidth": section.width, "EntryPoint": 0, "polyline": _degrees(middles[0], scenario)}
     else:
         outer = max(area.shape.geoms, key=lambda part: part.intersection(_lines(tour)).length)
-        told |= {
+        entry |= {
             "angle": round(90.0 - (90.0 - angle) % 180.0, 3),
             "entryLocation": 0,
             "flyAlternateTransects": False,
             "polygon": _degrees(shapely.get_coordinates(outer.exterior)[:-1], scenario),
             "splitConcavePolygons": False,
         }
-    return complex_item(items, told)
+    return complex_item(items, entry)
 
 
 def _camera(sight: Sight, scenario: Scenario) -> dict[str, Any]:
     section = scenario.survey
     assert section is not None
-    told: dict[str, Any] = {
+    entry: dict[str, Any] = {
         "AdjustedFootprintFrontal": round(sight.trigger or 0.0, 2),
         "AdjustedFootprintSide": round(sight.spacing, 3),
-        "CameraName": MANUAL,
+        "CameraName": MANUAL_CAMERA,
         "DistanceMode": ABOVE_HOME,
         "DistanceToSurface": round(sight.least, 3),
         "version": 2,
     }
     if (camera := section.taken_by) is None or sight.trigger is None:
-        return told
-    return told | {
-        "CameraName": CUSTOM,
+        return entry
+    return entry | {
+        "CameraName": CUSTOM_CAMERA,
         "FixedOrientation": False,
         "FocalLength": camera.focal_length,
         "FrontalOverlap": round(100.0 * sight.overlaps[0], 3),

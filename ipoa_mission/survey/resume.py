@@ -1,7 +1,7 @@
-"""What of a survey is still to be flown: its lines without those along which a vehicle has flown.
+"""Compute the rest of a survey: its lines without the parts that a vehicle has flown.
 
-A place of a line counts as flown where the vehicle went along the line beside it, near enough, as high as was asked,
-and in the order of the lines: a way to them or home that happens to lead along one does not count.
+A place of a line counts as flown if the vehicle flew along the line near it, and high enough. The lines must follow
+in their order. A way that happens to lead along a line does not count.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -15,11 +15,11 @@ from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.tour import Swath, Tour
 from ipoa_mission.world.ground import Ground
 
-ASIDE, NEAREST, FARTHEST = 0.1, 2.0, 0.4  # beside a line [spacings], but no less than so far [m], nor more [spacings]
-SLANT = 0.25  # so much aside for each metre along it
-LOW = 0.9  # of the height that was asked for
-END = 5.0  # that a piece of a line may be long that counts all the same [m]; a quarter of the spacing at most
-TINY = 0.01  # [m]
+LATERAL_SHARE, MIN_LATERAL, MAX_LATERAL_SHARE = 0.1, 2.0, 0.4  # of a line: [spacings], at least [m], at most [spacings]
+MAX_SLANT = 0.25  # lateral motion per meter along it
+MIN_HEIGHT = 0.9  # of the requested height
+MAX_REST = 5.0  # maximum rest of a line that counts as flown [m], and at most a quarter of the spacing
+MIN_LENGTH = 0.01  # [m]
 
 WayBetween = Callable[[Points, Points], Points]
 
@@ -27,26 +27,26 @@ WayBetween = Callable[[Points, Points], Points]
 def left_to_fly(
     tour: Tour, flown: Sequence[Points], sight: Sight, ground: Ground, way_between: WayBetween
 ) -> Tour | None:
-    """The lines of a tour that are left, in their order; None where all are flown.
+    """Return the lines of a tour that are left, in their order, or None if all are flown.
 
-    What is left of a line begins so much before the place where it was left that photos overlap there.
+    The rest of a line begins before the end of the flown part, so that photos overlap there.
 
     Args:
-        tour: all of the survey.
-        flown: paths on which the sensor was on but for turns, (n, 3) each, east, north, up [m].
-        sight: how wide a line sees, and from how high.
-        ground: under them.
-        way_between: the corners of the way from one place (2,) to another, both with it.
+        tour: the whole survey.
+        flown: paths with the sensor on except in turns, (n, 3) each, east, north, up [m].
+        sight: width and height of the view.
+        ground: below the lines.
+        way_between: returns the corners of the way between two places (2,), both included.
     """
-    again = max(sight.trigger or 0.0, sight.along / 2, 1.0)
+    overlap = max(sight.trigger or 0.0, sight.along / 2, 1.0)
     pieces = list[list[tuple[float, float]]]([] for _ in tour.swaths)
     for path in flown:
         for run in _in_order(tour, path, sight, ground):
             pieces[run.line].append((run.begin, run.end))
     swaths, ways, before = list[Swath](), list[Points](), -1
     for n, swath in enumerate(tour.swaths):
-        for begin, end in _left(pieces[n], swath.length, sight, again):
-            ahead = (swath.end - swath.begin) / max(swath.length, TINY)
+        for begin, end in _left(pieces[n], swath.length, sight, overlap):
+            ahead = (swath.end - swath.begin) / max(swath.length, MIN_LENGTH)
             piece = Swath(
                 swath.begin + begin * ahead if begin > 0.0 else swath.begin,
                 swath.begin + end * ahead if end < swath.length else swath.end,
@@ -60,13 +60,13 @@ def left_to_fly(
 
 
 def is_along(tour: Tour, path: Points, sight: Sight, ground: Ground) -> bool:
-    """Whether anything of a path (n, 3) was flown along the lines of a tour."""
+    """Return whether any of a path (n, 3) was flown along the lines of a tour."""
     return bool(_in_order(tour, path, sight, ground))
 
 
 @dataclass(frozen=True)
 class _Run:
-    """A piece of a line, from where to where along it [m], flown without a break; `at`: its first place of the path."""
+    """A piece of a line between two distances along it [m], flown without a break; `at`: its first path index."""
 
     at: int
     line: int
@@ -75,17 +75,17 @@ class _Run:
 
 
 def _in_order(tour: Tour, path: Points, sight: Sight, ground: Ground) -> list[_Run]:
-    """The longest part of what a path flew along lines in which line follows upon line."""
+    """Return the longest part of a path's runs in which lines follow in order."""
     chains = dict[int, list[_Run]]()  # the longest one so far that ends on each line
     for run in sorted(_runs(tour, path, sight, ground), key=lambda run: run.at):
         before = [chains.get(run.line, [])]
         for line in range(run.line - 1, -1, -1):
             before.append(chains.get(line, []))
-            if tour.swaths[line].length >= sight.spacing:  # a shorter one is hardly to be seen in a path
+            if tour.swaths[line].length >= sight.spacing:  # a shorter one hardly shows in a path
                 break
         chains[run.line] = [*max(before, key=_length), run]
     chain = max(chains.values(), key=_length, default=[])
-    turn = sight.spacing / 2  # a corner may be cut by so much, as it is whenever the line is flown
+    turn = sight.spacing / 2  # distance by which a corner may be cut
     last = chain[-1].line if chain else 0
     runs = [
         replace(
@@ -99,9 +99,9 @@ def _in_order(tour: Tour, path: Points, sight: Sight, ground: Ground) -> list[_R
 
 
 def _passed(tour: Tour, path: Points, before: _Run, after: _Run, turn: float) -> Iterator[_Run]:
-    """The lines between two that were flown one after the other, if the corners of each leave nothing straight of it.
+    """Return the lines between two successive runs that are too short to show between their corners.
 
-    The path comes by the middle of each of them, in their order.
+    The path passes the middle of each of them, in their order.
     """
     if before.end < tour.swaths[before.line].length or after.begin > 0.0:
         return
@@ -119,30 +119,30 @@ def _length(chain: list[_Run]) -> float:
 
 
 def _runs(tour: Tour, path: Points, sight: Sight, ground: Ground) -> Iterator[_Run]:
-    """What of each line was flown along in its sense, but for pieces that a turn may leave."""
-    most = min(max(ASIDE * sight.spacing, NEAREST), FARTHEST * sight.spacing)
-    is_high = path[:, 2] - ground(path) >= LOW * sight.least
+    """Return the pieces of each line that were flown in its direction, without remnants of turns."""
+    most = min(max(LATERAL_SHARE * sight.spacing, MIN_LATERAL), MAX_LATERAL_SHARE * sight.spacing)
+    is_high = path[:, 2] - ground(path) >= MIN_HEIGHT * sight.least
     for line, swath in enumerate(tour.swaths):
-        ahead = (swath.end - swath.begin) / max(swath.length, TINY)
+        ahead = (swath.end - swath.begin) / max(swath.length, MIN_LENGTH)
         off = path[:, :2] - swath.begin
         along, aside = off @ ahead, off @ np.array([-ahead[1], ahead[0]])
-        is_on = is_high & (np.abs(aside) <= most) & (along >= -END) & (along <= swath.length + END)
+        is_on = is_high & (np.abs(aside) <= most) & (along >= -MAX_REST) & (along <= swath.length + MAX_REST)
         steps = np.diff(along)
-        is_flown = is_on[:-1] & is_on[1:] & (np.abs(np.diff(aside)) <= SLANT * steps) & (steps > 0.0)
+        is_flown = is_on[:-1] & is_on[1:] & (np.abs(np.diff(aside)) <= MAX_SLANT * steps) & (steps > 0.0)
         edges = np.diff(np.concatenate([[0], is_flown.astype(int), [0]]))
         for first, after in zip(np.flatnonzero(edges > 0), np.flatnonzero(edges < 0), strict=True):
             run = _Run(int(first), line, max(float(along[first]), 0.0), min(float(along[after]), swath.length))
-            if run.end - run.begin > min(END, swath.length / 2):
+            if run.end - run.begin > min(MAX_REST, swath.length / 2):
                 yield run
 
 
-def _left(flown: list[tuple[float, float]], length: float, sight: Sight, again: float) -> list[tuple[float, float]]:
-    """The pieces of a line of some length [m] that were not flown, each with what is flown again."""
-    end, reached = min(END, sight.spacing / 4), 0.0
+def _left(flown: list[tuple[float, float]], length: float, sight: Sight, overlap: float) -> list[tuple[float, float]]:
+    """Return the pieces of a line of some length [m] that were not flown, each with its overlap."""
+    end, reached = min(MAX_REST, sight.spacing / 4), 0.0
     left = list[tuple[float, float]]()
     for low, high in [*sorted(flown), (length, length)]:
         if low - reached > end or not flown:
-            begin, until = max(reached - again, 0.0), min(low + again, length)
+            begin, until = max(reached - overlap, 0.0), min(low + overlap, length)
             if left and begin <= left[-1][1]:
                 begin, _ = left.pop()
             left.append((begin, until))

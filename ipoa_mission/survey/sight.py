@@ -1,4 +1,4 @@
-"""How high a survey is flown, and what is seen from there: spacing of the lines, distance between photos, footprint."""
+"""Compute a survey's flight height and view: line spacing, photo distance and footprint."""
 
 import math
 from dataclasses import dataclass
@@ -12,26 +12,25 @@ from ipoa_mission.scenario.survey_section import BAND, SurveySection
 from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.tour import Tour
 
-LEVEL = 0.05  # ground whose heights differ by less is flat [m]
-LOOKS = 40  # lines each way on which the ground is looked at
-LEAST_TRIGGER = 0.1  # [m]
-CLOSEST = 0.5  # lines, and photos, nearer to each other are a mistake [m]
+FLAT_RANGE = 0.05  # ground with a smaller height range is flat [m]
+GROUND_SAMPLES = 40  # grid lines each way at which the ground is sampled
+MIN_TRIGGER = 0.1  # [m]
+MIN_DISTANCE = 0.5  # smaller distances between lines or photos are refused [m]
 SPACING = ("survey", "line_spacing")
 
 
 @dataclass(frozen=True)
 class Sight:
-    """What is asked of the flight, in metres.
+    """The requested flight and view, in meters.
 
     Attributes:
-        least: height above the highest ground that is seen at a moment, at least.
-        band: how much higher the flight may be; 0 over flat ground.
+        least: minimum height above the highest ground in view.
+        band: range of heights above `least`; 0 over flat ground.
         spacing: between lines.
-        trigger: between photos along a line; None: no camera.
-        across: how wide what is seen is at the least height; without a camera as wide as the spacing.
-        along: how long; 0 without a camera.
-        lag: how much farther apart photos are in the mean than they are triggered, as the way is looked at from time to
-            time; at most twice as much.
+        trigger: between photos along a line; None without a camera.
+        across: width of the view at the minimum height; without a camera the spacing.
+        along: length of the view; 0 without a camera.
+        lag: mean additional distance of photos, as the vehicle checks its way at intervals; at most twice as much.
     """
 
     least: float
@@ -44,42 +43,41 @@ class Sight:
 
     @property
     def middle(self) -> float:
-        """The height above the highest ground that is aimed at."""
+        """Return the target height above the highest ground in view [m]."""
         return self.least + self.band / 2
 
     @property
     def overlaps(self) -> tuple[float, float]:
-        """What share of a photo the next one, and those of the next line, are to show too; 0 without a camera."""
+        """Return the requested overlaps with the next photo and with the next line's photos; 0 without a camera."""
         front = 0.0 if self.trigger is None else 1.0 - self.trigger / self.along
         return front, 1.0 - self.spacing / self.across
 
     def triggering(self, length: float) -> tuple[float, int]:
-        """How far apart photos are triggered along a line of this length [m], and how many that makes.
+        """Return the trigger distance along a line of this length [m], and the number of photos.
 
-        They are no farther apart than they may be, and the last one is half a step before the end: wherever a flight
-        begins and ends the line by a few meters it takes as many, and all of the line is in a photo.
+        The last photo is half a step before the end. So the number stays the same if a flight begins or ends the line a
+        few meters off, and photos cover all of the line.
         """
         if self.trigger is None:
             return 0.0, 0
-        most = max(self.trigger - self.lag, LEAST_TRIGGER)
+        most = max(self.trigger - self.lag, MIN_TRIGGER)
         steps = max(math.ceil(length / most - 0.5 - 1e-9), 0)
         between = length / (steps + 0.5) if steps else most
-        return max(between - self.lag, LEAST_TRIGGER), 1 + steps
+        return max(between - self.lag, MIN_TRIGGER), 1 + steps
 
     def photos(self, length: float) -> int:
-        """How many are taken along a line of this length [m]."""
         return self.triggering(length)[1]
 
     def photos_of(self, tour: Tour) -> int:
-        """How many are taken on all lines of a tour."""
+        """Return the number of photos on all lines of a tour."""
         return sum(self.photos(swath.length) for swath in tour.swaths)
 
 
 def sight_of(section: SurveySection, area: Area, scenario: Scenario) -> Sight:
-    """What a scenario asks of its survey.
+    """Return the flight and view that a scenario requests.
 
     Raises:
-        BadInput: lines or photos are so near to each other that it must be a mistake.
+        BadInput: lines or photos are so close that it must be a mistake.
     """
     share = 0.0 if _is_level(area, scenario) else BAND
     least = section.height if section.height_above_ground is not None else section.height / (1.0 + share)
@@ -89,9 +87,9 @@ def sight_of(section: SurveySection, area: Area, scenario: Scenario) -> Sight:
         ("line_spacing" if section.line_spacing else "side_overlap", spacing),
         ("front_overlap", trigger),
     ):
-        if distance is not None and distance < CLOSEST:
+        if distance is not None and distance < MIN_DISTANCE:
             raise BadInput(
-                f"expected lines and photos {CLOSEST:g} m apart or more, not {distance:.2f} m",
+                f"expected lines and photos {MIN_DISTANCE:g} m apart or more, not {distance:.2f} m",
                 code="lines-too-near",
                 place=f"survey.{key}",
                 remedies=() if key == "line_spacing" else (Remedy(("survey", key)),),
@@ -110,6 +108,6 @@ def sight_of(section: SurveySection, area: Area, scenario: Scenario) -> Sight:
 
 def _is_level(area: Area, scenario: Scenario) -> bool:
     west, south, east, north = shapely.bounds(area.shape).tolist()
-    grid = np.meshgrid(np.linspace(west, east, LOOKS), np.linspace(south, north, LOOKS))
+    grid = np.meshgrid(np.linspace(west, east, GROUND_SAMPLES), np.linspace(south, north, GROUND_SAMPLES))
     ground = scenario.airspace.ground(np.stack(grid, axis=-1).reshape(-1, 2))
-    return bool(np.ptp(ground) < LEVEL)
+    return bool(np.ptp(ground) < FLAT_RANGE)

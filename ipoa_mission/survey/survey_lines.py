@@ -1,4 +1,4 @@
-"""Parallel lines through an area, cut where it ends, and those that a direction makes necessary besides."""
+"""Compute parallel lines through an area, cut at its edge, and the extra lines that a direction requires."""
 
 import math
 from dataclasses import dataclass
@@ -10,11 +10,11 @@ import shapely
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.union import union_of
 
-SHORT = 0.25  # a piece of a line shorter than this share of the spacing is left to what closes gaps
-ARC = 8  # segments of a quarter of a circle, around what is seen
-EVEN = 1e-6  # of a spacing: what is less than this too wide for a line less is not
-SEAM = 1e-4  # [m]
-TRIED = 5  # places of an extra line
+MIN_PIECE = 0.25  # of the spacing; shorter pieces are left to the detours that close gaps
+ARC = 8  # segments of a quarter circle round the seen area
+COUNT_TOLERANCE = 1e-6  # tolerance of the number of lines [spacings]
+SEAM_WIDTH = 1e-4  # [m]
+POSITIONS = 5  # positions tried for an extra line
 
 
 @dataclass(frozen=True)
@@ -26,27 +26,27 @@ class LineAxes:
 
     @classmethod
     def of(cls, degrees: float) -> "LineAxes":
-        """That of a direction, clockwise from north."""
+        """Return the axes of a direction, clockwise from north [degrees]."""
         e, n = math.sin(math.radians(degrees)), math.cos(math.radians(degrees))
         return cls(np.array([e, n]), np.array([-n, e]))
 
     def turned(self, places: Points) -> Points:
-        """Places (n, 2) along and across the lines."""
+        """Return places (n, 2) east and north as places along and across the lines."""
         return np.column_stack([places @ self.along, places @ self.across])
 
     def back(self, places: Points) -> Points:
-        """Such places (n, 2) east and north."""
+        """Return places (n, 2) along and across the lines as places east and north."""
         return np.asarray(places[:, :1] * self.along + places[:, 1:] * self.across)
 
 
 def heights(area: Any, grid: LineAxes, spacing: float, shift: float = 0.0) -> Vector:
-    """How far across the lines lie: as few as see all of an area from side to side, evenly.
+    """Return the positions of lines across: as few as see all of an area from side to side, evenly.
 
-    `shift` from -1 to 1 moves them by the share of what the spacing leaves.
+    `shift` from -1 to 1 moves them by this share of the slack that the spacing leaves.
     """
     across = shapely.get_coordinates(area) @ grid.across
     low, high = float(across.min()), float(across.max())
-    count = max(math.ceil((high - low) / spacing - EVEN), 1)
+    count = max(math.ceil((high - low) / spacing - COUNT_TOLERANCE), 1)
     if shift == 0.0:
         return np.asarray(low + (high - low) / count * (np.arange(count) + 0.5))
     middle = (low + high) / 2 + shift * (count * spacing - (high - low)) / 2
@@ -54,7 +54,7 @@ def heights(area: Any, grid: LineAxes, spacing: float, shift: float = 0.0) -> Ve
 
 
 def cut(edges: Points, grid: LineAxes, at: Vector) -> Points:
-    """Pieces (n, 2, 2) of lines at these heights that lie between the edges (m, 4) of polygons, along their axis."""
+    """Return the pieces (n, 2, 2) of lines at these positions that lie between the edges (m, 4) of polygons."""
     begins, ends = grid.turned(edges[:, :2]), grid.turned(edges[:, 2:])
     crosses = (begins[None, :, 1] <= at[:, None]) != (ends[None, :, 1] <= at[:, None])
     line, edge = np.nonzero(crosses)
@@ -66,22 +66,22 @@ def cut(edges: Points, grid: LineAxes, at: Vector) -> Points:
 
 
 def seen_from(lines: Any, width: float) -> Any:
-    """What is seen from lines (n, 2, 2), or from nothing; nothing is left between two that just meet."""
-    return union_along(shapely.linestrings(lines), width / 2 + SEAM, ARC)
+    """Return the area seen from lines (n, 2, 2), without seams between lines that just meet."""
+    return union_along(shapely.linestrings(lines), width / 2 + SEAM_WIDTH, ARC)
 
 
 def union_along(drawn: Any, away: float, arc: int) -> Any:
-    """What lies so near to lines (n,) of shapely, their ends rounded by so many segments for a quarter of a circle."""
+    """Return the area within `away` of lines (n,) of shapely; `arc` segments round a quarter circle at their ends."""
     return union_of(shapely.buffer(drawn, away, quad_segs=arc))
 
 
 def parts_of(gaps: Any) -> list[Any]:
-    """The polygons among what a difference of areas left."""
+    """Return the polygons of a difference of areas."""
     return [part for part in shapely.get_parts(gaps) if part.geom_type == "Polygon" and part.area > 0.0]
 
 
 def line_over(gap: Any, inner: Any, width: float) -> Points | None:
-    """A line (2, 2) inside that sees the most of a long gap; None where one place, or nothing, sees as much."""
+    """Return the line (2, 2) inside that sees most of a long gap, or None if a single place sees as much."""
     box = shapely.get_coordinates(shapely.oriented_envelope(gap))
     if len(box) < 4:
         return None
@@ -93,7 +93,7 @@ def line_over(gap: Any, inner: Any, width: float) -> Points | None:
     (west, south), (east, north) = places.min(axis=0), places.max(axis=0)
     low, high = sorted((north - width / 2, south + width / 2))
     best, most = None, 0
-    for height in np.linspace(low, high, TRIED):
+    for height in np.linspace(low, high, POSITIONS):
         whole = shapely.LineString(grid.back(np.array([[west, height], [east, height]])))
         for part in shapely.get_parts(shapely.intersection(whole, inner)):
             if part.geom_type != "LineString" or part.length <= 0.0:

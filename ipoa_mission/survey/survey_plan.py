@@ -1,4 +1,4 @@
-"""From a scenario with a survey to the flights that fly it: each keeps its clearance and comes home on its battery."""
+"""Plan the flights of a scenario's survey: each keeps its clearance and returns with its battery reserve."""
 
 import logging
 from collections.abc import Mapping, Sequence
@@ -35,18 +35,18 @@ from ipoa_mission.survey.tour import Sortie, Tour
 
 log = logging.getLogger(__name__)
 
-ROUNDS = 8  # so often what comes too near is given more room, at each speed
-AS_NEAR = 0.25  # what has no more room than that, as far as is known, is given more, too [m]
+ROUNDS = 8  # attempts with more clearance at each speed
+MIN_SLACK = 0.25  # obstacles with less slack get more clearance, too [m]
 SPEEDS = (1.0, 0.7, 0.5)  # times the cruise speed
-MORE, A_LITTLE = 1.15, 0.05  # times what is missing, and so much [m]
+GROWTH_FACTOR, GROWTH_MARGIN = 1.15, 0.05  # factor of the missing clearance, and constant addition [m]
 
 
 @dataclass(frozen=True, eq=False)
 class SurveyFlight:
-    """One flight of a survey: its lines, how it is expected to be flown, what a check warns of, where it begins.
+    """One flight of a survey: its lines, its forecast, the warnings of its check, and its start place.
 
-    `tour` is in metres from the scenario's home, `forecast` from that of the flight: the start place of this number,
-    if the survey has such.
+    `tour` is in meters from the scenario's home. `forecast` is in meters from the flight's home: the start place of
+    number `start`, if the survey has any.
     """
 
     tour: Tour
@@ -57,11 +57,11 @@ class SurveyFlight:
 
 @dataclass(frozen=True, eq=False)
 class SurveyPlan:
-    """A survey that may be flown: what is seen, by which lines, in which flights.
+    """A survey that may be flown: its coverage, lines and flights.
 
-    The scenario's cruise speed is that which is flown, a lower one where at that of the file too few flights would keep
-    the clearance; `growth`: so much more room than others some obstacles were given [m], by name; `is_rest`: it is what
-    is left of a survey, all of whose lines together have that coverage.
+    The scenario has the cruise speed that is flown: a lower one than the file's if too few flights would keep the
+    clearance. `growth` is the additional clearance of some obstacles [m], by name. If `is_rest`, the plan holds the
+    rest of a survey, and `coverage` is that of all its lines.
     """
 
     scenario: Scenario
@@ -76,12 +76,12 @@ class SurveyPlan:
 
     @property
     def photos(self) -> int:
-        """How many are taken in all flights."""
+        """Return the number of photos of all flights."""
         return sum(self.sight.photos_of(flight.tour) for flight in self.flights)
 
     @cached_property
     def overlaps(self) -> Overlaps | None:
-        """How much photos overlap at least; None without a camera."""
+        """Return the smallest overlaps of photos, or None without a camera."""
         if self.sight.trigger is None:
             return None
         frame = self.scenario.frame
@@ -90,7 +90,7 @@ class SurveyPlan:
 
     @cached_property
     def flown(self) -> AsFlown | None:
-        """What is seen as the flights are expected to be flown; None of the rest of a survey."""
+        """Return the coverage of the flights as forecast, or None for the rest of a survey."""
         if self.is_rest:
             return None
         visible = self.area.visible(self.keep_out, self.sight.spacing)
@@ -99,18 +99,17 @@ class SurveyPlan:
 
     @property
     def section(self) -> SurveySection:
-        """What was asked for."""
         section = self.scenario.survey
         assert section is not None
         return section
 
     def begin_of(self, flight: SurveyFlight) -> tuple[float, float]:
-        """Where one of its flights takes off and lands, east and north of the scenario's home [m]."""
+        """Return the take-off and landing place of a flight, east and north of the scenario's home [m]."""
         return (0.0, 0.0) if self.section.starts is None or flight.start is None else self.section.starts[flight.start]
 
     @property
     def free(self) -> Any:
-        """What of the area may be flown over: a shapely geometry."""
+        """Return the part of the area that may be flown over: a shapely geometry."""
         return self.area.without(self.keep_out)
 
 
@@ -121,14 +120,14 @@ class _TooNear(Exception):
 
 
 def plan_flights(scenario: Scenario, seed: int = 0, progress: Progress = silent) -> SurveyPlan:
-    """The survey of a scenario, flown as quickly as its vehicle can with the clearance that is required.
+    """Plan the fastest survey that keeps the required clearance.
 
-    Where too few flights would keep it, more room is given to what comes too near, and then it is flown slower.
+    If too few flights would keep it, obstacles get more clearance, and then the speed is reduced.
 
     Raises:
-        BadInput: the scenario has no survey, or one that makes no sense.
-        NoPath: obstacles leave nothing of the area, or flights would come too near even slowly: it names the place.
-        NoRoute: there is no clear way there, or home.
+        BadInput: the scenario has no survey, or an inconsistent one.
+        NoPath: obstacles leave nothing of the area, or flights come too near even at low speed; names the place.
+        NoRoute: no clear way leads there, or home.
         NotEnoughBattery: a line cannot be reached and left again with the reserve.
         Unsafe: a mission fails a check.
     """
@@ -145,7 +144,7 @@ def plan_flights(scenario: Scenario, seed: int = 0, progress: Progress = silent)
 
 
 def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int) -> SurveyPlan:
-    """At the scenario's speed; raises _TooNear where more room does not help."""
+    """Plan at the scenario's speed; raise _TooNear if more clearance does not help."""
     sight, growth = sight_of(section, area, scenario), dict[str, float]()
     expect_high_enough(sight, scenario)
     for _ in range(ROUNDS):
@@ -161,7 +160,7 @@ def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int
                 raise _TooNear(kept, promise)
             missing = {"bounds": -kept.slack} if kept.limit == "bounds" else _missing(kept, promise, sight, growth)
             for name, by in missing.items():
-                wanted[name] = max(wanted.get(name, 0.0), growth.get(name, 0.0) + by * MORE + A_LITTLE)
+                wanted[name] = max(wanted.get(name, 0.0), growth.get(name, 0.0) + by * GROWTH_FACTOR + GROWTH_MARGIN)
         growth |= wanted
     else:
         raise _TooNear(*min(near, key=lambda pair: pair[0].slack))
@@ -170,7 +169,7 @@ def _with_room(scenario: Scenario, section: SurveySection, area: Area, seed: int
 
 
 def _too_near(forecasts: Sequence[Forecast]) -> list[tuple[Kept, Promise]]:
-    """What flights come too near to, one by one: of many hours what each is judged by is large."""
+    """Return the limits that flights do not keep, flight by flight: the data of long flights is large."""
     near = list[tuple[Kept, Promise]]()
     for forecast in forecasts:
         near += [(kept, forecast.promise) for kept in forecast.promise.forbidding]
@@ -179,20 +178,20 @@ def _too_near(forecasts: Sequence[Forecast]) -> list[tuple[Kept, Promise]]:
 
 
 def _missing(kept: Kept, promise: Promise, sight: Sight, growth: Mapping[str, float]) -> dict[str, float]:
-    """How much room is missing [m] to what one flight keeps too little of, and to all else that it flies round as near.
+    """Return the clearance [m] that is missing to the worst obstacle, and to all others that are about as near.
 
-    Only the worst is promised: of the others the tube is taken to be as wide as there.
+    Only the worst has a computed bound; the others are assumed to have the same deviation.
     """
     flight, lost = promise.flight, kept.nominal - kept.kept
     way = shapely.LineString(flight.prediction.track.between(*flight.way).points[:, :2]).simplify(STRAY)
     bodies = flown_round(flight.scenario, sight, growth)
     slack = shapely.distance(way, [body.plan for body in bodies]) - lost - kept.required
-    missing = {body.name: AS_NEAR - float(each) for body, each in zip(bodies, slack, strict=True) if each < AS_NEAR}
+    missing = {body.name: MIN_SLACK - float(each) for body, each in zip(bodies, slack, strict=True) if each < MIN_SLACK}
     return missing | {kept.to: -kept.slack}
 
 
 def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyPlan:
-    """What of a planned survey is left, where a vehicle has flown (n, 3) each already, east, north, up [m].
+    """Return the plan of the lines that are left after the flown paths (n, 3), east, north, up [m].
 
     Raises:
         BadInput: nothing is left.
@@ -202,7 +201,7 @@ def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyP
     way = way_over(plan.area, scenario, section, sight, plan.keep_out)
     tour = left_to_fly(plan.tour, flown, sight, scenario.airspace.ground, way)
     if tour is None:
-        raise BadInput("nothing of it is left to be flown", code="nothing-left", place="survey")
+        raise BadInput("no line is left to fly", code="nothing-left", place="survey")
     make = FlightMaker(scenario, sight, plan.growth, seed)
     tour, parts = parts_of([tour], make, section.model_copy(update={"flights": None}))
     forecasts = [make(part) for part in parts]
@@ -213,11 +212,11 @@ def rest_of(plan: SurveyPlan, flown: Sequence[Points], seed: int = 0) -> SurveyP
 
 
 def _checked(parts: Sequence[Sortie], forecasts: Sequence[Forecast]) -> tuple[SurveyFlight, ...]:
-    """Those flights, if each passes all checks and comes home."""
+    """Return the flights, if each passes all checks and returns with its reserve."""
     flights = list[SurveyFlight]()
     for part, forecast in zip(parts, map(returning, forecasts), strict=True):
         findings = refuse_errors(check(forecast))
-        forecast.drop(ContingencyPaths)  # of many hours they are large
+        forecast.drop(ContingencyPaths)  # large for flights of many hours
         if (short := shortage_of(forecast)) is not None:
             raise short
         flights.append(SurveyFlight(part.tour, forecast, findings, part.start))

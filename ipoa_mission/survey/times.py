@@ -1,8 +1,8 @@
-"""How long a vehicle takes on straight legs and at the corners between them: from its own model of time.
+"""Compute the times of straight legs and of the corners between them from a vehicle's own time model.
 
-A leg takes its length over the speed that was asked for; what braking, turning and getting up to speed cost beyond that
-is counted at its corners, by the angle and by the shorter of the two legs. A few corners are flown by the vehicle's
-model, in one mission; the others lie between.
+A leg takes its length over the requested speed. The cost of braking, turning and accelerating is counted at its
+corners, by the angle and by the shorter of the two legs. The time model flies a few corners in one mission; other
+corners are interpolated.
 """
 
 import math
@@ -23,12 +23,12 @@ from ipoa_mission.survey.clock import Clock
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
-RIGHT = 4  # of the angles: a right one
-ANGLES = np.radians(90.0 / RIGHT * np.arange(2 * RIGHT + 1))
-SHORT_S = np.array([0.3, 1.0, 10 / 3])  # legs that are flown between two corners take so long at speed [s] ...
-RATIO = 10 / 3  # ... and what is longer than the last by as much as that is longer than the one before is long
-LONG = 10.0  # a long leg is so many times as long as it takes to get up to speed and to brake
-BEARINGS = 8  # in which legs are flown in a wind
+RIGHT_ANGLE = 4  # index of the right angle
+ANGLES = np.radians(90.0 / RIGHT_ANGLE * np.arange(2 * RIGHT_ANGLE + 1))
+SHORT_LEGS_S = np.array([0.3, 1.0, 10 / 3])  # times at speed of the legs between two corners
+RATIO = 10 / 3  # ratio of successive lengths
+LONG_LEG = 10.0  # length of a long leg, in lengths of accelerating and braking
+BEARINGS = 8  # in which legs are flown in wind
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,9 +36,9 @@ class LegTimes:
     """Seconds of legs and corners of one vehicle at one speed, in one wind.
 
     Attributes:
-        speed: that is asked for [m/s].
-        clock: the same as the kernels take it.
-        past_corners: how far it flies past a corner of 90 degrees [m].
+        speed: requested [m/s].
+        clock: the times as the kernels take them.
+        past_corners: overshoot past a corner of 90 degrees [m].
 
     Example:
         >>> from ipoa_mission.vehicles.autopilot import default_autopilot
@@ -55,31 +55,31 @@ class LegTimes:
 
     @classmethod
     def of(cls, mission: Mission, speed: float, height: float = 30.0, wind: Wind = CALM) -> "LegTimes":
-        """Those of a mission's vehicle: its home, autopilot, parameters and what was learned count, its items do not.
+        """Return the times of a mission's vehicle: its home, autopilot, parameters and learned values.
 
         Args:
-            mission: of the vehicle, with no items or any.
+            mission: of the vehicle; its items do not matter.
             speed: of DO_CHANGE_SPEED [m/s].
             height: above home [m].
-            wind: in which it is flown.
+            wind: of the flight.
 
         Raises:
-            MissionError: the vehicle has no time model, or does not get on in this wind.
+            MissionError: the vehicle has no time model, or cannot fly against this wind.
         """
         limits = mission.autopilot.part(FlightModel).kinematics(mission.parameters, speed)
         to_speed = limits.speed / limits.accel + (limits.accel / limits.jerk if math.isfinite(limits.jerk) else 0.0)
-        long = LONG * to_speed * speed
+        long = LONG_LEG * to_speed * speed
         pace = _paces(mission, speed, height, wind, long)
-        stretches = _stretches(SHORT_S * speed, long)
+        stretches = _stretches(SHORT_LEGS_S * speed, long)
         costs, past = _corners(mission, speed, height, wind, stretches, pace)
-        alone, pairs = costs[: len(ANGLES) - 1], costs[len(ANGLES) - 1 :].reshape(-1, len(SHORT_S)) / 2
+        alone, pairs = costs[: len(ANGLES) - 1], costs[len(ANGLES) - 1 :].reshape(-1, len(SHORT_LEGS_S)) / 2
         sharp = np.repeat(pairs[-1:], len(ANGLES) - len(pairs), axis=0)
         corner = np.column_stack([np.concatenate([pairs, sharp]), [0.0, *alone]])
-        clock = Clock(pace, np.ascontiguousarray(corner), float(SHORT_S[0]) * speed, math.log(RATIO))
-        return cls(speed, clock, float(past[-len(SHORT_S) :].max()))
+        clock = Clock(pace, np.ascontiguousarray(corner), float(SHORT_LEGS_S[0]) * speed, math.log(RATIO))
+        return cls(speed, clock, float(past[-len(SHORT_LEGS_S) :].max()))
 
     def seconds(self, path: Points) -> float:
-        """How long a polyline (n, 2) takes, corners counted, at speed where it begins and ends [s]."""
+        """Return the time of a polyline (n, 2) with its corners, at speed at both ends [s]."""
         return float(path_seconds(self.clock, np.ascontiguousarray(path, float)))
 
 
@@ -87,15 +87,16 @@ Stretch: TypeAlias = list[tuple[float, float]]  # bearings [rad] and lengths [m]
 
 
 def _stretches(lengths: Vector, long: float) -> list[Stretch]:
-    """From the middle of a long leg to that of another, by a corner of each angle; then by two, a short leg between.
+    """Return stretches from the middle of one long leg to that of the next: one corner of each angle, then pairs.
 
-    Such pairs turn by right angles at most: at sharper ones what is flown jumps as the leg grows.
+    A pair of corners has a short leg between. Pairs turn by right angles at most: at sharper ones the flown time jumps
+    as the leg grows.
     """
     found, bearing = list[Stretch](), 0.0
     for angle in map(float, ANGLES[1:]):
         found.append([(bearing, long / 2), (bearing + angle, long / 2)])
         bearing += angle
-    for angle in map(float, ANGLES[: RIGHT + 1]):
+    for angle in map(float, ANGLES[: RIGHT_ANGLE + 1]):
         for length in map(float, lengths):
             found.append([(bearing, long / 2), (bearing + angle, length), (bearing + 2 * angle, long / 2)])
             bearing += 2 * angle
@@ -105,12 +106,12 @@ def _stretches(lengths: Vector, long: float) -> list[Stretch]:
 def _corners(
     mission: Mission, speed: float, height: float, wind: Wind, stretches: list[Stretch], pace: Vector
 ) -> tuple[Vector, Vector]:
-    """What each stretch takes beyond its length over the speed (n,) [s], how far it leads past its first corner [m].
+    """Return the time of each stretch beyond its straight time (n,) [s], and its overshoot past its first corner [m].
 
-    All are flown in one go.
+    All stretches are flown in one mission.
     """
     first, last = stretches[0][0], stretches[-1][-1]
-    lead = [first] * 3  # to be at speed before the first one
+    lead = [first] * 3  # reaches the speed before the first stretch
     path = _polyline(*np.array([*lead, *chain(*stretches), last]).T)
     ends = len(lead) + np.cumsum([0, *map(len, stretches)])  # in the middle of long legs
     corners = np.delete(path, ends, axis=0)
@@ -127,7 +128,7 @@ def _corners(
 
 
 def _passing(track: Track, place: Vector, start: Vector, between: Vector) -> float:
-    """When a place on the leg from `start` is passed, between two times [s]."""
+    """Return when a place on the leg from `start` is passed, between two times [s]."""
     first, last = np.searchsorted(track.times, between)
     along = (track.points[first:last, :2] - start) @ (place - start)
     return float(np.interp((place - start) @ (place - start), np.maximum.accumulate(along), track.times[first:last]))
@@ -139,7 +140,7 @@ def _polyline(bearings: Vector, legs: Vector) -> Points:
 
 
 def _flown(mission: Mission, speed: float, height: float, wind: Wind, path: Points) -> tuple[Vector, Track]:
-    """When the vehicle is done with each place of a path (n, 2) [s], and how it flew there."""
+    """Return the time at which each place of a path (n, 2) is done [s], and the flown track."""
     frame = LocalFrame(mission.home)
     latitude, longitude, altitude = frame.to_geodetic(np.column_stack([path, np.full(len(path), height)]))
     places = [Geodetic(*map(float, place)) for place in zip(latitude, longitude, altitude, strict=True)]
@@ -154,7 +155,7 @@ def _flown(mission: Mission, speed: float, height: float, wind: Wind, path: Poin
 
 
 def _paces(mission: Mission, speed: float, height: float, wind: Wind, long: float) -> Vector:
-    """Seconds per metre by direction, from east counterclockwise; one for all in still air."""
+    """Return seconds per meter by direction, counterclockwise from east; size 1 in still air."""
     if wind.speed <= 0.0:
         return np.array([1.0 / speed])
     bearings = 2 * math.pi * np.arange(BEARINGS) / BEARINGS

@@ -1,4 +1,4 @@
-"""What a survey flies: lines with the sensor on, and the ways between them."""
+"""A survey's tour: lines with the sensor on, and the ways between them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,20 +10,20 @@ from ipoa_mission.geometry import Points, polyline_length
 
 @dataclass(frozen=True, eq=False)
 class Swath:
-    """One straight line that is flown with the sensor on, from `begin` (2,) to `end` (2,), east and north [m]."""
+    """A straight line flown with the sensor on, from `begin` (2,) to `end` (2,), east and north [m]."""
 
     begin: Points
     end: Points
 
     @property
     def length(self) -> float:
-        """How long it is [m]."""
+        """Return its length [m]."""
         return float(np.linalg.norm(self.end - self.begin))
 
 
 @dataclass(frozen=True, eq=False)
 class Tour:
-    """The lines in the order flown; `ways[n]` (k, 2), k >= 2, leads from the end of line n to the begin of the next.
+    """The lines in flight order; `ways[n]` (k, 2), k >= 2, leads from the end of line n to the begin of the next.
 
     Example:
         >>> there, back = Swath(np.array([0.0, 0.0]), np.array([9.0, 0.0])), Swath(np.array([9.0, 2.0]), np.zeros(2))
@@ -37,7 +37,7 @@ class Tour:
 
     @property
     def path(self) -> Points:
-        """All corners in the order flown (n, 2), no place twice in a row."""
+        """Return all corners in flight order (n, 2), without repeats."""
         if not self.swaths:
             return np.empty((0, 2))
         pieces = [np.array([self.swaths[0].begin, self.swaths[0].end])]
@@ -48,18 +48,18 @@ class Tour:
 
     @property
     def length(self) -> float:
-        """Of the whole path [m]."""
+        """Return the length of the whole path [m]."""
         return polyline_length(self.path)
 
     def moved(self, move: Callable[[Points], Points]) -> "Tour":
-        """The same with all its places (n, 2) as `move` gives them."""
+        """Return the tour with all its places (n, 2) mapped by `move`."""
         ends = [move(np.array([swath.begin, swath.end])) for swath in self.swaths]
         return Tour(tuple(Swath(*pair) for pair in ends), tuple(move(way) for way in self.ways))
 
 
 @dataclass(frozen=True, eq=False)
 class Sortie:
-    """The lines of one flight, and the number of the start place from which it flies them; None: home."""
+    """The lines of one flight, and the index of its start place, or None for home."""
 
     tour: Tour
     start: int | None = None

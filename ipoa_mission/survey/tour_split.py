@@ -1,4 +1,4 @@
-"""A tour in several flights: as few as fit, or so many; cut between lines, and through one where it must be."""
+"""Split a tour into flights: the fewest that fit, or a given number, cut between lines or through long ones."""
 
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
@@ -9,23 +9,22 @@ from ipoa_mission.geometry import polyline_length
 from ipoa_mission.routing.battery_split import most
 from ipoa_mission.survey.tour import Swath, Tour
 
-MOST_PIECES = 64  # of one line
-HALVINGS = 60  # of the length that the longest flight may have
+MAX_PIECES = 64  # of one line
+HALVINGS = 60  # bisection steps for the length of the longest flight
 
 Fits = Callable[[Tour], bool]
 
 
 def part_of(tour: Tour, first: int, last: int) -> Tour:
-    """The lines from `first` up to, but without, `last`, and the ways between them."""
+    """Return the lines from `first` up to but without `last`, and the ways between them."""
     return Tour(tour.swaths[first:last], tour.ways[first : last - 1])
 
 
 def fewest_parts(tour: Tour, fits: Fits, overlap: float, guess: int = 1) -> tuple[Tour, ...] | Swath:
-    """The fewest parts that fit, each as long as can be; no part could be longer, so none fewer would do.
+    """Return the fewest parts that fit; each is as long as possible.
 
-    The first one has about so many lines as the `guess`, and each other as the one before it.
-    A line that fits in no flight is cut, and what was seen up to `overlap` [m] before the cut is seen again. Where even
-    a piece of it does not fit, that line is returned.
+    The first part is tried with `guess` lines, and each other with as many as the one before it. A line that fits in
+    no flight is cut; up to `overlap` [m] before the cut is seen again. If no piece of it fits, return that line.
     """
     parts, ahead = list[Tour](), tour
     while ahead.swaths:
@@ -43,15 +42,15 @@ def fewest_parts(tour: Tour, fits: Fits, overlap: float, guess: int = 1) -> tupl
 
 
 def first_cut(tour: Tour, fits: Fits, overlap: float) -> Tour | None:
-    """The same with its first line in as few equal pieces as it takes for each to fit; None where none does."""
+    """Return the tour with its first line in the fewest equal pieces that all fit, or None."""
     swath = tour.swaths[0]
 
     def all_fit(pieces: Sequence[Swath]) -> bool:
         return all(fits(Tour((piece,), ())) for piece in (pieces[0], pieces[-1]))
 
-    if not all_fit([*_pieces(swath, MOST_PIECES, overlap)]):
+    if not all_fit([*_pieces(swath, MAX_PIECES, overlap)]):
         return None
-    for count in range(2, MOST_PIECES + 1):
+    for count in range(2, MAX_PIECES + 1):
         pieces = tuple(_pieces(swath, count, overlap))
         if all_fit(pieces):
             between = tuple(np.array([one.end, other.begin]) for one, other in pairwise(pieces))
@@ -67,7 +66,7 @@ def _pieces(swath: Swath, count: int, overlap: float) -> Iterator[Swath]:
 
 
 def parts_of_equal_length(tour: Tour, count: int) -> tuple[Tour, ...]:
-    """So many parts, the ways from home and back included, with the longest as short as can be; none is empty."""
+    """Return `count` nonempty parts, the longest as short as possible, with the ways from and to home."""
     lines = np.array([swath.length for swath in tour.swaths])
     ways = np.array([0.0, *(polyline_length(way) for way in tour.ways)])
     upto = np.concatenate([[0.0], np.cumsum(lines + ways)])

@@ -1,6 +1,6 @@
-"""The ways to a survey's first line and home from its last.
+"""Compute the ways to a survey's first line and home from its last.
 
-Straight where that is clear, else the shortest one round the corners of what is in the way, else planned as any path.
+A way is straight if that is clear, else the shortest one round the corners of obstacles, else a planned path.
 """
 
 from collections.abc import Mapping
@@ -23,31 +23,31 @@ from ipoa_mission.survey.keep_out import TIGHT_PLACES
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.union import union_of
 
-HALVINGS = 5  # of the tolerance within which the waypoints stand for the planned curve
-SAME = 0.5  # places so near are one [m]
-NEAR = 60.0  # what stands so near to the straight way at least is looked at [m]
-#: By how much more it is kept away from [m], with how many corners to a quarter of a circle, so much wider round it;
-#: then how where a line begins nearer to it.
-ROUND = ((0.1, 4, 1.02), (0.01, 16, 1.0013))
-MOST_CORNERS = 250
+HALVINGS = 5  # of the corridor width within which waypoints may deviate from the planned curve
+SAME_PLACE = 0.5  # nearer places are one place [m]
+MIN_REACH = 60.0  # minimum half-width in which obstacles round the straight way are considered [m]
+#: Attempts: additional distance [m], segments of a quarter circle, and factor of the distance that these require.
+#: The second attempt is for lines that begin nearer to an obstacle.
+DETOUR_ATTEMPTS = ((0.1, 4, 1.02), (0.01, 16, 1.0013))
+MAX_CORNERS = 250
 
 
 def clear_way(begin: Vector, end: Vector, scenario: Scenario, growth: Mapping[str, float], seed: int) -> Points:
-    """Waypoints (k, 3) from one place to another, with room for the tube on all legs between them.
+    """Return waypoints (k, 3) from one place to another, with the deviation bound kept on all legs.
 
-    `growth`: by how much more some obstacles are to be kept away from [m], by name.
+    `growth` adds clearance by obstacle name [m].
 
     Raises:
         NoPath: no path was found.
         NoRoute: no choice of waypoints on it keeps the limits.
     """
     straight = np.array([begin, end])
-    if np.linalg.norm(end - begin) < SAME:
+    if np.linalg.norm(end - begin) < SAME_PLACE:
         return straight[1:]
     task = _with_room(straight, scenario, growth)
     if prove(straight, task, spare=0.0).holds:
         return straight
-    for apart, corners, wider in ROUND:
+    for apart, corners, wider in DETOUR_ATTEMPTS:
         around = _round(straight, task, wider * (task.limits.obstacle_distance + apart), corners)
         if around is not None and prove(around, task, spare=0.0).holds:
             return around
@@ -62,13 +62,13 @@ def clear_way(begin: Vector, end: Vector, scenario: Scenario, growth: Mapping[st
 
 
 def _round(straight: Points, task: PathProblem, distance: float, corners: int) -> Points | None:
-    """The shortest way between two places (2, 3) by corners so far from what stands as high; None: there is none.
+    """Return the shortest way between two places (2, 3) at `distance` round obstacles of this height, or None.
 
-    Nor is it looked for among very many corners.
+    With more than `MAX_CORNERS` corners the search is skipped.
     """
     (west, south, *_), (east, north, *_) = task.airspace.bounds.lower, task.airspace.bounds.upper
     line = shapely.LineString(straight[:, :2])
-    near, (low, high) = line.buffer(max(line.length / 2, NEAR)), np.sort(straight[:, 2])
+    near, (low, high) = line.buffer(max(line.length / 2, MIN_REACH)), np.sort(straight[:, 2])
     inside = near.intersection(shapely.box(west, south, east, north))
     if (footprint := task.airspace.bounds.footprint) is not None:
         inside = inside.intersection(footprint.shape)
@@ -78,7 +78,7 @@ def _round(straight: Points, task: PathProblem, distance: float, corners: int) -
         if body.bounds[0, 2] - distance < high and body.bounds[1, 2] + distance > low and body.plan.intersects(near)
     ]
     free = FreeSpace.of(inside.difference(union_of(bodies)))
-    if not 0 < len(free.corners) <= MOST_CORNERS:
+    if not 0 < len(free.corners) <= MAX_CORNERS:
         return None
     places = np.vstack([free.corners, straight[:, :2]])
     ways = np.full((len(places), len(places)), np.inf)
@@ -95,7 +95,7 @@ def _round(straight: Points, task: PathProblem, distance: float, corners: int) -
 
 
 def _shortest(ways: Points) -> list[int] | None:
-    """Those on the shortest way from the last place but one to the last, by all legs (n, n); Dijkstra's."""
+    """Return the nodes on the shortest way from the last but one to the last, by all legs (n, n) (Dijkstra)."""
     count = len(ways)
     length, before, is_open = ways[-2].copy(), np.full(count, count - 2), np.ones(count, bool)
     is_open[-2] = False

@@ -113,7 +113,7 @@ def test_its_flights_are_flown_one_after_the_other(run: Run, tmp_path: Path) -> 
     assert run(f"plan {tmp_path}/field.toml --flown {several}").code == 2
     assert "--system: expected with --flown" in run(f"plan {tmp_path}/field.toml --system 7").err
     done = run(f"plan {tmp_path}/field.toml --flown {tmp_path}/out/field-1.tlog --flown {tmp_path}/out/field-2.tlog")
-    assert (done.code, "nothing of it is left" in done.err) == (2, True)
+    assert (done.code, "no line is left to fly" in done.err) == (2, True)
 
 
 def flown_lines(folder: Path, flight: int) -> int:
