@@ -1,1 +1,1 @@
-"""How to show it."""
+"""Pages, plots, tables and exports of flights."""

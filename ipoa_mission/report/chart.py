@@ -1,7 +1,7 @@
-"""Charts as HTML that stretches: the drawing is an SVG without proportions of its own, the words are plain text on top.
+"""Draw charts as stretchable HTML: the drawing is an SVG without its own aspect ratio, below plain text.
 
-So a chart is as wide as the page, its words keep their size on a telephone and on paper, and it is there without
-any script. Curves are given in the chart's own units.
+A chart is as wide as the page. Its text keeps its size on a phone and on paper, and it needs no script. Curves are
+given in the chart's own units.
 """
 
 import math
@@ -19,18 +19,18 @@ SIDE = 1000.0  # of the drawing, in its own units
 
 @dataclass(frozen=True)
 class GraphAxis:
-    """What one side of a chart stands for: its least and greatest value, and its words."""
+    """One axis of a chart: its range and its label."""
 
     low: float
     high: float
     label: str
 
     def place(self, values: Vector) -> Vector:
-        """Shares of the side, 0 to 1, (n,)."""
+        """Return shares of the side, 0 to 1, (n,)."""
         return np.asarray((np.asarray(values, float) - self.low) / (self.high - self.low))
 
     def ticks(self, most: int = 6) -> list[float]:
-        """Round values between the ends: at most `most`, 1, 2 or 5 times a power of ten apart."""
+        """Return at most `most` round values between the ends, 1, 2 or 5 times a power of ten apart."""
         span = self.high - self.low
         power = 10.0 ** math.floor(math.log10(span / most))
         step = next(k * power for k in (1, 2, 5, 10) if span / (k * power) <= most)
@@ -38,7 +38,7 @@ class GraphAxis:
 
 
 def axis_over(label: str, *values: Vector, room: float = 0.06, floor: float | None = None) -> GraphAxis:
-    """An axis that holds all finite `values`, with a share `room` of their range above, and below unless `floor`."""
+    """Return an axis over all finite `values`, with `room` of their range above, and below unless `floor` is given."""
     everything = np.concatenate([np.ravel(v) for v in values]) if values else np.zeros(0)
     everything = everything[np.isfinite(everything)]
     low, high = (float(everything.min()), float(everything.max())) if len(everything) else (0.0, 1.0)
@@ -49,26 +49,25 @@ def axis_over(label: str, *values: Vector, room: float = 0.06, floor: float | No
 
 @dataclass(frozen=True)
 class Graph:
-    """Two axes and what is drawn between them; `layers` are pieces of SVG made by the methods, the lowest first."""
+    """Two axes and the layers between them: pieces of SVG made by the methods, the lowest first."""
 
     x: GraphAxis
     y: GraphAxis
 
     def curve(self, x: Vector, y: Vector, look: str) -> str:
-        """A line through points; `look` is its CSS class. Broken where a value is not finite."""
+        """Draw a line through points with CSS class `look`, broken at values that are not finite."""
         return f'<path class="{look}" d="{_path(self._points(x, y))}"/>'
 
     def steps(self, x: Vector, y: Vector, look: str) -> str:
-        """A line that keeps each value until the next."""
+        """Draw a line that keeps each value until the next."""
         return self.curve(np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1], look)
 
     def band(self, x: Vector, low: Vector, high: Vector, look: str) -> str:
-        """The area between two curves."""
         there, back = self._points(x, high), self._points(x, low)[::-1]
         return f'<path class="{look}" d="{_path(np.vstack([there, back]))}Z"/>'
 
     def block(self, x: tuple[float, float], y: tuple[float, float], look: str, title: str) -> str:
-        """A rectangle that says its name."""
+        """Draw a rectangle with a title."""
         (x0, y0), (x1, y1) = self._points(np.array(x), np.array(y))
         return (
             f'<rect class="{look}" x="{min(x0, x1):.1f}" y="{min(y0, y1):.1f}" width="{abs(x1 - x0):.1f}" '
@@ -76,11 +75,10 @@ class Graph:
         )
 
     def level(self, y: float, look: str) -> str:
-        """A horizontal line."""
         return self.curve(np.array([self.x.low, self.x.high]), np.array([y, y]), look)
 
     def html(self, name: str, layers: Sequence[str], over: str = "", tall: str = "", along: str = "") -> str:
-        """The chart itself: `over` is HTML laid on top, `along` names the series that the cursor follows."""
+        """Return the chart: `over` is HTML on top, `along` names the series that the cursor follows."""
         return (
             f'<div class="chart {tall}" id="{name}" data-along="{along}" data-low="{self.x.low:.9g}" '
             f'data-high="{self.x.high:.9g}" role="img" aria-label="{escape(self.y.label)} over {escape(self.x.label)}">'
@@ -90,7 +88,7 @@ class Graph:
         )
 
     def spot(self, x: float, y: float) -> str:
-        """The CSS that puts something on top at a value."""
+        """Return the CSS that places an element at a value."""
         left, up = float(self.x.place(np.array([x]))[0]), float(self.y.place(np.array([y]))[0])
         return f"left:{100 * left:.2f}%;top:{100 - 100 * up:.2f}%"
 
@@ -103,10 +101,10 @@ class Graph:
 
     def _words(self) -> str:
         below = ("x", "left", self.x, self.x.ticks())
-        beside = ("y", "bottom", self.y, self.y.ticks(5))
+        at_the_side = ("y", "bottom", self.y, self.y.ticks(5))
         return "".join(
             f'<span class="tick {name}" style="{side}:{100 * share:.2f}%">{_number(value)}</span>'
-            for name, side, axis, values in (below, beside)
+            for name, side, axis, values in (below, at_the_side)
             for value, share in zip(values, axis.place(np.array(values)), strict=True)
         )
 

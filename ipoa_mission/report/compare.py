@@ -1,7 +1,7 @@
-"""A flown mission held against its estimate, leg by leg.
+"""Compare a flown mission with its estimate, leg by leg.
 
-Both count from the arming. An autopilot does not report every item: a leg is what
-lies between two items that both the estimate and the flight know.
+Times count from arming. An autopilot does not report every item, so a leg is between two items that both the
+estimate and the flight have.
 """
 
 import math
@@ -23,16 +23,16 @@ from ipoa_mission.vehicles.version import Version
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import LocalFrame
 
-#: Items that fly somewhere; the route is what lies between the first and the last of them.
+#: Items that fly somewhere; the route is between the first and the last of them.
 ROUTE = frozenset({Command.NAV_TAKEOFF, Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME})
 
-#: A vehicle so far from the mission's home does not begin there [m].
-AT_HOME = 5.0
+#: Larger distances of the arming from the mission's home are reported [m].
+HOME_RADIUS = 5.0
 
 
 @dataclass(frozen=True)
 class LegTime:
-    """One item: when it was done by the estimate and in flight, and how long each took since the leg before [s]."""
+    """One item: its estimated and flown time, since arming and since the leg before [s]."""
 
     seq: int
     command: int
@@ -43,19 +43,19 @@ class LegTime:
 
     @property
     def error_s(self) -> float:
-        """How much longer the estimate takes for this leg than the flight did."""
+        """Return the estimated minus the flown time of the leg [s]."""
         return self.estimated_s - self.flown_s
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """A flight against its estimate.
+    """A flight compared with its estimate.
 
     Attributes:
-        legs: item by item, how long each was to take, and took [s].
-        estimated_total_s: from the arming to the end [s].
-        flown_total_s: the same; NaN where the log ends before the flight does.
-        estimated_route_s: from the first item with a place to the last one, landing apart [s].
+        legs: the estimated and flown time of each item [s].
+        estimated_total_s: from arming to the end [s].
+        flown_total_s: the same; NaN if the log ends before the flight does.
+        estimated_route_s: from the first item with a place to the last, without the landing [s].
         flown_route_s: the same.
     """
 
@@ -67,25 +67,24 @@ class Comparison:
 
     @property
     def route_error(self) -> float:
-        """Error of the estimate of the route, as a share of the flown time; NaN where the flight knows of no route."""
+        """Return the error of the estimated route time, as a share of the flown time; NaN without a flown route."""
         return self.estimated_route_s / self.flown_route_s - 1 if self.flown_route_s > 0 else math.nan
 
     @property
     def total_error(self) -> float:
-        """Error of the estimate of the whole flight, as a share of the flown time."""
+        """Return the error of the estimated total time, as a share of the flown time."""
         return self.estimated_total_s / self.flown_total_s - 1 if self.flown_total_s > 0 else math.nan
 
 
 def compare_flight(estimate: Estimate, flight: FlightRecord) -> Comparison:
-    """Hold a flight against the estimate of its mission.
+    """Compare a flight with the estimate of its mission.
 
     Args:
         estimate: of the mission.
-        flight: as it was flown. An item that is flown several times (a loop) is known to it by its first time only, and
-            compared so.
+        flight: as flown. An item that is flown several times (a loop) is compared at its first time.
 
     Returns:
-        All legs and what they come to.
+        All legs and their totals.
 
     Example:
         >>> from ipoa_mission import compare_flight, estimate, fly, read_mission
@@ -115,9 +114,9 @@ def compare_flight(estimate: Estimate, flight: FlightRecord) -> Comparison:
 
 @dataclass(frozen=True)
 class ComparedFlight:
-    """A flight out of a log held against its estimate.
+    """A flight of a log, compared with its estimate.
 
-    `parameters` are those that the estimate was made with and that are not the firmware's defaults.
+    `parameters` are the parameters of the estimate that differ from the firmware's defaults.
     """
 
     forecast: Forecast
@@ -135,10 +134,10 @@ def compare_logged(
     wind: Wind = CALM,
     version: Version | None = None,
 ) -> ComparedFlight | None:
-    """A flight of a log against the estimate of `mission`; without one, of what the log says that was flown.
+    """Compare a flight of a log with the estimate of `mission`, or of the logged mission.
 
-    `parameters` and `version` go before those of the log, and these before the mission's own; `vehicle`: what was
-    learned of it. None where nothing says which mission it was.
+    `parameters` and `version` replace those of the log, which replace the mission's own. `vehicle` has learned values.
+    Return None if no mission is known.
     """
     flown = mission or flight.mission
     if flown is None:
@@ -153,13 +152,13 @@ def compare_logged(
 
 
 def _other_mission(mission: Mission, flight: LoggedFlight) -> tuple[str, ...]:
-    """What of the mission is not as the log says that it was flown."""
+    """Report the first difference between the mission and the logged one."""
     if flight.mission is None:
         return ()
     difference = compare(to_wire(mission), to_wire(flight.mission), flight.autopilot)
     if difference is None:
         return ()
-    if difference.seq is None:  # their numbers as everywhere: without ArduPilot's home
+    if difference.seq is None:  # numbered as everywhere, without ArduPilot's home
         what = f"number of items: {len(flight.mission.items)} in the log, not {len(mission.items)}"
     else:
         what = f"item {difference.seq}: {difference.field}: {difference.got} in the log, not {difference.sent}"
@@ -167,13 +166,15 @@ def _other_mission(mission: Mission, flight: LoggedFlight) -> tuple[str, ...]:
 
 
 def _other_place(mission: Mission, record: FlightRecord) -> tuple[str, ...]:
-    """How far from the mission's home it was armed."""
+    """Report an arming far from the mission's home."""
     track = flown_track(mission, record)
     if track is None:
         return ()
     east, north, _ = track.points[0]
     away = math.hypot(east, north)
-    return (f"it was armed {away:.0f} m from the mission's home, where the estimate begins",) if away > AT_HOME else ()
+    return (
+        (f"it was armed {away:.0f} m from the mission's home, where the estimate begins",) if away > HOME_RADIUS else ()
+    )
 
 
 def _begun_later(record: FlightRecord) -> tuple[str, ...]:
@@ -182,7 +183,7 @@ def _begun_later(record: FlightRecord) -> tuple[str, ...]:
 
 
 def _changed(mission: Mission) -> dict[str, float]:
-    """Those of the parameters that the models know, and that are not the defaults; by the names of before 4.7."""
+    """Return the parameters that the models use and that are not the defaults, by their names before 4.7."""
     defaults = mission.autopilot.complete({}, mission.firmware_version)
     current = mission.autopilot.book.by_old_names(mission.parameters)
     return {
@@ -193,7 +194,7 @@ def _changed(mission: Mission) -> dict[str, float]:
 
 
 def flown_track(mission: Mission, flight: FlightRecord) -> Track | None:
-    """The flown path in home's local frame; None where the log holds no positions."""
+    """Return the flown path in home's local frame, or None if the log has no positions."""
     if len(flight.path) < 2:
         return None
     latitude, longitude, height = (

@@ -1,4 +1,4 @@
-"""The picture of a comparison: the predicted and the flown path from above, and each leg's two times."""
+"""Plot a comparison: the predicted and the flown path from above, and each leg's two times."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,11 +10,11 @@ from ipoa_mission.report.compare import Comparison
 from ipoa_mission.report.number_format import signed
 from ipoa_mission.report.plots import sheet
 
-MOST_LABELS = 30
+MAX_LABELS = 30
 
 
 def draw_comparison(comparison: Comparison, planned: Points, flown: Points | None, title: str = "") -> Figure:
-    """Predicted and flown path (n, 3) from above, beside the time of each leg by the estimate and in flight."""
+    """Draw the predicted and flown path (n, 3) from above, and the estimated and flown time of each leg."""
     with sheet(9.2, 3.8) as figure:
         left, right = figure.subplots(1, 2, width_ratios=(1, 1.5))
         _draw_paths(left, planned, flown)
@@ -51,7 +51,7 @@ def _draw_legs(axes: Axes, comparison: Comparison) -> None:
         linewidth=0.8,
         label="flown",
     )
-    step = max(1, -(-len(legs) // MOST_LABELS))
+    step = max(1, -(-len(legs) // MAX_LABELS))
     axes.set_xticks(at[::step], [str(leg.seq) for leg in legs[::step]])
     axes.set(xlabel="item", ylabel="time for the leg [s]", title=_words(comparison))
 

@@ -1,4 +1,4 @@
-"""What a strip of endings under a height profile shows: a bar of each, and where on the way each of its rows lies."""
+"""Compute the strip of contingencies below a height profile: a bar of each, and the place of each row."""
 
 from typing import Literal, NamedTuple, TypeAlias
 
@@ -9,7 +9,7 @@ from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.report.seen import Seen
 
-#: How a row looks, and the words on it.
+#: Style and label of a row.
 GradeLook: TypeAlias = Literal["clear", "perhaps", "not clear", "unknown"]
 LOOK: dict[Grade, GradeLook] = {
     Grade.CLEAR: "clear",
@@ -20,7 +20,7 @@ LOOK: dict[Grade, GradeLook] = {
 
 
 class ContingencyStretch(NamedTuple):
-    """A row of an ending, and between which distances over ground [m] the vehicle is then."""
+    """A row of a contingency, and the distances over ground [m] between which the vehicle is then."""
 
     row: ContingencyRow
     begins: float
@@ -28,18 +28,17 @@ class ContingencyStretch(NamedTuple):
 
     @property
     def look(self) -> GradeLook:
-        """How it looks."""
         return LOOK[self.row.grade]
 
 
-def ending_bars(forecast: Forecast) -> tuple[ContingencyBar, ...]:
-    """A bar for each ending that the vehicle has; none where nobody can say how it will be flown."""
+def contingency_bars(forecast: Forecast) -> tuple[ContingencyBar, ...]:
+    """Return a bar for each contingency of the vehicle, or none if the flight has no forecast."""
     if forecast.promise_if_known is None:
         return ()
     return bars_of(forecast.cached(Contingencies).all_rows(timed=False))
 
 
 def stretches(bar: ContingencyBar, course: Seen) -> tuple[ContingencyStretch, ...]:
-    """Where its rows lie, in the order of their times; on the spot some have no length."""
+    """Return the stretches of its rows in time order; rows at a standstill have no length."""
     edges = np.interp([(row.from_s, row.to_s) for row in bar.rows], course.times, course.along).tolist()
     return tuple(ContingencyStretch(row, *between) for row, between in zip(bar.rows, edges, strict=True))

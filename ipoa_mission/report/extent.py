@@ -1,4 +1,4 @@
-"""The part of the world that the report shows: round the flight, however large the city."""
+"""Compute the part of the world that the report shows, round the flight."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from ipoa_mission.world.obstacles import Obstacle
 
 @dataclass(frozen=True)
 class Framing:
-    """How much of the world stands round a flight on the map."""
+    """The margins and proportions of the map round a flight."""
 
     least_room: float = 15.0  # [m]
     room: float = 0.18  # of the flight's longer side
@@ -23,13 +23,13 @@ FRAMING = Framing()
 
 @dataclass(frozen=True)
 class Extent:
-    """South-western and north-eastern corner (east, north) [m]."""
+    """The south-western and north-eastern corner (east, north) [m]."""
 
     lower: tuple[float, float]
     upper: tuple[float, float]
 
     def obstacles(self, airspace: Airspace) -> tuple[Obstacle, ...]:
-        """The obstacles that reach into it."""
+        """Return the obstacles that reach into the extent."""
         return tuple(
             body
             for body in airspace.obstacles
@@ -37,12 +37,12 @@ class Extent:
         )
 
     def buildings(self, airspace: Airspace) -> tuple[Obstacle, ...]:
-        """Those of them that stand there: no zones."""
+        """Return the obstacles without zones."""
         return tuple(body for body in self.obstacles(airspace) if body.solid)
 
 
 def extent_of(*paths: Points) -> Extent:
-    """The extent that holds all paths (n, 3), with room round them, and not too slender a rectangle."""
+    """Return the extent of all paths (n, 3), with margins and limited proportions."""
     points = np.vstack(paths)[:, :2]
     low, high = points.min(axis=0), points.max(axis=0)
     room = max(FRAMING.least_room, FRAMING.room * float((high - low).max()))

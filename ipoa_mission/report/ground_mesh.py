@@ -1,4 +1,4 @@
-"""The ground as a mesh, and the round steps in which it is drawn."""
+"""Compute a mesh of the ground, and round steps of its heights."""
 
 import math
 
@@ -9,9 +9,9 @@ from ipoa_mission.world.polygon import Plane
 
 
 def ground_mesh(airspace: Airspace, across: int) -> tuple[Plane, Plane, Plane]:
-    """East, north and height of the ground at the nodes of a grid over the bounds, each (rows, columns) [m].
+    """Return east, north and height of the ground at the nodes of a grid over the bounds, each (rows, columns) [m].
 
-    `across` cells on the longer side, and square ones.
+    The longer side has `across` cells; cells are square.
     """
     return ground_mesh_over(airspace, airspace.bounds.lower[:2], airspace.bounds.upper[:2], across)
 
@@ -19,7 +19,7 @@ def ground_mesh(airspace: Airspace, across: int) -> tuple[Plane, Plane, Plane]:
 def ground_mesh_over(
     airspace: Airspace, lower: tuple[float, float], upper: tuple[float, float], across: int
 ) -> tuple[Plane, Plane, Plane]:
-    """The same over another rectangle, from `lower` to `upper` (east, north)."""
+    """Return the mesh over another rectangle, from `lower` to `upper` (east, north)."""
     sides = np.subtract(upper, lower)
     counts = np.maximum(np.rint(sides / sides.max() * across), 1).astype(int) + 1
     east, north = np.meshgrid(*(np.linspace(a, b, n) for a, b, n in zip(lower, upper, counts, strict=True)))
@@ -28,6 +28,6 @@ def ground_mesh_over(
 
 
 def round_step(value: float) -> float:
-    """The least of 1, 2, 5, 10, ... times a power of ten that is not below `value`."""
+    """Return the smallest of 1, 2, 5, 10, ... times a power of ten that is at least `value`."""
     power = 10.0 ** math.floor(math.log10(value))
     return float(next(k * power for k in (1, 2, 5, 10) if k * power >= value * (1 - 1e-9)))

@@ -1,6 +1,6 @@
-"""Missions, plans, estimates and flights as small tables in a notebook: `%load_ext ipoa_mission`.
+"""Show missions, plans, estimates and flights as small tables in a notebook: `%load_ext ipoa_mission`.
 
-IPython is told how to show them; the data know nothing of it.
+The formatters are registered with IPython; the data classes do not depend on it.
 """
 
 from collections.abc import Callable, Sequence
@@ -16,7 +16,7 @@ from ipoa_mission.report.exports.table import mission_table, shown
 
 
 def mission_html(mission: Mission) -> str:
-    """A mission item by item, with its legs."""
+    """Return a table of a mission's items and legs."""
     home = mission.home
     place = f"home {home.latitude_deg:.6f}, {home.longitude_deg:.6f}, {home.altitude:.1f} m AMSL"
     rows = [
@@ -28,7 +28,7 @@ def mission_html(mission: Mission) -> str:
 
 
 def plan_html(plan: Plan) -> str:
-    """The terms of a plan's cost, its clearance, and how it was found."""
+    """Return a table of a plan's cost, clearance and search."""
     least = plan.proof.clearance
     rows = [
         ("length", f"{plan.cost.length:.1f} m"),
@@ -43,7 +43,7 @@ def plan_html(plan: Plan) -> str:
 
 
 def estimate_html(estimate: Estimate) -> str:
-    """When each item will be done, and what keeps it slow."""
+    """Return a table of the times of items and what keeps them slow."""
     rows = [
         (item.seq, command_name(item.command), f"{item.duration_s:.1f}", f"{item.done_s:.1f}", item.reason)
         for item in estimate.items
@@ -53,13 +53,13 @@ def estimate_html(estimate: Estimate) -> str:
 
 
 def flight_html(flight: FlightRecord) -> str:
-    """When each item was done."""
+    """Return a table of the flown times of items."""
     rows = [(index + 1, f"{at:.1f}") for index, at in sorted(flight.item_reached_s.items())]
-    contingency = "to its end" if flight.completed else "and broken off"
-    return _table(f"Flown {contingency}: {flight.total_s:.1f} s", ("item", "done at [s]"), rows)
+    outcome = "to its end" if flight.completed else "and broken off"
+    return _table(f"Flown {outcome}: {flight.total_s:.1f} s", ("item", "done at [s]"), rows)
 
 
-#: What is shown, and how.
+#: Formatters by type.
 TABLES: dict[type, Callable[[Any], str]] = {
     Mission: mission_html,
     Plan: plan_html,
@@ -69,7 +69,7 @@ TABLES: dict[type, Callable[[Any], str]] = {
 
 
 def show_in(shell: Any) -> None:
-    """Let an IPython shell show our data as tables."""
+    """Register the tables with an IPython shell."""
     formatter = shell.display_formatter.formatters["text/html"]
     for kind, show in TABLES.items():
         formatter.for_type(kind, show)

@@ -1,6 +1,6 @@
-"""The report: one HTML file that holds everything, opens anywhere without a network, and prints.
+"""Write the report: one HTML file that contains everything, opens without a network, and prints.
 
-All is drawn here as HTML and SVG; the script on the page links the views and turns the 3D one.
+HTML and SVG are drawn here. The script on the page links the views and turns the 3D one.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,7 +23,7 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.planning.plan import Plan
 from ipoa_mission.report.compare import compare_flight, flown_track
 from ipoa_mission.report.extent import extent_of
-from ipoa_mission.report.panels.contingency_panel import endings_strip
+from ipoa_mission.report.panels.contingency_panel import contingency_strip
 from ipoa_mission.report.panels.flown_panel import done_in_flight, flown_panel
 from ipoa_mission.report.panels.ground_plan import ground_plan, legend
 from ipoa_mission.report.panels.headline import figures, verdict, warnings
@@ -36,7 +36,7 @@ from ipoa_mission.report.stops import stops
 from ipoa_mission.report.ways_home import ways_home
 from ipoa_mission.scenario import Scenario
 
-#: What a name may hold and a page may not.
+#: Control characters that a name may contain and a page may not.
 _CONTROLS = dict.fromkeys((*range(9), 11, 12, *range(14, 32), *range(127, 160)), "\N{REPLACEMENT CHARACTER}")
 
 
@@ -50,11 +50,11 @@ def write_report(
     """Write the report on a mission, one page without a server.
 
     Args:
-        forecast: of the mission that it is about, in the world of a scenario.
+        forecast: of the mission, in the world of a scenario.
         path: of an HTML file.
-        plan: how it was planned; None where nobody knows.
-        flight: how it was flown, if it was.
-        remarks: shown first (what a check found, say), with the estimate's own.
+        plan: of the mission, if known.
+        flight: as flown, if it was.
+        remarks: shown first, with the estimate's own.
 
     Raises:
         BadInput: the folder may not be written.
@@ -75,7 +75,7 @@ def report_html(
     findings: Sequence[Finding] | None = None,
     survey: str = "",
 ) -> str:
-    """The whole page; `findings` of the check, where it was checked already, and a panel of its survey or parts."""
+    """Return the whole page; `findings` saves a second check, and `survey` is a panel of its survey or parts."""
     findings = check(forecast) if findings is None else findings
     scenario, mission, estimate, promise = (
         forecast.world,
@@ -115,7 +115,7 @@ def report_html(
         "apart": distance_profile(course, required),
         "profile_note": f"The pale band is the {required:g} m round the path that must stay free.",
         "profile_legend": profile_legend(flown is not None, extent.obstacles(airspace) != extent.buildings(airspace)),
-        "endings": endings_strip(forecast, course),
+        "endings": contingency_strip(forecast, course),
         "speed": speed_profile(course, stop_list, flown),
         "speed_note": "As predicted; a tick where an item is done.",
         "flight": "" if comparison is None else flown_panel(comparison),
@@ -144,7 +144,7 @@ def _subtitle(scenario: Scenario, mission: Mission) -> str:
 
 
 def _footer(scenario: Scenario, plan: Plan | None, mission: Mission) -> str:
-    """What the report was made from, so that it can be made again."""
+    """List the inputs that reproduce the report."""
     home, changed = mission.home, mission.parameters
     rows = {
         "home": f"{home.latitude_deg:.7f}, {home.longitude_deg:.7f}, {home.altitude:g} m above mean sea level",
@@ -159,7 +159,7 @@ def _footer(scenario: Scenario, plan: Plan | None, mission: Mission) -> str:
 
 
 def page_of(template: str, parts: Mapping[str, str]) -> str:
-    """A template filled with its parts, `title` among them; no control character is in it."""
+    """Return a template filled with its parts, among them `title`, without control characters."""
     css = "".join(map(_asset, ("palette.css", "page.css", "ways.css")))
     head = Template(_asset("head.html")).substitute(parts, css=css)
     return Template(_asset(template)).substitute(parts, head=head).translate(_CONTROLS)

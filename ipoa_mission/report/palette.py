@@ -1,4 +1,4 @@
-"""Colors that everybody can tell apart: those of Okabe and Ito for paths, quiet ones for the world they fly through.
+"""Colors that color-blind readers can distinguish: Okabe and Ito's for paths, quiet ones for the world.
 
 Source: M. Okabe and K. Ito, Color Universal Design, jfly.uni-koeln.de/color (2008). Paths also differ by their
 markers, so that a gray print can be read.
@@ -12,7 +12,7 @@ BLUE = "#0072B2"
 VERMILLION = "#D55E00"
 REDDISH_PURPLE = "#CC79A7"
 
-#: In the order in which paths and curves are given them; yellow, hard to see on white, is left out.
+#: In the order of paths and curves; yellow is left out, because it is hard to see on white.
 PATHS = (BLUE, VERMILLION, BLUISH_GREEN, REDDISH_PURPLE, ORANGE, SKY_BLUE, BLACK)
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 

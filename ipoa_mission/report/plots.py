@@ -1,4 +1,4 @@
-"""Pictures for papers: a scenario and its paths from above and from the front.
+"""Draw pictures for papers: a scenario and its paths from above and from the front.
 
 Paths differ by color and by marker. The same input gives the same bytes.
 """
@@ -31,7 +31,7 @@ from ipoa_mission.world.airspace import Airspace
 View: TypeAlias = Literal["top", "front"]
 
 WIDTH = 3.5  # of a view [inch]
-MARKS = 8  # markers along a path
+MARKERS_PER_PATH = 8  # markers along a path
 GROUND = LinearSegmentedColormap.from_list("ground", [palette.LOW_GROUND, palette.HIGH_GROUND])
 ROOFS = LinearSegmentedColormap.from_list("roofs", [palette.LOW_ROOF, palette.HIGH_ROOF])
 STYLE: Mapping[str, Any] = {
@@ -48,7 +48,7 @@ STYLE: Mapping[str, Any] = {
 
 
 def draw_views(scenario: Scenario, paths: Mapping[str, Points], views: Sequence[View] = ("top", "front")) -> Figure:
-    """Draw a scenario with paths from above and aside, as in the paper's Figures 9-11.
+    """Draw a scenario with paths from above and from the side, as in the paper's Figures 9-11.
 
     Args:
         scenario: the world.
@@ -56,7 +56,7 @@ def draw_views(scenario: Scenario, paths: Mapping[str, Points], views: Sequence[
         views: `top` looks down with north up, `front` looks north with east to the right.
 
     Returns:
-        A figure of matplotlib's.
+        A matplotlib figure.
 
     Example:
         >>> from ipoa_mission import draw_views, estimate, read_mission, read_scenario, write_picture
@@ -77,10 +77,10 @@ def draw_views(scenario: Scenario, paths: Mapping[str, Points], views: Sequence[
 
 
 def write_picture(figure: Figure, path: str | Path) -> None:
-    """Write a figure; without dates, so that the same figure gives the same bytes.
+    """Write a figure without dates, so that the same figure gives the same bytes.
 
     Args:
-        figure: of matplotlib's.
+        figure: a matplotlib figure.
         path: ends in `.png`, `.svg` or `.pdf`.
 
     Raises:
@@ -91,22 +91,22 @@ def write_picture(figure: Figure, path: str | Path) -> None:
         >>> write_picture(Figure(), "nothing.svg")
     """
     path = Path(path)
-    nothing_dated: dict[str, dict[str, str | None]] = {
+    undated: dict[str, dict[str, str | None]] = {
         ".png": {"Software": None},
         ".svg": {"Date": None, "Creator": None},
         ".pdf": {"CreationDate": None, "Creator": None, "Producer": None},
     }
-    if path.suffix not in nothing_dated:
+    if path.suffix not in undated:
         raise WrongSuffix("expected a name that ends in .png, .svg or .pdf", place=path)
     buffer = io.BytesIO()
     with matplotlib.rc_context(dict(STYLE)):
-        figure.savefig(buffer, format=path.suffix[1:], metadata=nothing_dated[path.suffix])
+        figure.savefig(buffer, format=path.suffix[1:], metadata=undated[path.suffix])
     write_atomically(path, buffer.getvalue())
 
 
 @contextmanager
 def sheet(width: float, height: float) -> Iterator[Figure]:
-    """A figure of this size [inch] to be drawn on in the pictures' style.
+    """Provide a figure of this size [inch] in the pictures' style.
 
     At the end it is laid out and rounded: the layout's solver differs in the last bits from run to run, and SVG hashes
     them.
@@ -124,7 +124,9 @@ def sheet(width: float, height: float) -> Iterator[Figure]:
 def _draw_top(axes: Axes, airspace: Airspace, paths: Mapping[str, Points]) -> None:
     east, north, up = ground_mesh(airspace, 240)
     extent = (east[0, 0], east[0, -1], north[0, 0], north[-1, 0])
-    axes.imshow(up, extent=extent, origin="lower", cmap=GROUND, interpolation="bilinear", vmin=up.min(), vmax=_most(up))
+    axes.imshow(
+        up, extent=extent, origin="lower", cmap=GROUND, interpolation="bilinear", vmin=up.min(), vmax=_upper_limit(up)
+    )
     if np.ptp(up) > 1.0:
         contours = axes.contour(east, north, up, levels=_levels(up), colors="#8C7F63", linewidths=0.4, alpha=0.7)
         axes.clabel(contours, fontsize=5, fmt="%g m")
@@ -183,13 +185,13 @@ def _mark_ends(axes: Axes, scenario: Scenario, plane: tuple[int, int]) -> None:
 
 
 def _marks(path: Points) -> list[int]:
-    """Indices of the nodes that carry a marker: evenly along the path, however its nodes lie."""
+    """Return the indices of evenly spaced nodes that get a marker."""
     along = arc_lengths(path)
-    return sorted(set(np.searchsorted(along, np.linspace(0.06, 0.94, MARKS) * along[-1]).tolist()))
+    return sorted(set(np.searchsorted(along, np.linspace(0.06, 0.94, MARKERS_PER_PATH) * along[-1]).tolist()))
 
 
 def _look(n: int, marks: list[int]) -> dict[str, Any]:
-    """What sets the n-th line apart: its color and its markers, at these nodes."""
+    """Return the color and markers of the n-th line, with markers at these nodes."""
     return {
         "color": palette.PATHS[n % len(palette.PATHS)],
         "marker": palette.MARKERS[n % len(palette.MARKERS)],
@@ -201,16 +203,16 @@ def _look(n: int, marks: list[int]) -> dict[str, Any]:
 
 
 def _alternating(rings: list[Points]) -> list[Points]:
-    """The outer ring to the left and holes to the right: filling by winding number leaves the holes open."""
+    """Orient the outer ring to the left and holes to the right, so that filling by winding number leaves holes open."""
     left = [float((r[:-1, 0] * r[1:, 1] - r[1:, 0] * r[:-1, 1]).sum()) > 0 for r in rings]
     return [ring if left[n] == (n == 0) else ring[::-1] for n, ring in enumerate(rings)]
 
 
 def _levels(up: Points) -> Vector:
-    """Heights of contour lines: round numbers, the lowest ground left out."""
+    """Return round heights of contour lines, without the lowest ground."""
     levels = MaxNLocator(8).tick_values(up.min(), up.max())
     return np.asarray(levels[(levels > up.min()) & (levels < up.max())])
 
 
-def _most(up: Points) -> float:
+def _upper_limit(up: Points) -> float:
     return max(float(up.max()), float(up.min()) + 5.0)

@@ -1,4 +1,4 @@
-"""What the page's script is given: the predicted path, the stops, and the world as plain numbers."""
+"""Build the data of the page's script: the predicted path, the stops, and the world as plain numbers."""
 
 import json
 import math
@@ -22,14 +22,14 @@ from ipoa_mission.world.terrain import Flat
 
 @dataclass(frozen=True)
 class SceneDetail:
-    """How finely the page's 3D view is drawn, and in what proportions."""
+    """The detail and the proportions of the page's 3D view."""
 
-    most_hoops: int = 120  # of the tube
+    most_hoops: int = 120  # of the deviation bound
     hoop_corners: int = 12
     cells: int = 64  # of the ground along the longer side
     flat_cells: int = 12  # where it is level
-    tallest: float = 0.55  # a world higher than this share of its width is drawn flatter,
-    flattest: float = 0.10  # and one lower than this higher
+    tallest: float = 0.55  # a world higher than this share of its width is drawn lower
+    flattest: float = 0.10  # a world lower than this is drawn higher
 
 
 DETAIL = SceneDetail()
@@ -44,7 +44,7 @@ def page_data(
     deviation_bound: DeviationBound,
     home: Sequence[Mapping[str, Any]] = (),
 ) -> str:
-    """JSON that is safe inside an HTML script element."""
+    """Return JSON that is safe inside an HTML script element."""
     data = {
         "course": {
             "times": _rounded(course.times, 2),
@@ -64,7 +64,7 @@ def page_data(
 
 
 def _hoops(points: Points, deviation_bound: DeviationBound) -> list[Any]:
-    """Closed lines round the path, a few meters apart: where flights are."""
+    """Return closed lines round the path, a few meters apart, at the deviation bound."""
     if deviation_bound.level <= 0.0:
         return []
     along = arc_lengths(points)
@@ -131,7 +131,7 @@ def _body(part: Part) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """An array, a tuple of them or a number to the centimeter; a truth value as it is."""
+    """Round an array, a tuple of arrays or a number to the centimeter; keep a bool."""
     if isinstance(value, tuple):
         return [_plain(one) for one in value]
     if isinstance(value, np.ndarray):
@@ -140,7 +140,7 @@ def _plain(value: Any) -> Any:
 
 
 def _rounded(values: NDArray[np.float64], digits: int) -> list[Any]:
-    """Nested lists of rounded numbers; what is not finite becomes null."""
+    """Return nested lists of rounded numbers, with null for values that are not finite."""
     if values.ndim > 1:
         return [_rounded(row, digits) for row in values]
     return [round(float(v), digits) if math.isfinite(v) else None for v in values]

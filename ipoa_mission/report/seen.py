@@ -1,4 +1,4 @@
-"""The path of a flight with all that is asked of each of its points, and what it comes too close to."""
+"""Sample a flight's path with ground and obstacle distances, and find where it comes too close."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,14 +16,14 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
 
 SAMPLES = 800
-LANDING_RADIUS = 1.0  # nearer than this to where the flight ends it is coming down [m]
+LANDING_RADIUS = 1.0  # a flight within this distance of its end is landing [m]
 
 
 @dataclass(frozen=True, eq=False)
 class Seen(Track):
-    """Samples of a track, and of each the ground distance so far, `along` (n,) [m].
+    """Samples of a track, with the distance over ground so far, `along` (n,) [m].
 
-    `ground` is the height of the ground below [m], `apart` the distance to the nearest obstacle [m] (infinite: none).
+    `ground` is the height of the ground below [m]. `apart` is the distance to the nearest obstacle [m], or infinite.
     """
 
     along: Vector
@@ -32,9 +32,9 @@ class Seen(Track):
 
 
 def follow(track: Track, airspace: Airspace, samples: int = SAMPLES) -> Seen:
-    """Look at a path, predicted or flown, at `samples` places: close together where it is slow and where it is fast.
+    """Sample a predicted or flown path at `samples` places, densely both where it is slow and where it is fast.
 
-    A landing ends on the ground, of which the time models know nothing.
+    A landing ends on the ground, which the time models ignore.
     """
     gone = arc_lengths(track.points[:, :2])
     share = track.times / max(float(track.times[-1]), 1e-9) + gone / max(float(gone[-1]), 1e-9)
@@ -55,7 +55,7 @@ def follow(track: Track, airspace: Airspace, samples: int = SAMPLES) -> Seen:
 
 
 def deviation_bound_seen(forecast: Forecast) -> DeviationBound:
-    """How far from the predicted path as many flights are as the scenario asks for."""
+    """Return the deviation bound that the scenario's confidence requires."""
     scenario = forecast.world
     chance = scenario.safety.chance
     return (
@@ -66,7 +66,7 @@ def deviation_bound_seen(forecast: Forecast) -> DeviationBound:
 
 
 def outline_round(points: Points, level: float) -> list[Points]:
-    """What lies within `level` [m] of a path, from above: closed rings, the outer one first; none for a level of 0."""
+    """Return the closed rings of the area within `level` [m] of a path, the outer one first; none for level 0."""
     if level <= 0.0:
         return []
     around = shapely.LineString(points[:, :2]).simplify(level / 10).buffer(level, quad_segs=4)
@@ -75,16 +75,16 @@ def outline_round(points: Points, level: float) -> list[Points]:
 
 @dataclass(frozen=True)
 class Danger:
-    """What the path as predicted comes too close to, in words; `touching`: the hull itself would meet it."""
+    """A place where the predicted path comes too close, in words; `touching`: the hull would collide."""
 
     words: str
     touching: bool
 
 
 def dangers(course: Seen, scenario: Scenario) -> list[Danger]:
-    """What the path as predicted comes too close to: corners that are cut, and the way home, are in it.
+    """Return where the predicted path comes too close, with cut corners and the return.
 
-    The ground counts only where the path goes into it, since every flight begins and ends there.
+    The ground counts only if the path goes into it, since every flight begins and ends there.
     """
     met, required = [], scenario.limits.obstacle_distance
     nearest = scenario.airspace.obstacle_clearance(course.points)

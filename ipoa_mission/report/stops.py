@@ -1,4 +1,4 @@
-"""The items of a mission as they are flown: where each lies, how it is reached, when it is done."""
+"""List the items of a mission as flown: their places, legs and times."""
 
 import math
 from dataclasses import dataclass
@@ -16,16 +16,15 @@ from ipoa_mission.mission.items import Item
 from ipoa_mission.planning.proof import Proof, prove
 
 MOVING = WAYPOINTS | {Command.NAV_TAKEOFF}
-HERE = 0.5  # a leg shorter than this over ground has no heading [m]
+MIN_HEADING_LENGTH = 0.5  # a leg shorter than this over ground has no heading [m]
 
 
 @dataclass(frozen=True)
 class FlownItem:
-    """One item as it is flown, for the table and the map: `place` is where it lies (None: nowhere), and the leg to it.
+    """One item as flown: its `place`, or None, and the leg to it, for the table and the map.
 
-    `way` is the leg, with straight lines between its points; `heading` is from its begin to its end, in radians
-    clockwise from north (NaN: straight up); `proof` tells what the leg keeps of the limits (None: it does not lead from
-    one waypoint to another).
+    `way` is the leg as a polyline. `heading` is from its begin to its end [rad], clockwise from north (NaN: vertical).
+    `proof` has the clearances of the leg, or None if it is not between two waypoints.
     """
 
     item: Item
@@ -41,7 +40,7 @@ class FlownItem:
 
 
 def stops(forecast: Forecast) -> tuple[FlownItem, ...]:
-    """Every item in the order flown, with the leg that leads to it."""
+    """Return every item in flight order, with the leg that leads to it."""
     scenario = forecast.world
     rows, airspace, flown = [], scenario.airspace, as_flown(forecast.mission)
     places = item_places(flown, scenario.frame, airspace.ground)
@@ -50,7 +49,7 @@ def stops(forecast: Forecast) -> tuple[FlownItem, ...]:
     before, flying = np.zeros(3), False
     for time in forecast.estimate.items:
         item, place = flown.items[time.seq - 1], places[time.seq - 1]
-        if place is not None and item.command == Command.NAV_LAND:  # it is on the ground
+        if place is not None and item.command == Command.NAV_LAND:  # on the ground
             place[2] = airspace.ground(place[None, :])[0]
         leg = (place if place is not None else before) - before
         run = float(np.hypot(*leg[:2]))
@@ -66,7 +65,7 @@ def stops(forecast: Forecast) -> tuple[FlownItem, ...]:
                 above_ground=math.nan if place is None else float(place[2] - airspace.ground(place[None, :])[0]),
                 way=way,
                 length=polyline_length(way),
-                heading=math.atan2(leg[0], leg[1]) % (2 * math.pi) if run > HERE else math.nan,
+                heading=math.atan2(leg[0], leg[1]) % (2 * math.pi) if run > MIN_HEADING_LENGTH else math.nan,
                 climb=float(leg[2]),
                 proof=prove(way, scenario, stray) if between else None,
             )

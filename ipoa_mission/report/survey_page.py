@@ -1,4 +1,4 @@
-"""One page about all flights of a survey: what they see, what each keeps; the page of each is behind its name."""
+"""Write one page about all flights of a survey, with links to the page of each."""
 
 from collections.abc import Sequence
 from html import escape
@@ -13,7 +13,7 @@ from ipoa_mission.survey.survey_plan import SurveyFlight, SurveyPlan
 
 
 def survey_html(plan: SurveyPlan, names: Sequence[str], remarks: Sequence[str]) -> str:
-    """The whole page; `names` are those of the flights' files, whose pages lie beside it."""
+    """Return the whole page; `names` are those of the flights' files in the same folder."""
     whole = sum(flight.forecast.estimate.total_s for flight in plan.flights)
     flights = "".join(_flight(flight, name) for name, flight in zip(names, plan.flights, strict=True))
     parts = {

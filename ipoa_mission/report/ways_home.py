@@ -1,4 +1,4 @@
-"""The ways home that the views show with the cursor: where RTL would fly if it were ordered at that moment."""
+"""Compute the RTL paths that the views show at the cursor, for an RTL at that moment."""
 
 from typing import Any
 
@@ -8,15 +8,14 @@ from ipoa_mission.forecast.contingencies import Contingencies, contingencies_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.vehicles.contingency import Contingency
 
-MOST = 150  # ways that a page holds: a flight of ten minutes has one for each four seconds
-CENTIMETERS = 2
+MAX_WAYS = 150  # returns on a page: one for each four seconds of a flight of ten minutes
+DECIMALS = 2
 
 
 def ways_home(forecast: Forecast) -> list[dict[str, Any]]:
-    """For moments of the flight, in their order: `from` when [s], whether it is `clear`, and its `points` (n, 3) [m].
+    """Return `from` [s], `clear` and `points` (n, 3) [m] for moments of the flight, in time order.
 
-    None where the vehicle has no such ending, or nobody knows where it leads. Of several ways that a return may take
-    the first is shown.
+    Empty if the vehicle has no RTL, or if its path is unknown. Of several possible returns the first is shown.
     """
     if forecast.promise_if_known is None or Contingency.RTL not in contingencies_of(forecast):
         return []
@@ -24,12 +23,14 @@ def ways_home(forecast: Forecast) -> list[dict[str, Any]]:
     if contingencies.ways.why_unknown() is not None:
         return []
     assessments = contingencies.assessments(Contingency.RTL)
-    shown = np.unique(np.linspace(0, len(assessments.times) - 1, min(MOST, len(assessments.times))).round().astype(int))
+    shown = np.unique(
+        np.linspace(0, len(assessments.times) - 1, min(MAX_WAYS, len(assessments.times))).round().astype(int)
+    )
     return [
         {
-            "from": round(float(assessments.times[n]), CENTIMETERS),
+            "from": round(float(assessments.times[n]), DECIMALS),
             "clear": bool(assessments.clear[n]),
-            "points": assessments.ways[n][assessments.taken[n]][0].round(CENTIMETERS).tolist(),
+            "points": assessments.ways[n][assessments.taken[n]][0].round(DECIMALS).tolist(),
         }
         for n in shown
         if assessments.taken[n].any()

@@ -11,7 +11,7 @@ from ipoa_mission.forecast.contingencies_now import EVERY_S, NEAREST_S, STEEP, T
 from ipoa_mission.forecast.energy_budget import Budget, Taken, budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade
-from ipoa_mission.report.contingency_bars import ending_bars, stretches
+from ipoa_mission.report.contingency_bars import contingency_bars, stretches
 from ipoa_mission.report.seen import Seen
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.studio.contingency_answers import StripBar, StripCost, StripOfEndings, StripStretch
@@ -24,7 +24,7 @@ EVENLY, MOST = 16, 24  # times of a flight at which it is worked out what an end
 
 def strips_of(forecast: Forecast, revision: int, flight: int) -> Iterator[StripOfEndings]:
     """It at once, and again when it is known what the endings take: each moment is a flight that is simulated."""
-    bars = () if forecast.scenario is None else ending_bars(forecast)
+    bars = () if forecast.scenario is None else contingency_bars(forecast)
     budget, course = budget_of(forecast) if bars else None, course_of(forecast)
     strip = StripOfEndings(
         revision=revision,

@@ -24,7 +24,7 @@ def test_fly_refuses_a_vehicle_that_would_touch_down_fast(
             "error: item 4 (NAV_LAND): at east 200.0, north 0.0 the ground is 12.0 m above home: with the vehicle's "
             "own parameters, without a rangefinder the vehicle touches down at up to 1.5 m/s, not at 0.7" in ended.err
         )
-        assert "hint: give it those that the mission was made for (NAME.params): `fly --set-params` does" in ended.err
+        assert "hint: set the mission's parameters (NAME.params) by `fly --set-params`" in ended.err
         assert "not complete" not in ended.out
         with monkeypatch.context() as lost:  # as by a reboot after it had said that it took them
             lost.setattr(Vehicle, "set_parameter", lambda *_: None)

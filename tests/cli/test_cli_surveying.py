@@ -100,11 +100,11 @@ def test_its_flights_are_flown_one_after_the_other(run: Run, tmp_path: Path) -> 
     assert left["lines"] == flown_lines(tmp_path, 2)
     assert "of lines were flown before" in str(json.loads(rest.out)["remarks"])
     other = run(f"plan {tmp_path}/field.toml --flown {MISSIONS}/logs/campus-arducopter.tlog")
-    assert (other.code, "campus-arducopter.tlog: nothing in it was flown along" in other.err) == (2, True)
+    assert (other.code, "campus-arducopter.tlog: no flight in it follows" in other.err) == (2, True)
     both = f"--flown {MISSIONS}/logs/campus-arducopter.tlog --flown {tmp_path}/out/field-1.tlog"
     beside = json.loads(run(f"plan {tmp_path}/field.toml --out {tmp_path}/beside {both} --json").out)
     assert beside["survey"]["lines"] == left["lines"]
-    assert sum("arducopter.tlog: nothing in it was flown along" in words for words in beside["remarks"]) == 1
+    assert sum("arducopter.tlog: no flight in it follows" in words for words in beside["remarks"]) == 1
     field, campus = tmp_path / "out" / "field-1.tlog", MISSIONS / "logs" / "campus-arducopter.tlog"
     several = write_several(tmp_path / "several.tlog", campus, {7: field})
     chosen = run(f"plan {tmp_path}/field.toml --out {tmp_path}/chosen --flown {several} --system 7 --json")

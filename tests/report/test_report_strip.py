@@ -11,7 +11,7 @@ from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.report.page import report_html
-from ipoa_mission.report.panels.contingency_panel import endings_strip
+from ipoa_mission.report.panels.contingency_panel import contingency_strip
 from ipoa_mission.report.panels.profile import along_axis
 from ipoa_mission.report.seen import Seen, follow
 from ipoa_mission.scenario import Scenario
@@ -28,7 +28,7 @@ def strip_of(forecast: Forecast) -> tuple[Seen, list[tuple[str, ...]]]:
     """The course of a forecast, and the bars that are drawn of it."""
     assert forecast.scenario is not None
     course = follow(forecast.estimate.track, forecast.scenario.airspace)
-    return course, WAY.findall(endings_strip(forecast, course))
+    return course, WAY.findall(contingency_strip(forecast, course))
 
 
 @pytest.mark.parametrize("name", some(2, ["campus.toml", "sitl.toml", "downtown.toml"]))
@@ -85,4 +85,4 @@ def test_only_what_the_vehicle_has_is_drawn(forecast: Foreseen) -> None:
 def test_nothing_is_drawn_of_a_flight_of_which_nothing_is_known(bowed: Bowed) -> None:
     scenario, mission, timed = bowed("sitl.toml")
     course = follow(timed.track, scenario.airspace)
-    assert endings_strip(Forecast(replace(mission, items=()), scenario), course) == ""
+    assert contingency_strip(Forecast(replace(mission, items=()), scenario), course) == ""

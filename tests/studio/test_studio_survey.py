@@ -314,7 +314,7 @@ def test_the_flights_are_flown_one_after_the_other(studio: Studio) -> None:
         assert "meadow.toml: expected a log" in talk.wait_for_trouble("edit")["message"]
         shutil.copy(CAMPUS_LOG, studio.scenario.parent)
         talk.say(kind="rest", logs=[CAMPUS_LOG.name])
-        told = f"{CAMPUS_LOG.name}: nothing in it was flown along the lines of this survey"
+        told = f"{CAMPUS_LOG.name}: no flight in it follows the lines of this survey"
         assert talk.wait_for_trouble("edit")["message"] == told
         assert talk.wait("survey")["flown"] == []
 

@@ -234,7 +234,7 @@ def test_without_a_battery_each_place_flies_what_is_nearest_and_one_too_far_is_t
         here, there = ENDS[flight.start or 0], ENDS[1 - (flight.start or 0)]
         assert all(m.distance(shapely.Point(here)) < m.distance(shapely.Point(there)) for m in middles)
     assert [words for words in survey.remarks if "starts" in words] == [
-        "survey.starts[2]: no flight begins there: the others are nearer, or quicker"
+        "survey.starts[2]: no flight begins there: the other start places are nearer, or quicker"
     ]
 
 

@@ -1,4 +1,4 @@
-"""Missions for other people's programs: KML, GeoJSON, CSV and GPX, chosen by the suffix."""
+"""Export missions for other programs: KML, GeoJSON, CSV and GPX, by the file's suffix."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -17,7 +17,7 @@ from ipoa_mission.report.exports.kml_export import to_kml
 if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
 
-#: Suffix -> the mission of a forecast, under a name, as the text of such a file.
+#: Suffix -> function that formats the mission of a forecast under a name.
 EXPORTS: dict[str, Callable[[Forecast, str], str]] = {
     ".kml": to_kml,
     ".geojson": to_geojson,
@@ -30,9 +30,9 @@ def write_export(mission: Mission, path: str | Path, scenario: "Scenario | None"
     """Write the mission in the format of the suffix, named as the file; the same mission gives the same bytes.
 
     Args:
-        mission: what is written.
+        mission: to write.
         path: ends in `.kml`, `.geojson`, `.csv` or `.gpx`.
-        scenario: makes heights above its ground known; a landing goes down to it.
+        scenario: gives heights above its ground; a landing goes down to it.
 
     Raises:
         BadInput: no such format, a position or height that cannot be drawn, or the file cannot be written.
@@ -48,7 +48,7 @@ def write_export(mission: Mission, path: str | Path, scenario: "Scenario | None"
 
 
 def forecast_text(forecast: Forecast, suffix: str, name: str) -> str:
-    """The text of such a file.
+    """Return the text of such a file.
 
     Raises:
         BadInput: a position or height that cannot be drawn.

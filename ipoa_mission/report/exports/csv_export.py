@@ -1,4 +1,4 @@
-"""CSV (RFC 4180, but LF): the table of the mission, one item a line, units in the names of the columns."""
+"""Export CSV (RFC 4180, but LF): the table of the mission, one item a line, units in the column names."""
 
 import csv
 import io
@@ -6,7 +6,7 @@ import io
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.report.exports.table import Row, rows_of
 
-#: Column -> the attribute of a row, and how many decimals.
+#: Column -> the attribute of a row, and its number of decimals.
 COLUMNS = {
     "seq": ("seq", None),
     "command": ("command", None),
@@ -26,7 +26,7 @@ COLUMNS = {
 
 
 def to_csv(forecast: Forecast, name: str) -> str:
-    """The mission as the text of a CSV file; the name stands nowhere in it."""
+    """Return the mission as CSV text; `name` is not used."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(COLUMNS)

@@ -1,4 +1,4 @@
-"""The way that a mission is flown as geodetic lines for maps, and its fence as closed rings: what exports draw."""
+"""Compute the flown way of a mission as geodetic lines, and its fence as closed rings, for exports."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 class Stretch:
     """A line on the map: (longitude [deg], latitude [deg], altitude [m]) of each point.
 
-    Altitudes are AMSL, or above the ground where `over_terrain`. No line crosses the antimeridian.
+    Altitudes are AMSL, or above the ground if `over_terrain`. No line crosses the antimeridian.
     """
 
     points: tuple[tuple[float, float, float], ...]
@@ -24,7 +24,7 @@ class Stretch:
 
 
 def lines_of(forecast: Forecast) -> tuple[Stretch, ...]:
-    """The way from home over all items and back, in as few lines as possible; down to the ground of the scenario."""
+    """Return the way from home over all items and back in as few lines as possible, down to the scenario's ground."""
     is_unknown = forecast.scenario is None and forecast.ground.is_level
     lines: list[Stretch] = []
     for leg in forecast.legs:
@@ -51,7 +51,7 @@ def _stretches(leg: Leg, frame: LocalFrame, unknown_ground: float | None) -> Ite
 
 
 def _cut_at_antimeridian(places: list[tuple[float, float, float]]) -> list[list[tuple[float, float, float]]]:
-    """The line in pieces that stay on one side of longitude 180, as GeoJSON (RFC 7946, 3.1.9) asks."""
+    """Cut a line at longitude 180, as GeoJSON (RFC 7946, 3.1.9) requires."""
     lines = [[places[0]]]
     for place in places[1:]:
         before = lines[-1][-1]
@@ -66,14 +66,14 @@ def _cut_at_antimeridian(places: list[tuple[float, float, float]]) -> list[list[
     return lines
 
 
-CORNERS = 72  # of the polygon that stands for a circle; it lies inside, by a thousandth of the radius at most
+CIRCLE_CORNERS = 72  # of the polygon of a circle; it is inside, by at most a thousandth of the radius
 
 
 def ring(part: FencePolygon | FenceCircle) -> list[tuple[float, float]]:
-    """The closed ring of a fence part as (longitude, latitude), counterclockwise as GeoJSON and KML want it."""
+    """Return the closed ring of a fence part as (longitude, latitude), counterclockwise as in GeoJSON and KML."""
     if isinstance(part, FenceCircle):
-        angles = np.linspace(0.0, 2.0 * np.pi, CORNERS, endpoint=False)
-        circle = part.radius * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(CORNERS)])
+        angles = np.linspace(0.0, 2.0 * np.pi, CIRCLE_CORNERS, endpoint=False)
+        circle = part.radius * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(CIRCLE_CORNERS)])
         latitude, longitude, _ = LocalFrame(Geodetic(*part.center)).to_geodetic(circle)
         corners = [(round(float(lon), 9), round(float(lat), 9)) for lat, lon in zip(latitude, longitude, strict=True)]
     else:

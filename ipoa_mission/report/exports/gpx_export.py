@@ -1,6 +1,6 @@
-"""GPX 1.1: the items as a route, the way as a track, home and rally points as waypoints; `ele` is above sea level.
+"""Export GPX 1.1: the items as a route, the way as a track, home and rally points as waypoints.
 
-A height above terrain has no `ele`: GPX knows no other altitude.
+`ele` is above sea level. A height above terrain has no `ele`, for GPX has no other altitude.
 """
 
 import math
@@ -14,7 +14,7 @@ NAMESPACE = "http://www.topografix.com/GPX/1/1"
 
 
 def to_gpx(forecast: Forecast, name: str) -> str:
-    """The mission as the text of a GPX file."""
+    """Return the mission as GPX text."""
     root = Tree.Element("gpx", xmlns=NAMESPACE, version="1.1", creator="ipoa-mission")
     Tree.SubElement(Tree.SubElement(root, "metadata"), "name").text = name
     mission = forecast.given

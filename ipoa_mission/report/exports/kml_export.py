@@ -1,6 +1,6 @@
-"""KML 2.2 (OGC 07-147r2): the way flown in three dimensions, items, fence and rally points.
+"""Export KML 2.2 (OGC 07-147r2): the flown way in three dimensions, items, fence and rally points.
 
-`absolute` altitudes are above mean sea level, and so are ours once home's is added; heights above terrain become
+`absolute` altitudes are above mean sea level: heights above home plus home's altitude. Heights above terrain become
 `relativeToGround`.
 """
 
@@ -17,7 +17,7 @@ STYLES = {"way": "ff00a5ff", "inclusion": "ff50af4c", "exclusion": "ff3643f4"}  
 
 
 def to_kml(forecast: Forecast, name: str) -> str:
-    """The mission as the text of a KML file."""
+    """Return the mission as KML text."""
     mission = forecast.given
     root = Tree.Element("kml", xmlns=NAMESPACE)
     document = Tree.SubElement(root, "Document")

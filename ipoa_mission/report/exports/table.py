@@ -1,4 +1,4 @@
-"""A mission as a table: for each item where it lies and the leg that leads to it."""
+"""Tabulate a mission: the place of each item and the leg that leads to it."""
 
 import math
 from collections import Counter, defaultdict
@@ -23,15 +23,15 @@ if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
 
 LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND})
-LEAST_LEVEL = 0.5  # [m] below which a leg has no heading
+MIN_HEADING_LENGTH = 0.5  # shortest horizontal leg with a heading [m]
 
 
 @dataclass(frozen=True)
 class Row:
-    """One line of the table; what an item has none of is None. `seq` 0 is home. Lengths in metres.
+    """One line of the table, in meters; `seq` 0 is home.
 
-    `length` and `climb` are of the whole way from the item before (for a return: home and down to the ground);
-    `heading_deg` is clockwise from north, of its last level part.
+    `length` and `climb` are of the whole way from the item before; for a return, home and down to the ground.
+    `heading_deg` is that of its last level part, clockwise from north.
     """
 
     seq: int
@@ -40,30 +40,30 @@ class Row:
     longitude_deg: float | None = None
     altitude_amsl: float | None = None
     height: float | None = None  # above home
-    height_above_ground: float | None = None  # where the terrain is known, or the item says so
+    height_above_ground: float | None = None  # if the terrain is known, or the item gives it
     length: float | None = None
     heading_deg: float | None = None
     climb: float | None = None
     hold_s: float | None = None
-    speed: float | None = None  # [m/s] that it changes to
+    speed: float | None = None  # [m/s] after the change
     detail: str = ""
-    passes: int = 1  # of which its leg is of the first, where jumps lead to it again
+    passes: int = 1  # its leg is that of the first, if jumps repeat it
 
 
 def shown(value: float | None, form: str = "z.1f") -> str:
-    """A number of the table for reading; nothing for what an item has none of."""
+    """Format a number of the table; empty for None."""
     return "" if value is None else format(value, form)
 
 
 def mission_table(mission: Mission, scenario: "Scenario | None" = None) -> tuple[Row, ...]:
-    """Put a mission into rows: home and every item.
+    """Tabulate a mission: home and every item.
 
     Args:
-        mission: where a position or height makes no sense no item has a leg.
-        scenario: makes heights above its ground known.
+        mission: has no legs if a position or height is invalid.
+        scenario: gives heights above its ground.
 
     Returns:
-        A row each: lengths and heights [m], headings [degrees], None where it has none.
+        A row each: lengths and heights [m], headings [degrees], or None.
 
     Example:
         >>> from ipoa_mission import mission_table, read_mission
@@ -75,7 +75,7 @@ def mission_table(mission: Mission, scenario: "Scenario | None" = None) -> tuple
 
 
 def rows_of(forecast: Forecast) -> tuple[Row, ...]:
-    """The same of a mission whose flight is forecast already."""
+    """Tabulate the mission of a forecast."""
     mission, scenario = forecast.mission, forecast.scenario
     legs: dict[int, list[Leg]] = defaultdict(list)
     for leg in forecast.legs if not refusals(mission) else ():
@@ -137,6 +137,6 @@ def _above_ground(item: Item, mission: Mission, height: float, scenario: "Scenar
 def _heading(legs: list[Leg]) -> float | None:
     for leg in reversed(legs):
         for step in np.diff(leg.points, axis=0)[::-1]:
-            if np.hypot(step[0], step[1]) > LEAST_LEVEL:
+            if np.hypot(step[0], step[1]) > MIN_HEADING_LENGTH:
                 return float(np.degrees(np.arctan2(step[0], step[1])) % 360.0)
     return None

@@ -1,4 +1,4 @@
-"""The strip under the height profile: what each ending would do from every second, drawn where the vehicle is then."""
+"""Draw the strip below the height profile: the result of each contingency at every second of the flight."""
 
 from collections.abc import Iterable
 from html import escape
@@ -8,20 +8,20 @@ import numpy as np
 from ipoa_mission.forecast.contingencies import ContingencyBar, ContingencyRow
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.report.chart import GraphAxis
-from ipoa_mission.report.contingency_bars import ContingencyStretch, ending_bars, stretches
-from ipoa_mission.report.panels.profile import NARROWEST, along_axis
+from ipoa_mission.report.contingency_bars import ContingencyStretch, contingency_bars, stretches
+from ipoa_mission.report.panels.profile import MIN_WIDTH, along_axis
 from ipoa_mission.report.seen import Seen
 
-WORDED = 0.09  # of the strip's width: on what is narrower no words fit
-NOTE = "What would follow if the flight were ended there; a vehicle ends one by a failsafe, or as its pilot orders."
+MIN_LABEL_WIDTH = 0.09  # of the strip's width; narrower bars have no text
+NOTE = "The result of ending the flight there, by a failsafe or by the pilot."
 
 
-def endings_strip(forecast: Forecast, course: Seen) -> str:
-    """A bar for each ending that the vehicle has, and in words what is not clear.
+def contingency_strip(forecast: Forecast, course: Seen) -> str:
+    """Return a bar for each contingency of the vehicle, and those not clear in words.
 
-    Nothing where nobody can say how it will be flown.
+    Return nothing if the flight has no forecast.
     """
-    bars, axis = ending_bars(forecast), along_axis(course)
+    bars, axis = contingency_bars(forecast), along_axis(course)
     if not bars:
         return ""
     drawn = "".join(_bar(bar, course, axis) for bar in bars)
@@ -42,12 +42,12 @@ def _bar(bar: ContingencyBar, course: Seen, axis: GraphAxis) -> str:
 def _way(stretch: ContingencyStretch, axis: GraphAxis) -> str:
     row, look = stretch.row, stretch.look
     begin, end = axis.place(np.array([stretch.begins, stretch.ends])).tolist()
-    wide, words = max(end - begin, NARROWEST), escape(str(row))
+    wide, words = max(end - begin, MIN_WIDTH), escape(str(row))
     return (
         f'<span class="way {look.replace(" ", "-")}" role="img" aria-label="{words}" title="{words}" '
         f'data-ending="{row.contingency}" data-from="{row.from_s:.2f}" data-to="{row.to_s:.2f}" '
         f'data-keeps="{escape(row.keeps)}" style="left:{100 * begin:.2f}%;width:{100 * wide:.2f}%">'
-        f"{look if wide >= WORDED else ''}</span>"
+        f"{look if wide >= MIN_LABEL_WIDTH else ''}</span>"
     )
 
 

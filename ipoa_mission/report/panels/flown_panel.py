@@ -1,4 +1,4 @@
-"""After a flight: how far the estimate ran ahead or behind, item by item, and what that comes to."""
+"""Compare the flown times with the estimate, item by item and in total."""
 
 import math
 from collections.abc import Mapping
@@ -12,9 +12,9 @@ from ipoa_mission.report.stops import FlownItem
 
 
 def flown_panel(comparison: Comparison) -> str:
-    """The section on the flight; it says so when the log knows none of the items."""
+    """Return the section on the flight, or a note if the log has none of the items."""
     if not comparison.legs:
-        return '<section><h2>Estimate against flight</h2><p class="note">The log tells of no item.</p></section>'
+        return '<section><h2>Estimate against flight</h2><p class="note">The log reports no item.</p></section>'
     chart = _drift(comparison)
     return (
         f'<section><h2>Estimate against flight</h2><p class="note">{_route(comparison)} {_worst(comparison.legs)}</p>'
@@ -24,7 +24,7 @@ def flown_panel(comparison: Comparison) -> str:
 
 
 def done_in_flight(stops: tuple[FlownItem, ...], reached: Mapping[int, float]) -> dict[int, float]:
-    """Times at which items were done in flight, by their place in `stops`; a loop's later rounds have none."""
+    """Return the flown times of items by their index in `stops`; repeats of a loop have none."""
     done: dict[int, float] = {}
     met: set[int] = set()
     for n, stop in enumerate(stops):

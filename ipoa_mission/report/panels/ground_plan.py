@@ -1,4 +1,4 @@
-"""The map: ground tints and contours, obstacles by height, the path, and a button for every waypoint."""
+"""Draw the map: ground tints and contours, obstacles by height, the path, and a button for every waypoint."""
 
 import math
 from collections.abc import Sequence
@@ -37,14 +37,14 @@ def ground_plan(
     flown: Seen | None,
     deviation_bound: DeviationBound,
 ) -> str:
-    """The map of `extent` with north up; the tube is drawn as wide as it is to the sides of a straight flight."""
+    """Return the map of `extent` with north up; the deviation bound has its lateral width in straight flight."""
     airspace = scenario.airspace
     bodies = extent.obstacles(airspace)
     highest = max((float(body.bounds[1, 2]) for body in extent.buildings(airspace)), default=1.0)
     layers = [
         _relief(*ground_mesh_over(airspace, extent.lower, extent.upper, 120)),
         *(_footprint(body, highest) for body in sorted(bodies, key=lambda b: float(b.bounds[1, 2]))),
-        _tube(course.points, deviation_bound.level),
+        _bound(course.points, deviation_bound.level),
         _line(np.vstack([np.zeros((0, 3)), *(stop.way for stop in stops if stop.place is not None)]), "legs"),
         _line(course.points, "planned"),
     ]
@@ -65,7 +65,7 @@ def ground_plan(
 
 
 def legend(scenario: Scenario, extent: Extent, flown: bool, home: bool = False) -> str:
-    """What the colors of the map and of the 3D view mean."""
+    """Return the key of the colors of the map and the 3D view."""
     airspace = scenario.airspace
     tops = [float(body.bounds[1, 2]) for body in extent.buildings(airspace)]
     keys = [
@@ -85,7 +85,7 @@ def legend(scenario: Scenario, extent: Extent, flown: bool, home: bool = False) 
 
 
 def _hatch(width: float) -> str:
-    """Strokes across what is a zone, with a hundredth of the map's width between them."""
+    """Return the hatching of zones, with strokes a hundredth of the map's width apart."""
     size = width / 100
     return (
         f'<defs><pattern id="hatch" width="{size:.2f}" height="{size:.2f}" patternUnits="userSpaceOnUse" '
@@ -145,7 +145,7 @@ def _line(points: Points, look: str) -> str:
     return f'<path class="{look}" d="M{_pairs(points)}"/>' if len(points) else ""
 
 
-def _tube(points: Points, level: float) -> str:
+def _bound(points: Points, level: float) -> str:
     rings = "".join(_ring(ring[:-1]) for ring in outline_round(points, level))
     return f'<path class="tube" d="{rings}"><title>where flights are</title></path>' if rings else ""
 

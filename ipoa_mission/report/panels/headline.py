@@ -1,4 +1,4 @@
-"""What an engineer wants to know first: is it clear, how long will it fly, and what must be known before it does."""
+"""Write the headline of the page: clearance, flight time, and warnings."""
 
 import math
 from collections.abc import Collection, Sequence
@@ -19,7 +19,7 @@ from ipoa_mission.report.seen import Danger
 def verdict(
     proof: Proof | None, promise: Promise | None, dangers: Sequence[Danger], findings: Sequence[Finding] = ()
 ) -> str:
-    """One line in words and with a sign: clear of everything, or not; or clear, and with warnings to be read first."""
+    """Return one line with a sign: clear, not clear, or clear with warnings."""
     errors = [finding.message for finding in findings if finding.severity is Severity.ERROR]
     if proof is None:
         if errors:
@@ -37,9 +37,7 @@ def verdict(
     else:
         least = proof.clearance
         required = next(check.required for check in proof.checks if check.nearest is least)
-        words = (
-            f"Clear by {down(least.distance):.2f} m: the nearest thing is {least.what}; {up(required):.2f} m required"
-        )
+        words = f"Clear by {down(least.distance):.2f} m: the nearest is {least.what}; {up(required):.2f} m required"
     if dangers:
         return _line("bad", "!", f"{words}; but {dangers[0].words}.")
     if findings:
@@ -59,7 +57,6 @@ def figures(
     comparison: Comparison | None,
     budget: Budget | None,
 ) -> str:
-    """The headline numbers."""
     interval = f"{seconds(estimate.low_s)} to {seconds(estimate.high_s)}{estimate.besides}"
     cards = [_card("estimated flight", seconds(estimate.total_s), interval, "lead")]
     if comparison is not None:
@@ -79,7 +76,7 @@ def figures(
 def warnings(
     dangers: Sequence[Danger], findings: Sequence[Finding], remarks: Sequence[str], of_map: Collection[str] = ()
 ) -> str:
-    """List what must be known before flying: dangers, errors, warnings, remarks; those `of_map` are folded."""
+    """List dangers, errors, warnings and remarks; remarks `of_map` are folded."""
     if not dangers and not findings and not remarks:
         return ""
     rows = [f'<li class="bad">{escape(danger.words)}</li>' for danger in dangers]
@@ -87,8 +84,8 @@ def warnings(
         hint = f"; {finding.hint}" if finding.hint else ""
         look = "bad" if finding.severity is Severity.ERROR else "amber"
         rows.append(f'<li class="{look}">{escape(f"{finding.message}{hint}")}</li>')
-    told = {words for finding in findings for words in (finding.message, finding.hint)}
-    plain = [remark for remark in dict.fromkeys(remarks) if remark not in told]
+    shown = {words for finding in findings for words in (finding.message, finding.hint)}
+    plain = [remark for remark in dict.fromkeys(remarks) if remark not in shown]
     folded = [f"<li>{escape(remark)}</li>" for remark in plain if remark in of_map]
     if len(folded) > 1:
         plain = [remark for remark in plain if remark not in of_map]
@@ -100,7 +97,7 @@ def warnings(
 
 
 def _kept(kept: Kept, confidence: float | None) -> str:
-    """The one clearance of a page: what flights keep, and beside it what is predicted."""
+    """Return the card of the kept and predicted clearance."""
     look = "bad" if kept.falls_short else ""
     value = f"{abs(down(kept.kept)):.2f}\N{NO-BREAK SPACE}m{' inside' if kept.kept < 0 else ''}"
     if confidence is None:
@@ -110,7 +107,7 @@ def _kept(kept: Kept, confidence: float | None) -> str:
 
 
 def _energy(budget: Budget) -> str:
-    """What the flight takes, and how full the battery comes home beside the reserve that it must keep."""
+    """Return the card of the energy, and of the battery left compared with its reserve."""
     used, battery = budget.used, budget.battery
     value, between = f"{number(used.energy_wh, 1)}\N{NO-BREAK SPACE}Wh", used.between
     sure = f"{number(between.low, 1)} to {number(between.high, 1)} Wh"
@@ -128,14 +125,14 @@ def _energy(budget: Budget) -> str:
 
 
 def _flown(comparison: Comparison) -> str:
-    """The flight's own time; where its log breaks off, that of its route."""
+    """Return the card of the flown time, or of the route if the log ends early."""
     if math.isfinite(comparison.flown_total_s):
         off = share(comparison.estimated_total_s, comparison.flown_total_s)
         return _card("flown", seconds(comparison.flown_total_s), f"the estimate is off by {off}", "flown")
     if math.isfinite(comparison.flown_route_s):
         off = share(comparison.estimated_route_s, comparison.flown_route_s)
         return _card("flown, route only", seconds(comparison.flown_route_s), f"estimate off by {off}", "flown")
-    return _card("flown", "not known", "the log tells of no item", "flown")
+    return _card("flown", "not known", "the log reports no item", "flown")
 
 
 def _card(label: str, value: str, note: str, look: str = "", below: str = "") -> str:

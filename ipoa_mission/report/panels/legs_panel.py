@@ -1,4 +1,4 @@
-"""The table of items: where each lies, how it is reached, when it is done, what kept it slow, and how it was flown."""
+"""Write the table of items: place, leg, times, what keeps it slow, and the flown times."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -24,7 +24,7 @@ HEAD = (
 
 
 def legs(stops: Sequence[FlownItem], flown_done: Mapping[int, float] | None) -> str:
-    """The table; `flown_done` has the times at which items were done in flight, by their place in `stops`."""
+    """Return the table; `flown_done` has the flown times of items by their index in `stops`."""
     flown_head = (("flown", "s"), ("off by", "s")) if flown_done is not None else ()
     head = "".join(f'<th scope="col">{name}<small>{unit}</small></th>' for name, unit in (*HEAD, *flown_head))
     rows = "".join(_row(n, stop, flown_done) for n, stop in enumerate(stops))

@@ -1,4 +1,4 @@
-"""The flights of a mission that one battery does not last for, side by side."""
+"""Write the table of flights of a mission that needs several batteries."""
 
 from collections.abc import Sequence
 from html import escape
@@ -11,7 +11,7 @@ HEAD = ("flight", "items", "takes", "energy", "left")
 
 
 def parts_panel(parts: Sequence[Forecast], names: Sequence[str]) -> str:
-    """The section of the page; `names` are those of the parts' files."""
+    """Return the section; `names` are those of the parts' files."""
     head = "".join(f'<th scope="col">{name}</th>' for name in HEAD)
     rows = ""
     for name, part in zip(names, parts, strict=True):
@@ -25,8 +25,8 @@ def parts_panel(parts: Sequence[Forecast], names: Sequence[str]) -> str:
         )
         rows += f'<tr><th scope="row">{escape(name)}</th>{"".join(f"<td>{escape(cell)}</td>" for cell in cells)}</tr>'
     note = (
-        f"One battery does not last for all that this page shows: it is flown in {len(parts)} flights, a battery each, "
-        "one after the other. Each begins as the whole does, and goes on where the one before turned home."
+        f"One battery is not enough for the whole flight: it is flown in {len(parts)} flights, a battery each, "
+        "one after the other. Each begins as the whole does, and continues where the one before returned."
     )
     table = f"<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>"
     return (

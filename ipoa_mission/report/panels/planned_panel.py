@@ -1,4 +1,4 @@
-"""How the path was found and judged: the limits that it keeps, what its cost is made of, how the search came there."""
+"""Write how the path was found and checked: its limits, its cost terms, and the search."""
 
 from html import escape
 
@@ -14,7 +14,7 @@ from ipoa_mission.report.number_format import number
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.seeking import CostSection
 
-TOP_SHARE = 1.5  # times the last cost: what is above is cut off
+TOP_SHARE = 1.5  # times the final cost: higher costs are cut off
 LIMIT_NAMES = {
     "obstacles": "distance to obstacles",
     "ground": "height above ground",
@@ -26,7 +26,7 @@ LIMIT_NAMES = {
 
 
 def limits_table(proof: Proof) -> str:
-    """Every limit with what the legs between waypoints have of it, and where that is."""
+    """Return a table of every limit: the clearance of the legs between waypoints, and its place."""
     rows = "".join(_limit(check) for check in proof.checks)
     places = "".join(f"<th>{axis}<small>m</small></th>" for axis in ("east", "north", "up"))
     head = f'<tr><th></th><th>found</th><th>required</th><th class="words">nearest</th>{places}</tr>'
@@ -38,17 +38,17 @@ def limits_table(proof: Proof) -> str:
 
 
 def search_panel(plan: Plan, scenario: Scenario) -> str:
-    """What the planned curve costs, and how the search came to it."""
+    """Return the cost of the planned curve, and the progress of the search."""
     words = f"The curve that {escape(plan.optimizer)} found with seed {plan.seed}, judged by the paper's eq. (10)."
     search = convergence(plan.evaluations, plan.history)
     return (
-        f'<section><h2>Cost and search</h2><p class="note">{words}</p><div class="beside-each-other">'
+        f'<section><h2>Cost and search</h2><p class="note">{words}</p><div class="side-by-side">'
         f'<div class="scroll" tabindex="0">{cost_table(plan.cost, scenario.cost)}</div>{search}</div></section>'
     )
 
 
 def cost_table(terms: CostTerms, cost: CostSection) -> str:
-    """The terms of the paper's eq. (10), each with its weight and its share of the sum."""
+    """Return the terms of the paper's eq. (10), each with its weight and its share of the sum."""
     length, turning, threat = cost.omega
     rows = (
         ("length W1", terms.length, "m", length),
@@ -63,7 +63,7 @@ def cost_table(terms: CostTerms, cost: CostSection) -> str:
 
 
 def convergence(evaluations: NDArray[np.int64], history: Vector) -> str:
-    """Best cost known over evaluations spent; costs far above the last one, of paths that collide, are cut off."""
+    """Return a chart of the best cost over evaluations; costs of colliding paths far above the last are cut off."""
     if len(history) < 2:
         return ""
     spent, shown = evaluations.astype(float), np.minimum(history, TOP_SHARE * history[-1])

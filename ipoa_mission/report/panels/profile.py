@@ -1,4 +1,4 @@
-"""Charts along the flight: height over ground with the band that must stay free, distance to obstacles, speed."""
+"""Draw charts along the flight: height with the clearance band, distance to obstacles, speed."""
 
 from collections.abc import Iterator, Sequence
 from html import escape
@@ -15,12 +15,12 @@ from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
 
 Look: TypeAlias = Literal["below", "beside", "zone"]
-BESIDE = 15.0  # obstacles this near beside the path are shown too [m]
-NARROWEST = 0.004  # of the chart's width: what is narrower could not be seen
+LATERAL_DISTANCE = 15.0  # lateral distance of obstacles that are shown too [m]
+MIN_WIDTH = 0.004  # of the chart's width, the minimum of a visible bar
 
 
 def along_axis(course: Seen) -> GraphAxis:
-    """What lies under one another in the page has this one."""
+    """Return the common axis of charts below one another."""
     return axis_over("distance over ground [m]", course.along, room=0.015, floor=0.0)
 
 
@@ -32,7 +32,7 @@ def height_profile(
     flown: Seen | None,
     deviation_bound: DeviationBound,
 ) -> str:
-    """Heights over the distance on the ground, with the obstacles under and beside the path."""
+    """Return the height profile, with the obstacles below the path and near it."""
     near = list(near_course(course, airspace, required))
     tops = np.array([min(float(body.bounds[1, 2]), float(course.points[:, 2].max()) * 1.6) for body, *_ in near])
     paths = [course.points[:, 2] + required, course.ground] + ([flown.points[:, 2]] if flown is not None else [])
@@ -58,16 +58,17 @@ def height_profile(
 
 
 def profile_legend(flown: bool, zones: bool) -> str:
-    """What is what in the height profile."""
+    """Return the legend of the height profile."""
     keys = '<span class="key planned">path as predicted</span>' + '<span class="key flown">flown</span>' * flown
     keys += '<span class="key tube">where flights are</span>'
-    bodies = '<span class="key below">obstacles below</span><span class="key beside">within 15 m beside</span>'
+    labels: tuple[tuple[Look, str], ...] = (("below", "obstacles below"), ("beside", "within 15 m to the side"))
+    bodies = "".join(f'<span class="key {look}">{label}</span>' for look, label in labels)
     bodies += '<span class="key zone">no-fly zone</span>' * zones
     return f'<p class="legend">{keys}<span class="key band">must stay free</span>{bodies}</p>'
 
 
 def distance_profile(course: Seen, required: float) -> str:
-    """Distance to the nearest obstacle along the way, cut off where it is large; nothing where it is so all the way."""
+    """Return the distance to the nearest obstacle along the way, cut off where large; empty if large everywhere."""
     most = max(6 * required, 20.0)
     if not (course.apart < most).any():
         return ""
@@ -85,7 +86,7 @@ def distance_profile(course: Seen, required: float) -> str:
 
 
 def speed_profile(course: Seen, stops: Sequence[FlownItem], flown: Seen | None) -> str:
-    """Speed over time, with a tick where an item is done; what kept it slow is said when one points at it."""
+    """Return the speed over time, with a tick at each completed item that shows what kept it slow."""
     speeds = [course.speeds] + ([flown.speeds] if flown is not None else [])
     times = [course.times] + ([flown.times] if flown is not None else [])
     chart = Graph(
@@ -115,10 +116,10 @@ def _mark(n: int, stop: FlownItem, chart: Graph) -> str:
 def near_course(
     course: Seen, airspace: Airspace, required: float
 ) -> Iterator[tuple[Obstacle, tuple[float, float], Look]]:
-    """Obstacles under or beside the path, each with the stretch of the way along which it is."""
+    """Return the obstacles below or near the path, each with its stretch along the path."""
     flat = course.points[:, :2]
-    assessments: tuple[tuple[Look, float], ...] = (("beside", max(BESIDE, 2 * required)), ("below", required))
-    for look, reach in assessments:
+    looks: tuple[tuple[Look, float], ...] = (("beside", max(LATERAL_DISTANCE, 2 * required)), ("below", required))
+    for look, reach in looks:
         for body in airspace.obstacles:
             bounds = body.bounds
             close = np.asarray(((flat > bounds[0, :2] - reach) & (flat < bounds[1, :2] + reach)).all(axis=1))
@@ -131,13 +132,13 @@ def near_course(
 
 
 def _runs(mask: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
-    """First and last index of every stretch of True."""
+    """Return the first and last index of every run of True."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
     yield from ((int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True))
 
 
 def _block(chart: Graph, body: Obstacle, run: tuple[float, float], look: str) -> str:
-    least = NARROWEST * (chart.x.high - chart.x.low)
+    least = MIN_WIDTH * (chart.x.high - chart.x.low)
     middle, half = sum(run) / 2, max(run[1] - run[0], least) / 2
     base, top = (float(up) for up in body.bounds[:, 2])
     words = f"{body.name}: {base:.0f} to {top:.0f} m" if body.solid else f"{body.name}: no-fly zone"
@@ -145,5 +146,5 @@ def _block(chart: Graph, body: Obstacle, run: tuple[float, float], look: str) ->
 
 
 def _along_of(flown: Seen, course: Seen) -> NDArray[np.float64]:
-    """Where on the predicted path's axis a flown one lies: its own distance, stretched to end where the other does."""
+    """Return the flown distance over ground, scaled to end with the predicted path."""
     return np.asarray(flown.along * (course.along[-1] / max(float(flown.along[-1]), 1e-9)))

@@ -1,4 +1,4 @@
-"""What a survey sees: its area, the lines of every flight, what is kept out of, gaps; and a table of its flights."""
+"""Draw what a survey sees: its area, lines, keep-out and gaps, with a table of its flights."""
 
 from collections.abc import Sequence
 from html import escape
@@ -11,12 +11,12 @@ from ipoa_mission.report.number_format import meters, number, seconds
 from ipoa_mission.survey.survey_plan import SurveyPlan
 
 MARGIN = 0.03  # of the map's width round the area
-HUES = (210, 35, 285, 150, 325, 75)  # of the flights, far from each other and from the red of gaps [deg]
+HUES = (210, 35, 285, 150, 325, 75)  # of the flights, far apart and far from the red of gaps [deg]
 HEAD = ("flight", "lines", "photos", "takes", "energy, Wh", "least clearance")
 
 
 def survey_panel(plan: SurveyPlan, names: Sequence[str]) -> str:
-    """The section of the page; `names` are those of the flights' files."""
+    """Return the section; `names` are those of the flights' files."""
     seen, area = plan.coverage, plan.area.shape
     overlap = f" Photos overlap by {plan.overlaps} at least." if str(plan.overlaps or "") else ""
     flown = f" As flown it is {number(down(100 * plan.flown.share), 2)} %." if plan.flown else ""
@@ -31,8 +31,8 @@ def survey_panel(plan: SurveyPlan, names: Sequence[str]) -> str:
 
 def _map(plan: SurveyPlan) -> str:
     west, south, east, north = plan.area.shape.buffer(plan.sight.spacing).bounds
-    rim = MARGIN * (east - west)
-    west, south, width, height = west - rim, south - rim, east - west + 2 * rim, north - south + 2 * rim
+    margin = MARGIN * (east - west)
+    west, south, width, height = west - margin, south - margin, east - west + 2 * margin, north - south + 2 * margin
     frame = shapely.box(west, south, west + width, south + height)
     outside = shapely.Polygon() if plan.keep_out is None else plan.keep_out.intersection(frame)
     stroke = max(width, height) / 400
