@@ -75,7 +75,7 @@ def test_a_flight_that_reached_nothing_is_no_crash(bowed: Bowed, forecast: Fores
     assert comparison.legs == ()
     assert math.isnan(comparison.route_error)
     assert flown_track(mission, nothing) is None
-    assert "tells of no item" in report_html(forecast("sitl.toml"), flight=nothing)
+    assert "reports no item" in report_html(forecast("sitl.toml"), flight=nothing)
     api.write_picture(draw_comparison(comparison, timed.track.points, None), tmp_path / "empty.png")
 
 
