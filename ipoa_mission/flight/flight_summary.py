@@ -24,7 +24,7 @@ MILLIMETERS = 1000
 def clearance_as_json(promise: "Promise | None") -> dict[str, Any]:
     """Return the smallest guaranteed clearance on the way, its object and its item; empty if unknown.
 
-    `elsewhere` holds shortfalls outside the guarantee: at take-off, in contingencies and at given places.
+    `elsewhere` holds shortfalls outside the guarantee: at take-off, at the ending and at given places.
     """
     kept = None if promise is None else promise.clearance
     if promise is None:

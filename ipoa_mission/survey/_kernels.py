@@ -14,7 +14,7 @@ from ipoa_mission.compiled import njit
 NO_WAY = 1e9  # [s]
 DIRECT, NONE = -1, -2
 TOUCH_TOLERANCE = 0.05  # [m]
-BOX_EDGES = 8  # edges, one after the other, that are looked at together first
+BOX_EDGES = 8  # successive edges that share a bounding box
 
 
 @njit(cache=True, error_model="numpy")

@@ -17,7 +17,7 @@ from ipoa_mission.world.union import union_of
 MAX_UNSEEN = 7e-4  # share of the area that may stay unseen
 MAX_PASSES = 8  # over all remaining gaps
 MIN_SHARE_SEEN = 0.1  # share of a gap that a line must see
-MAX_TRIED_LEGS = 6  # detours tried for a gap
+MAX_TRIED_LEGS = 6  # nearest legs tried for a detour
 WHOLE_EDGE_SHARE = 0.6  # share of an edge round a hole; a longer detour along it may take the whole edge
 MIN_SEEN = 1e-3  # of the spacing squared: a way that sees more of a gap has the sensor on
 DISC_SHARE = 0.999  # of half the width, because circles are polygons
@@ -94,7 +94,7 @@ class Closing:
         Returns:
             The lines (k, 2) and places (1, 2) of the detours, and the unseen share beyond the limit.
         """
-        hopeless, round_corners, left = list[Any](), list[Points](), self.gaps(route)
+        hopeless, goals, left = list[Any](), list[Points](), self.gaps(route)
         for n in range(MAX_PASSES + 1):
             gaps = self._by_hole(parts_of(left)) if once else parts_of(left)
             gaps.sort(key=lambda gap: gap.area)
@@ -110,10 +110,10 @@ class Closing:
                 if (detour := self._detour(route, gap)) is None:
                     hopeless.append(gap)
                 else:
-                    round_corners.append(detour.goal)
+                    goals.append(detour.goal)
                     seen.append(shapely.LineString(route.insert(detour)).buffer(self.width / 2, quad_segs=ARC))
             left = left.difference(union_of(seen))
-        return round_corners, max(float(areas.sum()) / self.area.area - MAX_UNSEEN, 0.0)
+        return goals, max(float(areas.sum()) / self.area.area - MAX_UNSEEN, 0.0)
 
     def _by_hole(self, gaps: list[Any]) -> list[Any]:
         """Merge the gaps along the edge of each hole."""
