@@ -1,10 +1,10 @@
-// The map comes nearer and moves: its drawing shows a window of the extent, and what lies on top follows.
+// Zoom and pan the map: the drawing shows a window of the extent, and the elements on top follow.
 
 function makeMap(map) {
   const svg = map.querySelector("svg"), scale = map.querySelector(".scale");
   const [west, south, width, height] = ["west", "south", "width", "height"].map((key) => Number(map.dataset[key]));
   const nearest = 40;
-  let view = { x: 0, y: 0, zoom: 1 };  // the window's upper left corner [m from the extent's], and how near
+  let view = { x: 0, y: 0, zoom: 1 };  // upper left corner of the window [m from the extent's], and zoom
   const onTop = [...map.querySelectorAll("button.stop")].map((element) => ({
     element, x: (parseFloat(element.style.left) / 100) * width, y: (parseFloat(element.style.top) / 100) * height,
   }));
@@ -30,7 +30,7 @@ function makeMap(map) {
     view = { zoom: near, x: clamp(x, width * (1 - 1 / near)), y: clamp(y, height * (1 - 1 / near)) };
     show();
   }
-  function nearer(factor, [across, down] = [0.5, 0.5]) {  // what lies at these shares of the map stays where it is
+  function nearer(factor, [across, down] = [0.5, 0.5]) {  // zooms round a point given as shares of the map
     const zoom = Math.min(Math.max(view.zoom * factor, 1), nearest), gain = 1 / view.zoom - 1 / zoom;
     look(view.x + across * width * gain, view.y + down * height * gain, zoom);
   }
@@ -45,14 +45,14 @@ function makeMap(map) {
     ArrowLeft: () => pan(0.1, 0), ArrowRight: () => pan(-0.1, 0), ArrowUp: () => pan(0, 0.1), ArrowDown: () => pan(0, -0.1),
   };
   map.addEventListener("keydown", (event) => {
-    const moves = event.key.startsWith("Arrow") && view.zoom === 1;  // there the page scrolls
+    const moves = event.key.startsWith("Arrow") && view.zoom === 1;  // then the page scrolls
     if (!keys[event.key] || moves || event.ctrlKey || event.metaKey) return;
     event.preventDefault();
     keys[event.key]();
   });
   map.querySelectorAll(".tools button").forEach((button) => button.addEventListener("click", () => keys[button.dataset.key]()));
   map.addEventListener("wheel", (event) => {
-    if (!event.ctrlKey && !map.contains(document.activeElement)) return;  // the page scrolls until the map is taken
+    if (!event.ctrlKey && !map.contains(document.activeElement)) return;  // the page scrolls until the map has the focus
     event.preventDefault();
     nearer(Math.exp(-event.deltaY * 0.0016), shares(event));
   }, { passive: false });
@@ -79,17 +79,17 @@ function makeMap(map) {
   show();
 
   return {
-    home(way) {  // the way home from there, or none
+    home(way) {  // draws the return path, or none
       const line = svg.querySelector(".way-home");
       line.setAttribute("d", way ? `M${way.points.map(([e, n]) => `${e} ${n}`).join("L")}` : "");
       line.classList.toggle("not-clear", Boolean(way) && !way.clear);
     },
     mark(east, north) { here.x = east - west; here.y = south + height - north; put(here); },
-    reveal(east, north) {  // move there, if it is outside of what is shown
+    reveal(east, north) {  // pans to a place outside of the window
       const x = east - west, y = south + height - north, across = width / view.zoom, down = height / view.zoom;
       if (x < view.x || x > view.x + across || y < view.y || y > view.y + down) look(x - across / 2, y - down / 2, view.zoom);
     },
-    place(event) {  // east and north of where one points
+    place(event) {  // returns east and north of the pointer
       const [across, down] = shares(event);
       return [west + view.x + (across * width) / view.zoom, south + height - view.y - (down * height) / view.zoom];
     },

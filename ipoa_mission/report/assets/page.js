@@ -1,5 +1,5 @@
-// One cursor in all views: pointing at any of them shows the same moment of the flight in the others; choosing an item
-// marks it everywhere. The page is complete without this script but for the 3D view.
+// One cursor in all views: a pointer in one view shows the same moment of the flight in the others, and a chosen item
+// is marked everywhere. Without this script only the 3D view is missing.
 
 (() => {
   const { course, stops, world, flown, tube, home } = JSON.parse(document.getElementById("data").textContent);
@@ -79,7 +79,7 @@
     plot.addEventListener("pointerdown", aim);
   }
   const aimOnMap = (event) => {
-    if (event.buttons && map.classList.contains("near")) return;  // the map is being moved
+    if (event.buttons && map.classList.contains("near")) return;  // the map is panned
     const [east, north] = plan.place(event);
     const apart = course.points.map((p) => Math.hypot(p[0] - east, p[1] - north));
     point(apart.indexOf(Math.min(...apart)));

@@ -1,5 +1,5 @@
-// The 3D view: a parallel projection with a depth buffer of its own, so that it needs no graphics driver, prints, and
-// looks the same everywhere. Bodies are flat polygons, filled line by line; paths show through what hides them.
+// The 3D view: a parallel projection with its own depth buffer, so that it needs no graphics driver, prints, and looks
+// the same everywhere. Bodies are flat polygons, filled line by line; hidden paths show through.
 
 function makeScene(canvas, world, lines, spots) {
   const context = canvas.getContext("2d");
@@ -26,7 +26,7 @@ function makeScene(canvas, world, lines, spots) {
   const mix = (a, b, t) => a.map((x, k) => x + (b[k] - x) * Math.min(Math.max(t, 0), 1));
   const pack = (c) => (255 << 24) | (Math.min(255, c[2]) << 16) | (Math.min(255, c[1]) << 8) | Math.min(255, c[0]);
 
-  function normalOf(ring) {  // Newell's sum, on the stretched heights that are drawn
+  function normalOf(ring) {  // Newell's method, with the stretched heights
     const n = [0, 0, 0];
     for (let i = 0; i < ring.length; i++) {
       const a = ring[i], b = ring[(i + 1) % ring.length];
@@ -112,7 +112,7 @@ function makeScene(canvas, world, lines, spots) {
       fill(face.rings.map((ring) => ring.map(to)), face.ink);
     }
     const thick = Math.max(1, width / 900), edge = colors["--edge"];
-    const crisp = Math.min(0.75, scale / thick - 0.3);  // outlines of what is only a few pixels wide blacken it
+    const crisp = Math.min(0.75, scale / thick - 0.3);  // outlines would blacken bodies of a few pixels
     if (crisp > 0.05) for (const [a, b, tone] of strokes)
       stroke(to(a), to(b), thick * 0.5, tone ? colors[tone] : edge, 1.5 * thick, 0, tone ? 1 : crisp);
     for (const spot of spots) stroke(to(spot), to([spot[0], spot[1], spot[3]]), thick * 0.5, colors["--quiet"], thick, 0, 0.8);
@@ -165,7 +165,7 @@ function makeScene(canvas, world, lines, spots) {
     }
   }
 
-  function show() {  // puts what was painted on the screen, and the marks that move over it
+  function show() {  // copies the painted image to the screen, and draws the moving marks
     if (!colors) return;
     const ratio = Math.min(window.devicePixelRatio || 1, 2), { clientWidth: width, clientHeight: height } = canvas;
     canvas.width = width * ratio; canvas.height = height * ratio;
@@ -208,7 +208,7 @@ function makeScene(canvas, world, lines, spots) {
     show();
   }
   let pending = false;
-  function move(change) {  // coarse while it moves, fine when it rests
+  function move(change) {  // coarse in motion, fine at rest
     view = { ...view, ...change };
     view.elevation = Math.min(90, Math.max(4, view.elevation));
     view.zoom = Math.min(20, Math.max(0.5, view.zoom));
@@ -245,7 +245,7 @@ function makeScene(canvas, world, lines, spots) {
   for (const kind of ["pointerup", "pointercancel"]) canvas.addEventListener(kind, (event) => fingers.delete(event.pointerId));
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   canvas.addEventListener("wheel", (event) => {
-    if (!event.ctrlKey && document.activeElement !== canvas) return;  // the page scrolls until the view is taken
+    if (!event.ctrlKey && document.activeElement !== canvas) return;  // the page scrolls until the view has the focus
     event.preventDefault();
     move({ zoom: view.zoom * Math.exp(-event.deltaY * 0.0016) });
   }, { passive: false });
@@ -260,14 +260,14 @@ function makeScene(canvas, world, lines, spots) {
     event.preventDefault();
     move(keys[event.key]());
   });
-  new ResizeObserver(() => setTimeout(() => render(true))).observe(canvas);  // after the rest of the page is on the screen
+  new ResizeObserver(() => setTimeout(() => render(true))).observe(canvas);  // after the first paint of the page
   for (const query of ["(prefers-color-scheme: dark)", "print"])
     matchMedia(query).addEventListener("change", () => { build(); render(true); });
 
   return {
     key: (name) => move(keys[name]()),
     mark(place, stop, way) { marker = place; chosen = stop; home = way; show(); },
-    nearestSpot(x, y) {  // the stop at a place on the canvas, or -1; a drag is not a click
+    nearestSpot(x, y) {  // returns the stop at a place on the canvas, or -1; a drag is not a click
       if (traveled > 5) return -1;
       const { to } = camera(canvas.clientWidth, canvas.clientHeight);
       const apart = spots.map((spot) => { const [px, py] = to(spot); return Math.hypot(px - x, py - y); });
