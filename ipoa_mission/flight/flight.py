@@ -80,12 +80,10 @@ class Flight:
 
     @property
     def scenario(self) -> Scenario:
-        """Return the scenario, with the requested wind."""
         return self.forecast.world
 
     @property
     def mission(self) -> Mission:
-        """Return the mission that is written and flown."""
         return self.forecast.mission
 
     @property
@@ -100,7 +98,6 @@ class Flight:
 
     @property
     def estimate(self) -> Estimate:
-        """Return its estimated time."""
         return self.forecast.estimate
 
     @property
@@ -115,7 +112,6 @@ class Flight:
 
     @property
     def name(self) -> str:
-        """Return the name of the scenario and of the files."""
         return self.scenario.name
 
     @property

@@ -42,7 +42,6 @@ def write_parts(
 
 
 def names_of(whole: Flight, parts: Sequence[Forecast], folder: Path) -> list[Path]:
-    """Return NAME-1.plan and so on."""
     return [folder / f"{whole.name}-{number}.plan" for number in range(1, len(parts) + 1)]
 
 

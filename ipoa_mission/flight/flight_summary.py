@@ -80,7 +80,6 @@ def route_summary(estimate: "Estimate") -> dict[str, float] | None:
 
 
 def option_as_json(option: "Option", mode: str) -> dict[str, Any]:
-    """Return a choice of waypoints, and whether `mode` names it."""
     return {
         "mode": option.mode,
         "waypoints": len(option.route.points),
@@ -95,7 +94,6 @@ def option_as_json(option: "Option", mode: str) -> dict[str, Any]:
 
 
 def limits_as_json(proof: "Proof") -> list[dict[str, Any]]:
-    """Return the distance of a path to each of its limits."""
     return [
         {"limit": c.limit, "found": rounded(c.nearest.distance), "required": rounded(c.required), "unit": c.unit}
         for c in proof.checks
@@ -104,16 +102,13 @@ def limits_as_json(proof: "Proof") -> list[dict[str, Any]]:
 
 
 def proof_as_json(proof: "Proof") -> dict[str, Any]:
-    """Return the smallest clearance of a path, its object and its place."""
     least = proof.clearance
     return {"least": rounded(least.distance), "to": least.what, "at": [rounded(value) for value in least.place]}
 
 
 def findings_as_json(findings: "Iterable[Finding]") -> list[dict[str, Any]]:
-    """Return the findings with their severity."""
     return [{name: one for name, one in asdict(each).items() if name != "remedies"} for each in findings]
 
 
 def rounded(value: float) -> float:
-    """Round to 1e-6."""
     return round(float(value), 6)

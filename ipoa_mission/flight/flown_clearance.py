@@ -44,7 +44,6 @@ class FlownClearance:
         return not falls_short(self.least.distance, self.required)
 
     def words(self) -> str:
-        """Return the finding as a sentence without a full stop."""
         where = f"{self.place.latitude_deg:.6f}, {self.place.longitude_deg:.6f}, up {self.least.place[2]:.1f} m"
         promised = "" if self.promised is None else f", {down(self.promised):.2f} m guaranteed"
         strayed = "" if self.strayed is None else f"; at most {self.strayed:.1f} m from the planned legs"
@@ -91,7 +90,6 @@ def flown_clearance(record: FlightRecord, scenario: Scenario, mission: Mission |
 
 
 def _flown(record: FlightRecord, scenario: Scenario) -> Points:
-    """Return the path in the scenario's frame, (n, 3)."""
     latitude, longitude, height = (
         np.array([getattr(sample, name) for sample in record.path])
         for name in ("latitude_deg", "longitude_deg", "height")

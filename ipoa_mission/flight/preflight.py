@@ -61,7 +61,6 @@ def compare_homes(mission: Mission, there: Geodetic, anyway: bool = False) -> tu
 
 
 def counts_from_home(mission: Mission) -> bool:
-    """Return whether an item's height is above home."""
     return any(item.has_position and plain_frame(item.frame) == Frame.GLOBAL_RELATIVE_ALT for item in mission.items)
 
 
@@ -194,7 +193,6 @@ def expect_fit(vehicle: Vehicle, mission: Mission, anyway: bool = False) -> tupl
 
 
 def _compare_fence(mission: Mission, vehicle: Vehicle, there: Geodetic | None, anyway: bool) -> tuple[str, ...]:
-    """Compare the mission with the fence that the vehicle's own parameters set."""
     try:
         fence = vehicle.autopilot.own_fence(vehicle.parameters(vehicle.autopilot.own_fence_by))
     except NoAnswer:

@@ -48,7 +48,6 @@ def unheard(words: str) -> None:
 
 
 def unseen(stage: Stage) -> AbstractContextManager[Progress]:
-    """Show nothing of a stage."""
     return nullcontext(silent)
 
 

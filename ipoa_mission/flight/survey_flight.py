@@ -62,12 +62,10 @@ class Survey:
 
     @property
     def name(self) -> str:
-        """Return the name of the scenario and of the files."""
         return self.plan.scenario.name
 
     @property
     def flights(self) -> tuple[Forecast, ...]:
-        """Return the forecasts of its missions, in flight order."""
         return tuple(flight.forecast for flight in self.plan.flights)
 
     @property
@@ -95,7 +93,6 @@ class Survey:
 
     @property
     def total_s(self) -> float:
-        """Return the total time of all flights [s]."""
         return sum(forecast.estimate.total_s for forecast in self.flights)
 
     def write(self, folder: str | Path = ".") -> tuple[Path, ...]:
@@ -157,7 +154,6 @@ class Survey:
 
 
 def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
-    """Return the results of a survey for NAME.json."""
     seen, sight, flown = plan.coverage, plan.sight, plan.flown
     return {
         "lines": len(plan.tour.swaths),
@@ -188,7 +184,6 @@ def survey_as_json(plan: SurveyPlan, names: tuple[str, ...]) -> dict[str, Any]:
 
 
 def _start_as_json(plan: SurveyPlan, flight: SurveyFlight) -> dict[str, float]:
-    """Return the take-off and landing place of a flight, in meters from the scenario's home and in degrees."""
     (east, north), home = plan.begin_of(flight), flight.forecast.mission.home
     return {
         "east": rounded(east),
@@ -296,7 +291,6 @@ def _flown_log(given: Flown) -> tuple[str, "FlightLog"]:
 
 
 def _of_logs(logs: Sequence[tuple[str, "FlightLog"]]) -> Iterator[str]:
-    """Return the remarks of the logs' readers."""
     yield from (f"{name}: {remark}" for name, log in logs for remark in log.remarks)
 
 
@@ -320,7 +314,6 @@ def _flown_words(whole: SurveyPlan, rest: SurveyPlan, logs: Sequence[str]) -> st
 
 
 def _elsewhere(whole: SurveyPlan, paths: Mapping[str, list[Points]]) -> Iterator[str]:
-    """Report the logs of something else."""
     for log, flown in paths.items():
         if not any(is_along(whole.tour, path, whole.sight, whole.scenario.airspace.ground) for path in flown):
             yield f"{log}: no flight in it follows the lines of this survey"

@@ -36,7 +36,6 @@ def write_files(
 
 
 def as_text(contents: Mapping[str, Any]) -> str:
-    """Return the text of NAME.json."""
     return json.dumps(contents, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 

@@ -59,7 +59,6 @@ class Graph:
         return f'<path class="{look}" d="{_path(self._points(x, y))}"/>'
 
     def steps(self, x: Vector, y: Vector, look: str) -> str:
-        """Draw a line that keeps each value until the next."""
         return self.curve(np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1], look)
 
     def band(self, x: Vector, low: Vector, high: Vector, look: str) -> str:
@@ -67,7 +66,6 @@ class Graph:
         return f'<path class="{look}" d="{_path(np.vstack([there, back]))}Z"/>'
 
     def block(self, x: tuple[float, float], y: tuple[float, float], look: str, title: str) -> str:
-        """Draw a rectangle with a title."""
         (x0, y0), (x1, y1) = self._points(np.array(x), np.array(y))
         return (
             f'<rect class="{look}" x="{min(x0, x1):.1f}" y="{min(y0, y1):.1f}" width="{abs(x1 - x0):.1f}" '

@@ -166,7 +166,6 @@ def _other_mission(mission: Mission, flight: LoggedFlight) -> tuple[str, ...]:
 
 
 def _other_place(mission: Mission, record: FlightRecord) -> tuple[str, ...]:
-    """Report an arming far from the mission's home."""
     track = flown_track(mission, record)
     if track is None:
         return ()

@@ -29,7 +29,6 @@ class Extent:
     upper: tuple[float, float]
 
     def obstacles(self, airspace: Airspace) -> tuple[Obstacle, ...]:
-        """Return the obstacles that reach into the extent."""
         return tuple(
             body
             for body in airspace.obstacles

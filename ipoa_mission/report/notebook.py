@@ -16,7 +16,6 @@ from ipoa_mission.report.exports.table import mission_table, shown
 
 
 def mission_html(mission: Mission) -> str:
-    """Return a table of a mission's items and legs."""
     home = mission.home
     place = f"home {home.latitude_deg:.6f}, {home.longitude_deg:.6f}, {home.altitude:.1f} m AMSL"
     rows = [
@@ -28,7 +27,6 @@ def mission_html(mission: Mission) -> str:
 
 
 def plan_html(plan: Plan) -> str:
-    """Return a table of a plan's cost, clearance and search."""
     least = plan.proof.clearance
     rows = [
         ("length", f"{plan.cost.length:.1f} m"),
@@ -43,7 +41,6 @@ def plan_html(plan: Plan) -> str:
 
 
 def estimate_html(estimate: Estimate) -> str:
-    """Return a table of the times of items and what keeps them slow."""
     rows = [
         (item.seq, command_name(item.command), f"{item.duration_s:.1f}", f"{item.done_s:.1f}", item.reason)
         for item in estimate.items
@@ -53,7 +50,6 @@ def estimate_html(estimate: Estimate) -> str:
 
 
 def flight_html(flight: FlightRecord) -> str:
-    """Return a table of the flown times of items."""
     rows = [(index + 1, f"{at:.1f}") for index, at in sorted(flight.item_reached_s.items())]
     outcome = "to its end" if flight.completed else "and broken off"
     return _table(f"Flown {outcome}: {flight.total_s:.1f} s", ("item", "done at [s]"), rows)
@@ -69,7 +65,6 @@ TABLES: dict[type, Callable[[Any], str]] = {
 
 
 def show_in(shell: Any) -> None:
-    """Register the tables with an IPython shell."""
     formatter = shell.display_formatter.formatters["text/html"]
     for kind, show in TABLES.items():
         formatter.for_type(kind, show)

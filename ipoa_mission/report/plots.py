@@ -209,7 +209,6 @@ def _alternating(rings: list[Points]) -> list[Points]:
 
 
 def _levels(up: Points) -> Vector:
-    """Return round heights of contour lines, without the lowest ground."""
     levels = MaxNLocator(8).tick_values(up.min(), up.max())
     return np.asarray(levels[(levels > up.min()) & (levels < up.max())])
 

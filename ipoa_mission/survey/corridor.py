@@ -47,5 +47,4 @@ def _trimmed(middle: Points, by: float) -> Points:
 
 
 def where_allowed(area: Area, keep_out: Any | None) -> Any:
-    """Return where the corridor's lines may lie."""
     return area.without(keep_out).buffer(INSIDE)

@@ -262,7 +262,6 @@ class _Survey:
         return replace(one, route=route, seconds=seconds, goals=goals, unseen=round(unseen, 4), once=once)
 
     def _seconds(self, route: SensedPath, begin: Vector | None, end: Vector | None) -> float:
-        """Return the time of a route with the ways to it and from it [s]."""
         return self.cost.seconds(np.array([*_known(begin), *route.places, *_known(end)]))
 
     def way(self, start: Vector, end: Vector) -> Points:
@@ -342,7 +341,6 @@ def _where_lines_go(area: Any, kept: Any, visible: Any, spacing: float, past: fl
 
 
 def _route(entries: Any, ways: Ways) -> SensedPath:
-    """Return the route that flies lines in an order, given by the ends at which they are entered."""
     route = SensedPath([ways.ends[entries[0]]])
     for n, entry in enumerate(entries):
         if n:

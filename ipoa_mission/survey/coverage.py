@@ -35,7 +35,6 @@ class Coverage:
 
     @property
     def seen_m2(self) -> float:
-        """Return the seen area [m^2]."""
         return float(self.seen.area)
 
 
@@ -58,7 +57,6 @@ def coverage(area: Area, tour: Tour, width: float, keep_out: Any = None) -> Cove
 
 
 def _outside(shape: Any, tour: Tour, keep_out: Any) -> float:
-    """Return the maximum distance of the path from where it may be [m]."""
     if len(tour.path) < 2:
         return 0.0
     path = shapely.LineString(tour.path)
@@ -69,5 +67,4 @@ def _outside(shape: Any, tour: Tour, keep_out: Any) -> float:
 
 
 def _places(stray: Any) -> list[Any]:
-    """Return closely spaced places along a geometry."""
     return list(shapely.points(shapely.get_coordinates(shapely.segmentize(stray, max(STEP, stray.length / MAX_STEPS)))))

@@ -84,7 +84,6 @@ class FlightMaker:
 
     @property
     def max_lines(self) -> int:
-        """Return the maximum number of lines of one flight."""
         vehicle = self.scenario.vehicle
         per = 2 if self.sight.trigger is None else 4  # minimum number of items of a line
         return vehicle.autopilot.firmware(vehicle.version).max_items // per

@@ -47,7 +47,6 @@ class FreeSpace:
 
     @cached_property
     def between(self) -> Points:
-        """Return the straight distances between corners (n, n) [m]."""
         return np.asarray(straight_ways(self.corners, self.arms, self.edges))
 
     def sees(self, places: Points, others: Points) -> NDArray[np.bool_]:

@@ -44,7 +44,6 @@ class SensedPath:
     is_on: list[bool] = field(default_factory=list)
 
     def legs(self, on: bool) -> Points:
-        """Return the legs with the sensor on, or off, (k, 2, 2)."""
         chosen = [n for n, each in enumerate(self.is_on) if each is on]
         return np.array([[self.places[n], self.places[n + 1]] for n in chosen]).reshape(-1, 2, 2)
 
@@ -116,7 +115,6 @@ class Closing:
         return goals, max(float(areas.sum()) / self.area.area - MAX_UNSEEN, 0.0)
 
     def _by_hole(self, gaps: list[Any]) -> list[Any]:
-        """Merge the gaps along the edge of each hole."""
         rings = [ring for part in shapely.get_parts(self.space.inner) for ring in part.interiors]
         if not rings or not gaps:
             return gaps
@@ -180,7 +178,6 @@ class Closing:
         return np.concatenate([way_in, via, way_out])
 
     def _viewpoints(self, gap: Any) -> Any | None:
-        """Return the places from which all of a gap is seen at once."""
         hull = shapely.get_coordinates(shapely.convex_hull(gap))[:-1]
         if len(hull) > 1 and np.ptp(hull, axis=0).max() > self.width:
             return None

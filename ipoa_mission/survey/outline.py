@@ -89,7 +89,6 @@ def _pointed(ring: Points, most: float) -> Points:
 
 
 def _crossing(a: Points, b: Points, c: Points, d: Points) -> Points:
-    """Return the intersection of the lines a-b and c-d."""
     along, other = b - a, d - c
     share = ((c - a)[0] * other[1] - (c - a)[1] * other[0]) / (along[0] * other[1] - along[1] * other[0])
     return np.asarray(a + share * along)

@@ -67,7 +67,6 @@ class PhotoLine:
 
     @property
     def ahead(self) -> Vector:
-        """Return its direction in plan (2,)."""
         leg = self.ends[1, :2] - self.ends[0, :2]
         return np.asarray(leg / np.linalg.norm(leg))
 
@@ -120,7 +119,6 @@ def flown_lines(forecast: Forecast, lag: float, frame: LocalFrame) -> Iterator[P
 
 
 def laid_lines(tour: Tour, sight: Sight, ground: Ground) -> Iterator[PhotoLine]:
-    """Return the photo lines of a tour that no mission flies yet."""
     for swath in tour.swaths:
         every = sight.triggering(swath.length)[0]
         if every > 0.0 and swath.length > 0.0:

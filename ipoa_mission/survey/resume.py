@@ -60,7 +60,6 @@ def left_to_fly(
 
 
 def is_along(tour: Tour, path: Points, sight: Sight, ground: Ground) -> bool:
-    """Return whether any of a path (n, 3) was flown along the lines of a tour."""
     return bool(_in_order(tour, path, sight, ground))
 
 

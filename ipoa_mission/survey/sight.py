@@ -69,7 +69,6 @@ class Sight:
         return self.triggering(length)[1]
 
     def photos_of(self, tour: Tour) -> int:
-        """Return the number of photos on all lines of a tour."""
         return sum(self.photos(swath.length) for swath in tour.swaths)
 
 

@@ -162,11 +162,9 @@ class _Trials:
         return flights
 
     def seconds_of(self, flights: Sequence[tuple[int, int, int]]) -> float:
-        """Return the estimated total time [s]."""
         return sum(float(self._seconds[start, first, last - 1]) for first, last, start in flights)
 
     def unreachable(self) -> list[int]:
-        """Return the lines that are in no flight that fits."""
         alone = np.arange(len(self.tour.swaths))
         return [int(n) for n in np.flatnonzero(self._failed[:, alone, alone].all(axis=0))]
 

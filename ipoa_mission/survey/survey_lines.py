@@ -76,7 +76,6 @@ def union_along(drawn: Any, away: float, arc: int) -> Any:
 
 
 def parts_of(gaps: Any) -> list[Any]:
-    """Return the polygons of a difference of areas."""
     return [part for part in shapely.get_parts(gaps) if part.geom_type == "Polygon" and part.area > 0.0]
 
 

@@ -76,7 +76,6 @@ class SurveyPlan:
 
     @property
     def photos(self) -> int:
-        """Return the number of photos of all flights."""
         return sum(self.sight.photos_of(flight.tour) for flight in self.flights)
 
     @cached_property
@@ -104,7 +103,6 @@ class SurveyPlan:
         return section
 
     def begin_of(self, flight: SurveyFlight) -> tuple[float, float]:
-        """Return the take-off and landing place of a flight, east and north of the scenario's home [m]."""
         return (0.0, 0.0) if self.section.starts is None or flight.start is None else self.section.starts[flight.start]
 
     @property

@@ -17,7 +17,6 @@ class Swath:
 
     @property
     def length(self) -> float:
-        """Return its length [m]."""
         return float(np.linalg.norm(self.end - self.begin))
 
 
@@ -48,7 +47,6 @@ class Tour:
 
     @property
     def length(self) -> float:
-        """Return the length of the whole path [m]."""
         return polyline_length(self.path)
 
     def moved(self, move: Callable[[Points], Points]) -> "Tour":

@@ -14,7 +14,6 @@ NAMESPACE = "http://www.topografix.com/GPX/1/1"
 
 
 def to_gpx(forecast: Forecast, name: str) -> str:
-    """Return the mission as GPX text."""
     root = Tree.Element("gpx", xmlns=NAMESPACE, version="1.1", creator="ipoa-mission")
     Tree.SubElement(Tree.SubElement(root, "metadata"), "name").text = name
     mission = forecast.given

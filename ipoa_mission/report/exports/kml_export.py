@@ -17,7 +17,6 @@ STYLES = {"way": "ff00a5ff", "inclusion": "ff50af4c", "exclusion": "ff3643f4"}  
 
 
 def to_kml(forecast: Forecast, name: str) -> str:
-    """Return the mission as KML text."""
     mission = forecast.given
     root = Tree.Element("kml", xmlns=NAMESPACE)
     document = Tree.SubElement(root, "Document")

@@ -65,7 +65,6 @@ def ground_plan(
 
 
 def legend(scenario: Scenario, extent: Extent, flown: bool, home: bool = False) -> str:
-    """Return the key of the colors of the map and the 3D view."""
     airspace = scenario.airspace
     tops = [float(body.bounds[1, 2]) for body in extent.buildings(airspace)]
     keys = [

@@ -97,7 +97,6 @@ def warnings(
 
 
 def _kept(kept: Kept, confidence: float | None) -> str:
-    """Return the card of the kept and predicted clearance."""
     look = "bad" if kept.falls_short else ""
     value = f"{abs(down(kept.kept)):.2f}\N{NO-BREAK SPACE}m{' inside' if kept.kept < 0 else ''}"
     if confidence is None:

@@ -38,7 +38,6 @@ def limits_table(proof: Proof) -> str:
 
 
 def search_panel(plan: Plan, scenario: Scenario) -> str:
-    """Return the cost of the planned curve, and the progress of the search."""
     words = f"The curve that {escape(plan.optimizer)} found with seed {plan.seed}, judged by the paper's eq. (10)."
     search = convergence(plan.evaluations, plan.history)
     return (

@@ -58,7 +58,6 @@ def height_profile(
 
 
 def profile_legend(flown: bool, zones: bool) -> str:
-    """Return the legend of the height profile."""
     keys = '<span class="key planned">path as predicted</span>' + '<span class="key flown">flown</span>' * flown
     keys += '<span class="key tube">where flights are</span>'
     labels: tuple[tuple[Look, str], ...] = (("below", "obstacles below"), ("beside", "within 15 m to the side"))
@@ -132,7 +131,6 @@ def near_course(
 
 
 def _runs(mask: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
-    """Return the first and last index of every run of True."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
     yield from ((int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True))
 
