@@ -1,4 +1,4 @@
-"""The built-in autopilot: messages in, messages out, the time an argument; it answers and flies as PX4 or ArduPilot."""
+"""Simulate the messages and the flight of PX4 or ArduPilot, without I/O; the time is an argument."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -24,10 +24,10 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.world.frame import Geodetic
 
-ERROR_LEVELS = 0x63  # an event's: INFO for the log, ERROR for ground stations
+ERROR_LEVELS = 0x63  # of an event: INFO for the log, ERROR for ground stations
 FLYING_STEP_S = 0.02
 AUTOPILOT_VERSION, HOME_POSITION, PROTOCOL_VERSION = 148, 242, 300
-#: Commands from before REQUEST_MESSAGE, and which message each asks for.
+#: Message that each command older than REQUEST_MESSAGE asks for.
 OLD_REQUESTS: Mapping[int, int] = {
     VehicleCommand.GET_HOME_POSITION: HOME_POSITION,
     VehicleCommand.REQUEST_PROTOCOL_VERSION: PROTOCOL_VERSION,
@@ -48,10 +48,16 @@ class BuiltInAutopilot(Commander):
         seed: int = 0,
         conditions: Conditions = USUAL,
     ) -> None:
-        """`cold`: it is powered up now, and has no position for a while; else it has stood there for long.
+        """Create a vehicle on the ground at `home`.
 
-        `seed` picks the errors of the sensors it flies by. The item of number `nak_at` is refused; such a vehicle takes
-        no mission as a file, in which no item can be refused. The firmware's version is that of the `conditions`.
+        Args:
+            family: the autopilot that it imitates.
+            home: where it is.
+            parameters: replace the autopilot's defaults.
+            cold: powered up now, without a position at first; else powered up long ago.
+            nak_at: number of an item that it refuses; such a vehicle takes no mission as a file.
+            seed: of the sensors' errors.
+            conditions: wind, ground, vehicle and firmware version.
         """
         habits = mock_profile(family, conditions.version)
         self.table = ParameterServer(family, parameters or {}, conditions.version)
@@ -64,10 +70,10 @@ class BuiltInAutopilot(Commander):
         self._schedule = streams.Schedule(habits.streams, habits.fixed_streams)
         self._commands = _commands(self)
 
-    # --- the outside ------------------------------------------------------------------------------------------------
+    # --- interface ------------------------------------------------------------------------------------------------
 
     def receive(self, message: Message, source: Target, now: float) -> None:
-        """Somebody has said something to this vehicle."""
+        """Process a message from `source`."""
         self.tick(now)
         self._schedule.hear(source)
         if self.transfers.receive(message, source, now):
@@ -100,11 +106,11 @@ class BuiltInAutopilot(Commander):
         self._tell_changes()
 
     def transfers_with(self, client: Target) -> bool:
-        """Whether a list or a file is under way to or from a client."""
+        """Return whether a transfer of a list or a file with `client` is in progress."""
         return self.transfers.is_under_way(client) or self._files.is_open(client)
 
     def tick(self, now: float) -> None:
-        """Time has passed: fly on, ask again, stream."""
+        """Advance the flight, the transfers and the streams to `now`."""
         self._now = max(self._now, now)
         self.transfers.booted = self._age >= self.habits.start_up.listens_s
         self.flight.advance(self._now)
@@ -117,23 +123,23 @@ class BuiltInAutopilot(Commander):
                 self._say(message, EVERYONE)
 
     def outgoing(self) -> list[tuple[Message, Target]]:
-        """What is to be said, and to whom."""
+        """Return and forget the messages to send, each with its target."""
         messages, self._outbox = self._outbox, []
         return messages
 
     @property
     def deadline(self) -> float:
-        """When `tick` is next needed."""
+        """Return when `tick` is next needed."""
         flying = self._now + FLYING_STEP_S if self.flight.armed else math.inf
         return min(flying, self._schedule.deadline, self.transfers.deadline)
 
     @property
     def awaits_somebody(self) -> bool:
-        """Whether it waits, and not for ever, for what somebody else is to do: a list under way; armed, to take off."""
+        """Return whether it waits for a client within a time limit: in a transfer, or armed before take-off."""
         return self.transfers.deadline < math.inf or self._will_stop_motors
 
     def _listed(self, kind: int) -> None:
-        """A list has been replaced or cleared."""
+        """Load a list that has been replaced or cleared."""
         if kind == MissionType.RALLY:
             self.flight.know_rally(tuple(self.transfers.listed(MissionType.RALLY)))
         if kind != MissionType.MISSION:
@@ -176,7 +182,7 @@ class BuiltInAutopilot(Commander):
         self._outbox += words
 
     def _group(self, number: int) -> frozenset[str]:
-        """The messages of a MAV_DATA_STREAM, of which 0 is all."""
+        """Return the messages of a MAV_DATA_STREAM; 0 is all."""
         groups = self.habits.stream_groups
         return frozenset[str]().union(*groups.values()) if number == 0 else groups.get(number, frozenset())
 
@@ -188,7 +194,7 @@ class BuiltInAutopilot(Commander):
         return self._stream(message_name(number) or "")
 
     def can_tell(self, number: float) -> CommandResult:
-        """Command 512: whether there is such a message."""
+        """Answer command 512 (REQUEST_MESSAGE)."""
         name = message_name(whole(number))
         is_told = name == "AUTOPILOT_VERSION" or name in streams.KNOWN
         is_told = is_told or (name == "PROTOCOL_VERSION" and self.habits.protocol is not None)
@@ -196,7 +202,7 @@ class BuiltInAutopilot(Commander):
 
 
 def _commands(autopilot: BuiltInAutopilot) -> Mapping[int, Callable[[Sequence[float]], CommandResult]]:
-    """What each MAV_CMD does; any other gets UNSUPPORTED."""
+    """Return the handler of each MAV_CMD; any other is UNSUPPORTED."""
     return {
         Command.NAV_RETURN_TO_LAUNCH: lambda p: autopilot.obey(FlightMode.RETURN),
         Command.NAV_LAND: lambda p: autopilot.obey(FlightMode.LAND),

@@ -1,4 +1,4 @@
-"""What the built-in autopilot does when it is told: arming, modes, the start of its mission, its current item."""
+"""Execute commands of the built-in autopilot: arming, modes, mission start, current item."""
 
 import math
 from collections.abc import Sequence
@@ -9,18 +9,18 @@ from ipoa_mission.mission.commands import LAST_NAV, MAY_PRECEDE_TAKEOFF, TAKEOFF
 from ipoa_mission.simulator.reporting import Reporting
 from ipoa_mission.simulator.simulated_flight import FlightMode, MissionState
 
-GUIDED = 4  # ArduCopter's mode in which it climbs by command
+GUIDED = 4  # ArduCopter's mode for take-off by command
 MAV_DO_REPOSITION_CHANGE_MODE = 1
-ARMED_IN_AUTO = 1  # a bit of AUTO_OPTIONS: arming in AUTO is allowed
+ARMED_IN_AUTO = 1  # bit of AUTO_OPTIONS: arming in AUTO is allowed
 ACCEPTED, DENIED, UNSUPPORTED = CommandResult.ACCEPTED, CommandResult.DENIED, CommandResult.UNSUPPORTED
 FAILED = CommandResult.FAILED
 
 
 class Commander(Reporting):
-    """A vehicle that obeys: what each order makes of its state, and the answer to it."""
+    """Change the vehicle's state by commands, and return the result of each."""
 
     def arm(self, wish: float) -> CommandResult:
-        """Command 400: let the motors run, or stop them."""
+        """Execute command 400: arm or disarm."""
         if wish not in (0.0, 1.0):
             return UNSUPPORTED
         if wish == 0.0:
@@ -59,7 +59,7 @@ class Commander(Reporting):
         return ACCEPTED
 
     def _notice_disarming(self) -> None:
-        """The pilot has landed and stopped the motors; or they have run for nothing for too long."""
+        """Report a landing that stopped the motors, or stop them after the disarm delay."""
         if self._armed_s is None:
             return
         if not self.flight.armed:
@@ -71,11 +71,11 @@ class Commander(Reporting):
 
     @property
     def _will_stop_motors(self) -> bool:
-        """Whether it stands armed, and will not for ever."""
+        """Return whether it is armed on the ground, where the disarm delay applies."""
         return self._is_standing() and self._parameters[self.habits.disarm_delay] > 0.0
 
     def _notice_height(self) -> None:
-        """PX4 has taken off to where it was told to, and holds."""
+        """Hold once PX4 has reached its take-off altitude."""
         flight = self.flight
         if self.mode == self.habits.takeoff_mode and flight.armed and not (flight.landed or flight.rising):
             self._idle_mode = self.habits.modes[FlightMode.HOLD]
@@ -96,7 +96,7 @@ class Commander(Reporting):
                 self._run()
 
     def _run(self) -> None:
-        """ArduPilot's mission goes on with its current item, whether it flies or not."""
+        """Continue ArduPilot's mission from its current item, in flight or on the ground."""
         if self._flown:
             self._has_begun = self._runs = True
             self._say_begun()
@@ -115,7 +115,7 @@ class Commander(Reporting):
             self._text(INFO, f"Climb to {above:.1f} meters above home\t")
 
     def start_mission(self, params: Sequence[float]) -> CommandResult:
-        """Command 300: fly the mission; PX4 from the item that is named, arming by itself."""
+        """Execute command 300: fly the mission; PX4 starts at the given item and arms by itself."""
         if self.habits.mission_arms:
             if not self._flown:
                 self._text(CRITICAL, "Mission start denied! No valid mission\t")
@@ -141,13 +141,13 @@ class Commander(Reporting):
         return result
 
     def _has_takeoff_first(self) -> bool:
-        """Whether the first command to come that moves the vehicle is a take-off; DO items and delays may precede."""
+        """Return whether the first command that moves the vehicle is a take-off; DO items and delays may precede it."""
         first = 0 if self.flight.mission_state is MissionState.COMPLETE else self.flight.current
         ahead = (item.command for item in self._flown[first:] if item.command < LAST_NAV)
         return next((one for one in ahead if one not in MAY_PRECEDE_TAKEOFF), None) in TAKEOFFS
 
     def set_mode(self, params: Sequence[float]) -> CommandResult:
-        """Command 176: main and sub mode for PX4, ArduPilot's one number."""
+        """Execute command 176: `params` hold PX4's main and sub mode, or ArduPilot's mode number."""
         main, sub = whole(params[1]), whole(params[2])
         return self._set_mode(self.habits.autopilot.modes.ordered(main, sub))
 
@@ -171,7 +171,7 @@ class Commander(Reporting):
             self._idle_mode = custom_mode
             self.flight.hold()
             if mode is FlightMode.MISSION and self.habits.runs_on_ground:
-                self._run()  # on the ground it takes MISSION_START to leave it
+                self._run()  # on the ground only MISSION_START goes on from here
             elif mode is FlightMode.MISSION and self.flight.armed:
                 self._start()
         elif mode is FlightMode.MISSION:
@@ -183,7 +183,7 @@ class Commander(Reporting):
         return ACCEPTED
 
     def _refuses_mode(self, custom_mode: int) -> CommandResult | None:
-        """What an armed vehicle says to a mode that it cannot fly; None where it can."""
+        """Return an armed vehicle's refusal of a mode that it cannot fly; None if it can."""
         name = self.habits.autopilot.modes.name(custom_mode)
         is_mission = custom_mode == self._mission_mode
         if not self.habits.doubts_modes:
@@ -221,17 +221,17 @@ class Commander(Reporting):
         return True
 
     def jump_to(self, params: Sequence[float]) -> CommandResult:
-        """Command 224."""
+        """Execute command 224: set the current item."""
         if not self.habits.knows_command_224:
             return UNSUPPORTED
         return ACCEPTED if self._go_to(whole(params[0]), params[1] == 1.0) else DENIED
 
     def obey(self, mode: FlightMode) -> CommandResult:
-        """Return, land or hold, as a command of its own."""
+        """Execute a command to return, land or hold."""
         return self._set_mode(self.habits.modes[mode])
 
     def pause(self, goes_on: float) -> CommandResult:
-        """Command 193: ArduPilot's alone, which stays in AUTO, and stops there only on its way to a waypoint."""
+        """Execute command 193, which only ArduPilot takes: stay in AUTO, and stop on the way to a waypoint."""
         if not self.habits.autopilot.protocol_profile.pauses_in_mission:
             return UNSUPPORTED
         if goes_on >= 0.5:
@@ -247,7 +247,7 @@ class Commander(Reporting):
         return ACCEPTED
 
     def climb(self, height: float) -> CommandResult:
-        """Command 22: ArduPilot takes off in GUIDED, to a height above home; PX4 in a mode of its own, to one AMSL."""
+        """Execute command 22: ArduPilot climbs in GUIDED to a height above home, PX4 in take-off mode to one AMSL."""
         if self.habits.takeoff_mode is not None:
             return self._rise(height)
         if self.mode != GUIDED or not self._is_standing() or not 0.0 < height < math.inf:
@@ -256,7 +256,7 @@ class Commander(Reporting):
         return ACCEPTED
 
     def _rise(self, altitude: float) -> CommandResult:
-        """Change to PX4's take-off mode; it climbs as soon as it is armed."""
+        """Change to PX4's take-off mode, which climbs when armed."""
         self.flight.hold()
         self._idle_mode = self.habits.takeoff_mode or 0
         self._rise_to = altitude
@@ -277,7 +277,7 @@ class Commander(Reporting):
         self._rise_to = math.nan
 
     def reposition(self, params: Sequence[float]) -> CommandResult:
-        """Command 192, PX4's alone: change to hold, and in flight go there, to an altitude AMSL whatever the frame."""
+        """Execute command 192, which only PX4 takes: hold, and in flight go there; altitude AMSL in every frame."""
         if not self.habits.repositions or whole(params[1]) != MAV_DO_REPOSITION_CHANGE_MODE:
             return UNSUPPORTED
         self.obey(FlightMode.HOLD)
@@ -286,13 +286,13 @@ class Commander(Reporting):
         return ACCEPTED
 
     def check(self) -> CommandResult:
-        """Command 401: say what hinders arming; PX4 says it by events."""
+        """Execute command 401: report why arming is refused; PX4 reports it by events."""
         if self.habits.tells_prearm and (hinders := self._hinders()):
             self._text(CRITICAL, f"PreArm: {hinders}")
         return ACCEPTED
 
     def reboot(self, how: float) -> CommandResult:
-        """Command 246: ArduPilot starts up anew, unless it is armed; PX4 in simulation does not."""
+        """Execute command 246: ArduPilot restarts unless armed; PX4 in simulation does not."""
         if not self.habits.reboots:
             return DENIED if how else ACCEPTED
         if how != 1.0:
@@ -307,5 +307,5 @@ class Commander(Reporting):
 
 
 def whole(value: float) -> int:
-    """A parameter of a command as the integer that it means; -1 for what is none."""
+    """Return a parameter of a command as an integer; -1 if it is none."""
     return int(value) if math.isfinite(value) and abs(value) < 2**31 else -1

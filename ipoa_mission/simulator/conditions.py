@@ -1,4 +1,4 @@
-"""In what a simulated vehicle flies, what sort of vehicle it is, and what can be seen of it."""
+"""Define wind, ground and vehicle of a simulated flight, and the interface of a simulated vehicle."""
 
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -11,9 +11,9 @@ from ipoa_mission.world.ground import LEVEL, Ground
 
 @dataclass(frozen=True)
 class Conditions:
-    """The wind, the ground's height above home, and the vehicle.
+    """Hold the wind, the ground's height above home [m], and the vehicle.
 
-    What was learned of it, None: the simulators' own; and of which version it is, None: the newest measured.
+    `vehicle`: properties learned from logs; None: those of the simulators. `version`: None: the newest measured.
     """
 
     wind: Wind = CALM
@@ -29,7 +29,10 @@ Triple: TypeAlias = tuple[float, float, float]  # east, north, up
 
 
 class SimulatedVehicle:
-    """Place and motion, east, north, up [m, m/s]; lean as the level acceleration g tan(angle) [m/s^2]; yaw [rad]."""
+    """Simulate the motion of a vehicle.
+
+    Position [m] and velocity [m/s] are east, north, up; lean is the level acceleration g tan(angle) [m/s^2]; yaw [rad].
+    """
 
     def __init__(self, conditions: Conditions = USUAL) -> None:
         self.conditions = conditions
@@ -41,10 +44,10 @@ class SimulatedVehicle:
 
     @property
     def place(self) -> Triple:
-        """East, north, up [m]."""
+        """Return east, north, up [m]."""
         return self.x, self.y, self.z
 
     @property
     def motion(self) -> Triple:
-        """East, north, up [m/s]."""
+        """Return east, north, up [m/s]."""
         return self.vx, self.vy, self.vz

@@ -1,4 +1,4 @@
-"""Bad radios, reproducibly: a pipe that loses, doubles, delays and reorders what goes through it."""
+"""Simulate a bad link, reproducibly: lose, double, delay and reorder frames."""
 
 import heapq
 import math
@@ -10,14 +10,14 @@ from ipoa_mission.errors import BadInput
 
 @dataclass(frozen=True)
 class Faults:
-    """What a bad link does to each frame, in each direction.
+    """Set the faults of a link, which apply to each frame in each direction.
 
     Attributes:
-        loss: probability that it is lost.
-        duplicate: probability that it comes twice.
-        delay_s: how long it takes, one way [s].
-        reorder: probability that it is held back ...
-        reorder_s: ... by up to so long [s].
+        loss: probability that a frame is lost.
+        duplicate: probability that it arrives twice.
+        delay_s: one-way delay [s].
+        reorder: probability that it is held back.
+        reorder_s: longest time that it is held back [s].
         nak_at: the number on the wire of an item that the vehicle refuses.
 
     Raises:
@@ -45,12 +45,11 @@ class Faults:
 
     @property
     def is_none(self) -> bool:
-        """Whether the link is perfect."""
         return not (self.loss or self.duplicate or self.delay_s or self.reorder)
 
 
 class BadPipe:
-    """One direction of a bad link (a `Pipe`); the same seed makes the same faults."""
+    """Simulate one direction of a bad link; the same seed gives the same faults."""
 
     MOST_HELD = 100_000
 
@@ -61,7 +60,6 @@ class BadPipe:
         self._count = 0
 
     def push(self, data: bytes, now: float) -> None:
-        """A frame enters, once, twice or not at all."""
         faults, chance = self._faults, self._random.random
         copies = 2 if chance() < faults.duplicate else 1
         for _ in range(copies):
@@ -72,7 +70,6 @@ class BadPipe:
                 heapq.heappush(self._held, (now + faults.delay_s + late, self._count, data))
 
     def pop(self, now: float) -> list[bytes]:
-        """The frames that have come through by now."""
         through = []
         while self._held and self._held[0][0] <= now:
             through.append(heapq.heappop(self._held)[2])
@@ -80,5 +77,4 @@ class BadPipe:
 
     @property
     def deadline(self) -> float:
-        """When the next frame comes through."""
         return self._held[0][0] if self._held else math.inf

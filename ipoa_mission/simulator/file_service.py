@@ -1,7 +1,4 @@
-"""MAVFTP of the built-in autopilot: one file, the mission (ArduPilot), and the checksums of its three lists.
-
-All else is refused.
-"""
+"""Serve MAVFTP: the mission as a file (ArduPilot only) and the checksums of the three lists; refuse all else."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -21,7 +18,7 @@ LONGEST_BURST = 100  # messages
 
 @dataclass
 class FileSession:
-    """One client's open file, and the last answer: a repeated question gets it again."""
+    """Hold a client's open file, and the last answer, which a repeated request gets again."""
 
     reading: bytes | None = None
     writing: bytearray | None = None
@@ -29,7 +26,10 @@ class FileSession:
 
 
 class FileService:
-    """`listed` gives the mission as it stands; `replace` takes a new one or says no (False)."""
+    """Answer MAVFTP requests.
+
+    `listed` returns the current mission; `replace` takes a new one, and returns False if it refuses it.
+    """
 
     def __init__(
         self,
@@ -45,7 +45,7 @@ class FileService:
         self._sessions: dict[Target, FileSession] = {}
 
     def answers(self, message: FileTransfer, client: Target) -> list[FileTransfer]:
-        """What to say to a client's question: one message, or a burst of them."""
+        """Return the reply to a request: one message or a burst."""
         question = unpack(message)
         session = self._sessions.setdefault(client, FileSession())
         while len(self._sessions) > MOST_CLIENTS:
@@ -57,7 +57,7 @@ class FileService:
         return [answer.pack() for answer in session.last]
 
     def is_open(self, client: Target) -> bool:
-        """Whether a client has a file open."""
+        """Return whether `client` has a file open."""
         session = self._sessions.get(client)
         return session is not None and (session.reading is not None or session.writing is not None)
 
@@ -96,7 +96,7 @@ class FileService:
         return _ack(question, len(session.reading).to_bytes(4, "little"))
 
     def _sum_up(self, question: FileMessage) -> FileMessage:
-        """The checksum of a list as it stands now, whoever has it open."""
+        """Return the checksum of a list as it is now."""
         name = question.data.rstrip(b"\0")
         kind = next((kind for kind, path in LIST_FILES.items() if path.encode() == name), None)
         if not self._offered or kind is None:
@@ -115,7 +115,7 @@ class FileService:
 
 
 def _burst(question: FileMessage, content: bytes) -> tuple[FileMessage, ...]:
-    """A whole file from an offset on, piece by piece; behind its end, the error that says so."""
+    """Return a file from an offset on in pieces, then the end-of-file error."""
     size = min(question.size or LONGEST_DATA, LONGEST_DATA)
     starts = range(question.offset, len(content), size)[:LONGEST_BURST]
     if not starts:

@@ -1,4 +1,4 @@
-"""A mission flown on the built-in autopilot over real MAVLink bytes, on a virtual clock: as fast as it goes."""
+"""Fly a mission on the built-in autopilot over MAVLink bytes, on a virtual clock."""
 
 from pathlib import Path
 
@@ -33,25 +33,25 @@ def fly(
     uploading: Progress = silent,
     flying: Progress = silent,
 ) -> FlightRecord:
-    """Upload a mission to the built-in autopilot that it was made for, and fly it, on a virtual clock.
+    """Upload a mission to the built-in autopilot that it was made for, and fly it on a virtual clock.
 
-    The mission is not checked: what happens to a bad one can be seen here. The same arguments give the same bytes.
+    The mission is not checked before. The same arguments give the same bytes.
 
     Args:
-        mission: what is flown.
-        parameters: the vehicle's, which go before those that the mission carries.
-        wind: in which it is flown.
-        seed: what the random numbers begin with.
-        faults: what a bad link does.
-        log: a `.tlog` to be written, with every frame.
-        uploading: told how far the upload is.
-        flying: told of items done.
+        mission: to fly.
+        parameters: the vehicle's; they override those of the mission.
+        wind: during the flight.
+        seed: of the random numbers.
+        faults: of the link.
+        log: path of a `.tlog` of all frames.
+        uploading: receives the progress of the upload.
+        flying: receives the progress of the flight.
 
     Returns:
-        What happened.
+        The record of the flight.
 
     Raises:
-        BadInput: a parameter is none of this autopilot's.
+        BadInput: the autopilot has no such parameter.
         MissionRefused, Unflyable, NoAnswer: as with a real vehicle.
 
     Example:
@@ -72,7 +72,7 @@ def fly_forecast(
     uploading: Progress = silent,
     flying: Progress = silent,
 ) -> FlightRecord:
-    """The same of a mission in the wind and over the ground of its forecast."""
+    """Fly a forecast's mission in its wind and over its ground."""
     with board(forecast, seed, faults, log) as vehicle:
         vehicle.upload(forecast.mission, uploading, checked=False)
         vehicle.prepare()
@@ -81,7 +81,7 @@ def fly_forecast(
 
 
 def board(forecast: Forecast, seed: int = 0, faults: Faults = PERFECT, log: str | Path | None = None) -> Vehicle:
-    """A connected simulated vehicle that stands at the mission's home, in the forecast's wind and over its ground."""
+    """Connect to a simulated vehicle at the mission's home, in the forecast's wind and over its ground."""
     mission = forecast.mission
     autopilot = BuiltInAutopilot(
         mission.autopilot,

@@ -1,4 +1,4 @@
-"""What each firmware says to one item that is handed to it, and to a whole mission after it has stored it."""
+"""Return a firmware's result for one item of a list, and its verdict on a stored mission."""
 
 import math
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 
 def judge(autopilot: Autopilot, firmware: Firmware, item: Item, kind: int, count: int) -> Result:
-    """The firmware's result for an item of a list of `count`."""
+    """Return the firmware's result for an item of a list of `count` items."""
     about = firmware, item.command, item.frame, values_of(item)
     match kind:
         case MissionType.FENCE:
@@ -29,7 +29,7 @@ def judge(autopilot: Autopilot, firmware: Firmware, item: Item, kind: int, count
 
 @dataclass(frozen=True)
 class Infeasible:
-    """Why PX4 will not fly a mission: its words, and the event's name behind `navigator_mis_` with its arguments."""
+    """Describe why PX4 does not fly a mission: its text, and the arguments of its event `navigator_mis_` + `event`."""
 
     words: str
     event: str
@@ -39,7 +39,7 @@ class Infeasible:
 def infeasibility(
     firmware: Firmware, items: Sequence[Item], home: Geodetic, parameters: Parameters
 ) -> Infeasible | None:
-    """PX4's verdict after the Ack; None where the mission can be flown."""
+    """Return PX4's verdict on a stored mission; None if it can be flown."""
     radius = parameters["NAV_MC_ALT_RAD"]
     needs_takeoff = int(parameters.get("MIS_TKO_LAND_REQ", 0.0)) in (1, 3)
     first_limit = parameters.get("MIS_DIST_1WP", 10_000.0)

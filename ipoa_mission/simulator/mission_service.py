@@ -1,6 +1,6 @@
-"""The mission service of the built-in autopilot: the client's own `offer` and `fetch`, with a firmware's habits.
+"""Serve the three mission lists of the built-in autopilot with a firmware's behavior.
 
-Where nothing else is said, a habit was measured (see `mock_profile`); the rest is how the firmware's code reads.
+The behavior was measured (see `mock_profile`) or follows the firmware's source.
 """
 
 import math
@@ -40,14 +40,14 @@ from ipoa_mission.world.frame import Geodetic
 INT_FRAMES = {int(plain): int(whole) for whole, plain in SAME_FRAME.items()}
 KINDS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
 MOST_READERS = 16
-#: Values of an item's `current` that make it an order of its own, and the answer of a vehicle that is not in guided
-#: mode: "go there now" is refused, "change altitude" is accepted and does nothing.
+#: Results of items whose `current` makes them a command, for a vehicle that is not in guided mode: 2 ("go there
+#: now") is refused, 3 ("change altitude") is accepted without effect.
 ORDERS: Mapping[int, int] = {2: Result.ERROR, 3: Result.ACCEPTED}
 
 
 @dataclass
 class Incoming:
-    """An upload under way."""
+    """Hold the state of an upload."""
 
     client: Target
     kind: int
@@ -57,7 +57,7 @@ class Incoming:
 
 
 class MissionService:
-    """All that is said about the three lists; `say` sends a message to a target, `changed` hears of new lists."""
+    """Answer the mission protocol; `say` sends a message to a target, `changed` is called with each replaced list."""
 
     def __init__(
         self,
@@ -80,12 +80,12 @@ class MissionService:
         self._incoming: dict[int, Incoming] = {}
         self._readers: dict[tuple[Target, int], Exchange[int | None]] = {}
         self._last_done: tuple[Target, int, int] | None = None
-        self._named: dict[int, tuple[tuple[Item, ...], int]] = {}  # lists, and by which number they are told
+        self._named: dict[int, tuple[tuple[Item, ...], int]] = {}  # list and its number as reported, by kind
 
-    # --- what is heard ----------------------------------------------------------------------------------------------
+    # --- receiving ----------------------------------------------------------------------------------------------
 
     def receive(self, message: Message, client: Target, now: float) -> bool:
-        """Act upon a message of the mission service; whether it was one."""
+        """Process a message; return whether it belongs to the mission protocol."""
         match message:
             case Count(count, kind):
                 self._begin(count, kind, client, now)
@@ -106,7 +106,7 @@ class MissionService:
         return True
 
     def tick(self, now: float) -> None:
-        """Ask again, or give up, where it is time."""
+        """Repeat requests, or give up, when their time has come."""
         for incoming in [*self._incoming.values()]:
             self._drive(incoming, now, lambda one: one.exchange.tick(now))
         for reader, exchange in [*self._readers.items()]:
@@ -119,27 +119,27 @@ class MissionService:
 
     @property
     def deadline(self) -> float:
-        """When `tick` is next needed."""
+        """Return when `tick` is next needed."""
         if not self._incoming and not self._readers:
             return math.inf
         uploads = [one.exchange.deadline for one in self._incoming.values()]
         return min((*uploads, *(reader.deadline for reader in self._readers.values())), default=math.inf)
 
     def is_under_way(self, client: Target) -> bool:
-        """Whether a list is under way to or from a client."""
+        """Return whether a transfer with `client` is in progress."""
         return any(one.client == client for one in self._incoming.values()) or any(
             reader == client for reader, _ in self._readers
         )
 
     def listed(self, kind: int) -> tuple[Item, ...]:
-        """A list as it is read back: ArduPilot's mission begins with its own home."""
+        """Return a list as a download gives it: ArduPilot's mission begins with its home."""
         items = self.stores[MissionType(kind)].items
         if kind == MissionType.MISSION and self._habits.autopilot.counts_home and items:
             return (home_item(self._home()), *items[1:])
         return items
 
     def replace(self, items: tuple[Item, ...]) -> bool:
-        """Take a whole mission at once, from a file: every item is judged before one is stored."""
+        """Replace the mission by the items of a file, if no item is refused."""
         kind = MissionType.MISSION
         results = [judge(self._habits.autopilot, self._habits.firmware, item, kind, len(items)) for item in items]
         if not self.booted or self._slot(kind) in self._incoming or len(items) > self._habits.limits[kind]:
@@ -299,7 +299,7 @@ class MissionService:
             self._flush_reader((client, kind), exchange)
 
     def _read_back(self, kind: int) -> tuple[Item, ...]:
-        """A list with the flags and frames that this firmware tells."""
+        """Return a list with the flags and frames that this firmware reports."""
         items = self.listed(kind)
         if kind not in self._habits.flags_kept:
             items = tuple(replace(item, autocontinue=False) for item in items)
@@ -308,7 +308,7 @@ class MissionService:
         return items
 
     def list_id(self, kind: int) -> int:
-        """The number by which PX4 names a list that it keeps."""
+        """Return the number that PX4 reports for a stored list."""
         items = self.stores[MissionType(kind)].items
         if not items or not self._habits.tells_list_id:
             return 0
@@ -328,7 +328,7 @@ class MissionService:
             self._read_one(seq, kind, message.legacy, client)
 
     def _read_one(self, seq: int, kind: int, legacy: bool, client: Target) -> None:
-        """Answer with the item as it stands now, whoever has changed it since the list was asked for."""
+        """Send an item as it is now, even if the list changed after the request for it."""
         items = self._read_back(kind)
         if seq < len(items):
             self._say(ItemAt(seq, items[seq], kind), client)
@@ -351,7 +351,7 @@ class MissionService:
         if exchange.finished:
             self._readers.pop(reader, None)
 
-    # --- the rest ---------------------------------------------------------------------------------------------------
+    # --- other messages ---------------------------------------------------------------------------------------------
 
     def _clear(self, kind: int, client: Target) -> None:
         kinds = KINDS if kind == MissionType.ALL else tuple(one for one in KINDS if one == kind)
@@ -370,7 +370,7 @@ class MissionService:
         self._say(Ack(Result.ACCEPTED, kind), client)
 
     def _slot(self, kind: int) -> int:
-        """Which transfers exclude each other: all of them, or those of one list."""
+        """Return the key of the transfers that exclude each other: all, or those of one list."""
         return kind if self._habits.separate_lists else 0
 
     def _reply(self, answer: Answer, kind: int, client: Target, words: str = "") -> None:

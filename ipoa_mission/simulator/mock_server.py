@@ -1,4 +1,4 @@
-"""The built-in autopilot behind a channel, in real time or faster: what `ipoa-mission mock` runs."""
+"""Serve the built-in autopilot behind a channel, in real time or faster (`ipoa-mission mock`)."""
 
 import logging
 import math
@@ -13,9 +13,9 @@ from ipoa_mission.simulator.station import Station
 
 PERFECT = Faults()
 LONGEST_WAIT_S = 0.1
-MOST_LATE_S = 1.0  # by which the autopilot's clock may be beyond what it should have done
-MOST_FRAMES_HZ = 2000.0  # to one peer: more of them overrun what a ground station's socket holds while it is busy
-MOST_AT_ONCE = 100  # frames, of the 277 small ones that Linux keeps by default for a socket that nobody reads
+MOST_LATE_S = 1.0  # greatest lag of the autopilot's clock
+MOST_FRAMES_HZ = 2000.0  # to one peer: more overrun a ground station's socket while it is busy
+MOST_AT_ONCE = 100  # frames; Linux keeps 277 small ones by default in an unread socket
 WORTH_A_WORD_S = 10.0
 log = logging.getLogger(__name__)
 MOST_PIPES = 32
@@ -31,7 +31,7 @@ def serve(
     signer: Signer | None = None,
     until: Callable[[], bool] = lambda: False,
 ) -> None:
-    """Run `autopilot` at `url` until `until` says so (asked ten times a second), or Ctrl-C.
+    """Run `autopilot` at `url` until `until` returns true (asked ten times a second), or Ctrl-C.
 
     Raises:
         BadInput, LinkDown: the link cannot be opened.
@@ -47,10 +47,10 @@ def serve(
 
 
 class Server:
-    """One station behind one channel; its clock runs `speedup` times as fast as the channel's, where it can.
+    """Serve one station behind one channel, with a clock that runs up to `speedup` times as fast as real time.
 
-    It goes no faster than real while the autopilot waits for somebody: people, their programs and their machines are
-    not hurried with it. Nor does it hurry where more would be said than a ground station reads.
+    The clock runs in real time while the autopilot waits for a client, which does not run faster.
+    It is slowed down before it sends more than a ground station reads.
     """
 
     def __init__(
@@ -63,18 +63,18 @@ class Server:
         self._seed = seed
         self._real_s = channel.now()
         self._virtual_s = 0.0
-        self._unread = 0.0  # frames that were sent faster than they may be
+        self._unread = 0.0  # frames sent above the allowed rate
         self._lost_s = 0.0
         self._inward: dict[Peer, BadPipe] = {}
         self._outward: dict[Peer | None, BadPipe] = {}
 
     def run(self, until: Callable[[], bool]) -> None:
-        """Serve until told to stop."""
+        """Serve until `until` returns true."""
         while not until():
             self.step()
 
     def step(self) -> None:
-        """Wait for bytes or for the next deadline, and act."""
+        """Wait for bytes or the next deadline, and process them."""
         hurry = self._hurry
         due = self._real_s + max(self._station.deadline - self._virtual_s, 0.0) / hurry
         rested = self._real_s + (self._unread - MOST_AT_ONCE) / MOST_FRAMES_HZ if self._is_ahead else math.inf
@@ -99,16 +99,16 @@ class Server:
 
     @property
     def _hurry(self) -> float:
-        """How many times as fast as real the clock runs now."""
+        """Return the present speed of the clock, relative to real time."""
         return min(self._speedup, 1.0) if self._is_ahead or self._station.awaits_somebody else self._speedup
 
     @property
     def _is_ahead(self) -> bool:
-        """Whether more has been said than a ground station may have read by now."""
+        """Return whether more was sent than a ground station can have read."""
         return self._unread > MOST_AT_ONCE
 
     def _go_on(self, now: float, hurry: float) -> None:
-        """Let the clock run on, or fall behind rather than jump, where the machine is too busy for so many times."""
+        """Advance the clock; let it lag if the machine is too slow for the speed."""
         passed_s = now - self._real_s
         self._real_s = now
         self._unread = max(self._unread - passed_s * MOST_FRAMES_HZ, 0.0)
@@ -117,7 +117,7 @@ class Server:
         if late_s > 0:
             self._virtual_s -= late_s
             if self._lost_s <= WORTH_A_WORD_S < self._lost_s + late_s:
-                log.warning("the machine cannot keep up with %g times as fast: the clock is slowed", self._speedup)
+                log.warning("the machine is too slow for speed %g: the clock is slowed", self._speedup)
             self._lost_s += late_s
 
     def _pipe(self, pipes: dict[Peer, BadPipe] | dict[Peer | None, BadPipe], peer: Peer, way: int) -> BadPipe:

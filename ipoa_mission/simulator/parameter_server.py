@@ -1,4 +1,4 @@
-"""The parameter protocol of the built-in autopilot: each value in the type that its firmware declares."""
+"""Serve the parameter protocol: each value in the type that its firmware declares."""
 
 import math
 from collections.abc import Mapping
@@ -9,13 +9,11 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.parameters import REAL32
 from ipoa_mission.vehicles.version import Version
 
-#: PARAM_VALUE.param_index of ArduPilot where a parameter was asked for by its name.
+#: ArduPilot's PARAM_VALUE.param_index for a parameter requested by name.
 BY_NAME = 65535
 
 
 class ParameterServer:
-    """The values, and the answers to those who ask for them."""
-
     def __init__(self, autopilot: Autopilot, given: Mapping[str, float], version: Version | None = None) -> None:
         self._autopilot = autopilot
         set_up = autopilot.book.set_up
@@ -25,7 +23,7 @@ class ParameterServer:
         self.values = {**told, **own, **autopilot.book.others, **given}
 
     def answers(self, message: Message) -> list[ParamValue] | None:
-        """What to say to a message of the protocol; None: it is not one."""
+        """Return the reply to a message of the parameter protocol; None for other messages."""
         names = sorted(self.values)
         match message:
             case ParamRequestList():
@@ -42,7 +40,7 @@ class ParameterServer:
         return None
 
     def _set(self, name: str, value: float, kind: int) -> None:
-        """One of another type is taken for a number, or not at all."""
+        """Set a value; another type is converted or ignored."""
         own = self._types.get(name, REAL32)
         if name not in self.values or (self._autopilot.protocol_profile.keeps_types and kind != own):
             return

@@ -1,4 +1,4 @@
-"""What the built-in autopilot is and tells by itself: its state, its streams, and what it says at once."""
+"""Report the state of the built-in autopilot: streams, and messages at events."""
 
 import math
 from collections.abc import Mapping
@@ -17,7 +17,7 @@ from ipoa_mission.simulator.simulated_flight import FlightMode, MissionState, Si
 from ipoa_mission.vehicles.mav_types import QUADROTOR
 from ipoa_mission.vehicles.parameters import Parameters
 
-#: What ArduCopter calls the items of a mission when it tells that it begins one.
+#: ArduCopter's names of mission items in its text at their start.
 _NAMES: Mapping[int, str] = {
     Command.NAV_WAYPOINT: "WP",
     Command.NAV_SPLINE_WAYPOINT: "SplineWP",
@@ -39,22 +39,22 @@ _NAMES: Mapping[int, str] = {
     Command.DO_JUMP: "Jump",
     Command.JUMP_TAG: "Tag",
 }
-#: Items whose end is told in words: places that are flown to.
+#: Items whose end is reported as text: places flown to.
 SAID_WHEN_REACHED = WAYPOINTS | {Command.NAV_LOITER_TIME, Command.NAV_LOITER_TURNS, Command.NAV_LOITER_TO_ALT}
 
 
 def begun(seq: int, command: int) -> str:
-    """The words with which item `seq` begins."""
+    """Return ArduCopter's text at the start of item `seq`."""
     return f"Mission: {seq} {_NAMES.get(command, '?')}"
 
 
 STATE_UNINIT, STATE_BOOT, STATE_STANDBY, STATE_ACTIVE = 0, 1, 3, 4  # MAV_STATE
 MISSION_ACTIVE, MISSION_SUSPENDED = 1, 2  # MISSION_CURRENT.mission_mode
-TEXT_BYTES = 50  # of one STATUSTEXT
+TEXT_BYTES = 50  # of a STATUSTEXT
 
 
 class Reporting:
-    """The state of one simulated vehicle, and what it says of it unasked."""
+    """Hold the state of a simulated vehicle, and report it."""
 
     def __init__(
         self,
@@ -64,7 +64,7 @@ class Reporting:
         parameters: Parameters,
         powered_s: float,
     ) -> None:
-        """`powered_s`: when it was switched on [s]."""
+        """Create a vehicle that was powered up at `powered_s` [s]."""
         self.habits = habits
         self.flight = flight
         self.transfers = transfers
@@ -73,17 +73,17 @@ class Reporting:
         self._now = 0.0
         self._powered_s = powered_s
         self._told_reached = 0
-        self._last_reached = m.Reached(0), 0  # and how often it is still to be said
+        self._last_reached = m.Reached(0), 0  # and its remaining repeats
         self._told_mode = habits.first_mode
         self._told_current = -1
         self._unflyable: Infeasible | None = None
-        self._flown: tuple[Item, ...] = ()  # what the flight was given: without home, and only when it is complete
-        self._idle_mode = habits.first_mode  # what it shows while it does nothing by itself
-        self._mode_before = habits.first_mode  # PX4's, before it was sent home or to the ground
+        self._flown: tuple[Item, ...] = ()  # items of the flight: without home, and only a complete mission
+        self._idle_mode = habits.first_mode  # mode without a command
+        self._mode_before = habits.first_mode  # PX4: mode before a return or landing
         self._armed_s: float | None = None
-        self._checked = -math.inf, False  # when it looked whether it could be armed, and whether it could
-        self._rise_to = math.nan  # PX4: the altitude AMSL to take off to; NaN: its parameter's
-        self._has_begun = self._runs = False  # ArduPilot: whether it has a current item at all, and goes on with it
+        self._checked = -math.inf, False  # time and result of the last pre-arm check
+        self._rise_to = math.nan  # PX4: take-off altitude AMSL; NaN: from its parameter
+        self._has_begun = self._runs = False  # ArduPilot: has a current item, and advances
 
     @property
     def _age(self) -> float:
@@ -91,7 +91,6 @@ class Reporting:
 
     @property
     def mode(self) -> int:
-        """HEARTBEAT.custom_mode."""
         return self._idle_mode if self.flight.mode is FlightMode.HOLD else self.habits.modes[self.flight.mode]
 
     @property
@@ -103,7 +102,7 @@ class Reporting:
         return self.habits.autopilot.counts_home
 
     def _hinders(self) -> str:
-        """Why it cannot be armed in its present mode; nothing where it can."""
+        """Return why it cannot be armed in its present mode; empty if it can."""
         start_up = self.habits.start_up
         if self._age < start_up.steady_s:
             return start_up.unsteady
@@ -116,7 +115,7 @@ class Reporting:
         return ""
 
     def _passed_checks(self) -> bool:
-        """Whether it could be armed when that was last looked at: after a change of mode that is not yet true."""
+        """Return the result of the last pre-arm check, which may precede the last change of mode."""
         checked_s, _ = self._checked
         if self._now - checked_s >= self.habits.prearm_every_s:
             self._checked = self._now, not self._hinders()
@@ -128,17 +127,17 @@ class Reporting:
         return self.flight.mode is FlightMode.HOLD or self._delays()
 
     def _delays(self) -> bool:
-        """Whether an ArduCopter waits in an item that only does that."""
+        """Return whether an ArduCopter is in a delay item."""
         at = self.flight.current
         return self.habits.runs_on_ground and at < len(self._flown) and self._flown[at].command == Command.NAV_DELAY
 
-    # --- what is said unasked ---------------------------------------------------------------------------------------
+    # --- unrequested messages ---------------------------------------------------------------------------------------
 
     def _say(self, message: Message, to: Target) -> None:
         self._outbox.append((message, to))
 
     def _text(self, severity: int, text: str) -> None:
-        """Words; what does not fit one message goes on in a second."""
+        """Send a text, split where it exceeds one message."""
         for chunk, start in enumerate(range(0, len(text), TEXT_BYTES)):
             self._say(m.Text(severity, text[start : start + TEXT_BYTES], int(len(text) > TEXT_BYTES), chunk), EVERYONE)
 
@@ -204,13 +203,13 @@ class Reporting:
         return m.Current(self.flight.current, total, int(state), mode, number)
 
     def _tell_changes(self) -> None:
-        """Say at once what this firmware does not leave to its streams: an item reached, another current or mode."""
+        """Send what this firmware does not leave to its streams: an item reached, another current item or mode."""
         reached = self.flight.reached
         if len(reached) < self._told_reached:
             self._told_reached = 0
         fresh = reached[self._told_reached :]
         if fresh and self._now < fresh[-1].time_s + self.habits.reached_slot_s:
-            return  # another may come and hide it
+            return  # another may follow and hide it
         self._told_reached += len(fresh)
         for n, one in enumerate(fresh):
             soon = one.time_s + self.habits.reached_slot_s
@@ -230,7 +229,7 @@ class Reporting:
                 self._say(self._heartbeat(), EVERYONE)
 
     def _say_item(self, index: int) -> None:
-        """ArduPilot's words for an item that is done."""
+        """Send ArduPilot's text for a finished item."""
         command = self._flown[index].command
         if command in SAID_WHEN_REACHED:
             self._text(INFO, f"Reached command #{index + 1}")

@@ -1,7 +1,7 @@
-"""A simulated flight: what the built-in autopilot does with a mission, moment by moment.
+"""Simulate a flight of the built-in autopilot through a mission.
 
-A body under gravity, air and thrust; a pilot that decides as PX4 or as ArduPilot does. Deterministic and without a
-clock: `advance(to_s)` integrates to that simulated second and no further.
+A body under gravity, air and thrust is steered by a pilot that decides as PX4 or ArduPilot does.
+Deterministic and without a clock: `advance(to_s)` integrates up to that simulated second.
 """
 
 import math
@@ -25,37 +25,37 @@ __all__ = ["FlightMode", "ItemDone", "MissionState", "SimulatedFlight"]
 
 
 class Pilot(Protocol):
-    """What an autopilot's flying half does."""
+    """Steer a vehicle as an autopilot does."""
 
     def enter(self) -> None:
-        """The mode, or the current item, has been changed by order."""
+        """Follow a commanded change of mode or current item."""
 
     def replaced(self, before: tuple[Item, ...]) -> None:
-        """Another mission lies in the store while one is flown."""
+        """Continue after the mission was replaced in flight."""
 
     def climb(self, height: float) -> None:
-        """Take off to a height above home, and stay there."""
+        """Take off to a height above home [m], and hold there."""
 
     @property
     def rising(self) -> bool:
-        """Whether it still climbs to there."""
+        """Return whether it still climbs to there."""
 
     def go_to(self, east: float, north: float, up: float, speed: float) -> None:
-        """Fly to a place and stay there; NaN: where it is bound for, as high as it is, as fast as usual."""
+        """Fly to a place and hold there; NaN: the present target, height or default speed."""
 
     def step(self) -> None:
-        """Let `STEP_S` pass."""
+        """Advance by `STEP_S`."""
 
 
 @dataclass(frozen=True)
 class Pilots:
-    """Who makes the pilot of an autopilot's stand-in for a body; the random numbers are the errors of its sensors."""
+    """Create the pilot of an autopilot for a body; `rng` gives the errors of its sensors."""
 
     pilot: Callable[[SimulatedVehicle, Situation, Parameters, random.Random], Pilot]
 
 
 class SimulatedFlight:
-    """One vehicle from its home on the ground: state lives through time."""
+    """Simulate one vehicle, which begins on the ground at its home."""
 
     def __init__(
         self,
@@ -65,10 +65,7 @@ class SimulatedFlight:
         conditions: Conditions = USUAL,
         seed: int = 0,
     ) -> None:
-        """`parameters` are read again whenever the vehicle is armed.
-
-        `seed` picks the errors of the sensors.
-        """
+        """Create the vehicle; `parameters` are read again at each arming, `seed` is of the sensors' errors."""
         self.autopilot = autopilot
         self.home = home
         self.frame = LocalFrame(home)
@@ -79,61 +76,57 @@ class SimulatedFlight:
         self._shown: tuple[object, Geodetic] = None, home
         self._pilot: Pilot = autopilot.part(Pilots).pilot(self._body, self._now, self.parameters, self._chance)
 
-    # --- what it is like --------------------------------------------------------------------------------------------
+    # --- state --------------------------------------------------------------------------------------------------------
 
     @property
     def parameters(self) -> Parameters:
-        """The autopilot's defaults, and what was given in their place; ArduCopter's by the names of before 4.7."""
+        """Return all parameters; ArduCopter's by their names before 4.7."""
         return self.autopilot.complete(self._given, self._body.conditions.version)
 
     @property
     def time_s(self) -> float:
-        """Simulated seconds since power-up."""
+        """Return the simulated time since power-up [s]."""
         return self._now.time_s
 
     @property
     def armed(self) -> bool:
-        """Whether the motors may run."""
         return self._now.armed
 
     @property
     def landed(self) -> bool:
-        """Whether it stands on the ground."""
         return self._body.on_ground
 
     @property
     def mode(self) -> FlightMode:
-        """What it is asked to do."""
         return self._now.mode
 
     @property
     def mission_state(self) -> MissionState:
-        """How far the mission is."""
         return self._now.mission
 
     @property
     def current(self) -> int:
-        """The item that is flown to."""
+        """Return the index of the current item."""
         return self._now.current
 
     @property
     def reached(self) -> tuple[ItemDone, ...]:
-        """The items done so far, in order."""
+        """Return the items done so far, in order."""
         return tuple(self._now.reached)
 
     @property
     def local(self) -> Vector:
-        """East, north, up of home, (3,) [m]."""
+        """Return east, north, up of home, (3,) [m]."""
         return np.array(self._body.place)
 
     @property
     def velocity(self) -> Vector:
-        """East, north, up, (3,) [m/s]."""
+        """Return east, north, up, (3,) [m/s]."""
         return np.array(self._body.motion)
 
     @property
     def position(self) -> Geodetic:
-        """Where it is; altitude AMSL, counted from home without the Earth's curvature, as autopilots do."""
+        """Return the position; its altitude AMSL ignores the Earth's curvature, as autopilots do."""
         place = self._body.place
         if place != self._shown[0]:  # several streams show one place
             there = self.frame.geodetic(np.array([*place[:2], 0.0]))
@@ -142,25 +135,25 @@ class SimulatedFlight:
 
     @property
     def yaw(self) -> float:
-        """Heading, clockwise from north [rad]."""
+        """Return the heading, clockwise from north [rad]."""
         return self._body.yaw
 
     @property
     def pitch(self) -> float:
-        """Nose up is positive [rad]."""
+        """Return the pitch, positive nose up [rad]."""
         east, north = self._body.lean_x, self._body.lean_y
         return -math.atan2(east * math.sin(self.yaw) + north * math.cos(self.yaw), GRAVITY)
 
     @property
     def roll(self) -> float:
-        """Right side down is positive [rad]."""
+        """Return the roll, positive right side down [rad]."""
         east, north = self._body.lean_x, self._body.lean_y
         return math.atan2(east * math.cos(self.yaw) - north * math.sin(self.yaw), GRAVITY)
 
-    # --- orders -----------------------------------------------------------------------------------------------------
+    # --- commands ---------------------------------------------------------------------------------------------------
 
     def load(self, items: tuple[Item, ...]) -> None:
-        """Take a new mission (without home; none: the mission is cleared); in flight the present index stays."""
+        """Take a new mission without home (empty: the mission is cleared); in flight the current index stays."""
         now, before = self._now, self._now.program.items
         if items == before:
             return
@@ -178,7 +171,7 @@ class SimulatedFlight:
             now.mission = MissionState.NOT_STARTED if self.landed else MissionState.PAUSED
 
     def know_rally(self, items: tuple[Item, ...]) -> None:
-        """Take new rally points (as items, heights above home), for returns that begin from now on."""
+        """Take new rally points as items with heights above home, for later returns."""
         at = [(self.frame.local(Geodetic(i.latitude_deg, i.longitude_deg, self.home.altitude)), i) for i in items]
         self._now.rally = tuple((float(place[0]), float(place[1]), item.height(self.home)) for place, item in at)
 
@@ -187,7 +180,6 @@ class SimulatedFlight:
         return Program(items, self.frame, self.autopilot, first=first, version=version)
 
     def arm(self) -> None:
-        """Let the motors run."""
         if self.armed:
             return
         self._now.armed, self._now.armed_s = True, self.time_s
@@ -196,11 +188,10 @@ class SimulatedFlight:
         self._pilot.enter()
 
     def disarm(self) -> None:
-        """Stop the motors."""
         self._now.disarm()
 
     def start(self) -> None:
-        """Enter the mission mode; nothing moves before the vehicle is armed."""
+        """Enter the mission mode; nothing moves before arming."""
         now = self._now
         if not now.program.items:
             return
@@ -211,13 +202,13 @@ class SimulatedFlight:
         self._enter(FlightMode.MISSION)
 
     def hold(self) -> None:
-        """Stop and stay."""
+        """Stop and hold position."""
         if self._now.mission is MissionState.ACTIVE:
             self._now.mission = MissionState.PAUSED
         self._enter(FlightMode.HOLD)
 
     def set_current(self, index: int) -> None:
-        """Go on with item `index`; ValueError where there is none."""
+        """Continue with item `index`; raise ValueError if there is none."""
         now = self._now
         if not 0 <= index < len(now.program):
             raise ValueError(f"index: expected 0 to {len(now.program) - 1}, not {index}")
@@ -228,24 +219,24 @@ class SimulatedFlight:
             now.mission = MissionState.PAUSED
 
     def rewind(self) -> None:
-        """The mission, which nobody flies, stands at its first item again."""
+        """Set the mission, which is not flown now, back to its first item."""
         self._now.current = 0
         self._now.program.jumped.clear()
         if self._now.program.items:
             self._now.mission = MissionState.NOT_STARTED
 
     def climb(self, height: float) -> None:
-        """Take off to a height above home [m], and stay there."""
+        """Take off to a height above home [m], and hold there."""
         self._now.mode = FlightMode.HOLD
         self._pilot.climb(height)
 
     @property
     def rising(self) -> bool:
-        """Whether it still climbs to where it was told to take off to."""
+        """Return whether it still climbs to its take-off height."""
         return self._pilot.rising
 
     def go_to(self, latitude_deg: float, longitude_deg: float, altitude: float, speed: float) -> None:
-        """Fly there and stay; NaN: where it is bound for, as high as it is, as fast as usual."""
+        """Fly to a place and hold there; NaN: the present target, height or default speed."""
         self._now.mode = FlightMode.HOLD
         east = north = math.nan
         if math.isfinite(latitude_deg) and math.isfinite(longitude_deg):
@@ -253,15 +244,13 @@ class SimulatedFlight:
         self._pilot.go_to(east, north, altitude - self.home.altitude, speed)
 
     def return_home(self) -> None:
-        """Return to home and land there."""
         self._enter(FlightMode.RETURN)
 
     def land(self) -> None:
-        """Land here."""
         self._enter(FlightMode.LAND)
 
     def advance(self, to_s: float) -> None:
-        """Integrate to this simulated time."""
+        """Integrate up to a simulated time [s]."""
         now = self._now
         while now.time_s + STEP_S <= to_s + 1e-9:
             self._pilot.step()

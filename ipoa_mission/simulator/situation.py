@@ -1,4 +1,4 @@
-"""What both autopilots know of a flight under way: mode, mission, how far it is; and the notes of what was done."""
+"""Hold the state of a flight that both autopilots use: mode, mission progress, items done."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -10,14 +10,14 @@ from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.returning import HOME
 
-STEP_S = 0.02  # in which a flight is integrated
-#: Commands at which a vehicle spends time; all others are done in passing.
+STEP_S = 0.02  # integration step
+#: Commands that take time; all others are done at once.
 NAVIGATED = FLOWN_TO | {Command.NAV_RETURN_TO_LAUNCH, Command.NAV_DELAY}
 VTOL = frozenset({Command.NAV_VTOL_TAKEOFF, Command.NAV_VTOL_LAND})
 
 
 class MissionState(IntEnum):
-    """MAVLink's MISSION_STATE."""
+    """List MAVLink's MISSION_STATE."""
 
     UNKNOWN = 0
     NO_MISSION = 1
@@ -28,8 +28,6 @@ class MissionState(IntEnum):
 
 
 class FlightMode(IntEnum):
-    """What the vehicle is asked to do."""
-
     HOLD = 0
     MISSION = 1
     RETURN = 2
@@ -38,7 +36,7 @@ class FlightMode(IntEnum):
 
 @dataclass(frozen=True)
 class ItemDone:
-    """Item `index` was done at `time_s`; `announced`: whether this autopilot tells so (MISSION_ITEM_REACHED)."""
+    """Record that item `index` was done at `time_s`; `announced`: this autopilot sends MISSION_ITEM_REACHED for it."""
 
     index: int
     time_s: float
@@ -47,7 +45,7 @@ class ItemDone:
 
 @dataclass
 class Situation:
-    """Changes as the flight goes on; the pilot and `Flight` both write to it."""
+    """Hold the changing state of a flight; the pilot and `SimulatedFlight` both write to it."""
 
     program: Program
     time_s: float = 0.0
@@ -61,7 +59,7 @@ class Situation:
     rally: tuple[Place, ...] = ()
 
     def goal_of_return(self, here: Place, parameters: Parameters) -> Place:
-        """Where a return from `here` leads: home, or a rally point and its height."""
+        """Return the target of a return from `here`: home, or a rally point with its height."""
         program = self.program
         n = program.autopilot.return_route(parameters, here, self.rally, version=program.version).rally
         return HOME if n is None else self.rally[n]
@@ -71,9 +69,9 @@ class Situation:
         self.reached.append(ItemDone(index, self.time_s, announced))
 
     def come_to(self, behind: int, change_speed: Callable[[Item], None]) -> Item | None:
-        """The item that is flown after item `behind`, now the current one, those before it done in passing.
+        """Advance from item `behind` to the next one that is flown, and return it; None at the end.
 
-        None: there is none.
+        Items between them are done at once.
         """
         at: int | None = behind
         moved = NAVIGATED | (VTOL if self.program.autopilot.guidance.flies_vtol_items else frozenset())
@@ -95,6 +93,5 @@ class Situation:
         return None
 
     def disarm(self) -> None:
-        """The motors stop."""
         self.armed = False
         self.landed = True

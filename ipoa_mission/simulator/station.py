@@ -1,4 +1,4 @@
-"""An autopilot with a voice: the bytes of the built-in autopilot, for any number of ground stations at once."""
+"""Encode the built-in autopilot's messages as MAVLink bytes for several ground stations."""
 
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import Codec, Target
@@ -10,10 +10,10 @@ from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot
 
 
 class Station:
-    """A `FarEnd`: answers go where the question came from, streams to all who were heard.
+    """Serve ground stations as a `FarEnd`: answers go to the sender, streams to all stations heard.
 
-    Stations with the same ids are all answered; but while one of them transfers a list or a file, what the others say
-    of theirs is passed over.
+    All stations with the same ids are answered. While one of them transfers a list or a file, transfer messages of the
+    others are ignored.
     """
 
     def __init__(
@@ -26,7 +26,7 @@ class Station:
         self._now = 0.0
 
     def receive(self, data: bytes, peer: Peer, now: float) -> None:
-        """Bytes have arrived; what is no frame, is not signed with our key, or is not for us, is passed over."""
+        """Process bytes; ignore what is no frame, is not signed with our key, or is not for us."""
         self._now = now
         framer = self._routes.framer(peer)
         for frame in framer.datagram(data) if self._datagrams else framer.feed(data):
@@ -46,12 +46,11 @@ class Station:
                 self._routes.release(name, now)
 
     def tick(self, now: float) -> None:
-        """Time has passed."""
         self._now = now
         self.autopilot.tick(now)
 
     def outgoing(self) -> list[tuple[bytes, Peer | None]]:
-        """The frames to be sent, and to whom; None: to whomever the channel was opened for."""
+        """Return the frames to send and their peers; None: the peer that the channel was opened for."""
         sent: list[tuple[bytes, Peer | None]] = []
         for message, target in self.autopilot.outgoing():
             frame = self._codec.encode(message, target, EPOCH_S + self._now)
@@ -66,10 +65,9 @@ class Station:
 
     @property
     def deadline(self) -> float:
-        """When `tick` is next needed."""
         return self.autopilot.deadline
 
     @property
     def awaits_somebody(self) -> bool:
-        """Whether the autopilot waits, and not for ever, for what somebody else is to do."""
+        """Return whether the autopilot waits for a client within a time limit."""
         return self.autopilot.awaits_somebody

@@ -1,4 +1,4 @@
-"""One of the three lists that a vehicle keeps: replaced as a whole when a transfer is complete, or item by item."""
+"""Store one of a vehicle's three lists, replaced as a whole after a transfer or item by item."""
 
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import as_stored
@@ -7,7 +7,7 @@ from ipoa_mission.vehicles.version import Version
 
 
 class Store:
-    """A list; `truncating`: the old items go when a transfer begins, and a broken one leaves a mixture."""
+    """Hold a list; `truncating`: a transfer drops the old items at its start, and a failed one leaves a mixture."""
 
     def __init__(self, autopilot: Autopilot, version: Version, truncating: bool) -> None:
         self._autopilot, self._version = autopilot, version
@@ -16,13 +16,13 @@ class Store:
         self.items: tuple[Item, ...] = ()
 
     def begin(self, count: int) -> None:
-        """A transfer of `count` items begins."""
+        """Start a transfer of `count` items."""
         self._incoming = []
         if self._truncating:
             self.items = self.items[:count]
 
     def keep(self, seq: int, item: Item) -> None:
-        """Item `seq` has come; items come in order."""
+        """Store item `seq`; items come in order."""
         (kept,) = as_stored((item,), self._autopilot, self._version)
         if self._truncating:
             self.items = (*self.items[:seq], kept, *self.items[seq + 1 :])
@@ -31,16 +31,15 @@ class Store:
 
     @property
     def staged(self) -> tuple[Item, ...]:
-        """The list as it will be once the transfer is complete."""
+        """Return the list as it is after a complete transfer."""
         return self.items if self._truncating else tuple(self._incoming)
 
     def commit(self) -> None:
-        """The transfer is complete."""
+        """End a complete transfer."""
         if not self._truncating:
             self.items = tuple(self._incoming)
         self._incoming = []
 
     def clear(self) -> None:
-        """Forget everything."""
         self.items = ()
         self._incoming = []

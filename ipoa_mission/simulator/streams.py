@@ -1,4 +1,4 @@
-"""What an autopilot tells unasked or when asked by command 511, how often, and what it says then."""
+"""Schedule telemetry streams (command 511), and encode a flight's telemetry."""
 
 import math
 from collections.abc import Callable, Mapping, Set
@@ -32,14 +32,13 @@ SENSORS = GYRO | ACCEL | MAG | PRESSURE | GPS | GEOFENCE | AHRS | BATTERY
 
 
 class Schedule:
-    """When which stream is due.
+    """Schedule the streams.
 
-    Every listener has the rates that it asked for, or those of the firmware; a message goes to all, as often as the one
-    who wants it most often wants it.
+    Every listener has its own rates, or the firmware's defaults. A message goes to all at the highest rate wanted.
     """
 
     def __init__(self, usual: Mapping[str, float], fixed: Set[str]) -> None:
-        """`usual`: the streams that nobody has to ask for, and their intervals [s]; nobody changes the `fixed` ones."""
+        """Create a schedule; `usual`: default streams and intervals [s]; `fixed`: streams of constant interval."""
         self._usual = usual
         self._fixed = fixed
         self._wishes: dict[Target, dict[str, float]] = {}
@@ -47,14 +46,14 @@ class Schedule:
         self._due = dict.fromkeys(usual, 0.0)
 
     def hear(self, listener: Target) -> None:
-        """Somebody is there."""
+        """Register a listener."""
         if listener not in self._wishes:
             while len(self._wishes) >= MOST_LISTENERS:
                 del self._wishes[next(iter(self._wishes))]
             self._wishes[listener] = {}
 
     def set_interval(self, number: int, interval_us: float, now: float, listener: Target) -> bool:
-        """Command 511: -1 stops a stream, 0 restores it; whether that can be had."""
+        """Execute command 511: -1 stops a stream, 0 restores its default; return whether the stream exists."""
         name = message_name(number)
         if name is None or name not in KNOWN or name in self._fixed or math.isnan(interval_us):
             return False
@@ -68,7 +67,7 @@ class Schedule:
         return True
 
     def set_rate(self, names: Set[str], rate_hz: int, now: float, listener: Target) -> None:
-        """REQUEST_DATA_STREAM: a group of messages so often a second, in whole milliseconds; 0: no more."""
+        """Execute REQUEST_DATA_STREAM for a group of messages: rate [Hz], rounded to whole milliseconds; 0 stops it."""
         self.hear(listener)
         interval_ms = 0 if rate_hz == 0 else 1000 // rate_hz
         for name in names:
@@ -76,14 +75,14 @@ class Schedule:
             self._settle(name, now)
 
     def _settle(self, name: str, now: float) -> None:
-        """A wish has changed: send as often as the one who wants it most often wants it."""
+        """Set the interval of a stream to the shortest one wanted."""
         before = self._intervals.get(name, math.inf)
         self._intervals[name] = min(self._interval(name, one) for one in self._wishes)
         if self._intervals[name] != before:
             self._due[name] = now + self._intervals[name]
 
     def interval_us(self, number: int, listener: Target) -> int | None:
-        """What command 510 asks: microseconds, -1 for a stream that is off; None: there is no such stream."""
+        """Return the answer to command 510 [us]; -1: the stream is off; None: no such stream."""
         name = message_name(number)
         if name is None or name not in KNOWN:
             return None
@@ -91,7 +90,7 @@ class Schedule:
         return -1 if math.isinf(interval) else round(interval * 1e6)
 
     def due(self, now: float) -> list[str]:
-        """The streams that are due by now, each once."""
+        """Return the streams due by now, each once."""
         names = [name for name, when in self._due.items() if when <= now]
         for name in names:
             self._due[name] = max(self._due[name] + self._intervals[name], now + self._intervals[name] / 2)
@@ -99,7 +98,7 @@ class Schedule:
 
     @property
     def deadline(self) -> float:
-        """When the next is due."""
+        """Return when the next stream is due."""
         return min(self._due.values())
 
     def _interval(self, name: str, listener: Target) -> float:
@@ -108,7 +107,7 @@ class Schedule:
 
 
 def position(flight: SimulatedFlight, now: float) -> Position:
-    """GLOBAL_POSITION_INT of a flight."""
+    """Return the flight's GLOBAL_POSITION_INT."""
     at, (east, north, up) = flight.position, flight.velocity
     return Position(
         now,
@@ -138,7 +137,7 @@ def _hud(flight: SimulatedFlight, now: float) -> Hud:
     return Hud(speed, speed, heading, 50 if flight.armed else 0, flight.position.altitude, float(up))
 
 
-#: The streams that show the flight alone; heartbeat, status and mission need the autopilot.
+#: Streams that need only the flight; heartbeat, status and mission need the autopilot.
 FROM_FLIGHT: Mapping[str, Callable[[SimulatedFlight, float], Message]] = {
     "GLOBAL_POSITION_INT": position,
     "LOCAL_POSITION_NED": _local,
@@ -154,12 +153,12 @@ FROM_FLIGHT: Mapping[str, Callable[[SimulatedFlight, float], Message]] = {
 
 
 def status(is_ready: bool, tells_prearm: bool) -> SystemStatus:
-    """SYS_STATUS: all sensors healthy, and the pre-arm check once it is passed; PX4 calls that one healthy only."""
+    """Return SYS_STATUS with healthy sensors; a passed pre-arm check is healthy, on PX4 without being present."""
     bits = SENSORS | (PREARM if tells_prearm else 0)
     return SystemStatus(bits, bits, SENSORS | (PREARM if is_ready else 0))
 
 
-#: What can be asked for, as a stream or once.
+#: Messages available as a stream or on request.
 KNOWN = frozenset({"HEARTBEAT", "SYS_STATUS", "MISSION_CURRENT", "TIMESYNC", *FROM_FLIGHT})
 
 
