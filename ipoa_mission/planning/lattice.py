@@ -222,7 +222,7 @@ def _mended(routes: list[Points], lattice: Lattice, problem: PreparedProblem) ->
 
 
 def _cuts(way: Points, problem: PreparedProblem) -> tuple[Points, NDArray[np.bool_]]:
-    """Points (k, 3) along a way, `LOOKS_PER_LEG` on each leg, and which of them, its corners left out, break a limit."""
+    """Return points (k, 3) of a way, `LOOKS_PER_LEG` on each leg, and which of them break a limit, corners left out."""
     shares = np.linspace(0.0, 1.0, LOOKS_PER_LEG, endpoint=False)[:, None]
     points = np.vstack([(way[:-1, None] + shares * np.diff(way, axis=0)[:, None]).reshape(-1, 3), way[-1:]])
     return points, (problem.survey(points)[0] < 0) & (np.arange(len(points)) % LOOKS_PER_LEG > 0)
