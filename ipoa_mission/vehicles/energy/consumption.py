@@ -103,8 +103,8 @@ class Consumption:
         """Return a copy for a flight of this duration interval [s]: uncertainties of power and time combined."""
         lasts, taken = float(self.times[-1] - self.times[0]), self.between
         below, above = 1.0 - taken.low / taken.likely, taken.high / taken.likely - 1.0
-        jit_if_faster, later = max(1.0 - least_s / lasts, 0.0), max(most_s / lasts - 1.0, 0.0)
-        low = max(1.0 - np.hypot(below, jit_if_faster), 0.0) / max(1.0 - below, 1e-9)
+        earlier, later = max(1.0 - least_s / lasts, 0.0), max(most_s / lasts - 1.0, 0.0)
+        low = max(1.0 - np.hypot(below, earlier), 0.0) / max(1.0 - below, 1e-9)
         return self.widened(low, (1.0 + np.hypot(above, later)) / (1.0 + above))
 
     def left(self, battery: Battery) -> float:
