@@ -109,7 +109,7 @@ def test_a_flight_that_eats_the_reserve_is_refused(energy_wh: float, words: str)
     short = shortage(used(energy_wh).between, Battery(100.0, 0.2))
     assert short is not None
     assert str(short) == f"battery: expected a reserve of 20% after landing, but {words}"
-    assert f"a battery of {energy_wh / 0.8:.1f} Wh would do" in str(short.hint)
+    assert f"a battery of {energy_wh / 0.8:.1f} Wh" in str(short.hint)
     assert short.exit_code == 1
 
 
