@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.forecast.energy_budget import NEARER, budget_of
+from ipoa_mission.forecast.energy_budget import RETURN_HINT, budget_of
 from ipoa_mission.forecast.forecast import Forecast
 
 LEARN_HINT = "the energy is estimated from the airframe alone: `learn` narrows it from logs of the vehicle (--vehicle)"
@@ -31,7 +31,7 @@ def check_energy(forecast: Forecast) -> Iterator[Finding]:
         yield Finding("battery-unsure", Severity.WARNING, None, words, hint)
     if (late := budget.no_return) is not None:
         severity = Severity.ERROR if budget.plans_returns else Severity.WARNING
-        yield Finding("battery-no-return", severity, late.seq, str(late), NEARER if budget.plans_returns else None)
+        yield Finding("battery-no-return", severity, late.seq, str(late), RETURN_HINT if budget.plans_returns else None)
 
 
 def _of_item(seq: int | None, words: str) -> str:

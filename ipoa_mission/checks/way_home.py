@@ -12,7 +12,7 @@ from ipoa_mission.errors import Remedy
 from ipoa_mission.forecast.deviation.room import with_room
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.itinerary.flown_legs import Leg
-from ipoa_mission.forecast.shortfalls import HEIGHT_STEP, HIGHEST, SAG
+from ipoa_mission.forecast.shortfalls import HEIGHT_STEP, MAX_HEIGHT, SAG
 from ipoa_mission.planning.proof import prove_ground
 from ipoa_mission.scenario import Scenario
 
@@ -45,7 +45,7 @@ def heights_to_try(scenario: Scenario) -> Iterator[float]:
 
 def heights_above(above: float) -> Iterator[float]:
     """Return each multiple of 5 m above a height [m]."""
-    return (float(height) for height in range(HEIGHT_STEP, HIGHEST + 1, HEIGHT_STEP) if height > above)
+    return (float(height) for height in range(HEIGHT_STEP, MAX_HEIGHT + 1, HEIGHT_STEP) if height > above)
 
 
 def clear_in(scenario: Scenario) -> Callable[[Iterable[Leg]], bool]:

@@ -1,1 +1,1 @@
-"""The flight of a mission as it is expected, worked out once and handed on."""
+"""The forecast of a mission's flight."""

@@ -1,4 +1,4 @@
-"""Compare a flight with its forecast while it is flown: position and progress, sample by sample, without I/O."""
+"""Compare samples of a flight with its forecast in flight, without I/O."""
 
 import math
 from dataclasses import dataclass
@@ -18,20 +18,20 @@ from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.mission.commands import ENDINGS, FLOWN_TO, TAKEOFFS, Command, Frame, plain_frame
 from ipoa_mission.world.frame import Geodetic
 
-#: The margin beyond the tube: twice its width, and at least this [m]; a take-off drifts twice as far.
-MARGIN, LEAST_MARGIN, TAKE_OFF = 2.0, 5.0, 2.0
-#: PX4 that misses an item comes back to it; it goes beyond it by its braking distance and this at most [m].
-COMES_BACK = 10.0
-#: Late: so many times the longest time that nine flights of ten take for an item, which counts as 10 s or more.
-LATE, LEAST_LEG_S = 2.0, 10.0
-SETTLED_S = 1.0  # a deviation must last for so long [s]
-DOUBT_S = 3.0  # by which the vehicle's word on its item may be early or late [s]
-SPACING = 0.5  # of the places that a sample is compared with [m]
-CHANCE = 0.01  # of the tube, where no scenario states a confidence
+#: Margin beyond the deviation bound: twice its width, at least 5 m [m]; a take-off drifts twice as far.
+MARGIN_FACTOR, MIN_MARGIN, TAKEOFF_FACTOR = 2.0, 5.0, 2.0
+#: PX4 returns to an item that it missed. It overshoots by its braking distance and at most this [m].
+OVERSHOOT = 10.0
+#: Late: this factor times the longest time of nine flights in ten for an item, counted as 10 s or more.
+LATE_FACTOR, MIN_LEG_S = 2.0, 10.0
+LASTING_S = 1.0  # least duration of a deviation [s]
+ITEM_TOLERANCE_S = 3.0  # tolerance of the vehicle's report of its item, early or late [s]
+SPACING = 0.5  # between the places that a sample is compared with [m]
+EXCEEDING_SHARE = 0.01  # of the deviation bound without a scenario's confidence
 
 
 class DeviationKind(StrEnum):
-    """Name how a flight deviates from its forecast."""
+    """The kind of a deviation from the forecast."""
 
     AWAY = "moves-away"
     PASSED = "passed-item"
@@ -57,17 +57,17 @@ class Deviation:
         return f"item {self.item}: {self.words}"
 
     def as_json(self) -> dict[str, Any]:
-        """Return the same for machines; `unit` is that of `found` and `allowed`."""
+        """Return the deviation as JSON; `unit` is that of `found` and `allowed`."""
         unit = "s" if self.kind is DeviationKind.LATE else "m"
         rounded = {"time_s": round(self.time_s, 2), "found": round(self.found, 2), "allowed": round(self.allowed, 2)}
         return {"kind": str(self.kind), "item": self.item, **rounded, "unit": unit, "words": str(self)}
 
 
 class _Leg(NamedTuple):
-    """Keep what the flight to one visit is compared with; `goal`: None where the mission ends, or nothing is compared.
+    """The forecast of the flight to one visit. `goal` is None at the mission's end, or where nothing is compared.
 
-    `excursion`: how far the predicted flight itself moves away from the goal [m]; `comes_back`: how far beyond it the
-    vehicle may turn back [m]; `longest_s`: the most time that nine flights of ten take for it.
+    `excursion`: how far the predicted flight moves away from the goal [m]. `comes_back`: how far beyond the goal the
+    vehicle may turn back [m]. `longest_s`: the longest time of nine flights in ten.
     """
 
     points: Points
@@ -84,7 +84,7 @@ class ConformanceMonitor:
     """Compare samples of one flight, in the order of their times, with its forecast.
 
     Raises:
-        MissionError: nobody can say how it will be flown.
+        MissionError: its flight is unknown.
 
     Example:
         >>> import numpy as np
@@ -101,14 +101,14 @@ class ConformanceMonitor:
         if not self._visits:
             raise MissionError("the mission has no items", code="empty")
         safety = None if forecast.scenario is None else forecast.scenario.safety.chance
-        self._chance = CHANCE if safety is None else safety
+        self._chance = EXCEEDING_SHARE if safety is None else safety
         wind = forecast.wind.speed if forecast.scenario is None else forecast.scenario.wind.strongest
         self._unknown = {one.seq for one in forecast.unknown}
         self._law = law_of(forecast.mission.autopilot, wind)
         frames = {plain_frame(item.frame) for item in forecast.mission.items if item.has_position}
         self._counts_from_home = Frame.GLOBAL not in frames
         self._knows_height = not forecast.itinerary.over_terrain
-        self._times, self._points, self._tube = self._corridor()
+        self._times, self._points, self._bound = self._corridor()
         self._legs: dict[int, _Leg] = {}
         self._visit = 0
         self._begun_s: float | None = None
@@ -124,12 +124,12 @@ class ConformanceMonitor:
         return self._forecast.frame.local(Geodetic(at.latitude_deg, at.longitude_deg, up))
 
     def interrupt(self) -> None:
-        """Note that the vehicle does not fly its mission now; it may go on with it from another place."""
+        """Note that the vehicle left its mission; it may resume from another place."""
         self._begun_s = None
         self._since.clear()
 
     def see(self, time: float, place: Vector, item: int | None) -> Deviation | None:
-        """Compare one sample; the deviation, once it has lasted, the first time for each item and kind.
+        """Compare one sample. Return a lasting deviation, the first time for each item and kind.
 
         Args:
             time: on any clock that does not stop [s].
@@ -150,13 +150,13 @@ class ConformanceMonitor:
         seen = {one.kind: one for one in found if one is not None}
         self._since = {kind: self._since.get(kind, time) for kind in seen}
         for kind, deviation in seen.items():
-            if time - self._since[kind] >= SETTLED_S and (kind, self._visit) not in self._reported:
+            if time - self._since[kind] >= LASTING_S and (kind, self._visit) not in self._reported:
                 self._reported.add((kind, self._visit))
                 return deviation
         return None
 
     def _turn_to(self, item: int | None, time: float, place: Vector) -> None:
-        """Note to which item the vehicle flies: in a loop, to its next visit."""
+        """Set the visit that the vehicle flies to: in a loop the next one of the item."""
         last = self._visit
         if item is not None and self._visits[last].seq != item + 1:
             seqs = [visit.seq for visit in self._visits]
@@ -169,10 +169,10 @@ class ConformanceMonitor:
 
     def _late(self, leg: _Leg, time: float, place: Vector) -> Deviation | None:
         assert self._begun_s is not None
-        lasted, allowed = time - self._begun_s, LATE * leg.longest_s
-        if lasted <= allowed or (leg.is_landing and math.dist(place[:2], self._points[-1, :2]) < LEAST_MARGIN):
-            return None  # it sinks to where it lands, which may lie lower than known
-        words = f"the vehicle flies to it for {lasted:.0f} s; in nine flights of ten that takes {leg.longest_s:.0f} s"
+        lasted, allowed = time - self._begun_s, LATE_FACTOR * leg.longest_s
+        if lasted <= allowed or (leg.is_landing and math.dist(place[:2], self._points[-1, :2]) < MIN_MARGIN):
+            return None  # the ground where it lands may be lower than known
+        words = f"the vehicle flies to it for {lasted:.0f} s; nine flights in ten take {leg.longest_s:.0f} s"
         return self._deviation(DeviationKind.LATE, time, lasted, allowed, f"{words} at most")
 
     def _beyond(self, leg: _Leg, distance: float, time: float) -> Deviation | None:
@@ -181,14 +181,14 @@ class ConformanceMonitor:
         moved, allowed = distance - self._nearest, leg.excursion + leg.comes_back
         if moved <= allowed:
             return None
-        if self._nearest <= COMES_BACK:
+        if self._nearest <= OVERSHOOT:
             words = f"the vehicle passed it at {self._nearest:.1f} m without turning, and is {distance:.0f} m beyond it"
             return self._deviation(DeviationKind.PASSED, time, moved, allowed, words)
         words = f"the vehicle moves away from it: it was {self._nearest:.0f} m away, and is {distance:.0f} m"
         return self._deviation(DeviationKind.AWAY, time, moved, allowed, words)
 
     def _outside(self, leg: _Leg, place: Vector, distance: float, time: float) -> Deviation | None:
-        comes_back = self._nearest <= COMES_BACK and distance <= leg.excursion + leg.comes_back
+        comes_back = self._nearest <= OVERSHOOT and distance <= leg.excursion + leg.comes_back
         if comes_back or (leg.goal is None and self._detour is not None):
             return None
         points, limits = leg.points, leg.limits
@@ -206,11 +206,11 @@ class ConformanceMonitor:
             return None
         away = np.hypot(level, higher) if self._knows_height else level
         n = int(away.argmin())
-        words = f"the vehicle is {away[n]:.1f} m from the predicted path, {level[n]:.1f} m beside it"
+        words = f"the vehicle is {away[n]:.1f} m from the predicted path, {level[n]:.1f} m to its side"
         if self._knows_height:
             words += f" and {abs(higher[n]):.1f} m {'above' if higher[n] > 0.0 else 'below'}"
         side, below, above = self._width(self._law)
-        most = f"{100.0 * (1.0 - self._chance):g} % of flights stay within {side:.1f} m beside"
+        most = f"{100.0 * (1.0 - self._chance):g} % of flights stay within {side:.1f} m to the side"
         words += f"; {most}, {above:.1f} m above and {below:.1f} m below"
         return self._deviation(DeviationKind.OUTSIDE, time, float(away[n]), float(away[n]) / least, words)
 
@@ -218,23 +218,23 @@ class ConformanceMonitor:
         return Deviation(kind, self._visits[self._visit].seq, time, found, allowed, words)
 
     def _width(self, law: DeviationLaw) -> Vector:
-        """Return how far the tube reaches to the side, down and up in a straight flight (3,) [m]."""
+        """Return the deviation bound to the side, down and up in a straight flight (3,) [m]."""
         deviation_bound = deviation_bound_of(law, self._chance)
         return np.array([law.beside(self._chance), deviation_bound.down, deviation_bound.up])
 
     def _corridor(self) -> tuple[Vector, Points, Points]:
-        """Return times (n,), places (n, 3) of the predicted flight, and its tube to the side, down and up (n, 3)."""
+        """Return times (n,), places (n, 3) and the deviation bound to the side, down and up (n, 3) of the flight."""
         track, law = self._estimate.track, self._law
         flown = arc_lengths(track.points)
         evenly = np.interp(np.arange(0.0, flown[-1], SPACING), flown, track.times)
         times = np.unique(np.concatenate([track.times[:1], evenly, track.times[-1:]]))
         pieces = pieces_of(track)
         across = np.interp(times, (pieces.times[:-1] + pieces.times[1:]) / 2, pieces.across)
-        tube = np.tile(self._width(law), (len(times), 1))
+        bound = np.tile(self._width(law), (len(times), 1))
         goals = [item.done_s for n, item in enumerate(self._estimate.items) if self._goal(n) is not None]
-        tube[times > max(goals, default=math.inf)] = self._width(law.after_the_way())
-        tube[:, 0] *= law.stretch(across)
-        return times, track.at(times), tube
+        bound[times > max(goals, default=math.inf)] = self._width(law.after_the_way())
+        bound[:, 0] *= law.stretch(across)
+        return times, track.at(times), bound
 
     def _goal(self, visit: int) -> Vector | None:
         command = self._visits[visit].item.command
@@ -254,11 +254,11 @@ class ConformanceMonitor:
         before = next((n for n in reversed(range(visit)) if commands[n] in FLOWN_TO), None)
         begin = 0.0 if before is None else items[before].done_s
         end = math.inf if target is None else items[target].done_s
-        first, last = np.searchsorted(self._times, [begin - DOUBT_S, end + DOUBT_S])
+        first, last = np.searchsorted(self._times, [begin - ITEM_TOLERANCE_S, end + ITEM_TOLERANCE_S])
         taken = slice(min(int(first), len(self._times) - 1), int(last) + 1)
-        limits = self._tube[taken] + np.maximum(MARGIN * self._tube[taken], LEAST_MARGIN)
+        limits = self._bound[taken] + np.maximum(MARGIN_FACTOR * self._bound[taken], MIN_MARGIN)
         if commands[visit] in TAKEOFFS:
-            limits = TAKE_OFF * limits
+            limits = TAKEOFF_FACTOR * limits
         goal = None if target is None else self._goal(target)
         excursion = comes_back = 0.0
         if goal is not None and target is not None:
@@ -266,14 +266,14 @@ class ConformanceMonitor:
             away = np.linalg.norm(self._points[first : max(last, first + 1)] - goal, axis=1)
             excursion = float((away - np.minimum.accumulate(away)).max(initial=0.0))
             mission, speed = self._forecast.mission, np.array([items[target].peak_speed])
-            comes_back = COMES_BACK + float(
+            comes_back = OVERSHOOT + float(
                 mission.autopilot.braking_distance(mission.parameters, speed, 0.0 * speed)[0]
             )
         longest = items[visit].high_s - begin + items[visit].missed.cost_s
         near = range(visit if before is None else before, visit + 1 if target is None else target + 1)
         is_compared = all(self._is_modeled(n) for n in near)
         is_landing = target is None
-        longest = max(longest, LEAST_LEG_S)
+        longest = max(longest, MIN_LEG_S)
         return _Leg(self._points[taken], limits, goal, excursion, comes_back, longest, is_landing, is_compared)
 
     def _is_modeled(self, visit: int) -> bool:
@@ -282,7 +282,7 @@ class ConformanceMonitor:
         return not waits and self._visits[visit].seq not in self._unknown
 
     def _direct(self, place: Vector) -> Points | None:
-        """Return the way straight to the goal from where the flight goes on, or begins: by a climb."""
+        """Return the straight path to the goal from where the flight begins or resumes; a take-off climbs first."""
         if (goal := self._leg(self._visit).goal) is None:
             return place[None, :]
         over = np.array([place[0], place[1], max(place[2], goal[2])])

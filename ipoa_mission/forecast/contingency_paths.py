@@ -1,8 +1,8 @@
-"""Endings ordered at many times of one flight: the ways on which each may be flown, and what they keep.
+"""Compute the paths of contingencies ordered at many times of one flight, and their clearance.
 
-The times are so near to each other that between two clear ones nothing can be nearer than is required: there no way
-moves farther than both have to spare. Ways are straight legs, level or upright but where the vehicle brakes; obstacles
-are larger by the tube of the autopilot.
+The times are dense enough that between two clear ones no path is nearer than required: there no path moves farther
+than the slack of both. Paths are straight legs, level or vertical except where the vehicle brakes. Obstacles are
+enlarged by the autopilot's deviation bound.
 """
 
 import math
@@ -28,31 +28,37 @@ from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.vehicles.returning import ReturnBy
 from ipoa_mission.world.airspace import NOTHING_NEAR, ROUNDING, Clearance
 
-EVERY_S = 1.0  # between the times that are looked at first [s]
-AT_ONCE = 5_000  # so many of them: what is worked out of each on the way takes room
-NEAREST_S = 0.05  # they come no nearer to each other [s]
-TIGHT_PLACES = 4.0  # at so many tight places the tube has room on one of these ways
-LIFTED = 1.0  # who is lower above where he took off can end his flight by standing still [m]
-BACK = (0.0, 0.5, 1.0)  # shares of the way back to where it was told to return, at which it may climb
-GOAL_DOUBT = 10.0  # it may be so far from where it is thought to be as it chooses its goal [m]
-AROUND = ((0.0, 0.0), (GOAL_DOUBT, 0.0), (-GOAL_DOUBT, 0.0), (0.0, GOAL_DOUBT), (0.0, -GOAL_DOUBT))
-SAGITTA = 0.02  # so far a flown bend is beside the chords between the places at which it is looked at [m]
-ROUND_EARTH = 0.5  # by so much at most level ways are not straight [m]
-SEEN = 8.0  # what is so much farther than required counts as no nearer [m]
-BRAKES, TURNS_BACK, CLIMBS, RETURNS, DESCENDS = range(5)  # the legs of a way on which it returns
-GROUND = -2  # the number of the ground, beside those of obstacles; -1 is nothing
+STEP_S = 1.0  # between the first times [s]
+BATCH_SIZE = 5_000  # times computed together, to limit the memory
+MIN_STEP_S = 0.05  # least time between two samples [s]
+TIGHT_PLACES = 4.0  # number of tight places for which the deviation bound has room on a path
+LIFTED_HEIGHT = 1.0  # below this height over its take-off place the vehicle can end its flight in place [m]
+BACK_SHARES = (0.0, 0.5, 1.0)  # shares of the way back to the place of the order, at which it may climb
+POSITION_ERROR = 10.0  # error of the vehicle's position as it chooses its goal [m]
+OFFSETS = (
+    (0.0, 0.0),
+    (POSITION_ERROR, 0.0),
+    (-POSITION_ERROR, 0.0),
+    (0.0, POSITION_ERROR),
+    (0.0, -POSITION_ERROR),
+)
+CHORD_ERROR = 0.02  # greatest distance of a flown bend to the chords between its samples [m]
+LEVEL_ERROR = 0.5  # greatest deviation of level paths from a straight line [m]
+MAX_SPARE = 8.0  # clearance above the required one is capped at this [m]
+BRAKES, TURNS_BACK, CLIMBS, RETURNS, DESCENDS = range(5)  # the legs of a return
+GROUND = -2  # the index of the ground among those of obstacles; -1 is nothing
 
 
 @dataclass(frozen=True, eq=False)
 class ContingencySamples:
-    """One ending, ordered at each of `times` (n,) [s after arming].
+    """One contingency, ordered at each of `times` (n,) [s after arming].
 
     Attributes:
-        ways: the ways on which it may be flown, (n, k, p, 3) [m].
-        taken: which of them may be, (n, k).
-        near: what their legs keep of the nearest thing, (n, k, p - 1) [m]; infinite where nothing is near.
-        which: the number of that thing, (n, k, p - 1).
-        spare: how much more than required is kept, (n,) [m].
+        ways: the possible paths, (n, k, p, 3) [m].
+        taken: whether a path is possible, (n, k).
+        near: the distance of their legs to the nearest thing, (n, k, p - 1) [m]; infinite with nothing near.
+        which: the index of that thing, (n, k, p - 1).
+        spare: the slack to the required distance, (n,) [m].
     """
 
     times: Vector
@@ -64,39 +70,39 @@ class ContingencySamples:
 
     @property
     def clear(self) -> NDArray[np.bool_]:
-        """Whether everything that is required is kept, (n,)."""
+        """Return whether all limits are kept, (n,)."""
         return np.asarray(self.spare >= 0.0)
 
     @property
     def same_as_next(self) -> NDArray[np.bool_]:
-        """Whether the next one may lead to the same goals, and is as clear, (n - 1,)."""
+        """Return whether the next sample may have the same goals, and is as clear, (n - 1,)."""
         taken, clear = self.taken, self.clear
         return np.asarray((taken[1:] == taken[:-1]).all(axis=1) & (clear[1:] == clear[:-1]))
 
     def gaps(self) -> Vector:
-        """The middle of each two times between which something may be missed, or something nearer than is known."""
-        places = np.moveaxis(self.ways, 2, 0)  # one after the other: all at once take room
+        """Return the middle of each interval that may hide a shortfall, or a smaller distance."""
+        places = np.moveaxis(self.ways, 2, 0)  # one after the other, to limit the memory
         moved = reduce(np.maximum, (np.linalg.norm(np.diff(place, axis=0), axis=-1) for place in places))
         moved = np.where(self.taken[1:] | self.taken[:-1], moved, 0.0).max(axis=1)
         hidden = self.clear[:-1] & (self.spare[1:] + self.spare[:-1] < moved)
-        asked = (hidden | ~self.same_as_next | self._beside_the_nearest()) & (np.diff(self.times) > NEAREST_S)
+        asked = (hidden | ~self.same_as_next | self._next_to_nearest()) & (np.diff(self.times) > MIN_STEP_S)
         return np.asarray((self.times[1:] + self.times[:-1])[asked] / 2)
 
-    def _beside_the_nearest(self) -> NDArray[np.bool_]:
-        """Which of the gaps lie beside the time that keeps least of those that are the same, (n - 1,)."""
-        beside = np.zeros(len(self.times), dtype=bool)
-        for alike in np.split(np.arange(len(self.times)), np.flatnonzero(~self.same_as_next) + 1):
-            least = alike[np.argmin(self.spare[alike])]
-            beside[max(least - 1, 0) : least + 1] = self.spare[least] < SEEN
-        return beside[:-1]
+    def _next_to_nearest(self) -> NDArray[np.bool_]:
+        """Return which gaps are next to the least distance of equal samples, (n - 1,)."""
+        found = np.zeros(len(self.times), dtype=bool)
+        for equal in np.split(np.arange(len(self.times)), np.flatnonzero(~self.same_as_next) + 1):
+            least = equal[np.argmin(self.spare[equal])]
+            found[max(least - 1, 0) : least + 1] = self.spare[least] < MAX_SPARE
+        return found[:-1]
 
     def all_nearer(self, required: float) -> NDArray[np.bool_]:
-        """Whether every way that may be taken comes nearer to something than is required, (n,)."""
+        """Return whether each possible path breaks the required distance, (n,)."""
         return np.asarray(((self.near.min(axis=2) < required) | ~self.taken).all(axis=1))
 
     @classmethod
     def following(cls, parts: "Iterable[ContingencySamples]", count: int) -> "ContingencySamples":
-        """Parts one after the other, of so many times in all; each is let go of as the next one is looked at."""
+        """Concatenate parts with `count` times in all; free each part before the next."""
         whole, begin = dict[str, NDArray[Any]](), 0
         for part in parts:
             own = {f.name: getattr(part, f.name) for f in fields(cls)}
@@ -108,18 +114,18 @@ class ContingencySamples:
 
     @classmethod
     def merged(cls, assessments: "Sequence[ContingencySamples]") -> "ContingencySamples":
-        """All of them, in the order of their times."""
+        """Merge samples in the order of their times."""
         order = np.argsort(np.concatenate([some.times for some in assessments]), kind="stable")
-        taken = slice(None) if (np.diff(order) == 1).all() else order  # all of them as they are, or copied
+        taken = slice(None) if (np.diff(order) == 1).all() else order  # as they are, or copied
         return cls(
             **{f.name: np.concatenate([getattr(one, f.name) for one in assessments])[taken] for f in fields(cls)}
         )
 
 
 class ContingencyPaths:
-    """Compute contingency paths for a forecast, in the world of its scenario: `forecast.cached(ContingencyPaths)`.
+    """Compute contingency paths for a forecast, in its scenario's world: `forecast.cached(ContingencyPaths)`.
 
-    Times are those of the flight that is sure where it is.
+    Times are of a flight with exact position.
     """
 
     def __init__(self, forecast: Forecast) -> None:
@@ -127,32 +133,32 @@ class ContingencyPaths:
         self.required = forecast.world.limits.obstacle_distance
         self.rally = rally_places(self.mission)
         self.routes = ReturnRoutes(forecast, self.rally)
-        self._stops, self._looks = dict[Contingency, StoppingPoints](), dict[Contingency, ContingencySamples]()
+        self._stops, self._samples = dict[Contingency, StoppingPoints](), dict[Contingency, ContingencySamples]()
 
     def returning(self, forecast: Forecast) -> "ContingencyPaths":
-        """The same of a forecast in this world that differs in its return altitude or rally points only."""
+        """Return the paths of a forecast in this world that differs only in return altitude or rally points."""
         return forecast.cached(ContingencyPaths, self._of_another)
 
     def _of_another(self, forecast: Forecast) -> "ContingencyPaths":
         other = ContingencyPaths(forecast)
         other.__dict__["roomy"] = self.roomy
         if not any(item.command == Command.NAV_RETURN_TO_LAUNCH for item in self.mission.items):
-            other.__dict__["in_air"], other._stops = self.in_air, self._stops  # it is flown as before
-            other._looks = {
+            other.__dict__["in_air"], other._stops = self.in_air, self._stops  # the same flight
+            other._samples = {
                 contingency: assessments
-                for contingency, assessments in self._looks.items()
+                for contingency, assessments in self._samples.items()
                 if contingency is not Contingency.RTL
             }
         return other
 
     @cached_property
     def roomy(self) -> PathTask:
-        """The scenario with room for the tube."""
+        """Return the scenario with room for the deviation bound."""
         return with_room(self.forecast.world, TIGHT_PLACES)
 
     @cached_property
     def as_flown(self) -> "ContingencyPaths":
-        """The same with no room for the tube: how near the predicted ways themselves come."""
+        """Return the paths without room for the deviation bound: the clearance of the predicted paths."""
         other = ContingencyPaths(self.forecast)
         other.__dict__ |= {"roomy": self.forecast.world, "in_air": self.in_air, "routes": self.routes}
         other._stops = self._stops
@@ -160,19 +166,19 @@ class ContingencyPaths:
 
     @cached_property
     def in_air(self) -> tuple[float, float]:
-        """From when to when it is in the air [s]."""
+        """Return the first and the last time in the air [s]."""
         track = self.forecast.promise.flight.pieces
-        lifted = track.times[track.points[:, 2] > track.points[0, 2] + LIFTED]
+        lifted = track.times[track.points[:, 2] > track.points[0, 2] + LIFTED_HEIGHT]
         return (float(lifted[0]), float(lifted[-1])) if len(lifted) else (0.0, 0.0)
 
     def stops(self, contingency: Contingency = Contingency.RTL) -> StoppingPoints:
-        """Where it comes to a stand, from every moment at which it is in the air."""
+        """Return where the vehicle stops, from each time in the air."""
         if contingency not in self._stops:
             self._stops[contingency] = stopping_points_of(self.forecast, *self.in_air, contingency)
         return self._stops[contingency]
 
     def why_unknown(self) -> str | None:
-        """Why it is not known here where a return leads; None where it is."""
+        """Return why the goal of a return is unknown; None if it is known."""
         if (why := self.routes.why_unknown) is not None:
             return why
         vehicle, version, parameters = self.mission.autopilot, self.mission.firmware_version, self.routes.parameters
@@ -181,20 +187,20 @@ class ContingencyPaths:
         return None
 
     def assessments(self, contingency: Contingency, between: tuple[float, float] | None = None) -> ContingencySamples:
-        """At an ending from so many times in the air, or between two of these, that nothing is missed."""
+        """Return a contingency at times in the air, or between two of them, without a hidden shortfall."""
         if between is None:
-            if contingency not in self._looks:
-                self._looks[contingency] = self.assessments(contingency, self.in_air)
-            return self._looks[contingency]
+            if contingency not in self._samples:
+                self._samples[contingency] = self.assessments(contingency, self.in_air)
+            return self._samples[contingency]
         begin, end = between
-        assessments = self.at(contingency, np.linspace(begin, end, max(2, round((end - begin) / EVERY_S) + 1)))
+        assessments = self.at(contingency, np.linspace(begin, end, max(2, round((end - begin) / STEP_S) + 1)))
         while len(times := assessments.gaps()):
             assessments = ContingencySamples.merged([assessments, self.at(contingency, times)])
         return assessments
 
     def at(self, contingency: Contingency, times: Vector) -> ContingencySamples:
-        """At an ending from these times (n,), in their order."""
-        some = np.array_split(times, math.ceil(len(times) / AT_ONCE) or 1)
+        """Return a contingency at these times (n,), in their order."""
+        some = np.array_split(times, math.ceil(len(times) / BATCH_SIZE) or 1)
         return ContingencySamples.following((self._at(contingency, part) for part in some), len(times))
 
     def _at(self, contingency: Contingency, times: Vector) -> ContingencySamples:
@@ -212,12 +218,12 @@ class ContingencyPaths:
             near[:, 0, 1], which[:, 0, 1] = self._flown_so_far(times)
         if contingency is Contingency.RTL:
             self._note_mission(times, near, which)
-        spare = np.where(taken, np.minimum(near.min(axis=2) - self.required, SEEN), SEEN).min(axis=1)
+        spare = np.where(taken, np.minimum(near.min(axis=2) - self.required, MAX_SPARE), MAX_SPARE).min(axis=1)
         assessments = ContingencySamples(times, ways, taken, near, which, spare)
-        return self._with_ground(assessments, _come_down(contingency))
+        return self._with_ground(assessments, _end_index(contingency))
 
     def exactly(self, contingency: Contingency, assessments: ContingencySamples, n: int) -> Clearance:
-        """What one look keeps of an obstacle, to the millimeter, and of which."""
+        """Return the clearance of one sample to the nearest obstacle, to the millimeter."""
         if contingency is Contingency.SMART_RTL:
             return self._least_noted(assessments, n)
         least = NOTHING_NEAR
@@ -227,8 +233,8 @@ class ContingencyPaths:
         return least
 
     def lowest(self, contingency: Contingency, assessments: ContingencySamples, n: int) -> Check:
-        """What one look keeps of the ground on the ways that may be taken, before it comes down."""
-        ways = assessments.ways[n, assessments.taken[n], : _come_down(contingency)]
+        """Return the least height of one sample over the ground on its possible paths, before the descent."""
+        ways = assessments.ways[n, assessments.taken[n], : _end_index(contingency)]
         checks = (check for way in ways for check in prove_ground(way, self.forecast.world))
         return min(checks, key=lambda check: check.slack)
 
@@ -239,7 +245,7 @@ class ContingencyPaths:
         return Clearance(float(assessments.near[n, 0, leg]), (place[0], place[1], place[2]), name, leg)
 
     def goal(self, contingency: Contingency, assessments: ContingencySamples, n: int) -> str:
-        """Where one look leads, in words."""
+        """Return the goals of one sample in words."""
         if contingency in (Contingency.LAND, Contingency.HOLD):
             return "here"
         names = ["home", *(f"rally point {k}" for k in range(1, len(self.rally) + 1))]
@@ -248,29 +254,29 @@ class ContingencyPaths:
         return " or ".join(dict.fromkeys(names[goal] for goal in goals))
 
     def _near(self, ways: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-        """What the legs of ways (n, k, p, 3) keep of obstacles, and of which; exactly where one brakes on a slant."""
+        """Return the distance and obstacle of each leg of paths (n, k, p, 3); exactly where one brakes on a slant."""
         air, shape = self.roomy.airspace, (*ways.shape[:2], ways.shape[2] - 1)
         starts, ends = ways[:, :, :-1].reshape(-1, 3), ways[:, :, 1:].reshape(-1, 3)
-        near, which = air.legs_clearance(starts, ends, self.required + SEEN)
+        near, which = air.legs_clearance(starts, ends, self.required + MAX_SPARE)
         slanting = (starts[:, 2] != ends[:, 2]) & (starts[:, :2] != ends[:, :2]).any(axis=1)
         is_braking = np.arange(len(starts)) % shape[2] == BRAKES
-        slanting &= is_braking | (np.abs(ends[:, 2] - starts[:, 2]) > ROUND_EARTH)
+        slanting &= is_braking | (np.abs(ends[:, 2] - starts[:, 2]) > LEVEL_ERROR)
         for leg in np.flatnonzero(slanting & (near < self.required)):
             near[leg], _ = air.obstacles[which[leg]].leg_clearance(starts[leg], ends[leg])
         return near.reshape(shape), which.reshape(shape)
 
     def _flown_so_far(self, times: Vector, ahead: bool = False) -> tuple[Vector, NDArray[np.intp]]:
-        """How near it came to what on its way until each time (n,), or will from then on if all is as planned."""
+        """Return the nearest obstacle of the planned flight until each time (n,), or after it (`ahead`)."""
         near, which = (legs[:, 0, 0] for legs in self._flown)
         turned = slice(None, None, -1) if ahead else slice(None)
         near, which = near[turned], which[turned]
         nearest = np.maximum.accumulate(np.where(near <= np.minimum.accumulate(near), np.arange(len(near)), 0))
         until = np.clip(np.searchsorted(self.stops().times, times) - 1, 0, len(near) - 1)
         until = nearest[len(near) - 1 - until if ahead else until]
-        return np.asarray(near[until] - SAGITTA), np.asarray(which[until])
+        return np.asarray(near[until] - CHORD_ERROR), np.asarray(which[until])
 
     def _note_mission(self, times: Vector, near: NDArray[np.float64], which: NDArray[np.intp]) -> None:
-        """Of returns along the mission also what its own path keeps, whose bends are flown as they are bent there."""
+        """Add to returns along the mission the clearance of the mission's own path, with its bends."""
         for n, by in enumerate(self.routes.kinds):
             first = (len(self.rally) + 1 + n) * self._variants
             flown, of = self._flown_so_far(times, by is ReturnBy.AHEAD)
@@ -286,7 +292,7 @@ class ContingencyPaths:
         return self._near(np.stack([places[:-1], places[1:]], axis=1)[:, None])
 
     def _with_ground(self, assessments: ContingencySamples, end: int) -> ContingencySamples:
-        """The looks with what their ways up to place `end` keep of the ground, where that is less."""
+        """Return the samples with the height over ground of their paths up to place `end`, where it is less."""
         begin, last = self.forecast.promise.flight.way
         near, which, spare = assessments.near.copy(), assessments.which.copy(), assessments.spare.copy()
         on_the_way = np.flatnonzero((assessments.times >= begin) & (assessments.times <= last))
@@ -305,19 +311,19 @@ class ContingencyPaths:
 
     @property
     def _shares(self) -> tuple[float, ...]:
-        return BACK if self.mission.autopilot.guidance.climbs_coming_back else BACK[:1]
+        return BACK_SHARES if self.mission.autopilot.guidance.climbs_coming_back else BACK_SHARES[:1]
 
     @property
     def _variants(self) -> int:
-        """So many ways lead to each goal."""
+        """Return the number of paths to each goal."""
         return len(self._shares) + len(self.routes.off_terrain)
 
     def _returns(
         self, places: Points, stands: Points, seqs: NDArray[np.intp]
     ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-        """Every way that a return may take from there: to each goal, each begun where it may; and which may be.
+        """Return all possible paths of returns, to each goal with each start, and whether each is possible.
 
-        `seqs` (n,): the items that it is bound for.
+        `seqs` (n,): the items that the vehicle flies to.
         """
         to_goals, kinds = self.forecast.returns_from(stands), self.routes.kinds
         back = places - stands
@@ -342,11 +348,11 @@ class ContingencyPaths:
         return np.stack(ways, axis=1), taken
 
     def _goals(self, stand: Vector, seq: int) -> set[int]:
-        """The goals of a return from near there: 0 is home, n the rally point n, then those along the mission."""
+        """Return the goals of a return from near a place: 0 home, n the rally point n, then those along the mission."""
         if not self.rally and not self.routes.kinds:
             return {0}
         east, north, up = (float(x) for x in stand)
-        routes = (self.routes.route((east + e, north + n, up), seq) for e, n in AROUND)
+        routes = (self.routes.route((east + e, north + n, up), seq) for e, n in OFFSETS)
         first = len(self.rally) + 1
         return {
             first + self.routes.kinds.index(by) if by in self.routes.kinds else 0 if rally is None else rally + 1
@@ -358,12 +364,12 @@ class ContingencyPaths:
         return np.column_stack([points[:, :2], np.minimum(ground, points[:, 2])])
 
 
-def _come_down(contingency: Contingency) -> int:
-    """Which place of its ways is the first that is on the ground, or no longer braking."""
+def _end_index(contingency: Contingency) -> int:
+    """Return the index of the first place of a path on the ground, or after braking."""
     return -1 if contingency is Contingency.RTL else 2
 
 
 def _padded(ways: NDArray[np.float64], places: int) -> NDArray[np.float64]:
-    """Ways (n, p, 3) with so many places: it stays at the last but one."""
+    """Pad paths (n, p, 3) to `places` places, by repeating the last but one."""
     stays = np.repeat(ways[:, -2:-1], places - ways.shape[1], axis=1)
     return np.concatenate([ways[:, :-1], stays, ways[:, -1:]], axis=1)

@@ -1,4 +1,4 @@
-"""What one forecast's flight takes of its battery, item by item, and from where on it would not come home."""
+"""Compute the energy of a flight by item, and the point of no return."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,15 +21,15 @@ from ipoa_mission.vehicles.energy.consumption import (
     shortage,
 )
 
-LOOKS = 12  # at so many times a return is reckoned at first
-NEAREST_S = 1.0  # a point of no return is told so exactly [s]
-NEARER = 'a rally point near there, a shorter way, a larger battery, less wind; or [safety] returns = "warn"'
+FIRST_TIMES = 12  # times at which a return is computed first
+TIME_ACCURACY_S = 1.0  # accuracy of a point of no return [s]
+RETURN_HINT = 'a rally point near there, a shorter way, a larger battery, less wind; or [safety] returns = "warn"'
 
 
 class Taken(NamedTuple):
-    """How long an ending takes until it has disarmed, and until it touches the ground, at least and at most [s].
+    """Duration of a contingency until it disarms, and until it touches down, at least and at most [s].
 
-    `used` is what it takes of the battery; None where nothing is known of that.
+    `used` is its energy; None where unknown.
     """
 
     lasts: tuple[float, float]
@@ -38,7 +38,7 @@ class Taken(NamedTuple):
 
 
 class ItemEnergy(NamedTuple):
-    """What one item takes [Wh], and the share of the battery that is left after it; None without a battery."""
+    """Energy of one item [Wh], and the charge left after it as a share; None without a battery."""
 
     seq: int
     takes: Interval
@@ -46,9 +46,9 @@ class ItemEnergy(NamedTuple):
 
 
 class NoReturn(NamedTuple):
-    """From a time [s after arming], in item `seq`, an RTL would not land with the reserve; what it `takes` from there.
+    """The time [s after arming], in item `seq`, from which an RTL would not land with the reserve; its energy `takes`.
 
-    `why` says what is missing; None is taken where the vehicle does not get home at all.
+    `why` has the reason. `takes` is None where the vehicle does not get home at all.
     """
 
     time: float
@@ -61,9 +61,9 @@ class NoReturn(NamedTuple):
 
 
 class ReserveNow(NamedTuple):
-    """In flight at a time [s after arming]: the share of the battery that is `left`, and the one `planned` to be.
+    """The charge `left` in flight at a time [s after arming], and the `planned` one, as shares.
 
-    It lands with the share `lands`, if the rest takes what was planned; `reserve` is required.
+    The vehicle lands with the share `lands` if the rest takes the planned energy; `reserve` is required.
     """
 
     time: float
@@ -80,11 +80,11 @@ class ReserveNow(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Budget:
-    """A flight against its battery; `budget_of` makes it.
+    """The energy of a flight and its battery; `budget_of` makes it.
 
     Attributes:
-        forecast: whose it is.
-        used: what it takes, second by second.
+        forecast: the flight.
+        used: its energy over time.
         battery: None where the scenario has none.
     """
 
@@ -93,17 +93,17 @@ class Budget:
     battery: Battery | None
 
     def left(self, taken: Interval) -> Interval | None:
-        """The share of the battery that is left when so much [Wh] was taken; None without a battery."""
+        """Return the share of the battery left after `taken` [Wh]; None without a battery."""
         if self.battery is None:
             return None
         return Interval(*(1.0 - wh / self.battery.capacity_wh for wh in (taken.high, taken.likely, taken.low)))
 
     def taken(self, time: float, ended: Consumption) -> Interval:
-        """What the flight takes [Wh] if it is ended at a time [s] in this way."""
+        """Return the energy of the flight [Wh] if this contingency ends it at a time [s]."""
         return Interval(*(now + then for now, then in zip(self.used.until(time), ended.between, strict=True)))
 
     def against_plan(self, left: float, time: float) -> ReserveNow | None:
-        """What becomes of the reserve where so much is `left` of the battery at a time [s]; None without a battery."""
+        """Return the reserve with the share `left` at a time [s]; None without a battery."""
         if self.battery is None:
             return None
         until, whole, capacity = self.used.until(time), self.used.between, self.battery.capacity_wh
@@ -115,13 +115,13 @@ class Budget:
     @cached_property
     def items(self) -> tuple[ItemEnergy, ...]:
         """Item by item, in the order flown."""
-        told, before = [], Interval(0.0, 0.0, 0.0)
+        items, before = [], Interval(0.0, 0.0, 0.0)
         for item in self.forecast.estimate.items:
             after = self.used.until(item.done_s)
             takes = Interval(*(now - then for now, then in zip(after, before, strict=True)))
-            told.append(ItemEnergy(item.seq, takes, self.left(after)))
+            items.append(ItemEnergy(item.seq, takes, self.left(after)))
             before = after
-        return tuple(told)
+        return tuple(items)
 
     @property
     def share(self) -> float:
@@ -133,29 +133,29 @@ class Budget:
 
     @property
     def shortage(self) -> NotEnoughBattery | None:
-        """Why the flight is refused for its energy; None where it is not."""
+        """Return why the flight is refused for its energy; None if it is not."""
         return None if self.battery is None else shortage(self.used.between, self.battery)
 
     @property
     def refusal(self) -> NotEnoughBattery | None:
-        """Why the flight is not to be planned: for its energy, or, where returns are planned, for that of an RTL."""
+        """Return why the flight is not planned for its energy or, where returns are planned, for that of an RTL."""
         if self.shortage is None and self.plans_returns and self.no_return is not None:
-            return NotEnoughBattery(f"{self.no_return}", hint=NEARER, place="battery")
+            return NotEnoughBattery(f"{self.no_return}", hint=RETURN_HINT, place="battery")
         return self.shortage
 
     @property
     def plans_returns(self) -> bool:
-        """Whether an RTL is to be possible from every second."""
+        """Return whether an RTL must be possible from each second."""
         return self.forecast.world.safety.returns == "planned"
 
     @property
     def eats_reserve(self) -> bool:
-        """Whether one flight in twenty lands with less than the reserve."""
+        """Return whether one flight in twenty lands with less than the reserve."""
         return self.battery is not None and self.used.between.high > self.battery.usable_wh
 
     @property
     def words(self) -> list[str]:
-        """What the flight takes and leaves in the battery, and whether that is enough, in lines."""
+        """Return lines about the energy, the charge left, and whether it is enough."""
         lines, left = [f"energy {self.used}"], self.left(self.used.between)
         if left is not None and self.battery is not None:
             shares = f"{left.likely:.0%} ({left.low:.0%} to {left.high:.0%})"
@@ -163,14 +163,14 @@ class Budget:
                 f"lands with {shares} of {self.battery.capacity_wh:.4g} Wh, {self.battery.reserve:.0%} required"
             )
         if self.shortage is not None:
-            lines.append(f"not to be flown: {self.shortage}")
+            lines.append(f"refused: {self.shortage}")
         elif (late := self.no_return) is not None:
             lines.append(f"no RTL from item {late.seq} on, {late.time:.0f} s after arming: {late.why}")
         return lines
 
     @cached_property
     def no_return(self) -> NoReturn | None:
-        """From where on an RTL would not land with the reserve; None without a battery, and where there is no such."""
+        """Return the point of no return; None without a battery, and where an RTL is always possible."""
         if self.battery is None:
             return None
         times = list(self._times())
@@ -179,7 +179,7 @@ class Budget:
             if found is None:
                 continue
             clear = times[n - 1] if n else time
-            while found.time - clear > NEAREST_S:
+            while found.time - clear > TIME_ACCURACY_S:
                 between = (found.time + clear) / 2
                 nearer = self._short_from(between)
                 found, clear = (found, between) if nearer is None else (nearer, clear)
@@ -187,7 +187,7 @@ class Budget:
         return None
 
     def _times(self) -> Iterator[float]:
-        """From its lifting off to its last moment in the air, with the ends of items between."""
+        """Return times from the take-off to the last time in the air, with the ends of items between."""
         track = self.forecast.estimate.track
         flies = np.flatnonzero(np.linalg.norm(track.points - track.points[-1], axis=1) > LIFTED_DISTANCE)
         if not len(flies):
@@ -195,7 +195,7 @@ class Budget:
         begin, end = float(track.times[flies[0]]), float(track.times[flies[-1]])
         lifted = track.times[np.argmax(np.linalg.norm(track.points - track.points[0], axis=1) > LIFTED_DISTANCE)]
         done = [item.done_s for item in self.forecast.estimate.items if max(begin, lifted) < item.done_s < end]
-        some = [done[round(n)] for n in np.linspace(0, len(done) - 1, min(len(done), LOOKS))]
+        some = [done[round(n)] for n in np.linspace(0, len(done) - 1, min(len(done), FIRST_TIMES))]
         yield from dict.fromkeys([*some, end])
 
     def _short_from(self, time: float) -> NoReturn | None:
@@ -211,22 +211,22 @@ class Budget:
 
 
 def budget_of(forecast: Forecast) -> Budget | None:
-    """The budget of a flight, made once; None where nothing is known of its energy.
+    """Return the budget of a flight, cached; None where its energy is unknown.
 
     Raises:
-        MissionError: the vehicle has no model, or does not get on.
+        MissionError: the vehicle has no model, or makes no progress.
     """
     return forecast.cached(_budget)
 
 
 def refusal_of(forecast: Forecast) -> NotEnoughBattery | None:
-    """Why a flight is not to be planned, its returns and all; else as `shortage_of`, and raises as it does."""
+    """Return why a flight is not planned, returns included; see `shortage_of`."""
     budget = budget_of(forecast)
     return None if budget is None else budget.refusal
 
 
 def shortage_of(forecast: Forecast) -> NotEnoughBattery | None:
-    """Why a flight is refused for its energy; None where it is not, and where too little is known to say.
+    """Return why a flight is refused for its energy; None if it is not, or its energy is unknown.
 
     Raises:
         MissionError: as `budget_of`.
@@ -241,10 +241,10 @@ def _budget(forecast: Forecast) -> Budget | None:
 
 
 def flown_from(forecast: Forecast, contingency: Contingency, time: float) -> Taken:
-    """How long an RTL or LAND that is ordered at a time takes at least and at most [s], and what it takes.
+    """Return the duration [s], at least and at most, and the energy of an RTL or LAND ordered at a time [s].
 
     Raises:
-        MissionError: the vehicle does not get on, or its model knows no such flights.
+        MissionError: the vehicle makes no progress, or its model has no such flights.
     """
     mission = forecast.mission
     order = Abort(time, contingency)

@@ -1,4 +1,4 @@
-"""The flight of a mission as it is expected: made once, and handed on to all who judge, draw, time or fly it."""
+"""Forecast the flight of a mission: legs, itinerary, times, energy and clearance, each computed once."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -22,7 +22,7 @@ from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.ground import Ground
 
-if TYPE_CHECKING:  # what times a flight, or proves it, is imported where it is asked for
+if TYPE_CHECKING:  # imported on use
     from ipoa_mission.forecast.deviation.promise import Promise
     from ipoa_mission.forecast.timing.estimate import Estimate
     from ipoa_mission.forecast.timing.prediction import Prediction
@@ -34,17 +34,17 @@ Made = TypeVar("Made")
 
 
 class Forecast:
-    """One mission's flight, in the world of a scenario if there is one; each answer is worked out when first asked.
+    """One mission's flight, in a scenario's world if given. Each property is computed on first use.
 
     Args:
-        mission: what is flown.
-        scenario: the world that it is flown in, with the mission's autopilot; of a survey with start places, as seen
-            from the one it begins at.
-        wind: goes before the scenario's own.
-        left_out: items to which no leg leads, and none away from them.
+        mission: the mission to fly.
+        scenario: its world, with the mission's autopilot; of a survey with start places, as seen from the one where
+            the mission begins.
+        wind: replaces the scenario's wind.
+        left_out: items without legs to or from them.
 
     Attributes:
-        given: the mission as it was handed in, of the scenario's firmware version where it names none.
+        given: the mission as passed in, with the scenario's firmware version where it names none.
 
     Raises:
         BadInput: the mission is of another place than the scenario.
@@ -79,9 +79,9 @@ class Forecast:
 
     @cached_property
     def mission(self) -> Mission:
-        """The mission as it is flown there: on a vehicle with those of the scenario's parameters that it does not name.
+        """Return the mission as flown, with the scenario's parameters where it sets none.
 
-        What was learned of the vehicle comes with the mission, else with the scenario.
+        Learned values of the vehicle come from the mission, else from the scenario.
 
         Raises:
             BadInput: the mission is of another place than the scenario.
@@ -94,43 +94,43 @@ class Forecast:
         return landing_over(replace(flown, vehicle=flown.vehicle or vehicle.learned), self.scenario.ground)
 
     def on(self, version: Version | None) -> "Forecast":
-        """The flight by a vehicle that says this version; the one that the mission names where it says none."""
+        """Return the flight by a vehicle that reports this version; without a report by the mission's version."""
         if version is None or version == self.given.firmware_version:
             return self
         return Forecast(replace(self.given, firmware_version=version), self.scenario, self.wind, self.left_out)
 
     def cached(self, make: "Callable[[Forecast], Made]", by: "Callable[[Forecast], Made] | None" = None) -> "Made":
-        """What `make` makes of it, or `by` the same in less time, made when it is first asked for."""
+        """Return `make` of this forecast, computed once; `by` computes the same faster."""
         if make not in self._made:
             self._made[make] = (by or make)(self)
         made: Made = self._made[make]
         return made
 
     def drop(self, make: "Callable[[Forecast], Any]") -> None:
-        """Let go of what `make` has made of it, and of the pieces of the tube: large, and hardly asked for again."""
+        """Drop the cached result of `make`, and the large pieces of the deviation bound."""
         self._made.pop(make, None)
         if "promise" in self.__dict__:
             self.promise.flight.__dict__.pop("pieces", None)
 
     @property
     def world(self) -> "Scenario":
-        """The scenario in whose world it is flown, for those who ask nothing where there is none."""
-        assert self.scenario is not None, "what is kept depends on a world"
+        """Return the scenario, for callers that need one."""
+        assert self.scenario is not None, "the clearance needs a scenario"
         return self.scenario
 
     @cached_property
     def frame(self) -> LocalFrame:
-        """East, north and up of home."""
+        """Return the frame of east, north and up of home."""
         return LocalFrame(self.mission.home) if self.scenario is None else self.scenario.frame
 
     @cached_property
     def ground(self) -> Ground:
-        """How high the ground is, as a vehicle counts; level where nothing is known of it."""
+        """Return the ground as the vehicle measures it; level where unknown."""
         return known_ground(self.mission) if self.scenario is None else self.scenario.ground
 
     @cached_property
     def legs(self) -> tuple[Leg, ...]:
-        """The legs between its places, from the take-off to the landing, and the ways home to other rally points."""
+        """Return the legs from the take-off to the landing, and the ways home to other rally points."""
         over = self.ground if self.scenario is None else self.scenario.airspace.ground
         legs = flown_legs(self.mission, self.frame, None if over.is_level else over)
         after = {min((leg.seq for leg in legs if leg.seq > seq), default=seq) for seq in self.left_out}
@@ -138,21 +138,21 @@ class Forecast:
 
     @property
     def cruise(self) -> list[Leg]:
-        """The legs between waypoints that are flown in any case."""
+        """Return the legs between waypoints that are flown in any case."""
         return [leg for leg in self.legs if leg.phase is Phase.CRUISE and not leg.alternative]
 
     @property
     def ways_home(self) -> list[Leg]:
-        """The legs on which it returns, to home and to the rally points."""
+        """Return the legs of returns to home and to the rally points."""
         return [leg for leg in self.legs if leg.phase is Phase.RETURN]
 
     def returns_from(self, places: Points) -> NDArray[np.float64]:
-        """On which ways it returns from places (n, 3): them, over them, over each goal, (goals, n, 3, 3) [m]."""
+        """Return the paths of returns from places (n, 3): place, over it, over each goal, (goals, n, 3, 3) [m]."""
         return return_ways(self.mission, self.frame, places)
 
     @cached_property
     def itinerary(self) -> Itinerary:
-        """What the vehicle meets, one visit after the other.
+        """Return the visits of the vehicle in order.
 
         Raises:
             BadInput: a jump leads nowhere or never ends.
@@ -161,24 +161,24 @@ class Forecast:
 
     @cached_property
     def unknown(self) -> tuple[Unknown, ...]:
-        """The items from which on nobody knows where it flies; what is kept of anything is then unknown, too."""
+        """Return the items after which the flight, and so its clearance, is unknown."""
         return tuple(unknown_ways(self.given))
 
     def predicted(self, sure: bool, fast: bool | None = None) -> "Prediction":
-        """When and where it meets all that; not `sure` where it is, as PX4 is not: in the mean of its flights.
+        """Predict times and places of the flight; not `sure` of its position, as PX4, in the mean of its flights.
 
-        `fast` runs the same arithmetic compiled (True), plain (False), or, by default, as is quicker.
+        `fast` runs the same arithmetic compiled (True), plain (False), or, by default, the quicker one.
 
         Raises:
-            BadInput: the mission has no end, or a parameter has no sense.
-            MissionError: the vehicle does not get on, flies items in another order, or has no model.
+            BadInput: the mission has no end, or a parameter is invalid.
+            MissionError: the vehicle makes no progress, flies items in another order, or has no model.
         """
         from ipoa_mission.forecast.timing.flight_model import FlightModel
 
         for unknown in self.unknown:
             if unknown.code == "jump-flown-elsewhere":
                 raise MissionError(
-                    f"{unknown.why}; the time is not known",
+                    f"{unknown.why}; the time is unknown",
                     unknown.hint,
                     code=unknown.code,
                     place=f"items[{unknown.seq - 1}]",
@@ -192,27 +192,27 @@ class Forecast:
         return model.predicted(self.itinerary, self.mission, self.wind, fast, sure)
 
     def timed(self, fast: bool | None = None) -> "Estimate":
-        """The `estimate`, by arithmetic as in `predicted`."""
+        """Return the `estimate`; `fast` as in `predicted`."""
         from ipoa_mission.forecast.timing.estimate import times_of
 
         expected = self.expected if fast is None else self.predicted(sure=False, fast=fast)
         times = times_of(self.mission, self.itinerary, expected)
-        unknown = (f"item {one.seq}: {one.why}: how long it takes from there on is not known" for one in self.unknown)
+        unknown = (f"item {one.seq}: {one.why}: the time after it is unknown" for one in self.unknown)
         return replace(times, remarks=(*times.remarks, *unknown))
 
     @cached_property
     def expected(self) -> "Prediction":
-        """When it meets all that in the mean of its flights; raises as `predicted` does."""
+        """Return the prediction in the mean of its flights; raises as `predicted`."""
         return self.predicted(sure=False)
 
     @cached_property
     def estimate(self) -> "Estimate":
-        """How long it takes, item by item, in the mean of its flights; raises as `predicted` does."""
+        """Return the time of each item in the mean of its flights; raises as `predicted`."""
         return self.timed()
 
     @cached_property
     def energy(self) -> "Consumption | None":
-        """What it takes; None where neither airframe nor hover power is known, and raises as `predicted` does."""
+        """Return the energy; None where neither airframe nor hover power is known; raises as `predicted`."""
         track = self.estimate.track
         if len(track.times) < 2 or (self.scenario is None and self.mission.vehicle is None):
             return None
@@ -223,12 +223,12 @@ class Forecast:
 
     @cached_property
     def promise(self) -> "Promise":
-        """What its flights keep of the scenario's limits; raises as `predicted` does, and where its way is unknown."""
+        """Return what its flights keep of the limits; raises as `predicted`, and where its way is unknown."""
         from ipoa_mission.forecast.deviation.promise import PredictedFlight, promise_of
 
         for unknown in self.unknown:
             raise MissionError(
-                f"{unknown.why}; the clearance is not known",
+                f"{unknown.why}; the clearance is unknown",
                 unknown.hint,
                 code=unknown.code,
                 place=f"items[{unknown.seq - 1}]",
@@ -238,7 +238,7 @@ class Forecast:
 
     @property
     def promise_if_known(self) -> "Promise | None":
-        """The same; None where nobody can say how it will be flown."""
+        """Return the `promise`; None where the flight is unknown."""
         try:
             return self.promise if self.itinerary.visits else None
         except MissionError:
@@ -246,12 +246,12 @@ class Forecast:
 
     @property
     def proof_if_known(self) -> "Proof | None":
-        """The proof; None where it has no legs, or its way is unknown."""
+        """Return the `proof`; None without legs, or where the flight is unknown."""
         return None if self.unknown or not self.cruise else self.proof
 
     @cached_property
     def proof(self) -> "Proof":
-        """What its legs keep from the end of the take-off to the last waypoint."""
+        """Return the proof of its legs from the end of the take-off to the last waypoint."""
         from ipoa_mission.planning.proof import prove
 
         points, stray = join(self.cruise)
@@ -272,20 +272,19 @@ def estimate(
     """Predict when each item of the mission will be done, by the model of `mission.autopilot`.
 
     Args:
-        mission: what is flown.
-        parameters: the vehicle's, which go before those that the mission carries, and these before the autopilot's
-            defaults.
+        mission: the mission to fly.
+        parameters: of the vehicle; they replace those of the mission, and these the autopilot's defaults.
         wind: in which it is flown.
         fast: run the same arithmetic compiled (True: some seconds the first time on a machine, then milliseconds a
-            mission), plain (False), or, left out, compiled only where that is ready and quicker. The result is the
+            mission), plain (False), or by default compiled only where that is ready and quicker. The result is the
             same.
 
     Returns:
-        The whole time and that of each item.
+        The total time and that of each item.
 
     Raises:
-        BadInput: the mission has no end, or a parameter has no sense or is none of this autopilot's.
-        MissionError: the vehicle does not get on, as against a wind stronger than it can fly; or it is no multicopter.
+        BadInput: the mission has no end, or a parameter is invalid or unknown to this autopilot.
+        MissionError: the vehicle makes no progress, as in a wind stronger than it can fly; or it is no multicopter.
 
     Example:
         >>> from ipoa_mission import Wind, estimate, read_mission

@@ -1,6 +1,6 @@
-"""Returns that lead along the mission, ahead to its landing or back to the take-off, and such over the ground.
+"""Compute returns along the mission, ahead to its landing or back to the take-off, and returns over terrain.
 
-Which one it is, and whether one is, may change on the way: it is asked anew at every place, with the item flown to.
+The kind of return may change on the way: it is computed at each place, with the item flown to.
 """
 
 import math
@@ -38,31 +38,31 @@ class ReturnRoutes:
         )
 
     def route(self, here: Place, seq: int) -> ReturnRoute:
-        """Which way a return from here takes on the way to an item."""
+        """Return the route of a return from here, on the way to an item."""
         landing, version = self._landing(seq), self.mission.firmware_version
         return self.mission.autopilot.return_route(self.parameters, here, self.rally, landing, version=version)
 
     @cached_property
     def kinds(self) -> tuple[ReturnBy, ...]:
-        """Those that there may be, beside the direct ones."""
+        """Return the kinds of returns along the mission that occur."""
         return tuple(by for by in WHERE if by in self._found)
 
     @cached_property
     def why_unknown(self) -> str | None:
-        """What of them is not modeled."""
+        """Return the kind of return that is not modeled, in words; None without."""
         for by in (ReturnBy.LANDING, ReturnBy.HERE):
             if by in self._found:
-                sinks = ", on which it sinks already," if by is ReturnBy.LANDING else ""
+                sinks = ", which begin during the landing," if by is ReturnBy.LANDING else ""
                 return f"returns {by}{sinks} are not modeled"
         return None
 
     @cached_property
     def _found(self) -> frozenset[ReturnBy]:
-        asked = [(HOME, 1), *((triple(place), seq) for seq, place in self._places)]
-        return frozenset(self.route(here, seq).by for here, seq in asked)
+        starts = [(HOME, 1), *((triple(place), seq) for seq, place in self._places)]
+        return frozenset(self.route(here, seq).by for here, seq in starts)
 
     def ways(self, by: ReturnBy, starts: NDArray[np.float64], seqs: NDArray[np.intp]) -> NDArray[np.float64]:
-        """From starts (n, k, 3) on to the ground, (n, p, 3)."""
+        """Return the paths from starts (n, k, 3) to the ground, (n, p, 3)."""
         most, ways = len(self._places) + 2, []
         for start, seq in zip(starts, seqs.tolist(), strict=True):
             nodes = list(self._nodes(by, start[-1], seq))
@@ -71,9 +71,9 @@ class ReturnRoutes:
 
     @cached_property
     def off_terrain(self) -> tuple[float, ...]:
-        """By what its height over the ground may be off on its way home [m]; nothing where it does not keep it.
+        """Return the possible errors of its height over the ground on the way home [m]; none where it does not.
 
-        They are so near to each other that nothing between two of them is farther than required from both.
+        They are dense enough that each place between two of them is within the required distance of one.
         """
         over = self._over_terrain
         if over is None:
@@ -87,15 +87,16 @@ class ReturnRoutes:
 
     @property
     def surely_over_terrain(self) -> bool:
-        """Whether it is never as high as its return altitude is over home instead."""
+        """Return whether it always follows the ground, and never its return altitude over home."""
         return self._over_terrain is not None and self._over_terrain.surely
 
     def over_terrain(
         self, places: Points, stands: Points, beyond: Points, up: float, off: float
     ) -> NDArray[np.float64]:
-        """The ways from places (n, 3), stands and straight to beyond, to a goal so high above home, over the ground.
+        """Return the paths from places (n, 3) over stands straight to beyond, with the ground followed, (n, p, 3).
 
-        They are so much farther from the ground than they should be. A way has as many legs as any, (n, p, 3).
+        `up`: height of the goal above home; `off`: error of the height over the ground [m]. Each path has the same
+        number of legs.
         """
         ground, lower = self.forecast.world.airspace.ground, self.forecast.world.airspace.ground(beyond)
         under, far = ground(stands), np.hypot(*(beyond - stands)[:, :2].T)
@@ -108,9 +109,9 @@ class ReturnRoutes:
         return np.concatenate([np.stack([places, stands, stands], axis=1), ways, down[:, None]], axis=1)
 
     def _nodes(self, by: ReturnBy, at: Vector, seq: int) -> Iterator[Vector]:
-        """The places after the climb, in the order in which it comes to them; the last two are over the ground, on it.
+        """Return the places after the climb in order; the last two are over the ground and on it.
 
-        Ahead it goes on to the item that it is bound for, back to the one before.
+        Ahead begins with the item that it flies to, back with the one before.
         """
         if by is ReturnBy.BACK:
             before = [place for number, place in reversed(self._places) if number < seq] or [self._places[0][1]]
@@ -126,7 +127,7 @@ class ReturnRoutes:
 
     @cached_property
     def _places(self) -> list[tuple[int, Vector]]:
-        """The items that it flies to, up to the first landing: number and place."""
+        """Return number and place of the items that it flies to, up to the first landing."""
         places = item_places(as_flown(self.mission), self.forecast.frame, self.forecast.ground)
         found: list[tuple[int, Vector]] = []
         for seq, (item, place) in enumerate(zip(self.mission.items, places, strict=True), start=1):

@@ -1,4 +1,4 @@
-"""What endings of a flight are short of, and return altitudes at which RTL is not."""
+"""Report shortfalls of contingencies, and find return altitudes without them."""
 
 import math
 from collections.abc import Iterator
@@ -9,9 +9,9 @@ import numpy as np
 from ipoa_mission.forecast.contingency_paths import (
     BRAKES,
     CLIMBS,
-    EVERY_S,
     GROUND,
     RETURNS,
+    STEP_S,
     ContingencyPaths,
     ContingencySamples,
 )
@@ -19,11 +19,11 @@ from ipoa_mission.forecast.deviation.measured_law import law_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.vehicles.contingency import Contingency
 
-HEIGHT_STEP, HIGHEST = 5, 500  # return altitudes are of every so many meters, up to [m] above home
-MOST_TRIES = 8  # return altitudes
-FAR = 1e5  # from where a return climbs to its whole height [m]
-STRAYS = 0.01  # the share of flights that may stray higher than is allowed for below a fence's ceiling
-SAG = 0.3  # a return is up to so much lower than it is set [m]
+HEIGHT_STEP, MAX_HEIGHT = 5, 500  # step and maximum of return altitudes [m above home]
+MAX_TRIES = 8  # return altitudes
+FAR_DISTANCE = 1e5  # from which a return climbs to its whole height [m]
+EXCEEDING_SHARE = 0.01  # share of flights that may exceed the height allowed below a fence's ceiling
+SAG = 0.3  # greatest height that a return may be below its set height [m]
 
 
 @dataclass(frozen=True)
@@ -42,78 +42,78 @@ class Shortfall:
 
     @property
     def comes_down(self) -> bool:
-        """Whether it lands on it, or too near to it."""
+        """Return whether it lands on the body, or too near to it."""
         return self.contingency is Contingency.LAND and self.part > BRAKES
 
 
 def returning(ways: ContingencyPaths) -> list[Shortfall]:
-    """What RTL comes too near to; at first from few times, since one that is not clear is enough."""
+    """Return the shortfalls of RTL; first from few times, as one shortfall is enough."""
     begin, end = ways.in_air
-    few = ways.at(Contingency.RTL, np.linspace(begin, end, max(2, round((end - begin) / (2 * EVERY_S)))))
+    few = ways.at(Contingency.RTL, np.linspace(begin, end, max(2, round((end - begin) / (2 * STEP_S)))))
     return list(shortfalls(ways, Contingency.RTL, few)) or list(
         shortfalls(ways, Contingency.RTL, ways.assessments(Contingency.RTL))
     )
 
 
 def highest_return(forecast: Forecast) -> float:
-    """The greatest return altitude that bounds, ceiling and the vehicle's own fence allow [m above home].
+    """Return the greatest return altitude that bounds, ceiling and the vehicle's own fence allow [m above home].
 
-    A fence that comes with the mission holds only where the vehicle's own is switched on, and with it its ceiling.
+    A fence of the mission, and with it its ceiling, holds only where the vehicle's own fence is enabled.
     """
     mission, world = forecast.mission, forecast.world
     book = mission.autopilot.book
     values = {**book.others, **book.by_old_names(mission.parameters)}
     if mission.fence:
         values[book.fence_switch] = values[book.fence_switch] or 1.0
-    own, stray = mission.autopilot.own_fence(values), law_of(mission.autopilot).highest.distance(STRAYS)
-    allowed = [HIGHEST, world.airspace.bounds.upper[2], world.planning.max_height_above_ground or math.inf]
+    own, stray = mission.autopilot.own_fence(values), law_of(mission.autopilot).highest.distance(EXCEEDING_SHARE)
+    allowed = [MAX_HEIGHT, world.airspace.bounds.upper[2], world.planning.max_height_above_ground or math.inf]
     return min([*allowed, *([] if own is None else [own.ceiling.value - stray])])
 
 
 def return_altitude(forecast: Forecast) -> float:
-    """How high above home it returns from far away, to home or the highest rally point [m]."""
+    """Return the height above home of a return from far away, to home or the highest rally point [m]."""
     mission = forecast.mission
     values = mission.autopilot.complete(mission.parameters, mission.firmware_version)
     ups = (0.0, *(place.altitude for place in mission.rally))
-    return max(mission.autopilot.return_height(values, 0.0, FAR, up) for up in ups)
+    return max(mission.autopilot.return_height(values, 0.0, FAR_DISTANCE, up) for up in ups)
 
 
 def at_another_height(
     ways: ContingencyPaths, forecast: Forecast, short: list[Shortfall]
 ) -> tuple[Forecast, list[Shortfall]]:
-    """The lowest return altitude of those tried at which RTL is clear, else that which leaves the least to the path.
+    """Return the lowest tried return altitude at which RTL is clear, else the one with the smallest shortfall.
 
-    None is higher than what is allowed; one that is, comes down.
+    A return altitude above the allowed one is lowered.
     """
     by = forecast.mission.autopilot.book.return_height
     now = forecast.mission.autopilot.book.complete(forecast.mission.parameters)[by.name] * by.unit
-    highest = highest_return(forecast) - (return_altitude(forecast) - now)  # PX4 counts from the height of its goal
-    best, tried, asked = (forecast, short), {now}, list(_heights(ways, short, now))
+    highest = highest_return(forecast) - (return_altitude(forecast) - now)  # PX4 measures from the height of its goal
+    best, tried, heights = (forecast, short), {now}, list(_heights(ways, short, now))
     if now > highest:
-        asked.append(float(HEIGHT_STEP * math.floor(highest / HEIGHT_STEP)))
-    for _ in range(MOST_TRIES):
-        asked = sorted({height for height in asked if 0.0 < height <= highest} - tried)
-        if not asked:
+        heights.append(float(HEIGHT_STEP * math.floor(highest / HEIGHT_STEP)))
+    for _ in range(MAX_TRIES):
+        heights = sorted({height for height in heights if 0.0 < height <= highest} - tried)
+        if not heights:
             break
-        tried.add(height := asked.pop(0))
+        tried.add(height := heights.pop(0))
         raised = forecast.given.with_parameters({by.name: by.spelled(height)})
         other = Forecast(raised, forecast.scenario, forecast.wind)
         if not (left := returning(ways.returning(other))):
             return other, []
         too_high = return_altitude(best[0]) > highest_return(forecast)
         best = (other, left) if too_high else min(best, (other, left), key=_merit)
-        asked += _heights(ways, left, height)
+        heights += _heights(ways, left, height)
     return best
 
 
-def _merit(settled: tuple[Forecast, list[Shortfall]]) -> tuple[float, float]:
-    """What is left: first what no path helps against, then what is missing."""
-    _, left = settled
+def _merit(found: tuple[Forecast, list[Shortfall]]) -> tuple[float, float]:
+    """Return the shortfalls that no path can avoid, then all."""
+    _, left = found
     return sum(one.missing for one in left if one.part >= RETURNS), sum(one.missing for one in left)
 
 
 def _heights(ways: ContingencyPaths, short: list[Shortfall], now: float) -> Iterator[float]:
-    """Heights, of every five meters, over what is in the way, and under what hangs over it."""
+    """Return multiples of five meters above the obstacles in the way, and below those overhead."""
     bodies = {body.name: body.bounds[:, 2] for body in ways.roomy.airspace.obstacles}
     required = ways.required + SAG
     over = [now + one.missing for one in short if one.body == "" and one.part >= CLIMBS]
@@ -130,7 +130,7 @@ def _heights(ways: ContingencyPaths, short: list[Shortfall], now: float) -> Iter
 def shortfalls(
     ways: ContingencyPaths, contingency: Contingency, assessments: ContingencySamples
 ) -> Iterator[Shortfall]:
-    """What is too near, of each body and each leg of the ways to it the worst."""
+    """Return the worst shortfall of each body and each leg."""
     short = np.where(
         assessments.taken[..., None] & ~assessments.clear[:, None, None], assessments.near - ways.required, 0.0
     )

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from ipoa_mission.forecast.contingency_paths import GOAL_DOUBT, SEEN, ContingencyPaths
+from ipoa_mission.forecast.contingency_paths import MAX_SPARE, POSITION_ERROR, ContingencyPaths
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.commands import Command
@@ -53,7 +53,7 @@ def rally_sets(ways: ContingencyPaths) -> Iterator[tuple[Geodetic, ...]]:
 
 def _served(clear: NDArray[np.bool_], away: NDArray[np.float64], chosen: list[int]) -> int:
     """From how many moments every one of the chosen goals that may be taken for the nearest is reached clear."""
-    near = away[:, chosen] <= away[:, chosen].min(axis=1, keepdims=True) + 2 * GOAL_DOUBT
+    near = away[:, chosen] <= away[:, chosen].min(axis=1, keepdims=True) + 2 * POSITION_ERROR
     return int((clear[:, chosen] | ~near).all(axis=1).sum())
 
 
@@ -61,7 +61,7 @@ def _clear(ways: ContingencyPaths, stands: Points, height: NDArray[np.float64], 
     """Whether level ways at these heights lead clear from over each place (n, 3) to over each goal (m, 3), (n, m)."""
     starts = np.repeat(np.column_stack([stands[:, :2], height]), len(goals), axis=0)
     ends = np.column_stack([np.tile(goals[:, :2], (len(stands), 1)), starts[:, 2]])
-    near, _ = ways.roomy.airspace.legs_clearance(starts, ends, ways.required + SEEN)
+    near, _ = ways.roomy.airspace.legs_clearance(starts, ends, ways.required + MAX_SPARE)
     return np.asarray(near >= ways.required).reshape(len(stands), len(goals))
 
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from ipoa_mission.forecast.contingencies import Contingencies, ContingencyBar
-from ipoa_mission.forecast.contingencies_now import EVERY_S, NEAREST_S, STEEP, TIMED
+from ipoa_mission.forecast.contingencies_now import MAX_SLOPE, MIN_STEP_S, STEP_S, TIMED
 from ipoa_mission.forecast.energy_budget import Budget, Taken, budget_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.grades import Grade
@@ -76,13 +76,13 @@ def _costs(bar: ContingencyBar, forecast: Forecast, budget: Budget | None) -> It
 def _taken(contingency: Contingency, endings: Contingencies) -> dict[float, Taken]:
     """What an ending takes at some times, more of them where that jumps, as where a return begins to climb first."""
     begin, end = endings.in_air
-    evenly = np.linspace(begin, end, min(EVENLY, 2 + math.floor((end - begin) / EVERY_S))).tolist()
+    evenly = np.linspace(begin, end, min(EVENLY, 2 + math.floor((end - begin) / STEP_S))).tolist()
     found = {time: taken for time in evenly if (taken := endings.takes(contingency, time)) is not None}
     while len(found) < MOST:
-        wide = [(a, b) for a, b in pairwise(sorted(found)) if b - a > NEAREST_S]
+        wide = [(a, b) for a, b in pairwise(sorted(found)) if b - a > MIN_STEP_S]
         steep = [(abs(sum(found[b][0]) - sum(found[a][0])) / 2 / (b - a), (a + b) / 2) for a, b in wide]
         steepest, middle = max(steep, default=(0.0, 0.0))
-        if steepest < STEEP:
+        if steepest < MAX_SLOPE:
             break
         taken = endings.takes(contingency, middle)
         if taken is None:

@@ -55,8 +55,8 @@ def test_a_moment_that_is_not_clear_is_never_lost_in_a_bar(begin: float, grade: 
 
 def test_what_is_not_known_is_not_called_clear(run: Run) -> None:
     told = run(f"show {SITL} --param RTL_TYPE=1 --endings").out
-    assert re.search(rf"^rtl   \?{{{CELLS}}}  nobody knows where$", told, re.MULTILINE)
-    assert "not clear: returns to the mission's landing, on which it sinks already, are not modeled" in told
+    assert re.search(rf"^rtl   \?{{{CELLS}}}  goal unknown$", told, re.MULTILINE)
+    assert "not clear: returns to the mission's landing, which begin during the landing, are not modeled" in told
 
 
 def test_a_flight_of_which_nothing_is_known_has_no_bars(run: Run, tmp_path: Path) -> None:

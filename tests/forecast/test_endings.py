@@ -16,8 +16,8 @@ from typer.testing import CliRunner
 from ipoa_mission import Forecast, plan_flight, read_mission, read_scenario
 from ipoa_mission.cli.app import app
 from ipoa_mission.errors import BadInput
-from ipoa_mission.forecast.contingencies import LOOKED_AT, Contingencies, ContingencyRow, contingencies_of
-from ipoa_mission.forecast.contingency_paths import SEEN, ContingencyPaths
+from ipoa_mission.forecast.contingencies import COMPUTED, Contingencies, ContingencyRow, contingencies_of
+from ipoa_mission.forecast.contingency_paths import MAX_SPARE, ContingencyPaths
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.mission.commands import Command, Frame
 from ipoa_mission.mission.items import FenceCircle, Item
@@ -48,10 +48,10 @@ def sitl() -> Contingencies:
 @pytest.fixture(scope="module")
 def rows(campus: Contingencies) -> dict[Contingency, tuple[ContingencyRow, ...]]:
     """The rows of the first example, worked out once for all who look into them."""
-    return {contingency: campus.rows(contingency, timed=False) for contingency in LOOKED_AT}
+    return {contingency: campus.rows(contingency, timed=False) for contingency in COMPUTED}
 
 
-@pytest.mark.parametrize("contingency", LOOKED_AT)
+@pytest.mark.parametrize("contingency", COMPUTED)
 def test_every_second_in_the_air_is_in_some_row(
     campus: Contingencies, rows: dict[Contingency, tuple[ContingencyRow, ...]], contingency: Contingency
 ) -> None:
@@ -76,7 +76,7 @@ def test_a_flight_that_is_in_the_air_for_one_moment_has_its_endings_too() -> Non
     forecast = forecast_of("campus")
     grounded = replace(forecast.given, items=forecast.given.items[-1:])
     rows = Contingencies(Forecast(grounded, forecast.scenario)).all_rows()
-    assert {row.contingency for row in rows} == set(LOOKED_AT)
+    assert {row.contingency for row in rows} == set(COMPUTED)
     assert len({time for row in rows for time in (row.from_s, row.to_s)}) == 1
 
 
@@ -208,7 +208,7 @@ def test_back_along_the_mission_it_keeps_what_the_way_out_kept(share: float) -> 
     dense = np.vstack([np.linspace(a, b, 400) for a, b in pairwise(way)])
     nearest = back.ways.roomy.airspace.obstacle_distance(dense).min()
     noted = assessments.near[0][assessments.taken[0]].min()
-    assert noted <= nearest + 1e-6 or nearest > back.ways.required + SEEN
+    assert noted <= nearest + 1e-6 or nearest > back.ways.required + MAX_SPARE
     assert np.linalg.norm(way[-1] - way[-2]) > 1.0
 
 

@@ -91,7 +91,7 @@ def test_where_nobody_knows_where_it_leads_that_is_told(forecast: Forecast) -> N
     *_, strip = strips_of(Forecast(elsewhere, forecast.scenario), 1, 0)
     bar = strip.bars[0]
     assert (bar.ending, [one.look for one in bar.stretches], bar.costs) == ("rtl", ["unknown"], ())
-    assert "nobody knows where: not clear: returns to the mission's landing" in bar.stretches[0].words
+    assert "goal unknown: not clear: returns to the mission's landing" in bar.stretches[0].words
 
 
 def test_without_a_world_there_is_no_bar(forecast: Forecast) -> None:
