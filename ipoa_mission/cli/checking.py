@@ -207,14 +207,16 @@ def route_in_words(estimate: "Estimate") -> list[str]:
 def estimate_as_json(estimate: "Estimate") -> dict[str, Any]:
     """An estimate for machines; items are numbered as in the file, where home is 0."""
     from ipoa_mission.flight.flight_summary import route_summary
-    from ipoa_mission.forecast.timing.qgroundcontrol import COUNTS
+    from ipoa_mission.forecast.timing.qgroundcontrol import COUNTED_TERMS
 
     items = [
         picked(item, "seq", "done_s", "low_s", "high_s", "reason") | {"missed": picked(item.missed, "share", "cost_s")}
         for item in estimate.items
     ]
     waits = {"waits": list(estimate.waits)} if estimate.waits else {}
-    times = picked(estimate, "total_s", "low_s", "high_s", "qgroundcontrol_s") | {"qgroundcontrol_counts": COUNTS}
+    times = picked(estimate, "total_s", "low_s", "high_s", "qgroundcontrol_s") | {
+        "qgroundcontrol_counts": COUNTED_TERMS
+    }
     return times | {"route": route_summary(estimate), "items": items, "remarks": list(estimate.remarks)} | waits
 
 

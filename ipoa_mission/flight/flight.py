@@ -30,7 +30,7 @@ from ipoa_mission.forecast.deviation.promise import Promise
 from ipoa_mission.forecast.energy_budget import Budget, budget_of, refusal_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
-from ipoa_mission.forecast.timing.qgroundcontrol import COUNTS
+from ipoa_mission.forecast.timing.qgroundcontrol import COUNTED_TERMS
 from ipoa_mission.mission.about_file import KEY
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import landing_height
@@ -154,7 +154,7 @@ class Flight:
             "estimate": {
                 "total_s": rounded(estimate.total_s),
                 "qgroundcontrol_s": rounded(estimate.qgroundcontrol_s),
-                "qgroundcontrol_counts": COUNTS,
+                "qgroundcontrol_counts": COUNTED_TERMS,
                 "route": route_summary(estimate),
             },
             **({"wind": self.forecast.wind.as_json()} if self.forecast.wind.strongest > 0 else {}),

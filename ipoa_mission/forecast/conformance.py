@@ -41,9 +41,9 @@ class DeviationKind(StrEnum):
 
 @dataclass(frozen=True)
 class Deviation:
-    """Describe a deviation from the forecast on the way to item number `item` of the mission file (home is 0).
+    """A deviation from the forecast on the way to item number `item` of the mission file (home is 0).
 
-    `time_s` is on the clock of the samples; `found` is greater than `allowed`, both in metres, or for LATE in seconds.
+    `time_s` is on the clock of the samples. `found` and `allowed` are in meters, for LATE in seconds.
     """
 
     kind: DeviationKind

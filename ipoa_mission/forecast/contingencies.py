@@ -114,7 +114,7 @@ class ContingencyRow:
 
     @property
     def in_full(self) -> str:
-        """All of it but the times: "to home: clear, 4.10 m from mast, 2.50 m required"."""
+        """Return goal, grade, distance and limit: "to home: clear, 4.10 m from mast, 2.50 m required"."""
         return f"{self.leads}: {self._nearest}{self._required if math.isfinite(self.least_m) else ''}"
 
     @property

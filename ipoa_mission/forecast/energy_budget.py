@@ -114,7 +114,6 @@ class Budget:
 
     @cached_property
     def items(self) -> tuple[ItemEnergy, ...]:
-        """Item by item, in the order flown."""
         items, before = [], Interval(0.0, 0.0, 0.0)
         for item in self.forecast.estimate.items:
             after = self.used.until(item.done_s)
@@ -125,7 +124,7 @@ class Budget:
 
     @property
     def share(self) -> float:
-        """What it takes of what it may take of its battery: it is short of 1 and more; 0 without a battery."""
+        """Return the used share of the usable energy, 0 without a battery; from 1 on the battery is too small."""
         if self.battery is None:
             return 0.0
         takes = self.used.between

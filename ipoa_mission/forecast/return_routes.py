@@ -29,7 +29,7 @@ WHERE = {ReturnBy.AHEAD: "the landing along the mission", ReturnBy.BACK: "home"}
 
 
 class ReturnRoutes:
-    """The ways of one mission on which a return may lead along it."""
+    """The paths of one mission on which a return may lead along it."""
 
     def __init__(self, forecast: Forecast, rally: tuple[Place, ...]) -> None:
         self.forecast, self.rally, self.mission = forecast, rally, forecast.mission

@@ -28,9 +28,9 @@ SAG = 0.3  # greatest height that a return may be below its set height [m]
 
 @dataclass(frozen=True)
 class Shortfall:
-    """An ending that is too near to something: ordered at a time [s], of which body, and what is missing at most [m].
+    """A contingency too near to a body, ordered at a time [s], with its greatest missing distance [m].
 
-    `part` is the leg of its way; `overhead`: what is too near hangs over the vehicle as it climbs. The ground is "".
+    `part` is the leg of its path. `overhead`: the body is above the vehicle as it climbs. The ground is "".
     """
 
     contingency: Contingency

@@ -15,7 +15,7 @@ STEP_S = 0.2  # between the places at which the flight may be aborted [s]
 
 @dataclass(frozen=True, eq=False)
 class StoppingPoints:
-    """Where the vehicle is (n, 3) at `times` (n,) [s], on its way to items `seqs` (n,), and where it stands then."""
+    """Places (n, 3) at `times` (n,) [s] on the way to items `seqs` (n,), and the stopping points `stands`."""
 
     times: Vector
     places: Points
@@ -23,7 +23,7 @@ class StoppingPoints:
     seqs: NDArray[np.intp]
 
     def seqs_at(self, times: Vector) -> NDArray[np.intp]:
-        """On its way to which items it is at these times (n,)."""
+        """Return the items that it flies to at these times (n,)."""
         return np.asarray(self.seqs[np.clip(np.searchsorted(self.times, times), 0, len(self.seqs) - 1)])
 
     def at(self, times: Vector) -> tuple[Points, Points]:

@@ -5,11 +5,11 @@ from itertools import pairwise
 
 from ipoa_mission.centimeters import down, up
 from ipoa_mission.errors import MissionError
-from ipoa_mission.forecast.deviation.approach import USUAL_CHANCE
+from ipoa_mission.forecast.deviation.approach import TYPICAL_CHANCE
 from ipoa_mission.forecast.deviation.law import DeviationLaw
 from ipoa_mission.forecast.deviation.measured_law import law_of
 from ipoa_mission.forecast.deviation.tight_places import tight_places
-from ipoa_mission.forecast.timing.track import STRAY
+from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
 from ipoa_mission.planning.plan_view import CLOSE, Closure, closure
 from ipoa_mission.planning.problem import prepare
 from ipoa_mission.scenario import Scenario
@@ -50,7 +50,7 @@ def expect_wide(scenario: Scenario) -> None:
     chance, law = scenario.safety.chance, law_of(scenario.vehicle.autopilot, scenario.wind.strongest)
     if chance is None or not scenario.airspace.obstacles:
         return
-    if tight_places(scenario, 2 * STRAY + law.beside(chance)):
+    if tight_places(scenario, 2 * THINNING_TOLERANCE + law.beside(chance)):
         return  # round these less is promised
     more = least_reach(law, chance)
     wider = scenario.model_copy(update={"safety_distance": scenario.safety_distance + more})
@@ -68,8 +68,8 @@ def least_reach(law: DeviationLaw, chance: float) -> float:
     No promise of one pass asks for less: it is short of a limit as often as the likeliest of its ways to be. Above and
     below a body what leads to its side may count for less.
     """
-    usual = [spread.distance(USUAL_CHANCE) for spread in (law.down, law.up)]
-    facing = min(1.0, min(usual) / law.level.distance(USUAL_CHANCE))
+    usual = [spread.distance(TYPICAL_CHANCE) for spread in (law.down, law.up)]
+    facing = min(1.0, min(usual) / law.level.distance(TYPICAL_CHANCE))
     reach = [spread.distance(chance) for spread in (law.down, law.up, law.lowest, law.highest)]
     reach.append(facing * law.level.distance(chance))
     if law.farthest is not None:

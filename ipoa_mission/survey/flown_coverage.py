@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.timing.track import STRAY, Track
+from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE, Track
 from ipoa_mission.geometry import Points
 from ipoa_mission.scenario.other_home import between
 from ipoa_mission.survey.survey_lines import union_along
@@ -68,4 +68,4 @@ def _path(track: Track, begin: float, end: float) -> Any:
     near = slice(before, np.searchsorted(track.times, end) + 1)  # the full track of many hours is slow for each line
     first, last = Track(track.times[near], track.points[near], track.speeds[near]).at(np.array([begin, end]))
     places = np.vstack([first, track.between(begin, end).points, last])[:, :2]
-    return shapely.simplify(shapely.LineString(places), STRAY, preserve_topology=False)
+    return shapely.simplify(shapely.LineString(places), THINNING_TOLERANCE, preserve_topology=False)

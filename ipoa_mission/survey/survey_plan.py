@@ -16,7 +16,7 @@ from ipoa_mission.forecast.contingency_paths import ContingencyPaths
 from ipoa_mission.forecast.deviation.promise import Kept, Promise
 from ipoa_mission.forecast.energy_budget import shortage_of
 from ipoa_mission.forecast.forecast import Forecast
-from ipoa_mission.forecast.timing.track import STRAY
+from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
 from ipoa_mission.geometry import Points
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.progress import Progress, silent
@@ -181,7 +181,7 @@ def _missing(kept: Kept, promise: Promise, sight: Sight, growth: Mapping[str, fl
     Only the worst has a computed bound; the others are assumed to have the same deviation.
     """
     flight, lost = promise.flight, kept.nominal - kept.kept
-    way = shapely.LineString(flight.prediction.track.between(*flight.way).points[:, :2]).simplify(STRAY)
+    way = shapely.LineString(flight.prediction.track.between(*flight.way).points[:, :2]).simplify(THINNING_TOLERANCE)
     bodies = flown_round(flight.scenario, sight, growth)
     slack = shapely.distance(way, [body.plan for body in bodies]) - lost - kept.required
     missing = {body.name: MIN_SLACK - float(each) for body, each in zip(bodies, slack, strict=True) if each < MIN_SLACK}

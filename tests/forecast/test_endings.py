@@ -314,7 +314,7 @@ def test_looks_at_a_few_times_at_once_are_those_at_all(
 ) -> None:
     times = np.linspace(*sitl.ways.in_air, 50)
     whole = sitl.ways.at(contingency, times)
-    monkeypatch.setattr("ipoa_mission.forecast.contingency_paths.AT_ONCE", 7)
+    monkeypatch.setattr("ipoa_mission.forecast.contingency_paths.BATCH_SIZE", 7)
     parts = ContingencyPaths(sitl.forecast).at(contingency, times)
     for name in ("times", "ways", "taken", "near", "which", "spare"):
         assert np.array_equal(getattr(parts, name), getattr(whole, name))

@@ -1,1 +1,1 @@
-"""The tube: how far a flown path lies beside the predicted one, and what clearance is kept in spite of it."""
+"""The deviation bound: distance of flown from predicted paths, and the clearance that remains."""

@@ -1,9 +1,9 @@
-"""How near the pieces of a course come to each obstacle, and with what chance a flight is nearer still.
+"""Compute the distance of pieces of a path to each obstacle, and the probability of a smaller one.
 
-A place that is moved sideways by s and vertically by h keeps from an upright body at least the distance that is left
-when s is taken off the level and h off the vertical one. So to come nearer than k a flight must leave the path by more
-than (level - k) *and* by more than (vertical - k). A body also lies behind the plane that touches it where it is
-nearest, so that only what leads towards it counts. The least of these chances bounds it.
+A place moved sideways by s and vertically by h keeps from an upright body at least the distance of (level - s) and
+(vertical - h). To come nearer than k a flight must deviate by more than (level - k) *and* by more than (vertical - k).
+The body is also behind its tangent plane at the nearest point, so only the deviation towards it counts. The least of
+these probabilities is an upper bound.
 """
 
 from dataclasses import dataclass, replace
@@ -18,17 +18,17 @@ from ipoa_mission.forecast.deviation.pieces import Pieces
 from ipoa_mission.geometry import Vector
 from ipoa_mission.world.airspace import Airspace
 
-RARE_CHANCE = 1e-5  # what is so far away that it is reached with less than this chance is not looked at
-USUAL_CHANCE = 0.01  # the chance at which heights are compared with what is level
-RESOLUTION = 1e-3  # to which a clearance is found [m]
+RARE_CHANCE = 1e-5  # obstacles reached with a lower probability are ignored
+TYPICAL_CHANCE = 0.01  # probability at which vertical and level deviations are compared
+RESOLUTION = 1e-3  # of a clearance [m]
 Numbers = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
 class _Draws:
-    """Pairs by the stretches of time that know nothing of each other.
+    """Pairs grouped by independent stretches of time.
 
-    `taken` (n,) are the pairs, `one` (n,) numbers what is one obstacle in one stretch, `stretch` (m,) is which one.
+    `taken` (n,): the pairs. `one` (n,): index of the obstacle in its stretch. `stretch` (m,): index of the stretch.
     """
 
     taken: Numbers
@@ -36,10 +36,9 @@ class _Draws:
     stretch: Numbers
 
     def chance(self, chances: Vector, sides: float) -> float:
-        """The chance that any of the pairs comes about, of the chances of all pairs.
+        """Return the probability that any pair occurs, from the probabilities of all pairs.
 
-        In one stretch a vehicle is beside its path to one side, of so many `sides` at most, and every obstacle counts
-        by the pair that is the likeliest.
+        In one stretch a vehicle deviates to one side, of at most `sides`. Each obstacle counts by its likeliest pair.
         """
         if len(self.taken) == 0:
             return 0.0
@@ -53,10 +52,10 @@ class _Draws:
 
 @dataclass(frozen=True, eq=False)
 class Approaches:
-    """Pairs of a piece and an obstacle: numbers, and distances that the piece nowhere falls short of, (n,) each [m].
+    """Pairs of a piece and an obstacle: indices, and lower bounds of their distance, (n,) each [m].
 
-    `aside` is to its outline, `above` over its top or under its base, whichever is more. `stretch` widens the law for
-    the piece; in a court or a corner of an obstacle it has two `sides` to be hit on.
+    `aside` is the lateral distance to the outline. `above` is the greater of the distances over the top and under the
+    base. `stretch` widens the law for the piece. `sides` is 2 in a court or a corner of an obstacle, else 1.
     """
 
     law: DeviationLaw
@@ -71,43 +70,43 @@ class Approaches:
 
     @cached_property
     def distance(self) -> Vector:
-        """What the pieces at least are from the obstacles [m]; negative inside."""
+        """Return the least distance of the pieces to the obstacles [m]; negative inside."""
         outside = np.hypot(np.maximum(self.aside, 0.0), np.maximum(self.above, 0.0))
         return np.asarray(outside + np.minimum(np.maximum(self.aside, self.above), 0.0))
 
     @cached_property
     def facing(self) -> Vector:
-        """How much wider than to the side the tube is towards the obstacles."""
+        """Return the ratio of the deviation towards the obstacles to that to the side."""
         return _facing(self.law, self.aside, self.above, self.is_over)
 
     def of(self, taken: NDArray[np.bool_]) -> "Approaches":
-        """Some of the pairs (n,)."""
+        """Select pairs (n,)."""
         columns = ("piece", "obstacle", "seconds", "aside", "above", "is_over", "stretch", "sides")
         return replace(self, **{name: getattr(self, name)[taken] for name in columns})
 
     def chance(self, kept: float) -> float:
-        """The chance at most that a flight somewhere comes nearer than `kept` [m]."""
+        """Return an upper bound of the probability that a flight is anywhere nearer than `kept` [m]."""
         if len(self.piece) == 0:
             return 0.0
         chance = self._each(kept)
-        beside = min(self._beside.chance(chance, 2.0), self._side_of_a_flight(kept))
+        lateral = min(self._lateral.chance(chance, 2.0), self._side_of_a_flight(kept))
         high = min(self._high.chance(chance, 1.0), self._height_of_a_flight(kept))
-        return 1.0 - (1.0 - beside) * (1.0 - high)
+        return 1.0 - (1.0 - lateral) * (1.0 - high)
 
     def likeliest(self, kept: float) -> tuple[int, int]:
-        """The piece and the obstacle that are the likeliest to be nearer to each other than `kept` [m]."""
+        """Return the piece and the obstacle that are the likeliest nearer than `kept` [m]."""
         pair = int(np.argmax(self._each(kept)))
         return int(self.piece[pair]), int(self.obstacle[pair])
 
     @cached_property
     def by_height(self) -> NDArray[np.bool_]:
-        """The pairs that heights keep apart rather than what is level, (n,)."""
+        """Return which pairs are separated by height rather than laterally, (n,)."""
         spreads = (self.law.level, self.law.down, self.law.up)
-        kept = self.distance - max(spread.distance(USUAL_CHANCE) for spread in spreads)
+        kept = self.distance - max(spread.distance(TYPICAL_CHANCE) for spread in spreads)
         return np.asarray(self._vertical(kept) < self._sideways(kept))
 
     def _each(self, kept: float) -> Vector:
-        """The chance of each pair at its moment, (n,)."""
+        """Return the probability of each pair at its moment, (n,)."""
         return np.minimum(self._sideways(kept), self._vertical(kept))
 
     def _sideways(self, kept: Vector | float) -> Vector:
@@ -120,21 +119,21 @@ class Approaches:
         return np.where(self.is_over, self.law.down.chance(room), self.law.up.chance(room))
 
     def _height_of_a_flight(self, kept: float) -> float:
-        """The chance that a height is anywhere so wrong in a whole flight."""
+        """Return the probability of such a height error anywhere in a flight."""
         room = self.above - kept
         low = self.law.lowest.chance(room[self.by_height & self.is_over]).max(initial=0.0)
         high = self.law.highest.chance(room[self.by_height & ~self.is_over]).max(initial=0.0)
         return float(min(low + high, 1.0))
 
     def _side_of_a_flight(self, kept: float) -> float:
-        """The chance that a whole flight is anywhere so far beside its path, to one of two sides."""
+        """Return the probability of such a lateral deviation anywhere in a flight, to one of two sides."""
         if self.law.farthest is None:
             return 1.0
         room = np.maximum(self.aside - kept, (self.distance - kept) / self.facing) / self.stretch
         return float(min(2.0 * self.law.farthest.chance(room[~self.by_height]).max(initial=0.0), 1.0))
 
     @cached_property
-    def _beside(self) -> "_Draws":
+    def _lateral(self) -> "_Draws":
         return self._draws(~self.by_height, self.law.memory)
 
     @cached_property
@@ -149,7 +148,7 @@ class Approaches:
         return _Draws(np.flatnonzero(taken), likeliest, numbers // count)
 
     def kept(self, chance: float) -> float:
-        """The clearance that a flight falls short of with at most this chance [m]; infinite if nothing is near."""
+        """Return the clearance [m] that a flight falls short of with at most this chance; infinite without one."""
         if len(self.piece) == 0:
             return float("inf")
         high = float(self.distance.min())
@@ -163,7 +162,7 @@ class Approaches:
 
 
 def approaches(flown: Pieces, airspace: Airspace, law: DeviationLaw, kept: float) -> Approaches:
-    """Every pair of a piece and an obstacle that may be nearer than `kept` [m]."""
+    """Return all pairs of a piece and an obstacle that may be nearer than `kept` [m]."""
     a, b = flown.points[:-1], flown.points[1:]
     stretch = law.stretch(flown.across)
     reach = max(kept, 0.0) + stretch * law.level.distance(RARE_CHANCE)
@@ -180,13 +179,13 @@ def approaches(flown: Pieces, airspace: Airspace, law: DeviationLaw, kept: float
 
 
 def _by_obstacle(piece: Numbers, obstacle: Numbers) -> list[tuple[int, Numbers]]:
-    """Obstacle by obstacle the pieces that belong to it; both are sorted by obstacles."""
+    """Group pieces by obstacle; both are sorted by obstacles."""
     numbers, first = np.unique(obstacle, return_index=True)
     return list(zip(numbers.tolist(), np.split(piece, first[1:]), strict=True)) if len(numbers) else []
 
 
 def _facing(law: DeviationLaw, aside: Vector, above: Vector, is_over: NDArray[np.bool_]) -> Vector:
-    down, up = (spread.distance(USUAL_CHANCE) / law.level.distance(USUAL_CHANCE) for spread in (law.down, law.up))
+    down, up = (spread.distance(TYPICAL_CHANCE) / law.level.distance(TYPICAL_CHANCE) for spread in (law.down, law.up))
     aside, above = np.maximum(aside, 0.0), np.maximum(above, 0.0)
     length = np.hypot(aside, above)
     wider = np.hypot(aside, np.where(is_over, down, up) * above)

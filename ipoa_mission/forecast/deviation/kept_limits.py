@@ -1,7 +1,7 @@
-"""What a tube leaves of the limits that are no obstacles: ground, ceiling, bounds.
+"""Compute what the deviation bound leaves of ground, ceiling and bounds.
 
-Over sloping ground the path is moved to the tube's rim, to eight sides; what each of these paths keeps is exact. Near a
-place that the scenario itself puts nearer to a limit than the tube is wide, that limit holds for the predicted path.
+Over sloping ground the path is moved to the bound in eight directions, and each of these paths is checked exactly.
+Near a place that the scenario puts nearer to a limit than the bound, the predicted path must keep that limit.
 """
 
 import math
@@ -18,9 +18,9 @@ from ipoa_mission.planning.proof import Check, prove_heights
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Clearance
 
-SIDES = 8
-SHARE = 0.25  # of the chance that is left to what is level; the rest is left to the heights
-ROUND_A_PLACE = 15.0  # a place that is near to a limit is left within so much [m]
+DIRECTIONS = 8
+LATERAL_SHARE = 0.25  # of the probability for the lateral deviation; the rest is for the heights
+PLACE_RADIUS = 15.0  # distance within which the path leaves a place near to a limit [m]
 BOUNDS = (
     "the west bound",
     "the south bound",
@@ -33,7 +33,7 @@ BOUNDS = (
 
 @dataclass(frozen=True)
 class DeviationBound:
-    """How far the tube reaches to the side, down and up [m]."""
+    """Distances of the deviation bound to the side, down and up [m]."""
 
     level: float
     down: float
@@ -44,20 +44,22 @@ NO_DEVIATION = DeviationBound(0.0, 0.0, 0.0)
 
 
 def deviation_bound_of(law: DeviationLaw, chance: float) -> DeviationBound:
-    """The rim beyond which a flight gets with at most this chance, in a straight flight."""
-    heights = (1 - SHARE) * chance
-    return DeviationBound(law.beside(SHARE * chance), law.lowest.distance(heights), law.highest.distance(heights))
+    """Return the bound that a straight flight exceeds with at most this probability."""
+    heights = (1 - LATERAL_SHARE) * chance
+    return DeviationBound(
+        law.beside(LATERAL_SHARE * chance), law.lowest.distance(heights), law.highest.distance(heights)
+    )
 
 
 def limits_kept(path: Points, scenario: Scenario, deviation_bound: DeviationBound) -> Iterator[Check]:
-    """Ground, ceiling and bounds, each with the least that the tube round a path (n, 3) keeps."""
+    """Return checks of ground, ceiling and bounds with the deviation bound around a path (n, 3)."""
     yield from _heights_kept(path, scenario, deviation_bound)
     if (bounds := _bounds_kept(path, scenario, deviation_bound)) is not None:
         yield bounds
 
 
 def _heights_kept(path: Points, scenario: Scenario, deviation_bound: DeviationBound) -> Iterator[Check]:
-    """Round a place that lies lower than the tube allows, its own height is what the predicted path must keep."""
+    """Return height checks; near a place below the bound the predicted path must keep the place's height."""
     higher, least = problem_of(scenario).tightened(deviation_bound.down), scenario.limits.height_above_ground
     sides = _sides(deviation_bound.level if scenario.airspace.terrain.steepness > 0 else 0.0)
     to_and_fro = [path[:: 1 - 2 * (n % 2)] + side for n, side in enumerate(sides)]  # one line is quicker than nine
@@ -72,7 +74,7 @@ def _bounds_kept(path: Points, scenario: Scenario, deviation_bound: DeviationBou
     bounds = scenario.airspace.bounds
     fixed = np.vstack([np.zeros(3), scenario.places])
     fixed = fixed[_inside(fixed, scenario, deviation_bound).min(axis=1) < 0]
-    away = np.linalg.norm(path[:, None, :2] - fixed[None, :, :2], axis=2).min(axis=1, initial=np.inf) > ROUND_A_PLACE
+    away = np.linalg.norm(path[:, None, :2] - fixed[None, :, :2], axis=2).min(axis=1, initial=np.inf) > PLACE_RADIUS
     if not away.any():
         return None
     margins = _inside(path[away], scenario, deviation_bound)
@@ -82,7 +84,7 @@ def _bounds_kept(path: Points, scenario: Scenario, deviation_bound: DeviationBou
     if bounds.footprint is not None:
         edge = shapely.boundary(bounds.footprint.shape)
         way = shapely.LineString(path[:, :2])
-        way = way.difference(shapely.union_all(shapely.buffer(shapely.points(fixed[:, :2]), ROUND_A_PLACE)))
+        way = way.difference(shapely.union_all(shapely.buffer(shapely.points(fixed[:, :2]), PLACE_RADIUS)))
         if not way.is_empty and (margin := float(shapely.distance(way, edge)) - deviation_bound.level) < least:
             near = np.array(shapely.shortest_line(way, edge).coords[0])
             least, what = margin, "the flight area"
@@ -92,7 +94,7 @@ def _bounds_kept(path: Points, scenario: Scenario, deviation_bound: DeviationBou
 
 
 def _inside(points: Points, scenario: Scenario, deviation_bound: DeviationBound) -> Points:
-    """What the tube at points (n, 3) leaves to each side of the box, (n, 6) [m]."""
+    """Return the distance of the deviation bound at points (n, 3) to each side of the box, (n, 6) [m]."""
     bounds = scenario.airspace.bounds
     lower = (
         points
@@ -108,6 +110,6 @@ def _inside(points: Points, scenario: Scenario, deviation_bound: DeviationBound)
 def _sides(level: float) -> Iterator[Vector]:
     yield np.zeros(3)
     if level > 0:
-        for side in range(SIDES):
-            turn = 2 * math.pi * side / SIDES
+        for side in range(DIRECTIONS):
+            turn = 2 * math.pi * side / DIRECTIONS
             yield level * np.array([math.cos(turn), math.sin(turn), 0.0])

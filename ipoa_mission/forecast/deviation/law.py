@@ -1,4 +1,4 @@
-"""What is known of each autopilot's tube: measured on recorded flights, held against others."""
+"""The deviation law of an autopilot: measured on recorded flights, tested on others."""
 
 from dataclasses import dataclass, replace
 
@@ -7,21 +7,22 @@ import numpy as np
 from ipoa_mission.forecast.deviation.quantiles import Quantiles
 from ipoa_mission.geometry import Vector
 
-A_FEW = 4  # moments that know nothing of each other, for which a flight is near to a limit that is no obstacle
+INDEPENDENT_SAMPLES = 4  # independent moments in which a flight is near to a limit that is no obstacle
 
 
 @dataclass(frozen=True)
 class DeviationLaw:
-    """How far a vehicle flies beside its predicted path.
+    """Distribution of a vehicle's deviation from its predicted path.
 
-    `level` is to one side at a moment, in a straight flight; a lateral acceleration of `turn` [m/s^2] doubles it, and
-    after the last waypoint it is `after_way` times as wide. After `memory` seconds it is as good as independent.
-    `down` and `up` are the heights at a moment, new every `height_memory` seconds; and as a height that is known
-    wrongly stays so, `lowest` and `highest` are the most of a whole flight, whatever it does. So is `farthest` to one
-    side, of an autopilot that does not get farther the longer it flies. In wind all of them grow by `growth` [m for
-    each m/s, to the side, down, up]. `source` says on what it was measured: nothing stands behind it with
-    other airframes and parameters than the simulators', or for what satellites are wrong by. `strongest` is the wind,
-    gusts and all, up to which flights kept to it [m/s].
+    `level`: to one side at a moment of a straight flight. A lateral acceleration of `turn` [m/s^2] doubles it. After
+    the last waypoint it is `after_way` times as large. Samples `memory` [s] apart are independent.
+
+    `down`, `up`: height at a moment, independent after `height_memory` [s]. `lowest`, `highest`: extremes of a whole
+    flight, as a height error persists. `farthest`: the extreme to one side, of an autopilot where it does not grow
+    with time. `growth`: increase in wind [m for each m/s, to the side, down, up].
+
+    `source`: the flights measured. Other airframes and parameters than the simulators', and errors of satellite
+    positioning, were not measured. `strongest`: the greatest wind with gusts that the law was verified in [m/s].
     """
 
     level: Quantiles
@@ -39,15 +40,15 @@ class DeviationLaw:
     strongest: float
 
     def stretch(self, across: Vector) -> Vector:
-        """How many times as wide as straight ahead the tube is at lateral accelerations (n,) [m/s^2], (n,)."""
+        """Return the factor of the deviation at lateral accelerations (n,) [m/s^2], (n,)."""
         return np.asarray(1.0 + across / self.turn)
 
     def beside(self, chance: float) -> float:
-        """How far to one side a flight gets with this chance in a few times its memory [m]."""
-        return self.level.distance(chance / A_FEW)
+        """Return the lateral deviation [m] that is exceeded with this probability in a few times `memory`."""
+        return self.level.distance(chance / INDEPENDENT_SAMPLES)
 
     def in_wind(self, speed: float) -> "DeviationLaw":
-        """The law in a wind of this speed [m/s], gusts and all: every distance is longer by a share of it."""
+        """Return the law in a wind of this speed with gusts [m/s]."""
 
         def longer(spread: Quantiles, share: float) -> Quantiles:
             first, *others = spread.distances
@@ -67,7 +68,7 @@ class DeviationLaw:
         )
 
     def after_the_way(self) -> "DeviationLaw":
-        """The law after the last waypoint."""
+        """Return the law after the last waypoint."""
 
         def wider(spread: Quantiles) -> Quantiles:
             return replace(spread, distances=tuple(self.after_way * distance for distance in spread.distances))

@@ -1,4 +1,4 @@
-"""The promise: what clearance the predicted path of a mission has, and what is left of it in 99 % of flights."""
+"""Compute the clearance of a mission's predicted path, and the one that 99 % of flights keep."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -16,24 +16,25 @@ from ipoa_mission.forecast.deviation.pieces import Pieces, pieces_of
 from ipoa_mission.forecast.deviation.tight_places import TightPlace, round_places, runs, tight_places
 from ipoa_mission.forecast.itinerary.itinerary import Itinerary
 from ipoa_mission.forecast.timing.prediction import Prediction
-from ipoa_mission.forecast.timing.track import STRAY, thinned
+from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE, thinned
 from ipoa_mission.mission.commands import ENDINGS, FLOWN_TO, TAKEOFFS, Command
 from ipoa_mission.planning.proof import Check
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.autopilot import Autopilot
 
-TAKE_OFF, ENDING = "the take-off", "the ending"
-OVER_PLACE = 0.5  # nearer to its place in plan it sinks with a payload [m]
+TAKEOFF_PART, ENDING_PART = "the take-off", "the ending"
+THINNED = DeviationBound(THINNING_TOLERANCE, THINNING_TOLERANCE, THINNING_TOLERANCE)
+PAYLOAD_RADIUS = 0.5  # lateral distance to its place within which a vehicle descends with a payload [m]
 
 
 @dataclass(frozen=True)
 class Kept:
-    """One limit in one part of the flight: what the predicted path has of it and what flights keep [m].
+    """One limit in one part of the flight: predicted and kept distances [m].
 
-    `nominal` and `kept` are distances, of a ceiling heights; `to` is what is near, `item` the item on the way to which
-    it is (as in mission files, home is 0), `place` where. `part` is empty on the way; else "the take-off", "the
-    ending", or the place that the scenario itself puts nearer than the tube is wide, as in "via[2]": the promise of the
-    flight is not about these.
+    `nominal` and `kept` are distances, of a ceiling heights. `to` is the nearest thing. `item` is the item flown to, as
+    in mission files with home 0, and `place` the place. `part` is empty on the way. Else it is "the take-off", "the
+    ending", or a place that the scenario puts nearer than the deviation bound, as "via[2]"; the promise of the flight
+    excludes these.
     """
 
     limit: str
@@ -47,33 +48,33 @@ class Kept:
 
     @property
     def on_the_way(self) -> bool:
-        """Whether it is between the take-off and the last waypoint, and no given place is in its way."""
+        """Return whether it is between the take-off and the last waypoint, and at no tight place."""
         return not self.part
 
     @property
     def forbids(self) -> bool:
-        """Whether a mission may not be flown for it: it falls short on the way, or at a given place even as predicted.
+        """Return whether it forbids the flight: too little on the way, or at a tight place even as predicted.
 
-        What is predicted there may be as near as the place itself, seen by legs that stand for the path.
+        At a tight place the prediction may be as near as the place itself, with the tolerance of the thinned path.
         """
-        if self.part in (TAKE_OFF, ENDING):
+        if self.part in (TAKEOFF_PART, ENDING_PART):
             return False
-        return self.falls_short and (self.on_the_way or self.nominal < self.required - 2 * STRAY)
+        return self.falls_short and (self.on_the_way or self.nominal < self.required - 2 * THINNING_TOLERANCE)
 
     @property
     def slack(self) -> float:
-        """How much more than required is kept [m]."""
+        """Return the slack to the required distance [m]."""
         return self.required - self.kept if self.limit == "ceiling" else self.kept - self.required
 
     @property
     def falls_short(self) -> bool:
-        """Whether less is kept than is required, as both are printed."""
+        """Return whether less is kept than required, as both are printed."""
         if self.limit == "ceiling":
             return goes_beyond(self.kept, self.required)
         return falls_short(self.kept, self.required)
 
     def words(self, confidence: float | None) -> str:
-        """What flights keep, what is predicted and what is required, in one line without a full stop."""
+        """Return kept, predicted and required distances in one line without a full stop."""
         least, most, bound = (up, down, "at most ") if self.limit == "ceiling" else (down, up, "")
         nominal, required = least(self.nominal), f"{bound}{most(self.required):.2f} m required"
         predicted = f"{abs(nominal):.2f} m{' inside' if nominal < 0 else ''}"
@@ -85,7 +86,7 @@ class Kept:
 
 @dataclass(frozen=True)
 class Promise:
-    """What a mission keeps of every limit, on the way and in its ending, at the scenario's confidence."""
+    """The limits that a mission keeps on the way and in its ending, at the scenario's confidence."""
 
     confidence: float | None
     limits: tuple[Kept, ...]
@@ -93,76 +94,79 @@ class Promise:
 
     @property
     def broken(self) -> tuple[Kept, ...]:
-        """The limits that fewer flights keep than must, as they are printed."""
+        """Return the limits that too few flights keep, as printed."""
         return tuple(kept for kept in self.limits if kept.falls_short)
 
     @property
     def forbidding(self) -> tuple[Kept, ...]:
-        """The limits for which it may not be flown."""
+        """Return the limits that forbid the flight."""
         return tuple(kept for kept in self.limits if kept.forbids)
 
     @property
     def clearance(self) -> Kept | None:
-        """The promise of the flight: the least that is kept to anything solid on the way, by what is required of it."""
+        """Return the least clearance to obstacles and ground on the way, shortfalls first."""
         solid = [k for k in self.limits if k.on_the_way and k.limit in ("obstacles", "ground") and np.isfinite(k.kept)]
         return min(solid, key=lambda kept: (not kept.falls_short, kept.kept), default=None)
 
     @property
     def elsewhere(self) -> tuple[Kept, ...]:
-        """Where less is kept than required, and no promise is about: take-off and ending, and places that are given."""
+        """Return the broken limits outside the promise: at take-off, ending and tight places."""
         return tuple(kept for kept in self.broken if not kept.on_the_way)
 
 
 def deviation_bound_holds(flown: Pieces, autopilot: Autopilot, scenario: Scenario) -> bool:
-    """Whether flights keep every limit on a path, as often as the scenario asks."""
+    """Return whether enough flights keep each limit on a path, by the scenario's confidence."""
     chance, law = scenario.safety.chance, law_of(autopilot, scenario.wind.strongest)
     required, airspace = up(scenario.limits.obstacle_distance), scenario.airspace
     if airspace.obstacles:
         free = round_places(flown.points, _tight(scenario, law)) < 0
         for stretch in runs(flown.points, free):
-            nearest = airspace.obstacle_clearance(thinned(stretch), within=required + 2 * STRAY)
-            if nearest.distance - STRAY < required:
+            nearest = airspace.obstacle_clearance(thinned(stretch), within=required + 2 * THINNING_TOLERANCE)
+            if nearest.distance - THINNING_TOLERANCE < required:
                 return False
         for stretch in runs(flown.points, ~free):
             near = airspace.obstacle_clearance(thinned(stretch), within=required)
-            if near.distance < required - STRAY:
+            if near.distance < required - THINNING_TOLERANCE:
                 return False
         if chance is not None:
             pairs = approaches(flown, airspace, law, required)
             if pairs.of(free[pairs.piece]).chance(required) > chance:
                 return False
     path = thinned(flown.points)
-    return not any(_breaks(check) for check in limits_kept(path, scenario, _rim(law, chance)))
+    return not any(_breaks(check) for check in limits_kept(path, scenario, _bound(law, chance)))
 
 
 def _breaks(check: Check) -> bool:
-    """Whether too little is kept, as it is printed."""
+    """Return whether too little is kept, as printed."""
     if check.at_most:
         return goes_beyond(check.nearest.distance, check.required)
     return falls_short(check.nearest.distance, check.required)
 
 
-def _rim(law: DeviationLaw, chance: float | None) -> DeviationBound:
-    """The rim of the tube, and what the thinned path may be from the predicted one."""
+def _bound(law: DeviationLaw, chance: float | None) -> DeviationBound:
+    """Return the deviation bound with the tolerance of the thinned path."""
     deviation_bound = NO_DEVIATION if chance is None else deviation_bound_of(law, chance)
-    return DeviationBound(deviation_bound.level + STRAY, deviation_bound.down + STRAY, deviation_bound.up + STRAY)
+    return DeviationBound(
+        deviation_bound.level + THINNING_TOLERANCE,
+        deviation_bound.down + THINNING_TOLERANCE,
+        deviation_bound.up + THINNING_TOLERANCE,
+    )
 
 
 def _tight(scenario: Scenario, law: DeviationLaw) -> tuple[TightPlace, ...]:
-    """Given places nearer to an obstacle than the tube is wide in one pass."""
+    """Return the given places nearer to an obstacle than the deviation bound in one pass."""
     chance = scenario.safety.chance
-    return tight_places(scenario, 2 * STRAY + (0.0 if chance is None else law.beside(chance)))
+    return tight_places(scenario, 2 * THINNING_TOLERANCE + (0.0 if chance is None else law.beside(chance)))
 
 
 def promise_of(flight: "PredictedFlight") -> Promise:
-    """What a mission promises that is flown so."""
     chance = flight.scenario.safety.chance
     return Promise(None if chance is None else 1.0 - chance, tuple(flight.limits(chance)), flight)
 
 
 @dataclass(frozen=True, eq=False)
 class PredictedFlight:
-    """A mission as the time model flies it in the world of a scenario."""
+    """The predicted flight of a mission in a scenario's world."""
 
     route: Itinerary
     prediction: Prediction
@@ -171,12 +175,12 @@ class PredictedFlight:
 
     @cached_property
     def pieces(self) -> Pieces:
-        """The whole of it, from the ground to the ground; wider after the last waypoint."""
+        """Return the pieces of the whole flight; wider after the last waypoint."""
         return pieces_of(self.prediction.track.local())
 
     @cached_property
     def way(self) -> tuple[float, float]:
-        """When the take-off ends and when the last waypoint is done [s]."""
+        """Return the end of the take-off and of the last waypoint [s]."""
         done, visits = self.prediction.done, self.route.visits
         begins = [float(at) for at, visit in zip(done, visits, strict=True) if visit.item.command in TAKEOFFS]
         ends = [
@@ -188,14 +192,14 @@ class PredictedFlight:
         return begin, max(ends[-1] if ends else begin, begin)
 
     def limits(self, chance: float | None) -> Iterator[Kept]:
-        """Obstacles on the way, before it, after it and at given places; ground, ceiling and bounds on the way."""
+        """Return obstacles on the way, before, after and at tight places; ground, ceiling and bounds on the way."""
         begin, end = self.way
         last = float(self.pieces.times[-1])
         law = law_of(self.autopilot, self.scenario.wind.strongest)
         if self.scenario.airspace.obstacles:
             for first, then, its_law, name in (
-                (0.0, begin, law, TAKE_OFF),
-                (end, last, law.after_the_way(), ENDING),
+                (0.0, begin, law, TAKEOFF_PART),
+                (end, last, law.after_the_way(), ENDING_PART),
             ):
                 if then > first:
                     part = self.pieces.part(first, then)
@@ -206,15 +210,15 @@ class PredictedFlight:
                 for n in np.unique(at).tolist():
                     yield self._obstacles(part, law, chance, at == n, "" if n < 0 else tight[n].name)
         for first, then in self._above_ground(begin, end):
-            yield from self._others(self.pieces.part(first, then), _rim(law, chance))
+            yield from self._others(self.pieces.part(first, then), _bound(law, chance))
 
     def _above_ground(self, begin: float, end: float) -> list[tuple[float, float]]:
-        """The parts of a time [s] in which it does not sink to place a payload, nor climb from there; one at least."""
+        """Return the parts of a time [s] without descents to place a payload and climbs from there; at least one."""
         track, parts = self.prediction.track, list[tuple[float, float]]()
         for done, visit in zip(self.prediction.done, self.route.visits, strict=True):
             if visit.item.command == Command.NAV_PAYLOAD_PLACE and begin < done <= end:
                 over = track.at(np.array([done]))[0, :2]
-                aside = np.hypot(*(track.points[:, :2] - over).T) > OVER_PLACE
+                aside = np.hypot(*(track.points[:, :2] - over).T) > PAYLOAD_RADIUS
                 sinks = max(track.times[aside & (track.times < done)].max(initial=begin), begin)
                 parts += [(begin, float(sinks))] if sinks > begin else []
                 begin = float(done)
@@ -224,9 +228,9 @@ class PredictedFlight:
         self, part: Pieces, law: DeviationLaw, chance: float | None, taken: NDArray[np.bool_], name: str
     ) -> Kept:
         airspace, required = self.scenario.airspace, self.scenario.limits.obstacle_distance
-        stretches = (airspace.obstacle_clearance(thinned(stretch)) for stretch in runs(part.points, taken))
-        nominal = min(stretches, key=lambda clearance: clearance.distance)
-        least, to, place = nominal.distance - STRAY, nominal.what, nominal.place
+        clearances = (airspace.obstacle_clearance(thinned(stretch)) for stretch in runs(part.points, taken))
+        nominal = min(clearances, key=lambda clearance: clearance.distance)
+        least, to, place = nominal.distance - THINNING_TOLERANCE, nominal.what, nominal.place
         kept = least
         if chance is not None:
             near = approaches(part, airspace, law, least)
@@ -240,14 +244,12 @@ class PredictedFlight:
 
     def _others(self, part: Pieces, deviation_bound: DeviationBound) -> Iterator[Kept]:
         path = thinned(part.points)
-        nominal = {
-            (c.limit, c.required): c for c in limits_kept(path, self.scenario, DeviationBound(STRAY, STRAY, STRAY))
-        }
+        nominal = {(c.limit, c.required): c for c in limits_kept(path, self.scenario, THINNED)}
         for check in limits_kept(path, self.scenario, deviation_bound):
-            meant = nominal.get((check.limit, check.required), check).nearest.distance
+            expected = nominal.get((check.limit, check.required), check).nearest.distance
             found = check.nearest
             item = self._item(part, found.place)
-            yield Kept(check.limit, check.required, meant, found.distance, found.what, item, found.place)
+            yield Kept(check.limit, check.required, expected, found.distance, found.what, item, found.place)
 
     def _item(self, part: Pieces, place: tuple[float, float, float]) -> int:
         nearest = int(np.argmin(np.linalg.norm(part.points - np.array(place), axis=1)))

@@ -1,4 +1,4 @@
-"""How often a flown path lies farther beside the predicted one than so much."""
+"""Measured quantiles of a deviation."""
 
 from dataclasses import dataclass
 
@@ -9,9 +9,9 @@ from ipoa_mission.geometry import Vector
 
 @dataclass(frozen=True)
 class Quantiles:
-    """Measured quantiles of a distance: it is exceeded with `chances` (falling) at `distances` (rising) [m].
+    """Measured quantiles of a distance: exceeded with `chances` (falling) at `distances` (rising) [m].
 
-    Between them the chance falls exponentially, and beyond the last as fast as before it.
+    Between them the probability falls exponentially, and beyond the last at the same rate as before it.
 
     >>> import numpy as np
     >>> spread = Quantiles((0.0, 0.5, 1.0), (1.0, 0.1, 0.01))
@@ -25,14 +25,14 @@ class Quantiles:
     chances: tuple[float, ...]
 
     def chance(self, distance: Vector) -> Vector:
-        """With what chance distances (n,) [m] are exceeded, (n,)."""
+        """Return the probability that distances (n,) [m] are exceeded, (n,)."""
         logs = np.log(self.chances)
         slope = (logs[-1] - logs[-2]) / (self.distances[-1] - self.distances[-2])
         inside = np.interp(distance, self.distances, logs)
         return np.asarray(np.exp(inside + slope * np.maximum(distance - self.distances[-1], 0.0)))
 
     def distance(self, chance: float) -> float:
-        """Which distance [m] is exceeded with a chance from 0 to 1."""
+        """Return the distance [m] that is exceeded with a probability from 0 to 1."""
         logs = np.log(self.chances)
         slope = (logs[-1] - logs[-2]) / (self.distances[-1] - self.distances[-2])
         log = float(np.log(chance))

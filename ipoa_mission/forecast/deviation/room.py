@@ -1,7 +1,7 @@
-"""Room for the tube while a path is sought: the same scene, with everything larger by what the tube needs there.
+"""Enlarge a scene by the deviation bound while a path is planned.
 
-Obstacles grow by the tube at a usual number of tight places. One grows less where it would close in on a place that the
-scenario gives, and, if asked, where it would close a gap that is wide enough for the predicted path.
+Obstacles grow by the bound for the usual number of tight places. An obstacle grows less where it would close in on a
+given place or, on request, where it would close a gap that is wide enough for the predicted path.
 """
 
 import numpy as np
@@ -17,13 +17,14 @@ from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.obstacles import Obstacle
 from ipoa_mission.world.polygon import Polygon, rings_of
 
-LEAST_GROWTH = 0.01  # obstacles that would grow by less are left as they are [m]
+MIN_GROWTH = 0.01  # obstacles that would grow by less stay as they are [m]
 
 
 def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False, share: float = 9.0) -> PathTask:
-    """A scenario's path with room for its autopilot's tube at so many tight places; with `keep_gaps` it closes no gap.
+    """Return a scenario's path task with room for the deviation bound at `tight` tight places.
 
-    Over steep ground the path is to be higher, by that `share` at most of what the lowest given place has to spare.
+    With `keep_gaps` it closes no gap. Over steep ground the path is higher, by at most `share` of the spare height of
+    the lowest given place.
     """
     chance = scenario.safety.chance
     if chance is None:
@@ -42,7 +43,7 @@ def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False, share: 
 
 
 def _spare_height(scenario: Scenario) -> float:
-    """How much higher above ground than required the lowest of the given places is [m]."""
+    """Return the height of the lowest given place over the required height [m]."""
     heights = scenario.places[:, 2] - scenario.airspace.ground(scenario.places)
     return float(heights.min()) - scenario.limits.height_above_ground
 
@@ -50,42 +51,42 @@ def _spare_height(scenario: Scenario) -> float:
 def grown(
     roomy: PathTask, task: PathTask, growth: Vector, shape: DeviationBound, keep_gaps: bool
 ) -> tuple[Obstacle, ...]:
-    """The obstacles of a task, each larger by its `growth` (n,) [m] to the sides; up and down in proportion to `shape`.
+    """Return a task's obstacles grown to the sides by `growth` (n,) [m]; up and down in proportion to `shape`.
 
-    Where one may not grow, it is as in `roomy`.
+    An obstacle that may not grow is as in `roomy`.
     """
     bodies, distance = task.airspace.obstacles, task.limits.obstacle_distance
     spare = np.array([body.distance(task.places).min() for body in bodies])
-    growth = np.clip(spare - distance - LEAST_GROWTH, 0.0, growth)
+    growth = np.clip(spare - distance - MIN_GROWTH, 0.0, growth)
     if keep_gaps and len(growth) > 1:
         _keep_gaps_open(growth, bodies, distance)
     return tuple(
-        body.grown(by, by / shape.level * shape.up, by / shape.level * shape.down) if by >= LEAST_GROWTH else wide
+        body.grown(by, by / shape.level * shape.up, by / shape.level * shape.down) if by >= MIN_GROWTH else wide
         for body, wide, by in zip(bodies, roomy.airspace.obstacles, growth.tolist(), strict=True)
     )
 
 
 def _keep_gaps_open(growth: Vector, bodies: tuple[Obstacle, ...], distance: float) -> None:
-    """Let no two neighbors close, in place, a gap that the required distance on both sides leaves open."""
+    """Limit `growth` in place so that no gap closes that is open with the required distance on both sides."""
     outlines = np.array([body.plan for body in bodies])
     one, other = shapely.STRtree(outlines).query(outlines, "dwithin", 2 * (distance + float(growth.max())))
     pairs = one < other
     one, other = one[pairs], other[pairs]
-    spare = (shapely.distance(outlines[one], outlines[other]) - 2 * distance) / 2 - LEAST_GROWTH
+    spare = (shapely.distance(outlines[one], outlines[other]) - 2 * distance) / 2 - MIN_GROWTH
     open_ = spare > 0
     for bodies_of in (one[open_], other[open_]):
         np.minimum.at(growth, bodies_of, spare[open_])
 
 
 def shrunk(bounds: Bounds, fixed: Points, deviation_bound: DeviationBound) -> Bounds:
-    """Bounds that leave the tube inside, but for sides that a given place (k, 3) is nearer to."""
+    """Return bounds with the deviation bound inside, except sides that a given place (k, 3) is nearer to."""
     lower, upper = np.array(bounds.lower), np.array(bounds.upper)
     near = (
         np.array([deviation_bound.level, deviation_bound.level, deviation_bound.down]),
         np.array([deviation_bound.level, deviation_bound.level, deviation_bound.up]),
     )
-    lower += np.clip(fixed.min(axis=0) - lower - LEAST_GROWTH, 0.0, near[0])
-    upper -= np.clip(upper - fixed.max(axis=0) - LEAST_GROWTH, 0.0, near[1])
+    lower += np.clip(fixed.min(axis=0) - lower - MIN_GROWTH, 0.0, near[0])
+    upper -= np.clip(upper - fixed.max(axis=0) - MIN_GROWTH, 0.0, near[1])
     try:
         return Bounds(tuple(lower.tolist()), tuple(upper.tolist()), _narrower(bounds.footprint, fixed, deviation_bound))
     except BadInput:
@@ -93,7 +94,7 @@ def shrunk(bounds: Bounds, fixed: Points, deviation_bound: DeviationBound) -> Bo
 
 
 def _narrower(footprint: Polygon | None, fixed: Points, deviation_bound: DeviationBound) -> Polygon | None:
-    """A flight area that leaves the tube inside, if it stays in one piece and the given places in it."""
+    """Return the flight area shrunk by the deviation bound, if it stays in one piece with the given places in it."""
     if footprint is None:
         return None
     shape = footprint.buffered(-deviation_bound.level)
@@ -103,7 +104,7 @@ def _narrower(footprint: Polygon | None, fixed: Points, deviation_bound: Deviati
 
 
 def _usual_slope(airspace: Airspace) -> float:
-    """A slope of the ground that is exceeded in one place of twenty [m/m]."""
+    """Return the slope of the ground that one place in twenty exceeds [m/m]."""
     if airspace.terrain.steepness == 0:
         return 0.0
     lower, upper = airspace.bounds.lower, airspace.bounds.upper

@@ -1,7 +1,7 @@
-"""Places that the scenario itself puts nearer to an obstacle than the tube is wide.
+"""Find places that the scenario puts nearer to an obstacle than the deviation bound.
 
-Nobody can keep more there than the place leaves. What lies so near to such a place that a vehicle cannot be clear of it
-yet is promised by itself, and not as a part of the flight.
+No flight can keep more there than the place leaves. The part of the path that cannot be clear yet near such a place
+has a promise of its own.
 """
 
 from collections.abc import Iterator
@@ -14,13 +14,13 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.path_limits import place_names
 
-WAY_OUT = 2.0  # metres flown for each metre farther away
-TURN = 5.0  # in which a vehicle turns away from what is beside the place [m]
+EXIT_FACTOR = 2.0  # meters flown for each meter farther away
+TURN_DISTANCE = 5.0  # in which a vehicle turns away from an obstacle at the place [m]
 
 
 @dataclass(frozen=True, eq=False)
 class TightPlace:
-    """A given place: its name in the scenario, where it is, and how far from it less is promised [m]."""
+    """A given place: its name in the scenario, its position, and the distance with a lower promise [m]."""
 
     name: str
     place: Vector
@@ -28,20 +28,20 @@ class TightPlace:
 
 
 def tight_places(scenario: Scenario, room: float) -> tuple[TightPlace, ...]:
-    """The start, via points and goal that leave less than `room` [m] beside what is required of obstacles."""
+    """Return start, via points and goal with less than `room` [m] over the required distance to obstacles."""
     if not scenario.airspace.obstacles:
         return ()
     places = scenario.places
     missing = scenario.limits.obstacle_distance + room - scenario.airspace.obstacle_distance(places)
     return tuple(
-        TightPlace(name, place, TURN + WAY_OUT * float(less))
+        TightPlace(name, place, TURN_DISTANCE + EXIT_FACTOR * float(less))
         for name, place, less in zip(place_names(places), places, missing, strict=True)
         if less > 0
     )
 
 
 def round_places(points: Points, tight: tuple[TightPlace, ...]) -> NDArray[np.intp]:
-    """At which place the pieces between points (n, 3) are, (n-1,); -1: at none."""
+    """Return the index of the place near each piece of points (n, 3), (n-1,); -1: none."""
     at = np.full(len(points) - 1, -1)
     middles = (points[:-1] + points[1:]) / 2
     for n, one in enumerate(tight):
@@ -50,7 +50,7 @@ def round_places(points: Points, tight: tuple[TightPlace, ...]) -> NDArray[np.in
 
 
 def runs(points: Points, taken: NDArray[np.bool_]) -> Iterator[Points]:
-    """The stretches (k, 3) of a path of points (n, 3) whose pieces (n-1,) are taken."""
+    """Return the stretches (k, 3) of a path (n, 3) whose pieces (n-1,) are taken."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], taken, [False]]).astype(int)))
     for first, last in edges.reshape(-1, 2).tolist():
         yield points[first : last + 1]

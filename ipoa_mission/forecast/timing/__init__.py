@@ -1,1 +1,1 @@
-"""How long a mission takes on each autopilot, offline."""
+"""Predict the time of a mission on each autopilot, offline."""

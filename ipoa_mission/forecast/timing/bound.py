@@ -1,10 +1,9 @@
-"""The least time in which a curve can be flown: no autopilot, no waypoints, only speed, acceleration and jerk.
+"""Compute the least time along a curve, limited only by speed, acceleration and jerk.
 
-Time-optimal path parametrisation by one pass forward and one back over the curve (as Bobrow and others have it): at
-each place the speed is cut by what the bend and the slope allow, and between places it changes by what the bend leaves
-of the acceleration. Jerk counts where the motion starts from rest and comes to rest; elsewhere it is left out, so that
-the result stays a bound: nothing that keeps the limits is quicker. (toppra solves the same for joints, whose limits
-are a box; a vehicle's acceleration is limited in length.)
+Time-optimal path parametrisation with one forward and one backward pass (Bobrow et al.). Curvature and slope limit
+the speed at each place. Between places it changes by the acceleration that the curvature leaves. Jerk counts at the
+start from rest and at the end; elsewhere it is left out, so the result stays a lower bound. (toppra solves the same
+for joints, whose limits are a box; a vehicle's acceleration is limited in length.)
 """
 
 import math
@@ -16,15 +15,15 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.forecast.timing.cubic import derivatives
 from ipoa_mission.geometry import Points, Vector, arc_lengths, leg_lengths
 
-SPACING = 0.25  # of the places at which the speed is found [m]
-MOST_PLACES = 40_000  # on a curve that is longer they stand farther apart
+PLACE_STEP = 0.25  # between the places at which the speed is computed [m]
+MAX_PLACES = 40_000  # a longer curve has a wider spacing
 
 
 @dataclass(frozen=True)
 class Kinematics:
-    """What the vehicle can do: speeds level, up and down [m/s], acceleration and jerk along the path.
+    """Limits of the vehicle: speeds level, up and down [m/s], acceleration and jerk along the path.
 
-    Across the path it may have another acceleration than along it (left out: the same); both together stay within the
+    The acceleration across the path may differ from the one along it (default: the same). Both together stay within the
     ellipse of the two.
     """
 
@@ -37,13 +36,13 @@ class Kinematics:
 
     @property
     def accel_across(self) -> float:
-        """The most across the path [m/s^2]."""
+        """Return the greatest acceleration across the path [m/s^2]."""
         return self.accel if self.across is None else self.across
 
 
 @dataclass(frozen=True)
 class Bound:
-    """The least time [s], and the speeds (n,) [m/s] at the lengths flown (n,) [m] that it takes."""
+    """The least time [s], with its speeds (n,) [m/s] at path lengths (n,) [m]."""
 
     seconds: float
     lengths: Vector
@@ -51,9 +50,9 @@ class Bound:
 
 
 def least_time(points: Points, kinematics: Kinematics) -> Bound:
-    """The least time along the smooth curve through points (n, 3), from rest to rest.
+    """Return the least time along the smooth curve through points (n, 3), from rest to rest.
 
-    The points should stand closely enough that a cubic spline through them is the curve that is meant.
+    The points must be dense enough that a cubic spline through them is the intended curve.
 
     Raises:
         BadInput: fewer than two different points, or a limit that is not positive.
@@ -75,19 +74,19 @@ def least_time(points: Points, kinematics: Kinematics) -> Bound:
     for n in range(len(steps) - 1, -1, -1):
         squares[n] = min(squares[n], _after(squares[n + 1], curvature[n + 1], curvature[n], steps[n], kinematics))
     speeds = np.sqrt(squares)
-    # Between places the acceleration is constant, so a step takes its length over the mean speed; but for the first
-    # and the last, in which jerk alone builds up speed.
+    # The acceleration is constant between places, so a step takes its length over the mean speed. In the first
+    # and the last step jerk alone builds up speed.
     times = 2 * steps / (speeds[:-1] + speeds[1:])
     times[[0, -1]] = np.maximum(times[[0, -1]], np.cbrt(6 * steps[[0, -1]] / kinematics.jerk))
     return Bound(float(times.sum()), lengths, speeds)
 
 
 def _sampled(points: Points) -> tuple[Vector, Points, Vector]:
-    """Lengths (m,), unit tangents (m, 3) and curvatures (m,) [1/m] of the spline through the points."""
+    """Return lengths (m,), unit tangents (m, 3) and curvatures (m,) [1/m] of the spline through the points."""
     chords = arc_lengths(points)
-    count = min(max(int(np.ceil(chords[-1] / SPACING)), 40), MOST_PLACES) + 1
+    count = min(max(int(np.ceil(chords[-1] / PLACE_STEP)), 40), MAX_PLACES) + 1
     even = np.linspace(0.0, 1.0, count)
-    near = even[1] * np.linspace(0.0, 1.0, 12)[1:-1] ** 3  # where speed builds up from nothing, or falls to it
+    near = even[1] * np.linspace(0.0, 1.0, 12)[1:-1] ** 3  # where speed builds up from rest, or falls to it
     at = chords[-1] * np.sort(np.concatenate([even, near, 1.0 - near]))
     if len(points) == 2:
         unit = (points[1] - points[0]) / chords[-1]
@@ -110,9 +109,9 @@ def _speed_limits(tangents: Points, curvature: Vector, kinematics: Kinematics) -
 
 
 def _after(square: float, bend: float, next_bend: float, step: float, kinematics: Kinematics) -> float:
-    """The greatest square of the speed one step on: the bend takes its part of the acceleration first.
+    """Return the square of the greatest speed one step on, after the curvature's share of the acceleration.
 
-    Of the two ends of the step the gentler bend counts, so that the step is not too slow anywhere.
+    The smaller curvature of the step's two ends counts, so that no step is too slow.
     """
     used = min(bend, next_bend) * square / kinematics.accel_across
     along = kinematics.accel * math.sqrt(max(1.0 - used**2, 0.0))
@@ -120,7 +119,7 @@ def _after(square: float, bend: float, next_bend: float, step: float, kinematics
 
 
 def _from_rest(lengths: Vector, kinematics: Kinematics) -> Vector:
-    """The speed that can be reached from rest within each length: jerk up to full acceleration, then that."""
+    """Return the speed reachable from rest within each length: jerk up to full acceleration, then constant."""
     accel, jerk = kinematics.accel, kinematics.jerk
     if not np.isfinite(jerk):
         return np.sqrt(2 * accel * lengths)

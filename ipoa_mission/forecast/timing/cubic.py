@@ -1,6 +1,6 @@
-"""The cubic spline through points, with its first and last two pieces one cubic each ("not-a-knot", de Boor).
+"""Compute the not-a-knot cubic spline through points (de Boor).
 
-That is `scipy.interpolate.CubicSpline`, whose import takes longer than all else that an estimate does.
+The result is that of `scipy.interpolate.CubicSpline`, whose import takes longer than the rest of an estimate.
 """
 
 import numpy as np
@@ -9,9 +9,9 @@ from ipoa_mission.geometry import Points, Vector
 
 
 def derivatives(knots: Vector, points: Points, at: Vector) -> tuple[Points, Points]:
-    """First and second derivative, each (m, d), at parameters `at` (m,) of the spline through `points` (n, d).
+    """Return first and second derivative, each (m, d), at parameters `at` (m,) of the spline of `points` (n, d).
 
-    `knots` (n,) must grow, n > 2.
+    `knots` (n,) must increase, n > 2.
 
     >>> first, second = derivatives(np.array([0.0, 1.0, 3.0]), np.array([[0.0], [1.0], [9.0]]), np.array([2.0]))
     >>> float(first[0, 0]), float(second[0, 0])
@@ -22,13 +22,13 @@ def derivatives(knots: Vector, points: Points, at: Vector) -> tuple[Points, Poin
 
 
 def values(knots: Vector, points: Points, at: Vector) -> Points:
-    """The spline itself, (m, d)."""
+    """Return the spline at parameters `at` (m,), (m, d)."""
     h, point, slope, square, cube = _pieces(knots, points, at)
     return point + (slope + (square + cube * h) * h) * h
 
 
 def _pieces(knots: Vector, points: Points, at: Vector) -> tuple[Points, Points, Points, Points, Points]:
-    """How far behind a knot each parameter is, (m, 1), and the piece's coefficients of 1, h, h^2 and h^3, (m, d)."""
+    """Return h, the distance of each parameter to its knot (m, 1), and the coefficients of 1, h, h^2, h^3 (m, d)."""
     steps = np.diff(knots)
     chords = np.diff(points, axis=0) / steps[:, None]
     slopes = _slopes(knots, steps, chords)
@@ -40,7 +40,7 @@ def _pieces(knots: Vector, points: Points, at: Vector) -> tuple[Points, Points, 
 
 
 def _slopes(knots: Vector, steps: Vector, chords: Points) -> Points:
-    """The first derivative at each knot (n, d)."""
+    """Return the first derivative at each knot (n, d)."""
     n = len(knots)
     below, middle, above = np.zeros(n), np.ones(n), np.zeros(n)
     right = np.zeros((n, chords.shape[1]))
@@ -59,7 +59,7 @@ def _slopes(knots: Vector, steps: Vector, chords: Points) -> Points:
 
 
 def _solve(below: list[float], middle: list[float], above: list[float], right: list[float]) -> list[float]:
-    """A tridiagonal system, by elimination, in place."""
+    """Solve a tridiagonal system by elimination, in place."""
     n = len(right)
     for i in range(1, n):
         factor = below[i] / middle[i - 1]

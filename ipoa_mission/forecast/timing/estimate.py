@@ -1,4 +1,4 @@
-"""How long a mission will fly: one answer for every autopilot, leg by leg, with QGroundControl's number beside it."""
+"""Estimate the time of a mission by item, on any autopilot, with QGroundControl's time for comparison."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -16,22 +16,21 @@ from ipoa_mission.mission.items import Mission
 
 @dataclass(frozen=True)
 class ItemTime:
-    """One item as it will be flown.
+    """The forecast of one item.
 
     Attributes:
         seq: its number in the mission's file; home is 0.
         command: MAV_CMD.
-        done_s: when it is done, in the mean of its flights [s] ...
-        low_s: ... in nine flights of ten from so early ...
-        high_s: ... to so late.
-        duration_s: how long it takes [s].
+        done_s: when it is done, in the mean of its flights [s].
+        low_s: the earliest of nine flights in ten [s].
+        high_s: the latest of nine flights in ten [s].
+        duration_s: its duration [s].
         length: of the path flown for it [m].
         peak_speed: on that path, over the ground [m/s].
-        mean_speed: the same.
-        reason: what kept it slow ("corner 87 deg", "leg shorter than its braking distance", "hold"); "" where nothing
-            did.
-        missed: the risk of a waypoint: in which share of the flights the vehicle passes it at a height that does not
-            count and turns back, and what that costs; the times have it in them.
+        mean_speed: on that path, over the ground [m/s].
+        reason: why it is slow ("corner 87 deg", "leg shorter than its braking distance", "hold"); "" without a reason.
+        missed: the risk to pass a waypoint at a height that does not count and turn back: share of flights and cost,
+            included in the times.
 
     Example:
         >>> from ipoa_mission import estimate, read_mission
@@ -55,21 +54,21 @@ class ItemTime:
 
 @dataclass(frozen=True, repr=False)
 class Estimate:
-    """A mission's time, from the vehicle's arming on the ground to its disarming, or to the last item done in the air.
+    """The time of a mission, from arming on the ground to disarming, or to the last item in the air.
 
     Attributes:
-        total_s: in the mean of its flights [s] ...
-        low_s: ... in nine flights of ten from so much ...
-        high_s: ... to so much.
-        qgroundcontrol_s: what QGroundControl shows for it [s].
-        route: the time between the first place and the last waypoint against the least that the same path takes under
-            the same limits.
-        items: in the order flown; one in a loop appears once for each time it is flown. An RTL or LAND is done when the
-            vehicle has disarmed.
-        track: the path as it will be flown, corners cut, in home's local frame; its speeds are over the ground, in
-            three dimensions.
-        remarks: what of the mission the model does not know.
-        waits: until when it waits at its items, of which the times know nothing.
+        total_s: in the mean of its flights [s].
+        low_s: the shortest of nine flights in ten [s].
+        high_s: the longest of nine flights in ten [s].
+        qgroundcontrol_s: the time that QGroundControl shows [s].
+        route: the time from the first place to the last waypoint, and the least time of the same path under the same
+            limits.
+        items: in the order flown; an item in a loop appears once for each pass. An RTL or LAND is done when the vehicle
+            has disarmed.
+        track: the path as flown, with cut corners, in home's local frame; its speeds are over the ground, in three
+            dimensions.
+        remarks: what the model leaves out.
+        waits: times of day that its items wait for, not included in the times.
     """
 
     total_s: float
@@ -84,7 +83,7 @@ class Estimate:
 
     @property
     def besides(self) -> str:
-        """What the whole time leaves out, to go behind it; else empty."""
+        """Return the waits that the total time leaves out, to append to it; else empty."""
         return f" and the wait{'s' if len(self.waits) > 1 else ''} {', '.join(self.waits)}" if self.waits else ""
 
     def __repr__(self) -> str:
@@ -93,19 +92,19 @@ class Estimate:
 
 
 def times_of(mission: Mission, route: Itinerary, prediction: Prediction) -> Estimate:
-    """What is told of a mission's times, and the path, of its prediction."""
+    """Make the estimate of a mission from its prediction."""
     items = _item_times(route, prediction)
     remarks = prediction.remarks
     if route.over_terrain:
         remarks = (*remarks, f"{_items(route.over_terrain)}: height over terrain taken as height over home")
     conditions = [visit.seq for visit in route.visits if visit.item.command in CONDITIONS]
     if conditions:
-        remarks = (*remarks, f"{_items(conditions)}: what they put off is taken as done at once")
+        remarks = (*remarks, f"{_items(conditions)}: the delayed action counts as done at once")
     knows_clock = mission.autopilot.guidance.waits_until_clock
     waits = [(visit.seq, visit.item.clock) for visit in route.visits if knows_clock and visit.item.clock]
     remarks += tuple(f"item {seq}: the wait until {until} is not in the times" for seq, until in waits)
     if flying_already(route) is not None:
-        remarks = (*remarks, "the mission has no take-off: counted from over home, as high as its first place")
+        remarks = (*remarks, "the mission has no take-off: the time starts over home, at the height of its first place")
     return Estimate(
         total_s=items[-1].done_s if items else 0.0,
         low_s=items[-1].low_s if items else 0.0,
@@ -120,7 +119,7 @@ def times_of(mission: Mission, route: Itinerary, prediction: Prediction) -> Esti
 
 
 def _items(seqs: Iterable[int]) -> str:
-    """`item 3`, or `items 3, 5`."""
+    """Format item numbers: `item 3`, or `items 3, 5`."""
     once = dict.fromkeys(seqs)
     return f"item{'s' if len(once) > 1 else ''} {', '.join(map(str, once))}"
 
@@ -129,7 +128,7 @@ def _item_times(route: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...
     items, begun = [], 0.0
     times = (map(float, values) for values in (prediction.done, prediction.low, prediction.high))
     risks = prediction.missed or (NEVER_MISSED,) * len(route.visits)
-    track = prediction.track  # whose axes NumPy would copy whole for each item, did they not lie in one piece each
+    track = prediction.track  # NumPy would copy strided axes for each item
     clock, speeds, *axes = map(np.ascontiguousarray, (track.times, track.speeds, *track.points.T))
     for visit, done, low, high, reason, missed in zip(route.visits, *times, prediction.reasons, risks, strict=True):
         length, peak = _flown(clock, axes, speeds, begun, done)
@@ -154,7 +153,7 @@ def _item_times(route: Itinerary, prediction: Prediction) -> tuple[ItemTime, ...
 
 
 def _flown(clock: Vector, axes: Sequence[Vector], speeds: Vector, begin: float, end: float) -> tuple[float, float]:
-    """Length flown and peak speed between two times, of a track's times, east, north, up and speeds, each (n,)."""
+    """Return length and peak speed between two times of a track: times, east, north, up and speeds, each (n,)."""
     if end <= begin:
         return 0.0, 0.0
     first, last = np.searchsorted(clock, [begin, end])

@@ -1,4 +1,4 @@
-"""What every model of a flight answers: how a mission is flown, how long that takes, what may be learned of it."""
+"""The interface of a flight model: prediction of a mission's flight, and the parameters that can be learned."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -23,57 +23,57 @@ class SlowedByAir(Protocol):
     """An airframe in moving air."""
 
     def slowing(self, velocity: Points, axes: NDArray[np.float64]) -> Points:
-        """What the air takes of its speed (n, 3) [m/s^2], by velocity (n, 3) [m/s] and axes (n, 3, 3)."""
+        """Return the deceleration by the air (n, 3) [m/s^2], at velocity (n, 3) [m/s] and axes (n, 3, 3)."""
 
 
 @dataclass(frozen=True)
 class Abort:
-    """A flight is ended otherwise than its mission says, from a `time` on [s after arming]: by an RTL or a LAND."""
+    """An RTL or LAND that ends a flight at a `time` [s after arming]."""
 
     time: float
     contingency: Contingency
 
 
 class FlightModel(ABC):
-    """How one autopilot flies a mission in its simulator, and by how much recorded flights lie about that."""
+    """How one autopilot flies a mission in its simulator, with the error measured on recorded flights."""
 
     scatter: ClassVar[tuple[float, float, float]]
     """Standard deviations of an item's time about the model's: seconds, share, and seconds of an ending."""
     simulated: ClassVar[Mapping[str, float]]
-    """The numbers of the simulated vehicle by which others differ: drag, lag [s], lift_delay, landing_delay [s]."""
+    """Values of the simulated vehicle that others may change: drag, lag [s], lift_delay, landing_delay [s]."""
 
     is_always_sure: ClassVar[bool] = False
-    """Whether it flies the same, `sure` of where it is or not."""
+    """Whether an exact position changes nothing: `sure` has no effect."""
 
     @abstractmethod
     def predicted(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, sure: bool) -> Prediction:
-        """The flight of the mission's itinerary; `fast` and `sure` are as in `Forecast.flown`.
+        """Predict the flight of the mission's itinerary; `fast` and `sure` as in `Forecast.predicted`.
 
         Raises:
-            BadInput: an item never ends, or a parameter has no sense.
-            MissionError: the vehicle does not get on.
+            BadInput: an item never ends, or a parameter is invalid.
+            MissionError: the vehicle makes no progress.
         """
 
     @abstractmethod
     def kinematics(self, parameters: Parameters, speed: float | None = None) -> Kinematics:
-        """The limits that parameters set; `speed` is what DO_CHANGE_SPEED asks for [m/s]."""
+        """Return the limits that parameters set; `speed` is that of DO_CHANGE_SPEED [m/s]."""
 
     def broken_off(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, order: Abort) -> Prediction:
-        """The flight with another end, which is its only item.
+        """Predict the flight with another ending, which is its only item.
 
         Raises:
-            MissionError: as `predicted` does; or the model knows no such flights.
+            MissionError: as `predicted`; or the model has no such flights.
         """
-        raise NotModeled("this model knows no flights that are broken off")
+        raise NotModeled("this model has no aborted flights")
 
     def airframe(self, altitude: float) -> SlowedByAir:
-        """The simulated vehicle's, so high above the sea [m].
+        """Return the simulated vehicle's airframe at an altitude above sea level [m].
 
         Raises:
-            MissionError: the model has none, and nothing of drag can be learned.
+            MissionError: the model has none, so drag cannot be learned.
         """
-        raise NotModeled("this model of a flight has no airframe whose drag could be learned")
+        raise NotModeled("this flight model has no airframe: drag cannot be learned")
 
     def usual(self, route: Itinerary, mission: Mission) -> Vector:
-        """When each visit is done in most flights (n,) [s]."""
+        """Return when each visit is done in most flights (n,) [s]."""
         return self.predicted(route, mission, CALM, True, False).done

@@ -1,4 +1,4 @@
-"""What a model of an autopilot hands to `estimate`: when each visit was done, why it was slow, and the flown path."""
+"""The result of a flight model: times of the visits, reasons of slowness, and the flown path."""
 
 from dataclasses import dataclass
 
@@ -8,9 +8,9 @@ from ipoa_mission.geometry import Vector
 
 @dataclass(frozen=True)
 class Missed:
-    """How likely a waypoint is missed: in this `share` of the flights the vehicle turns back to it, for `cost_s` more.
+    """The risk of a missed waypoint: in this `share` of the flights the vehicle turns back, which takes `cost_s`.
 
-    PX4 counts a waypoint only when place and height are right as it passes, and it corrects its height in flight.
+    PX4 counts a waypoint only when position and height are right as it passes, and it corrects its height in flight.
     """
 
     share: float
@@ -22,11 +22,11 @@ NEVER_MISSED = Missed(0.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """When each visit of the itinerary is done (n,) [s], the reason it was slow ("" if none), the path, and remarks.
+    """Time of each visit (n,) [s], reason of its slowness ("" if none), path, and remarks.
 
-    Nine flights in ten lie from `low` to `high` (n,) [s]; docs/lab/flight-time.md says how many recorded ones did.
-    `missed`: the risk of each visit; empty from a model that knows of none. `touched`: when a flight that is broken off
-    comes down to the ground, at the earliest, in the mean and at the latest [s]; it is done once it is disarmed.
+    Nine flights in ten are from `low` to `high` (n,) [s]; docs/lab/flight-time.md has the share of recorded ones.
+    `missed`: the risk of each visit; empty from a model without it. `touched`: touchdown of an aborted flight, at the
+    earliest, in the mean and at the latest [s]; it is done once disarmed.
     """
 
     done: Vector

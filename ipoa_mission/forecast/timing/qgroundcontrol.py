@@ -1,9 +1,9 @@
-"""The mission time that QGroundControl shows: distance over speed. Kept for the comparison, with its habits.
+"""Compute the mission time that QGroundControl shows, distance over speed, for comparison.
 
-It adds the take-off height over the ascent speed, every leg's horizontal great circle over the hover speed
-(DO_CHANGE_SPEED counts from the next item), the holds of waypoints and delays, and for RTL the way home and the height
-over the descent speed; and for a structure scan its height as if it were way. It knows no acceleration, no corner, no
-climb between waypoints, no LAND's descent and no jump. Version 4.4 has the terms of RTL swapped: this is its master's.
+It adds: take-off height over ascent speed; each leg's horizontal great circle over hover speed (DO_CHANGE_SPEED counts
+from the next item); holds of waypoints and delays; for RTL the way home, and the height over descent speed; for a
+structure scan its height as distance. It ignores acceleration, corners, climbs between waypoints, LAND's descent and
+jumps. Version 4.4 has the terms of RTL swapped: this is its master's.
 """
 
 import math
@@ -11,8 +11,10 @@ import math
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
 
-#: What the figure counts, for those who find it beside ours.
-COUNTS = "distance over speed, climb of the take-off, holds, RTL's descent; no take-off delay, no landing, no corner"
+#: The terms of this time, in words.
+COUNTED_TERMS = (
+    "distance over speed, climb of the take-off, holds, RTL's descent; no take-off delay, no landing, no corner"
+)
 #: QGroundControl's settings for planning without a vehicle (Application Settings, Plan View) [m/s].
 HOVER_SPEED = 5.0
 ASCENT_SPEED = 3.0
@@ -23,7 +25,7 @@ DELAYS = frozenset({Command.NAV_WAYPOINT, Command.NAV_DELAY, Command.CONDITION_D
 
 
 def qgroundcontrol_time(mission: Mission) -> float:
-    """What QGroundControl's plan view would say for this mission [s]."""
+    """Return the time in QGroundControl's plan view [s]."""
     speed = mission.cruise_speed or HOVER_SPEED
     here, height, total = (mission.home.latitude_deg, mission.home.longitude_deg), 0.0, 0.0
     taken_off, scanned = False, dict(mission.scanned)

@@ -1,15 +1,15 @@
-"""Why a leg is slow, in the words of the report; the same for every autopilot."""
+"""Explain why a leg is slow, in the words of the report, for every autopilot."""
 
 import math
 
-SLOW = 0.95  # a leg that does not reach this share of the speed asked for is slow
-SHARP_DEG = 10.0
+SLOW_SHARE = 0.95  # a leg below this share of its requested speed is slow
+MIN_CORNER_DEG = 10.0
 
 Place = tuple[float, float, float]
 
 
 def corner_deg(before: Place, at: Place, after: Place) -> float:
-    """The level angle by which the course turns at a place [deg]; 0 where a side has no level length."""
+    """Return the horizontal angle of the course change at a place [deg]; 0 where a side has no horizontal length."""
     x1, y1, x2, y2 = at[0] - before[0], at[1] - before[1], after[0] - at[0], after[1] - at[1]
     if math.hypot(x1, y1) < 0.1 or math.hypot(x2, y2) < 0.1:
         return 0.0
@@ -26,25 +26,24 @@ def slow_because(
     stops: bool,
     curved: bool = False,
 ) -> str:
-    """The reasons of a leg, joined: too short, steep, curved, drag, lag, a corner or a stop at its end.
+    """Return the reasons of a leg, joined: too short, steep, curved, drag, lag, a corner or a stop at its end.
 
-    `planned` is its peak speed as planned (None where nothing is planned, as on a spline, which is `curved`), `allowed`
-    what its slope leaves of the speed `asked` for, `top` what drag and wind leave of it, and `flown` its highest level
-    speed.
+    `planned`: its planned peak speed (None without a plan, as on a spline, which is `curved`). `allowed`: the `asked`
+    speed as limited by its slope. `top`: as limited by drag and wind. `flown`: its highest horizontal speed.
     """
     reasons = []
     wanted = min(asked if planned is None else planned, allowed, asked)
-    if planned is not None and planned < SLOW * min(allowed, asked):
+    if planned is not None and planned < SLOW_SHARE * min(allowed, asked):
         reasons.append("leg shorter than its braking distance")
-    elif allowed < SLOW * asked:
+    elif allowed < SLOW_SHARE * asked:
         reasons.append("climb or descent rate")
-    if curved and flown < SLOW * min(top, wanted):
+    if curved and flown < SLOW_SHARE * min(top, wanted):
         reasons.append("acceleration on the curve")
-    elif top < SLOW * wanted:
+    elif top < SLOW_SHARE * wanted:
         reasons.append("drag at the greatest lean")
-    elif planned is not None and not reasons and flown < SLOW * wanted:
+    elif planned is not None and not reasons and flown < SLOW_SHARE * wanted:
         reasons.append("lag behind the path")
-    if corner >= SHARP_DEG:
+    if corner >= MIN_CORNER_DEG:
         reasons.append(f"corner {corner:.0f} deg")
     if stops:
         reasons.append("stop")

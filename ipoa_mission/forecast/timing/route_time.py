@@ -1,6 +1,6 @@
-"""A mission's route, from its first place to its last waypoint: how long it flies, and how long it must at least.
+"""Compute the time of a mission's route, from its first place to its last waypoint, and its lower bound.
 
-What comes before (take-off) and after (RTL, LAND) no choice of waypoints can better, so the two are held together here.
+The choice of waypoints does not change the time before (take-off) and after (RTL, LAND).
 """
 
 import math
@@ -19,17 +19,17 @@ from ipoa_mission.mission.commands import WAYPOINTS, Command
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.parameters import Parameters
 
-FIRST = WAYPOINTS | {Command.NAV_TAKEOFF}
-PATH_STEP, SMOOTHED_STEPS = 1.0, 5  # the flown path is taken every metre, and averaged over so many [m]
-MOST_STEPS = 10_000  # a longer path is taken in longer steps
+ROUTE_STARTS = WAYPOINTS | {Command.NAV_TAKEOFF}
+PATH_STEP, SMOOTHED_STEPS = 1.0, 5  # step of the flown path, and steps that are averaged [m]
+MAX_STEPS = 10_000  # a longer path has longer steps
 
 
 @dataclass(frozen=True)
 class RouteTime:
-    """The route takes `seconds`; no vehicle that keeps the same limits flies the same path in less than `least` [s].
+    """The route takes `seconds`; no vehicle within the same limits flies the same path in less than `least` [s].
 
-    An autopilot may break its own limits, before the wind or where an ArduCopter's spline bends down steeply; what it
-    then takes is the least. Both are NaN where a mission has no route: no two places that are waypoints or a take-off.
+    An autopilot may exceed its own limits, with the wind or where an ArduCopter's spline bends down steeply; then its
+    time is the least. Both are NaN for a mission without a route: two places that are waypoints or a take-off.
     """
 
     seconds: float
@@ -38,12 +38,12 @@ class RouteTime:
 
     @cached_property
     def least(self) -> float:
-        """The least time of the same path [s]."""
+        """Return the least time of the same path [s]."""
         return math.nan if self.limits is None else min(least_time(self.path, self.limits).seconds, self.seconds)
 
     @property
     def ratio(self) -> float:
-        """How many times the least time it takes."""
+        """Return `seconds` over `least`."""
         return self.seconds / self.least
 
 
@@ -51,16 +51,16 @@ NO_ROUTE = RouteTime(math.nan, np.zeros((0, 3)), None)
 
 
 def kinematics(autopilot: Autopilot, parameters: Parameters, speed: float | None = None) -> Kinematics:
-    """The limits that parameters set; `speed` is what DO_CHANGE_SPEED asks for [m/s]."""
+    """Return the limits that parameters set; `speed` is that of DO_CHANGE_SPEED [m/s]."""
     return autopilot.part(FlightModel).kinematics(parameters, speed)
 
 
 def route_time(
     route: Itinerary, done: Sequence[float] | Vector, track: Track, autopilot: Autopilot, parameters: Parameters
 ) -> RouteTime:
-    """The time of the route of a flight whose visits are `done` (n,) [s] along `track`."""
+    """Return the route's time for visits `done` (n,) [s] along `track`."""
     ends = [n for n, visit in enumerate(route.visits) if visit.item.command in WAYPOINTS]
-    starts = [n for n, visit in enumerate(route.visits) if visit.item.command in FIRST]
+    starts = [n for n, visit in enumerate(route.visits) if visit.item.command in ROUTE_STARTS]
     if not ends or starts[0] == ends[-1]:
         return NO_ROUTE
     begin, end = float(done[starts[0]]), float(done[ends[-1]])
@@ -73,9 +73,9 @@ def route_time(
 
 
 def _most_asked(route: Itinerary, first: int, last: int, standard: float) -> float:
-    """The highest level speed that is in force between two visits [m/s]; `standard` before the first DO_CHANGE_SPEED.
+    """Return the highest horizontal speed in force between two visits [m/s]; first `standard`.
 
-    A leg that is under way when the speed changes has been begun at the speed before, so that one counts as well.
+    A leg under way at a change of speed began at the speed before, so that one counts as well.
     """
     asked = [
         (n, visit.item.params[1])
@@ -87,12 +87,12 @@ def _most_asked(route: Itinerary, first: int, last: int, standard: float) -> flo
 
 
 def _smoothed(path: Points) -> Points:
-    """The path at equal steps and averaged, so that it bends as the vehicle does and not as its samples do."""
+    """Resample the path at equal steps and average it, so that its bends are the vehicle's, not those of samples."""
     path = path[np.concatenate([[True], leg_lengths(path) > 1e-6])] if len(path) > 1 else path
     if len(path) < 2:
         return path
     traveled = arc_lengths(path)
-    stops = np.linspace(0.0, traveled[-1], min(max(2, math.ceil(traveled[-1] / PATH_STEP) + 1), MOST_STEPS))
+    stops = np.linspace(0.0, traveled[-1], min(max(2, math.ceil(traveled[-1] / PATH_STEP) + 1), MAX_STEPS))
     even = np.column_stack([np.interp(stops, traveled, axis) for axis in path.T])
     if len(even) <= SMOOTHED_STEPS:
         return even[[0, -1]]

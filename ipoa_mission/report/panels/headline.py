@@ -9,7 +9,7 @@ from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.forecast.deviation.promise import Kept, Promise
 from ipoa_mission.forecast.energy_budget import Budget
 from ipoa_mission.forecast.timing.estimate import Estimate
-from ipoa_mission.forecast.timing.qgroundcontrol import COUNTS
+from ipoa_mission.forecast.timing.qgroundcontrol import COUNTED_TERMS
 from ipoa_mission.planning.proof import Proof
 from ipoa_mission.report.compare import Comparison
 from ipoa_mission.report.number_format import meters, number, seconds, share
@@ -61,7 +61,7 @@ def figures(
     cards = [_card("estimated flight", seconds(estimate.total_s), interval, "lead")]
     if comparison is not None:
         cards.append(_flown(comparison))
-    cards.append(_card("QGroundControl would say", seconds(estimate.qgroundcontrol_s), COUNTS))
+    cards.append(_card("QGroundControl would say", seconds(estimate.qgroundcontrol_s), COUNTED_TERMS))
     if promise is not None and (kept := promise.clearance) is not None:
         cards.append(_kept(kept, promise.confidence))
     cards.append(_card("path", meters(length, 0), f"{waypoints} waypoints"))
