@@ -24,7 +24,7 @@ def check_jumps(mission: Mission) -> Iterator[Finding]:
     yield from _too_many(mission, len(jumps), profile)
     if jumps and not any(finding.code == "jump-target" for finding in found):
         program = program_of(mission, mission.items)
-        in_turn = replace(program, jumping=replace(program.habits, queues_actions=False), jumped={})
+        in_turn = replace(program, jumping=replace(program.jump_profile, queues_actions=False), jumped={})
         flown, _ = program.followed()
         if program.stuck_at is not None:
             words = (

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import IntEnum
 
-from ipoa_mission.forecast.itinerary.program import MOST_ACTIONS, Place, Program
+from ipoa_mission.forecast.itinerary.program import MAX_ACTIONS, Place, Program
 from ipoa_mission.mission.commands import FLOWN_TO, Command
 from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.parameters import Parameters
@@ -75,7 +75,7 @@ class Situation:
         """
         at: int | None = behind
         moved = NAVIGATED | (VTOL if self.program.autopilot.guidance.flies_vtol_items else frozenset())
-        for _ in range(MOST_ACTIONS):
+        for _ in range(MAX_ACTIONS):
             if at is None:
                 break
             passed, at = self.program.advance(at)

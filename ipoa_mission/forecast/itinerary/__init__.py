@@ -1,1 +1,1 @@
-"""What the vehicle meets as it flies a mission: visits, legs, splines."""
+"""The course of a mission's flight: visits, legs, splines."""

@@ -1,7 +1,7 @@
-"""The circular arc on which ArduCopter 4.7 flies to a NAV_ARC_WAYPOINT: its circle and its chords.
+"""Compute the circular arc on which ArduCopter 4.7 flies to a NAV_ARC_WAYPOINT.
 
-It begins where the leg before ends, and turns by param1 degrees on its way, clockwise where that is positive; its
-height changes evenly with the way. Less than one degree, or a whole circle, is a straight leg.
+It begins where the leg before ends. It turns by param1 degrees, clockwise where that is positive. Its height changes
+linearly along the path. An arc below one degree, or of a whole circle, is a straight leg.
 """
 
 import math
@@ -13,48 +13,45 @@ from ipoa_mission.geometry import Points
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Item
 
-LEAST_TURN = math.radians(1.0)
-SHORTEST = 1e-3  # [m] between its ends
+MIN_TURN = math.radians(1.0)
+MIN_CHORD = 1e-3  # [m] between its ends
 
 
 def turn_of(item: Item) -> float:
-    """By how much the way to an item turns [rad], clockwise positive; 0 where it is straight.
-
-    It is kept in whole degrees.
-    """
+    """Return the turn of the path to an item [rad], in whole degrees, clockwise positive; 0 where it is straight."""
     if item.command != Command.NAV_ARC_WAYPOINT or not math.isfinite(item.params[0]):
         return 0.0
     turn = math.radians(math.trunc(item.params[0]))
-    return turn if abs(_wrapped(turn)) >= LEAST_TURN else 0.0
+    return turn if abs(_wrapped(turn)) >= MIN_TURN else 0.0
 
 
 def arc_center(origin: Place, target: Place, turn: float) -> tuple[float, float]:
-    """East and north of the middle of the circle."""
+    """Return east and north of the circle's center."""
     east, north = target[0] - origin[0], target[1] - origin[1]
     across = math.hypot(east, north)
     radius = arc_radius(origin, target, turn)
-    aside = math.sqrt(max(radius**2 - across**2 / 4, 0.0)) / across
-    aside *= math.copysign(1.0, turn) * (1.0 if _wrapped(abs(turn)) > 0.0 else -1.0)
-    return origin[0] + east / 2 + aside * north, origin[1] + north / 2 - aside * east
+    offset = math.sqrt(max(radius**2 - across**2 / 4, 0.0)) / across
+    offset *= math.copysign(1.0, turn) * (1.0 if _wrapped(abs(turn)) > 0.0 else -1.0)
+    return origin[0] + east / 2 + offset * north, origin[1] + north / 2 - offset * east
 
 
 def arc_radius(origin: Place, target: Place, turn: float) -> float:
-    """Radius of the circle [m]."""
+    """Return the radius of the circle [m]."""
     return math.dist(origin[:2], target[:2]) / (2.0 * abs(math.sin(turn / 2.0)))
 
 
 def is_arc(origin: Place, target: Place, turn: float) -> bool:
-    """Whether the way is an arc at all: a turn over one place is none."""
-    return turn != 0.0 and math.dist(origin[:2], target[:2]) > SHORTEST
+    """Return whether the path is an arc; a turn over one place is none."""
+    return turn != 0.0 and math.dist(origin[:2], target[:2]) > MIN_CHORD
 
 
 def arc_length(origin: Place, target: Place, turn: float) -> float:
-    """Length of the way [m], its rise or fall with it."""
+    """Return the length of the path with its climb or descent [m]."""
     return math.hypot(arc_radius(origin, target, turn) * turn, target[2] - origin[2])
 
 
 def arc_chords(origin: Place, target: Place, turn: float, stray: float) -> Points:
-    """Points on the arc (n, 3), so near to each other that the arc leaves their chords by no more than `stray` [m]."""
+    """Return points on the arc (n, 3) whose chords are within `stray` [m] of it."""
     radius = arc_radius(origin, target, turn)
     widest = 2.0 * math.acos(max(1.0 - stray / radius, 0.0))
     share = np.linspace(0.0, 1.0, max(2, math.ceil(abs(turn) / widest) + 1))
@@ -73,5 +70,5 @@ def arc_chords(origin: Place, target: Place, turn: float, stray: float) -> Point
 
 
 def _wrapped(angle: float) -> float:
-    """The angle between -pi and pi."""
+    """Wrap an angle to -pi to pi."""
     return math.remainder(angle, math.tau)

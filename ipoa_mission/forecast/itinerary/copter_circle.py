@@ -1,7 +1,7 @@
-"""The circle that ArduCopter flies for NAV_LOITER_TURNS: its radius and turns as the board keeps them, its entry.
+"""Compute the circle that ArduCopter flies for NAV_LOITER_TURNS: radius, turns, entry.
 
-It flies straight to the nearest point of the circle, and from within `NEAR_CIRCLE` of that begins where it is. Read in
-4.8.0-dev (AC_Circle, ModeAuto::circle_movetoedge_start) and flown: docs/lab/flight-time.md.
+It flies straight to the nearest point of the circle. Within `NEAR_CIRCLE` of that point it begins in place. Source:
+4.8.0-dev (AC_Circle, ModeAuto::circle_movetoedge_start) and flights: docs/lab/flight-time.md.
 """
 
 import math
@@ -14,65 +14,69 @@ from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.circle import FlownCircle
 
 NEAR_CIRCLE = 3.0  # [m]
-AT_CENTER = 0.5  # [m] a vehicle so near to the center leaves it backwards
-SURE_SHARE = 0.15  # who is farther from the center than this share of the radius enters within 2 m of where he is to
-MOST_TURNS, MOST_METRES = 255, 255
+CENTER_RADIUS = 0.5  # [m] within which a vehicle leaves the center backwards
+SURE_SHARE = 0.15  # share of the radius; farther from the center the entry is within 2 m of the computed one
+MAX_TURNS, MAX_RADIUS = 255, 255
 
 
 def radius_of(item: Item) -> float:
-    """The radius of the circle [m]: whole metres, or tens of metres above 255."""
+    """Return the radius of the circle [m] as stored: whole meters, or tens of meters above 255."""
     radius = abs(item.params[2])
     if not math.isfinite(radius):
         return 0.0
-    return float(int(radius)) if radius <= MOST_METRES else 10.0 * min(MOST_METRES, int(radius / 10.0))
+    return float(int(radius)) if radius <= MAX_RADIUS else 10.0 * min(MAX_RADIUS, int(radius / 10.0))
 
 
 def circle_turn(item: Item, sense: float = 0.0) -> float:
-    """By how much it circles in all [rad], clockwise positive: whole turns, or 256ths of one.
+    """Return the total turn [rad] as stored, clockwise positive: whole turns, or 256ths of one.
 
-    `sense`: what counts in place of the sign of the radius, where it is not 0.
+    `sense` replaces the sign of the radius where it is not 0.
     """
     turns = item.params[0]
     if not turns > 0.0:
         return 0.0
-    kept = int(256.0 * turns) / 256.0 if turns < 1.0 else float(int(min(turns, MOST_TURNS)))
+    kept = int(256.0 * turns) / 256.0 if turns < 1.0 else float(int(min(turns, MAX_TURNS)))
     return math.copysign(math.tau * kept, sense or item.params[2])
 
 
 def circle_entry(here: Place, center: Place, radius: float, heading: float) -> tuple[Place, float]:
-    """The nearest point of the circle from `here`, and how far it is [m]; from its center the point behind the nose.
+    """Return the nearest point of the circle and its distance [m]; from the center the point behind the vehicle.
 
     `heading`: clockwise from north [rad].
     """
     if radius <= 0.0:
         return center, 0.0
     bearing = bearing_from(center, here)
-    if math.dist(here, center) < AT_CENTER:
+    if math.dist(here, center) < CENTER_RADIUS:
         bearing = heading + math.pi
     edge = on_circle(center, radius, bearing)
     return edge, math.dist(here, edge)
 
 
 def entry_is_unsure(here: Place, center: Place, radius: float) -> bool:
-    """Whether noise of a few decimeters decides on which side of the circle it begins: it is near the center's axis."""
+    """Return whether noise of a few decimeters decides the side of the entry: it is near the center's axis."""
     far = math.dist(here[:2], center[:2])
-    return radius > 0.0 and far < max(2 * AT_CENTER, SURE_SHARE * radius) and math.dist(here, center) > AT_CENTER / 2
+    return (
+        radius > 0.0
+        and far < max(2 * CENTER_RADIUS, SURE_SHARE * radius)
+        and math.dist(here, center) > CENTER_RADIUS / 2
+    )
 
 
 def bearing_from(center: Place, place: Place) -> float:
-    """Clockwise from north [rad]."""
+    """Return the bearing clockwise from north [rad]."""
     return math.atan2(place[0] - center[0], place[1] - center[1])
 
 
 def on_circle(center: Place, radius: float, bearing: float) -> Place:
-    """The place on the circle in this direction from its center."""
+    """Return the place on the circle in this direction from its center."""
     return center[0] + radius * math.sin(bearing), center[1] + radius * math.cos(bearing), center[2]
 
 
 def circle_chords(begin: Place, center: Place, flown: FlownCircle, turn: float, stray: float) -> Points:
-    """Points (n, 3) from `begin` along the circle that is flown, level: one turn and what is left of the last.
+    """Return level points (n, 3) from `begin` along the flown circle: one turn and the rest of the last.
 
-    The circle leaves their chords by no more than `stray` [m]; the last leads straight on to where the vehicle stops.
+    Their chords are within `stray` [m] of the circle. The last leads straight to the place where the vehicle stops.
     """
     whole, sense = math.fmod(turn, math.tau), math.copysign(1.0, turn)
     swept = turn if abs(turn) <= math.tau else sense * math.tau + whole

@@ -1,7 +1,7 @@
-"""The curve on which ArduCopter flies to a spline waypoint.
+"""Compute the curve on which ArduCopter flies to a spline waypoint.
 
-A cubic Hermite segment whose tangents are differences of places; an end where the copter stops has none. Source:
-ArduPilot's documentation of spline waypoints, the recorded flights, and 4.8.0-dev (ModeAuto::get_spline_from_cmd).
+It is a cubic Hermite segment whose tangents are differences of places; a stop has no tangent. Source: ArduPilot's
+documentation of spline waypoints, the recorded flights, and 4.8.0-dev (ModeAuto::get_spline_from_cmd).
 """
 
 import math
@@ -15,8 +15,8 @@ from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Item
 
 NO_TANGENT = (0.0, 0.0, 0.0)
-SHORTEST_TANGENT = 0.01  # a leg that is shorter gives a spline no direction [m]
-#: Navigation commands that ArduPilot stores with a place. What the others store is read as one all the same.
+MIN_TANGENT = 0.01  # a shorter leg gives a spline no direction [m]
+#: Navigation commands that ArduPilot stores with a place. It also reads the data of the others as one.
 WITH_PLACE = frozenset({
     Command.NAV_WAYPOINT, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TURNS, Command.NAV_LOITER_TIME, Command.NAV_LAND,
     Command.NAV_TAKEOFF, Command.NAV_CONTINUE_AND_CHANGE_ALT, Command.NAV_LOITER_TO_ALT, Command.NAV_ARC_WAYPOINT,
@@ -26,9 +26,9 @@ WITH_PLACE = frozenset({
 
 
 def reads_as_here(item: Item) -> bool:
-    """Whether what a navigation command without a place stores is read as "here", and a spline before it ends at rest.
+    """Return whether a stored command without a place reads as "here", and a spline before it ends at rest.
 
-    Of NAV_DELAY hour, minute and second are read as an altitude, and the last byte of its seconds as the frame of that.
+    Hour, minute and second of NAV_DELAY are read as an altitude, and the last byte of its seconds as its frame.
     """
     if item.command == Command.NAV_DELAY:
         seconds, *clock = item.params
@@ -37,10 +37,10 @@ def reads_as_here(item: Item) -> bool:
 
 
 def place_after(spline: Item, following: Item, target: Place, named: Place) -> tuple[Place, bool] | None:
-    """The place that shapes the end of a spline to `target`, and whether a spline leads to it; None: it ends at rest.
+    """Return the place that shapes the end of a spline to `target`, and whether a spline leads to it.
 
-    It is the one that the next navigation command names, whatever the command. Latitude and longitude 0 are those of
-    the target, and altitude 0 is its height. Heights over terrain and over home do not go together.
+    It is the place in the next navigation command, of any kind. Latitude and longitude 0 are the target's, and altitude
+    0 is its height. Return None for an end at rest, also where heights over terrain and over home meet.
     """
     if following.command not in WITH_PLACE or over_terrain(following) != over_terrain(spline):
         return None
@@ -55,26 +55,26 @@ def place_after(spline: Item, following: Item, target: Place, named: Place) -> t
 def spline_tangents(
     origin: Place, target: Place, flown_in: Place | None, after: tuple[Place, bool] | None
 ) -> tuple[Place, Place]:
-    """The tangents [m] at both ends of the curve from `origin` to `target`.
+    """Return the tangents [m] at both ends of the curve from `origin` to `target`.
 
-    It begins as the leg before ended, along `flown_in` (None: at rest). It ends along the line from its origin to the
-    place `after` it if that is reached by another spline (the flag), else along the line to that place.
+    It begins along `flown_in`, the end of the leg before (None: at rest). It ends along the line to the place `after`
+    it: from its origin if another spline leads there (the flag), else from its target.
     """
     begin = end = NO_TANGENT
-    if flown_in is not None and math.hypot(*flown_in) > SHORTEST_TANGENT:
+    if flown_in is not None and math.hypot(*flown_in) > MIN_TANGENT:
         begin = flown_in
     if after is not None:
         place, bends_on = after
         end = minus(place, origin if bends_on else target)
-        if math.hypot(*end) <= SHORTEST_TANGENT:  # that is what rounding leaves of a place
+        if math.hypot(*end) <= MIN_TANGENT:  # the remainder of rounded places
             end = NO_TANGENT
     return begin, end
 
 
 def cubic(origin: Place, target: Place, tangents: tuple[Place, Place]) -> tuple[Place, Place, Place, Place]:
-    """The vectors a, b, c, d of a + b u + c u^2 + d u^3 for u from 0 to 1.
+    """Return the vectors a, b, c, d of a + b u + c u^2 + d u^3 for u from 0 to 1.
 
-    Tangents that are together longer than four chords are scaled down to that.
+    Tangents whose lengths add up to more than four chords are scaled down to that.
     """
     begin, end = tangents
     size = math.hypot(*begin) + math.hypot(*end)
@@ -86,7 +86,7 @@ def cubic(origin: Place, target: Place, tangents: tuple[Place, Place]) -> tuple[
 
 
 def spline_chords(origin: Place, target: Place, tangents: tuple[Place, Place], tolerance: float) -> Points:
-    """Points on the curve, ends included, (n, 3) [m]: it leaves the lines between them by no more than `tolerance`."""
+    """Return points on the curve with its ends, (n, 3) [m], whose chords are within `tolerance` of it."""
     a, b, c, d = np.array(cubic(origin, target, tangents))
     bend = max(float(np.linalg.norm(2 * c)), float(np.linalg.norm(2 * c + 6 * d)))  # the second derivative is linear
     u = np.linspace(0.0, 1.0, math.ceil(math.sqrt(bend / (8 * tolerance))) + 2)[:, None]
@@ -94,5 +94,4 @@ def spline_chords(origin: Place, target: Place, tangents: tuple[Place, Place], t
 
 
 def minus(one: Place, other: Place) -> Place:
-    """The difference of two places."""
     return one[0] - other[0], one[1] - other[1], one[2] - other[2]

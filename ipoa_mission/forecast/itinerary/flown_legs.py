@@ -1,9 +1,9 @@
-"""The legs that a mission is flown in: the climb after take-off, the legs between waypoints, the way home.
+"""Compute the legs of a mission: the climb after take-off, the legs between waypoints, the way home.
 
-Legs are straight, but to an ArduPilot spline or arc waypoint: those are flown along curves, which chords stand for.
+Legs are straight. Curves to an ArduPilot spline or arc waypoint are approximated by chords.
 
-Points are local (east, north, up); heights above home and AMSL become `up` with the Earth's curvature, heights above
-terrain by the ground that is handed in. Loops are not unrolled: each jump adds the leg that it makes.
+Points are local (east, north, up). Heights above home and AMSL become `up` with the Earth's curvature, heights above
+terrain by the given ground. Loops are not unrolled: each jump adds its leg.
 """
 
 import math
@@ -33,16 +33,16 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Flat
 
-CHORD = 0.005  # [m] by which a curve may leave its chords
+CHORD_TOLERANCE = 0.005  # [m] between a curve and its chords
 FOLLOWING_STEP = 5.0  # [m] between the points of a leg that follows the terrain
-SHORTEST_CURVE = 1e-3  # [m] below which the way to a spline waypoint is no curve
+MIN_CURVE = 1e-3  # [m] below which the path to a spline waypoint is no curve
 MOVING = FLOWN_TO | {Command.NAV_RETURN_TO_LAUNCH}
 LEVEL_SPEEDS = (0.0, 1.0)  # param1 of DO_CHANGE_SPEED
-NEARBY = 0.5  # [m] a take-off this near to home is one from home
+HOME_RADIUS = 0.5  # [m] within which a take-off is at home
 
 
 class Phase(StrEnum):
-    """What a leg is for."""
+    """The purpose of a leg."""
 
     TAKEOFF = "take-off"
     CRUISE = "cruise"
@@ -52,10 +52,10 @@ class Phase(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class Leg:
-    """The way to item `seq` (numbered as in mission files): points (k, 3) with straight lines between them [m].
+    """The path to item `seq` (numbered as in mission files): points (k, 3) with straight lines between them [m].
 
-    `alternative`: flown at times only: after a jump, or to a rally point. `over_terrain`: it keeps its height over the
-    ground. `stray`: how far the way may be from the lines [m]. `jumped_from`: the item before a jump; -1: no jump.
+    `alternative`: flown after a jump or to a rally point only. `over_terrain`: it keeps its height over the ground.
+    `stray`: greatest distance of the path to the lines [m]. `jumped_from`: the item before a jump; -1: no jump.
     """
 
     seq: int
@@ -68,27 +68,27 @@ class Leg:
 
 
 def flown_legs(mission: Mission, frame: LocalFrame, ground: Ground | None = None) -> tuple[Leg, ...]:
-    """The legs of a mission in the order of its items, from home on the ground to the ground.
+    """Return the legs of a mission in the order of its items, from home on the ground to the ground.
 
-    The mission's parameters say how high it returns. Without `ground` the ground is as high as home. Items with wrong
-    positions are the business of `check_positions`; here they are left out.
+    The mission's parameters set the return height. Without `ground` the ground is as high as home. Items with wrong
+    positions are left out; `check_positions` reports them.
     """
     return tuple(_LegBuilder(as_flown(mission), frame, ground).legs())
 
 
 def return_ways(mission: Mission, frame: LocalFrame, places: Points) -> NDArray[np.float64]:
-    """On which ways the vehicle returns from places (n, 3): them, over them, over each goal, (goals, n, 3, 3) [m]."""
+    """Return the paths of returns from places (n, 3): place, over it, over each goal, (goals, n, 3, 3) [m]."""
     return np.array([ways for _, ways in _LegBuilder(as_flown(mission), frame, None).return_ways(places)])
 
 
 def join(legs: Sequence[Leg]) -> tuple[Points, float]:
-    """Legs that follow each other as one way: its points, and how far the flight may be from the lines [m]."""
+    """Join consecutive legs; return the points, and the flight's greatest distance to the lines [m]."""
     points = np.vstack([legs[0].points, *(leg.points[1:] for leg in legs[1:])])
     return points, max(leg.stray for leg in legs)
 
 
 def item_places(mission: Mission, frame: LocalFrame, ground: Ground) -> list[Vector | None]:
-    """Where each item lies, (3,) [m]; None if it names no place or no height."""
+    """Return the place of each item, (3,) [m]; None without a position or height."""
     rows = [
         (item.latitude_deg, item.longitude_deg, 0.0 if over_terrain(item) else mission.altitude_above_home(item))
         if item.has_position and math.isfinite(item.altitude)
@@ -108,7 +108,7 @@ def item_places(mission: Mission, frame: LocalFrame, ground: Ground) -> list[Vec
 
 
 class _LegBuilder:
-    """Where the vehicle is, item after item."""
+    """Track the vehicle's place, item by item, to make its legs."""
 
     def __init__(self, mission: Mission, frame: LocalFrame, ground: Ground | None) -> None:
         self.mission, self.frame = mission, frame
@@ -118,16 +118,16 @@ class _LegBuilder:
         self.parameters = mission.autopilot.complete(mission.parameters, mission.firmware_version)
         self.at = self.home
         self.last = 0
-        """The last item that moved it."""
+        """The last item that moved the vehicle."""
         self.flown_in: Vector | None = None
-        """Along what the vehicle arrived where it is, if it flies on without a stop, (3,) [m]."""
+        """The direction of arrival, if it flies on without a stop, (3,) [m]."""
         self.curve: tuple[int, Vector, Vector | None] | None = None
-        """The spline that led there: its item, where it began, and along what the vehicle arrived there."""
+        """The spline that led here: its item, its begin, and the direction of arrival there."""
         self.circles = Command.NAV_LOITER_TURNS in mission.autopilot.way_known.flown
         self.speed: float | None = None
-        """What a DO_CHANGE_SPEED asks for [m/s]."""
+        """The speed of DO_CHANGE_SPEED [m/s]."""
         self.heading = 0.0
-        """Of the nose, clockwise from north [rad]."""
+        """The yaw, clockwise from north [rad]."""
 
     def legs(self) -> Iterator[Leg]:
         for seq, item in enumerate(self.mission.items, start=1):
@@ -152,24 +152,24 @@ class _LegBuilder:
                 self.last = seq
 
     def _onward(self, seq: int, item: Item, target: Vector) -> Leg:
-        """The leg to an item, straight or curved; the next one may begin with its direction."""
+        """Return the leg to an item, straight or curved; its direction may shape the next one."""
         origin, guidance = self.at, self.mission.autopilot.guidance
         following = onward(self.mission.items, seq - 1, self.mission.autopilot)
         is_curve = item.command == Command.NAV_SPLINE_WAYPOINT and guidance.flies_splines
-        if is_curve and np.linalg.norm(target - origin) > SHORTEST_CURVE:
+        if is_curve and np.linalg.norm(target - origin) > MIN_CURVE:
             self.curve = seq, origin, self.flown_in
             return self._curve(seq, item, target, next_navigated(self.mission.items, seq - 1, self.mission.autopilot))
-        turn = 0.0 if self.flown_in is None or self.curve else turn_of(item)  # else it is flown straight
+        turn = 0.0 if self.flown_in is None or self.curve else turn_of(item)  # else it is straight
         if is_arc(triple(origin), triple(target), turn):
             ends = self._over(item, origin), self._over(item, target)
-            leg = self._bent(seq, item, arc_chords(*ends, turn, CHORD))
+            leg = self._bent(seq, item, arc_chords(*ends, turn, CHORD_TOLERANCE))
         else:
             leg = self._to(seq, target, over_terrain(item))
         self.flown_in, self.curve = None if following is None else target - origin, None
         return leg
 
     def _curve(self, seq: int, item: Item, target: Vector, following: int | None) -> Leg:
-        """The curve to a spline waypoint, which the item after it shapes."""
+        """Return the curve to a spline waypoint, which the item after it shapes."""
         items, after = self.mission.items, None
         if following is not None:
             after = place_after(item, items[following], self._over(item, target), self._named(items[following]))
@@ -177,22 +177,22 @@ class _LegBuilder:
         ends = self._over(item, self.at), self._over(item, target)
         tangents = spline_tangents(*ends, begin, after)
         self.flown_in = np.array(tangents[1]) if any(tangents[1]) else None
-        return self._bent(seq, item, spline_chords(*ends, tangents, CHORD))
+        return self._bent(seq, item, spline_chords(*ends, tangents, CHORD_TOLERANCE))
 
     def _named(self, item: Item) -> Place:
-        """Where an item is; `up` is over the ground where that is what its altitude is."""
+        """Return the place of an item, with `up` over the ground for an altitude over terrain."""
         height = item.altitude if over_terrain(item) else self.mission.altitude_above_home(item)
         place = Geodetic(item.latitude_deg, item.longitude_deg, self.mission.home.altitude + height)
         east, north, up = triple(self.frame.local(place))
         return east, north, item.altitude if over_terrain(item) else up
 
     def _over(self, item: Item, place: Vector) -> Place:
-        """A place with `up` over the ground where that is what the altitude of an item is."""
+        """Return a place with `up` over the ground if the item's altitude is over terrain."""
         east, north, up = triple(place)
         return east, north, up - float(self.ground(place[None, :])[0]) if over_terrain(item) else up
 
     def _bent(self, seq: int, item: Item, points: Points) -> Leg:
-        """A curved leg to an item; where `up` is over the ground, the leg follows that."""
+        """Return a curved leg to an item; it follows the ground if `up` is over the ground."""
         follows = over_terrain(item)
         if follows:
             traveled = arc_lengths(points)
@@ -200,10 +200,10 @@ class _LegBuilder:
             points = np.column_stack([np.interp(steps, traveled, axis) for axis in points.T])
             points[:, 2] += self.ground(points)
         self.at = points[-1]
-        return Leg(seq, Phase.CRUISE, points, over_terrain=follows, stray=CHORD)
+        return Leg(seq, Phase.CRUISE, points, over_terrain=follows, stray=CHORD_TOLERANCE)
 
     def _circle(self, seq: int, item: Item) -> Iterator[Leg]:
-        """To the circle, unless the vehicle is near it, around it, and on along it until it can stop."""
+        """Return legs to the circle, unless the vehicle is near it, around it, and on until it stops."""
         if (center := self.places[seq - 1]) is None:
             return
         radius = radius_of(item)
@@ -218,11 +218,11 @@ class _LegBuilder:
             flown = self.mission.autopilot.circle(self.parameters, radius, turn, self.speed, version)
             assert flown is not None, "it flies circles"
             turn, begin = circle_turn(item, flown.sense), self._over(item, self.at)
-            yield self._bent(seq, item, circle_chords(begin, triple(center), flown, turn, CHORD))
+            yield self._bent(seq, item, circle_chords(begin, triple(center), flown, turn, CHORD_TOLERANCE))
 
     def _to(self, seq: int, target: Vector, follow_terrain: bool) -> Leg:
         points = np.array([self.at, target])
-        if np.hypot(*(target - self.at)[:2]) > NEARBY:
+        if np.hypot(*(target - self.at)[:2]) > HOME_RADIUS:
             self.heading = math.atan2(*(target - self.at)[:2])
         self.at = target
         if follow_terrain:
@@ -230,7 +230,7 @@ class _LegBuilder:
         return Leg(seq, Phase.CRUISE, points)
 
     def _following(self, ends: Points) -> Points:
-        """The leg between two points that keeps its height over the ground, which changes evenly from end to end."""
+        """Return the leg between two points whose height over the ground changes linearly."""
         steps = max(2, math.ceil(float(np.hypot(*(ends[1] - ends[0])[:2])) / FOLLOWING_STEP) + 1)
         along = np.linspace(0.0, 1.0, steps)
         points = ends[0] + along[:, None] * (ends[1] - ends[0])
@@ -244,8 +244,8 @@ class _LegBuilder:
         yield self._vertical(seq, Phase.TAKEOFF, self.home[2] + item.height(self.mission.home))
         target = self.places[seq - 1]
         if self.mission.autopilot.guidance.climbs_where_it_stands or target is None:
-            return  # ArduCopter climbs where it stands, whatever position the take-off names
-        if np.hypot(*(target - self.at)[:2]) > NEARBY:
+            return  # ArduCopter climbs in place, whatever the take-off's position
+        if np.hypot(*(target - self.at)[:2]) > HOME_RADIUS:
             yield self._to(seq, target, over_terrain(item))
 
     def _landing(self, seq: int, item: Item) -> Iterator[Leg]:
@@ -255,7 +255,7 @@ class _LegBuilder:
         yield self._vertical(seq, Phase.LANDING, float(self.ground(self.at[None, :])[0]))
 
     def _payload(self, seq: int, item: Item) -> Iterator[Leg]:
-        """To its place, down to the ground or as deep as it may, and up again."""
+        """Return legs to its place, down to the ground or the greatest depth, and up again."""
         target = self.places[seq - 1]
         if target is not None:
             up = target[2] if self.flown_in is not None else self.at[2]
@@ -266,9 +266,9 @@ class _LegBuilder:
         yield self._vertical(seq, Phase.LANDING, top)
 
     def returns(self, seq: int) -> Iterator[Leg]:
-        """Home, or to the rally point that the autopilot chooses; and to all others, to which it may turn as well.
+        """Return legs home, or to the chosen rally point, and alternatives to all others.
 
-        Or back along the mission, without climbing, where the autopilot returns so.
+        Some autopilots return along the mission, without a climb.
         """
         places, version = [triple(place) for place in self._rally_points()], self.mission.firmware_version
         route = self.mission.autopilot.return_route(self.parameters, triple(self.at), places, version=version)
@@ -295,9 +295,9 @@ class _LegBuilder:
         yield self._vertical(seq, Phase.LANDING, float(self.ground(self.home[None, :])[0]))
 
     def return_ways(self, places: Points) -> Iterator[tuple[Vector, NDArray[np.float64]]]:
-        """Each goal, and the ways to over it from places (n, 3), over them, (n, 3, 3).
+        """Return each goal, and the paths from places (n, 3), over them, to over it, (n, 3, 3).
 
-        They are so high above home all the way: level is not straight, 10 km away it is 8 m lower.
+        The height above home is constant on the way. Such a path is not straight: 10 km away it is 8 m lower.
         """
         amsl, autopilot = self.mission.home.altitude, self.mission.autopilot
         latitude, longitude, altitude = self.frame.to_geodetic(places)
@@ -318,7 +318,7 @@ class _LegBuilder:
         return [local(Geodetic(p.latitude_deg, p.longitude_deg, amsl + p.altitude)) for p in self.mission.rally]
 
     def _jump(self, seq: int) -> Iterator[Leg]:
-        """The ways on to where a jump may lead; a spline before it bends towards that."""
+        """Return the paths to the possible targets of a jump; a spline before it bends towards the target."""
         here, flown_in, curve = self.at, self.flown_in, self.curve
         for index in led_to(self.mission.items, seq - 1, MOVING):
             item, target = self.mission.items[index], self.places[index]
@@ -345,5 +345,5 @@ class _LegBuilder:
 
 
 def triple(point: Vector) -> Place:
-    """A place (3,) as plain numbers."""
+    """Convert a place (3,) to plain numbers."""
     return float(point[0]), float(point[1]), float(point[2])

@@ -1,4 +1,4 @@
-"""What the vehicle meets in flight, one visit after the other: jumps followed, nothing left open."""
+"""Unroll a mission into visits in the order of flight, with jumps followed and places complete."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -13,17 +13,17 @@ from ipoa_mission.vehicles.returning import HOME, MissionLanding, ReturnBy, Retu
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import LEVEL, Ground
 
-#: ArduPilot's own bound on what a mission may hold, taken here as a bound on what a loop may unroll to.
-MOST_VISITS = 20_000
-#: Above LAST_NAV, but they take time all the same.
+#: ArduPilot's limit of a mission's size, used as the limit of unrolled loops.
+MAX_VISITS = 20_000
+#: Above LAST_NAV, but they take time.
 UNTIMED = frozenset({Command.NAV_SCRIPT_TIME, Command.NAV_ATTITUDE_TIME, Command.CONDITION_GATE})
-#: They put off the commands after them, which the models take as done at once.
+#: They delay the commands after them; the models run these at once.
 CONDITIONS = frozenset({Command.CONDITION_DELAY, Command.CONDITION_DISTANCE})
 
 
 @dataclass(frozen=True)
 class Visit:
-    """An item as its turn comes; `seq` counts from 1 (home is 0)."""
+    """An item in its turn; `seq` counts from 1 (home is 0)."""
 
     seq: int
     item: Item
@@ -31,9 +31,9 @@ class Visit:
 
 @dataclass(frozen=True)
 class Itinerary:
-    """Visits in order, and the same as a program without jumps; `over_terrain` names items whose height is.
+    """Visits in order, and the same as a program without jumps; `over_terrain` lists items with such a height.
 
-    Landings come down to the `ground`; a return leads home or to one of the `rally` points, by the `parameters`.
+    Landings end on the `ground`. A return leads home or to one of the `rally` points, by the `parameters`.
     """
 
     visits: tuple[Visit, ...]
@@ -44,7 +44,7 @@ class Itinerary:
     parameters: Parameters = field(default_factory=dict)
 
     def goal_of_return(self, here: Place) -> Place:
-        """Where a return from `here` leads: home, or a rally point and its height."""
+        """Return the goal of a return from `here`: home, or a rally point and its height."""
         n = self._route_of_return(here).rally
         return HOME if n is None else self.rally[n]
 
@@ -53,7 +53,7 @@ class Itinerary:
         return program.autopilot.return_route(self.parameters, here, self.rally, landing, program.version)
 
     def way_of_return(self, n: int, here: Place) -> tuple[Place, ...] | None:
-        """The places back along the mission, the last one over home, where visit n returns so; None: straight.
+        """Return the places back along the mission to over home, if visit n returns so; None: straight.
 
         Raises:
             MissionError: it returns to a landing of its own, which is not modeled.
@@ -64,16 +64,16 @@ class Itinerary:
         if by is ReturnBy.DIRECT:
             return None
         if by is not ReturnBy.BACK:
-            raise NotModeled(f"how long returns {by} last is not modeled")
+            raise NotModeled(f"the time of returns {by} is not modeled")
         visited = [k for k, visit in enumerate(self.visits[:n]) if visit.item.command in FLOWN_TO]
         places = [self.program.place(k, here) for k in reversed(visited)] or [here]
         return (*places, (0.0, 0.0, places[-1][2]))
 
 
 def itinerary(mission: Mission, ground: Ground = LEVEL) -> Itinerary:
-    """Unroll the mission's jumps and put its items into metres around home; it lands on the `ground`.
+    """Unroll the mission's jumps and convert its items to meters around home; it lands on the `ground`.
 
-    Heights over terrain are taken as heights over home (the time model knows no terrain); `over_terrain` names them.
+    Heights over terrain count as heights over home (the time model has no terrain); `over_terrain` lists them.
 
     Raises:
         BadInput: a jump leads nowhere or never ends.
@@ -93,7 +93,7 @@ def itinerary(mission: Mission, ground: Ground = LEVEL) -> Itinerary:
 
 
 def rally_places(mission: Mission) -> tuple[Place, ...]:
-    """Its rally points, east, north and up of home as the autopilot keeps it [m]."""
+    """Return the rally points, east, north and up of home as the autopilot keeps them [m]."""
     if not mission.rally:
         return ()
     frame, home = LocalFrame(mission.home), mission.home
@@ -102,7 +102,7 @@ def rally_places(mission: Mission) -> tuple[Place, ...]:
 
 
 def flying_already(route: Itinerary) -> float | None:
-    """The height over home [m] at which a mission without a take-off begins: that of its first place; else None."""
+    """Return the height over home [m] of the first place of a mission without a take-off; else None."""
     for visit, place in zip(route.visits, route.program.places, strict=True):
         command = visit.item.command
         if command <= LAST_NAV and command != Command.NAV_DELAY:
@@ -111,7 +111,7 @@ def flying_already(route: Itinerary) -> float | None:
 
 
 def _unrolled(mission: Mission) -> list[int]:
-    """Indices of the items in the order in which they are done, every jump followed as its firmware does."""
+    """Return indices of the items in the order of flight, with jumps followed as by the firmware."""
     count = len(mission.items)
     for n, item in enumerate(mission.items):
         if item.command in JUMPS and jump_target(mission.items, n) is None:
@@ -124,10 +124,12 @@ def _unrolled(mission: Mission) -> list[int]:
     order: list[int] = []
     at: int | None = -1
     while at is not None:
-        if len(order) > MOST_VISITS:
-            raise EndlessFlight(f"the mission's jumps make more than {MOST_VISITS} visits", place=f"items[{at}]")
+        if len(order) > MAX_VISITS:
+            raise EndlessFlight(f"the mission's jumps make more than {MAX_VISITS} visits", place=f"items[{at}]")
         passed, at = program.advance(at)
         order += passed if at is None else [*passed, at]
     if program.stuck_at is not None:
-        raise EndlessFlight(f"{mission.autopilot.model} finds no way on from here", place=f"items[{program.stuck_at}]")
+        raise EndlessFlight(
+            f"{mission.autopilot.model} finds no next item from here", place=f"items[{program.stuck_at}]"
+        )
     return order

@@ -1,4 +1,4 @@
-"""Where DO_JUMP and DO_JUMP_TAG lead, and how often; indices count from 0."""
+"""Resolve targets and repeats of DO_JUMP and DO_JUMP_TAG; indices count from 0."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -8,9 +8,9 @@ from ipoa_mission.mission.items import Item
 
 
 def jump_target(items: Sequence[Item], index: int, first: int = 1) -> int | None:
-    """The item that the jump at `index` leads to, the first one where a tag is used twice; None: there is none.
+    """Return the item that the jump at `index` leads to, the first of two with its tag; None: there is none.
 
-    `first` is what a DO_JUMP calls the first item.
+    `first` is the number of the first item for DO_JUMP.
     """
     asked = items[index].params[0]
     if not math.isfinite(asked):
@@ -22,18 +22,18 @@ def jump_target(items: Sequence[Item], index: int, first: int = 1) -> int | None
 
 
 def tagged(items: Sequence[Item], tag: float) -> Iterator[int]:
-    """The JUMP_TAG items of this number."""
+    """Return the JUMP_TAG items of this number."""
     tags = (n for n, item in enumerate(items) if item.command == Command.JUMP_TAG)
     return (n for n in tags if math.isfinite(items[n].params[0]) and int(items[n].params[0]) == int(tag))
 
 
 def repeats(item: Item) -> float:
-    """How often a jump is taken; infinite: without end."""
+    """Return how often a jump is taken; infinite: without end."""
     return math.inf if not item.params[1] >= 0 else int(item.params[1])
 
 
 def led_to(items: Sequence[Item], index: int, moving: frozenset[int]) -> Iterator[int]:
-    """The items of a `moving` command to which the jump at `index` may lead: several where it leads to other jumps."""
+    """Return the items of a `moving` command that the jump at `index` may lead to, through other jumps too."""
     ahead, seen = [jump_target(items, index) if repeats(items[index]) else None], {index}
     while ahead:
         at = ahead.pop()

@@ -1,8 +1,8 @@
-"""The one reader of mission items: in which order they come up, where each is done, what is flown on to after it.
+"""Read mission items: their order, their places, and the next item of each.
 
-Places are east, north, up of home [m]; `up` is the height above home as the autopilot keeps it (a flat Earth), not the
-height over home's tangent plane. ArduCopter takes latitude and longitude 0 for the place, and altitude 0 for the
-height, of the item before (ArduPilot's ModeAuto, since 2014). PX4 flies to what it is given; a null place of its
+Places are east, north, up of home [m]. `up` is the height above home as the autopilot keeps it (a flat Earth), not the
+height over home's tangent plane. ArduCopter replaces latitude and longitude 0 by the place, and altitude 0 by the
+height, of the item before (ArduPilot's ModeAuto, since 2014). PX4 flies to the given values; a null place of its
 take-off and landing is "here".
 """
 
@@ -35,14 +35,14 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 
 Place: TypeAlias = tuple[float, float, float]  # east, north, up [m]
 
-Steps: TypeAlias = list[tuple[list[int], int | None]]  # what is done in passing, and then flown to
+Steps: TypeAlias = list[tuple[list[int], int | None]]  # items done in passing, and the next place
 
-MOST_STEPS = 5_000  # that are followed
-MOST_ACTIONS = 255  # between two items that move it; a loop without such an item must not hang
+MAX_STEPS = 5_000  # limit of followed steps
+MAX_ACTIONS = 255  # between two items that move the vehicle; ends a loop without such an item
 
 
 def as_flown(mission: Mission) -> Mission:
-    """The mission with a place and a height in every item that is flown to, items taken in their order.
+    """Return the mission with a place and a height in each item that is flown to, in order of the items.
 
     >>> from ipoa_mission.mission.items import takeoff, waypoint
     >>> from ipoa_mission.world.frame import Geodetic
@@ -60,7 +60,7 @@ def as_flown(mission: Mission) -> Mission:
         if item.is_here(mission.autopilot) and item.command not in TO_THE_GROUND | {Command.NAV_PAYLOAD_PLACE}:
             item = replace(item, latitude_deg=latitude, longitude_deg=longitude)
         items.append(item)
-        if item.has_position and item.command != Command.NAV_TAKEOFF:  # that climbs where the vehicle stands
+        if item.has_position and item.command != Command.NAV_TAKEOFF:  # that climbs in place
             latitude, longitude = item.latitude_deg, item.longitude_deg
         keeps_height = item.command == Command.NAV_LAND or item.frame == Frame.MISSION
         if item.command in FLOWN_TO and math.isfinite(item.altitude) and not keeps_height:
@@ -69,19 +69,19 @@ def as_flown(mission: Mission) -> Mission:
 
 
 def over_terrain(item: Item) -> bool:
-    """Whether its altitude is one over terrain."""
+    """Return whether the altitude of an item is over terrain."""
     return plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT
 
 
 def is_passed(item: Item) -> bool:
-    """Whether it is to have been at this waypoint, and not to stay there, as ArduCopter holds for whole seconds."""
+    """Return whether a waypoint is passed without a hold; ArduCopter holds for whole seconds."""
     if item.command == Command.NAV_ARC_WAYPOINT:  # whose param1 is an angle
         return True
     return item.command in WAYPOINTS and item.params[0] < 1
 
 
 def onward(items: Sequence[Item], n: int, autopilot: Autopilot, later: Iterable[int] | None = None) -> int | None:
-    """The item that is flown on to without stopping at item n; those that do not move the vehicle are no hindrance."""
+    """Return the item that is flown on to without a stop at item n; items that do not move the vehicle are skipped."""
     following, guidance = next_navigated(items, n, autopilot, later), autopilot.guidance
     if following is None or items[following].command not in guidance.flown_on_into:
         return None
@@ -93,9 +93,9 @@ def onward(items: Sequence[Item], n: int, autopilot: Autopilot, later: Iterable[
 def next_navigated(
     items: Sequence[Item], n: int, autopilot: Autopilot, later: Iterable[int] | None = None
 ) -> int | None:
-    """The item that the autopilot looks ahead to as it flies to item n; None where it holds there, or there is none.
+    """Return the item that the autopilot looks ahead to on its way to item n; None for a hold, or none.
 
-    `later` are the items that follow in the order in which they come up; without it, in the order of their numbers.
+    `later` are the items that follow in the order of flight; without it, in the order of their numbers.
     """
     if autopilot.guidance.stops_to_hold and not is_passed(items[n]):
         return None
@@ -107,9 +107,9 @@ def next_navigated(
 
 @dataclass
 class Program:
-    """Items in the frame of their home, and how often each jump has been taken; indices count from 0.
+    """Items in the frame of their home, with the count of each jump; indices count from 0.
 
-    `first` is what a jump calls the first item: 1 in a mission file, 0 in the store of PX4.
+    `first` is the number of the first item for a jump: 1 in a mission file, 0 in the store of PX4.
     """
 
     items: tuple[Item, ...]
@@ -117,19 +117,19 @@ class Program:
     autopilot: Autopilot
     first: int = 1
     jumping: JumpProfile | None = None
-    """How jumps are followed; None: as by the version of the firmware."""
+    """The rules of jumps; None: those of the firmware's version."""
     version: Version | None = None
-    """Of the firmware; None: the newest measured."""
+    """The firmware's version; None: the newest measured."""
     jumped: dict[int, int] = field(default_factory=dict)
     stuck_at: int | None = None
-    """The item at which the firmware found no way on."""
+    """The item from which the firmware found no next item."""
 
     def __len__(self) -> int:
         return len(self.items)
 
     @cached_property
     def places(self) -> Points:
-        """Where each item lies, (n, 3) [m]; NaN for what it leaves open. A height over terrain counts as over home."""
+        """Return the place of each item, (n, 3) [m]; NaN where it has none. Heights over terrain count as over home."""
         items, home = self.items, self.frame.home
         rows = [(item.latitude_deg, item.longitude_deg, item.height(home)) for item in items]
         latitude, longitude, up = np.array(rows).reshape(-1, 3).T
@@ -141,15 +141,15 @@ class Program:
 
     @cached_property
     def _numbers(self) -> list[list[float]]:
-        """The same, quicker to look up one by one."""
+        """Return `places` as lists, which are faster to index."""
         return self.places.tolist()  # type: ignore[no-any-return]
 
     def leaves_open(self, index: int) -> bool:
-        """Whether item `index` names no place, or no height."""
+        """Return whether item `index` has no place, or no height."""
         return any(map(math.isnan, self._numbers[index]))
 
     def place(self, index: int, here: Place) -> Place:
-        """Where item `index` is; what it leaves open is that of `here`."""
+        """Return the place of item `index`, completed from `here`."""
         east, north, up = self._numbers[index]
         return (
             here[0] if math.isnan(east) else east,
@@ -158,21 +158,21 @@ class Program:
         )
 
     def place_of(self, item: Item) -> Place:
-        """Where the latitude, longitude and altitude of an item are."""
+        """Return the place at the latitude, longitude and altitude of an item."""
         home = self.frame.home
         flat = self.frame.local(Geodetic(item.latitude_deg, item.longitude_deg, home.altitude))
         return float(flat[0]), float(flat[1]), item.height(home)
 
     def after(self, index: int, taking: bool = True) -> int | None:
-        """The item that follows `index` once jumps are followed; `taking` a jump counts it, looking ahead does not."""
+        """Return the item after `index` with jumps followed; `taking` counts a jump, looking ahead does not."""
         index += 1
-        for jumps in range(self.habits.at_once + 1):
+        for jumps in range(self.jump_profile.at_once + 1):
             if index >= len(self.items):
                 return None
             if self.items[index].command not in JUMPS:
                 return index
             target = self._targets[index]
-            if target is None or jumps == self.habits.at_once:
+            if target is None or jumps == self.jump_profile.at_once:
                 break
             index = target if self._jumps(index, taking) else index + 1
         if taking:
@@ -180,8 +180,8 @@ class Program:
         return None
 
     @cached_property
-    def habits(self) -> JumpProfile:
-        """How jumps are followed."""
+    def jump_profile(self) -> JumpProfile:
+        """Return the rules of jumps."""
         return self.jumping or self.autopilot.firmware(self.version).jumps
 
     @cached_property
@@ -190,29 +190,32 @@ class Program:
         return {n: jump_target(self.items, n, self.first) for n in jumps}
 
     def _jumps(self, index: int, taking: bool) -> bool:
-        """Whether the jump at `index` is taken now."""
-        times, has_counter = repeats(self.items[index]), index in self.jumped or len(self.jumped) < self.habits.most
+        """Return whether the jump at `index` is taken now."""
+        times, has_counter = (
+            repeats(self.items[index]),
+            index in self.jumped or len(self.jumped) < self.jump_profile.most,
+        )
         done = self.jumped.get(index, 0) if has_counter else math.inf
         jumps = times == math.inf or done < times
         if has_counter:
-            over = 0 if self.habits.resets else done
+            over = 0 if self.jump_profile.resets else done
             self.jumped[index] = int((done + 1 if jumps else over) if taking else done)
         return jumps
 
     def advance(self, index: int) -> tuple[list[int], int | None]:
-        """What is done in passing after item `index`, in its order, and the item that moves the vehicle then.
+        """Return the items done in passing after item `index`, in order, and the next that moves the vehicle.
 
-        Counts the jumps that are taken.
+        Count the jumps that are taken.
         """
         passed: list[int] = []
         at = self.after(index)
         while at is not None and not self._moves(at):
-            if len(passed) == MOST_ACTIONS:
+            if len(passed) == MAX_ACTIONS:
                 self.stuck_at, at = at, None
                 break
             passed.append(at)
             at = self.after(at)
-        if not passed or not self.habits.queues_actions:
+        if not passed or not self.jump_profile.queues_actions:
             return passed, at
         done = passed[:1]
         action = self.after(done[0], taking=False) if at is not None else None
@@ -222,11 +225,11 @@ class Program:
         return done, at
 
     def followed(self) -> tuple[Steps, dict[int, int]]:
-        """What is done in passing and then flown to, step by step; and whither it flies on by mistake, by item."""
+        """Return for each step the items done in passing and the next one; and wrong next items, by item."""
         steps: Steps = []
         elsewhere: dict[int, int] = {}
         at: int | None = -1
-        while at is not None and len(steps) < MOST_STEPS:
+        while at is not None and len(steps) < MAX_STEPS:
             if at >= 0 and (instead := self.mistaken(at)) is not None:
                 elsewhere.setdefault(at, instead)
             steps.append(self.advance(at))
@@ -234,11 +237,11 @@ class Program:
         return steps, elsewhere
 
     def mistaken(self, index: int) -> int | None:
-        """The item to which it flies on from item `index` by mistake, instead of the one that follows; else None.
+        """Return the item that it flies on to from item `index` instead of the next one; None if correct.
 
-        ArduCopter keeps the leg that it laid while it looked ahead, wherever the next item lies.
+        ArduCopter keeps the leg from its look-ahead, wherever the next item is.
         """
-        if not self.habits.looks_past_jumps or not is_passed(self.items[index]):
+        if not self.jump_profile.looks_past_jumps or not is_passed(self.items[index]):
             return None
         tried = (self.after(n, taking=False) for n in range(index, len(self.items) - 1))
         ahead = next((n for n in tried if n is None or self._moves(n)), None)
@@ -251,7 +254,7 @@ class Program:
         return self.items[index].command <= LAST_NAV or self.items[index].command in ALSO_MOVE
 
     def ahead(self, index: int) -> Iterator[int]:
-        """The items that will come up after `index`, as many as there are items."""
+        """Return the items after `index`, at most as many as the mission has."""
         for _ in self.items:
             following = self.after(index, taking=False)
             if following is None:
@@ -259,19 +262,19 @@ class Program:
             yield (index := following)
 
     def onward(self, index: int) -> int | None:
-        """The item that is flown on to without stopping at item `index`, jumps followed."""
+        """Return the item that is flown on to without a stop at item `index`, with jumps followed."""
         return onward(self.items, index, self.autopilot, self.ahead(index))
 
     def shaped_by(self, index: int) -> int | None:
-        """The item that gives a spline to item `index` its end, jumps followed."""
+        """Return the item that shapes the end of a spline to item `index`, with jumps followed."""
         return next_navigated(self.items, index, self.autopilot, self.ahead(index))
 
 
 def program_of(mission: Mission, items: tuple[Item, ...]) -> Program:
-    """Items of the mission, in the way in which its firmware and parameters follow jumps."""
-    habits = mission.autopilot.firmware(mission.firmware_version).jumps
-    name, bit = habits.kept_by
+    """Return a program of items with the jump rules of the mission's firmware and parameters."""
+    profile = mission.autopilot.firmware(mission.firmware_version).jumps
+    name, bit = profile.kept_by
     options = mission.autopilot.book.by_old_names(mission.parameters).get(name, 0.0)
-    habits = replace(habits, resets=habits.resets and not int(options) >> bit & 1)
+    profile = replace(profile, resets=profile.resets and not int(options) >> bit & 1)
     frame, version = LocalFrame(mission.home), mission.firmware_version
-    return Program(items, frame, mission.autopilot, jumping=habits, version=version)
+    return Program(items, frame, mission.autopilot, jumping=profile, version=version)

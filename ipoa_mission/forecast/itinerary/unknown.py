@@ -1,4 +1,4 @@
-"""From which items on nobody here knows where the vehicle flies, and which items it never gets to."""
+"""Find items after which the flight is unknown, and items that are never reached."""
 
 import math
 from collections.abc import Iterator
@@ -13,11 +13,11 @@ from ipoa_mission.vehicles.returning import HOME
 from ipoa_mission.world.frame import LocalFrame
 
 NEVER_REACHED = "never-reached"
-NOWHERE = (math.nan, math.nan, math.nan)
+NO_PLACE = (math.nan, math.nan, math.nan)
 
 
 class Unknown(NamedTuple):
-    """Why the way is unknown from item `seq` on; `code` is that of its finding."""
+    """The reason why the flight is unknown from item `seq` on; `code` is that of its finding."""
 
     seq: int
     why: str
@@ -26,7 +26,7 @@ class Unknown(NamedTuple):
 
 
 def unknown_ways(mission: Mission) -> Iterator[Unknown]:
-    """Every such item, in their order."""
+    """Return such items in their order."""
     autopilot, items = mission.autopilot, as_flown(mission).items
     program = Program(items, LocalFrame(mission.home), autopilot, version=mission.firmware_version)
     circles, splines = Command.NAV_LOITER_TURNS in autopilot.way_known.flown, autopilot.guidance.flies_splines
@@ -36,10 +36,10 @@ def unknown_ways(mission: Mission) -> Iterator[Unknown]:
     for n, item in enumerate(items):
         if (why := autopilot.way_known.why_unknown(item.command, item.params)) is not None:
             yield Unknown(n + 1, why, "leave it out, or fly it without a forecast (--anyway)")
-        place = program.place(n, here or NOWHERE)
+        place = program.place(n, here or NO_PLACE)
         if circles and item.command == Command.NAV_LOITER_TURNS:
             if here is not None and entry_is_unsure(here, place, radius_of(item)):
-                why = "it begins near the circle's center: on which side it goes to the circle is chance"
+                why = "it begins near the circle's center: the side of its entry is random"
                 yield Unknown(n + 1, why, "begin it farther from the center")
             here = None
         elif item.command in TAKEOFFS:  # straight up
@@ -53,20 +53,20 @@ def unknown_ways(mission: Mission) -> Iterator[Unknown]:
 
 
 def _past_jumps(mission: Mission) -> Iterator[Unknown]:
-    """Where it flies on past a jump to what is no place."""
+    """Return items from which it flies past a jump, as the jump leads to no place."""
     items = mission.items
     for n, instead in sorted(program_of(mission, items).followed()[1].items()):
         jump = next((later + 1 for later in range(n, len(items)) if items[later].command in JUMPS), 0)
         why = (
-            f"{mission.autopilot.model} flies on from here to item {instead + 1}, not to where the jump of item {jump} "
-            "leads, as it jumps to what is no place"
+            f"{mission.autopilot.model} flies on from here to item {instead + 1}, not to the target of the jump at item "
+            f"{jump}, because that target is no place"
         )
         hint = "let DO_JUMP name the waypoint itself, or hold here for a second"
         yield Unknown(n + 1, why, hint, "jump-flown-elsewhere")
 
 
 def _after_a_spline(program: Program, n: int) -> Iterator[Unknown]:
-    """Where what follows a spline stores no place, and is read as one."""
+    """Return splines before an item without a place that is read as one."""
     items = program.items
     for after in {next_navigated(items, n, program.autopilot), program.shaped_by(n)} - {None}:
         assert after is not None
@@ -77,12 +77,12 @@ def _after_a_spline(program: Program, n: int) -> Iterator[Unknown]:
 
 
 def _payload_elsewhere(mission: Mission, program: Program, n: int, following: int) -> Iterator[Unknown]:
-    """Where a payload is placed at another height than the waypoint before it: the vehicle waits there for ever."""
+    """Return payload places at another height than the waypoint before: the vehicle never places there."""
     autopilot, item = mission.autopilot, program.items[following]
     if item.command != Command.NAV_PAYLOAD_PLACE or not item.has_position:
         return
     parameters = autopilot.complete(mission.parameters, mission.firmware_version)
     radius = parameters[autopilot.book.meanings["acceptance radius"]] / 100
-    if abs(program.place(following, NOWHERE)[2] - program.place(n, NOWHERE)[2]) > radius:
-        why = "it waits at this height to come to that of the waypoint before, and never places the payload"
+    if abs(program.place(following, NO_PLACE)[2] - program.place(n, NO_PLACE)[2]) > radius:
+        why = "it waits at this height for that of the waypoint before, and never places the payload"
         yield Unknown(following + 1, why, "give it the height of the waypoint before, or 0", NEVER_REACHED)
