@@ -42,7 +42,7 @@ def learn(
 
     from ipoa_mission.cli.overwriting import expect_free
     from ipoa_mission.files import write_atomically
-    from ipoa_mission.logs.learn.fit import UNSURE, fit
+    from ipoa_mission.logs.learn.fit import PRIOR_DEVIATIONS, fit
     from ipoa_mission.logs.learn.judge import energy_error, left_out, median_errors
     from ipoa_mission.logs.learn.vehicle_file import write_vehicle
 
@@ -57,13 +57,13 @@ def learn(
     if len(flights) == 1:
         if vehicle.hover_power is None:
             left_out(flights)  # which says what is missing
-        vehicle = vehicle.with_numbers(dict.fromkeys(UNSURE))
+        vehicle = vehicle.with_numbers(dict.fromkeys(PRIOR_DEVIATIONS))
         remarks.append("one flight tells its vehicle's power; its times are judged by others, and need them")
     elif before > 0 and not after < before:
         words = f"the flights left out are timed no better by what the others tell: {after:.1%} off, not {before:.1%}"
         if vehicle.hover_power is None:
             raise MissionError(words, hint="the estimate is as good without a vehicle file", code="option-conflict")
-        vehicle = vehicle.with_numbers(dict.fromkeys(UNSURE))
+        vehicle = vehicle.with_numbers(dict.fromkeys(PRIOR_DEVIATIONS))
         remarks.append(words)
     write_atomically(out, write_vehicle(vehicle))
     energy = energy_error(judged)

@@ -1,1 +1,1 @@
-"""Flights out of logs, and what one vehicle is like, learned from them."""
+"""Read flights from logs, and learn a vehicle from them."""

@@ -1,7 +1,7 @@
-"""Flights out of logs: what ground stations (`.tlog`), ArduPilot (`.bin`) and PX4 (`.ulg`) wrote down on the way.
+"""Read flights from logs of ground stations (`.tlog`), ArduPilot (`.bin`) and PX4 (`.ulg`).
 
-All three are told to one `Logbook`, as a live link would tell it, so that a flight means the same wherever it comes
-from. What an autopilot writes down more finely than it sends is told at its own time.
+All three feed one `Logbook`, as a live link does, so that a flight has the same meaning from each source. Data that an
+autopilot logs at a higher rate than it sends keeps its own time.
 """
 
 from collections.abc import Iterator, Mapping
@@ -15,7 +15,7 @@ from ipoa_mission.errors import BadInput, MissionError, WrongSuffix
 from ipoa_mission.link.logbook import FlightRecord, Logbook
 from ipoa_mission.link.messages import Current, Heartbeat, Message, ParamValue, Reached
 from ipoa_mission.link.telemetry import HomePosition, Position, SystemTime
-from ipoa_mission.logs.logged import Begun, Held, Log, log_format, told
+from ipoa_mission.logs.logged import Begun, Held, Log, log_format, messages_of
 from ipoa_mission.logs.logged_measurements import Measured
 from ipoa_mission.logs.telemetry_log import read_telemetry_log
 from ipoa_mission.mission.items import Item, Mission
@@ -24,23 +24,23 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic
 
-#: Who rises by so much was in the air [m].
-RISEN = 1.0
-#: Home is set anew by the arming; it is told within this time [s].
+#: A vehicle that rises by this was in the air [m].
+AIRBORNE_HEIGHT = 1.0
+#: Arming sets home; its message comes within this time [s].
 HOME_SET_S = 2.0
-#: Positions are told more often than that [s].
+#: Longest time between positions [s].
 GAP_S = 3.0
-#: Between two positions there is no more than this [m], and so much for each second [m/s].
-JUMP, FASTEST = 20.0, 100.0
+#: Greatest distance between two positions [m], plus this for each second [m/s].
+MAX_JUMP, MAX_SPEED = 20.0, 100.0
 EARTH_RADIUS = 6.371e6
 
 
 @dataclass(frozen=True)
 class LoggedFlight:
-    """One flight in a log: from armed until disarmed; `in_mission`: some of it in the mission mode.
+    """One flight in a log, from arming to disarming; `in_mission`: partly in the mission mode.
 
-    `mission` is what the log says that the vehicle held, None where it does not say; `parameters` are those that the
-    log has of it; `armed_s` is the autopilot's clock at time zero, from which the times of `measured` are.
+    `mission` is the mission of the vehicle in the log, None where it has none. `parameters` are the vehicle's in the
+    log. `armed_s` is the autopilot's clock at time zero, to which the times of `measured` refer.
     """
 
     autopilot: Autopilot
@@ -54,13 +54,13 @@ class LoggedFlight:
 
     @property
     def firmware_version(self) -> Version | None:
-        """The version of the firmware that flew it; None where the log says none that can be read."""
+        """Return the firmware's version; None where the log has no readable one."""
         with suppress(BadInput):
             return Version.parsed(self.version)
         return None
 
     def record(self, mission: Mission | None = None) -> FlightRecord:
-        """This flight as one of `mission`: when its items were done, and where it was; without one, only that."""
+        """Return the record of this flight, with the times of the items of `mission` if given."""
         logbook = Logbook(() if mission is None else mission.items, self.autopilot)
         for message in self.messages:
             logbook.note(message)
@@ -68,11 +68,11 @@ class LoggedFlight:
 
     @property
     def tells_items(self) -> bool:
-        """Whether the log says of any item that it began or was done."""
+        """Return whether the log reports that any item began or was done."""
         return any(isinstance(message, Current | Reached) for message in self.messages)
 
     def flown_in_mission(self) -> tuple[Position, ...]:
-        """Where it said that it was while it flew in the mission mode."""
+        """Return the positions in the mission mode."""
         places, is_flying = list[Position](), False
         for message in self.messages:
             if isinstance(message, Heartbeat):
@@ -84,7 +84,7 @@ class LoggedFlight:
 
 @dataclass(frozen=True)
 class FlightLog:
-    """All flights of a log, those without a mission among them, and what the user should know of it."""
+    """All flights of a log, also those without a mission, with remarks for the user."""
 
     autopilot: Autopilot
     version: str
@@ -97,14 +97,14 @@ def read_flight(path: str | Path, mission: Mission, system: int | None = None) -
 
     Args:
         path: of a `.tlog`, a `.bin` or a `.ulg`.
-        mission: what was flown.
-        system: the vehicle's system id, where a `.tlog` holds several; left out, the first multicopter.
+        mission: the mission that was flown.
+        system: the vehicle's system id in a `.tlog` with several; by default the first multicopter.
 
     Returns:
-        What happened.
+        The record of the flight.
 
     Raises:
-        BadInput: another ending, or not a log of that kind.
+        BadInput: another suffix, or not a log of that kind.
         MissionError: nothing in it was flown in the mission mode, or a package to read it is missing.
 
     Example:
@@ -125,12 +125,12 @@ def read_flight(path: str | Path, mission: Mission, system: int | None = None) -
 
 
 def read_flights(path: str | Path, system: int | None = None) -> FlightLog:
-    """The flights in a `.tlog`, `.bin` or `.ulg`, one at least, of the vehicle with this system id.
+    """Read the flights, at least one, of the vehicle with this system id in a `.tlog`, `.bin` or `.ulg`.
 
     A flight is armed in the mission mode, or rises.
 
     Raises:
-        BadInput: another ending, or not a log of that kind.
+        BadInput: another suffix, or not a log of that kind.
         MissionError: nothing in it was flown, or a package to read it is missing.
     """
     path = Path(path)
@@ -150,15 +150,15 @@ def read_flights(path: str | Path, system: int | None = None) -> FlightLog:
     whole = tuple(stretch.flight(log) for stretch in flights if stretch.is_whole)
     remarks = [*log.remarks]
     if len(whole) < len(flights):
-        remarks.append("the log begins in flight: when that one was armed is not known, and it is left out")
+        remarks.append("the log begins in flight: the time of arming is unknown, and this flight is left out")
     if flights and flights[-1].is_open:
-        remarks.append("the log ends in flight: how that went on is not known")
+        remarks.append("the log ends in flight: the rest of the flight is unknown")
     remarks += _gaps(log, flights)
     if len(flights) < len(stretches):
         others = len(stretches) - len(flights)
         remarks.append(f"{others} time{'s' if others > 1 else ''} it was armed without flying its mission")
     if any(flight.in_mission and not flight.tells_items for flight in whole):
-        remarks.append("nothing in the log says when an item began or was done")
+        remarks.append("the log does not report when an item began or was done")
     flight_log = FlightLog(log.autopilot, log.version, whole, tuple(remarks))
     if not whole:
         raise _nothing_flown(path, flight_log)
@@ -166,7 +166,7 @@ def read_flights(path: str | Path, system: int | None = None) -> FlightLog:
 
 
 def _gaps(log: Log, flights: list["_Stretch"]) -> Iterator[str]:
-    """Name the times in flight at which the log has no position, and places that are none on the Earth."""
+    """Report times in flight without a position, and invalid positions."""
     times = log.fixes.times
     inside = np.any([(times >= one.armed_s) & (times <= one.ends_s) for one in flights], axis=0)
     gaps = np.diff(times[inside]) if flights else np.empty(0)
@@ -178,7 +178,7 @@ def _gaps(log: Log, flights: list["_Stretch"]) -> Iterator[str]:
     with np.errstate(invalid="ignore", over="ignore"):
         places = np.column_stack([fixes.latitude_deg * degree, fixes.longitude_deg * degree, fixes.height])
         places[:, 1] *= np.cos(np.radians(fixes.latitude_deg))
-        jumps = ~(np.abs(np.diff(places, axis=0)).max(axis=1) <= JUMP + FASTEST * np.diff(times))
+        jumps = ~(np.abs(np.diff(places, axis=0)).max(axis=1) <= MAX_JUMP + MAX_SPEED * np.diff(times))
     if jumps.any():
         yield f"positions jump {np.count_nonzero(jumps)} times, as no multicopter flies: some are wrong"
 
@@ -190,7 +190,7 @@ def _nothing_flown(path: str | Path, log: FlightLog) -> MissionError:
 
 @dataclass
 class _Known:
-    """What the log has told of the vehicle by now."""
+    """The vehicle's state as logged so far."""
 
     items: tuple[Item, ...] = ()
     home: Geodetic | None = None
@@ -208,7 +208,7 @@ class _Known:
 
 @dataclass
 class _Stretch:
-    """From armed until disarmed, or to the end of the log; `at_arming` is what was known then, `later` what came."""
+    """Messages from arming to disarming, or to the end of the log; state `at_arming`, and `later` changes."""
 
     is_whole: bool  # the log has its arming
     armed_s: float
@@ -217,13 +217,13 @@ class _Stretch:
     later: _Known = field(default_factory=_Known)
     begun: dict[int, Begun] = field(default_factory=dict)
     ends_s: float = 0.0
-    is_open: bool = True  # nothing says that it was disarmed
+    is_open: bool = True  # no disarming in the log
 
     def note(self, message: Message, now: float) -> None:
         self.messages.append(message)
         self.ends_s = now
-        by_the_arming = self.later.home is None and now - self.armed_s < HOME_SET_S
-        if by_the_arming or not isinstance(message, HomePosition):
+        set_by_arming = self.later.home is None and now - self.armed_s < HOME_SET_S
+        if set_by_arming or not isinstance(message, HomePosition):
             self.later.note(message)
         if isinstance(message, Begun):
             self.begun[message.seq] = message
@@ -237,7 +237,7 @@ class _Stretch:
     @property
     def rose(self) -> bool:
         heights = [message.height for message in self.messages if isinstance(message, Position)]
-        return bool(heights) and max(heights) - heights[0] > RISEN
+        return bool(heights) and max(heights) - heights[0] > AIRBORNE_HEIGHT
 
     def flight(self, log: Log) -> LoggedFlight:
         parameters = self.later.parameters | self.at_arming.parameters
@@ -246,10 +246,9 @@ class _Stretch:
         return LoggedFlight(log.autopilot, log.version, self.armed_s, mission, parameters, flown, messages, measured)
 
     def _mission(self, autopilot: Autopilot) -> Mission | None:
-        """The list that was held; a log opened by the arming tells it just after.
+        """Return the vehicle's mission; a log that begins at the arming has it just after.
 
-        PX4 does not write down its list, nor ArduPilot one that came as a file: what it flew then tells of it, item
-        by item.
+        PX4 does not log its list, nor does ArduPilot one that was uploaded as a file. Then the flown items are used.
         """
         home = self.later.home or self.at_arming.home or self._first_place()
         first = autopilot.counts_home
@@ -275,13 +274,13 @@ class _Stretch:
 
 
 def _stretches(log: Log) -> Iterator[_Stretch]:
-    """Every time that the vehicle was armed."""
+    """Return each time that the vehicle was armed."""
     known = _Known()
     current: Current | None = None
     stretch: _Stretch | None = None
     seen, now = False, 0.0
     clock: Message | None = None
-    for message in told(log):
+    for message in messages_of(log):
         if isinstance(message, Position | SystemTime):
             clock, now = message, message.time_s if isinstance(message, Position) else message.boot_s
         if stretch is not None:

@@ -1,4 +1,4 @@
-"""What a log tells, whoever wrote it: where the vehicle was, what happened when, what it held and how it was set."""
+"""The content of a log of any kind: positions, events, missions and parameters."""
 
 import re
 from collections.abc import Callable, Iterator
@@ -16,14 +16,15 @@ from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.vehicles.mav_types import QUADROTOR
 from ipoa_mission.vehicles.version import Version
 
-#: What ArduPilot says when an item begins: "Mission: 4 WP".
+#: ArduPilot's text when an item begins: "Mission: 4 WP".
 ITEM_BEGINS = re.compile(r"Mission: (\d+)\b")
 
 
 @dataclass(frozen=True)
 class Fixes:
-    """Positions of a log by the autopilot's clock [s]: degrees, altitude AMSL and height above home [m], each (n,),
-    and velocity north, east, down (n, 3) [m/s]. Times grow.
+    """Positions of a log by the autopilot's clock [s], in order of time.
+
+    Degrees, altitude AMSL and height above home [m], each (n,), and velocity north, east, down (n, 3) [m/s].
     """
 
     times: Vector
@@ -35,7 +36,7 @@ class Fixes:
 
     @classmethod
     def of(cls, rows: Points) -> "Fixes":
-        """Out of rows (n, 8) with these columns, in any order of time; of two at the same time the first counts."""
+        """Make fixes of rows (n, 8) with these columns, in any order; of two at the same time the first counts."""
         rows = rows[np.unique(rows[:, 0], return_index=True)[1]]
         times, latitude, longitude, altitude, height = rows.T[:5]
         return cls(times, latitude, longitude, altitude, height, rows[:, 5:])
@@ -43,14 +44,14 @@ class Fixes:
 
 @dataclass(frozen=True)
 class Held(Message):
-    """No message of the link: from now on the vehicle holds these items, as on the wire."""
+    """The vehicle holds these items from now on, as on the wire; no message of the link."""
 
     items: tuple[Item, ...]
 
 
 @dataclass(frozen=True)
 class Begun(Message):
-    """No message of the link: the item at `seq` of `total`, as the vehicle itself holds it, begins."""
+    """The item at `seq` of `total`, as the vehicle holds it, begins; no message of the link."""
 
     seq: int
     total: int
@@ -59,10 +60,10 @@ class Begun(Message):
 
 @dataclass(frozen=True)
 class Log:
-    """A whole log. `events` are messages at their times by the autopilot's clock [s], in any order.
+    """A whole log. `events` are messages with their times by the autopilot's clock [s], in any order.
 
-    A heartbeat among the events stands where arming or mode changed, to the time when it did. `remarks` are for the
-    user: what of this log is not as one would wish.
+    A heartbeat among the events marks a change of arming or mode, at its time. `remarks` are for the user, about faults
+    of the log.
     """
 
     autopilot: Autopilot
@@ -73,8 +74,8 @@ class Log:
     measured: Measured = field(default_factory=Measured)
 
 
-def told(log: Log) -> Iterator[Message]:
-    """All that a log holds in the order of time; before an event comes the position at its own time."""
+def messages_of(log: Log) -> Iterator[Message]:
+    """Return all messages of a log in the order of time; each event follows the position at its time."""
     events = sorted(log.events, key=lambda event: event[0])
     fixes = log.fixes
     at = np.concatenate([fixes.times, np.array([time for time, _ in events])])
@@ -90,7 +91,7 @@ def told(log: Log) -> Iterator[Message]:
 
 
 def _clock(fixes: Fixes, times: Vector) -> Iterator[Message]:
-    """The position at each of these times; where there is none, the time alone."""
+    """Return the position at each of these times; without positions the time alone."""
     if not len(fixes.times):
         return (SystemTime(0.0, float(time)) for time in times)
     columns = (fixes.latitude_deg, fixes.longitude_deg, fixes.altitude, fixes.height, *fixes.velocity.T)
@@ -99,27 +100,27 @@ def _clock(fixes: Fixes, times: Vector) -> Iterator[Message]:
 
 
 def presence(autopilot: Autopilot, armed: bool, custom_mode: int) -> Heartbeat:
-    """The heartbeat of a vehicle in this state."""
+    """Return the heartbeat of a vehicle in this state."""
     flags = CUSTOM_MODE_FLAG | (ARMED_FLAG if armed else 0)
     return Heartbeat(QUADROTOR, autopilot.mav_autopilot, flags, custom_mode)
 
 
 def item_begun(text: str) -> Current | None:
-    """The item that begins by ArduPilot's words; None where they say nothing of that."""
+    """Return the item that begins by ArduPilot's text; None for another text."""
     match = ITEM_BEGINS.match(text)
     return Current(int(match[1])) if match else None
 
 
 def version_name(flight_sw_version: int) -> str:
-    """The version in AUTOPILOT_VERSION in words, like 4.7.0-dev; nothing where the autopilot does not tell."""
+    """Return the version in AUTOPILOT_VERSION in words, like 4.7.0-dev; empty where unknown."""
     return str(Version.said(flight_sw_version) or "")
 
 
 @dataclass(frozen=True)
 class LogFormat:
-    """What an autopilot writes on board: how such files end, and what reads them.
+    """A format of on-board logs: its suffix and reader.
 
-    `no_mission`: why such a log may not tell which mission was flown.
+    `no_mission`: why such a log may lack its mission.
     """
 
     suffix: str
@@ -128,6 +129,6 @@ class LogFormat:
 
 
 def log_format(suffix: str) -> LogFormat | None:
-    """The format of files that end so; None where no autopilot writes such logs."""
+    """Return the log format with this suffix; None without one."""
     formats = (one.part(LogFormat) for one in registered() if one.has(LogFormat))
     return next((one for one in formats if one.suffix == suffix.lower()), None)

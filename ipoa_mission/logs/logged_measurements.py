@@ -1,4 +1,4 @@
-"""What a log measured besides where the vehicle was: its batteries, and how it leaned."""
+"""Measurements of a log in addition to the positions: batteries and attitude."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -8,9 +8,9 @@ import numpy as np
 from ipoa_mission.errors import LogUseless
 from ipoa_mission.geometry import Points, Vector
 
-Battery = tuple[float, float, float]  # time [s], volts, amperes; NaN or negative where they are not measured
-MOST = 10_000.0  # volts or amperes: more are of a damaged log
-LIKE_A_CONSTANT = 1e-3  # of its mean: a measured current varies by more
+Battery = tuple[float, float, float]  # time [s], volts, amperes; NaN or negative where not measured
+MAX_VALUE = 10_000.0  # volts or amperes; a greater value is from a damaged log
+CONSTANT_SPREAD = 1e-3  # share of its mean; a measured current varies by more
 
 
 def _rows(columns: int) -> Points:
@@ -19,38 +19,38 @@ def _rows(columns: int) -> Points:
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """Batteries: time [s], V, A, each (n, 3); attitude: time [s], roll, pitch, yaw [rad] (m, 4). Times grow."""
+    """Batteries: time [s], V, A, each (n, 3); attitude: time [s], roll, pitch, yaw [rad] (m, 4). Times increase."""
 
     batteries: tuple[Points, ...] = ()
     attitude: Points = field(default_factory=lambda: _rows(4))
 
     @classmethod
     def of(cls, batteries: Iterable[Iterable[Battery]], attitude: Iterable[tuple[float, ...]] | Points) -> "Measured":
-        """Out of rows in any order of time; batteries whose voltage is not measured are left out."""
+        """Make measurements of rows in any order of time; leave out batteries without a measured voltage."""
         read = (_sorted(battery, 3) for battery in batteries)
         leaned = _sorted(attitude, 4)
-        sound = (np.abs(leaned[:, 1:]) < 2 * np.pi + 0.01).all(axis=1)  # yaw may be told from 0 to 360 degrees
+        sound = (np.abs(leaned[:, 1:]) < 2 * np.pi + 0.01).all(axis=1)  # yaw may be from 0 to 360 degrees
         return cls(tuple(rows for rows in read if (rows[:, 1] > 0).any()), leaned[sound])
 
     def between(self, begin: float, end: float) -> "Measured":
-        """The same from `begin` to `end`, times from `begin` on."""
+        """Return measurements between two times, with times since `begin`."""
         batteries = tuple(_cut(battery, begin, end) for battery in self.batteries)
         return Measured(batteries, _cut(self.attitude, begin, end))
 
     def power(self) -> Points:
-        """What all batteries gave: time [s] and W, (n, 2), at the times of the first one.
+        """Return the power of all batteries: time [s] and W, (n, 2), at the times of the first one.
 
         Raises:
-            MissionError: no battery's current was measured; what the log has instead.
+            MissionError: no battery's current was measured; with the cause.
         """
         given, reasons = [], []
         for battery in self.batteries:
             volts, current = battery[:, 1], battery[:, 2]
-            sound = battery[(volts > 0) & (volts < MOST) & (current >= 0) & (current < MOST)]
+            sound = battery[(volts > 0) & (volts < MAX_VALUE) & (current >= 0) & (current < MAX_VALUE)]
             amperes = sound[:, 2]
             if len(sound) < 2 or amperes.max() <= 0:
-                reasons.append("its battery has no current sensor: 0 A or -1 all the time")
-            elif np.ptp(amperes) <= LIKE_A_CONSTANT * amperes.mean():
+                reasons.append("its battery has no current sensor: the current is always 0 A or -1")
+            elif np.ptp(amperes) <= CONSTANT_SPREAD * amperes.mean():
                 reasons.append(f"the current of its battery is a constant, {amperes[0]:.3g} A, and not measured")
             else:
                 given.append((sound[:, 0], sound[:, 1] * amperes))

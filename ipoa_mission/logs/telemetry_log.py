@@ -1,7 +1,7 @@
-"""A ground station's log (`.tlog`): what one vehicle said and was told, set right in time.
+"""Read a ground station's log (`.tlog`): the messages from and to one vehicle, with its own times.
 
-A heartbeat comes once a second. So the motors were armed, or disarmed, where something told it first since the last
-heartbeat that knew nothing of it: the answer to the order, the autopilot's words, PX4's event.
+A heartbeat comes once a second. The time of arming and disarming is therefore that of the first other report since
+the last heartbeat in the old state: the answer to the order, the autopilot's text, PX4's event.
 """
 
 from collections.abc import Iterator, Mapping
@@ -49,31 +49,31 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.kind import Kind
 from ipoa_mission.vehicles.mav_types import with_article
 
-ARMING = ("Arming motors", "Armed by", "ARMED by")
-DISARMING = ("Disarming motors", "Disarmed by", "DISARMED by")
-#: PX4's events commander_armed_by and commander_disarmed_by: of component 1, and 24 bits of the FNV-1a of the name.
+ARMING_TEXTS = ("Arming motors", "Armed by", "ARMED by")
+DISARMING_TEXTS = ("Disarming motors", "Disarmed by", "DISARMED by")
+#: PX4's events commander_armed_by and commander_disarmed_by: component 1, and 24 bits of the FNV-1a of the name.
 ARMED_BY, DISARMED_BY = 0x190CAF3, 0x1F46777
-KEPT = (Position, Reached, Current, HomePosition, ParamValue, Text)
-NO_CLOCK = "nothing in the log tells the vehicle's clock: its times are those of the ground station"
+KEPT_MESSAGES = (Position, Reached, Current, HomePosition, ParamValue, Text)
+NO_CLOCK = "the log has no clock of the vehicle: its times are those of the ground station"
 
 
 @dataclass
 class _Gathered:
-    """What one vehicle said so far, each with the number of its record."""
+    """Messages of one vehicle so far, each with the number of its record."""
 
     transfers: Transfers = field(default_factory=Transfers)
     said: list[tuple[int, Message]] = field(default_factory=list)
     times: list[tuple[int, float]] = field(default_factory=list)
     state: Heartbeat | None = None
     ordered: bool | None = None  # the last order to arm or disarm
-    changes: list[tuple[int, bool]] = field(default_factory=list)  # of arming, told of since the last heartbeat
-    doubted: bool = False  # a heartbeat since knew nothing of them
+    changes: list[tuple[int, bool]] = field(default_factory=list)  # of arming, reported since the last heartbeat
+    unconfirmed: bool = False  # a later heartbeat still has the old state
     version: str = ""
     measured: list[tuple[int, Attitude | BatteryStatus | SystemStatus]] = field(default_factory=list)
 
 
 def read_telemetry_log(path: Path, system: int | None = None) -> Log:
-    """Positions and events of one autopilot in a log: of this system id, or the first multicopter.
+    """Return positions and events of one autopilot in a log: of this system id, or the first multicopter.
 
     Raises:
         BadInput: the file cannot be read, holds no such autopilot, or is not of a multicopter.
@@ -119,7 +119,7 @@ def _listed(kinds: Mapping[int, Kind]) -> str:
 
 
 def _others(kinds: Mapping[int, Kind], chosen: int) -> Iterator[str]:
-    """That the log holds other vehicles, too, and how they are read."""
+    """Report other vehicles in the log, and the option that reads them."""
     if len(kinds) > 1:
         others = {system: kind for system, kind in kinds.items() if system != chosen}
         flown = [system for system, kind in others.items() if _is_flown(kind)]
@@ -162,12 +162,12 @@ def _note_vehicle(gathered: _Gathered, number: int, message: Message, autopilot:
         case Heartbeat():
             _beat(gathered, number, message, autopilot)
         case CommandAck(Command.COMPONENT_ARM_DISARM, CommandResult.ACCEPTED):
-            _tell_of(gathered, number, not _is_armed(gathered) if gathered.ordered is None else gathered.ordered)
+            _note_arming(gathered, number, not _is_armed(gathered) if gathered.ordered is None else gathered.ordered)
         case Event(event) if event in (ARMED_BY, DISARMED_BY):
-            _tell_of(gathered, number, event == ARMED_BY)
+            _note_arming(gathered, number, event == ARMED_BY)
         case Text(_, text):
-            if text.startswith((*ARMING, *DISARMING)) and not gathered.changes:  # else an echo of what was told
-                _tell_of(gathered, number, text.startswith(ARMING))
+            if text.startswith((*ARMING_TEXTS, *DISARMING_TEXTS)) and not gathered.changes:  # else an echo
+                _note_arming(gathered, number, text.startswith(ARMING_TEXTS))
             if autopilot.protocol_profile.tells_items and (begun := item_begun(text)):
                 gathered.said.append((number, begun))
         case AutopilotVersion(_, version):
@@ -176,7 +176,7 @@ def _note_vehicle(gathered: _Gathered, number: int, message: Message, autopilot:
             gathered.measured.append((number, message))
         case ParamValue():
             message = replace(message, param_value=parameter_value(message, autopilot))
-    if isinstance(message, KEPT):
+    if isinstance(message, KEPT_MESSAGES):
         gathered.said.append((number, message))
     _note_transfer(gathered, number, message, by_vehicle=True)
 
@@ -193,27 +193,27 @@ def _is_armed(gathered: _Gathered) -> bool:
     return gathered.state is not None and gathered.state.armed
 
 
-def _tell_of(gathered: _Gathered, number: int, armed: bool) -> None:
-    """Something told that the vehicle is now armed, or not; the first to do so gives the time."""
+def _note_arming(gathered: _Gathered, number: int, armed: bool) -> None:
+    """Note the first report of an arming or disarming, which gives its time."""
     if armed != _is_armed(gathered):
         gathered.changes.append((number, armed))
-        gathered.doubted = False
+        gathered.unconfirmed = False
 
 
 def _beat(gathered: _Gathered, number: int, beat: Heartbeat, autopilot: Autopilot) -> None:
-    """A heartbeat: what changed since the last one is dated back to what told of it."""
+    """Note a heartbeat; changes since the last one take the time of their first report."""
     before = gathered.state
     if before and gathered.changes and gathered.changes[-1][1] == beat.armed:
         _change(gathered, before.custom_mode, autopilot)
-    elif gathered.doubted:  # two heartbeats know nothing of it
+    elif gathered.unconfirmed:  # two heartbeats do not confirm it
         gathered.changes.clear()
-    gathered.state, gathered.doubted = beat, bool(gathered.changes)
+    gathered.state, gathered.unconfirmed = beat, bool(gathered.changes)
     if before is None or (before.armed, before.custom_mode) != (beat.armed, beat.custom_mode):
         gathered.said.append((number, presence(autopilot, beat.armed, beat.custom_mode)))
 
 
 def _change(gathered: _Gathered, mode: int, autopilot: Autopilot) -> None:
-    """Arming changed, as was told since the last heartbeat."""
+    """Apply the reported changes of arming."""
     gathered.said += [(number, presence(autopilot, armed, mode)) for number, armed in gathered.changes]
     gathered.changes.clear()
 
@@ -231,7 +231,7 @@ def _dated(gathered: _Gathered, stamps: Vector, autopilot: Autopilot) -> Log:
 
 
 def _measured(gathered: _Gathered, times: Vector) -> Measured:
-    """Batteries by their numbers; the one of SYS_STATUS where no other tells."""
+    """Return batteries by their numbers; that of SYS_STATUS without any other."""
     batteries: dict[int, list[Battery]] = {}
     general: list[Battery] = []
     attitude = []

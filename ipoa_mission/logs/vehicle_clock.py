@@ -1,8 +1,8 @@
-"""The autopilot's clock behind the stamps of whoever wrote a log down.
+"""Convert the time stamps of a log to the autopilot's clock.
 
-Most messages say nothing of time, and a simulation may run ten times as fast as its ground station's clock. So the
-vehicle's time at a stamp lies between the messages around it that tell it, and before the first of them it goes on
-as fast as it did then.
+Most messages have no time, and a simulation may run ten times as fast as its ground station's clock. So the vehicle's
+time at a stamp is interpolated between the messages with a time. Before the first and after the last it is
+extrapolated at the rate there.
 """
 
 from collections.abc import Sequence
@@ -18,19 +18,19 @@ from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, Syste
 
 @dataclass(frozen=True)
 class ClockReading:
-    """How the vehicle's clock and the stamps of a log are read where they jump or break off."""
+    """Tolerances for jumps and gaps of the vehicle's clock and the stamps of a log."""
 
-    restarted_s: float = 10.0  # one that falls back by more has begun anew; by less, frames have overtaken each other
-    pace_s: float = 2.0  # as much of the log at each end tells how fast the clock goes there
-    torn_s: float = 60.0  # a stamp that is so far from those around it was not written so
-    longest_s: float = 1e8  # a TIMESYNC of more is no time since boot
+    restarted_s: float = 10.0  # a greater step back is a restart; a smaller one, frames out of order
+    pace_s: float = 2.0  # length at each end of the log that gives the clock's rate there
+    torn_s: float = 60.0  # a stamp this far from its neighbors is damaged
+    longest_s: float = 1e8  # a greater TIMESYNC is no time since boot
 
 
 READING = ClockReading()
 
 
 def vehicle_time(message: Message) -> float | None:
-    """The vehicle's time since boot [s] that a message of its own tells, if it does."""
+    """Return the vehicle's time since boot [s] in a message; None without one."""
     match message:
         case Position() | Attitude() | LocalPosition():
             return message.time_s
@@ -42,7 +42,7 @@ def vehicle_time(message: Message) -> float | None:
 
 
 def unwrapped(stamps: Vector, times: Vector) -> Vector:
-    """The same times where they go on over a restart of the autopilot, by the stamps between."""
+    """Continue times over restarts of the autopilot, by the stamps between."""
     times = times.copy()
     for n in np.flatnonzero(np.diff(times) < -READING.restarted_s):
         times[n + 1 :] += times[n] + (stamps[n + 1] - stamps[n]) - times[n + 1]
@@ -50,7 +50,10 @@ def unwrapped(stamps: Vector, times: Vector) -> Vector:
 
 
 def vehicle_times(stamps: Vector, clock_at: Vector, clock: Vector) -> Vector:
-    """The vehicle's time at each of `stamps`, by those `clock` at others; all stamps grow. Without any, the stamps."""
+    """Return the vehicle's time at each of `stamps`, from `clock` at others; all stamps increase.
+
+    Without a clock, return the stamps.
+    """
     if not len(clock):
         return stamps
     first, last = clock_at[0], clock_at[-1]
@@ -61,7 +64,7 @@ def vehicle_times(stamps: Vector, clock_at: Vector, clock: Vector) -> Vector:
 
 
 def _pace(clock_at: Vector, clock: Vector, order: slice) -> float:
-    """How fast the vehicle's clock goes at the end of the log from which `order` counts."""
+    """Return the rate of the vehicle's clock at the end of the log where `order` begins."""
     at, times = clock_at[order], clock[order]
     near = np.abs(at - at[0]) <= READING.pace_s
     span = at[near][-1] - at[0]
@@ -72,9 +75,9 @@ def _pace(clock_at: Vector, clock: Vector, order: slice) -> float:
 
 
 def growing(stamps: Sequence[float]) -> Vector:
-    """Stamps that tell the order too: each a little later than the one before, counted from the first.
+    """Return strictly increasing stamps, counted from the first.
 
-    One that is far from those around it is a torn record's, and takes their place.
+    A stamp far from its neighbors is of a damaged record, and is replaced by their median.
     """
     given = np.asarray(stamps, float)
     around = np.median(sliding_window_view(np.pad(given, 2, mode="edge"), 5), axis=1)

@@ -28,7 +28,7 @@ from ipoa_mission.link.messages import (
 from ipoa_mission.link.telemetry import Position, SystemTime
 from ipoa_mission.link.tlog import TlogWriter
 from ipoa_mission.logs.flight_log import read_flights
-from ipoa_mission.logs.logged import Fixes, Log, told
+from ipoa_mission.logs.logged import Fixes, Log, messages_of
 from ipoa_mission.logs.telemetry_log import read_telemetry_log
 from ipoa_mission.logs.vehicle_clock import unwrapped, vehicle_times
 from ipoa_mission.mission.items import Item
@@ -182,7 +182,7 @@ def test_arming_that_is_told_of_before_the_first_heartbeat_was_a_change(tmp_path
 def test_events_without_positions_are_told_by_time_alone() -> None:
     nothing = np.zeros(0)
     log = Log(Autopilot.PX4, Fixes(*(nothing,) * 5, np.zeros((0, 3))), ((2.0, Text(6, "armed")),), "")
-    assert list(told(log)) == [SystemTime(0.0, 2.0), Text(6, "armed")]
+    assert list(messages_of(log)) == [SystemTime(0.0, 2.0), Text(6, "armed")]
 
 
 def test_a_clock_that_was_told_once_in_a_while_goes_as_fast_as_over_the_whole_log() -> None:

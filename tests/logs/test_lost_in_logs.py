@@ -28,7 +28,7 @@ Spoil = Callable[[bytes], bytes]
         ("sitl-ardupilot.bin", lambda data: data.replace(b"ModeNum", b"ModeMun"), "records MODE do not have"),
         ("sitl-ardupilot.tlog", lambda data: data[:-9], "bytes of the log are no whole messages: it is damaged or cut"),
         ("sitl-ardupilot.tlog", lambda data: data[:4000] + data[6000:], "messages of system 1 are not in the log"),
-        ("sitl-ardupilot.tlog", lambda data: data[:8000], "the log ends in flight: how that went on is not known"),
+        ("sitl-ardupilot.tlog", lambda data: data[:8000], "the log ends in flight: the rest of the flight is unknown"),
     ],
 )
 def test_what_a_log_lost_is_said(tmp_path: Path, name: str, spoil: Spoil, words: str) -> None:

@@ -55,10 +55,9 @@ def circle_entry(here: Place, center: Place, radius: float, heading: float) -> t
 
 def entry_is_unsure(here: Place, center: Place, radius: float) -> bool:
     """Return whether noise of a few decimeters decides the side of the entry: it is near the center's axis."""
-    far = math.dist(here[:2], center[:2])
     return (
         radius > 0.0
-        and far < max(2 * CENTER_RADIUS, SURE_SHARE * radius)
+        and math.dist(here[:2], center[:2]) < max(2 * CENTER_RADIUS, SURE_SHARE * radius)
         and math.dist(here, center) > CENTER_RADIUS / 2
     )
 

@@ -129,7 +129,5 @@ def _unrolled(mission: Mission) -> list[int]:
         passed, at = program.advance(at)
         order += passed if at is None else [*passed, at]
     if program.stuck_at is not None:
-        raise EndlessFlight(
-            f"{mission.autopilot.model} finds no next item from here", place=f"items[{program.stuck_at}]"
-        )
+        raise EndlessFlight(f"{mission.autopilot.model} finds no next item", place=f"items[{program.stuck_at}]")
     return order

@@ -58,8 +58,8 @@ def _past_jumps(mission: Mission) -> Iterator[Unknown]:
     for n, instead in sorted(program_of(mission, items).followed()[1].items()):
         jump = next((later + 1 for later in range(n, len(items)) if items[later].command in JUMPS), 0)
         why = (
-            f"{mission.autopilot.model} flies on from here to item {instead + 1}, not to the target of the jump at item "
-            f"{jump}, because that target is no place"
+            f"{mission.autopilot.model} flies on from here to item {instead + 1}, not to the target of the jump at "
+            f"item {jump}, because that target is no place"
         )
         hint = "let DO_JUMP name the waypoint itself, or hold here for a second"
         yield Unknown(n + 1, why, hint, "jump-flown-elsewhere")

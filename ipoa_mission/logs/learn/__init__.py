@@ -1,1 +1,1 @@
-"""What sets one vehicle apart from the simulated ones, learned from the logs of its flights."""
+"""Learn the differences of one vehicle to the simulated one from logs of its flights."""

@@ -1,4 +1,4 @@
-"""Flights to learn from: how long each item took, flown and by the model of a vehicle, and what the log measured."""
+"""Flights to learn from: duration of each item as flown and as forecast, and measurements of the log."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -19,15 +19,15 @@ from ipoa_mission.vehicles.learned import LearnedVehicle
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.frame import Geodetic
 
-NOWHERE = Geodetic(0.0, 0.0, 0.0)
+NO_HOME = Geodetic(0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """A flight of a mission on a vehicle with its parameters: its items (`visits` of the itinerary) lasted so long.
+    """A flight of a mission on a vehicle with its parameters: durations of its items (`visits` of the itinerary).
 
-    `seconds` (n,) are from the visit before that the log knows, `scatter` (n,) their standard deviations [s]. A flight
-    of no mission has no items.
+    `seconds` (n,) are since the last visit in the log, `scatter` (n,) their standard deviations [s]. A flight without a
+    mission has no items.
     """
 
     name: str
@@ -38,9 +38,9 @@ class Evidence:
     witness: Witness = field(default_factory=Witness)
 
     def energy(self, vehicle: LearnedVehicle) -> float | None:
-        """What the mission takes of this vehicle in the wind that its lean told [Wh].
+        """Return the energy of the mission on this vehicle, in the wind estimated from the lean [Wh].
 
-        None where its hover power or the mission's end is not known.
+        Return None where its hover power or the mission's end is unknown.
         """
         if not self.visits or vehicle.hover_power is None:
             return None
@@ -50,10 +50,10 @@ class Evidence:
         return None if forecast.energy is None else forecast.energy.energy_wh
 
     def forecast(self, vehicle: LearnedVehicle | None) -> Vector:
-        """How long the items take on this vehicle (n,) [s].
+        """Return the durations of the items on this vehicle (n,) [s].
 
         Raises:
-            MissionError: the vehicle does not get on.
+            MissionError: the vehicle makes no progress.
         """
         if not self.visits:
             return np.empty(0)
@@ -63,21 +63,21 @@ class Evidence:
 
 
 def evidence_of(name: str, flight: LoggedFlight, mission: Mission | None = None) -> Evidence:
-    """A flight of a log as evidence; `mission` where the log does not tell what was flown.
+    """Make evidence of a flight in a log; `mission` where the log has none.
 
     Raises:
-        MissionError: nothing says what was flown, or the log knows of too few items.
+        MissionError: the flown mission is unknown, or the log has too few items.
     """
     flown = mission or flight.mission
     if flown is None:
-        raise MissionError("it does not say which mission was flown", code="log-incomplete", place=name)
+        raise MissionError("it does not have the mission that was flown", code="log-incomplete", place=name)
     version = flight.firmware_version or flown.firmware_version
     flown = replace(flown.with_parameters(flight.parameters), firmware_version=version)
     return evidence_between(name, flown, flight.record(flown).item_reached_s)
 
 
 def evidence_between(name: str, mission: Mission, done_s: Mapping[int, float]) -> Evidence:
-    """A flight as evidence, by when the items of `Mission.items` were done [s since arming], by their index.
+    """Make evidence of the times when items of `Mission.items` were done [s since arming], by their index.
 
     Raises:
         MissionError: too few of them are known.
@@ -91,7 +91,7 @@ def evidence_between(name: str, mission: Mission, done_s: Mapping[int, float]) -
             done.append(at)
         met.add(visit.seq)
     if len(visits) < 2 or min(done_s) > 0:
-        words = f"it knows when {len(visits)} of {len(mission.items)} items were done"
+        words = f"it has the times of {len(visits)} of {len(mission.items)} items"
         raise MissionError(words, code="log-incomplete", place=name)
     seconds = np.diff(done, prepend=0.0)
     least, share, ending = mission.autopilot.part(FlightModel).scatter
@@ -100,12 +100,12 @@ def evidence_between(name: str, mission: Mission, done_s: Mapping[int, float]) -
 
 
 def errors(flights: Sequence[Evidence], vehicle: LearnedVehicle | None) -> Vector:
-    """By how much the forecasts are too long (m,) [s], item after item of all flights."""
+    """Return forecast minus flown durations (m,) [s], item after item of all flights."""
     return _joined(flight.forecast(vehicle) - flight.seconds for flight in flights)
 
 
 def scatter(flights: Sequence[Evidence]) -> Vector:
-    """The standard deviations of `errors` of a right model (m,) [s]."""
+    """Return the standard deviations of `errors` of a correct model (m,) [s]."""
     return _joined(flight.scatter for flight in flights)
 
 
@@ -116,9 +116,9 @@ def _joined(parts: Iterable[Vector]) -> Vector:
 def flights_in(
     path: Path, read: Callable[[Autopilot], Mission] | None = None, system: int | None = None
 ) -> tuple[list[Evidence], list[str], str, Autopilot]:
-    """All flights of a log that tell something, remarks, the firmware's version, and which it is.
+    """Return the usable flights of a log, remarks, the firmware's version, and the autopilot.
 
-    `read` gives the mission for that firmware where the log does not have it; `system` is the vehicle's system id.
+    `read` returns the mission for that firmware where the log has none. `system` is the vehicle's system id.
 
     Raises:
         BadInput: not a log.
@@ -130,7 +130,7 @@ def flights_in(
     for number, flight in enumerate(log.flights, 1):
         name = f"{path.name}, flight {number}" if len(log.flights) > 1 else path.name
         witness = witness_of(flight)
-        evidence = Evidence(name, Mission(NOWHERE, (), log.autopilot), (), np.empty(0), np.empty(0))
+        evidence = Evidence(name, Mission(NO_HOME, (), log.autopilot), (), np.empty(0), np.empty(0))
         try:
             if flight.in_mission:
                 evidence = evidence_of(name, flight, mission)

@@ -1,8 +1,8 @@
-"""Least squares: the numbers of a vehicle with which its model takes as long, item by item, and leans as it flew.
+"""Fit the parameters of a vehicle by least squares to the durations of items and to the lean.
 
-The simulated vehicle is what is believed before a flight is seen, with a wide standard deviation (`UNSURE`). A number
-that the flights do not make at least twice as sure is one that they do not tell, and one whose interval holds the
-simulated vehicle's is not another: both stay as they are. What hovering takes is the mean of what was measured.
+The prior is the simulated vehicle, with a wide standard deviation (`PRIOR_DEVIATIONS`). A parameter keeps its value if
+the flights do not halve its deviation, or if its interval contains the simulated value. The hover power is the mean of
+the measured ones.
 """
 
 import math
@@ -22,39 +22,39 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
 
 NINE_IN_TEN = 1.645  # standard deviations on either side
-TOLD = 0.5  # of the standard deviation before: a number that is less sure than that has not been told
-#: Standard deviations of what is believed before: of logarithms, and of delays [s]; and the steps of the slopes.
-UNSURE = {"drag": 0.7, "lag": 0.7, "lift_delay": 1.5, "landing_delay": 4.0}
+KNOWN_SHARE = 0.5  # greatest share of the prior deviation: above it a parameter is unknown
+#: Standard deviations of the prior: of logarithms, and of delays [s]; and the steps of the slopes.
+PRIOR_DEVIATIONS = {"drag": 0.7, "lag": 0.7, "lift_delay": 1.5, "landing_delay": 4.0}
 STEPS = {"drag": 0.1, "lag": 0.2, "lift_delay": 0.2, "landing_delay": 0.2}
 LOGARITHMIC = frozenset({"drag", "lag"})
 
 
 def fit(flights: Sequence[Evidence]) -> LearnedVehicle:
-    """The vehicle of these flights, all of one autopilot; numbers that they do not tell are None.
+    """Return the vehicle of these flights, all of one autopilot; unknown parameters are None.
 
     Raises:
-        MissionError: the flights tell none of them.
+        MissionError: the flights determine none of them.
     """
     autopilot = flights[0].mission.autopilot
     blank = LearnedVehicle(autopilot, flights=len(flights))
-    names = tuple(UNSURE)
-    told = tuple(
+    names = tuple(PRIOR_DEVIATIONS)
+    known = tuple(
         name
         for name, value, deviation in zip(names, *_solve(flights, blank, names), strict=True)
-        if deviation < TOLD * UNSURE[name] and abs(value) > NINE_IN_TEN * deviation
+        if deviation < KNOWN_SHARE * PRIOR_DEVIATIONS[name] and abs(value) > NINE_IN_TEN * deviation
     )
     power = hover_power([flight.witness for flight in flights])
     powers = learned_powers([flight.witness.powers for flight in flights if flight.witness.powers is not None])
-    if not told and power is None and not powers:
+    if not known and power is None and not powers:
         raise LogUseless(
-            "the flights do not tell anything that sets this vehicle apart",
-            hint="without attitudes in the log drag shows only near the top speed; fly faster, or give more logs",
+            "the flights show no difference of this vehicle to the simulated one",
+            hint="without attitudes in the log drag shows only near the top speed: fly faster, or add logs",
         )
     blank = replace(blank, hover_power=power).with_numbers(powers)
-    values, sure = _solve(flights, blank, told) if told else ((), ())
+    values, sure = _solve(flights, blank, known) if known else ((), ())
     intervals = {
         name: Learned(*(_number(autopilot, name, value + n * deviation) for n in (0.0, -NINE_IN_TEN, NINE_IN_TEN)))
-        for name, value, deviation in zip(told, values, sure, strict=True)
+        for name, value, deviation in zip(known, values, sure, strict=True)
     }
     return blank.with_numbers(intervals)
 
@@ -65,8 +65,8 @@ def _number(autopilot: Autopilot, name: str, change: float) -> float:
 
 
 def _solve(flights: Sequence[Evidence], blank: LearnedVehicle, names: Sequence[str]) -> tuple[Vector, Vector]:
-    """The changes of these numbers (k,) that fit best, and their standard deviations (k,)."""
-    deviations, prior = scatter(flights), np.array([UNSURE[name] for name in names])
+    """Return the changes of these parameters (k,) that fit best, and their standard deviations (k,)."""
+    deviations, prior = scatter(flights), np.array([PRIOR_DEVIATIONS[name] for name in names])
     leaned = [flight.witness.leaned for flight in flights if flight.witness.leaned and "drag" in names]
     drags = np.array(leaned).reshape(-1, 2)
 

@@ -1,4 +1,4 @@
-"""What a learned vehicle is worth: each flight timed with what the others tell."""
+"""Evaluate a learned vehicle: forecast each flight from the others."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,9 +13,9 @@ from ipoa_mission.vehicles.learned import LearnedVehicle
 
 @dataclass(frozen=True)
 class LeftOut:
-    """A flight forecast without having been learned from: seconds flown, by the simulated vehicle, by the learned one.
+    """A flight forecast without learning from it: seconds flown, by the simulated and by the learned vehicle.
 
-    And the energy [Wh] that its log measured and that was forecast; None where either is not known.
+    Energy [Wh] as measured and as forecast; None where unknown.
     """
 
     name: str
@@ -27,13 +27,13 @@ class LeftOut:
 
 
 def left_out(flights: Sequence[Evidence]) -> tuple[LeftOut, ...]:
-    """Each flight by what all others tell; by the simulated vehicle, where they tell nothing.
+    """Forecast each flight with the vehicle of all others; with the simulated one where they determine none.
 
     Raises:
         MissionError: fewer than two flights.
     """
     if len(flights) < 2:
-        raise LogUseless("expected two flights or more: what one tells is judged by another")
+        raise LogUseless("expected two flights or more: each is forecast from the others")
     judged = []
     for one in flights:
         try:
@@ -45,7 +45,7 @@ def left_out(flights: Sequence[Evidence]) -> tuple[LeftOut, ...]:
 
 
 def timed(flights: Sequence[Evidence], vehicle: LearnedVehicle) -> tuple[LeftOut, ...]:
-    """Each flight by a vehicle that was learned from others."""
+    """Forecast each flight by a vehicle that was learned from others."""
     return tuple(_timed(one, vehicle) for one in flights)
 
 
@@ -57,7 +57,7 @@ def _timed(one: Evidence, vehicle: LearnedVehicle) -> LeftOut:
 
 
 def median_errors(judged: Sequence[LeftOut]) -> tuple[float, float]:
-    """The median error of a flight's time before and after, as a share of it; none where no flight has a time."""
+    """Return the median error of a flight's time before and after, as a share; 0 without a time."""
     flown = [one for one in judged if one.flown_s]
     before = [abs(one.before_s / one.flown_s - 1) for one in flown]
     after = [abs(one.after_s / one.flown_s - 1) for one in flown]
@@ -65,6 +65,6 @@ def median_errors(judged: Sequence[LeftOut]) -> tuple[float, float]:
 
 
 def energy_error(judged: Sequence[LeftOut]) -> float | None:
-    """The median error of a flight's energy, as a share of what was measured; None where none was forecast."""
+    """Return the median error of a flight's energy as a share of the measured one; None without a forecast."""
     shares = [abs(one.forecast_wh / one.energy_wh - 1) for one in judged if one.energy_wh and one.forecast_wh]
     return float(np.median(shares)) if shares else None

@@ -1,4 +1,4 @@
-"""Where a logged flight was, as arrays by the time since its arming."""
+"""The track of a logged flight, as arrays over the time since arming."""
 
 from dataclasses import dataclass
 
@@ -9,8 +9,8 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.logs.flight_log import LoggedFlight
 
-CLEAR = 2.0  # above home [m]: out of the ground's reach
-LONGEST_S = 86_400.0  # of a flight
+AIRBORNE_HEIGHT = 2.0  # above home [m]: outside the ground effect
+MAX_TIME_S = 86_400.0  # of a flight
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,13 +23,13 @@ class LoggedTrack:
     home_altitude: float
 
     def at(self, times: Vector) -> tuple[Vector, Points]:
-        """Heights (m,) [m] and velocities (m, 3) [m/s] at these times."""
+        """Return heights (m,) [m] and velocities (m, 3) [m/s] at these times."""
         velocity = np.column_stack([np.interp(times, self.times, axis) for axis in self.velocity.T])
         return np.interp(times, self.times, self.heights), velocity
 
 
 def logged_track(flight: LoggedFlight) -> LoggedTrack:
-    """The track of a logged flight.
+    """Return the track of a logged flight.
 
     Raises:
         MissionError: it has no positions, or its clock is wrong.
@@ -37,7 +37,7 @@ def logged_track(flight: LoggedFlight) -> LoggedTrack:
     places = (place for place in flight.messages if isinstance(place, Position))
     rows = np.array([(p.time_s - flight.armed_s, p.height, *p.velocity, p.altitude - p.height) for p in places])
     rows = rows[np.isfinite(rows).all(axis=1)] if len(rows) else np.empty((0, 6))
-    if not len(rows) or np.ptp(rows[:, 0]) > LONGEST_S:
+    if not len(rows) or np.ptp(rows[:, 0]) > MAX_TIME_S:
         raise LogUseless("it has no positions" if not len(rows) else "its clock is wrong")
     rows = rows[np.unique(rows[:, 0], return_index=True)[1]]
     return LoggedTrack(rows[:, 0], rows[:, 1], rows[:, 2:5], float(rows[0, 5]))

@@ -1,7 +1,7 @@
-"""The power of a vehicle by airspeed and climb, fitted to what its batteries gave second by second.
+"""Fit the power of a vehicle by airspeed and climb to its measured battery power.
 
-What is believed before: that flying level takes what hovering does, give or take half of it at 10 m/s, and that a climb
-takes a tenth of it for each m/s. Wind is what the lean told of it, or none.
+The prior: level flight takes the hover power, give or take half of it at 10 m/s. A climb takes a tenth of it for each
+m/s. The wind is that of the lean, or none.
 """
 
 from collections.abc import Sequence
@@ -13,29 +13,32 @@ from scipy.optimize import lsq_linear
 from scipy.special import stdtrit
 
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.logs.learn.logged_track import CLEAR, LoggedTrack
+from ipoa_mission.logs.learn.logged_track import AIRBORNE_HEIGHT, LoggedTrack
 from ipoa_mission.vehicles.energy.curve import PowerCurve
 from ipoa_mission.vehicles.learned import Learned
 
 NAMES = ("hover_power", "square_power", "cube_power", "climb_power", "descent_power")
-AT = 10.0  # m/s: where the believed deviations of the square and the cube are meant
-#: What is believed of each number as a share of the power in hover, and by how much it may be off.
-BELIEVED, OFF = np.array([1.0, 0.0, 0.0, 0.1, 0.0]), np.array([10.0, 0.5 / AT**2, 0.5 / AT**3, 0.1, 0.05])
-ALONE_S = 5.0  # a second is much like the next: one in so many tells by itself
-LEAST_S = 20.0  # aloft, and this fast, is enough to tell of flying
-FAST = 4.0  # [m/s]
-FASTEST = 98.0  # per cent of the time are slower than what counts as seen
-BLOCK_S = 30  # of one flight, told by the rest of it
-SEVERAL = 3  # flights, and each is told by the others
-SUREST = 0.05  # no flight is told more exactly: packs, payloads and days differ
-NO_HOVER = 0.1  # nor this, by flights that were never slow through the air, as who hovers in wind
+REFERENCE_SPEED = 10.0  # m/s: where the prior deviations of the square and the cube apply
+#: Prior of each coefficient as a share of the hover power, and its standard deviation.
+PRIOR, PRIOR_DEVIATIONS = (
+    np.array([1.0, 0.0, 0.0, 0.1, 0.0]),
+    np.array([10.0, 0.5 / REFERENCE_SPEED**2, 0.5 / REFERENCE_SPEED**3, 0.1, 0.05]),
+)
+CORRELATED_S = 5.0  # correlated seconds for one independent one
+MIN_TIME_S = 20.0  # least time aloft at this speed
+MIN_SPEED = 4.0  # [m/s]
+SPEED_PERCENTILE = 98.0  # percentile of the airspeed up to which the power is known
+BLOCK_S = 30  # of one flight, forecast from the rest of it
+MIN_FLIGHTS = 3  # flights from which each is forecast from the others
+MIN_DEVIATION = 0.05  # least deviation of a flight: packs, payloads and days differ
+MIN_DEVIATION_FAST = 0.1  # the same for flights never slow through the air, as of a hover in wind
 NINE_IN_TEN = 0.95  # quantile of the upper end
 MANY_FLIGHTS = 1.645
 
 
 @dataclass(frozen=True, eq=False)
 class PowerSeconds:
-    """A flight second by second: what the batteries gave [W], airspeed and climb [m/s], whether it was aloft, (n,)."""
+    """A flight by second: battery power [W], airspeed and climb [m/s], whether it is aloft, (n,)."""
 
     watts: Vector
     airspeed: Vector
@@ -44,7 +47,7 @@ class PowerSeconds:
 
     @classmethod
     def of(cls, times: Vector, watts: Vector, track: LoggedTrack, wind: tuple[float, float]) -> "PowerSeconds":
-        """Out of measured powers (n,) [W] at times (n,) [s], in a wind towards north and east [m/s]."""
+        """Make seconds of measured powers (n,) [W] at times (n,) [s], in a wind towards north and east [m/s]."""
         heights, velocity = track.at(times)
         seconds = np.floor(times - times[0]).astype(int)
         counted = np.bincount(seconds)
@@ -54,28 +57,28 @@ class PowerSeconds:
             return np.bincount(seconds, values)[there] / counted[there]
 
         airspeed = np.hypot(velocity[:, 0] - wind[0], velocity[:, 1] - wind[1])
-        return cls(mean(watts), mean(airspeed), mean(-velocity[:, 2]), mean(heights) > CLEAR)
+        return cls(mean(watts), mean(airspeed), mean(-velocity[:, 2]), mean(heights) > AIRBORNE_HEIGHT)
 
     def some(self, which: NDArray[np.bool_]) -> "PowerSeconds":
-        """Some of the seconds."""
+        """Select seconds."""
         return PowerSeconds(self.watts[which], self.airspeed[which], self.climb[which], self.aloft[which])
 
     @property
     def flown(self) -> "PowerSeconds":
-        """The seconds aloft."""
+        """Return the seconds aloft."""
         return self.some(self.aloft)
 
 
 def learned_powers(flights: Sequence[PowerSeconds]) -> dict[str, Learned]:
-    """The numbers of a vehicle's power by their names, each with its interval; none where the flights do not tell them.
+    """Return the coefficients of a vehicle's power with intervals; none where the flights do not determine them.
 
-    `energy_ratio` is by how much each flight, or each half minute of the only one, differs from what the others tell.
+    `energy_ratio` is the ratio of each flight, or each half minute of a single one, to the forecast from the others.
     """
     flights = [flight.flown for flight in flights]
     if not flights:
         return {}
     together = _together(flights)
-    if (together.airspeed > FAST).sum() < LEAST_S:
+    if (together.airspeed > MIN_SPEED).sum() < MIN_TIME_S:
         return {}
     values, deviations = _fit(together)
     numbers = {
@@ -84,7 +87,10 @@ def learned_powers(flights: Sequence[PowerSeconds]) -> dict[str, Learned]:
     }
     cube = numbers["cube_power"]
     numbers["cube_power"] = Learned(cube.value, max(cube.low, 0.0), cube.high)
-    fastest, seen_slow = float(np.percentile(together.airspeed, FASTEST)), (together.airspeed < FAST).sum() >= LEAST_S
+    fastest, seen_slow = (
+        float(np.percentile(together.airspeed, SPEED_PERCENTILE)),
+        (together.airspeed < MIN_SPEED).sum() >= MIN_TIME_S,
+    )
     return {**numbers, "airspeed": Learned(fastest, fastest, fastest), "energy_ratio": _ratio(flights, seen_slow)}
 
 
@@ -99,36 +105,36 @@ def _columns(seconds: PowerSeconds) -> Points:
 
 
 def _fit(seconds: PowerSeconds) -> tuple[Vector, Vector]:
-    """The numbers (5,) in the order of `NAMES`, and their standard deviations."""
+    """Return the coefficients (5,) in the order of `NAMES`, and their standard deviations."""
     columns, watts = _columns(seconds), seconds.watts
     hover = max(float(np.median(watts)), 1.0)
-    least = np.array([0.0, -np.inf, 0.0, -np.inf, -np.inf])  # hovering and drag take something
+    least = np.array([0.0, -np.inf, 0.0, -np.inf, -np.inf])  # hovering and drag take power
     noise = 0.05 * hover
     for _ in range(3):
-        weight = 1.0 / noise / np.sqrt(ALONE_S)
-        rows = np.vstack([columns * weight, np.diag(1.0 / (OFF * hover))])
-        wanted = np.concatenate([watts * weight, BELIEVED / OFF])
+        weight = 1.0 / noise / np.sqrt(CORRELATED_S)
+        rows = np.vstack([columns * weight, np.diag(1.0 / (PRIOR_DEVIATIONS * hover))])
+        wanted = np.concatenate([watts * weight, PRIOR / PRIOR_DEVIATIONS])
         values = np.asarray(lsq_linear(rows, wanted, (least, np.inf), method="bvls").x)
         noise = max(float(np.std(watts - columns @ values)), 1e-3 * hover)
     return values, np.sqrt(np.diag(np.linalg.inv(rows.T @ rows)))
 
 
 def _ratio(flights: Sequence[PowerSeconds], seen_slow: bool) -> Learned:
-    """How far what was measured lies about what the rest tells."""
-    least = SUREST if seen_slow else NO_HOVER
-    parts = list(flights) if len(flights) >= SEVERAL else [part for flight in flights for part in _blocks(flight)]
+    """Return the interval of measured to forecast energy, each part forecast from the rest."""
+    least = MIN_DEVIATION if seen_slow else MIN_DEVIATION_FAST
+    parts = list(flights) if len(flights) >= MIN_FLIGHTS else [part for flight in flights for part in _blocks(flight)]
     shares = []
     for n, part in enumerate(parts):
         others = parts[:n] + parts[n + 1 :]
-        if others and len(part.watts) >= LEAST_S:
+        if others and len(part.watts) >= MIN_TIME_S:
             values, _ = _fit(_together(others))
             shares.append(float(part.watts.sum() / PowerCurve(*values).power(part.airspeed, part.climb).sum()))
     if len(shares) < 2:
         return Learned(1.0, 1.0 - 2 * least, 1.0 + 2 * least)
     number = len(shares)
     wide = np.sqrt(np.mean((np.array(shares) - 1.0) ** 2) * (1.0 + 1.0 / number))
-    aside = max(float(stdtrit(number - 1, NINE_IN_TEN) * wide), least)
-    return Learned(1.0, max(1.0 - aside, 0.0), 1.0 + aside)
+    half = max(float(stdtrit(number - 1, NINE_IN_TEN) * wide), least)
+    return Learned(1.0, max(1.0 - half, 0.0), 1.0 + half)
 
 
 def _blocks(flight: PowerSeconds) -> list[PowerSeconds]:

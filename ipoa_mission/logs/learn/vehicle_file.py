@@ -1,4 +1,4 @@
-"""`vehicle.toml`: a learned vehicle as a file."""
+"""Read and write `vehicle.toml`, a learned vehicle."""
 
 import tomllib
 from dataclasses import fields
@@ -27,13 +27,20 @@ UNITS = {
     "energy_ratio": "of a flight to what these powers come to",
 }
 POSITIVE = ("drag", "lag", "hover_power", "airspeed", "energy_ratio")
-MOST = {"drag": 50.0, "lag": 2.0, "lift_delay": 120.0, "landing_delay": 120.0, "airspeed": 100.0, "energy_ratio": 5.0}
-MOST |= {name: 100_000.0 for name in POWERS if name not in MOST}
-LARGEST = 100_000  # bytes of a file
+LIMITS = {
+    "drag": 50.0,
+    "lag": 2.0,
+    "lift_delay": 120.0,
+    "landing_delay": 120.0,
+    "airspeed": 100.0,
+    "energy_ratio": 5.0,
+}
+LIMITS |= {name: 100_000.0 for name in POWERS if name not in LIMITS}
+MAX_BYTES = 100_000  # bytes of a file
 
 
 def write_vehicle(vehicle: LearnedVehicle) -> str:
-    """The text of the file.
+    """Return the text of the file.
 
     >>> print(write_vehicle(LearnedVehicle(Autopilot.PX4, drag=Learned(1.6, 1.5, 1.7), flights=4)))
     autopilot = "px4"
@@ -57,14 +64,14 @@ def write_vehicle(vehicle: LearnedVehicle) -> str:
 
 
 def read_vehicle(path: Path, autopilot: Autopilot | None = None) -> LearnedVehicle:
-    """The vehicle in a file, of this autopilot if one is given.
+    """Read a vehicle from a file, of this autopilot if given.
 
     Raises:
-        BadInput: the file cannot be read, or something in it is not as `write_vehicle` has it; with the place.
+        BadInput: the file cannot be read, or differs from the format of `write_vehicle`; with the place.
     """
-    text = read_bytes(path, LARGEST + 1)
-    if len(text) > LARGEST:
-        raise TooLarge(f"expected a vehicle.toml of at most {LARGEST} bytes", place=path)
+    text = read_bytes(path, MAX_BYTES + 1)
+    if len(text) > MAX_BYTES:
+        raise TooLarge(f"expected a vehicle.toml of at most {MAX_BYTES} bytes", place=path)
     try:
         found = tomllib.loads(text.decode())
     except (ValueError, RecursionError) as error:
@@ -97,7 +104,7 @@ def _learned(path: Path, name: str, given: Any) -> Learned:
     keys = [field.name for field in fields(Learned)]
     if not isinstance(given, dict) or given.keys() != set(keys):
         raise BadInput(f"expected {', '.join(keys)}", place=f"{path}: {name}")
-    least, most = (0.0 if name in POSITIVE else -MOST[name]), MOST[name]
+    least, most = (0.0 if name in POSITIVE else -LIMITS[name]), LIMITS[name]
     for key in keys:
         value = given[key]
         is_number = isinstance(value, int | float) and not isinstance(value, bool)

@@ -1,4 +1,4 @@
-"""What a log measured of a flight besides its times: the power in hover, the energy, and the drag by the lean."""
+"""Evaluate the measurements of a flight in a log: hover power, energy, and drag from the lean."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -9,24 +9,28 @@ from scipy.special import stdtrit
 from ipoa_mission.errors import LogUseless, MissionError
 from ipoa_mission.logs.flight_log import LoggedFlight
 from ipoa_mission.logs.learn.lean import drag_by_lean
-from ipoa_mission.logs.learn.logged_track import CLEAR, LoggedTrack, logged_track
+from ipoa_mission.logs.learn.logged_track import AIRBORNE_HEIGHT, LoggedTrack, logged_track
 from ipoa_mission.logs.learn.powers import PowerSeconds
 from ipoa_mission.vehicles.learned import Learned
 
-SLOW, LEVEL, LEAST_S = 2.0, 0.3, 3.0  # hovering: the most level and upright [m/s], and how long at least [s]
+MAX_HOVER_SPEED, MAX_HOVER_CLIMB, MIN_HOVER_S = (
+    2.0,
+    0.3,
+    3.0,
+)  # of a hover: greatest horizontal and vertical speed [m/s], and least time [s]
 SECONDS_AN_HOUR = 3600.0
-SURE = 1.0  # [m/s]: a wind that is less sure is taken for none
-WHOLE = 0.95  # of a flight: who measured so much of it measured its energy
+MAX_WIND_DEVIATION = 1.0  # [m/s]: a wind with a greater deviation is ignored
+MEASURED_SHARE = 0.95  # least share of a flight with measured power
 NINE_IN_TEN = 0.95  # quantile of the upper end
-TOLD = 0.25  # of the power: a hover power that is less sure on either side has not been told
+MAX_DEVIATION = 0.25  # greatest deviation of a hover power, as a share of it
 
 
 @dataclass(frozen=True)
 class Witness:
-    """None where the log does not tell, and `reasons` says why, by the name of the vehicle's number.
+    """Measurements of a flight; None where the log has none, with `reasons` by the vehicle's parameter.
 
-    `leaned`: the logarithm of the drag over the simulated vehicle's, and its standard deviation; `wind`: towards the
-    north and the east as the lean tells it [m/s], where it does.
+    `leaned`: the logarithm of the drag over the simulated vehicle's, and its standard deviation. `wind`: towards north
+    and east from the lean [m/s], if known.
     """
 
     leaned: tuple[float, float] | None = None
@@ -38,7 +42,7 @@ class Witness:
 
 
 def witness_of(flight: LoggedFlight) -> Witness:
-    """All that the log measured of a flight."""
+    """Evaluate all measurements of a flight."""
     leaned = hover_w = energy_wh = powers = None
     wind = (0.0, 0.0)
     reasons = {}
@@ -49,12 +53,12 @@ def witness_of(flight: LoggedFlight) -> Witness:
     try:
         by_lean = drag_by_lean(flight.measured.attitude, track, flight.autopilot)
         leaned = by_lean.drag, by_lean.deviation
-        wind = by_lean.wind if by_lean.wind_deviation < SURE else wind
+        wind = by_lean.wind if by_lean.wind_deviation < MAX_WIND_DEVIATION else wind
     except MissionError as error:
         reasons["drag"] = str(error)
     try:
         times, watts = flight.measured.power().T
-        if np.ptp(times) > WHOLE * np.ptp(track.times):
+        if np.ptp(times) > MEASURED_SHARE * np.ptp(track.times):
             energy_wh = float(np.trapezoid(watts, times)) / SECONDS_AN_HOUR
         powers = PowerSeconds.of(times, watts, track, wind)
         hover_w = _in_hover(times, watts, track)
@@ -65,16 +69,16 @@ def witness_of(flight: LoggedFlight) -> Witness:
 
 def _in_hover(times: np.ndarray, watts: np.ndarray, track: LoggedTrack) -> float:
     heights, velocity = track.at(times)
-    hovers = (np.hypot(velocity[:, 0], velocity[:, 1]) < SLOW) & (np.abs(velocity[:, 2]) < LEVEL)
-    hovers &= heights > CLEAR
+    hovers = (np.hypot(velocity[:, 0], velocity[:, 1]) < MAX_HOVER_SPEED) & (np.abs(velocity[:, 2]) < MAX_HOVER_CLIMB)
+    hovers &= heights > AIRBORNE_HEIGHT
     lasts = np.gradient(times)[hovers]
-    if lasts.sum() < LEAST_S:
+    if lasts.sum() < MIN_HOVER_S:
         raise LogUseless(f"it hovers, or flies slowly and level, for {lasts.sum():.0f} s")
     return float(watts[hovers] @ lasts / lasts.sum())
 
 
 def hover_power(flights: Sequence[Witness]) -> Learned | None:
-    """The mean over flights [W] with its interval; None where they do not tell, as one alone does not.
+    """Return the mean over flights [W] with its interval; None where unknown, as from a single flight.
 
     >>> power = hover_power([Witness(hover_w=watts) for watts in (264.0, 266.0, 268.0)])
     >>> round(power.low), power.value, round(power.high)
@@ -84,5 +88,5 @@ def hover_power(flights: Sequence[Witness]) -> Learned | None:
     if len(powers) < 2:
         return None
     mean, error = float(powers.mean()), powers.std(ddof=1) / np.sqrt(len(powers))
-    aside = float(stdtrit(len(powers) - 1, NINE_IN_TEN) * error)
-    return Learned(mean, mean - aside, mean + aside) if aside <= TOLD * mean else None
+    half = float(stdtrit(len(powers) - 1, NINE_IN_TEN) * error)
+    return Learned(mean, mean - half, mean + half) if half <= MAX_DEVIATION * mean else None
