@@ -1,4 +1,4 @@
-"""What reading or checking a mission has to say about it."""
+"""Findings of reading or checking a mission."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -7,7 +7,7 @@ from ipoa_mission.errors import Remedy
 
 
 class Severity(StrEnum):
-    """An error keeps a mission on the ground; a warning is worth knowing before it flies."""
+    """An error keeps a mission on the ground; a warning informs before the flight."""
 
     ERROR = "error"
     WARNING = "warning"
@@ -15,15 +15,15 @@ class Severity(StrEnum):
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that a check found.
+    """One finding of a check.
 
     Attributes:
-        code: which rule found it, by the same word in every version: docs/findings.md has them all.
+        code: the rule, the same in each version; docs/findings.md lists all.
         severity: an error or a warning.
-        seq: the item's number as in mission files (home is 0); None where no item is meant.
-        message: what is wrong, with the place and what was expected there.
-        hint: what can be done about it, where that is known.
-        remedies: changes of the scenario that may mend it.
+        seq: the item's number as in mission files (home is 0); None without an item.
+        message: the fault, with its place and the expected value.
+        hint: the remedy, if known.
+        remedies: changes of the scenario that may correct it.
 
     Example:
         >>> print(Finding("ends-in-air", Severity.WARNING, 2, "item 2: the mission ends in the air"))
