@@ -30,8 +30,8 @@ LIMITS = {
 def check_airspace(forecast: Forecast) -> Iterator[Finding]:
     """Report a home that differs from the scenario's, then each broken limit of each leg.
 
-    A leg between waypoints must keep the scenario's limits. The planner chooses no climb, way home or landing:
-    there a broken limit is a warning, and contact with an obstacle or the ground an error.
+    A leg between waypoints must keep the scenario's limits. The planner chooses no climb, way home or landing.
+    There a broken limit is a warning, and contact with an obstacle or the ground an error.
     """
     mission, scenario = forecast.mission, forecast.world
     offset = np.abs(scenario.frame.local(mission.home))

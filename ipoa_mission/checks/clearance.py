@@ -8,7 +8,7 @@ from ipoa_mission.forecast.deviation.measured_law import not_measured
 from ipoa_mission.forecast.deviation.promise import Kept, Promise
 from ipoa_mission.mission.items import Mission
 
-NEAR = {"obstacles": "to {}", "ground": "above the ground", "ceiling": "above the ground", "bounds": "inside {}"}
+LIMIT_WORDS = {"obstacles": "to {}", "ground": "above the ground", "ceiling": "above the ground", "bounds": "inside {}"}
 
 
 def check_clearance(mission: Mission, promise: Promise) -> Iterator[Finding]:
@@ -30,4 +30,4 @@ def check_clearance(mission: Mission, promise: Promise) -> Iterator[Finding]:
 def _where(kept: Kept) -> str:
     east, north, up = kept.place
     part = f"{kept.part}, " if kept.part else ""
-    return f"{part}{NEAR[kept.limit].format(kept.to)} at east {east:.1f}, north {north:.1f}, up {up:.1f} m"
+    return f"{part}{LIMIT_WORDS[kept.limit].format(kept.to)} at east {east:.1f}, north {north:.1f}, up {up:.1f} m"

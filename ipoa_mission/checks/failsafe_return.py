@@ -20,7 +20,6 @@ LEG_GROUPS = ((range(RETURNS), "brakes and climbs", "RTL or pause"), (range(RETU
 
 
 def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
-    """Warn where an RTL would come nearer to something than the scenario allows."""
     if not forecast.mission.items:
         return
     ways = forecast.cached(ContingencyPaths)
@@ -48,7 +47,6 @@ def check_failsafe_return(forecast: Forecast) -> Iterator[Finding]:
 
 
 def _check(ways: ContingencyPaths, assessments: ContingencySamples, n: int, legs: range) -> Check:
-    """Return the check with the least slack on these legs of the paths from assessment `n`."""
     some = [way[legs.start : legs.stop + 1] for way in assessments.ways[n][assessments.taken[n]]]
     if GROUND in assessments.which[n, :, legs.start : legs.stop]:
         checks = (check for way in some for check in prove_ground(way[:2], ways.forecast.world))
@@ -58,7 +56,6 @@ def _check(ways: ContingencyPaths, assessments: ContingencySamples, n: int, legs
 
 
 def _remedy(ways: ContingencyPaths) -> str | None:
-    """Return the lowest return altitude in steps of 5 m at which each return is clear."""
     by, short = (
         ways.mission.autopilot.book.return_height,
         list(shortfalls(ways, Contingency.RTL, ways.assessments(Contingency.RTL))),

@@ -18,7 +18,6 @@ EDGE_TOLERANCE = 0.05  # [m] that a leg may cross the fence's edge
 
 
 def check_fence(forecast: Forecast) -> Iterator[Finding]:
-    """Report faults of the fence, then positions and legs outside of it."""
     mission, frame = forecast.mission, forecast.frame
     wrong = {n: words for n, part in enumerate(mission.fence) if (words := _wrong(part, frame))}
     yield from (Finding("fence-shape", Severity.ERROR, None, f"fence[{n}]: {words}") for n, words in wrong.items())
@@ -50,7 +49,6 @@ def _wrong(part: FencePolygon | FenceCircle, frame: LocalFrame) -> str | None:
 
 
 def _allowed(mission: Mission, frame: LocalFrame) -> shapely.Geometry:
-    """Return the area of the fence in the local plane; exclusions alone allow all the rest."""
     inside = [_area(part, frame) for part in mission.fence if part.inclusion]
     outside = [_area(part, frame) for part in mission.fence if not part.inclusion]
     join = union_of if mission.autopilot.firmware().fence_is_union else shapely.intersection_all

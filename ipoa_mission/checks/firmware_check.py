@@ -33,7 +33,6 @@ DEVELOPMENT = "dev"  # the stage of a version
 
 
 def check_firmware(mission: Mission) -> Iterator[Finding]:
-    """Report faults of commands, frames, params, jumps, limits, take-off and ending."""
     firmware = mission.autopilot.firmware(mission.firmware_version)
     is_development = mission.firmware_version is not None and mission.firmware_version.stage == DEVELOPMENT
     wire = to_wire(mission)
@@ -95,7 +94,6 @@ def _command_and_frame(
 
 
 def _before(autopilot: Autopilot, firmware: Firmware) -> Firmware:
-    """Return the tables of the series before, or its own where it is the oldest."""
     older = [series for series in autopilot.tables.series if series < firmware.version.series]
     return autopilot.firmware(Version(*older[-1])) if older else firmware
 
@@ -108,7 +106,6 @@ def _taken_later(item: Item, autopilot: Autopilot, firmware: Firmware) -> str | 
 
 
 def _refused(mission: Mission, firmware: Firmware, wire: Sequence[Item]) -> Iterator[Finding]:
-    """Report values that the firmware refuses at upload; `check_positions` reports positions."""
     first = len(wire) - len(mission.items)
     for at, spoken in zip(numbered(mission), wire[first:], strict=True):
         wrong = mission.autopilot.refusals.mission(firmware, spoken.command, spoken.frame, values_of(spoken), len(wire))
@@ -187,12 +184,10 @@ def _takeoff(mission: Mission) -> Iterator[Finding]:
 
 
 def _flown(mission: Mission) -> list[Numbered]:
-    """Return the items that move the vehicle."""
     return [at for at in numbered(mission) if at.item.command < Command.CONDITION_DELAY]
 
 
 def _waits_armed(mission: Mission, takeoff: int) -> Iterator[Finding]:
-    """Report a delay before the take-off that is longer than the vehicle stays armed."""
     name = mission.autopilot.guidance.waits_armed
     if not name:
         return

@@ -77,7 +77,6 @@ def check_ground(forecast: "Forecast") -> Iterator[Finding]:
 
 
 def check_landings(forecast: "Forecast") -> Iterator[Finding]:
-    """Warn where the vehicle touches down too fast, or lands slowly from a great height."""
     mission = forecast.mission
     stretch = mission.autopilot.slow_stretch(mission.parameters)
     if stretch is None:
@@ -104,7 +103,6 @@ def touches_down(stretch: SlowStretch, landing: Landing) -> str:
 
 
 def in_words(parameters: Parameters) -> str:
-    """Format parameters as in a scenario file."""
     return " and ".join(f"{name} = {value:g}" for name, value in parameters.items())
 
 

@@ -15,7 +15,6 @@ from ipoa_mission.vehicles.jump_profile import JumpProfile
 
 
 def check_jumps(mission: Mission) -> Iterator[Finding]:
-    """Report faults of DO_JUMP, DO_JUMP_TAG and JUMP_TAG."""
     jumps = [at for at in numbered(mission) if at.item.command in JUMPS]
     profile = mission.autopilot.firmware(mission.firmware_version).jumps
     found = [finding for at in jumps for finding in (*_target(mission, at), *_repeats(mission, at, profile))]
@@ -78,7 +77,6 @@ def _too_many(mission: Mission, count: int, profile: JumpProfile) -> Iterator[Fi
 
 
 def _at_other_times(mission: Mission, flown: Steps, listed: Steps) -> Iterator[Finding]:
-    """Report items that do not run when their turn comes in the list."""
     done, due = _steps_of(flown), _steps_of(listed)
     for index in sorted(due):
         if done[index] == due[index] or mission.items[index].command == Command.JUMP_TAG:
@@ -91,7 +89,6 @@ def _at_other_times(mission: Mission, flown: Steps, listed: Steps) -> Iterator[F
 
 
 def _steps_of(steps: Steps) -> defaultdict[int, list[int]]:
-    """Return the steps in which each item runs in passing."""
     found = defaultdict[int, list[int]](list)
     for number, (passed, at) in enumerate(steps):
         for index in passed if at is not None else ():

@@ -17,8 +17,6 @@ LEG_NAMES = {
 
 
 class Numbered(NamedTuple):
-    """An item and its number, as in mission files."""
-
     seq: int
     item: Item
 
@@ -33,7 +31,6 @@ class Numbered(NamedTuple):
 
 
 def numbered(mission: Mission) -> list[Numbered]:
-    """Return the items of a mission, numbered from 1."""
     return [Numbered(seq, item) for seq, item in enumerate(mission.items, start=1)]
 
 

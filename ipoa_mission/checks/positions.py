@@ -17,7 +17,6 @@ POSITION_OPTIONAL = {Command.NAV_TAKEOFF, Command.NAV_LAND, Command.NAV_PAYLOAD_
 
 
 def check_positions(mission: Mission) -> Iterator[Finding]:
-    """Report faults of home, of the positions and heights of items and rally points, and of the fence."""
     yield from _home(mission)
     elsewhere = home_elsewhere(mission)
     if elsewhere:
@@ -50,7 +49,6 @@ def _fence(mission: Mission) -> Iterator[Finding]:
 
 
 def _wrong_corner(home: Geodetic, latitude_deg: float, longitude_deg: float) -> str | None:
-    """Return why a corner of the fence or a rally point is wrong; far from home it is."""
     if wrong := out_of_range(latitude_deg, longitude_deg):
         return wrong
     if out_of_range(home.latitude_deg, home.longitude_deg):
@@ -172,6 +170,5 @@ def _height(at: Numbered, mission: Mission) -> Iterator[Finding]:
 
 
 def _doubt(item: Item, mission: Mission) -> str:
-    """Return a likely reason for an absurd height: an altitude above home in the AMSL frame."""
     mistaken = plain_frame(item.frame) == Frame.GLOBAL and 0 < item.altitude < mission.home.altitude
     return ": is it meant above home (frame 3), not AMSL (frame 0)?" if mistaken else ""

@@ -15,7 +15,6 @@ IGNORE_HINT = 'if it limits no flight: --ignore not-read, or [safety] ignore = [
 
 
 def check_unread(things: Iterable[Unread]) -> Iterator[Finding]:
-    """Report an error for each kind of content that may limit the flight."""
     for thing in things:
         if thing.may_limit:
             hint = "; ".join(filter(None, (thing.remedy, IGNORE_HINT)))

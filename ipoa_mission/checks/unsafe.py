@@ -26,7 +26,6 @@ def strictly(findings: Sequence[Finding], anyway: bool = False) -> tuple[Finding
 
 
 def unreadable(error: BadInput) -> Finding:
-    """Make a finding of a mission file that cannot be read."""
     return Finding("file-unreadable", Severity.ERROR, None, str(error), error.hint)
 
 

@@ -9,7 +9,6 @@ from ipoa_mission.mission.items import Mission
 
 
 def check_waiting(mission: Mission) -> Iterator[Finding]:
-    """Report NAV_LOITER_UNLIM before other items, and NAV_DELAY until a time of day."""
     last = max((at.seq for at in numbered(mission) if at.item.command <= LAST_NAV), default=0)
     for at in numbered(mission):
         if at.item.command == Command.NAV_LOITER_UNLIM and at.seq < last:

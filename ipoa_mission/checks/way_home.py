@@ -39,7 +39,6 @@ def remedy(forecast: Forecast) -> tuple[str, tuple[Remedy, ...]]:
 
 
 def heights_to_try(scenario: Scenario) -> Iterator[float]:
-    """Return altitudes within the bounds, the lowest first [m]."""
     return takewhile(lambda height: height <= scenario.airspace.bounds.upper[2], heights_above(0.0))
 
 

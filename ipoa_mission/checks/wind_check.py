@@ -9,7 +9,6 @@ from ipoa_mission.wind import CALM, Wind
 
 
 def check_wind(forecast: Forecast) -> Iterator[Finding]:
-    """Report an error where the wind pushes the vehicle off its path or stops its progress."""
     wind = forecast.wind
     if not forecast.mission.items or not wind.strongest > 0.0:
         return
@@ -22,7 +21,6 @@ def check_wind(forecast: Forecast) -> Iterator[Finding]:
 
 
 def _why_not(forecast: Forecast, wind: Wind) -> str | None:
-    """Return why the mission cannot be flown in a wind; None if it can."""
     try:
         Forecast(forecast.given, forecast.scenario, wind, forecast.left_out).predicted(sure=True)
     except MissionError as error:

@@ -31,8 +31,6 @@ EXCEEDING_SHARE = 0.01  # of the deviation bound without a scenario's confidence
 
 
 class DeviationKind(StrEnum):
-    """The kind of a deviation from the forecast."""
-
     AWAY = "moves-away"
     PASSED = "passed-item"
     OUTSIDE = "left-corridor"
@@ -156,7 +154,6 @@ class ConformanceMonitor:
         return None
 
     def _turn_to(self, item: int | None, time: float, place: Vector) -> None:
-        """Set the visit that the vehicle flies to: in a loop the next one of the item."""
         last = self._visit
         if item is not None and self._visits[last].seq != item + 1:
             seqs = [visit.seq for visit in self._visits]
@@ -282,7 +279,6 @@ class ConformanceMonitor:
         return not waits and self._visits[visit].seq not in self._unknown
 
     def _direct(self, place: Vector) -> Points | None:
-        """Return the straight path to the goal from where the flight begins or resumes; a take-off climbs first."""
         if (goal := self._leg(self._visit).goal) is None:
             return place[None, :]
         over = np.array([place[0], place[1], max(place[2], goal[2])])

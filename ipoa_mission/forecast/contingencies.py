@@ -1,7 +1,7 @@
 """Compute the contingencies of a flight at each second: path, clearance, duration and energy.
 
-On the order the vehicle flies on until it has braked. Then it returns (climbs, flies to home or a rally point and
-descends), lands where it is, flies back along its path, or holds its place.
+On the order the vehicle flies on until it has braked. Then it returns, lands in place, flies
+back along its path, or holds its place. A return climbs, flies to home or a rally point and descends.
 """
 
 import math
@@ -98,7 +98,6 @@ class ContingencyRow:
 
     @property
     def clear(self) -> bool:
-        """Return whether each possible flight keeps the required distance."""
         return self.grade is Grade.CLEAR
 
     @property
@@ -136,15 +135,12 @@ class ContingencyRow:
 
 
 class ContingencyBar(NamedTuple):
-    """The rows of one contingency in the order of their times, and its goals in words."""
-
     contingency: Contingency
     leads: str
     rows: tuple[ContingencyRow, ...]
 
 
 def bars_of(rows: Iterable[ContingencyRow]) -> tuple[ContingencyBar, ...]:
-    """Group rows by contingency."""
     own: dict[Contingency, list[ContingencyRow]] = {}
     for row in rows:
         own.setdefault(row.contingency, []).append(row)
@@ -168,7 +164,6 @@ class Contingencies:
 
     @cached_property
     def _clocks(self) -> tuple[Vector, Vector]:
-        """Return the times of the items with exact position, and in the mean, each (n,) [s]."""
         sure, mean = self.forecast.promise.flight.prediction.done, self.forecast.expected.done
         return np.concatenate([[0.0], sure, sure[-1:] + TAIL_S]), np.concatenate([[0.0], mean, mean[-1:] + TAIL_S])
 
@@ -181,7 +176,6 @@ class Contingencies:
 
     @property
     def in_air(self) -> tuple[float, float]:
-        """Return the first and the last time in the air [s]."""
         begin, end = self._in_mean(np.array(self.ways.in_air))
         return float(begin), float(end)
 
@@ -196,7 +190,6 @@ class Contingencies:
         return replace(assessments, times=self._in_mean(assessments.times))
 
     def all_rows(self, timed: bool = True) -> tuple[ContingencyRow, ...]:
-        """Return the rows of each contingency; see `rows`."""
         return tuple(row for contingency in contingencies_of(self.forecast) for row in self.rows(contingency, timed))
 
     def rows(self, contingency: Contingency, timed: bool = True) -> tuple[ContingencyRow, ...]:
@@ -263,7 +256,6 @@ class Contingencies:
     def _row(
         self, contingency: Contingency, assessments: ContingencySamples, run: range, grade: Grade
     ) -> ContingencyRow:
-        """Return the row of the samples in a run, with the values of the worst possible sample."""
         seen = run if grade is Grade.CLEAR else self._seen(assessments, run)
         worst, near = min(self._nearest(contingency, assessments, seen), key=lambda found: found[1].distance)
         least, required, to = near.distance, self.ways.required, near.what
@@ -299,7 +291,6 @@ class Contingencies:
         return [(run[n], self.ways.exactly(contingency, assessments, run[n])) for n in sorted(picked)]
 
     def _timed(self, row: ContingencyRow, assessments: ContingencySamples, run: range) -> ContingencyRow:
-        """Return the row with the duration of its flights by the vehicle's model, and their energy."""
         if row.contingency not in (Contingency.RTL, Contingency.LAND):
             return row
         picked = {run[round(share * (len(run) - 1))] for share in np.linspace(0.0, 1.0, TIMED_SAMPLES)}
@@ -315,7 +306,6 @@ class Contingencies:
         return replace(row, touches_s=touches, duration_s=lasts, energy_wh=takes)
 
     def lasts(self, contingency: Contingency, time: float) -> tuple[float, float] | None:
-        """Return the least and the greatest duration [s] of a contingency ordered at a time [s]; None where unknown."""
         taken = self.takes(contingency, time)
         return None if taken is None else taken.lasts
 

@@ -1,8 +1,7 @@
 """Compute the paths of contingencies ordered at many times of one flight, and their clearance.
 
-The times are dense enough that between two clear ones no path is nearer than required: there no path moves farther
-than the slack of both. Paths are straight legs, level or vertical except where the vehicle brakes. Obstacles are
-enlarged by the autopilot's deviation bound.
+Between two clear times no path is nearer than required: there no path moves farther than the slack of both. Paths are
+straight legs, level or vertical except where the vehicle brakes. Obstacles are enlarged by the deviation bound.
 """
 
 import math
@@ -70,7 +69,6 @@ class ContingencySamples:
 
     @property
     def clear(self) -> NDArray[np.bool_]:
-        """Return whether all limits are kept, (n,)."""
         return np.asarray(self.spare >= 0.0)
 
     @property
@@ -89,7 +87,6 @@ class ContingencySamples:
         return np.asarray((self.times[1:] + self.times[:-1])[asked] / 2)
 
     def _next_to_nearest(self) -> NDArray[np.bool_]:
-        """Return which gaps are next to the least distance of equal samples, (n - 1,)."""
         found = np.zeros(len(self.times), dtype=bool)
         for equal in np.split(np.arange(len(self.times)), np.flatnonzero(~self.same_as_next) + 1):
             least = equal[np.argmin(self.spare[equal])]
@@ -97,7 +94,6 @@ class ContingencySamples:
         return found[:-1]
 
     def all_nearer(self, required: float) -> NDArray[np.bool_]:
-        """Return whether each possible path breaks the required distance, (n,)."""
         return np.asarray(((self.near.min(axis=2) < required) | ~self.taken).all(axis=1))
 
     @classmethod
@@ -114,7 +110,6 @@ class ContingencySamples:
 
     @classmethod
     def merged(cls, assessments: "Sequence[ContingencySamples]") -> "ContingencySamples":
-        """Merge samples in the order of their times."""
         order = np.argsort(np.concatenate([some.times for some in assessments]), kind="stable")
         taken = slice(None) if (np.diff(order) == 1).all() else order  # as they are, or copied
         return cls(
@@ -153,7 +148,6 @@ class ContingencyPaths:
 
     @cached_property
     def roomy(self) -> PathTask:
-        """Return the scenario with room for the deviation bound."""
         return with_room(self.forecast.world, TIGHT_PLACES)
 
     @cached_property
@@ -166,19 +160,16 @@ class ContingencyPaths:
 
     @cached_property
     def in_air(self) -> tuple[float, float]:
-        """Return the first and the last time in the air [s]."""
         track = self.forecast.promise.flight.pieces
         lifted = track.times[track.points[:, 2] > track.points[0, 2] + LIFTED_HEIGHT]
         return (float(lifted[0]), float(lifted[-1])) if len(lifted) else (0.0, 0.0)
 
     def stops(self, contingency: Contingency = Contingency.RTL) -> StoppingPoints:
-        """Return where the vehicle stops, from each time in the air."""
         if contingency not in self._stops:
             self._stops[contingency] = stopping_points_of(self.forecast, *self.in_air, contingency)
         return self._stops[contingency]
 
     def why_unknown(self) -> str | None:
-        """Return why the goal of a return is unknown; None if it is known."""
         if (why := self.routes.why_unknown) is not None:
             return why
         vehicle, version, parameters = self.mission.autopilot, self.mission.firmware_version, self.routes.parameters
@@ -199,7 +190,6 @@ class ContingencyPaths:
         return assessments
 
     def at(self, contingency: Contingency, times: Vector) -> ContingencySamples:
-        """Return a contingency at these times (n,), in their order."""
         some = np.array_split(times, math.ceil(len(times) / BATCH_SIZE) or 1)
         return ContingencySamples.following((self._at(contingency, part) for part in some), len(times))
 
@@ -245,7 +235,6 @@ class ContingencyPaths:
         return Clearance(float(assessments.near[n, 0, leg]), (place[0], place[1], place[2]), name, leg)
 
     def goal(self, contingency: Contingency, assessments: ContingencySamples, n: int) -> str:
-        """Return the goals of one sample in words."""
         if contingency in (Contingency.LAND, Contingency.HOLD):
             return "here"
         names = ["home", *(f"rally point {k}" for k in range(1, len(self.rally) + 1))]
@@ -276,7 +265,6 @@ class ContingencyPaths:
         return np.asarray(near[until] - CHORD_ERROR), np.asarray(which[until])
 
     def _note_mission(self, times: Vector, near: NDArray[np.float64], which: NDArray[np.intp]) -> None:
-        """Add to returns along the mission the clearance of the mission's own path, with its bends."""
         for n, by in enumerate(self.routes.kinds):
             first = (len(self.rally) + 1 + n) * self._variants
             flown, of = self._flown_so_far(times, by is ReturnBy.AHEAD)
@@ -315,7 +303,6 @@ class ContingencyPaths:
 
     @property
     def _variants(self) -> int:
-        """Return the number of paths to each goal."""
         return len(self._shares) + len(self.routes.off_terrain)
 
     def _returns(

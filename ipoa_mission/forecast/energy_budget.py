@@ -132,7 +132,6 @@ class Budget:
 
     @property
     def shortage(self) -> NotEnoughBattery | None:
-        """Return why the flight is refused for its energy; None if it is not."""
         return None if self.battery is None else shortage(self.used.between, self.battery)
 
     @property
@@ -144,17 +143,14 @@ class Budget:
 
     @property
     def plans_returns(self) -> bool:
-        """Return whether an RTL must be possible from each second."""
         return self.forecast.world.safety.returns == "planned"
 
     @property
     def eats_reserve(self) -> bool:
-        """Return whether one flight in twenty lands with less than the reserve."""
         return self.battery is not None and self.used.between.high > self.battery.usable_wh
 
     @property
     def words(self) -> list[str]:
-        """Return lines about the energy, the charge left, and whether it is enough."""
         lines, left = [f"energy {self.used}"], self.left(self.used.between)
         if left is not None and self.battery is not None:
             shares = f"{left.likely:.0%} ({left.low:.0%} to {left.high:.0%})"
@@ -186,7 +182,6 @@ class Budget:
         return None
 
     def _times(self) -> Iterator[float]:
-        """Return times from the take-off to the last time in the air, with the ends of items between."""
         track = self.forecast.estimate.track
         flies = np.flatnonzero(np.linalg.norm(track.points - track.points[-1], axis=1) > LIFTED_DISTANCE)
         if not len(flies):
@@ -219,7 +214,6 @@ def budget_of(forecast: Forecast) -> Budget | None:
 
 
 def refusal_of(forecast: Forecast) -> NotEnoughBattery | None:
-    """Return why a flight is not planned, returns included; see `shortage_of`."""
     budget = budget_of(forecast)
     return None if budget is None else budget.refusal
 

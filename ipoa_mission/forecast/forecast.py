@@ -114,7 +114,6 @@ class Forecast:
 
     @property
     def world(self) -> "Scenario":
-        """Return the scenario, for callers that need one."""
         assert self.scenario is not None, "the clearance needs a scenario"
         return self.scenario
 
@@ -138,12 +137,10 @@ class Forecast:
 
     @property
     def cruise(self) -> list[Leg]:
-        """Return the legs between waypoints that are flown in any case."""
         return [leg for leg in self.legs if leg.phase is Phase.CRUISE and not leg.alternative]
 
     @property
     def ways_home(self) -> list[Leg]:
-        """Return the legs of returns to home and to the rally points."""
         return [leg for leg in self.legs if leg.phase is Phase.RETURN]
 
     def returns_from(self, places: Points) -> NDArray[np.float64]:
@@ -192,7 +189,6 @@ class Forecast:
         return model.predicted(self.itinerary, self.mission, self.wind, fast, sure)
 
     def timed(self, fast: bool | None = None) -> "Estimate":
-        """Return the `estimate`; `fast` as in `predicted`."""
         from ipoa_mission.forecast.timing.estimate import times_of
 
         expected = self.expected if fast is None else self.predicted(sure=False, fast=fast)
@@ -238,7 +234,6 @@ class Forecast:
 
     @property
     def promise_if_known(self) -> "Promise | None":
-        """Return the `promise`; None where the flight is unknown."""
         try:
             return self.promise if self.itinerary.visits else None
         except MissionError:
@@ -246,7 +241,6 @@ class Forecast:
 
     @property
     def proof_if_known(self) -> "Proof | None":
-        """Return the `proof`; None without legs, or where the flight is unknown."""
         return None if self.unknown or not self.cruise else self.proof
 
     @cached_property

@@ -47,7 +47,6 @@ def share_nearer(times: Vector, tolerances: Vector, evenly: Vector, nearer: NDAr
 
 
 def graded(clear: NDArray[np.bool_], shares: Vector) -> list[Grade]:
-    """Return the grade of each time (n,)."""
     return [
         Grade.CLEAR if one else Grade.WOULD if share >= WOULD_SHARE else Grade.MAY
         for one, share in zip(clear, shares, strict=True)

@@ -29,8 +29,6 @@ WHERE = {ReturnBy.AHEAD: "the landing along the mission", ReturnBy.BACK: "home"}
 
 
 class ReturnRoutes:
-    """The paths of one mission on which a return may lead along it."""
-
     def __init__(self, forecast: Forecast, rally: tuple[Place, ...]) -> None:
         self.forecast, self.rally, self.mission = forecast, rally, forecast.mission
         self.parameters = self.mission.autopilot.known_parameters(
@@ -38,18 +36,15 @@ class ReturnRoutes:
         )
 
     def route(self, here: Place, seq: int) -> ReturnRoute:
-        """Return the route of a return from here, on the way to an item."""
         landing, version = self._landing(seq), self.mission.firmware_version
         return self.mission.autopilot.return_route(self.parameters, here, self.rally, landing, version=version)
 
     @cached_property
     def kinds(self) -> tuple[ReturnBy, ...]:
-        """Return the kinds of returns along the mission that occur."""
         return tuple(by for by in WHERE if by in self._found)
 
     @cached_property
     def why_unknown(self) -> str | None:
-        """Return the kind of return that is not modeled, in words; None without."""
         for by in (ReturnBy.LANDING, ReturnBy.HERE):
             if by in self._found:
                 sinks = ", which begin during the landing," if by is ReturnBy.LANDING else ""
@@ -93,7 +88,7 @@ class ReturnRoutes:
     def over_terrain(
         self, places: Points, stands: Points, beyond: Points, up: float, off: float
     ) -> NDArray[np.float64]:
-        """Return the paths from places (n, 3) over stands straight to beyond, with the ground followed, (n, p, 3).
+        """Return the paths from places (n, 3) over `stands` straight to beyond, with the ground followed, (n, p, 3).
 
         `up`: height of the goal above home; `off`: error of the height over the ground [m]. Each path has the same
         number of legs.
@@ -127,7 +122,6 @@ class ReturnRoutes:
 
     @cached_property
     def _places(self) -> list[tuple[int, Vector]]:
-        """Return number and place of the items that it flies to, up to the first landing."""
         places = item_places(as_flown(self.mission), self.forecast.frame, self.forecast.ground)
         found: list[tuple[int, Vector]] = []
         for seq, (item, place) in enumerate(zip(self.mission.items, places, strict=True), start=1):

@@ -42,7 +42,6 @@ class Shortfall:
 
     @property
     def comes_down(self) -> bool:
-        """Return whether it lands on the body, or too near to it."""
         return self.contingency is Contingency.LAND and self.part > BRAKES
 
 
@@ -130,7 +129,6 @@ def _heights(ways: ContingencyPaths, short: list[Shortfall], now: float) -> Iter
 def shortfalls(
     ways: ContingencyPaths, contingency: Contingency, assessments: ContingencySamples
 ) -> Iterator[Shortfall]:
-    """Return the worst shortfall of each body and each leg."""
     short = np.where(
         assessments.taken[..., None] & ~assessments.clear[:, None, None], assessments.near - ways.required, 0.0
     )

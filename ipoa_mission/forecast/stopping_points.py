@@ -23,7 +23,6 @@ class StoppingPoints:
     seqs: NDArray[np.intp]
 
     def seqs_at(self, times: Vector) -> NDArray[np.intp]:
-        """Return the items that it flies to at these times (n,)."""
         return np.asarray(self.seqs[np.clip(np.searchsorted(self.times, times), 0, len(self.seqs) - 1)])
 
     def at(self, times: Vector) -> tuple[Points, Points]:

@@ -68,11 +68,9 @@ class LoggedFlight:
 
     @property
     def tells_items(self) -> bool:
-        """Return whether the log reports that any item began or was done."""
         return any(isinstance(message, Current | Reached) for message in self.messages)
 
     def flown_in_mission(self) -> tuple[Position, ...]:
-        """Return the positions in the mission mode."""
         places, is_flying = list[Position](), False
         for message in self.messages:
             if isinstance(message, Heartbeat):
@@ -166,7 +164,6 @@ def read_flights(path: str | Path, system: int | None = None) -> FlightLog:
 
 
 def _gaps(log: Log, flights: list["_Stretch"]) -> Iterator[str]:
-    """Report times in flight without a position, and invalid positions."""
     times = log.fixes.times
     inside = np.any([(times >= one.armed_s) & (times <= one.ends_s) for one in flights], axis=0)
     gaps = np.diff(times[inside]) if flights else np.empty(0)
@@ -190,8 +187,6 @@ def _nothing_flown(path: str | Path, log: FlightLog) -> MissionError:
 
 @dataclass
 class _Known:
-    """The vehicle's state as logged so far."""
-
     items: tuple[Item, ...] = ()
     home: Geodetic | None = None
     parameters: dict[str, float] = field(default_factory=dict)
@@ -274,7 +269,6 @@ class _Stretch:
 
 
 def _stretches(log: Log) -> Iterator[_Stretch]:
-    """Return each time that the vehicle was armed."""
     known = _Known()
     current: Current | None = None
     stretch: _Stretch | None = None

@@ -91,7 +91,6 @@ def messages_of(log: Log) -> Iterator[Message]:
 
 
 def _clock(fixes: Fixes, times: Vector) -> Iterator[Message]:
-    """Return the position at each of these times; without positions the time alone."""
     if not len(fixes.times):
         return (SystemTime(0.0, float(time)) for time in times)
     columns = (fixes.latitude_deg, fixes.longitude_deg, fixes.altitude, fixes.height, *fixes.velocity.T)
@@ -100,13 +99,11 @@ def _clock(fixes: Fixes, times: Vector) -> Iterator[Message]:
 
 
 def presence(autopilot: Autopilot, armed: bool, custom_mode: int) -> Heartbeat:
-    """Return the heartbeat of a vehicle in this state."""
     flags = CUSTOM_MODE_FLAG | (ARMED_FLAG if armed else 0)
     return Heartbeat(QUADROTOR, autopilot.mav_autopilot, flags, custom_mode)
 
 
 def item_begun(text: str) -> Current | None:
-    """Return the item that begins by ArduPilot's text; None for another text."""
     match = ITEM_BEGINS.match(text)
     return Current(int(match[1])) if match else None
 
@@ -129,6 +126,5 @@ class LogFormat:
 
 
 def log_format(suffix: str) -> LogFormat | None:
-    """Return the log format with this suffix; None without one."""
     formats = (one.part(LogFormat) for one in registered() if one.has(LogFormat))
     return next((one for one in formats if one.suffix == suffix.lower()), None)

@@ -1,7 +1,7 @@
 """Read a ground station's log (`.tlog`): the messages from and to one vehicle, with its own times.
 
-A heartbeat comes once a second. The time of arming and disarming is therefore that of the first other report since
-the last heartbeat in the old state: the answer to the order, the autopilot's text, PX4's event.
+A heartbeat comes once a second. The time of arming and disarming is that of the first report since the last
+heartbeat in the old state. Reports are the answer to the order, the autopilot's text and PX4's event.
 """
 
 from collections.abc import Iterator, Mapping
@@ -59,8 +59,6 @@ NO_CLOCK = "the log has no clock of the vehicle: its times are those of the grou
 
 @dataclass
 class _Gathered:
-    """Messages of one vehicle so far, each with the number of its record."""
-
     transfers: Transfers = field(default_factory=Transfers)
     said: list[tuple[int, Message]] = field(default_factory=list)
     times: list[tuple[int, float]] = field(default_factory=list)
@@ -119,7 +117,6 @@ def _listed(kinds: Mapping[int, Kind]) -> str:
 
 
 def _others(kinds: Mapping[int, Kind], chosen: int) -> Iterator[str]:
-    """Report other vehicles in the log, and the option that reads them."""
     if len(kinds) > 1:
         others = {system: kind for system, kind in kinds.items() if system != chosen}
         flown = [system for system, kind in others.items() if _is_flown(kind)]
@@ -201,7 +198,6 @@ def _note_arming(gathered: _Gathered, number: int, armed: bool) -> None:
 
 
 def _beat(gathered: _Gathered, number: int, beat: Heartbeat, autopilot: Autopilot) -> None:
-    """Note a heartbeat; changes since the last one take the time of their first report."""
     before = gathered.state
     if before and gathered.changes and gathered.changes[-1][1] == beat.armed:
         _change(gathered, before.custom_mode, autopilot)
@@ -213,7 +209,6 @@ def _beat(gathered: _Gathered, number: int, beat: Heartbeat, autopilot: Autopilo
 
 
 def _change(gathered: _Gathered, mode: int, autopilot: Autopilot) -> None:
-    """Apply the reported changes of arming."""
     gathered.said += [(number, presence(autopilot, armed, mode)) for number, armed in gathered.changes]
     gathered.changes.clear()
 
@@ -231,7 +226,6 @@ def _dated(gathered: _Gathered, stamps: Vector, autopilot: Autopilot) -> Log:
 
 
 def _measured(gathered: _Gathered, times: Vector) -> Measured:
-    """Return batteries by their numbers; that of SYS_STATUS without any other."""
     batteries: dict[int, list[Battery]] = {}
     general: list[Battery] = []
     attitude = []

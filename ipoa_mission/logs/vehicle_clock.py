@@ -64,7 +64,6 @@ def vehicle_times(stamps: Vector, clock_at: Vector, clock: Vector) -> Vector:
 
 
 def _pace(clock_at: Vector, clock: Vector, order: slice) -> float:
-    """Return the rate of the vehicle's clock at the end of the log where `order` begins."""
     at, times = clock_at[order], clock[order]
     near = np.abs(at - at[0]) <= READING.pace_s
     span = at[near][-1] - at[0]

@@ -1,9 +1,9 @@
 """Compute the distance of pieces of a path to each obstacle, and the probability of a smaller one.
 
-A place moved sideways by s and vertically by h keeps from an upright body at least the distance of (level - s) and
-(vertical - h). To come nearer than k a flight must deviate by more than (level - k) *and* by more than (vertical - k).
-The body is also behind its tangent plane at the nearest point, so only the deviation towards it counts. The least of
-these probabilities is an upper bound.
+A place moved sideways by s and vertically by h keeps at least (level - s, vertical - h) from an upright body. To come
+nearer than k a flight must deviate by more than (level - k) *and* by more than (vertical - k). The body is also behind
+its tangent plane at the nearest point, so only the deviation towards it counts. The least of these probabilities is
+an upper bound.
 """
 
 from dataclasses import dataclass, replace
@@ -80,7 +80,6 @@ class Approaches:
         return _facing(self.law, self.aside, self.above, self.is_over)
 
     def of(self, taken: NDArray[np.bool_]) -> "Approaches":
-        """Select pairs (n,)."""
         columns = ("piece", "obstacle", "seconds", "aside", "above", "is_over", "stretch", "sides")
         return replace(self, **{name: getattr(self, name)[taken] for name in columns})
 
@@ -94,7 +93,6 @@ class Approaches:
         return 1.0 - (1.0 - lateral) * (1.0 - high)
 
     def likeliest(self, kept: float) -> tuple[int, int]:
-        """Return the piece and the obstacle that are the likeliest nearer than `kept` [m]."""
         pair = int(np.argmax(self._each(kept)))
         return int(self.piece[pair]), int(self.obstacle[pair])
 
@@ -106,7 +104,6 @@ class Approaches:
         return np.asarray(self._vertical(kept) < self._sideways(kept))
 
     def _each(self, kept: float) -> Vector:
-        """Return the probability of each pair at its moment, (n,)."""
         return np.minimum(self._sideways(kept), self._vertical(kept))
 
     def _sideways(self, kept: Vector | float) -> Vector:
@@ -119,7 +116,6 @@ class Approaches:
         return np.where(self.is_over, self.law.down.chance(room), self.law.up.chance(room))
 
     def _height_of_a_flight(self, kept: float) -> float:
-        """Return the probability of such a height error anywhere in a flight."""
         room = self.above - kept
         low = self.law.lowest.chance(room[self.by_height & self.is_over]).max(initial=0.0)
         high = self.law.highest.chance(room[self.by_height & ~self.is_over]).max(initial=0.0)
@@ -179,7 +175,6 @@ def approaches(flown: Pieces, airspace: Airspace, law: DeviationLaw, kept: float
 
 
 def _by_obstacle(piece: Numbers, obstacle: Numbers) -> list[tuple[int, Numbers]]:
-    """Group pieces by obstacle; both are sorted by obstacles."""
     numbers, first = np.unique(obstacle, return_index=True)
     return list(zip(numbers.tolist(), np.split(piece, first[1:]), strict=True)) if len(numbers) else []
 

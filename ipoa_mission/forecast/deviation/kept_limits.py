@@ -52,7 +52,6 @@ def deviation_bound_of(law: DeviationLaw, chance: float) -> DeviationBound:
 
 
 def limits_kept(path: Points, scenario: Scenario, deviation_bound: DeviationBound) -> Iterator[Check]:
-    """Return checks of ground, ceiling and bounds with the deviation bound around a path (n, 3)."""
     yield from _heights_kept(path, scenario, deviation_bound)
     if (bounds := _bounds_kept(path, scenario, deviation_bound)) is not None:
         yield bounds
@@ -94,7 +93,6 @@ def _bounds_kept(path: Points, scenario: Scenario, deviation_bound: DeviationBou
 
 
 def _inside(points: Points, scenario: Scenario, deviation_bound: DeviationBound) -> Points:
-    """Return the distance of the deviation bound at points (n, 3) to each side of the box, (n, 6) [m]."""
     bounds = scenario.airspace.bounds
     lower = (
         points

@@ -48,8 +48,6 @@ class DeviationLaw:
         return self.level.distance(chance / INDEPENDENT_SAMPLES)
 
     def in_wind(self, speed: float) -> "DeviationLaw":
-        """Return the law in a wind of this speed with gusts [m/s]."""
-
         def longer(spread: Quantiles, share: float) -> Quantiles:
             first, *others = spread.distances
             return replace(spread, distances=(first, *(distance + share * speed for distance in others)))
@@ -68,8 +66,6 @@ class DeviationLaw:
         )
 
     def after_the_way(self) -> "DeviationLaw":
-        """Return the law after the last waypoint."""
-
         def wider(spread: Quantiles) -> Quantiles:
             return replace(spread, distances=tuple(self.after_way * distance for distance in spread.distances))
 

@@ -14,5 +14,4 @@ def not_measured(autopilot: Autopilot, wind: float) -> str | None:
 
 
 def law_of(autopilot: Autopilot, wind: float = 0.0) -> DeviationLaw:
-    """Return an autopilot's deviation law in a wind of this speed [m/s]."""
     return autopilot.part(DeviationLaw).in_wind(wind)

@@ -31,7 +31,6 @@ class Pieces(Track):
 
 
 def pieces_of(track: Track) -> Pieces:
-    """Return the pieces of a predicted path; at least one."""
     kept = _apart(track.points)
     kept = kept if len(kept) > 1 else np.zeros(2, dtype=int)
     times, times_and_bends = track.times[kept], _bends(track)
@@ -40,7 +39,6 @@ def pieces_of(track: Track) -> Pieces:
 
 
 def _apart(points: Points) -> NDArray[np.intp]:
-    """Return the indices of points at least `SHORTEST_PIECE` apart along the path."""
     reached = np.floor(arc_lengths(points) / SHORTEST_PIECE)
     is_kept = np.concatenate([[True], np.diff(reached) > 0.0])
     is_kept[-1] = True

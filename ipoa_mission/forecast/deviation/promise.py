@@ -33,8 +33,7 @@ class Kept:
 
     `nominal` and `kept` are distances, of a ceiling heights. `to` is the nearest thing. `item` is the item flown to, as
     in mission files with home 0, and `place` the place. `part` is empty on the way. Else it is "the take-off", "the
-    ending", or a place that the scenario puts nearer than the deviation bound, as "via[2]"; the promise of the flight
-    excludes these.
+    ending", or a tight place, as "via[2]"; the promise of the flight excludes these.
     """
 
     limit: str
@@ -63,7 +62,6 @@ class Kept:
 
     @property
     def slack(self) -> float:
-        """Return the slack to the required distance [m]."""
         return self.required - self.kept if self.limit == "ceiling" else self.kept - self.required
 
     @property
@@ -94,12 +92,10 @@ class Promise:
 
     @property
     def broken(self) -> tuple[Kept, ...]:
-        """Return the limits that too few flights keep, as printed."""
         return tuple(kept for kept in self.limits if kept.falls_short)
 
     @property
     def forbidding(self) -> tuple[Kept, ...]:
-        """Return the limits that forbid the flight."""
         return tuple(kept for kept in self.limits if kept.forbids)
 
     @property
@@ -137,7 +133,6 @@ def deviation_bound_holds(flown: Pieces, autopilot: Autopilot, scenario: Scenari
 
 
 def _breaks(check: Check) -> bool:
-    """Return whether too little is kept, as printed."""
     if check.at_most:
         return goes_beyond(check.nearest.distance, check.required)
     return falls_short(check.nearest.distance, check.required)
@@ -154,7 +149,6 @@ def _bound(law: DeviationLaw, chance: float | None) -> DeviationBound:
 
 
 def _tight(scenario: Scenario, law: DeviationLaw) -> tuple[TightPlace, ...]:
-    """Return the given places nearer to an obstacle than the deviation bound in one pass."""
     chance = scenario.safety.chance
     return tight_places(scenario, 2 * THINNING_TOLERANCE + (0.0 if chance is None else law.beside(chance)))
 
@@ -166,8 +160,6 @@ def promise_of(flight: "PredictedFlight") -> Promise:
 
 @dataclass(frozen=True, eq=False)
 class PredictedFlight:
-    """The predicted flight of a mission in a scenario's world."""
-
     route: Itinerary
     prediction: Prediction
     autopilot: Autopilot

@@ -25,14 +25,12 @@ class Quantiles:
     chances: tuple[float, ...]
 
     def chance(self, distance: Vector) -> Vector:
-        """Return the probability that distances (n,) [m] are exceeded, (n,)."""
         logs = np.log(self.chances)
         slope = (logs[-1] - logs[-2]) / (self.distances[-1] - self.distances[-2])
         inside = np.interp(distance, self.distances, logs)
         return np.asarray(np.exp(inside + slope * np.maximum(distance - self.distances[-1], 0.0)))
 
     def distance(self, chance: float) -> float:
-        """Return the distance [m] that is exceeded with a probability from 0 to 1."""
         logs = np.log(self.chances)
         slope = (logs[-1] - logs[-2]) / (self.distances[-1] - self.distances[-2])
         log = float(np.log(chance))

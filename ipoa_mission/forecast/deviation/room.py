@@ -1,7 +1,7 @@
 """Enlarge a scene by the deviation bound while a path is planned.
 
-Obstacles grow by the bound for the usual number of tight places. An obstacle grows less where it would close in on a
-given place or, on request, where it would close a gap that is wide enough for the predicted path.
+Obstacles grow by the bound for the usual number of tight places. An obstacle grows less near a given place
+and, on request, where it would close a gap that is wide enough for the predicted path.
 """
 
 import numpy as np
@@ -43,7 +43,6 @@ def with_room(scenario: Scenario, tight: float, keep_gaps: bool = False, share: 
 
 
 def _spare_height(scenario: Scenario) -> float:
-    """Return the height of the lowest given place over the required height [m]."""
     heights = scenario.places[:, 2] - scenario.airspace.ground(scenario.places)
     return float(heights.min()) - scenario.limits.height_above_ground
 

@@ -50,7 +50,6 @@ def round_places(points: Points, tight: tuple[TightPlace, ...]) -> NDArray[np.in
 
 
 def runs(points: Points, taken: NDArray[np.bool_]) -> Iterator[Points]:
-    """Return the stretches (k, 3) of a path (n, 3) whose pieces (n-1,) are taken."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], taken, [False]]).astype(int)))
     for first, last in edges.reshape(-1, 2).tolist():
         yield points[first : last + 1]

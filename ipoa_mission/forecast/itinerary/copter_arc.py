@@ -26,7 +26,6 @@ def turn_of(item: Item) -> float:
 
 
 def arc_center(origin: Place, target: Place, turn: float) -> tuple[float, float]:
-    """Return east and north of the circle's center."""
     east, north = target[0] - origin[0], target[1] - origin[1]
     across = math.hypot(east, north)
     radius = arc_radius(origin, target, turn)
@@ -36,17 +35,14 @@ def arc_center(origin: Place, target: Place, turn: float) -> tuple[float, float]
 
 
 def arc_radius(origin: Place, target: Place, turn: float) -> float:
-    """Return the radius of the circle [m]."""
     return math.dist(origin[:2], target[:2]) / (2.0 * abs(math.sin(turn / 2.0)))
 
 
 def is_arc(origin: Place, target: Place, turn: float) -> bool:
-    """Return whether the path is an arc; a turn over one place is none."""
     return turn != 0.0 and math.dist(origin[:2], target[:2]) > MIN_CHORD
 
 
 def arc_length(origin: Place, target: Place, turn: float) -> float:
-    """Return the length of the path with its climb or descent [m]."""
     return math.hypot(arc_radius(origin, target, turn) * turn, target[2] - origin[2])
 
 
@@ -70,5 +66,4 @@ def arc_chords(origin: Place, target: Place, turn: float, stray: float) -> Point
 
 
 def _wrapped(angle: float) -> float:
-    """Wrap an angle to -pi to pi."""
     return math.remainder(angle, math.tau)

@@ -63,12 +63,10 @@ def entry_is_unsure(here: Place, center: Place, radius: float) -> bool:
 
 
 def bearing_from(center: Place, place: Place) -> float:
-    """Return the bearing clockwise from north [rad]."""
     return math.atan2(place[0] - center[0], place[1] - center[1])
 
 
 def on_circle(center: Place, radius: float, bearing: float) -> Place:
-    """Return the place on the circle in this direction from its center."""
     return center[0] + radius * math.sin(bearing), center[1] + radius * math.cos(bearing), center[2]
 
 

@@ -42,8 +42,6 @@ HOME_RADIUS = 0.5  # [m] within which a take-off is at home
 
 
 class Phase(StrEnum):
-    """The purpose of a leg."""
-
     TAKEOFF = "take-off"
     CRUISE = "cruise"
     RETURN = "return"
@@ -108,8 +106,6 @@ def item_places(mission: Mission, frame: LocalFrame, ground: Ground) -> list[Vec
 
 
 class _LegBuilder:
-    """Track the vehicle's place, item by item, to make its legs."""
-
     def __init__(self, mission: Mission, frame: LocalFrame, ground: Ground | None) -> None:
         self.mission, self.frame = mission, frame
         self.home = frame.local(mission.home)
@@ -152,7 +148,6 @@ class _LegBuilder:
                 self.last = seq
 
     def _onward(self, seq: int, item: Item, target: Vector) -> Leg:
-        """Return the leg to an item, straight or curved; its direction may shape the next one."""
         origin, guidance = self.at, self.mission.autopilot.guidance
         following = onward(self.mission.items, seq - 1, self.mission.autopilot)
         is_curve = item.command == Command.NAV_SPLINE_WAYPOINT and guidance.flies_splines
@@ -169,7 +164,6 @@ class _LegBuilder:
         return leg
 
     def _curve(self, seq: int, item: Item, target: Vector, following: int | None) -> Leg:
-        """Return the curve to a spline waypoint, which the item after it shapes."""
         items, after = self.mission.items, None
         if following is not None:
             after = place_after(item, items[following], self._over(item, target), self._named(items[following]))
@@ -192,7 +186,6 @@ class _LegBuilder:
         return east, north, up - float(self.ground(place[None, :])[0]) if over_terrain(item) else up
 
     def _bent(self, seq: int, item: Item, points: Points) -> Leg:
-        """Return a curved leg to an item; it follows the ground if `up` is over the ground."""
         follows = over_terrain(item)
         if follows:
             traveled = arc_lengths(points)
@@ -203,7 +196,6 @@ class _LegBuilder:
         return Leg(seq, Phase.CRUISE, points, over_terrain=follows, stray=CHORD_TOLERANCE)
 
     def _circle(self, seq: int, item: Item) -> Iterator[Leg]:
-        """Return legs to the circle, unless the vehicle is near it, around it, and on until it stops."""
         if (center := self.places[seq - 1]) is None:
             return
         radius = radius_of(item)
@@ -255,7 +247,6 @@ class _LegBuilder:
         yield self._vertical(seq, Phase.LANDING, float(self.ground(self.at[None, :])[0]))
 
     def _payload(self, seq: int, item: Item) -> Iterator[Leg]:
-        """Return legs to its place, down to the ground or the greatest depth, and up again."""
         target = self.places[seq - 1]
         if target is not None:
             up = target[2] if self.flown_in is not None else self.at[2]
@@ -345,5 +336,4 @@ class _LegBuilder:
 
 
 def triple(point: Vector) -> Place:
-    """Convert a place (3,) to plain numbers."""
     return float(point[0]), float(point[1]), float(point[2])

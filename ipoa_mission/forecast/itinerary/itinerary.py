@@ -44,7 +44,6 @@ class Itinerary:
     parameters: Parameters = field(default_factory=dict)
 
     def goal_of_return(self, here: Place) -> Place:
-        """Return the goal of a return from `here`: home, or a rally point and its height."""
         n = self._route_of_return(here).rally
         return HOME if n is None else self.rally[n]
 
@@ -111,7 +110,6 @@ def flying_already(route: Itinerary) -> float | None:
 
 
 def _unrolled(mission: Mission) -> list[int]:
-    """Return indices of the items in the order of flight, with jumps followed as by the firmware."""
     count = len(mission.items)
     for n, item in enumerate(mission.items):
         if item.command in JUMPS and jump_target(mission.items, n) is None:

@@ -22,7 +22,6 @@ def jump_target(items: Sequence[Item], index: int, first: int = 1) -> int | None
 
 
 def tagged(items: Sequence[Item], tag: float) -> Iterator[int]:
-    """Return the JUMP_TAG items of this number."""
     tags = (n for n, item in enumerate(items) if item.command == Command.JUMP_TAG)
     return (n for n in tags if math.isfinite(items[n].params[0]) and int(items[n].params[0]) == int(tag))
 

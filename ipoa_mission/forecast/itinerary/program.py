@@ -69,7 +69,6 @@ def as_flown(mission: Mission) -> Mission:
 
 
 def over_terrain(item: Item) -> bool:
-    """Return whether the altitude of an item is over terrain."""
     return plain_frame(item.frame) == Frame.GLOBAL_TERRAIN_ALT
 
 
@@ -145,11 +144,9 @@ class Program:
         return self.places.tolist()  # type: ignore[no-any-return]
 
     def leaves_open(self, index: int) -> bool:
-        """Return whether item `index` has no place, or no height."""
         return any(map(math.isnan, self._numbers[index]))
 
     def place(self, index: int, here: Place) -> Place:
-        """Return the place of item `index`, completed from `here`."""
         east, north, up = self._numbers[index]
         return (
             here[0] if math.isnan(east) else east,
@@ -158,7 +155,6 @@ class Program:
         )
 
     def place_of(self, item: Item) -> Place:
-        """Return the place at the latitude, longitude and altitude of an item."""
         home = self.frame.home
         flat = self.frame.local(Geodetic(item.latitude_deg, item.longitude_deg, home.altitude))
         return float(flat[0]), float(flat[1]), item.height(home)
@@ -181,7 +177,6 @@ class Program:
 
     @cached_property
     def jump_profile(self) -> JumpProfile:
-        """Return the rules of jumps."""
         return self.jumping or self.autopilot.firmware(self.version).jumps
 
     @cached_property
@@ -190,7 +185,6 @@ class Program:
         return {n: jump_target(self.items, n, self.first) for n in jumps}
 
     def _jumps(self, index: int, taking: bool) -> bool:
-        """Return whether the jump at `index` is taken now."""
         times, has_counter = (
             repeats(self.items[index]),
             index in self.jumped or len(self.jumped) < self.jump_profile.most,
@@ -262,16 +256,13 @@ class Program:
             yield (index := following)
 
     def onward(self, index: int) -> int | None:
-        """Return the item that is flown on to without a stop at item `index`, with jumps followed."""
         return onward(self.items, index, self.autopilot, self.ahead(index))
 
     def shaped_by(self, index: int) -> int | None:
-        """Return the item that shapes the end of a spline to item `index`, with jumps followed."""
         return next_navigated(self.items, index, self.autopilot, self.ahead(index))
 
 
 def program_of(mission: Mission, items: tuple[Item, ...]) -> Program:
-    """Return a program of items with the jump rules of the mission's firmware and parameters."""
     profile = mission.autopilot.firmware(mission.firmware_version).jumps
     name, bit = profile.kept_by
     options = mission.autopilot.book.by_old_names(mission.parameters).get(name, 0.0)

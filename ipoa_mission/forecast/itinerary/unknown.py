@@ -26,7 +26,6 @@ class Unknown(NamedTuple):
 
 
 def unknown_ways(mission: Mission) -> Iterator[Unknown]:
-    """Return such items in their order."""
     autopilot, items = mission.autopilot, as_flown(mission).items
     program = Program(items, LocalFrame(mission.home), autopilot, version=mission.firmware_version)
     circles, splines = Command.NAV_LOITER_TURNS in autopilot.way_known.flown, autopilot.guidance.flies_splines

@@ -22,7 +22,6 @@ def derivatives(knots: Vector, points: Points, at: Vector) -> tuple[Points, Poin
 
 
 def values(knots: Vector, points: Points, at: Vector) -> Points:
-    """Return the spline at parameters `at` (m,), (m, d)."""
     h, point, slope, square, cube = _pieces(knots, points, at)
     return point + (slope + (square + cube * h) * h) * h
 
@@ -40,7 +39,6 @@ def _pieces(knots: Vector, points: Points, at: Vector) -> tuple[Points, Points, 
 
 
 def _slopes(knots: Vector, steps: Vector, chords: Points) -> Points:
-    """Return the first derivative at each knot (n, d)."""
     n = len(knots)
     below, middle, above = np.zeros(n), np.ones(n), np.zeros(n)
     right = np.zeros((n, chords.shape[1]))

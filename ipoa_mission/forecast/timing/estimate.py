@@ -92,7 +92,6 @@ class Estimate:
 
 
 def times_of(mission: Mission, route: Itinerary, prediction: Prediction) -> Estimate:
-    """Make the estimate of a mission from its prediction."""
     items = _item_times(route, prediction)
     remarks = prediction.remarks
     if route.over_terrain:
@@ -119,7 +118,6 @@ def times_of(mission: Mission, route: Itinerary, prediction: Prediction) -> Esti
 
 
 def _items(seqs: Iterable[int]) -> str:
-    """Format item numbers: `item 3`, or `items 3, 5`."""
     once = dict.fromkeys(seqs)
     return f"item{'s' if len(once) > 1 else ''} {', '.join(map(str, once))}"
 

@@ -20,8 +20,6 @@ from ipoa_mission.wind import CALM, Wind
 
 
 class SlowedByAir(Protocol):
-    """An airframe in moving air."""
-
     def slowing(self, velocity: Points, axes: NDArray[np.float64]) -> Points:
         """Return the deceleration by the air (n, 3) [m/s^2], at velocity (n, 3) [m/s] and axes (n, 3, 3)."""
 
@@ -35,7 +33,7 @@ class Abort:
 
 
 class FlightModel(ABC):
-    """How one autopilot flies a mission in its simulator, with the error measured on recorded flights."""
+    """The interface of an autopilot's flight in its simulator, with the error measured on recorded flights."""
 
     scatter: ClassVar[tuple[float, float, float]]
     """Standard deviations of an item's time about the model's: seconds, share, and seconds of an ending."""
@@ -43,7 +41,7 @@ class FlightModel(ABC):
     """Values of the simulated vehicle that others may change: drag, lag [s], lift_delay, landing_delay [s]."""
 
     is_always_sure: ClassVar[bool] = False
-    """Whether an exact position changes nothing: `sure` has no effect."""
+    """True where `sure` has no effect."""
 
     @abstractmethod
     def predicted(self, route: Itinerary, mission: Mission, wind: Wind, fast: bool | None, sure: bool) -> Prediction:

@@ -1,9 +1,12 @@
 """Compute the mission time that QGroundControl shows, distance over speed, for comparison.
 
-It adds: take-off height over ascent speed; each leg's horizontal great circle over hover speed (DO_CHANGE_SPEED counts
-from the next item); holds of waypoints and delays; for RTL the way home, and the height over descent speed; for a
-structure scan its height as distance. It ignores acceleration, corners, climbs between waypoints, LAND's descent and
-jumps. Version 4.4 has the terms of RTL swapped: this is its master's.
+* Take-off: its height over the ascent speed.
+* Legs: horizontal great circles over the hover speed; DO_CHANGE_SPEED counts from the next item.
+* Holds of waypoints and delays.
+* RTL: the way home, and the height over the descent speed. Version 4.4 has these swapped: this is its master's.
+* Structure scan: its height as distance.
+
+Acceleration, corners, climbs between waypoints, LAND's descent and jumps are ignored.
 """
 
 import math
@@ -25,7 +28,6 @@ DELAYS = frozenset({Command.NAV_WAYPOINT, Command.NAV_DELAY, Command.CONDITION_D
 
 
 def qgroundcontrol_time(mission: Mission) -> float:
-    """Return the time in QGroundControl's plan view [s]."""
     speed = mission.cruise_speed or HOVER_SPEED
     here, height, total = (mission.home.latitude_deg, mission.home.longitude_deg), 0.0, 0.0
     taken_off, scanned = False, dict(mission.scanned)

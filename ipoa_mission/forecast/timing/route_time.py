@@ -38,12 +38,10 @@ class RouteTime:
 
     @cached_property
     def least(self) -> float:
-        """Return the least time of the same path [s]."""
         return math.nan if self.limits is None else min(least_time(self.path, self.limits).seconds, self.seconds)
 
     @property
     def ratio(self) -> float:
-        """Return `seconds` over `least`."""
         return self.seconds / self.least
 
 
@@ -51,14 +49,12 @@ NO_ROUTE = RouteTime(math.nan, np.zeros((0, 3)), None)
 
 
 def kinematics(autopilot: Autopilot, parameters: Parameters, speed: float | None = None) -> Kinematics:
-    """Return the limits that parameters set; `speed` is that of DO_CHANGE_SPEED [m/s]."""
     return autopilot.part(FlightModel).kinematics(parameters, speed)
 
 
 def route_time(
     route: Itinerary, done: Sequence[float] | Vector, track: Track, autopilot: Autopilot, parameters: Parameters
 ) -> RouteTime:
-    """Return the route's time for visits `done` (n,) [s] along `track`."""
     ends = [n for n, visit in enumerate(route.visits) if visit.item.command in WAYPOINTS]
     starts = [n for n, visit in enumerate(route.visits) if visit.item.command in ROUTE_STARTS]
     if not ends or starts[0] == ends[-1]:

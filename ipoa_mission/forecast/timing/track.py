@@ -42,15 +42,12 @@ class Track:
         return cls(times[later], points[later], speeds[later])
 
     def at(self, times: Vector) -> Points:
-        """Return the position at times (m,) [s], (m, 3)."""
         return np.column_stack([np.interp(times, self.times, axis) for axis in self.points.T])
 
     def nearest(self, time: float) -> int:
-        """Return the index of the sample nearest to a time [s]."""
         return int(np.argmin(np.abs(self.times - time)))
 
     def between(self, begin: float, end: float) -> "Track":
-        """Return the samples between two times [s]."""
         first, last = np.searchsorted(self.times, begin, "left"), np.searchsorted(self.times, end, "right")
         taken = slice(first, last)
         return Track(self.times[taken], self.points[taken], self.speeds[taken])

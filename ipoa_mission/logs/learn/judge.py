@@ -45,7 +45,6 @@ def left_out(flights: Sequence[Evidence]) -> tuple[LeftOut, ...]:
 
 
 def timed(flights: Sequence[Evidence], vehicle: LearnedVehicle) -> tuple[LeftOut, ...]:
-    """Forecast each flight by a vehicle that was learned from others."""
     return tuple(_timed(one, vehicle) for one in flights)
 
 

@@ -23,7 +23,6 @@ class LoggedTrack:
     home_altitude: float
 
     def at(self, times: Vector) -> tuple[Vector, Points]:
-        """Return heights (m,) [m] and velocities (m, 3) [m/s] at these times."""
         velocity = np.column_stack([np.interp(times, self.times, axis) for axis in self.velocity.T])
         return np.interp(times, self.times, self.heights), velocity
 

@@ -60,12 +60,10 @@ class PowerSeconds:
         return cls(mean(watts), mean(airspeed), mean(-velocity[:, 2]), mean(heights) > AIRBORNE_HEIGHT)
 
     def some(self, which: NDArray[np.bool_]) -> "PowerSeconds":
-        """Select seconds."""
         return PowerSeconds(self.watts[which], self.airspeed[which], self.climb[which], self.aloft[which])
 
     @property
     def flown(self) -> "PowerSeconds":
-        """Return the seconds aloft."""
         return self.some(self.aloft)
 
 

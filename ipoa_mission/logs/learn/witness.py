@@ -42,7 +42,6 @@ class Witness:
 
 
 def witness_of(flight: LoggedFlight) -> Witness:
-    """Evaluate all measurements of a flight."""
     leaned = hover_w = energy_wh = powers = None
     wind = (0.0, 0.0)
     reasons = {}
