@@ -61,7 +61,7 @@ def landings(forecast: "Forecast") -> Iterator[Landing]:
 
 
 def check_ground(forecast: "Forecast") -> Iterator[Finding]:
-    """Warn about `check_landings`, and about ground at home that differs from home's altitude."""
+    """Warn about ground at home that differs from home's altitude, and about landings."""
     scenario = forecast.world
     at_home = float(scenario.airspace.ground(np.zeros((1, 3)))[0])
     if abs(at_home) > HOME_TOLERANCE:

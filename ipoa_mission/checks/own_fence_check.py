@@ -24,7 +24,7 @@ def breaches(mission: Mission, fence: OwnFence, there: Geodetic) -> tuple[str, .
     """
     law = law_of(mission.autopilot)
     lateral, down, up = (
-        law.beside(EXCEEDING_SHARE),
+        law.lateral(EXCEEDING_SHARE),
         law.lowest.distance(EXCEEDING_SHARE),
         law.highest.distance(EXCEEDING_SHARE),
     )
@@ -52,7 +52,7 @@ def breaches(mission: Mission, fence: OwnFence, there: Geodetic) -> tuple[str, .
 def _beyond(
     mission: Mission, limit: FenceLimit, reached: list[tuple[Leg, float]], where: str, stray: float
 ) -> Iterator[str]:
-    """Report a leg whose flights reach a limit with their deviation `stray` [m]; below 0: a lower limit."""
+    """Report a leg whose flights reach a limit with their deviation [m]; `stray` below 0: a lower limit."""
     sign = math.copysign(1.0, stray)
     leg, value = max(reached, key=lambda one: sign * one[1], default=(None, 0.0))
     if leg is None or sign * (value + stray - limit.value) < 0.0:

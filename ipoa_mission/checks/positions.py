@@ -110,7 +110,7 @@ def _home(mission: Mission) -> Iterator[Finding]:
 
 
 def out_of_range(latitude_deg: float, longitude_deg: float) -> str | None:
-    """Return why a position is none; None if it is one."""
+    """Return why a position is invalid; None if it is valid."""
     if not abs(latitude_deg) <= 90:
         return f"expected a latitude from -90 to 90 degrees, not {latitude_deg:g}"
     if not abs(longitude_deg) <= 180:

@@ -43,6 +43,6 @@ def sound_part(forecast: Forecast, positions: Iterable[Finding]) -> Forecast | N
 
 
 def promise_if_flown(forecast: Forecast) -> "Promise | None":
-    """Return the deviations of its flights; None where no vehicle would fly it, or the flight is unknown."""
+    """Return the promise; None where no vehicle would fly the mission, or its flight is unknown."""
     mission = forecast.given
     return None if refusals(mission) or is_too_long(mission) else forecast.promise_if_known

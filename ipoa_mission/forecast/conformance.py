@@ -215,9 +215,8 @@ class ConformanceMonitor:
         return Deviation(kind, self._visits[self._visit].seq, time, found, allowed, words)
 
     def _width(self, law: DeviationLaw) -> Vector:
-        """Return the deviation bound to the side, down and up in a straight flight (3,) [m]."""
         deviation_bound = deviation_bound_of(law, self._chance)
-        return np.array([law.beside(self._chance), deviation_bound.down, deviation_bound.up])
+        return np.array([law.lateral(self._chance), deviation_bound.down, deviation_bound.up])
 
     def _corridor(self) -> tuple[Vector, Points, Points]:
         """Return times (n,), places (n, 3) and the deviation bound to the side, down and up (n, 3) of the flight."""

@@ -274,7 +274,7 @@ class Contingencies:
         )
 
     def _seen(self, assessments: ContingencySamples, run: range) -> range:
-        """Return the samples of a run, and those before and after it where the vehicle may be instead."""
+        """Return a run extended by the samples where the vehicle may be instead."""
         edges = assessments.times[[run.start, run.stop - 1]]
         early, late = edges + np.array([-1.0, 1.0]) * self._tolerances(edges)
         begin, end = np.searchsorted(assessments.times, early), np.searchsorted(assessments.times, late, side="right")
@@ -283,7 +283,7 @@ class Contingencies:
     def _nearest(
         self, contingency: Contingency, assessments: ContingencySamples, run: range
     ) -> list[tuple[int, Clearance]]:
-        """Return the samples of a run that are nearest to something, with their clearance; one is the minimum."""
+        """Return the samples of a run nearest to something, with their clearance; one is the minimum."""
         spare = assessments.spare[run.start : run.stop]
         inside = np.flatnonzero(spare <= -self.ways.required)  # their depth is not yet known
         few = np.linspace(0, len(inside) - 1, min(len(inside), EXACT_SAMPLES)).astype(int)

@@ -55,11 +55,11 @@ class ContingenciesNow:
         """Return a hold or a landing from a place (3,) [m], at a velocity east and north (2,) [m/s]."""
         forecast, ways = self._endings.forecast, self._endings.ways
         autopilot, parameters = forecast.mission.autopilot, forecast.mission.parameters
-        stand = place.copy()
-        stand[:2] += autopilot.flies_on(contingency) * velocity
-        stand[:2] += autopilot.braking_way(parameters, velocity[None, :], np.zeros((1, 2)), contingency)[0]
-        ground = np.array([stand[0], stand[1], float(ways.roomy.airspace.ground(stand[None, :])[0])])
-        path = np.array([place, stand] if contingency is Contingency.HOLD else [place, stand, ground])
+        stop = place.copy()
+        stop[:2] += autopilot.flies_on(contingency) * velocity
+        stop[:2] += autopilot.braking_way(parameters, velocity[None, :], np.zeros((1, 2)), contingency)[0]
+        ground = np.array([stop[0], stop[1], float(ways.roomy.airspace.ground(stop[None, :])[0])])
+        path = np.array([place, stop] if contingency is Contingency.HOLD else [place, stop, ground])
         near = ways.roomy.airspace.obstacle_clearance(path, within=ways.required + NEAR_DISTANCE)
         grade = Grade.CLEAR if near.distance >= ways.required else Grade.WOULD
         return ContingencyRow(contingency, 0.0, 0.0, grade, near.distance, ways.required, near.what, "here")

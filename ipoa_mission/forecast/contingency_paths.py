@@ -194,12 +194,12 @@ class ContingencyPaths:
         return ContingencySamples.following((self._at(contingency, part) for part in some), len(times))
 
     def _at(self, contingency: Contingency, times: Vector) -> ContingencySamples:
-        places, stands = self.stops(contingency).at(times)
-        ways, taken = np.stack([places, stands], axis=1)[:, None], np.ones((len(times), 1), dtype=bool)
+        places, stops = self.stops(contingency).at(times)
+        ways, taken = np.stack([places, stops], axis=1)[:, None], np.ones((len(times), 1), dtype=bool)
         if contingency is Contingency.LAND:
-            ways = np.concatenate([ways, self._ground_below(stands)[:, None, None]], axis=2)
+            ways = np.concatenate([ways, self._ground_below(stops)[:, None, None]], axis=2)
         elif contingency is Contingency.RTL:
-            ways, taken = self._returns(places, stands, self.stops(contingency).seqs_at(times))
+            ways, taken = self._returns(places, stops, self.stops(contingency).seqs_at(times))
         elif contingency is Contingency.SMART_RTL:
             home = np.broadcast_to(self.forecast.promise.flight.pieces.points[0], (len(times), 1, 1, 3))
             ways = np.concatenate([ways, home], axis=2)
@@ -306,39 +306,39 @@ class ContingencyPaths:
         return len(self._shares) + len(self.routes.off_terrain)
 
     def _returns(
-        self, places: Points, stands: Points, seqs: NDArray[np.intp]
+        self, places: Points, stops: Points, seqs: NDArray[np.intp]
     ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
         """Return all possible paths of returns, to each goal with each start, and whether each is possible.
 
         `seqs` (n,): the items that the vehicle flies to.
         """
-        to_goals, kinds = self.forecast.returns_from(stands), self.routes.kinds
-        back = places - stands
+        to_goals, kinds = self.forecast.returns_from(stops), self.routes.kinds
+        back = places - stops
         back[:, 2] = 0.0
         ways, ups = [], (0.0, *(up for _, _, up in self.rally))
         for way, up in zip(to_goals, ups, strict=True):
             over, beyond, ground = way[:, 1], way[:, 2], self._ground_below(way[:, 2])
             ways += [
-                np.stack([places, stands, stands + share * back, over + share * back, beyond, ground], axis=1)
+                np.stack([places, stops, stops + share * back, over + share * back, beyond, ground], axis=1)
                 for share in self._shares
             ]
-            ways += [self.routes.over_terrain(places, stands, beyond, up, off) for off in self.routes.off_terrain]
+            ways += [self.routes.over_terrain(places, stops, beyond, up, off) for off in self.routes.off_terrain]
         for by, _ in product(kinds, self._shares):
-            ways.append(self.routes.ways(by, np.stack([places, stands, stands, stands], axis=1), seqs))
+            ways.append(self.routes.ways(by, np.stack([places, stops, stops, stops], axis=1), seqs))
         if len({way.shape[1] for way in ways}) > 1:
             ways = [_padded(way, max(other.shape[1] for other in ways)) for way in ways]
-        goals = [self._goals(stand, int(seq)) for stand, seq in zip(stands, seqs, strict=True)]
+        goals = [self._goals(stop, int(seq)) for stop, seq in zip(stops, seqs, strict=True)]
         chosen = np.array([[goal in some for goal in range(len(to_goals) + len(kinds))] for some in goals])
         taken = np.repeat(chosen, self._variants, axis=1)
         if self.routes.surely_over_terrain:
             taken &= np.arange(taken.shape[1]) % self._variants >= len(self._shares)
         return np.stack(ways, axis=1), taken
 
-    def _goals(self, stand: Vector, seq: int) -> set[int]:
+    def _goals(self, stop: Vector, seq: int) -> set[int]:
         """Return the goals of a return from near a place: 0 home, n the rally point n, then those along the mission."""
         if not self.rally and not self.routes.kinds:
             return {0}
-        east, north, up = (float(x) for x in stand)
+        east, north, up = (float(x) for x in stop)
         routes = (self.routes.route((east + e, north + n, up), seq) for e, n in OFFSETS)
         first = len(self.rally) + 1
         return {

@@ -136,7 +136,7 @@ class Budget:
 
     @property
     def refusal(self) -> NotEnoughBattery | None:
-        """Return why the flight is not planned for its energy or, where returns are planned, for that of an RTL."""
+        """Return why the flight is not planned: for its energy, or that of an RTL where returns are planned."""
         if self.shortage is None and self.plans_returns and self.no_return is not None:
             return NotEnoughBattery(f"{self.no_return}", hint=RETURN_HINT, place="battery")
         return self.shortage

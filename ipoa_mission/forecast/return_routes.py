@@ -85,23 +85,21 @@ class ReturnRoutes:
         """Return whether it always follows the ground, and never its return altitude over home."""
         return self._over_terrain is not None and self._over_terrain.surely
 
-    def over_terrain(
-        self, places: Points, stands: Points, beyond: Points, up: float, off: float
-    ) -> NDArray[np.float64]:
-        """Return the paths from places (n, 3) over `stands` straight to beyond, with the ground followed, (n, p, 3).
+    def over_terrain(self, places: Points, stops: Points, beyond: Points, up: float, off: float) -> NDArray[np.float64]:
+        """Return the paths from places (n, 3) over `stops` straight to beyond, with the ground followed, (n, p, 3).
 
         `up`: height of the goal above home; `off`: error of the height over the ground [m]. Each path has the same
         number of legs.
         """
         ground, lower = self.forecast.world.airspace.ground, self.forecast.world.airspace.ground(beyond)
-        under, far = ground(stands), np.hypot(*(beyond - stands)[:, :2].T)
+        under, far = ground(stops), np.hypot(*(beyond - stops)[:, :2].T)
         return_height = partial(self.mission.autopilot.return_height, self.parameters)
-        above = list(map(return_height, (stands[:, 2] - under).tolist(), far.tolist(), (up - lower).tolist()))
+        above = list(map(return_height, (stops[:, 2] - under).tolist(), far.tolist(), (up - lower).tolist()))
         along = np.linspace(0.0, 1.0, FOLLOWING_LEGS + 1)[None, :, None]
-        ways = stands[:, None] + along * (beyond - stands)[:, None]
+        ways = stops[:, None] + along * (beyond - stops)[:, None]
         ways[..., 2] = ground(ways.reshape(-1, 3)).reshape(ways.shape[:2]) + (np.array(above) + off)[:, None]
         down = np.column_stack([beyond[:, :2], np.minimum(lower, ways[:, -1, 2])])
-        return np.concatenate([np.stack([places, stands, stands], axis=1), ways, down[:, None]], axis=1)
+        return np.concatenate([np.stack([places, stops, stops], axis=1), ways, down[:, None]], axis=1)
 
     def _nodes(self, by: ReturnBy, at: Vector, seq: int) -> Iterator[Vector]:
         """Return the places after the climb in order; the last two are over the ground and on it.

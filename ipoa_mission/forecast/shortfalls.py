@@ -106,13 +106,12 @@ def at_another_height(
 
 
 def _merit(found: tuple[Forecast, list[Shortfall]]) -> tuple[float, float]:
-    """Return the shortfalls that no path can avoid, then all."""
     _, left = found
     return sum(one.missing for one in left if one.part >= RETURNS), sum(one.missing for one in left)
 
 
 def _heights(ways: ContingencyPaths, short: list[Shortfall], now: float) -> Iterator[float]:
-    """Return multiples of five meters above the obstacles in the way, and below those overhead."""
+    """Return multiples of 5 m above obstacles in the way, and below those overhead."""
     bodies = {body.name: body.bounds[:, 2] for body in ways.roomy.airspace.obstacles}
     required = ways.required + SAG
     over = [now + one.missing for one in short if one.body == "" and one.part >= CLIMBS]

@@ -15,11 +15,11 @@ STEP_S = 0.2  # between the places at which the flight may be aborted [s]
 
 @dataclass(frozen=True, eq=False)
 class StoppingPoints:
-    """Places (n, 3) at `times` (n,) [s] on the way to items `seqs` (n,), and the stopping points `stands`."""
+    """Places (n, 3) at `times` (n,) [s] on the way to items `seqs` (n,), and the stopping points `stops`."""
 
     times: Vector
     places: Points
-    stands: Points
+    stops: Points
     seqs: NDArray[np.intp]
 
     def seqs_at(self, times: Vector) -> NDArray[np.intp]:
@@ -27,11 +27,11 @@ class StoppingPoints:
 
     def at(self, times: Vector) -> tuple[Points, Points]:
         """Return its place and its stopping point at any times (n,), each (n, 3) [m]."""
-        places, stands = (
+        places, stops = (
             np.column_stack([np.interp(times, self.times, axis) for axis in points.T])
-            for points in (self.places, self.stands)
+            for points in (self.places, self.stops)
         )
-        return places, stands
+        return places, stops
 
 
 def stopping_points_of(
@@ -43,19 +43,19 @@ def stopping_points_of(
     begin, end = flight.way[0] if begin is None else begin, flight.way[1] if end is None else end
     times = np.append(np.arange(begin, end, STEP_S), end)
     then = np.minimum(times + autopilot.flies_on(contingency), end)
-    before, places, stands, after = map(flight.pieces.at, (then - STEP_S, times, then, then + STEP_S))
+    before, places, stops, after = map(flight.pieces.at, (then - STEP_S, times, then, then + STEP_S))
     velocity = (after - before) / (2 * STEP_S)
     speed = np.maximum(np.hypot(*velocity[:, :2].T), STATIONARY_SPEED)
     along = velocity[:, :2] / speed[:, None]
     gains = np.gradient(np.hypot(*velocity[:, :2].T), STEP_S) if len(times) > 1 else np.zeros(1)
-    accel = (after[:, :2] + before[:, :2] - 2 * stands[:, :2]) / STEP_S**2
+    accel = (after[:, :2] + before[:, :2] - 2 * stops[:, :2]) / STEP_S**2
     del before, after  # large for flights of many hours
     accel += along * (gains - (accel * along).sum(axis=1))[:, None]
     if not autopilot.guidance.climb_ends_at_once:  # else it stops its climb by itself, within 0.5 m
         way = autopilot.braking_distance(mission.parameters, np.hypot(*velocity[:, :2].T), gains)
-        stands[:, 2] += velocity[:, 2] * way / speed
-    stands[:, :2] += autopilot.braking_way(mission.parameters, velocity[:, :2], accel, contingency)
+        stops[:, 2] += velocity[:, 2] * way / speed
+    stops[:, :2] += autopilot.braking_way(mission.parameters, velocity[:, :2], accel, contingency)
     seqs = np.array([visit.seq for visit in flight.route.visits])
     return StoppingPoints(
-        times, places, stands, seqs[np.minimum(np.searchsorted(flight.prediction.done, times), len(seqs) - 1)]
+        times, places, stops, seqs[np.minimum(np.searchsorted(flight.prediction.done, times), len(seqs) - 1)]
     )

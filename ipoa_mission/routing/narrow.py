@@ -50,7 +50,7 @@ def expect_wide(scenario: Scenario) -> None:
     chance, law = scenario.safety.chance, law_of(scenario.vehicle.autopilot, scenario.wind.strongest)
     if chance is None or not scenario.airspace.obstacles:
         return
-    if tight_places(scenario, 2 * THINNING_TOLERANCE + law.beside(chance)):
+    if tight_places(scenario, 2 * THINNING_TOLERANCE + law.lateral(chance)):
         return  # round these less is promised
     more = least_reach(law, chance)
     wider = scenario.model_copy(update={"safety_distance": scenario.safety_distance + more})

@@ -54,7 +54,7 @@ class _Draws:
 class Approaches:
     """Pairs of a piece and an obstacle: indices, and lower bounds of their distance, (n,) each [m].
 
-    `aside` is the lateral distance to the outline. `above` is the greater of the distances over the top and under the
+    `lateral` is the lateral distance to the outline. `above` is the greater of the distances over the top and under the
     base. `stretch` widens the law for the piece. `sides` is 2 in a court or a corner of an obstacle, else 1.
     """
 
@@ -62,7 +62,7 @@ class Approaches:
     piece: Numbers
     obstacle: Numbers
     seconds: Vector
-    aside: Vector
+    lateral: Vector
     above: Vector
     is_over: NDArray[np.bool_]
     stretch: Vector
@@ -71,16 +71,16 @@ class Approaches:
     @cached_property
     def distance(self) -> Vector:
         """Return the least distance of the pieces to the obstacles [m]; negative inside."""
-        outside = np.hypot(np.maximum(self.aside, 0.0), np.maximum(self.above, 0.0))
-        return np.asarray(outside + np.minimum(np.maximum(self.aside, self.above), 0.0))
+        outside = np.hypot(np.maximum(self.lateral, 0.0), np.maximum(self.above, 0.0))
+        return np.asarray(outside + np.minimum(np.maximum(self.lateral, self.above), 0.0))
 
     @cached_property
     def facing(self) -> Vector:
         """Return the ratio of the deviation towards the obstacles to that to the side."""
-        return _facing(self.law, self.aside, self.above, self.is_over)
+        return _facing(self.law, self.lateral, self.above, self.is_over)
 
     def of(self, taken: NDArray[np.bool_]) -> "Approaches":
-        columns = ("piece", "obstacle", "seconds", "aside", "above", "is_over", "stretch", "sides")
+        columns = ("piece", "obstacle", "seconds", "lateral", "above", "is_over", "stretch", "sides")
         return replace(self, **{name: getattr(self, name)[taken] for name in columns})
 
     def chance(self, kept: float) -> float:
@@ -107,7 +107,7 @@ class Approaches:
         return np.minimum(self._sideways(kept), self._vertical(kept))
 
     def _sideways(self, kept: Vector | float) -> Vector:
-        level = self.law.level.chance((self.aside - kept) / self.stretch)
+        level = self.law.level.chance((self.lateral - kept) / self.stretch)
         towards = self.law.level.chance((self.distance - kept) / (self.stretch * self.facing))
         return np.minimum(self.sides * np.minimum(level, towards), 1.0)
 
@@ -125,7 +125,7 @@ class Approaches:
         """Return the probability of such a lateral deviation anywhere in a flight, to one of two sides."""
         if self.law.farthest is None:
             return 1.0
-        room = np.maximum(self.aside - kept, (self.distance - kept) / self.facing) / self.stretch
+        room = np.maximum(self.lateral - kept, (self.distance - kept) / self.facing) / self.stretch
         return float(min(2.0 * self.law.farthest.chance(room[~self.by_height]).max(initial=0.0), 1.0))
 
     @cached_property
@@ -144,7 +144,7 @@ class Approaches:
         return _Draws(np.flatnonzero(taken), likeliest, numbers // count)
 
     def kept(self, chance: float) -> float:
-        """Return the clearance [m] that a flight falls short of with at most this chance; infinite without one."""
+        """Return the clearance [m] that a flight falls short of with at most this chance; infinite without pairs."""
         if len(self.piece) == 0:
             return float("inf")
         high = float(self.distance.min())
@@ -167,10 +167,10 @@ def approaches(flown: Pieces, airspace: Airspace, law: DeviationLaw, kept: float
     order = np.argsort(obstacle, kind="stable")
     piece, obstacle = piece[order], obstacle[order]
     passings = [airspace.obstacles[i].passing(a[on], b[on]) for i, on in _by_obstacle(piece, obstacle)]
-    aside, above, below, sides = map(np.concatenate, zip(*passings, strict=True)) if passings else np.zeros((4, 0))
+    lateral, above, below, sides = map(np.concatenate, zip(*passings, strict=True)) if passings else np.zeros((4, 0))
     over = above >= below
     return Approaches(
-        law, piece, obstacle, flown.times[piece], aside, np.maximum(above, below), over, stretch[piece], sides
+        law, piece, obstacle, flown.times[piece], lateral, np.maximum(above, below), over, stretch[piece], sides
     )
 
 
@@ -179,9 +179,9 @@ def _by_obstacle(piece: Numbers, obstacle: Numbers) -> list[tuple[int, Numbers]]
     return list(zip(numbers.tolist(), np.split(piece, first[1:]), strict=True)) if len(numbers) else []
 
 
-def _facing(law: DeviationLaw, aside: Vector, above: Vector, is_over: NDArray[np.bool_]) -> Vector:
+def _facing(law: DeviationLaw, lateral: Vector, above: Vector, is_over: NDArray[np.bool_]) -> Vector:
     down, up = (spread.distance(TYPICAL_CHANCE) / law.level.distance(TYPICAL_CHANCE) for spread in (law.down, law.up))
-    aside, above = np.maximum(aside, 0.0), np.maximum(above, 0.0)
-    length = np.hypot(aside, above)
-    wider = np.hypot(aside, np.where(is_over, down, up) * above)
-    return np.divide(wider, length, out=np.ones(len(aside)), where=length > 0)
+    lateral, above = np.maximum(lateral, 0.0), np.maximum(above, 0.0)
+    length = np.hypot(lateral, above)
+    wider = np.hypot(lateral, np.where(is_over, down, up) * above)
+    return np.divide(wider, length, out=np.ones(len(lateral)), where=length > 0)

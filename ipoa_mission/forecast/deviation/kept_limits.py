@@ -47,7 +47,7 @@ def deviation_bound_of(law: DeviationLaw, chance: float) -> DeviationBound:
     """Return the bound that a straight flight exceeds with at most this probability."""
     heights = (1 - LATERAL_SHARE) * chance
     return DeviationBound(
-        law.beside(LATERAL_SHARE * chance), law.lowest.distance(heights), law.highest.distance(heights)
+        law.lateral(LATERAL_SHARE * chance), law.lowest.distance(heights), law.highest.distance(heights)
     )
 
 

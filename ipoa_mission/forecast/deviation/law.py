@@ -43,7 +43,7 @@ class DeviationLaw:
         """Return the factor of the deviation at lateral accelerations (n,) [m/s^2], (n,)."""
         return np.asarray(1.0 + across / self.turn)
 
-    def beside(self, chance: float) -> float:
+    def lateral(self, chance: float) -> float:
         """Return the lateral deviation [m] that is exceeded with this probability in a few times `memory`."""
         return self.level.distance(chance / INDEPENDENT_SAMPLES)
 

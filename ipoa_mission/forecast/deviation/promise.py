@@ -150,7 +150,7 @@ def _bound(law: DeviationLaw, chance: float | None) -> DeviationBound:
 
 def _tight(scenario: Scenario, law: DeviationLaw) -> tuple[TightPlace, ...]:
     chance = scenario.safety.chance
-    return tight_places(scenario, 2 * THINNING_TOLERANCE + (0.0 if chance is None else law.beside(chance)))
+    return tight_places(scenario, 2 * THINNING_TOLERANCE + (0.0 if chance is None else law.lateral(chance)))
 
 
 def promise_of(flight: "PredictedFlight") -> Promise:
@@ -184,7 +184,7 @@ class PredictedFlight:
         return begin, max(ends[-1] if ends else begin, begin)
 
     def limits(self, chance: float | None) -> Iterator[Kept]:
-        """Return obstacles on the way, before, after and at tight places; ground, ceiling and bounds on the way."""
+        """Return obstacles in all parts of the flight; ground, ceiling and bounds on the way."""
         begin, end = self.way
         last = float(self.pieces.times[-1])
         law = law_of(self.autopilot, self.scenario.wind.strongest)
@@ -205,13 +205,13 @@ class PredictedFlight:
             yield from self._others(self.pieces.part(first, then), _bound(law, chance))
 
     def _above_ground(self, begin: float, end: float) -> list[tuple[float, float]]:
-        """Return the parts of a time [s] without descents to place a payload and climbs from there; at least one."""
+        """Return the parts of a time [s] outside of payload placements; at least one."""
         track, parts = self.prediction.track, list[tuple[float, float]]()
         for done, visit in zip(self.prediction.done, self.route.visits, strict=True):
             if visit.item.command == Command.NAV_PAYLOAD_PLACE and begin < done <= end:
                 over = track.at(np.array([done]))[0, :2]
-                aside = np.hypot(*(track.points[:, :2] - over).T) > PAYLOAD_RADIUS
-                sinks = max(track.times[aside & (track.times < done)].max(initial=begin), begin)
+                is_away = np.hypot(*(track.points[:, :2] - over).T) > PAYLOAD_RADIUS
+                sinks = max(track.times[is_away & (track.times < done)].max(initial=begin), begin)
                 parts += [(begin, float(sinks))] if sinks > begin else []
                 begin = float(done)
         return [*parts, (begin, end)] if end > begin or not parts else parts

@@ -66,7 +66,7 @@ def grown(
 
 
 def _keep_gaps_open(growth: Vector, bodies: tuple[Obstacle, ...], distance: float) -> None:
-    """Limit `growth` in place so that no gap closes that is open with the required distance on both sides."""
+    """Limit `growth` in place so that no gap closes that is wide enough for the required distance."""
     outlines = np.array([body.plan for body in bodies])
     one, other = shapely.STRtree(outlines).query(outlines, "dwithin", 2 * (distance + float(growth.max())))
     pairs = one < other
@@ -93,7 +93,7 @@ def shrunk(bounds: Bounds, fixed: Points, deviation_bound: DeviationBound) -> Bo
 
 
 def _narrower(footprint: Polygon | None, fixed: Points, deviation_bound: DeviationBound) -> Polygon | None:
-    """Return the flight area shrunk by the deviation bound, if it stays in one piece with the given places in it."""
+    """Return the flight area shrunk by the deviation bound, if it stays whole and holds the given places."""
     if footprint is None:
         return None
     shape = footprint.buffered(-deviation_bound.level)

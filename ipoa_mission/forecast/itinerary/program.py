@@ -140,7 +140,6 @@ class Program:
 
     @cached_property
     def _numbers(self) -> list[list[float]]:
-        """Return `places` as lists, which are faster to index."""
         return self.places.tolist()  # type: ignore[no-any-return]
 
     def leaves_open(self, index: int) -> bool:

@@ -36,7 +36,6 @@ class Kinematics:
 
     @property
     def accel_across(self) -> float:
-        """Return the greatest acceleration across the path [m/s^2]."""
         return self.accel if self.across is None else self.across
 
 

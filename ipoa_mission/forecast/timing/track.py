@@ -71,8 +71,8 @@ def thinned(path: Points, stray: float = THINNING_TOLERANCE) -> Points:
     for first in range(0, len(path) - 1, BATCH_SIZE):
         some = slice(first, first + BATCH_SIZE + 1)
         numbers = np.arange(len(path))[some]
-        above, aside = path[some, :2], np.column_stack([traveled[some], path[some, 2]])
-        for view in (above, aside):
+        top_view, side_view = path[some, :2], np.column_stack([traveled[some], path[some, 2]])
+        for view in (top_view, side_view):
             numbered = shapely.linestrings(np.column_stack([view, numbers]))
             few = shapely.simplify(numbered, stray, preserve_topology=False)  # checked by `_folded`
             is_kept[shapely.get_coordinates(few, include_z=True)[:, 2].astype(int)] = True
