@@ -23,7 +23,6 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.autopilot import Autopilot
 
 TAKEOFF_PART, ENDING_PART = "the take-off", "the ending"
-THINNED = DeviationBound(THINNING_TOLERANCE, THINNING_TOLERANCE, THINNING_TOLERANCE)
 PAYLOAD_RADIUS = 0.5  # lateral distance to its place within which a vehicle descends with a payload [m]
 
 
@@ -236,7 +235,10 @@ class PredictedFlight:
 
     def _others(self, part: Pieces, deviation_bound: DeviationBound) -> Iterator[Kept]:
         path = thinned(part.points)
-        nominal = {(c.limit, c.required): c for c in limits_kept(path, self.scenario, THINNED)}
+        nominal = {
+            (c.limit, c.required): c
+            for c in limits_kept(path, self.scenario, DeviationBound(*(THINNING_TOLERANCE,) * 3))
+        }
         for check in limits_kept(path, self.scenario, deviation_bound):
             expected = nominal.get((check.limit, check.required), check).nearest.distance
             found = check.nearest
