@@ -19,7 +19,7 @@ from tools.generate import findings
 PACKAGE = Path(ipoa_mission.__file__).parent
 HOME = Geodetic(47.397742, 8.545594, 488.0)
 OPEN_END = Mission(HOME, (takeoff(HOME, 20.0), waypoint(Geodetic(47.6, 8.545594), 20.0)))
-MAKERS = {"Finding", "error", "warning", "says"}
+MAKERS = {"Finding", "error", "warning", "report"}
 
 
 def codes_given() -> set[str]:
