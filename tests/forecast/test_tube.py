@@ -212,7 +212,7 @@ def test_wind_widens_the_tube_and_chooses_the_route(
     assert times[1] < times[0] < times[2]  # eastwards with a west wind, and against one
     for autopilot, strongest in ((Autopilot.ARDUPILOT, 8), (Autopilot.PX4, 6)):
         assert not_measured(autopilot, strongest) is None
-        words = f"up to {strongest} m/s: what its flights keep in 9 m/s is extrapolated"
+        words = f"up to {strongest} m/s: the clearance in 9 m/s is extrapolated"
         assert words in str(not_measured(autopilot, 9.0))
     assert plan_flight(scenario.in_wind(Wind(5.0, 270.0))).estimate.total_s == flights[1].estimate.total_s
 
