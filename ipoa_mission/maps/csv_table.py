@@ -19,7 +19,7 @@ from ipoa_mission.maps.feature import Corners, Feature, on_earth, read_all
 from ipoa_mission.maps.kinds import uncut
 from ipoa_mission.maps.properties import blank_keys, tags_of, truncated
 
-# First bytes of a file, by suffix.
+# First bytes by suffix.
 BEGINS = {".shp": b"\x00\x00\x27\x0a", ".fgb": b"fgb", ".gpkg": b"SQLite format 3\x00"}
 HEADER, ROW = 100, 8  # of a .shx [bytes]
 MOST_ROWS = 5_000_000
@@ -40,7 +40,7 @@ def read_table(path: Path, around: Around) -> tuple[Feature, ...]:
         _expect_whole(path)
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # GDAL reports repairs as warnings; the result is checked here
+            warnings.simplefilter("ignore")  # GDAL's repairs
             layers = [str(name) for name, kind in pyogrio.list_layers(path) if kind is not None]
             several = len(layers) > 1
             features = [feature for name in layers for feature in _Layer(path, name, pyogrio, several).read(around)]
@@ -54,8 +54,6 @@ def read_table(path: Path, around: Around) -> tuple[Feature, ...]:
 
 
 class _Layer:
-    """One layer of a table, with its transformation to degrees."""
-
     def __init__(self, path: Path, name: str, pyogrio: Any, named: bool) -> None:
         self._path, self._info = path, pyogrio.read_info(path, layer=name)
         self._place = f"{path}: {name}" if named else f"{path}: row"
@@ -68,7 +66,6 @@ class _Layer:
         self._degrees = Transformer.from_crs(CRS.from_user_input(self._info["crs"]), "OGC:CRS84", always_xy=True)
 
     def read(self, around: Around) -> list[Feature]:
-        """Return the wanted features, including rows without a shape."""
         count, box, nulls = self._info["features"], self._box(around), list[Feature]()
         if box is not None and self._path.suffix.lower() != ".fgb":  # a FlatGeobuf with such rows has no index
             column = self._info["geometry_name"].replace('"', '""')
@@ -84,7 +81,7 @@ class _Layer:
         return [*nulls, *(feature for feature, near in zip(features, around.wants(boxes), strict=True) if near)]
 
     def _box(self, around: Around) -> tuple[float, ...] | None:
-        """Return the window in the layer's coordinates; None if everything must be read."""
+        """Return the window in the layer's coordinates; None if all must be read."""
         window, bounds = around.window, self._info["total_bounds"]
         if window is None or bounds is None or window.west < -180.0 or window.east > 180.0:
             return None
@@ -97,13 +94,13 @@ class _Layer:
         return box
 
     def _is_indexed_whole(self, shapes: int) -> bool:
-        """Return whether the layer has a complete spatial index of its `shapes` rows.
+        """Return whether all `shapes` rows are in a spatial index.
 
         Raises:
             BadInput: the file is truncated.
         """
         suffix, count = self._path.suffix.lower(), self._info["features"]
-        if suffix == ".shp":  # an index file may be older than the .shp
+        if suffix == ".shp":  # an index may be older than the .shp
             return not any(self._path.with_suffix(one).exists() for one in (".qix", ".sbn"))
         if suffix == ".gpkg":
             index = f'"rtree_{self._name}_{self._info["geometry_name"]}"'
@@ -134,10 +131,10 @@ class _Layer:
 
 
 def _expect_whole(path: Path) -> None:
-    """Check that a Shapefile has all files, untruncated, with equal numbers of rows.
+    """Check that a Shapefile's files exist, are whole, and have as many rows.
 
     Raises:
-        BadInput: it has not.
+        BadInput: they do not.
     """
     sizes = {}
     for suffix in (".shx", ".dbf"):
@@ -173,5 +170,4 @@ def _feature(place: str, shape: Any, row: dict[str, Any], to_degrees: Transforme
 
 
 def _plain(value: Any) -> Any:
-    """Return a Python scalar for a NumPy one."""
     return value.item() if isinstance(value, np.generic) else value

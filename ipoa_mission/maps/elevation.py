@@ -1,7 +1,7 @@
-"""Read elevation models (GeoTIFF, SRTM .hgt, any GDAL format) as a regular grid in the local frame.
+"""Read elevation models (GeoTIFF, SRTM .hgt, any GDAL format) as a grid in the local frame.
 
-Heights belong to posts, the centers of pixels, with bilinear interpolation between. The local grid samples that surface
-and is then raised so that no post lies above it. Coarse spacing therefore costs room, never safety.
+Heights belong to posts, the centers of pixels, and are bilinear between. The local grid samples them and is raised so
+that no post lies above it: coarse spacing costs room, never safety.
 """
 
 from dataclasses import dataclass
@@ -19,18 +19,18 @@ from ipoa_mission.maps.raster import RasterFile, open_raster
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.terrain import Grid
 
-KNOTS = 33  # coordinates are converted at this many lines each way, and interpolated between
-UPPER_LEVEL = 1000.0  # second altitude of conversion; local coordinates are linear in altitude [m]
+KNOTS = 33  # lattice lines of exact conversion each way
+UPPER_LEVEL = 1000.0  # second altitude of conversion, linear between [m]
 MOST_NODES = 8_000_000
-HOME_TOLERANCE = 10.0  # greatest difference between home's altitude and the model [m]
+HOME_TOLERANCE = 10.0  # [m]
 
 
 @dataclass(frozen=True)
 class ElevationRules:
     """Options for reading an elevation model.
 
-    `heights` None takes the coordinate system's datum, or else mean sea level.
-    `geoid` is the geoid's height above the ellipsoid [m] or a PROJ grid of it. `nodata` marks a missing height.
+    `heights` None: the coordinate system's datum, or mean sea level. `geoid`: its height above the ellipsoid [m] or a
+    PROJ grid. `nodata` marks a missing height.
     """
 
     heights: Literal["amsl", "ellipsoidal"] | None = None
@@ -44,7 +44,7 @@ class ElevationRules:
 def local_grid(
     path: Path, rules: ElevationRules, frame: LocalFrame, lower: tuple[float, float], upper: tuple[float, float]
 ) -> tuple[Grid, tuple[str, ...]]:
-    """Return the ground between the corners `lower` and `upper` (east, north) [m] above home, with remarks.
+    """Return the ground between the corners (east, north) [m] above home, and remarks.
 
     Raises:
         BadInput: the file is invalid or does not cover the area, or rasterio is missing.
@@ -68,10 +68,10 @@ def local_grid(
 
 
 def ground_altitude(path: Path, latitude_deg: float, longitude_deg: float) -> float:
-    """Return the model's height at a place [m above mean sea level].
+    """Return the height at a place [m above mean sea level].
 
     Raises:
-        BadInput: the file is invalid or does not cover the place.
+        BadInput: the file is invalid or does not cover it.
     """
     frame, here = LocalFrame(Geodetic(latitude_deg, longitude_deg)), np.zeros(1)
     with open_raster(path, None) as raster:
@@ -84,7 +84,7 @@ def ground_altitude(path: Path, latitude_deg: float, longitude_deg: float) -> fl
 
 
 def _nodes(lower: tuple[float, float], upper: tuple[float, float], spacing: float) -> tuple[Vector, Vector]:
-    """Return east of the columns and north of the rows [m], from the lower corner to the upper one or just beyond."""
+    """Return east of the columns and north of the rows [m]."""
     columns, rows = (max(int(np.ceil((upper[i] - lower[i]) / spacing - 1e-9)) + 1, 2) for i in (0, 1))
     if columns * rows > MOST_NODES:
         least = spacing * np.sqrt(columns * rows / MOST_NODES)
@@ -98,14 +98,14 @@ def _knots(low: float, high: float) -> Vector:
 
 
 def _pixels(raster: RasterFile, frame: LocalFrame, east: Vector, north: Vector, up: float) -> NDArray[np.float64]:
-    """Return column, row and altitude [m AMSL] of a lattice of places, (3, len(east), len(north))."""
+    """Return column, row and altitude [m AMSL] of a lattice, (3, len(east), len(north))."""
     lattice = np.stack(np.meshgrid(east, north, indexing="ij"), axis=-1).reshape(-1, 2)
     latitude, longitude, altitude = frame.to_geodetic(np.column_stack([lattice, np.full(len(lattice), up)]))
     return np.stack([*raster.pixels(latitude, longitude), altitude]).reshape(3, len(east), len(north))
 
 
 def _posts(raster: RasterFile, frame: LocalFrame, first: "_First", heights: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return east, north, up of every post, (3, rows, columns), linear in height at a fixed place."""
+    """Return east, north, up of every post, (3, rows, columns)."""
     rows, columns = (begin + np.arange(count) for begin, count in zip(first, heights.shape, strict=True))
     knots = [_knots(each[0], each[-1]) for each in (rows, columns)]
     row, column = np.meshgrid(*knots, indexing="ij")
@@ -130,7 +130,7 @@ def _read_off(
 ) -> NDArray[np.float64]:
     """Return the ground above home at the nodes, (rows, columns).
 
-    The place under a node depends slightly on its height.
+    The place under a node depends slightly on its height, hence two passes.
     """
     smooth = scipy.interpolate.RectBivariateSpline
     low, high = ([smooth(*knots, values)(*nodes).T for values in level] for level in pixels)
@@ -145,7 +145,7 @@ def _read_off(
 def _raise_over_posts(
     ground: NDArray[np.float64], posts: NDArray[np.float64], lower: tuple[float, float], spacing: float
 ) -> float:
-    """Raise `ground` in place until no post lies above it; return the greatest raise [m]."""
+    """Raise `ground` in place above all posts; return the greatest raise [m]."""
     east, north, up = posts.reshape(3, -1)
     rows, columns = ground.shape
     x, y = (east - lower[0]) / spacing, (north - lower[1]) / spacing
@@ -163,7 +163,7 @@ def _raise_over_posts(
 
 
 def _post_distance(raster: RasterFile, frame: LocalFrame, area: NDArray[np.float64]) -> float:
-    """Return the shorter distance between neighboring posts at the middle of the area [m]."""
+    """Return the distance of neighboring posts at the middle [m]."""
     column, row = (float(area[i].mean()) for i in (0, 1))
     places = raster.places(np.array([column, column + 1, column]), np.array([row, row, row + 1]))
     here, right, down = frame.to_local(*places, np.full(3, frame.home.altitude))
@@ -173,7 +173,6 @@ def _post_distance(raster: RasterFile, frame: LocalFrame, area: NDArray[np.float
 def _above_sea(
     heights: NDArray[np.float64], raster: RasterFile, first: "_First", rules: ElevationRules
 ) -> tuple[NDArray[np.float64], tuple[str, ...]]:
-    """Return heights above mean sea level, and remarks on the conversion."""
     counted = rules.heights or ("ellipsoidal" if raster.ellipsoidal else "amsl")
     if counted == "amsl" or rules.level_at_home:
         return heights, (f"heights taken as {'above mean sea level' if counted == 'amsl' else 'differences only'}",)
@@ -190,7 +189,7 @@ def _level(
     corners: tuple[tuple[float, float], tuple[float, float]],
     path: Path,
 ) -> tuple[Grid, tuple[str, ...]]:
-    """Return the grid, shifted to 0 at home if asked. Refuse a disagreement with home's altitude."""
+    """Shift the grid to 0 at home if asked, else check home's altitude."""
     if not all(low <= 0 <= high for low, high in zip(*corners, strict=True)):
         return grid, ()
     at_home = float(grid.height(np.zeros((1, 2)))[0])
@@ -205,4 +204,4 @@ def _level(
     return grid, (f"ground at home {at_home:+.2f} m from home's altitude",) if round(at_home, 2) else ()
 
 
-_First = tuple[int, int]  # row and column of the first post read
+_First = tuple[int, int]  # row and column

@@ -15,7 +15,7 @@ from ipoa_mission.unread import Unread
 from ipoa_mission.world.frame import LocalFrame
 
 MOST_NAMED = 3
-# Whether it is certainly no obstacle, file, reason.
+# Certainly no obstacle or not, file, reason.
 Key: TypeAlias = tuple[bool, str, str]
 NOT_UNDERSTOOD, NOT_READ = "map-not-understood", "not-read"
 NONE: Mapping[Key, int] = {}

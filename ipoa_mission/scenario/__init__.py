@@ -1,4 +1,4 @@
-"""Define the scenario file, the only file that a user writes: places, world, vehicle and weights of a flight."""
+"""Define the scenario file, the only file that a user writes."""
 
 from ipoa_mission.scenario.model import Scenario
 from ipoa_mission.scenario.scenario_file import parse_scenario, read_scenario

@@ -1,4 +1,4 @@
-"""Compare a flight's energy, by the airframe and learned figures, with its battery."""
+"""Return a flight's energy and the battery."""
 
 from dataclasses import replace
 
@@ -9,11 +9,11 @@ from ipoa_mission.vehicles.energy.curve import PowerCurve
 from ipoa_mission.vehicles.learned import LearnedVehicle
 from ipoa_mission.wind import CALM, Wind
 
-# Range of actual over predicted energy, nine flights in ten, by an airframe's figures alone. Rotors and drives may be a
-# quarter better or worse than assumed; flights came to 0.75 to 1 times (docs/lab/profiles.md).
+# Range of actual over predicted energy, nine flights in ten, by an airframe's figures. Rotors and drives may be a
+# quarter better or worse; flights came to 0.75 to 1 times (docs/lab/profiles.md).
 BY_AIRFRAME = (0.75, 1.4)
-CURVE_TERMS = ("square", "cube", "climb", "descent")  # power of flying in addition to hover
-# As above, with measured power in hover only.
+CURVE_TERMS = ("square", "cube", "climb", "descent")  # in addition to hover
+# With measured power in hover only.
 BY_HOVER = (0.85, 1.25)
 
 
@@ -25,10 +25,9 @@ def flight_energy(
     learned: LearnedVehicle | None = None,
     wind: Wind = CALM,
 ) -> Consumption | None:
-    """Return the energy of a flown track, as `consumption` does; None without airframe and hover power.
+    """Return the energy of a whole flight, as `consumption` does; None without airframe and hover power.
 
-    The track is the whole flight with take-off, return and landing, as an estimate predicts it. `learned` takes
-    precedence over the scenario's vehicle.
+    `learned` takes precedence over the scenario's vehicle.
     """
     vehicle = None if scenario is None else scenario.vehicle
     learned = learned or (None if vehicle is None else vehicle.learned)
@@ -53,7 +52,7 @@ def flight_energy(
 
 
 def _share(learned: LearnedVehicle | None) -> tuple[float, float]:
-    """Return the range of actual over predicted energy of nine flights in ten."""
+    """Return the range of actual over predicted energy."""
     if learned is None or learned.hover_power is None:
         return BY_AIRFRAME
     ratio = learned.energy_ratio
@@ -61,7 +60,7 @@ def _share(learned: LearnedVehicle | None) -> tuple[float, float]:
 
 
 def curve_of(learned: LearnedVehicle | None) -> PowerCurve | None:
-    """Return the learned power by airspeed and climb; None if it was not learned."""
+    """Return the learned power by airspeed and climb."""
     if learned is None or learned.hover_power is None or learned.airspeed is None:
         return None
     square, cube, climb, descent = (learned.value(f"{name}_power", 0.0) for name in CURVE_TERMS)

@@ -1,4 +1,4 @@
-"""Define cameras that look straight down: the footprint of a photo by the sensor's published figures."""
+"""Define cameras that look straight down."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -34,18 +34,18 @@ class Camera:
     pixels: tuple[int, int]
 
     def footprint(self, height: float) -> tuple[float, float]:
-        """Return the footprint of a photo from a height above level ground, across and along the track [m]."""
+        """Return the footprint of a photo across and along the track [m]."""
         across, along = self.sensor
         return across * height / self.focal_length, along * height / self.focal_length
 
     def height_for(self, gsd_cm: float) -> float:
-        """Return the greatest height above ground at which a pixel covers at most `gsd_cm` [cm]."""
+        """Return the height at which a pixel covers `gsd_cm` on the ground [m]."""
         pitch = max(side / count for side, count in zip(self.sensor, self.pixels, strict=True))
         return gsd_cm / 100 * self.focal_length / pitch
 
 
-# Cameras by name, as QGroundControl lists them (its CameraMetaData) with the makers' published figures. The P1's and
-# the Mavic 3E's figures are from DJI's data sheets, the A6000's from Sony's.
+# As QGroundControl lists them (CameraMetaData), with makers' figures: P1 and Mavic 3E by DJI's data sheets, A6000 by
+# Sony's.
 CAMERAS: Mapping[str, Camera] = {
     camera.name: camera
     for camera in (
@@ -63,7 +63,7 @@ def camera_named(name: str) -> Camera:
     """Return the camera of a name, in any case.
 
     Raises:
-        BadInput: there is none; the message lists the known ones.
+        BadInput: there is none.
     """
     by_letters = {known.casefold(): camera for known, camera in CAMERAS.items()}
     if (found := by_letters.get(name.casefold())) is not None:
@@ -91,7 +91,7 @@ class CameraSection(Section):
 
 
 class _OrName:
-    """Adds a plain name to the schema, in place of the table."""
+    """Adds a plain name to the schema."""
 
     def __get_pydantic_json_schema__(self, core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         return {"anyOf": [{"type": "string"}, handler(core_schema)]}

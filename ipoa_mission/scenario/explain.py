@@ -1,4 +1,4 @@
-"""Explain errors of a scenario: the place, the expected value, the given value."""
+"""Explain errors of a scenario: place, expected value, given value."""
 
 import difflib
 from collections.abc import Mapping, Sequence
@@ -9,11 +9,11 @@ from pydantic import BaseModel, ValidationError
 
 from ipoa_mission.errors import BadInput, MissionError
 
-MOST_EXPLAINED = 20  # errors; explaining a key is slow
+MOST_EXPLAINED = 20  # explaining a key is slow
 
 
 def explained(error: ValidationError, table: Mapping[str, Any], model: type[BaseModel], source: str = "") -> BadInput:
-    """Return all pydantic errors of a table as one error, a line each; `source` is the prefix of each."""
+    """Return pydantic's errors as one, a line each with `source` as prefix."""
     problems = [one for one in error.errors(include_url=False) if not _is_consequence(one)]
     lines = [f"{source}{_explain(problem, table, model)}" for problem in problems[:MOST_EXPLAINED]]
     if len(problems) > MOST_EXPLAINED:
@@ -31,7 +31,7 @@ def explained(error: ValidationError, table: Mapping[str, Any], model: type[Base
 
 _CODES = {"missing": "missing", "union_tag_not_found": "missing", "extra_forbidden": "unknown-key"}
 
-# Expected values, by pydantic's type of error.
+# By pydantic's type of error.
 _EXPECTED = {
     "greater_than": "a number greater than {gt:g}",
     "greater_than_equal": "a number of at least {ge:g}",
@@ -43,7 +43,7 @@ _EXPECTED = {
 
 
 def _explain(problem: Any, table: Mapping[str, Any], model: type[BaseModel]) -> str:
-    """Return a pydantic error in words: `obstacles[0].radius: expected a number greater than 0, not -3`."""
+    """Return a line like `obstacles[0].radius: expected a number greater than 0, not -3`."""
     place, kind, given = _place(problem["loc"], table), problem["type"], problem["input"]
     limits = problem.get("ctx", {})
     match kind:
@@ -84,13 +84,12 @@ def _explain(problem: Any, table: Mapping[str, Any], model: type[BaseModel]) -> 
 
 
 def _is_consequence(problem: Any) -> bool:
-    """Return whether a list is too short only because some entries are invalid, which are reported."""
+    """Return whether a list is too short only since entries are invalid."""
     return bool(problem["type"] == "too_short" and len(problem["input"]) >= problem["ctx"]["min_length"])
 
 
 def _place(location: Sequence[int | str], table: Any) -> str:
-    """Return `obstacles[0].radius` for pydantic's ("obstacles", 0, "sphere", "radius"), which includes a union's tag.
-    Return `obstacles[0].radius` for pydantic's ("obstacles", 0, "sphere", "radius"), which includes a union's tag."""
+    """Return `obstacles[0].radius` for ("obstacles", 0, "sphere", "radius"), without a union's tag."""
     place, here = "", table
     for step in location:
         if isinstance(step, int):
@@ -119,7 +118,7 @@ def _known_keys(location: Sequence[int | str], model: type[BaseModel]) -> list[s
 
 
 def _tables_with(key: str, model: type[BaseModel]) -> list[str]:
-    """Return the other places of a key in a scenario: `in [safety]`, `before all tables`."""
+    """Return places of a key: `in [safety]`, `before all tables`."""
     schema = _schema(model)
     tables = {name: _resolved(one, schema, "") for name, one in schema["properties"].items()}
     before = ["before all tables"] if key in tables and "properties" not in tables[key] else []
@@ -137,13 +136,11 @@ def _resolved(node: Any, schema: Any, tag: str) -> Any:
 
 
 def _or(words: Sequence[str]) -> str:
-    """Return `a, b or c`."""
     *others, last = words
     return f"{', '.join(others)} or {last}" if others else last
 
 
 def lowered(message: str) -> str:
-    """Return a message with a small first letter."""
     return message[:1].lower() + message[1:]
 
 

@@ -1,4 +1,4 @@
-"""Convert geofences drawn by hand to limits of the planned path."""
+"""Convert geofences to limits of the planned path."""
 
 import math
 from collections.abc import Sequence
@@ -13,16 +13,16 @@ from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.obstacles import Obstacle, RoundZone, Zone
 
 HOME = shapely.Point(0.0, 0.0)
-SEGMENTS = 16  # per quarter of an inclusion circle, which is seen from inside
+SEGMENTS = 16  # per quarter circle, seen from inside
 
 
 def allowed_area(fences: Sequence[FenceSection], frame: LocalFrame) -> Any | None:
-    """Return the intersection of all inclusions, a polygon in the local plane; None without any.
+    """Return the intersection of all inclusions in the local plane, or None.
 
     PX4 unites inclusions and ArduPilot intersects them: the intersection satisfies both.
 
     Raises:
-        BadInput: a polygon is invalid, home is outside, or inclusions do not have exactly one common area.
+        BadInput: a polygon is invalid, home is outside, or there is not exactly one common area.
     """
     shapes = [_shape(fence, frame, f"fence[{i}]") for i, fence in enumerate(fences) if fence.inclusion]
     if not shapes:

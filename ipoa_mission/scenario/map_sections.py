@@ -1,4 +1,4 @@
-"""Define sections that name map files: buildings, zones, flight area, elevation model."""
+"""Define sections that name map files."""
 
 from dataclasses import fields
 from pathlib import Path
@@ -21,8 +21,8 @@ class MapFile(Section):
     """A table that names a file of shapes."""
 
     file: Annotated[Path, existing_file("a map")]
-    """A `.geojson`, `.json`, `.geojsonl`, `.ndjson`, `.jsonl`, `.kml`, `.kmz`, `.osm`, `.osm.pbf`, `.parquet`,
-    `.geoparquet`, `.shp`, `.fgb` or `.gpkg` file, relative to the scenario file."""
+    """Path relative to the scenario file. Text formats: `.geojson`, `.json`, `.geojsonl`, `.ndjson`, `.jsonl`, `.kml`,
+    `.kmz`, `.osm`. Binary formats: `.osm.pbf`, `.parquet`, `.geoparquet`, `.shp`, `.fgb`, `.gpkg`."""
 
 
 class BuildingsMap(MapFile):
@@ -51,7 +51,7 @@ class BuildingsMap(MapFile):
     """Height of a wood or orchard without one [m]; 0 excludes them. Default: no flight may be near one."""
 
     def read(self, frame: LocalFrame, within: Box) -> Buildings:
-        """Return obstacles and passed-over features within a box, with remarks on assumptions."""
+        """Return obstacles and passed-over features within a box."""
         rules = BuildingRules(**self.model_dump(include={field.name for field in fields(BuildingRules)}))
         buildings = search_buildings(self.file, rules, frame, within)
         if not (buildings.standing or buildings.elsewhere):
@@ -67,7 +67,7 @@ class ZoneMap(MapFile):
     """`true`: the mission also contains it as a geofence."""
 
     def read(self, frame: LocalFrame, time: float | None) -> Zones:
-        """Return the polygons at a time [s since 1970], passed-over features, and remarks on repairs."""
+        """Return the zones at a time [s since 1970]."""
         return find_zones(read_features(self.file, Around.of(frame)), frame, self.file)
 
 
@@ -126,7 +126,7 @@ class ElevationTerrain(Section):
     def read(
         self, frame: LocalFrame, lower: tuple[float, float], upper: tuple[float, float]
     ) -> tuple[Grid, tuple[str, ...]]:
-        """Return the ground between two corners (east, north) [m] above home, with remarks."""
+        """Return the ground between two corners (east, north) [m] above home, and remarks."""
         from ipoa_mission.maps.elevation import ElevationRules, local_grid  # SciPy's splines are slow to import
 
         rules = ElevationRules(**self.model_dump(include={field.name for field in fields(ElevationRules)}))

@@ -1,6 +1,6 @@
-"""Define the scenario: all tables of the file with their defaults, and its world.
+"""Define the scenario and its world.
 
-The smallest valid scenario has `home`, `start` and `goal`.
+The smallest valid one has `home`, `start` and `goal`.
 """
 
 from collections.abc import Iterable, Mapping
@@ -45,8 +45,8 @@ from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, apart, why_so_far
 from ipoa_mission.world.ground import EARTH_RADIUS, LEVEL, Ground
 
-CIRCUMFERENCE = 40_000_000.0  # circumference of the Earth [m]
-CACHED = ("frame", "survey_area", "_surroundings", "from_starts")  # cached parts of the world
+CIRCUMFERENCE = 40_000_000.0  # of the Earth [m]
+CACHED = ("frame", "survey_area", "_surroundings", "from_starts")
 # Tables that define the world.
 WORLD = {"home", "start", "goal", "via", "bounds", "terrain", "obstacles", "maps", "fence", "survey"}
 
@@ -66,12 +66,11 @@ class RouteSection(Section):
     """`rtl`: return to home and land, after a climb over the goal if needed for clearance. `land`: land at the goal."""
 
 
-# Names valid as a file on every system: no separators, no names reserved by Windows, no leading dot.
+# Valid file names on every system.
 FILE_NAME = r"^[^./\\:*?\"<>|\x00-\x1f\x7f][^/\\:*?\"<>|\x00-\x1f\x7f]*$"
 
 
 def _needs_ends(schema: dict[str, Any]) -> None:
-    """Require either a survey, or start and goal, in the schema."""
     schema["required"] = ["home"]
     schema["anyOf"] = [{"required": ["start", "goal"]}, {"required": ["survey"]}]
 
@@ -159,14 +158,13 @@ class Scenario(Section):
 
         Args:
             table: with the keys of a scenario file.
-            folder: base of the relative paths in it.
+            folder: base of relative paths.
 
         Returns:
             The scenario, with its maps read.
 
         Raises:
-            BadInput: with the place and the expected value, or the map and the place in it.
-            BadInput: a library that reads a map is not installed.
+            BadInput: with the place and the expected value; or a library is missing.
         """
         try:
             scenario = cls.model_validate(dict(table), context={"folder": str(folder)})
@@ -176,14 +174,14 @@ class Scenario(Section):
         return scenario.with_wind_read()
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> "Scenario":
-        """Return a copy with some values replaced, unchecked; it shares the world unless they describe it.
+        """Return a copy with some values replaced, unchecked.
 
         Args:
             update: the new values.
             deep: copy nested values too.
 
         Returns:
-            The copy.
+            The copy; it shares the world unless `update` changes it.
         """
         copied = super().model_copy(update=update, deep=deep)
         if not WORLD & (update or {}).keys():
@@ -197,7 +195,7 @@ class Scenario(Section):
         return copied
 
     def with_wind_read(self) -> "Scenario":
-        """Return the scenario with the wind of its forecast, if it names one.
+        """Return the scenario with the wind of its forecast, if any.
 
         Raises:
             BadInput, MissionError: as `read_wind`.
@@ -214,10 +212,10 @@ class Scenario(Section):
         return self.model_copy(update={"wind": WindSection.of(wind)})
 
     def ignoring(self, codes: Iterable[str]) -> "Scenario":
-        """Return the scenario with these codes of findings ignored, too.
+        """Return the scenario with these findings ignored, too.
 
         Raises:
-            BadInput: a code is unknown, or its finding may mean a crash.
+            BadInput: a code is unknown, or may mean a crash.
         """
         more = tuple(sorted(expect_ignorable(codes) - self.safety.ignored))
         safety = self.safety.model_copy(update={"ignore": (*self.safety.ignore, *more)})
@@ -230,9 +228,9 @@ class Scenario(Section):
         return self.model_copy(update={"vehicle": self.vehicle.flown_by(autopilot)})
 
     def why_elsewhere(self, home: Geodetic) -> BadInput | None:
-        """Return an error if `home` is far from this scenario's home, else None.
+        """Return an error if `home` is far from this scenario's, else None.
 
-        An invalid position is left to the checks of positions.
+        Invalid positions are left to other checks.
         """
         if not (abs(home.latitude_deg) <= 90 and abs(home.longitude_deg) <= 360):
             return None
@@ -246,7 +244,7 @@ class Scenario(Section):
         )
 
     def expect_here(self, home: Geodetic) -> None:
-        """Refuse a mission whose `home` is far from this scenario's.
+        """Refuse a mission whose `home` is far away.
 
         Raises:
             BadInput: with the distance.
@@ -255,12 +253,10 @@ class Scenario(Section):
             raise elsewhere
 
     def read_maps(self) -> None:
-        """Read the maps and build the world now, rather than at first use.
-
+        """Read the maps and build the world now.
 
         Raises:
-            BadInput: with the map file and the place in it, or home is outside.
-            BadInput: a library that reads a map is not installed.
+            BadInput: with the map file and the place in it; or a library is missing.
         """
         _ = self._surroundings
 
@@ -291,7 +287,7 @@ class Scenario(Section):
 
     @cached_property
     def survey_area(self) -> Area | None:
-        """Return the area of the survey; None without one.
+        """Return the area of the survey, or None.
 
         Raises:
             BadInput: the area is invalid.
@@ -300,23 +296,23 @@ class Scenario(Section):
 
     @cached_property
     def from_starts(self) -> "dict[int, Scenario]":
-        """Return the copies seen from the survey's start places; `at_start` fills this cache."""
+        """Return the copies from start places, cached by `at_start`."""
         return {}
 
     @property
     def survey_reach(self) -> Reach:
-        """Return the corners (n, 2) of a survey, and its greatest height above the ground [m]."""
+        """Return a survey's corners (n, 2), and its height above the ground [m]."""
         area = self.survey_area
         return NO_REACH if self.survey is None or area is None else self.survey.reach(area)
 
     @property
     def airspace(self) -> Airspace:
-        """Return bounds, terrain and obstacles in the local frame, those of the maps included."""
+        """Return bounds, terrain and obstacles in the local frame."""
         return self._surroundings.airspace
 
     @property
     def ground(self) -> Ground:
-        """Return the ground above home as an autopilot counts: from its start, on a round Earth."""
+        """Return the ground as an autopilot counts: from its start, on a round Earth."""
         if isinstance(self.terrain, FlatTerrain):
             return LEVEL
         terrain = self.airspace.terrain
@@ -324,45 +320,45 @@ class Scenario(Section):
 
     @property
     def geofence(self) -> tuple[FenceSection, ...]:
-        """Return the geofence of the mission: `fence`, then the flight area and no-fly zones of the maps."""
+        """Return `fence`, then the flight area and no-fly zones of the maps."""
         return self._surroundings.geofence
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Return remarks on assumptions, repairs and omissions: parameters, maps, wind."""
+        """Return remarks on assumptions, repairs and omissions."""
         wind = self.wind.forecast
         more = () if wind is None else (*wind.remarks, *(thing.words for thing in wind.unread))
         return (*self.vehicle.remarks, *self._surroundings.remarks, *more)
 
     @property
     def passed_over(self) -> tuple[PassedOver, ...]:
-        """Return the map features near the flight that may be obstacles, and the first of the others."""
+        """Return map features that may be obstacles, and the first of the others."""
         return self._surroundings.passed_over
 
     @property
     def passed_counts(self) -> tuple[PassedCount, ...]:
-        """Return the numbers of passed-over map features, by file and reason."""
+        """Return the counts of passed-over map features by reason."""
         return self._surroundings.passed_counts
 
     @property
     def unread(self) -> tuple[Unread, ...]:
-        """Return the other unread parts of its files, one of each kind."""
+        """Return other unread parts of its files."""
         wind = self.wind.forecast
         return (*self._surroundings.unread, *(() if wind is None else wind.unread))
 
     @cached_property
     def places(self) -> Points:
-        """Return start, via points and goal in order, (k, 3) [m], without successive repeats."""
+        """Return start, via points and goal, (k, 3) [m], without repeats."""
         return without_repeats(self.start_point, self.via_points, self.goal_point)
 
     @property
     def unix_s(self) -> float | None:
-        """Return the take-off time [s since 1970]; None if unknown."""
+        """Return the take-off time [s since 1970], or None."""
         return None if self.time is None else self.time.timestamp()
 
     @property
     def radius(self) -> float:
-        """Return the radius of the vehicle's hull [m]."""
+        """Return the radius of the hull [m]."""
         return self.vehicle.radius
 
     @cached_property

@@ -1,4 +1,4 @@
-"""Write a first scenario from a few answers or a map: a commented TOML file, ready to plan."""
+"""Write a first scenario, a commented TOML file, from answers or a map."""
 
 import json
 import math
@@ -26,17 +26,16 @@ from ipoa_mission.scenario.scenario_file import parse_scenario
 from ipoa_mission.vehicles.autopilot import registered
 from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, why_so_far
 
-FREE_RADIUS = 12.0  # room around a suggested take-off or goal [m]
-LARGEST_OFFSET = 200.0  # its greatest distance from the middle of the map, along either axis [m]
-CANDIDATE_SPACING = 4.0  # distance between candidate places [m]
+FREE_RADIUS = 12.0  # of a suggested place [m]
+LARGEST_OFFSET = 200.0  # of a suggested place from the middle of the map, along either axis [m]
+CANDIDATE_SPACING = 4.0  # [m]
 
 
 @dataclass(frozen=True)
 class Question:
-    """A question of `new_scenario`: its words, the form of its answer, and its default.
+    """A question of `new_scenario`; `default` None needs an answer.
 
-    `default` None means that an answer is needed. `check` raises BadInput for an invalid answer; its message begins
-    with `key`, the name of the answer in `new_scenario`.
+    `check` raises BadInput, with `key` first in its message.
     """
 
     key: str
@@ -96,7 +95,6 @@ def _one_of(*choices: str) -> Callable[[str, str], str]:
 
 
 AUTOPILOTS = tuple(map(str, registered()))
-# In the order of asking.
 QUESTIONS = (
     Question("home", "Where does the vehicle take off?", "latitude, longitude", None, _place),
     Question("altitude", "How high is the ground there above mean sea level?", "metres", "0", _number),
@@ -117,7 +115,7 @@ QUESTIONS = (
     ),
 )
 
-# Questions on heights that a map leaves open, by the key under [[maps]].
+# By the key under [[maps]].
 HEIGHTS = (
     Question("line_height", "How high are power lines?", "metres, 0: no obstacle, or voltage", "voltage", _height),
     Question("aerialway_height", "How high are cable cars and lifts?", "metres, 0: no obstacle", "40", _height),
@@ -145,7 +143,7 @@ def questions_about(buildings: Path | None) -> tuple[Question, ...]:
 
 
 def taken_heights(answers: Mapping[str, str], buildings: Path | None) -> tuple[str, ...]:
-    """Return in words the defaults taken for heights that a map leaves open."""
+    """Return the defaults for heights that a map leaves open, in words."""
     left = (question for question in questions_about(buildings) if question.key not in answers)
     things = {key: words.split(";")[0].removesuffix(" [m]").removeprefix("of ") for key, words in _COMMENTS.items()}
     return tuple(
@@ -158,7 +156,7 @@ def taken_heights(answers: Mapping[str, str], buildings: Path | None) -> tuple[s
 
 @dataclass
 class _MapContent:
-    """The content of a map: number of features, west, south, east, north [deg], and open heights."""
+    """Number of features, west, south, east, north [deg], and open heights."""
 
     features: int
     box: NDArray[np.float64]
@@ -173,7 +171,6 @@ class _MapContent:
 
 @lru_cache(maxsize=1)
 def _content_of(path: Path) -> _MapContent:
-    """Return the content of a map, cached since it is large and requested several times."""
     content = _MapContent(0, np.full(4, np.nan), set())
 
     def begin() -> Take:
@@ -188,10 +185,9 @@ def _content_of(path: Path) -> _MapContent:
 def new_scenario(
     answers: Mapping[str, str], target: Path, buildings: Path | None = None, elevation: Path | None = None
 ) -> str:
-    """Return the text of a scenario file for `target`; `answers` has keys of `QUESTIONS` and `questions_about` the map.
+    """Return a scenario file for `target`; `answers` by the keys of `QUESTIONS` and `questions_about` the map.
 
-    The text names `buildings` (GeoJSON or KML) and `elevation` (GeoTIFF, .hgt) relative to `target`. Without an answer
-    the elevation model gives home's altitude.
+    Paths are relative to `target`. An elevation model (GeoTIFF, .hgt) can answer home's altitude.
 
     Raises:
         BadInput: an answer is invalid, missing, or of no question.
@@ -240,7 +236,6 @@ def new_scenario(
 
 
 def _height_line(key: str, texts: Mapping[str, str]) -> str:
-    """Return the line of a height that the map leaves open."""
     return (
         f"# {key} = 30.0  # {_COMMENTS[key]}"
         if texts[key] in _DEFAULTS_BY_KIND
@@ -249,16 +244,16 @@ def _height_line(key: str, texts: Mapping[str, str]) -> str:
 
 
 def _parts() -> dict[str, str]:
-    """Return the parts of the template by name: the whole without terrain and maps, and the variants of these."""
+    """Return the template's parts: the whole, and variants of terrain and maps."""
     template = files("ipoa_mission.scenario").joinpath("new.toml.template").read_text(encoding="utf-8")
     return dict(re.findall(r"^%% (\w+)\n(.*?)(?=^%%|\Z)", template, re.MULTILINE | re.DOTALL))
 
 
 def check_goal(answers: Mapping[str, str]) -> None:
-    """Check that home and goal, once both are answered, are near enough for one scenario.
+    """Check that home and goal are near, once both are answered.
 
     Raises:
-        BadInput: they are too far apart, often since latitude and longitude are swapped.
+        BadInput: they are not; often latitude and longitude are swapped.
     """
     if "home" in answers and "goal" in answers:
         home, goal = _place("home", answers["home"]), _place("goal", answers["goal"])
@@ -269,10 +264,10 @@ def check_goal(answers: Mapping[str, str]) -> None:
 
 
 def suggest_answers(buildings: Path | None = None) -> dict[str, str]:
-    """Suggest home and goal in free places among the buildings of a map; nothing without a map.
+    """Suggest home and goal in free places among the buildings of a map.
 
     Raises:
-        BadInput: the map has no buildings, or no free place among them.
+        BadInput: there are no buildings, or no free place.
     """
     if buildings is None:
         return {}
@@ -283,7 +278,7 @@ def suggest_answers(buildings: Path | None = None) -> dict[str, str]:
 
 
 def suggest_altitude(elevation: Path, home: str) -> str:
-    """Return the altitude of the ground at the answered `home` from an elevation model.
+    """Return the altitude of `home` by an elevation model.
 
     Raises:
         BadInput: home is invalid, or outside the model.
@@ -294,7 +289,7 @@ def suggest_altitude(elevation: Path, home: str) -> str:
 
 
 def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return two free places (latitude, longitude), south-west and north-east of the buildings' middle."""
+    """Return places (latitude, longitude) south-west and north-east of the buildings' middle."""
     content = _content_of(path)
     if not content.features:
         raise NothingThere("expected buildings, but it has no features", place=path)
@@ -321,10 +316,10 @@ def _free_places(path: Path) -> tuple[tuple[float, float], tuple[float, float]]:
 
 
 def _quoted(path: Path, target: Path) -> str:
-    """Return a path relative to the scenario at `target`, as a TOML string with slashes."""
+    """Return a relative path as a TOML string with slashes."""
     return json.dumps(Path(os.path.relpath(path, target.parent)).as_posix(), ensure_ascii=False)
 
 
 def _aligned(text: str) -> str:
-    """Align the comments after values in one column."""
+    """Align comments in one column."""
     return re.sub(r"^(\S.*?) {2,}(# .*)$", lambda match: f"{match[1]:<32} {match[2]}", text, flags=re.MULTILINE)

@@ -1,4 +1,4 @@
-"""Convert no-fly zones of maps to obstacles, with their heights over ground and sea within the bounds."""
+"""Convert no-fly zones of maps to obstacles."""
 
 from collections.abc import Sequence
 
@@ -15,9 +15,9 @@ from ipoa_mission.world.obstacles import Obstacle, Zone
 from ipoa_mission.world.polygon import rings_of
 from ipoa_mission.world.terrain import Grid, SeaLevel, Terrain
 
-UNLIMITED_HEIGHT = 10_000.0  # height of an obstacle without a top, above any return [m]
-MARGIN = 100.0  # features farther outside the bounds are dropped [m]
-GROUND_LINES = 33  # lattice lines each way, to sample the ground
+UNLIMITED_HEIGHT = 10_000.0  # above any return [m]
+MARGIN = 100.0  # around the bounds [m]
+GROUND_LINES = 33  # each way
 
 
 def no_fly_prisms(
@@ -27,9 +27,9 @@ def no_fly_prisms(
     terrain: Terrain,
     frame: LocalFrame,
 ) -> tuple[tuple[Obstacle, ...], tuple[Unread, ...]]:
-    """Return the zones as obstacles; a missing lower end is below the bounds, a missing upper end above any flight.
+    """Return the zones as obstacles, beyond the bounds where they have no end.
 
-    A zone whose own limits are below the ground counts as unlimited, and is reported.
+    A zone with limits below the ground counts as unlimited, and is reported.
     """
     prisms, unread = list[Obstacle](), list[Unread]()
     for section, zone in no_fly:
@@ -50,7 +50,6 @@ def no_fly_prisms(
 
 
 def _box_of(zone: MapArea, corners: Box) -> Box:
-    """Return the part of a zone's bounding box within the bounds and their margin."""
     west, south, east, north = shapely.bounds(zone.shape)
     return np.maximum(corners[0] - MARGIN, (west, south)), np.minimum(corners[1] + MARGIN, (east, north))
 
@@ -58,7 +57,7 @@ def _box_of(zone: MapArea, corners: Box) -> Box:
 def _ends(
     section: NoFlyMap, zone: MapArea, corners: Box, terrain: Terrain, frame: LocalFrame
 ) -> tuple[float | None, float | None]:
-    """Return the lower and upper end of a zone above home's plane [m], enclosing its limits within the bounds."""
+    """Return a zone's ends above home's plane [m], enclosing its limits within the bounds."""
     base, top = section.base, section.top
     if zone.lower is None and zone.upper is None:
         return base, top
@@ -76,7 +75,7 @@ def _ends(
 
 
 def _ground_under(terrain: Terrain, box: Box) -> tuple[float, float]:
-    """Return the least and greatest height of the ground in a box; for a grid, over all nodes in and around it."""
+    """Return least and greatest height of the ground in a box; of a grid, at all nodes in and around it."""
     if isinstance(terrain, Grid):
         rows, columns = terrain.heights.shape
         origin = np.array([terrain.east, terrain.north])
@@ -89,17 +88,16 @@ def _ground_under(terrain: Terrain, box: Box) -> tuple[float, float]:
 
 
 def on_lines(terrain: Terrain, box: Box) -> NDArray[np.float64]:
-    """Return heights of the ground on a lattice of places in a box, (n,) [m]."""
+    """Return heights of the ground on a lattice in a box, (n,) [m]."""
     east, north = (np.linspace(box[0][axis], box[1][axis], GROUND_LINES) for axis in (0, 1))
     return terrain.height(np.stack(np.meshgrid(east, north), axis=-1).reshape(-1, 2))
 
 
 def meets(boxes: NDArray[np.float64], box: Box, reach: float) -> NDArray[np.bool_]:
-    """Return which boxes (n, 4) west, south, east, north are within `reach` of a box, (n,)."""
+    """Return which boxes (n, 4) west, south, east, north are within `reach` of a box."""
     boxes = boxes.reshape(-1, 4)
     return np.asarray((boxes[:, :2] <= box[1] + reach).all(axis=1) & (boxes[:, 2:] >= box[0] - reach).all(axis=1))
 
 
 def zone_near(zone: MapArea, corners: Box) -> bool:
-    """Return whether a zone is within `MARGIN` of the bounds."""
     return bool(meets(np.array([shapely.bounds(zone.shape)]), corners, MARGIN)[0])

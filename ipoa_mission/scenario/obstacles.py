@@ -1,6 +1,6 @@
-"""Define obstacles of a scenario file, one section a kind, and build their bodies.
+"""Define obstacles drawn by hand, and build them.
 
-Obstacles on the ground omit their height (`up`, `base`).
+On the ground `up` and `base` are omitted.
 """
 
 from typing import Annotated, Literal, Self, TypeAlias
@@ -123,7 +123,7 @@ ObstacleSection: TypeAlias = Annotated[
 
 
 def _vertical_extent(base: float | None, height: float, ground: Ground, footprint: Points) -> tuple[float, float]:
-    """Return lower and upper end: on a slope, from the lowest ground below to `height` above the highest."""
+    """Return lower and upper end: from the lowest ground to `height` above the highest."""
     if base is not None:
         return base, base + height
     heights = ground(np.vstack([footprint, footprint.mean(axis=0)]))

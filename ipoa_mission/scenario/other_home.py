@@ -1,6 +1,6 @@
-"""Move a scenario's home to a start place of its survey; everything else keeps its place on the Earth.
+"""Move a scenario's home to a start place of its survey.
 
-A flight counts heights and metres from its take-off. Values in metres from home are therefore converted.
+Everything else keeps its place on the Earth, so values in metres from home are converted.
 """
 
 import math
@@ -27,15 +27,15 @@ from ipoa_mission.scenario.survey_section import SurveySection
 from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
 from ipoa_mission.world.terrain import Grid
 
-START_TOLERANCE = 1.0  # a mission whose home is this near to a start place begins there [m]
+START_TOLERANCE = 1.0  # distance of a mission's home from a start place [m]
 Moved = TypeVar("Moved", bound=Section)
 Ring: TypeAlias = tuple[tuple[float, float], ...]
-# Conversion of places (n, 2) [m] from one home to another.
+# Conversion of places (n, 2) [m] between homes.
 Move: TypeAlias = Callable[[Points], Points]
 
 
 def flown_from(scenario: Scenario, home: Geodetic) -> Scenario:
-    """Return the scenario as seen from a mission's home: from the start place there, if there is one."""
+    """Return the scenario from the start place at a mission's home, if there is one."""
     away = _away(scenario, home)
     if not away or min(away) > START_TOLERANCE or apart(home, scenario.frame.home) <= START_TOLERANCE:
         return scenario
@@ -43,24 +43,24 @@ def flown_from(scenario: Scenario, home: Geodetic) -> Scenario:
 
 
 def nearest_start(scenario: Scenario, there: Geodetic) -> Scenario:
-    """Return the scenario with home at the start place nearest to a place; unchanged without start places."""
+    """Return the scenario from the start place nearest to a place."""
     away = _away(scenario, there)
     return at_start(scenario, int(np.argmin(away))) if away else scenario
 
 
 def _away(scenario: Scenario, there: Geodetic) -> list[float]:
-    """Return the distances of a place from the start places [m]."""
+    """Return distances to the start places [m]."""
     starts = () if scenario.survey is None else scenario.survey.starts or ()
     return [apart(there, scenario.frame.geodetic(np.array([*start, 0.0]))) for start in starts]
 
 
 def at_start(scenario: Scenario, n: int) -> Scenario:
-    """Return the scenario with home at start place `n`, on the ground, cached for each world.
+    """Return the scenario from start place `n`, cached for each world.
 
 
     Raises:
         BadInput: no flight may begin there, or the terrain is defined from home only.
-        MissionError: a library that reads a map is not installed.
+        MissionError: a library is missing.
     """
     assert scenario.survey is not None
     assert scenario.survey.starts is not None
@@ -79,8 +79,6 @@ def at_start(scenario: Scenario, n: int) -> Scenario:
 
 
 def between(old: LocalFrame, new: LocalFrame) -> Move:
-    """Return the conversion of places between two frames."""
-
     def moved(places: Points) -> Points:
         if old.home == new.home:
             return places
@@ -91,7 +89,6 @@ def between(old: LocalFrame, new: LocalFrame) -> Move:
 
 
 def _sections_from(scenario: Scenario, n: int) -> dict[str, Any]:
-    """Return the tables of the world, converted to a home at a start place."""
     section, old = scenario.survey, scenario.frame
     assert section is not None
     assert section.starts is not None
@@ -115,7 +112,7 @@ def _sections_from(scenario: Scenario, n: int) -> dict[str, Any]:
 
 
 def _home_at(scenario: Scenario, place: Points) -> HomeSection:
-    """Return the ground at a place, with the resolution of missions."""
+    """Return the ground at a place, rounded as in missions."""
     height = float(scenario.airspace.terrain.height(place[None])[0])
     there = scenario.frame.geodetic(np.append(place, height))
     return HomeSection(
@@ -126,7 +123,6 @@ def _home_at(scenario: Scenario, place: Points) -> HomeSection:
 
 
 def _bounds(scenario: Scenario, new: LocalFrame, rise: float) -> BoundsSection:
-    """Return the bounds of the whole scenario, for every flight."""
     air, (east, north, _) = scenario.airspace.bounds, new.local(scenario.frame.home)
     (west, south, low), (right, back, high) = air.lower, air.upper
     return BoundsSection(
@@ -160,7 +156,7 @@ def _terrain(scenario: Scenario, new: LocalFrame, rise: float, n: int) -> Terrai
 
 
 def _moved(one: Moved, old: LocalFrame, new: LocalFrame) -> Moved:
-    """Return a table with places in degrees, and heights and headings relative to the other home."""
+    """Return a table in degrees, with heights and headings from the other home."""
     changes, at = dict[str, Any](), (0.0, 0.0)
     if isinstance(one, Horizontal):
         at = one.east_north(old)
@@ -207,7 +203,6 @@ def _survey(section: SurveySection, move: Move) -> SurveySection:
 
 
 def _nested(value: Any, move: Move) -> Any:
-    """Return nested lists of [east, north], moved."""
     if value is None:
         return None
     if not isinstance(value[0][0], int | float):

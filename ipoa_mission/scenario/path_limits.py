@@ -1,8 +1,7 @@
-"""Define the limits of a path: distance to obstacles, height above ground, climb angles.
+"""Define the limits of a path.
 
-Start, goal and via points may be lower than the least height above ground, since the vehicle takes off and lands
-vertically. Around such a place the required height is that of the place. The circle is wide enough to climb out at 1 in
-2, or at the climb limit if that is flatter.
+Start, goal and via points may be lower than the least height, since the vehicle takes off and lands vertically. Around
+them the required height is theirs, in a circle to climb out at 1 in 2 or at the climb limit.
 """
 
 from dataclasses import dataclass, replace
@@ -12,14 +11,14 @@ import numpy as np
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.airspace import Airspace
 
-SLACK = 0.01  # tolerance for a low place [m]
+SLACK = 0.01  # of a low place [m]
 CLIMB_OUT = 0.5  # height over distance
-SAME_PLACE_DISTANCE = 1e-3  # places this near are one [m]
+SAME_PLACE_DISTANCE = 1e-3  # [m]
 
 
 @dataclass(frozen=True)
 class LowZone:
-    """A circle in which the required height above ground is `height` [m]."""
+    """A circle with a lower required height above ground [m]."""
 
     east: float
     north: float
@@ -61,9 +60,9 @@ class Limits:
         return required
 
     def tightened(self, above: float, below: float, places: Points, airspace: Airspace) -> "Limits":
-        """Return limits with the least height raised by `above` [m] and the ceiling lowered by `below` [m].
+        """Return limits with the floor raised by `above` [m] and the ceiling lowered by `below` [m].
 
-        The given `places` (k, 3) remain valid. The ceiling is never below the least height.
+        `places` (k, 3) remain valid, and the ceiling is never below the floor.
         """
         least, ceiling = self.height_above_ground + above, self.ceiling_above_ground
         return replace(
@@ -75,7 +74,7 @@ class Limits:
 
 
 def without_repeats(start: Vector, via: Points, goal: Vector) -> Points:
-    """Return start, via points and goal in order, (k, 3), without successive repeats."""
+    """Return start, via points and goal, (k, 3), without successive repeats."""
     stops = [start]
     for place in via:
         if np.linalg.norm(place - stops[-1]) > SAME_PLACE_DISTANCE:
@@ -86,12 +85,12 @@ def without_repeats(start: Vector, via: Points, goal: Vector) -> Points:
 
 
 def place_names(places: Points) -> list[str]:
-    """Return the names of start, via points and goal (k, 3) in a scenario."""
+    """Return the scenario's names of places (k, 3)."""
     return ["start", *(f"via[{n}]" for n in range(len(places) - 2)), "goal"]
 
 
 def low_zones(spots: Points, airspace: Airspace, least: float, angle: float) -> tuple[LowZone, ...]:
-    """Return the circles around places (k, 3) lower than `least` above the ground [m]; `angle` limits the climb."""
+    """Return circles around places (k, 3) lower than `least` [m]; `angle` limits the climb."""
     heights = spots[:, 2] - airspace.ground(spots)
     slope = min(CLIMB_OUT, float(np.tan(min(angle, 1.5))))
     return tuple(

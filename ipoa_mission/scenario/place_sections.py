@@ -1,7 +1,7 @@
-"""Define home, places, terrain, fences and bounds of a scenario, and build them.
+"""Define home, places, terrain, fences and bounds.
 
 Positions are local (`east`, `north`, `up`: metres from home) or geodetic (`latitude_deg`, `longitude_deg`,
-`altitude_amsl`). Things on the ground omit their height (`up`, `altitude_amsl`, `base`).
+`altitude_amsl`). Things on the ground omit their height.
 """
 
 from dataclasses import replace
@@ -18,7 +18,7 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.terrain import Analytic, Flat, Grid, Peak, SeaLevel, Terrain
 
-LEAST_DROP = 0.01  # flat ground with a smaller curvature drop is a plane [m]
+LEAST_DROP = 0.01  # negligible curvature drop [m]
 Ring: TypeAlias = Annotated[tuple[tuple[float, float], ...], Field(min_length=3)]
 
 
@@ -58,13 +58,11 @@ class Horizontal(Section):
         return self
 
     def there(self) -> Geodetic | None:
-        """Return the position on the Earth, if given in degrees."""
         if self.latitude_deg is None or self.longitude_deg is None:
             return None
         return Geodetic(self.latitude_deg, self.longitude_deg)
 
     def east_north(self, frame: LocalFrame) -> tuple[float, float]:
-        """Return the position in the local frame [m]."""
         if self.east is not None and self.north is not None:
             return self.east, self.north
         there = self.there()
@@ -113,7 +111,7 @@ class FlatTerrain(Section):
     """Height of the ground [m above home]."""
 
     def build(self, home: Geodetic, reach: float) -> Terrain:
-        """Build the terrain up to `reach` from home [m]; the Earth's curvature is ignored near home."""
+        """Build the terrain up to `reach` from home [m], flat if the Earth's curvature is negligible."""
         ground = SeaLevel.around(home, self.height, reach)
         return ground if ground.drop > LEAST_DROP else Flat(self.height)
 

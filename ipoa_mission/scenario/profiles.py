@@ -1,10 +1,9 @@
-"""Define profiles: `profile = "rescue"` sets weights and distances. Explicit values take precedence."""
+"""Define profiles of settings; explicit values take precedence."""
 
 from collections.abc import Mapping
 from typing import Any
 
-# The tables and keys that a profile sets; the paper's weights hold without one. Measured in docs/lab/profiles.md: few
-# waypoints, hence few stops, save most time and energy.
+# Measured in docs/lab/profiles.md: few waypoints, hence few stops, save most time and energy.
 PROFILES: Mapping[str, Mapping[str, Any]] = {
     "delivery": {"cost": {"omega": (0.9, 0.05, 0.05)}},
     "rescue": {"safety_distance": 3.0, "cost": {"omega": (0.3, 0.1, 0.6), "d_safe": 15.0}},
@@ -13,7 +12,6 @@ PROFILES: Mapping[str, Mapping[str, Any]] = {
 
 
 def with_profile(table: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a scenario's table with the settings of its profile as defaults."""
     name = table.get("profile")
     return _with_defaults(PROFILES.get(name, {}) if isinstance(name, str) else {}, table)
 

@@ -1,5 +1,3 @@
-"""Define the confidence in the clearance of a scenario's flights."""
-
 from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
@@ -34,10 +32,9 @@ class SafetySection(Section):
 
     @property
     def ignored(self) -> frozenset[str]:
-        """Return the ignored codes as a set."""
         return frozenset(self.ignore)
 
     @property
     def chance(self) -> float | None:
-        """Return the accepted probability of less clearance; None if only the predicted path counts."""
+        """Return the accepted probability of less clearance; None for the predicted path only."""
         return None if self.confidence == "nominal" else 1.0 - self.confidence

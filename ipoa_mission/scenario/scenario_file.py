@@ -15,7 +15,7 @@ from ipoa_mission.scenario.model import Scenario
 LONGEST_KEY = 16  # parts; tomllib is quadratic in their number
 _COMMA = re.compile(r"=\s*([-+]?\d+),(\d+)\s*(?:#.*)?$")  # a decimal comma
 _PART = r"""(?:[\w-]++|"(?:\\.|[^"\\\n])*+"|'[^'\n]*+')"""
-# Tokens of a TOML text: multi-line strings, comments, keys of too many parts, the rest.
+# Tokens: multi-line strings, comments, keys of too many parts, the rest.
 _WORDS = re.compile(
     rf'''"""(?:\\.|[^\\"]|"(?!""))*+(?:"""|\Z)|\'{{3}}(?:[^\']|\'(?!\'\'))*+(?:\'{{3}}|\Z)|\#[^\n]*+|'''
     rf"(?P<long>{_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{LONGEST_KEY}}})|{_PART}",
@@ -27,14 +27,13 @@ def read_scenario(path: str | Path) -> Scenario:
     """Read a scenario from a TOML file, with all its maps.
 
     Args:
-        path: of the file; its name is the default name of the scenario.
+        path: of the file; its name is the default name.
 
     Returns:
         The scenario.
 
     Raises:
-        BadInput: with file, place and expected value, in the scenario or in a map.
-        BadInput: a library that reads a map is not installed.
+        BadInput: with file, place and expected value; or a library is missing.
 
     Example:
         >>> from ipoa_mission import read_scenario
@@ -45,7 +44,7 @@ def read_scenario(path: str | Path) -> Scenario:
 
 
 def read_table(path: Path) -> dict[str, Any]:
-    """Return a scenario's table from its file.
+    """Return a scenario's table.
 
     Raises:
         BadInput: the file cannot be read, or a line is invalid.
@@ -54,7 +53,7 @@ def read_table(path: Path) -> dict[str, Any]:
 
 
 def parse_scenario(text: str, path: Path) -> Scenario:
-    """Return the scenario in a TOML text; `path` gives the folder of its files, and names errors.
+    """Return the scenario in a TOML text; files are relative to `path`.
 
     Raises:
         BadInput, MissionError: as `read_scenario`.
@@ -63,7 +62,7 @@ def parse_scenario(text: str, path: Path) -> Scenario:
 
 
 def scenario_of(table: dict[str, Any], path: Path) -> Scenario:
-    """Return the scenario in a table of `parse_toml`; `path` gives the folder of its files.
+    """Return the scenario in a table; files are relative to `path`.
 
     Raises:
         BadInput, MissionError: as `read_scenario`.
@@ -85,7 +84,7 @@ def parse_toml(text: str, path: Path) -> dict[str, Any]:
     """Parse a TOML text; errors name `path`.
 
     Raises:
-        BadInput: with the line and its error.
+        BadInput: with the line.
     """
     for word in _WORDS.finditer(text):
         if word["long"]:

@@ -1,4 +1,4 @@
-"""Define the base of all scenario tables: no unknown keys, finite values, immutable."""
+"""Define the base of all tables: no unknown keys, finite values, immutable."""
 
 import ast
 import inspect
@@ -18,7 +18,7 @@ class Section(BaseModel):
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        """Add the string after each field as its description; pydantic's own way would slow each import."""
+        """Describe fields by the strings after them; pydantic's own way slows each import."""
         schema = handler(core_schema)
         properties = handler.resolve_ref_schema(schema).get("properties", {})
         for kind in cls.__mro__:
@@ -36,7 +36,6 @@ class Section(BaseModel):
 
 
 def _attribute_docstrings(kind: type) -> Iterator[tuple[str, str]]:
-    """Yield the fields of a class, each with the string after it."""
     (definition,) = ast.parse(dedent(inspect.getsource(kind))).body
     assert isinstance(definition, ast.ClassDef)
     for field, words in pairwise(definition.body):
@@ -53,7 +52,7 @@ def _no_truth(value: Any) -> Any:
 
 
 def existing_file(what: str) -> AfterValidator:
-    """Resolve a path relative to the scenario file; an error for a missing file asks for `what`."""
+    """Resolve a path relative to the scenario file, or report a missing `what`."""
 
     def found(value: Any, info: ValidationInfo) -> Any:
         if not isinstance(value, Path):
@@ -66,7 +65,7 @@ def existing_file(what: str) -> AfterValidator:
     return AfterValidator(found)
 
 
-NUMBER = BeforeValidator(_no_truth)  # listed after the limits, so that the schema keeps them
+NUMBER = BeforeValidator(_no_truth)  # after the limits, so that the schema keeps them
 Positive = Annotated[float, Field(gt=0), NUMBER]
 NotNegative = Annotated[float, Field(ge=0), NUMBER]
 Latitude = Annotated[float, Field(ge=-90, le=90), NUMBER]

@@ -63,5 +63,4 @@ class OptimizerSection(Section):
 
     @property
     def settings(self) -> dict[str, Any]:
-        """Return the settings of the optimizer: all keys except the name."""
         return dict(self.model_extra or {})

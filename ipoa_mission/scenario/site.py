@@ -1,5 +1,3 @@
-"""Define the parts of a scenario that its world depends on."""
-
 from typing import Protocol, TypeAlias
 
 import numpy as np
@@ -10,13 +8,13 @@ from ipoa_mission.scenario.obstacles import ObstacleSection
 from ipoa_mission.scenario.place_sections import BoundsSection, FenceSection, Place, TerrainSection
 from ipoa_mission.world.frame import LocalFrame
 
-# Corners (n, 2) of a survey, and its greatest height above the ground [m]; empty without one.
+# Corners (n, 2), and greatest height above the ground [m], of a survey.
 Reach: TypeAlias = tuple[NDArray[np.float64], float]
 NO_REACH: Reach = (np.zeros((0, 2)), 0.0)
 
 
 class Layout(Protocol):
-    """The parts of a scenario that its world depends on."""
+    """The parts of a scenario that define its world."""
 
     start: Place
     goal: Place
@@ -32,10 +30,10 @@ class Layout(Protocol):
 
     @property
     def unix_s(self) -> float | None:
-        """Return the take-off time [s since 1970]."""
+        """Return seconds since 1970."""
         ...
 
     @property
     def survey_reach(self) -> Reach:
-        """Return the extent of a survey, and its greatest height above the ground."""
+        """Return corners (n, 2), and height above the ground [m]."""
         ...

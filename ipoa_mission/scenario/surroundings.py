@@ -1,7 +1,6 @@
-"""Build a scenario's world: bounds, terrain and obstacles in the local frame, from sections and maps.
+"""Build a scenario's world from its sections and maps.
 
-Maps may extend far beyond the flight. An open side of `bounds` encloses the places, the drawn obstacles, and near map
-features. Features well outside the bounds are dropped.
+Maps may extend far beyond the flight. An open side of `bounds` encloses places, drawn obstacles, and near map features.
 """
 
 from collections import Counter
@@ -33,17 +32,16 @@ from ipoa_mission.world.obstacles import Obstacle
 from ipoa_mission.world.polygon import Polygon, rings_of
 from ipoa_mission.world.terrain import Grid, Terrain
 
-WINDOW_MARGIN = 500.0  # bounds may grow by this much without a second reading of the maps [m]
+WINDOW_MARGIN = 500.0  # growth of the bounds without a second reading [m]
 BEYOND = f"more than {MARGIN:g} m outside the bounds"
 COVER_TOLERANCE = 1e-6  # [m]
 
 
 @dataclass(frozen=True)
 class Surroundings:
-    """A scenario's world, the geofence of its mission, and other content of its maps.
+    """A scenario's world, geofence, and other map content.
 
-    `passed_over` holds near features that may be obstacles, and some others; `passed_counts` counts all. `unread` holds
-    other unread parts. `remarks` describe assumptions, repairs and omissions.
+    `passed_over` holds possible obstacles and some others, `passed_counts` counts all.
     """
 
     airspace: Airspace
@@ -56,7 +54,7 @@ class Surroundings:
 
 @dataclass(frozen=True)
 class _Zones:
-    """The content of zone maps; `remarks` by the number of the map."""
+    """The content of zone maps; `remarks` by map number."""
 
     no_fly: tuple[tuple[NoFlyMap, MapArea], ...]
     area: Any | None
@@ -69,10 +67,8 @@ class _Zones:
 def surroundings_of(scenario: Layout) -> Surroundings:
     """Return the world of a scenario.
 
-
     Raises:
-        BadInput: with the map file and the place in it, or home is outside.
-        BadInput: a library that reads a map is not installed.
+        BadInput: with the map file and the place in it; or a library is missing.
     """
     with many_objects():
         return _surroundings_of(scenario)
@@ -137,9 +133,9 @@ def _read_zones(scenario: Layout) -> _Zones:
 def _read_buildings(
     scenario: Layout, area: Any | None, things: Box, allowed: Any | None
 ) -> tuple[dict[int, Buildings], Box]:
-    """Return the building maps' content near the flight, by map number, and the horizontal bounds.
+    """Return buildings near the flight, by map number, and the horizontal bounds.
 
-    The bounds depend on the buildings. The maps are read for the likely bounds, and again if these grow.
+    The bounds depend on the buildings: maps are read for likely bounds, and again if these grow.
     """
 
     def read(within: Box) -> dict[int, Buildings]:
@@ -162,7 +158,6 @@ def _standing(scenario: Layout, buildings: Mapping[int, Buildings]) -> tuple[tup
 
 
 def _left_out(scenario: Layout, buildings: Mapping[int, Buildings]) -> Counter[Key]:
-    """Return the numbers of passed-over features in addition to those kept, by their key."""
     counts = Counter[Key]()
     for number, found in buildings.items():
         counts.update(found.left_out)
@@ -195,28 +190,27 @@ def _expect_home_allowed(section: NoFlyMap | FlightAreaMap, zones: tuple[MapArea
 
 
 def _places(scenario: Layout) -> NDArray[np.float64]:
-    """Return home, start, goal, via points and survey corners, (n, 2) [m]."""
+    """Return home, places and survey corners, (n, 2) [m]."""
     places = (scenario.start, scenario.goal, *scenario.via)
     corners = scenario.survey_reach[0]
     return np.vstack([(0.0, 0.0), *(place.east_north(scenario.frame) for place in places), corners])
 
 
 def _things(scenario: Layout) -> Box:
-    """Return the bounding box of the places and the drawn obstacles."""
     drawn = [o.build("", scenario.frame, LEVEL) for o in scenario.obstacles]
     things = np.vstack([_places(scenario), *(obstacle.bounds[:, :2] for obstacle in drawn)])
     return things.min(axis=0), things.max(axis=0)
 
 
 def _reach(scenario: Layout) -> float:
-    """Return the distance within which map features extend the bounds [m]."""
+    """Return the distance at which map features extend the bounds [m]."""
     return max(scenario.bounds.margin, float(np.linalg.norm(np.ptp(_places(scenario), axis=0))) / 2)
 
 
 def _horizontal_bounds(
     scenario: Layout, area: Any | None, things: Box, boxes: NDArray[np.float64], allowed: Any | None
 ) -> Box:
-    """Return lower and upper corner (2,) of the bounds, given the boxes (n, 4) of map obstacles."""
+    """Return the corners (2,) of the bounds, given boxes (n, 4) of map obstacles."""
     if area is not None:
         west, south, east, north = shapely.bounds(area)
         least, most = np.array([west, south]), np.array([east, north])
@@ -235,7 +229,7 @@ def _horizontal_bounds(
 
 
 def _boxes(standing: Sequence[tuple[Path, Standing]]) -> NDArray[np.float64]:
-    """Return west, south, east, north of map obstacles, (n, 4)."""
+    """Return west, south, east, north, (n, 4)."""
     shapes = np.array([thing.shape for _, thing in standing], dtype=object)
     reach = np.array([thing.reach for _, thing in standing], float)
     wide = reach != 0.0
@@ -246,7 +240,7 @@ def _boxes(standing: Sequence[tuple[Path, Standing]]) -> NDArray[np.float64]:
 def _near(
     standing: Sequence[tuple[Path, Standing]], no_fly: Sequence[tuple[NoFlyMap, MapArea]], corners: Box
 ) -> tuple[tuple[Standing, ...], tuple[PassedOver, ...]]:
-    """Return the map obstacles near the bounds; the others, and far zones, as passed over."""
+    """Return the obstacles near the bounds, and the rest as passed over."""
     near, beyond = list[Standing](), list[PassedOver]()
     for (file, thing), counts in zip(standing, meets(_boxes(standing), corners, MARGIN).tolist(), strict=True):
         if counts:
@@ -277,7 +271,7 @@ def _terrain(
 
 
 def _expect_cover(grid: Grid, corners: Box) -> None:
-    """Refuse a grid that ends more than half its spacing inside the bounds, since the ground beyond is unknown."""
+    """Refuse a grid that ends more than half its spacing inside the bounds."""
     first = np.array([grid.east, grid.north])
     last = first + grid.spacing * (np.array(grid.heights.shape[::-1]) - 1)
     missing = np.concatenate([first - corners[0], corners[1] - last]) - grid.spacing / 2
@@ -298,7 +292,7 @@ def _drawn(scenario: Layout, terrain: Terrain) -> tuple[Obstacle, ...]:
 
 
 def _up(scenario: Layout, terrain: Terrain, corners: Box, obstacles: tuple[Obstacle, ...]) -> tuple[float, float]:
-    """Return lower and upper bound [m] around ground, places and obstacles inside the bounds."""
+    """Return lower and upper bound [m]."""
     places = (scenario.start, scenario.goal, *scenario.via)
     ends = [0.0, *(place.point(scenario.frame, Ground(terrain))[2] for place in places)]
     ground = on_lines(terrain, corners)
@@ -310,7 +304,6 @@ def _up(scenario: Layout, terrain: Terrain, corners: Box, obstacles: tuple[Obsta
 
 
 def _geofence(maps: _Zones, corners: Box) -> tuple[FenceSection, ...]:
-    """Return the geofence: the flight area, its holes, and the zones without vertical limits."""
     fences = []
     if maps.area is not None and maps.area_fenced:
         outer, holes = rings_of(maps.area)

@@ -1,4 +1,4 @@
-"""Define `[survey]`: an area, the height and density of its lines, the camera; and build the area."""
+"""Define `[survey]`, and build its area."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -22,13 +22,13 @@ from ipoa_mission.survey.area import LEAST_M2, Area
 from ipoa_mission.world.frame import REACH, LocalFrame
 from ipoa_mission.world.union import union_of
 
-BAND = 0.15  # over uneven ground the height may exceed the least one by this share
-DEFAULT_OVERLAP = 0.7  # default with a camera
+BAND = 0.15  # share by which it may fly higher over uneven ground
+DEFAULT_OVERLAP = 0.7
 WORDS = ("best", "crosshatch")
-MITRE_LIMIT = 2.0  # mitre limit of a corridor's corners, in half widths
-SAME_START_DISTANCE = 2.0  # start places this near are one [m]
-USUAL_SPACING, USUAL_HEIGHT = 20.0, 40.0  # defaults if only an area is given [m]
-LOWEST_START = 10.0  # above ground over home, before the survey's height is known [m]
+MITRE_LIMIT = 2.0  # of a corridor, in half widths
+SAME_START_DISTANCE = 2.0  # [m]
+USUAL_SPACING, USUAL_HEIGHT = 20.0, 40.0  # [m]
+LOWEST_START = 10.0  # above ground over home, before the height is known [m]
 
 
 def _an_overlap(share: float) -> float:
@@ -53,7 +53,6 @@ def _nested(value: Any) -> Any:
 
 
 def _depth(value: Any) -> int:
-    """Return the nesting depth of lists, by the first item of each."""
     return 1 + (_depth(value[0]) if value else 0) if isinstance(value, list | tuple) else 0
 
 
@@ -99,8 +98,8 @@ class SurveySection(Section):
     height_above_ground: Positive | None = None
     """Least height above the highest visible ground [m]; over uneven ground up to 15 % higher. Default: by `gsd_cm`."""
     direction_deg: Direction = "best"
-    """Direction of the lines, clockwise from north: `best` is the quickest one; a number; several (one pass each); or
-    `crosshatch`: the best one and the one across."""
+    """Direction of the lines, clockwise from north: a number, or several (one pass each). `best` is the quickest one;
+    `crosshatch` is the best one and the one across."""
     turns_outside: NotNegative = 0.0
     """Greatest distance of turns beyond the area, as commanded [m]."""
     entry: Spot | None = None
@@ -150,12 +149,11 @@ class SurveySection(Section):
 
     @property
     def taken_by(self) -> Camera | None:
-        """Return the camera; None without photos."""
         return None if self.camera is None else self.camera.build()
 
     @property
     def height(self) -> float:
-        """Return the height above the ground, or with `gsd_cm` the greatest one [m]."""
+        """Return the height above the ground, the greatest one with `gsd_cm` [m]."""
         if self.height_above_ground is not None:
             return self.height_above_ground
         camera = self.taken_by
@@ -164,7 +162,7 @@ class SurveySection(Section):
         return camera.height_for(self.gsd_cm)
 
     def reach(self, area: Area) -> Reach:
-        """Return the extent of a survey with turns and start places, and its greatest height above the ground."""
+        """Return the corners (n, 2) with turns and starts, and the greatest height above the ground [m]."""
         corners = shapely.get_coordinates(shapely.box(*area.shape.buffer(self.turns_outside).bounds))
         return np.vstack([corners, *(self.starts or ())]), self.height * (1.0 + BAND)
 
@@ -177,7 +175,7 @@ class SurveySection(Section):
         return camera.footprint(height)[0] * (1.0 - _given(self.side_overlap))
 
     def trigger(self, height: float) -> float | None:
-        """Return the distance between photos at this least height [m]; None without a camera."""
+        """Return the distance between photos at this least height [m], or None."""
         camera = self.taken_by
         return None if camera is None else camera.footprint(height)[1] * (1.0 - _given(self.front_overlap))
 
@@ -196,7 +194,7 @@ class SurveySection(Section):
         return _expect_here(_mapped(self.area, self.width, frame), str(self.area))
 
     def middles(self, frame: LocalFrame) -> tuple[Points, ...]:
-        """Return the center lines of corridors, (n, 2) each; empty for an area."""
+        """Return the center lines of corridors, (n, 2) each."""
         if self.line is not None:
             return (np.array(self.line),)
         if self.width is None or self.area is None:
@@ -206,7 +204,6 @@ class SurveySection(Section):
 
 
 def _expect_here(area: Area, place: str) -> Area:
-    """Return the area if it is near home, else raise BadInput."""
     farthest = float(np.linalg.norm(shapely.get_coordinates(area.shape), axis=1).max())
     if not farthest < REACH:
         words = f"expected an area within {REACH / 1000:g} km of home, not up to {farthest / 1000:.0f} km away"
@@ -255,7 +252,7 @@ def _mapped(path: Path, width: float | None, frame: LocalFrame) -> Area:
 
 
 def _shapes(path: Path, frame: LocalFrame) -> Iterator[tuple[str, Any]]:
-    """Yield polygons, closed lines and lines of a map, each with its place, in the local plane."""
+    """Yield polygons and lines of a map, each with its place, in the local plane."""
     features = read_features(path, Around.of(frame))
     about = MapExtent(frame)
     shapes, near = to_plane([f.shape for f in features], [f.place for f in features], about)
@@ -280,12 +277,10 @@ def _corridor(line: Points, width: float, place: str) -> Any:
 
 
 def with_survey(table: Mapping[str, Any], context: Any) -> dict[str, Any]:
-    """Return a scenario's table with defaults of a survey: begin over home at its height, end there too.
-
-    `start` and `goal` of the table take precedence.
+    """Add defaults of a survey: begin and end over home at its height.
 
     Raises:
-        ValueError: `start` or `goal` contradicts the survey's own start places.
+        ValueError: `start` or `goal` is given, although the survey has start places.
     """
     if not isinstance(table.get("survey"), Mapping | SurveySection):
         return dict(table)

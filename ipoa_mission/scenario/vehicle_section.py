@@ -1,4 +1,4 @@
-"""Define the vehicle of a scenario: autopilot, speeds, airframe and battery."""
+"""Define the vehicle: autopilot, speeds, airframe and battery."""
 
 import math
 from typing import Annotated, Any
@@ -72,7 +72,7 @@ class AirframeSection(Section):
         )
 
 
-COLD, WARM = (-18.0, 0.5), (27.0, 1.0)  # degrees Celsius, and the available share of the capacity there
+COLD, WARM = (-18.0, 0.5), (27.0, 1.0)  # degrees Celsius, and share of the capacity
 
 
 class BatterySection(Section):
@@ -102,7 +102,6 @@ class BatterySection(Section):
         return self
 
     def build(self) -> Battery:
-        """Return the battery at its age and temperature."""
         wh = self.capacity_wh or (self.capacity_mah or 0.0) / 1000.0 * (self.voltage or 0.0)
         warm = 1.0 if self.temperature is None else (min(self.temperature, WARM[0]) - COLD[0]) / (WARM[0] - COLD[0])
         given = COLD[1] + warm * (WARM[1] - COLD[1])
@@ -172,23 +171,21 @@ class VehicleSection(Section):
 
     @property
     def version(self) -> Version | None:
-        """Return the firmware version, if given."""
         return None if self.firmware_version is None else Version.parsed(self.firmware_version)
 
     @property
     def learned(self) -> LearnedVehicle | None:
-        """Return the learned figures of the vehicle, if the command line names a file of them."""
+        """Return the figures learned from flights, if the command line names a file."""
         return self._learned
 
     def learned_as(self, vehicle: LearnedVehicle) -> "VehicleSection":
-        """Return the section with learned figures."""
         copied = self.model_copy()
         copied._learned = vehicle
         return copied
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Return remarks on the parameters if another autopilot than the scenario's flies it."""
+        """Return remarks on converted parameters."""
         return self._remarks
 
     def flown_by(self, autopilot: Autopilot) -> "VehicleSection":
@@ -203,7 +200,7 @@ class VehicleSection(Section):
         return copied
 
     def autopilot_parameters(self) -> Parameters:
-        """Return the parameters that differ from the autopilot's defaults: the speeds above, then `parameters`."""
+        """Return the speeds as parameters, then `parameters`."""
         book = self.autopilot.book
         speeds = ((book.climb, self.climb_speed), (book.descent, self.descent_speed))
         given = {by.name: by.spelled(speed) for by, speed in speeds if speed is not None}

@@ -1,5 +1,3 @@
-"""Define the wind of a scenario: one speed and direction, or a profile by height."""
-
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated
@@ -32,8 +30,8 @@ class WindSection(Section):
     """Direction that it blows from at each of `heights`, clockwise from north."""
     file: Annotated[Path | None, existing_file("a forecast of winds")] = None
     """A weather forecast (NetCDF or GRIB, extra `wind`) in place of all numbers: the wind at home from `time` on. Its
-    deviations over members and hours are the spread. Heights without a CF standard name are taken as those with the
-    stronger wind."""
+    deviations over members and hours are the spread. Without a CF standard name of heights, the datum with the stronger
+    wind counts."""
     spread: NotNegative = 0.0
     """Greatest deviation of the wind, gusts included [m/s]. It counts for the deviation bound and the greatest energy.
     A flight that it would push off its path is refused."""
@@ -64,14 +62,12 @@ class WindSection(Section):
 
     @classmethod
     def of(cls, wind: Wind, forecast: ForecastWind | None = None) -> "WindSection":
-        """Return the section of a wind; `forecast` is its source."""
         section = cls._of(wind)
         section._forecast = forecast
         return section
 
     @property
     def forecast(self) -> ForecastWind | None:
-        """Return the forecast with its remarks and unread parts, if it was read from one."""
         return self._forecast
 
     @classmethod
