@@ -112,8 +112,8 @@ def find_zones(
 
 def _restrictions(tags: Mapping[str, str]) -> set[str]:
     """Read key `restriction` (ED-269), `restrictio` (its shapefiles) or `type` (ED-318)."""
-    said = {tags[key].strip().upper() for key in ("restriction", "restrictio", "type") if key in tags}
-    return {SPELLINGS.get(each, each) for each in said} & NAMED_RESTRICTIONS
+    values = {tags[key].strip().upper() for key in ("restriction", "restrictio", "type") if key in tags}
+    return {SPELLINGS.get(each, each) for each in values} & NAMED_RESTRICTIONS
 
 
 def _not_understood(feature: Feature, limits: ZoneLimits, is_named: bool, path: Path) -> Iterator[Unread]:
@@ -134,14 +134,14 @@ def _above_sea(
     for side, limit in found.items():
         if limit is None or limit.reference != "WGS84":
             continue
-        said = f"{limit.height:g} m WGS84"
+        stated = f"{limit.height:g} m WGS84"
         try:
             geoid, how = undulation(frame.home.latitude_deg, frame.home.longitude_deg, None, path)
-            remarks.append(f"{name}: {side} limit {said} taken less {geoid:.2f} m of geoid ({how})")
+            remarks.append(f"{name}: {side} limit {stated} taken less {geoid:.2f} m of geoid ({how})")
         except BadInput:
             geoid = LOWEST if side == "upper" else HIGHEST
             what = f"geoid under the {side} limit, taken as {geoid:g} m above the ellipsoid, the worst"
-            unknown.append(Unread(path.name, what, name.removeprefix(f"{path}: "), said))
+            unknown.append(Unread(path.name, what, name.removeprefix(f"{path}: "), stated))
         found[side] = VerticalLimit(limit.height - geoid, "AMSL")
     return replace(limits, lower=found["lower"], upper=found["upper"]), unknown
 

@@ -18,9 +18,9 @@ RADIUS_RATIO, LARGEST_RADIUS = 0.2, 10.0  # of a point of unknown kind; ratio to
 class BuildingRules:
     """Rules for features whose tags give no size [m].
 
-    `height_key`: the property with the height. `take`: `all` features not tagged as flat, `tagged` ones only, or None:
-    `all` in a file of buildings only. None is by kind; `line_height` by voltage, `wood_height` reports woods as
-    possible obstacles. A height of 0 means no obstacle.
+    `height_key` is the property with the height. `take`: `all` features not tagged as flat, or `tagged` ones only; None
+    takes `all` in a file with buildings only. Sizes of None depend on the kind, `line_height` on the voltage. Without
+    `wood_height`, woods are possible obstacles. A height of 0 means no obstacle.
     """
 
     default_height: float | None = None

@@ -56,8 +56,8 @@ def vertical_of(path: Path, coordinate: Any) -> Vertical | None:
     standard = attributes.get("standard_name")
     standard = None if standard in ("", "unknown") else standard
     unit = attributes.get("units")
-    said = " ".join(str(each) for each in (name, attributes.get("long_name", ""), unit or "")).lower()
-    by_words = [datum for datum, words in WORDS if words.search(said)]
+    text = " ".join(str(each) for each in (name, attributes.get("long_name", ""), unit or "")).lower()
+    by_words = [datum for datum, words in WORDS if words.search(text)]
     is_axis = AXES.fullmatch(name.lower()) or attributes.get("axis") == "Z" or "positive" in attributes
     if not (standard in STANDARD or (standard is None and (by_words or is_axis)) or attributes.get("axis") == "Z"):
         return Vertical(coordinate, None, Datum.UNKNOWN) if _is_pressure(name, unit, standard) else None

@@ -88,8 +88,8 @@ def _limit(given: Mapping[str, str], side: str, odd: list[Odd]) -> VerticalLimit
         odd.append(Odd(f"reference of {side}Meters, taken as AGL", meters))
         return VerticalLimit(float(meters), "AGL")
     if text or meters:
-        said = " ".join(filter(None, (text or meters, given["uom"], reference)))
-        odd.append(Odd(f"{side} limit, so that the zone has none", said))
+        stated = " ".join(filter(None, (text or meters, given["uom"], reference)))
+        odd.append(Odd(f"{side} limit, so that the zone has none", stated))
     return None
 
 

@@ -54,7 +54,7 @@ def _no_truth(value: Any) -> Any:
 def existing_file(what: str) -> AfterValidator:
     """Resolve a path relative to the scenario file, or report a missing `what`."""
 
-    def found(value: Any, info: ValidationInfo) -> Any:
+    def resolve(value: Any, info: ValidationInfo) -> Any:
         if not isinstance(value, Path):
             return value
         path = Path((info.context or {}).get("folder", ".")) / value
@@ -62,7 +62,7 @@ def existing_file(what: str) -> AfterValidator:
             raise ValueError(f"expected {what}, but there is no file {path}")
         return path
 
-    return AfterValidator(found)
+    return AfterValidator(resolve)
 
 
 NUMBER = BeforeValidator(_no_truth)  # after the limits, so that the schema keeps them
