@@ -60,7 +60,7 @@ class Limits:
         return required
 
     def tightened(self, above: float, below: float, places: Points, airspace: Airspace) -> "Limits":
-        """Return limits with the floor raised by `above` [m] and the ceiling lowered by `below` [m].
+        """Return limits with the floor of an `airspace` raised by `above` [m], its ceiling lowered by `below` [m].
 
         `places` (k, 3) remain valid, and the ceiling is never below the floor.
         """
