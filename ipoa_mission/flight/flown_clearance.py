@@ -14,9 +14,9 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Clearance
 from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
 
-#: A flight that begins farther from the scenario's home belongs to another place [m].
+#: Between the begin of a flight and the scenario's home, to compare them [m].
 MAX_DISTANCE_OF_HOME = 20_000.0
-#: Horizontal distance within which climb and descent count as vertical [m].
+#: Horizontal radius of vertical climb and descent [m].
 COLUMN_RADIUS = 3.0
 
 

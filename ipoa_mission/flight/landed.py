@@ -12,8 +12,8 @@ from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import landing_height, landing_on
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
-MIN_HEIGHT_DIFFERENCE = 1.0  # smallest reported height difference [m]
-RALLY_RADIUS = 10.0  # largest distance of a landing at a rally point [m]
+MIN_HEIGHT_DIFFERENCE = 1.0  # [m]
+RALLY_RADIUS = 10.0  # [m]
 
 
 def landed_at_rally(mission: Mission, record: FlightRecord) -> tuple[str, ...]:

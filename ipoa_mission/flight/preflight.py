@@ -23,7 +23,7 @@ from ipoa_mission.world.frame import Geodetic, apart
 
 MAX_HOME_DISTANCE = 100.0  # [m] over the ground
 MAX_HEIGHT_DIFFERENCE = 5.0  # [m]
-CHARGED_SHARE = 0.95  # a higher battery level counts as fully charged
+CHARGED_SHARE = 0.95  # of a full battery
 log = logging.getLogger(__name__)
 
 

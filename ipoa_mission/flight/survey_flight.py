@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 #: A log of a flight, or a log of several vehicles with the system id of one.
 Flown: TypeAlias = str | Path | tuple[str | Path, int]
-UNSURE_CODE = "battery-unsure"  # code of a finding
+UNSURE_CODE = "battery-unsure"
 log = logging.getLogger(__name__)
 
 

@@ -26,7 +26,7 @@ from ipoa_mission.world.frame import LocalFrame
 #: Items that fly somewhere; the route is between the first and the last of them.
 ROUTE = frozenset({Command.NAV_TAKEOFF, Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME})
 
-#: Larger distances of the arming from the mission's home are reported [m].
+#: [m]
 HOME_RADIUS = 5.0
 
 

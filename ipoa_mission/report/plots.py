@@ -31,7 +31,7 @@ from ipoa_mission.world.airspace import Airspace
 View: TypeAlias = Literal["top", "front"]
 
 WIDTH = 3.5  # of a view [inch]
-MARKERS_PER_PATH = 8  # markers along a path
+MARKERS_PER_PATH = 8
 GROUND = LinearSegmentedColormap.from_list("ground", [palette.LOW_GROUND, palette.HIGH_GROUND])
 ROOFS = LinearSegmentedColormap.from_list("roofs", [palette.LOW_ROOF, palette.HIGH_ROOF])
 STYLE: Mapping[str, Any] = {

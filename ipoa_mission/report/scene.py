@@ -28,8 +28,8 @@ class SceneDetail:
     hoop_corners: int = 12
     cells: int = 64  # of the ground along the longer side
     flat_cells: int = 12  # where it is level
-    tallest: float = 0.55  # a world higher than this share of its width is drawn lower
-    flattest: float = 0.10  # a world lower than this is drawn higher
+    tallest: float = 0.55  # height over width; a higher world is drawn lower
+    flattest: float = 0.10  # a lower world is drawn higher
 
 
 DETAIL = SceneDetail()

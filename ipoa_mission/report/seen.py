@@ -16,7 +16,7 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
 
 SAMPLES = 800
-LANDING_RADIUS = 1.0  # a flight within this distance of its end is landing [m]
+LANDING_RADIUS = 1.0  # [m]
 
 
 @dataclass(frozen=True, eq=False)

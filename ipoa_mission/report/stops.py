@@ -16,7 +16,7 @@ from ipoa_mission.mission.items import Item
 from ipoa_mission.planning.proof import Proof, prove
 
 MOVING = WAYPOINTS | {Command.NAV_TAKEOFF}
-MIN_HEADING_LENGTH = 0.5  # a leg shorter than this over ground has no heading [m]
+MIN_HEADING_LENGTH = 0.5  # of a horizontal leg [m]
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from ipoa_mission.forecast.contingencies import Contingencies, contingencies_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.vehicles.contingency import Contingency
 
-MAX_WAYS = 150  # returns on a page: one for each four seconds of a flight of ten minutes
+MAX_WAYS = 150  # one for each four seconds of ten minutes
 DECIMALS = 2
 
 

@@ -11,7 +11,7 @@ from ipoa_mission.errors import BadInput, InvalidRing, Remedy
 from ipoa_mission.geometry import Points
 
 LEAST_M2 = 1e-3  # a smaller ring has no area
-INSET = 0.02  # inset of lines and ways [m], more than the rounding of a mission's coordinates to 1e-7 degrees
+INSET = 0.02  # of lines and ways [m]; more than the rounding of coordinates to 1e-7 degrees
 ARC = 64  # segments of a quarter circle
 
 

@@ -53,7 +53,7 @@ def assemble_survey(tour: Tour, sight: Sight, scenario: Scenario, growth: Mappin
         items[place + 1 : place + 1] = camera
     added = sum(len(camera) for *_, camera in after)
     gimbal = gimbal_items(scenario, mission)
-    items[1:1] = gimbal  # the gimbal turns while the vehicle flies to the first line
+    items[1:1] = gimbal  # it turns on the way to the first line
     first = max(numbers[corners[begins[0]]], 2) + len(gimbal)
     last = numbers[corners[ends[-1]]] + added + len(gimbal)
     flown = replace(mission, items=tuple(items))

@@ -25,20 +25,20 @@ from ipoa_mission.world.union import union_of
 #: Of the lines, clockwise from north [degrees]. Several: one pass in each. Crosshatch: the best one, then across it.
 Direction: TypeAlias = Literal["best", "crosshatch"] | float | Sequence[float]
 
-MAX_LAID = 20  # directions and shifts whose lines are laid out and ordered
-MAX_LAID_WHOLE = 4  # the same of an area without holes
-MAX_LINES = 800  # maximum number of lines of all of them
-REFINEMENTS = 2  # times that the detours which close gaps are ordered together with the lines
-ASSUMED_SHARE = 0.5  # share of the smallest cost of closing gaps so far that every other pass is assumed to need
+MAX_LAID = 20  # directions and shifts
+MAX_LAID_WHOLE = 4  # for an area without holes
+MAX_LINES = 800  # of all of them
+REFINEMENTS = 2  # that order detours with the lines
+ASSUMED_SHARE = 0.5  # of the smallest cost of closing gaps so far, which each other pass is assumed to need
 GAP_AREA, GAP_OUTLINE = 0.2, 4.0  # [spacing^2], [spacing]: larger gaps get a line before the lines are ordered
 TURN_LEG = 9e3  # [m]
 MAX_DIRECTIONS = 36
 MIN_DIRECTION_DIFFERENCE = 1.0  # directions nearer to each other are one
 SHIFTS = (0.0, -1.0, 1.0, -0.5, 0.5)
-MAX_ROUNDS, MAX_STEPS = 1000, 1e6  # failed rounds, and rounds times squared lines, at most
-INSET_SHARE = 0.25  # share of the coverage budget that the inset of lines may use
-SIMPLIFICATION = 0.03  # of the spacing: how far the kept-out geometry may grow to have fewer corners
-EDGE_INSET, MAX_EDGE_INSET = 0.03, 0.1  # [spacing], [m]: inset that gives the area fewer corners
+MAX_ROUNDS, MAX_STEPS = 1000, 1e6  # failed rounds, and times squared lines
+INSET_SHARE = 0.25  # of the coverage budget
+SIMPLIFICATION = 0.03  # [spacing]: growth of the kept-out geometry
+EDGE_INSET, MAX_EDGE_INSET = 0.03, 0.1  # [spacing], [m]: for an area with fewer corners
 
 
 def quickest_tour(
@@ -243,7 +243,7 @@ class _Survey:
         ways = Ways(ends, self.ways, self.around, self.cost)
         along = np.array([self.cost.seconds(line) for each in lines for line in (each, each[::-1])])
         spots = np.repeat((lines[:, 0] == lines[:, 1]).all(axis=1), 2)
-        along[spots] = self._turn / 2  # the corner there is not known yet
+        along[spots] = self._turn / 2  # corner not known yet
         times = np.zeros((len(ends) + 2, len(ends) + 2))
         times[:-2, :-2] = ways.times
         times[-2, :-2], times[:-2, -2] = (self._reach(ends, place) for place in (begin, end))
@@ -327,7 +327,7 @@ def _where_lines_go(area: Any, kept: Any, visible: Any, spacing: float, past: fl
     The inset must not hide anything visible. Holes get no inset: it takes many more lines.
     """
     outlines = union_of([shapely.Polygon(part.exterior) for part in area.geoms])
-    # The area that the ends of lines miss grows with the cube of the inset.
+    # The area missed by line ends grows with the cube of the inset.
     inset = min(past, (INSET_SHARE * MAX_UNSEEN * spacing**2 * math.sqrt(area.area)) ** (1 / 3))
     whole = area.difference(kept)
     may_hide = visible.difference(whole.buffer(spacing / 2, quad_segs=ARC)).area + MAX_UNSEEN / 10 * area.area

@@ -30,9 +30,9 @@ from ipoa_mission.survey.tour import Sortie, Swath, Tour
 from ipoa_mission.survey.tour_split import fewest_parts, part_of, parts_of_equal_length
 from ipoa_mission.vehicles.energy.consumption import NotEnoughBattery
 
-MAX_EVERY_SUBSET = 3  # up to this many start places, try every subset
-MIN_ONLY_FULL_SET = 10  # from this many start places, try only the full set
-TRIAL_FACTOR = 1.5  # a flight is tried with up to this factor times its estimated number of lines
+MAX_EVERY_SUBSET = 3  # start places of which every subset is tried
+MIN_ONLY_FULL_SET = 10  # start places of which only the full set is tried
+TRIAL_FACTOR = 1.5  # of the estimated number of lines
 IMPOSSIBLE_COST = RouteCost(np.inf, np.inf)
 JUST_OVER_ONE = float(np.nextafter(1.0, 2.0))
 
@@ -85,7 +85,7 @@ class FlightMaker:
     @property
     def max_lines(self) -> int:
         vehicle = self.scenario.vehicle
-        per = 2 if self.sight.trigger is None else 4  # minimum number of items of a line
+        per = 2 if self.sight.trigger is None else 4  # items of a line
         return vehicle.autopilot.firmware(vehicle.version).max_items // per
 
     def _taken(self, part: Sortie) -> Forecast | None:

@@ -15,7 +15,7 @@ from ipoa_mission.survey.survey_lines import union_along
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.world.frame import LocalFrame
 
-END_TOLERANCE = 0.05  # maximum distance between an item and the line's end that it marks [m]
+END_TOLERANCE = 0.05  # between an item and its line's end [m]
 ARC = 16  # segments of a quarter circle
 
 
@@ -65,7 +65,7 @@ def expected_lines(forecast: Forecast, tour: Tour, frame: LocalFrame) -> tuple[T
 def _path(track: Track, begin: float, end: float) -> Any:
     """Return the track in plan between two times [s] as a shapely line."""
     before = max(int(np.searchsorted(track.times, begin, "right")) - 1, 0)
-    near = slice(before, np.searchsorted(track.times, end) + 1)  # the full track of many hours is slow for each line
+    near = slice(before, np.searchsorted(track.times, end) + 1)  # a track of many hours is slow for each line
     first, last = Track(track.times[near], track.points[near], track.speeds[near]).at(np.array([begin, end]))
     places = np.vstack([first, track.between(begin, end).points, last])[:, :2]
     return shapely.simplify(shapely.LineString(places), THINNING_TOLERANCE, preserve_topology=False)

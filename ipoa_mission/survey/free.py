@@ -13,9 +13,9 @@ from ipoa_mission.survey._kernels import DIRECT, NO_WAY, NONE, sights, straight_
 from ipoa_mission.survey.area import INSET
 from ipoa_mission.survey.times import LegTimes
 
-BEND_S = 1.0  # time that a bend adds in the search for the shortest way [s]
-SHARP_ANGLE = np.radians(40.0)  # a sharp corner turns by more
-OUTSIDE_S = 60.0  # time that a way outside the area adds, so that only ways to other parts use it [s]
+BEND_S = 1.0  # added for each bend in the search for the shortest way [s]
+SHARP_ANGLE = np.radians(40.0)
+OUTSIDE_S = 60.0  # added for a way outside the area, so that only ways to other parts use it [s]
 
 
 @dataclass(frozen=True, eq=False)

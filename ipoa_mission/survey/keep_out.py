@@ -19,10 +19,10 @@ from ipoa_mission.world.ground import Ground
 from ipoa_mission.world.obstacles import Obstacle
 from ipoa_mission.world.union import union_of
 
-TIGHT_PLACES = 4.0  # tight places at which the deviation bound holds together
-SPARE = 0.05  # additional margin [m]
-GROUND_SAMPLES = 7  # grid lines each way at which the ground round an obstacle is sampled
-CORNER_SEGMENTS = 16  # segments of a quarter circle round a corner
+TIGHT_PLACES = 4.0  # at which the deviation bound holds together
+SPARE = 0.05  # [m]
+GROUND_SAMPLES = 7  # each way, round an obstacle
+CORNER_SEGMENTS = 16  # of a quarter circle
 SIMPLIFICATION, MAX_SIMPLIFICATION = 0.05, 0.25  # [spacing], [m]: growth of outlines
 
 

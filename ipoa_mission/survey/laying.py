@@ -23,8 +23,8 @@ from ipoa_mission.survey.sight import Sight, sight_of
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Tour
 
-MAX_LINES = 3000  # in one survey: ordering needs memory for the ways between all of them
-MAX_HOURS = 100  # of flight in one survey: planning it takes 1 to 2 GB
+MAX_LINES = 3000  # of one survey: ordering needs memory for the ways between all of them
+MAX_HOURS = 100  # of flight: planning a survey takes 1 to 2 GB
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +145,7 @@ def _expect_lines(area: Area, spacing: float) -> None:
 
 
 def _expect_hours(seen_m2: float, spacing: float, speed: float) -> None:
-    length = seen_m2 / spacing  # minimum length of lines that see all of it
+    length = seen_m2 / spacing  # at least
     if (hours := length / speed / 3600.0) > MAX_HOURS:
         raise BadInput(
             f"expected at most {MAX_HOURS} h of flight, not {hours:.0f} h or more: "

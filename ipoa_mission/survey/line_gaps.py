@@ -14,12 +14,12 @@ from ipoa_mission.survey.survey_lines import ARC, line_over, parts_of, seen_from
 from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.world.union import union_of
 
-MAX_UNSEEN = 7e-4  # share of the area that may stay unseen
+MAX_UNSEEN = 7e-4  # of the area
 MAX_PASSES = 8  # over all remaining gaps
-MIN_SHARE_SEEN = 0.1  # share of a gap that a line must see
-MAX_TRIED_LEGS = 6  # nearest legs tried for a detour
-WHOLE_EDGE_SHARE = 0.6  # share of an edge round a hole; a longer detour along it may take the whole edge
-MIN_SEEN = 1e-3  # of the spacing squared: a way that sees more of a gap has the sensor on
+MIN_SHARE_SEEN = 0.1  # of a gap, by a line
+MAX_TRIED_LEGS = 6  # for a detour
+WHOLE_EDGE_SHARE = 0.6  # of an edge round a hole; a longer detour may take the whole edge
+MIN_SEEN = 1e-3  # [spacing^2]: a way that sees more of a gap has the sensor on
 DISC_SHARE = 0.999  # of half the width, because circles are polygons
 
 
@@ -194,7 +194,7 @@ class Closing:
             np.einsum("ij,ij->i", center - from_, leg) / np.maximum(np.einsum("ij,ij->i", leg, leg), 1e-12), 0, 1
         )
         away = np.linalg.norm(from_ + share[:, None] * leg - center, axis=1)
-        away[np.array(route.is_on, bool)] = np.inf  # lines stay straight, for they see their own strip
+        away[np.array(route.is_on, bool)] = np.inf  # lines stay straight
         order = np.argsort(away, kind="stable")[:MAX_TRIED_LEGS]
         found = [int(n) for n in order if np.isfinite(away[n])]
         return [*found, -1, len(places) - 1]

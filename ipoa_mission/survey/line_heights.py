@@ -13,8 +13,8 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.world.ground import Ground
 
-STEP = 5.0  # maximum distance of ground samples along the path [m]
-GROUND_SAMPLES = 9  # ground samples across the path, and along the photo
+STEP = 5.0  # between ground samples along the path, at most [m]
+GROUND_SAMPLES = 9  # across the path, and along the photo
 TOLERANCE = 0.01  # [m]
 
 

@@ -10,7 +10,7 @@ import shapely
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.union import union_of
 
-MAX_TURN = math.radians(60.0)  # of a corner that replaces others; sharper corners stay
+MAX_TURN = math.radians(60.0)  # of a corner that replaces others
 
 
 def wider(shape: Any, most: float) -> Any:
@@ -53,7 +53,7 @@ def _filled(ring: Points, most: float) -> Points:
     turns = _turns(ring)
     if (turns >= 0.0).all():
         return ring
-    first = int(turns.argmax())  # a corner that stays
+    first = int(turns.argmax())  # this corner stays
     ring, turns = np.roll(ring, -first, axis=0), np.roll(turns, -first)
     kept, n, count = [0], 0, len(ring)
     while n < count:

@@ -23,12 +23,12 @@ from ipoa_mission.survey.tour import Swath, Tour
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from ipoa_mission.world.ground import Ground
 
-SAMPLES_ALONG, SAMPLES_ACROSS = 41, 5  # samples of a photo in the direction of an overlap, and across it
-ITERATIONS = 6  # iterations that find the ground of a sample
-MAX_SINE = math.sin(math.radians(2.0))  # sine of the angle between parallel lines
-SPACING_TOLERANCE = 0.05  # tolerance of the spacing between lines [m]
-NOISE = 0.002  # of a photo: effect of places rounded to 1e-7 degrees on an overlap
-MIN_SEPARATION = 0.1  # of the spacing: nearer lines are one line flown twice
+SAMPLES_ALONG, SAMPLES_ACROSS = 41, 5  # of a photo, in the direction of an overlap
+ITERATIONS = 6  # to find the ground of a sample
+MAX_SINE = math.sin(math.radians(2.0))  # between parallel lines
+SPACING_TOLERANCE = 0.05  # [m]
+NOISE = 0.002  # of a photo, from places rounded to 1e-7 degrees
+MIN_SEPARATION = 0.1  # [spacing]: nearer lines are one line flown twice
 
 
 @dataclass(frozen=True)
@@ -172,7 +172,7 @@ def _neighbors(
     off = line.photos[:, None, :2] - ends[None, :, 0, :2]
     share = (off * legs).sum(axis=2) / lengths**2
     away = ((share[:, :, None] * legs - off) * towards).sum(axis=2)
-    beyond = np.abs(share - np.clip(share, 0.0, 1.0)) * lengths  # photos at its ends also show this far beyond
+    beyond = np.abs(share - np.clip(share, 0.0, 1.0)) * lengths  # also shown by photos at its ends
     is_neighbor = (beyond <= sight.spacing / 2) & (away > MIN_SEPARATION * sight.spacing) & (away < sight.across)
     away = np.where(is_neighbor, away, np.inf)
     one, apart = away.argmin(axis=1), away.min(axis=1)

@@ -18,7 +18,7 @@ from ipoa_mission.world.ground import Ground
 LATERAL_SHARE, MIN_LATERAL, MAX_LATERAL_SHARE = 0.1, 2.0, 0.4  # of a line: [spacings], at least [m], at most [spacings]
 MAX_SLANT = 0.25  # lateral motion per meter along it
 MIN_HEIGHT = 0.9  # of the requested height
-MAX_REST = 5.0  # maximum rest of a line that counts as flown [m], and at most a quarter of the spacing
+MAX_REST = 5.0  # unflown length that counts as flown [m], at most a quarter of the spacing
 MIN_LENGTH = 0.01  # [m]
 
 WayBetween = Callable[[Points, Points], Points]
@@ -75,16 +75,16 @@ class _Run:
 
 def _in_order(tour: Tour, path: Points, sight: Sight, ground: Ground) -> list[_Run]:
     """Return the longest part of a path's runs in which lines follow in order."""
-    chains = dict[int, list[_Run]]()  # the longest one so far that ends on each line
+    chains = dict[int, list[_Run]]()  # the longest that ends on each line
     for run in sorted(_runs(tour, path, sight, ground), key=lambda run: run.at):
         before = [chains.get(run.line, [])]
         for line in range(run.line - 1, -1, -1):
             before.append(chains.get(line, []))
-            if tour.swaths[line].length >= sight.spacing:  # a shorter one hardly shows in a path
+            if tour.swaths[line].length >= sight.spacing:  # shorter ones hardly show in a path
                 break
         chains[run.line] = [*max(before, key=_length), run]
     chain = max(chains.values(), key=_length, default=[])
-    turn = sight.spacing / 2  # distance by which a corner may be cut
+    turn = sight.spacing / 2  # length by which a corner may be cut
     last = chain[-1].line if chain else 0
     runs = [
         replace(

@@ -12,10 +12,10 @@ from ipoa_mission.scenario.survey_section import BAND, SurveySection
 from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.tour import Tour
 
-FLAT_RANGE = 0.05  # ground with a smaller height range is flat [m]
-GROUND_SAMPLES = 40  # grid lines each way at which the ground is sampled
+FLAT_RANGE = 0.05  # of the heights of level ground [m]
+GROUND_SAMPLES = 40  # each way
 MIN_TRIGGER = 0.1  # [m]
-MIN_DISTANCE = 0.5  # smaller distances between lines or photos are refused [m]
+MIN_DISTANCE = 0.5  # between lines or photos [m]
 SPACING = ("survey", "line_spacing")
 
 

@@ -15,9 +15,9 @@ from ipoa_mission.survey.times import LegTimes
 from ipoa_mission.survey.tour import Sortie, Swath, Tour
 from ipoa_mission.survey.tour_split import fewest_parts, first_cut, part_of
 
-MAX_ESTIMATED_SHARE = 1.1  # of the battery or of the best time: flights estimated above are not tried
-ACCEPTED_RATIO = 1.002  # of the estimated minimum time: flights up to this are accepted
-MIN_AREA = 1e-3  # of the spacing squared [m^2]; smaller pieces are dropped
+MAX_ESTIMATED_SHARE = 1.1  # of the battery or the best time; longer flights are not tried
+ACCEPTED_RATIO = 1.002  # of the estimated minimum time
+MIN_AREA = 1e-3  # [spacing^2]
 
 
 class RouteCost(NamedTuple):

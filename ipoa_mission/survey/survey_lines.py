@@ -11,10 +11,10 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.union import union_of
 
 MIN_PIECE = 0.25  # of the spacing; shorter pieces are left to the detours that close gaps
-ARC = 8  # segments of a quarter circle round the seen area
-COUNT_TOLERANCE = 1e-6  # tolerance of the number of lines [spacings]
+ARC = 8  # segments of a quarter circle
+COUNT_TOLERANCE = 1e-6  # [spacings]
 SEAM_WIDTH = 1e-4  # [m]
-POSITIONS = 5  # positions tried for an extra line
+POSITIONS = 5  # tried for an extra line
 
 
 @dataclass(frozen=True)

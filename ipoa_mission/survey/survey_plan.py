@@ -35,10 +35,10 @@ from ipoa_mission.survey.tour import Sortie, Tour
 
 log = logging.getLogger(__name__)
 
-ROUNDS = 8  # attempts with more clearance at each speed
-MIN_SLACK = 0.25  # obstacles with less slack get more clearance, too [m]
+ROUNDS = 8  # with more clearance, at each speed
+MIN_SLACK = 0.25  # smaller slack gets more clearance, too [m]
 SPEEDS = (1.0, 0.7, 0.5)  # times the cruise speed
-GROWTH_FACTOR, GROWTH_MARGIN = 1.15, 0.05  # factor of the missing clearance, and constant addition [m]
+GROWTH_FACTOR, GROWTH_MARGIN = 1.15, 0.05  # of the missing clearance; constant [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,7 +214,7 @@ def _checked(parts: Sequence[Sortie], forecasts: Sequence[Forecast]) -> tuple[Su
     flights = list[SurveyFlight]()
     for part, forecast in zip(parts, map(returning, forecasts), strict=True):
         findings = refuse_errors(check(forecast))
-        forecast.drop(ContingencyPaths)  # large for flights of many hours
+        forecast.drop(ContingencyPaths)  # large after many hours
         if (short := shortage_of(forecast)) is not None:
             raise short
         flights.append(SurveyFlight(part.tour, forecast, findings, part.start))

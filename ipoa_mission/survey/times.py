@@ -23,12 +23,12 @@ from ipoa_mission.survey.clock import Clock
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
-RIGHT_ANGLE = 4  # index of the right angle
+RIGHT_ANGLE = 4  # index in ANGLES
 ANGLES = np.radians(90.0 / RIGHT_ANGLE * np.arange(2 * RIGHT_ANGLE + 1))
-SHORT_LEGS_S = np.array([0.3, 1.0, 10 / 3])  # times at speed of the legs between two corners
-RATIO = 10 / 3  # ratio of successive lengths
-LONG_LEG = 10.0  # length of a long leg, in lengths of accelerating and braking
-BEARINGS = 8  # in which legs are flown in wind
+SHORT_LEGS_S = np.array([0.3, 1.0, 10 / 3])  # times at speed
+RATIO = 10 / 3  # of successive lengths
+LONG_LEG = 10.0  # in lengths of accelerating and braking
+BEARINGS = 8  # of legs in wind
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +111,7 @@ def _corners(
     All stretches are flown in one mission.
     """
     first, last = stretches[0][0], stretches[-1][-1]
-    lead = [first] * 3  # reaches the speed before the first stretch
+    lead = [first] * 3  # to reach the speed
     path = _polyline(*np.array([*lead, *chain(*stretches), last]).T)
     ends = len(lead) + np.cumsum([0, *map(len, stretches)])  # in the middle of long legs
     corners = np.delete(path, ends, axis=0)

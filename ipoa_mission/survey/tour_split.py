@@ -10,7 +10,7 @@ from ipoa_mission.routing.battery_split import most
 from ipoa_mission.survey.tour import Swath, Tour
 
 MAX_PIECES = 64  # of one line
-HALVINGS = 60  # bisection steps for the length of the longest flight
+HALVINGS = 60  # for the length of the longest flight
 
 Fits = Callable[[Tour], bool]
 
@@ -79,7 +79,7 @@ def parts_of_equal_length(tour: Tour, count: int) -> tuple[Tour, ...]:
         while found[-1] < total and len(found) <= count:
             first = found[-1]
             lengths = upto[first + 1 :] - upto[first] + there[first] + back[first:]
-            left = count - len(found)  # parts that follow, with a line each
+            left = count - len(found)  # following parts have a line each
             fitting = int(np.argmax(lengths > most)) if (lengths > most).any() else len(lengths)
             found.append(first + max(min(fitting, total - first - left), 1))
         return found

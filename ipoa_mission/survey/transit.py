@@ -23,9 +23,9 @@ from ipoa_mission.survey.keep_out import TIGHT_PLACES
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.union import union_of
 
-HALVINGS = 5  # of the corridor width within which waypoints may deviate from the planned curve
-SAME_PLACE = 0.5  # nearer places are one place [m]
-MIN_REACH = 60.0  # minimum half-width in which obstacles round the straight way are considered [m]
+HALVINGS = 5  # of the corridor width round the planned curve
+SAME_PLACE = 0.5  # [m]
+MIN_REACH = 60.0  # round the straight way [m]
 #: Attempts: additional distance [m], segments of a quarter circle, and factor of the distance that these require.
 #: The second attempt is for lines that begin nearer to an obstacle.
 DETOUR_ATTEMPTS = ((0.1, 4, 1.02), (0.01, 16, 1.0013))

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ipoa_mission.scenario import Scenario
 
 LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND})
-MIN_HEADING_LENGTH = 0.5  # shortest horizontal leg with a heading [m]
+MIN_HEADING_LENGTH = 0.5  # of a horizontal leg [m]
 
 
 @dataclass(frozen=True)

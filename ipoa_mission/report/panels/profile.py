@@ -15,8 +15,8 @@ from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
 
 Look: TypeAlias = Literal["below", "beside", "zone"]
-LATERAL_DISTANCE = 15.0  # lateral distance of obstacles that are shown too [m]
-MIN_WIDTH = 0.004  # of the chart's width, the minimum of a visible bar
+LATERAL_DISTANCE = 15.0  # of obstacles near the path [m]
+MIN_WIDTH = 0.004  # of the chart's width
 
 
 def along_axis(course: Seen) -> GraphAxis:
