@@ -1,1 +1,1 @@
-"""Mission files and the wire: what a mission is outside the package."""
+"""Read and write mission files, and convert missions to and from wire items."""

@@ -1,4 +1,4 @@
-"""NAME.json, as far as it is read again: digests of the files written with it, where they land, what time they take."""
+"""Read NAME.json back: digests of the files written with it, landing ground, flight time."""
 
 import json
 import math
@@ -10,24 +10,26 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
 
 KEY = "landing_ground_m"
-LARGEST = 10_000_000  # of a NAME.json; a larger one is somebody's map [bytes]
+LARGEST = 10_000_000  # bytes; a larger NAME.json is a map of somebody else
 
 
 def digest(text: str) -> str:
-    """What NAME.json remembers of a file that was written with it."""
+    """Return the digest of a file as NAME.json holds it."""
     return sha256(text.encode()).hexdigest()
 
 
 def written_with(about: Path) -> dict[str, str]:
-    """The digests of the files that NAME.json was written with, by name; none if it is not one of ours."""
+    """Return the digests of the files written with NAME.json, by name; none if it is not ours."""
     return _digests(_read(about))
 
 
 class Told(NamedTuple):
-    """What a NAME.json says of a mission file that was written with it.
+    """Hold NAME.json's data on a mission file.
 
-    `landing_height`: how high above home [m] the ground is where it lands; `planned`: which NAME.json, and how long
-    that has the flight [s]; `autopilot`: for which it was written.
+    Attributes:
+        landing_height: height of the landing ground above home [m].
+        planned: name of the NAME.json and its flight time [s].
+        autopilot: for which the file was written.
     """
 
     landing_height: float | None = None
@@ -36,9 +38,9 @@ class Told(NamedTuple):
 
 
 def told_beside(path: Path, text: str) -> Told:
-    """What the NAME.json beside the mission at `path` says of it, if it is of this very text.
+    """Return the data of the NAME.json next to the mission at `path`, if its digest matches `text`.
 
-    Of a flight that was split there is one about all its parts, which knows where the whole lands.
+    A part of a split flight is described in one NAME.json for all parts, which knows only the last landing.
     """
     own = path.with_suffix(".json")
     for about in (own, path.with_name(f"{path.stem.rpartition('-')[0]}.json")):

@@ -1,11 +1,11 @@
-"""The MAV_CMD and MAV_FRAME numbers of mission items, and of orders, by MAVLink's names."""
+"""Number mission commands, vehicle commands and frames by MAVLink's names (MAV_CMD, MAV_FRAME)."""
 
 from collections.abc import Mapping
 from enum import IntEnum
 
 
 class Command(IntEnum):
-    """The MAV_CMD numbers that ArduCopter or PX4 take in a list of items; an item may carry any other."""
+    """Number the MAV_CMDs that ArduCopter or PX4 take as mission items; an item may carry any other."""
 
     NAV_WAYPOINT = 16
     NAV_LOITER_UNLIM = 17
@@ -93,7 +93,7 @@ class Command(IntEnum):
 
 
 class VehicleCommand(IntEnum):
-    """MAV_CMD numbers that a vehicle is sent to be done now, and that no mission holds."""
+    """Number the MAV_CMDs that a vehicle executes at once, and no mission holds."""
 
     DO_SET_MODE = 176
     DO_REPOSITION = 192
@@ -110,17 +110,17 @@ class VehicleCommand(IntEnum):
 
 
 def command_name(number: int) -> str:
-    """The MAV_CMD name of a command, or its number where the package has no name for it."""
+    """Return the MAV_CMD name of a command, or its number if the package has no name for it."""
     return Command(number).name if number in set(Command) else f"command {number}"
 
 
 def short_name(number: int) -> str:
-    """The same in words, without the kind: "return to launch" for NAV_RETURN_TO_LAUNCH."""
+    """Return the name in lower case without its kind: "return to launch" for NAV_RETURN_TO_LAUNCH."""
     return command_name(number).removeprefix("NAV_").removeprefix("DO_").replace("_", " ").lower()
 
 
 class Frame(IntEnum):
-    """The MAV_FRAME numbers that mission files use."""
+    """Number the MAV_FRAMEs of mission files."""
 
     GLOBAL = 0  # altitude AMSL
     MISSION = 2  # not a position
@@ -131,7 +131,7 @@ class Frame(IntEnum):
     GLOBAL_TERRAIN_ALT_INT = 11
 
 
-#: The `_INT` frames mean the same as their plain twins: {0, 5} {3, 6} {10, 11}.
+#: Frames that equal an `_INT` frame.
 SAME_FRAME: Mapping[int, int] = {
     Frame.GLOBAL_INT: Frame.GLOBAL,
     Frame.GLOBAL_RELATIVE_ALT_INT: Frame.GLOBAL_RELATIVE_ALT,
@@ -140,7 +140,7 @@ SAME_FRAME: Mapping[int, int] = {
 
 
 def plain_frame(frame: int) -> int:
-    """The frame without its `_INT`: what two frames are compared by."""
+    """Return the frame without `_INT`, for comparison."""
     return int(SAME_FRAME.get(frame, frame))
 
 
@@ -150,17 +150,17 @@ FLOWN_TO = frozenset({
     Command.NAV_LOITER_TIME, Command.NAV_LOITER_TO_ALT, Command.NAV_PAYLOAD_PLACE, Command.NAV_LAND,
     Command.NAV_TAKEOFF, Command.NAV_ARC_WAYPOINT,
 })  # fmt: skip
-#: What an altitude of 0 is for: the ground is below a landing, and a take-off climbs to it.
+#: Commands whose altitude 0 is valid: take-off and landing.
 TO_THE_GROUND = frozenset({Command.NAV_TAKEOFF, Command.NAV_LAND})
 TAKEOFFS = frozenset({Command.NAV_TAKEOFF, Command.NAV_VTOL_TAKEOFF})
-#: What may stand before a take-off although it is a NAV command.
+#: NAV commands that may precede a take-off.
 MAY_PRECEDE_TAKEOFF = frozenset({Command.NAV_DELAY})
 #: Commands that end a flight on the ground.
 ENDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND, Command.NAV_RETURN_TO_LAUNCH})
 WAYPOINTS = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_ARC_WAYPOINT})
-#: Commands whose param1 is a time to stay at their place [s].
+#: Commands whose param1 is a hold time at their place [s].
 HOLDING = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME})
 LAST_NAV = 95  # MAV_CMD_NAV_LAST: higher numbers do not move the vehicle
-#: They move it all the same.
+#: Higher numbers that move the vehicle.
 ALSO_MOVE = frozenset({Command.NAV_SET_YAW_SPEED, Command.NAV_SCRIPT_TIME, Command.NAV_ATTITUDE_TIME})
 JUMPS = frozenset({Command.DO_JUMP, Command.DO_JUMP_TAG})

@@ -1,7 +1,7 @@
-"""QGroundControl's complex items, surveys and scans, as one thing with the items that they stand for.
+"""Keep QGroundControl's complex items (surveys, scans) with the mission items that they generate.
 
-What a file says of one stays with the mission, so that it is written as such again, and QGroundControl opens and edits
-it: but only while the mission still holds just those items in a row, and no jump leads in among them.
+A complex item is written back, so that QGroundControl edits it. This needs exactly its items in a row in the mission,
+and no jump into them.
 """
 
 import json
@@ -19,7 +19,7 @@ TRANSECTS, ITEMS = "TransectStyleComplexItem", "Items"
 
 @dataclass(frozen=True)
 class Written:
-    """What of a mission is written as one entry: items from `first` on, or the complex item that they are."""
+    """Hold an entry of a written mission: a plain item, or `count` items of the complex item `of` from `first` on."""
 
     first: int
     count: int
@@ -27,7 +27,7 @@ class Written:
 
 
 def complex_item(items: Sequence[Item], told: Any) -> ComplexItem:
-    """The items of a complex item and what a file says of it, but for the list of the items themselves."""
+    """Return a complex item from its JSON object, without its list of items."""
     kept = dict(told)
     lists = isinstance(kept.get(TRANSECTS), dict) and ITEMS in kept[TRANSECTS]
     if lists:
@@ -36,7 +36,7 @@ def complex_item(items: Sequence[Item], told: Any) -> ComplexItem:
 
 
 def complex_items_in(parts: Sequence[Node | None], items: Sequence[Item]) -> tuple[ComplexItem, ...]:
-    """The complex items of a file: `parts` say in which one each of its items stands."""
+    """Return the complex items of a file; `parts` gives the complex item of each mission item."""
     found = []
     for place, numbers in groupby(range(len(items)), lambda n: None if (part := parts[n]) is None else part.place):
         first, *others = numbers
@@ -46,7 +46,7 @@ def complex_items_in(parts: Sequence[Node | None], items: Sequence[Item]) -> tup
 
 
 def entries(items: Sequence[Item], complexes: Sequence[ComplexItem]) -> Iterator[Written]:
-    """A mission's items, those together that a complex item stands for."""
+    """Yield the entries of a mission: plain items, and groups of a complex item."""
     targets = {int(item.params[0]) - 1 for item in items if item.command == Command.DO_JUMP}
     first = 0
     while first < len(items):
@@ -59,11 +59,13 @@ def _is_here(one: ComplexItem, items: Sequence[Item], first: int, targets: set[i
     last = first + len(one.items)
     if not one.items or items[first].command != one.items[0].command or last > len(items):
         return False
-    return repr(tuple(items[first:last])) == repr(one.items) and targets.isdisjoint(range(first, last))  # NaN is NaN
+    return repr(tuple(items[first:last])) == repr(one.items) and targets.isdisjoint(
+        range(first, last)
+    )  # repr: NaN equals NaN
 
 
 def as_document(one: ComplexItem, number: int, simple: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """It as a file has it; `simple` are its items as such, the first of which is the mission's item `number`."""
+    """Return its JSON object for a file; `simple` are its items as SimpleItems, the first is mission item `number`."""
     told: dict[str, Any] = json.loads(one.told)
     if one.lists:
         own = ("autoContinue", "command", "frame", "params", "type")

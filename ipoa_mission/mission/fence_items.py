@@ -1,7 +1,7 @@
-"""Geofence and rally points as the items of their own lists (mission types 1 and 2); both firmwares take the same.
+"""Convert geofence and rally points to and from items of their lists (mission types 1 and 2), for both firmwares.
 
-A polygon is one item for each vertex, with the number of vertices in param1; a circle one item with its radius there.
-Fences have no height; rally points stand above home.
+A polygon is one item a vertex, with the number of vertices in param1; a circle is one item with its radius in param1.
+Fences have no height; rally points have heights above home.
 """
 
 import math
@@ -12,21 +12,21 @@ from ipoa_mission.mission.commands import Command, Frame, command_name
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item
 from ipoa_mission.world.frame import Geodetic
 
-#: Command -> whether the vehicle must stay inside.
+#: Command -> stay inside.
 POLYGON = {Command.NAV_FENCE_POLYGON_VERTEX_INCLUSION: True, Command.NAV_FENCE_POLYGON_VERTEX_EXCLUSION: False}
 CIRCLE = {Command.NAV_FENCE_CIRCLE_INCLUSION: True, Command.NAV_FENCE_CIRCLE_EXCLUSION: False}
 
 
 def fence_to_wire(fence: Sequence[FencePolygon | FenceCircle]) -> tuple[Item, ...]:
-    """The items of a geofence, in its order."""
+    """Return the items of a geofence, in its order."""
     return tuple(item for part in fence for item in _fence_part(part))
 
 
 def fence_from_wire(items: Sequence[Item]) -> tuple[FencePolygon | FenceCircle, ...]:
-    """The geofence behind its items; ArduPilot's return point (5000) is no part of it and left out.
+    """Return the geofence of items; ArduPilot's return point (5000) is left out.
 
     Raises:
-        MissionError: an item that is no fence, or a polygon that breaks off.
+        MissionError: an item is no fence, or a polygon is incomplete.
     """
     fence: list[FencePolygon | FenceCircle] = []
     at = 0
@@ -39,7 +39,7 @@ def fence_from_wire(items: Sequence[Item]) -> tuple[FencePolygon | FenceCircle, 
                 raise MissionError(words, code="fence-broken", place=f"fence item {at}")
             ring = items[at : at + count]
             if len(ring) < count or any((v.command, v.params[0]) != (item.command, item.params[0]) for v in ring):
-                words = f"expected a polygon of {count} vertices, but it breaks off"
+                words = f"expected a polygon of {count} vertices, but the list ends before"
                 raise MissionError(words, code="fence-broken", place=f"fence item {at}")
             vertices = tuple((v.latitude_deg, v.longitude_deg) for v in ring)
             fence.append(FencePolygon(vertices, POLYGON[Command(item.command)]))
@@ -56,16 +56,16 @@ def fence_from_wire(items: Sequence[Item]) -> tuple[FencePolygon | FenceCircle, 
 
 
 def rally_to_wire(rally: Sequence[Geodetic]) -> tuple[Item, ...]:
-    """The items of rally points; their altitudes are above home."""
+    """Return the items of rally points, with altitudes above home."""
     kind = Command.NAV_RALLY_POINT, Frame.GLOBAL_RELATIVE_ALT, (0.0,) * 4
     return tuple(Item(*kind, place.latitude_deg, place.longitude_deg, place.altitude) for place in rally)
 
 
 def rally_from_wire(items: Sequence[Item]) -> tuple[Geodetic, ...]:
-    """The rally points behind their items.
+    """Return the rally points of items.
 
     Raises:
-        MissionError: an item that is no rally point.
+        MissionError: an item is no rally point.
     """
     for at, item in enumerate(items):
         if item.command != Command.NAV_RALLY_POINT:

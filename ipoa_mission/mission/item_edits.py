@@ -1,4 +1,4 @@
-"""A mission with one item changed, put in or taken out: jumps still lead to the items that they led to."""
+"""Change, insert or remove a mission item, and renumber jumps to keep their targets."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -10,20 +10,20 @@ from ipoa_mission.mission.items import Item, Mission
 
 
 def with_item(mission: Mission, seq: int, item: Item) -> Mission:
-    """The mission with another item number `seq`.
+    """Replace item number `seq`.
 
     Raises:
-        BadInput: there is no such item, or it is one of a survey or scan.
+        BadInput: there is no such item, or it is part of a survey or scan.
     """
     _expect_alone(mission, seq)
     return replace(mission, items=(*mission.items[: seq - 1], item, *mission.items[seq:]))
 
 
 def with_inserted(mission: Mission, seq: int, item: Item) -> Mission:
-    """The mission with one more item, which becomes number `seq`.
+    """Insert an item as number `seq`.
 
     Raises:
-        BadInput: that is within a survey or scan, or beyond the end.
+        BadInput: the place is inside a survey or scan, or beyond the end.
     """
     if not 1 <= seq <= len(mission.items) + 1:
         words = f"expected a number from 1 to {len(mission.items) + 1}"
@@ -36,10 +36,10 @@ def with_inserted(mission: Mission, seq: int, item: Item) -> Mission:
 
 
 def without_item(mission: Mission, seq: int) -> Mission:
-    """The mission without item number `seq`.
+    """Remove item number `seq`.
 
     Raises:
-        BadInput: there is no such item, it is one of a survey or scan, or a jump leads to it.
+        BadInput: there is no such item, it is part of a survey or scan, or a jump leads to it.
     """
     _expect_alone(mission, seq)
     for number, item in enumerate(mission.items, start=1):
@@ -53,16 +53,16 @@ def without_item(mission: Mission, seq: int) -> Mission:
 
 
 def with_plain_items(mission: Mission, seq: int) -> Mission:
-    """The mission in which the survey or scan that item `seq` is one of is no more than its items."""
+    """Turn the survey or scan that holds item `seq` into plain items."""
     of = _complex_at(mission, seq)
     if of is None:
         return mission
-    here = repr(mission.items[of.start - 1 : of.stop - 1])  # NaN is NaN
+    here = repr(mission.items[of.start - 1 : of.stop - 1])  # repr: NaN equals NaN
     return replace(mission, complex_items=tuple(one for one in mission.complex_items if repr(one.items) != here))
 
 
 def complex_at(mission: Mission) -> tuple[range | None, ...]:
-    """Of each item the numbers of those of the survey or scan that it is one of; None: of none."""
+    """Return for each item the item numbers of its survey or scan; None outside of them."""
     found: list[range | None] = []
     for entry in entries(mission.items, mission.complex_items):
         numbers = None if entry.of is None else range(entry.first + 1, entry.first + 1 + entry.count)
@@ -92,7 +92,6 @@ def _one_of(seq: int, of: range) -> BadInput:
 
 
 def _jumping(item: Item, moved: Callable[[int], int]) -> Item:
-    """A jump leads to where its target stands now."""
     if item.command != Command.DO_JUMP or not float(item.params[0]).is_integer():
         return item
     return replace(item, params=(float(moved(int(item.params[0]))), *item.params[1:]))

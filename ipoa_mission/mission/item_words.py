@@ -1,4 +1,4 @@
-"""What an item of a mission does, in words: the same in tables, in the report and on its maps."""
+"""Describe a mission item in words, for tables, the report and its maps."""
 
 import math
 
@@ -10,12 +10,12 @@ PLAIN = HOLDS | {Command.NAV_TAKEOFF, Command.NAV_LAND, Command.NAV_RETURN_TO_LA
 
 
 def hold_of(item: Item) -> float | None:
-    """For how long it has the vehicle stay [s]; None where it does not."""
+    """Return the hold time of an item [s]; None if it has none."""
     return item.params[0] if item.command in HOLDS and item.params[0] > 0 else None
 
 
 def details_of(item: Item) -> str:
-    """What its command, its hold and its speed do not say.
+    """Return what the command name, hold and speed leave out.
 
     >>> from ipoa_mission.mission.items import waypoint
     >>> from ipoa_mission.world.frame import Geodetic
@@ -45,7 +45,7 @@ def details_of(item: Item) -> str:
 
 
 def item_words(item: Item) -> str:
-    """All that it does.
+    """Return the full description of an item.
 
     >>> from ipoa_mission.mission.items import change_speed
     >>> item_words(change_speed(6.0))

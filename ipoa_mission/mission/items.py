@@ -1,7 +1,6 @@
-"""A mission as MAVLink means it: items, fence, rally points, and the home they refer to.
+"""Define a mission as in MAVLink: items, fence, rally points, and their home.
 
-Home is *not* an item here. Whether it stands at sequence 0 on the wire (ArduPilot) or nowhere (PX4) is decided in
-`firmware`, and nowhere else.
+Home is not an item here. `stored_mission` adds it at sequence 0 for ArduPilot, and leaves it out for PX4.
 """
 
 import math
@@ -19,13 +18,15 @@ from ipoa_mission.world.frame import Geodetic
 
 @dataclass(frozen=True)
 class Item:
-    """One mission item, numbered from 1 as in mission files, which DO_JUMP's param1 counts too.
+    """Hold one mission item.
+
+    Items are numbered from 1, as in mission files and in param1 of DO_JUMP.
 
     Attributes:
         command: MAV_CMD.
         frame: MAV_FRAME.
-        params: param1 to param4; NaN: "the autopilot's own".
-        latitude_deg: param5, whatever the command makes of it.
+        params: param1 to param4; NaN: the autopilot's default.
+        latitude_deg: param5, whatever its meaning.
         longitude_deg: param6.
         altitude: param7.
         autocontinue: go on with the next item when this one is done.
@@ -46,7 +47,7 @@ class Item:
 
     @property
     def has_position(self) -> bool:
-        """Whether the vehicle flies to this item's latitude and longitude."""
+        """Return whether the vehicle flies to this item's latitude and longitude."""
         return (
             self.command in FLOWN_TO
             and self.frame != Frame.MISSION
@@ -54,19 +55,19 @@ class Item:
         )
 
     def is_here(self, autopilot: Autopilot) -> bool:
-        """Whether the autopilot does it where it is: it names latitude 0, longitude 0, and that is "here" to it."""
+        """Return whether latitude 0, longitude 0 mean the current position to the autopilot."""
         is_flown_to = self.command in FLOWN_TO and self.frame != Frame.MISSION
         no_place = (self.latitude_deg, self.longitude_deg) == (0.0, 0.0)
         return autopilot.guidance.zero_is_here and is_flown_to and no_place
 
     def is_as_high_as_now(self, autopilot: Autopilot) -> bool:
-        """Whether the autopilot keeps its height on the way to it: it names altitude 0, in whatever frame."""
+        """Return whether altitude 0 means the current height to the autopilot, in any frame."""
         is_flown_to = self.command in FLOWN_TO - TO_THE_GROUND and self.frame != Frame.MISSION
         return autopilot.guidance.zero_is_here and is_flown_to and self.altitude == 0.0
 
     @property
     def clock(self) -> str:
-        """The time of day until which NAV_DELAY waits; empty: it waits for seconds, or not at all.
+        """Return the time of day until which NAV_DELAY waits; empty if it waits for seconds or not at all.
 
         >>> Item(Command.NAV_DELAY, Frame.MISSION, (0.0, 18.0, 30.0, 0.0)).clock
         '18:30:00 UTC'
@@ -82,21 +83,21 @@ class Item:
         return "" if second == -1 else f"second {second} of the minute"
 
     def height(self, home: Geodetic) -> float:
-        """Its altitude over home [m]; one over terrain is taken as one over home."""
+        """Return the altitude over home [m]; one over terrain is taken as one over home."""
         return self.altitude - home.altitude if plain_frame(self.frame) == Frame.GLOBAL else self.altitude
 
 
-#: Does nothing, in place of an item that is left out: numbers of items stay.
+#: Replaces a removed item without effect: item numbers stay.
 LEFT_OUT = Item(Command.CONDITION_DELAY, Frame.MISSION)
 
 
 @dataclass(frozen=True)
 class FencePolygon:
-    """A polygon of a geofence.
+    """Hold a polygon of a geofence.
 
     Attributes:
         vertices: (latitude, longitude) [degrees], the first not repeated.
-        inclusion: whether to stay inside, or outside.
+        inclusion: stay inside; else outside.
 
     Example:
         >>> len(FencePolygon(((39.100, 121.819), (39.100, 121.823), (39.103, 121.821))).vertices)
@@ -109,12 +110,12 @@ class FencePolygon:
 
 @dataclass(frozen=True)
 class FenceCircle:
-    """A circle of a geofence.
+    """Hold a circle of a geofence.
 
     Attributes:
         center: (latitude, longitude) [degrees].
         radius: [m].
-        inclusion: whether to stay inside, or outside.
+        inclusion: stay inside; else outside.
 
     Example:
         >>> FenceCircle((39.1, 121.8), 500.0).inclusion
@@ -128,12 +129,12 @@ class FenceCircle:
 
 @dataclass(frozen=True)
 class ComplexItem:
-    """A survey or scan of QGroundControl's, that stands for some items of a mission.
+    """Hold a survey or scan of QGroundControl with its mission items.
 
     Attributes:
-        items: those, in a row.
-        told: what a `.plan` says of it, as JSON, but for the list of its items.
-        lists: whether such a list stands in it.
+        items: in a row.
+        told: JSON of the `.plan` without its list of items.
+        lists: whether the JSON has such a list.
     """
 
     items: tuple[Item, ...]
@@ -143,25 +144,23 @@ class ComplexItem:
 
 @dataclass(frozen=True)
 class Mission:
-    """What the vehicle will do.
+    """Hold a mission with its home, fence, rally points and vehicle.
 
     Attributes:
-        home: where it is armed, and what heights count from.
-        items: what is done, one after the other; home is none of them.
-        autopilot: whom it is for; left out, PX4.
-        cruise_speed: what ground stations show in a plan's header [m/s]; the vehicle obeys DO_CHANGE_SPEED.
+        home: place of arming, and zero of heights.
+        items: in order, without home.
+        autopilot: that flies it; PX4 by default.
+        cruise_speed: in the header of a `.plan` [m/s]; the vehicle obeys DO_CHANGE_SPEED instead.
         fence: polygons and circles to stay inside or outside of.
-        rally: where it may return to instead of home; altitudes above home [m].
-        parameters: those of the vehicle that differ from its autopilot's defaults, by the autopilot's own names.
-        vehicle_type: the MAV_TYPE that a `.plan` names.
-        vehicle: what was learned of the one that flies it.
-        landing_ground: the place where it lands and how high above home the ground is there, where that is known; it
-            says nothing of a mission that lands elsewhere.
-        firmware_version: by whose tables and model it is judged; left out, the newest that was measured.
-        unmeasured_version: it may be flown by a version that was not measured, which is a warning then.
-        scanned: for each structure scan the index of its first item and the height scanned [m], which QGroundControl
-            counts as way.
-        complex_items: what of it QGroundControl edits as a survey or scan; that says nothing once the items are others.
+        rally: places to return to instead of home; altitudes above home [m].
+        parameters: that differ from the autopilot's defaults, by its own names.
+        vehicle_type: MAV_TYPE of a `.plan`.
+        vehicle: properties learned from logs.
+        landing_ground: place of the landing and height of its ground above home, if known; ignored for other landings.
+        firmware_version: of the tables and model in use; the newest measured by default.
+        unmeasured_version: version that was not measured but may fly it, which is a warning.
+        scanned: first item index and scanned height [m] of each structure scan; QGroundControl adds it to the way.
+        complex_items: surveys and scans that QGroundControl edits; ignored once their items change.
 
     Example:
         >>> home = Geodetic(47.397742, 8.545594, 488.0)
@@ -190,16 +189,16 @@ class Mission:
 
     @property
     def other_vehicle(self) -> str | None:
-        """What it is for, in words, where that is no multicopter: "a plane"; nobody here flies it."""
+        """Return the class of a vehicle that is no multicopter, such as "a plane"; None for multicopters."""
         if self.vehicle_type in MULTICOPTERS:
             return None
         return with_article(class_name(self.vehicle_type))
 
     def with_parameters(self, parameters: Parameters) -> "Mission":
-        """The same on a vehicle that has these parameters too; they go before those that it carries.
+        """Return the mission with these parameters, which override its own.
 
         Raises:
-            BadInput: one of them is the other firmware's.
+            BadInput: one of them belongs to the other firmware.
         """
         expect_own(parameters, self.autopilot)
         return (
@@ -209,7 +208,7 @@ class Mission:
         )
 
     def assuming(self, parameters: Parameters) -> "Mission":
-        """The same on a vehicle that has these parameters too; those that it carries go before them."""
+        """Return the mission with these parameters, which its own override."""
         return (
             replace(self, parameters=self.autopilot.book.overridden(parameters, self.parameters))
             if parameters
@@ -217,7 +216,7 @@ class Mission:
         )
 
     def altitude_above_home(self, item: Item) -> float:
-        """Altitude of an item over home [m]; NaN where it is given over terrain."""
+        """Return an item's altitude over home [m]; NaN over terrain."""
         match plain_frame(item.frame):
             case Frame.GLOBAL:
                 return item.altitude - self.home.altitude
@@ -252,12 +251,12 @@ def spline_waypoint(place: Geodetic, height: float, hold_s: float = 0.0) -> Item
 
 
 def change_speed(speed: float) -> Item:
-    """Fly at this ground speed from here on [m/s]; the form that QGroundControl recognizes."""
+    """Fly at this ground speed from here on [m/s], in the form that QGroundControl recognizes."""
     return Item(Command.DO_CHANGE_SPEED, Frame.MISSION, (1.0, speed, -1.0, 0.0))
 
 
 def camera_trigger(distance: float, at_once: bool = True) -> Item:
-    """The camera's trigger, every so many metres; 0: no more; `at_once`: and now."""
+    """Trigger the camera every `distance` [m]; 0 stops it; `at_once`: also now."""
     return Item(Command.DO_SET_CAM_TRIGG_DIST, Frame.MISSION, (distance, 0.0, float(at_once), 0.0))
 
 

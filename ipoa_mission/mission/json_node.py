@@ -1,4 +1,4 @@
-"""A JSON document whose values know where they stand, so that whatever is wrong is said with its place."""
+"""Read a JSON document whose values know their place, for error messages."""
 
 import json
 import math
@@ -15,14 +15,14 @@ from ipoa_mission.files import why_no_json
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.geometry import Points
 
-FARTHEST = 100_000.0  # any length in a document [m]
+FARTHEST = 100_000.0  # upper limit of any length in a document [m]
 
 
 @dataclass(frozen=True)
 class Node:
-    """One value of a document; `place` is like `mission.items[3].params`, empty for the whole.
+    """Hold one value of a document; `place` is like `mission.items[3].params`, empty for the whole.
 
-    `findings` is one list for the whole document: what is wrong with it and was read all the same.
+    `findings` is shared by the whole document: faults that did not stop the reading.
     """
 
     file: str
@@ -32,33 +32,33 @@ class Node:
 
     @property
     def where(self) -> str:
-        """File and place, as messages begin."""
+        """Return file and place, the begin of messages."""
         return f"{self.file}: {self.place}" if self.place else self.file
 
     def wrong(self, expected: str, hint: str | None = None) -> BadInput:
-        """The error that says what was expected here."""
+        """Return an error with the expected and the actual value."""
         return BadInput(f"expected {expected}, not {_said(self.value)}", hint, place=self.where)
 
     def note(self, message: str, severity: Severity = Severity.WARNING) -> None:
-        """Say something about this value without refusing it."""
+        """Add a finding about this value."""
         self.findings.append(Finding("file", severity, None, f"{self.place}: {message}" if self.place else message))
 
     def __getitem__(self, key: str) -> "Node":
-        """The value under a key that must be there."""
+        """Return the value of a key that must exist."""
         child = self.get(key)
         if child is None:
             raise BadInput(f'expected "{key}", but there is none', code="missing", place=self.where)
         return child
 
     def get(self, key: str) -> "Node | None":
-        """The value under a key, None where the key is missing."""
+        """Return the value of a key, None if it is missing."""
         if not isinstance(self.value, dict):
             raise self.wrong("an object")
         place = f"{self.place}.{key}" if self.place else key
         return Node(self.file, place, self.value[key], self.findings) if key in self.value else None
 
     def array(self, length: int | None = None, of: str = "values") -> list["Node"]:
-        """The members of a list, of this length if one is given."""
+        """Return the members of a list, which has `length` members if given."""
         if not isinstance(self.value, list):
             raise self.wrong("a list" if length is None else f"{length} {of}")
         if length is not None and len(self.value) != length:
@@ -66,7 +66,7 @@ class Node:
         return [Node(self.file, f"{self.place}[{i}]", value, self.findings) for i, value in enumerate(self.value)]
 
     def number(self, expected: str = "a number") -> float:
-        """A finite number."""
+        """Return a finite number."""
         if isinstance(self.value, bool) or not isinstance(self.value, int | float):
             raise self.wrong(expected)
         try:
@@ -78,25 +78,25 @@ class Node:
         return value
 
     def number_or_nan(self) -> float:
-        """A finite number; null is NaN."""
+        """Return a finite number; null is NaN."""
         return math.nan if self.value is None else self.number("a number or null")
 
     def length(self) -> float:
-        """Metres; so many that no vehicle could fly them are refused, before they are multiplied with others."""
+        """Return a length [m] of at most `LONGEST_LENGTH`."""
         length = self.number("metres")
         if abs(length) > FARTHEST:
             raise self.wrong(f"metres, {FARTHEST:.0f} at most")
         return length
 
     def degrees(self, limit: int = 180) -> float:
-        """Degrees that MAVLink can carry; a latitude beyond 90 is left to the check of the mission."""
+        """Return degrees that MAVLink can carry; `check` reports a latitude beyond 90."""
         degrees = self.number(expected := f"degrees from -{limit} to {limit}")
         if abs(degrees) > limit:
             raise self.wrong(expected)
         return degrees
 
     def corners(self, least: int) -> Points:
-        """Latitude and longitude of so many places or more, near to each other, (n, 2)."""
+        """Return latitude and longitude of at least `least` places near each other, (n, 2)."""
         places = [each.array(2, "numbers (latitude, longitude)") for each in self.array()]
         corners = np.array([[value.number("degrees") for value in place] for place in places]).reshape(-1, 2)
         if len(corners) < least or (np.abs(corners) > (90.0, 180.0)).any():
@@ -106,30 +106,30 @@ class Node:
         return corners
 
     def whole(self, expected: str, least: int = 0, most: int = 65535) -> int:
-        """A whole number within limits."""
+        """Return a whole number from `least` to `most`."""
         value = self.number(expected)
         if not (value.is_integer() and least <= value <= most):
             raise self.wrong(expected)
         return int(value)
 
     def flag(self) -> bool:
-        """True or false."""
+        """Return true or false."""
         if not isinstance(self.value, bool):
             raise self.wrong("true or false")
         return self.value
 
     def text(self, expected: str = "a text") -> str:
-        """A text."""
+        """Return a string."""
         if not isinstance(self.value, str):
             raise self.wrong(expected)
         return self.value
 
 
 def parse_document(path: Path, text: str) -> Node:
-    """The JSON document in a file's text.
+    """Return the JSON document in a file's text.
 
     Raises:
-        BadInput: it is no JSON, or a key stands twice in an object.
+        BadInput: it is no JSON, or an object has a key twice.
     """
     try:
         constant = partial(_no_constant, path, text)
@@ -144,7 +144,7 @@ def parse_document(path: Path, text: str) -> Node:
 
 
 def _once(path: Path, pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """The object, if each of its keys stands in it once: of two readers take one, and not all the same."""
+    """Return the object if no key is repeated: readers differ in which one they take."""
     found = dict(pairs)
     if len(found) < len(pairs):
         keys = [key for key, _ in pairs]

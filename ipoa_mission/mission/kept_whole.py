@@ -1,4 +1,4 @@
-"""The text of a mission file with some items changed, and all else that it says kept, also what nobody here reads."""
+"""Write a mission file with changed items, and keep all else in it, known or unknown."""
 
 import json
 from collections.abc import Iterator
@@ -18,10 +18,10 @@ ANEW = (NUMBER, "AMSLAltAboveTerrain", "Altitude", "AltitudeMode")  # of a chang
 
 
 def text_with(mission: Mission, file: MissionFile, path: Path) -> str:
-    """The file's text where it holds `mission`; `path` is for messages.
+    """Return the text of `file` with the changed `mission`; `path` is for messages.
 
     Raises:
-        BadInput: this format cannot hold the mission, or not beside what else the file says.
+        BadInput: the format cannot hold the mission, or not with the rest of the file.
     """
     if file.still_holds(mission) and mission.complex_items == file.mission.complex_items:
         return file.source
@@ -35,13 +35,13 @@ def text_with(mission: Mission, file: MissionFile, path: Path) -> str:
         text = "\n".join([first, *comments, rest])
     plain, whole = (parse_mission(path, one, mission.autopilot) for one in (new, text))
     if not whole.still_holds(plain.mission):
-        words = "it cannot be changed so and be kept whole"
-        raise BadInput(words, hint="save it as a file of its own", code="complex-item", place=path.name)
+        words = "expected a change that keeps the rest of the file, not this one"
+        raise BadInput(words, hint="save it as another file", code="complex-item", place=path.name)
     return text
 
 
 def _merged(source: Table, old: Table, new: Table) -> Table:
-    """`new`, with what the source says otherwise than `old`, which is how it would be written, as far as that is so."""
+    """Return `new` with the source's differences from `old`, our text of the unchanged mission, where they still apply."""
     merged: Table = dict(new)
     for key, value in source.items():
         if key == "items" and isinstance(value, list) and key in old and key in new:

@@ -1,4 +1,4 @@
-"""The ground where a mission lands, as far as the mission itself knows it."""
+"""Find the height of the ground where a mission lands, as far as the mission knows it."""
 
 import math
 from dataclasses import replace
@@ -14,7 +14,7 @@ SAME_PLACE = 0.1  # [m]
 
 
 def landing_height(mission: Mission) -> float | None:
-    """How high above home the ground is where it lands [m]; None where it does not land, or nothing is known of it."""
+    """Return the height of the landing ground above home [m]; None without a landing or without data."""
     told = mission.landing_ground
     place = None if told is None else landing_place(mission)
     if told is None or place is None:
@@ -24,7 +24,7 @@ def landing_height(mission: Mission) -> float | None:
 
 
 def told_in_plan(mission: Mission) -> dict[str, float]:
-    """What a `.plan` says of it: where it lands, and how high above home the ground is there; nothing where level."""
+    """Return the landing place and ground height for a `.plan`; empty where the ground is level."""
     height, place = landing_height(mission), landing_place(mission)
     if not height or place is None:
         return {}
@@ -33,13 +33,13 @@ def told_in_plan(mission: Mission) -> dict[str, float]:
 
 
 def known_ground(mission: Mission) -> Ground:
-    """The ground so high where the mission lands, and as high as home elsewhere."""
+    """Return the ground with its height at the landing, and level elsewhere."""
     height, place = landing_height(mission), landing_place(mission)
     return LEVEL if height is None or place is None else Ground(HighPlace(place, height))
 
 
 def landing_on(mission: Mission, height: float) -> Mission:
-    """The mission where the ground is so high above home [m] where it lands."""
+    """Set the height of the landing ground above home [m]."""
     place = landing_place(mission)
     if place is None:
         return mission
@@ -48,13 +48,16 @@ def landing_on(mission: Mission, height: float) -> Mission:
 
 
 def landing_over(mission: Mission, ground: Ground) -> Mission:
-    """The mission with what `ground` says of where it lands, which is nothing if that is level."""
+    """Set the height of the landing ground from `ground`; unset it where that is level."""
     place = None if ground.is_level else landing_place(mission)
     return replace(mission, landing_ground=None) if place is None else landing_on(mission, ground.at(*place))
 
 
 def landing_place(mission: Mission) -> tuple[float, float] | None:
-    """Where it lands, east and north of home [m]: by LAND, or by RTL at a rally point; None: at home, or nowhere."""
+    """Return the landing place east and north of home [m], by LAND or by RTL to a rally point.
+
+    None: the mission lands at home or nowhere.
+    """
     commands = [item.command for item in mission.items]
     if Command.NAV_LAND in commands:
         return _last_place(mission, commands.index(Command.NAV_LAND))
@@ -68,7 +71,7 @@ def landing_place(mission: Mission) -> tuple[float, float] | None:
 
 
 def _last_place(mission: Mission, index: int) -> tuple[float, float] | None:
-    """The place of item `index`, or of the last one before it that has any."""
+    """Return the place of item `index`, or of the last one before it that has a place."""
     for item in reversed(mission.items[: index + 1]):
         if item.has_position:
             return _local(mission, item.latitude_deg, item.longitude_deg)

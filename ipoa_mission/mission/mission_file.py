@@ -1,4 +1,4 @@
-"""What a mission file holds: the mission, what reading it had to say, and the text itself."""
+"""Hold a mission file as read: mission, findings, text."""
 
 from dataclasses import dataclass, replace
 
@@ -8,15 +8,15 @@ from ipoa_mission.mission.items import Mission
 
 @dataclass(frozen=True)
 class MissionFile:
-    """What was read from a mission file.
+    """Hold a mission file as read.
 
     Attributes:
-        mission: as it was read.
-        findings: what was odd in the file.
+        mission: as read.
+        findings: faults of the file.
         source: its text.
         suffix: of its format, ".plan" or ".waypoints".
-        planned: the NAME.json that was written with it, and the time that this has for it [s].
-        taken_for: why it is read for its autopilot, where nothing says for which it is; "": it is the default one.
+        planned: name of the NAME.json written with it, and its flight time [s].
+        taken_for: reason for the autopilot of a `.waypoints` file that nothing names; "": the default one.
     """
 
     mission: Mission
@@ -27,5 +27,7 @@ class MissionFile:
     taken_for: str | None = None
 
     def still_holds(self, mission: Mission) -> bool:
-        """Whether it says all of this mission, but for the parameters, which lie beside it."""
-        return repr(replace(mission, parameters={})) == repr(replace(self.mission, parameters={}))  # a NaN is no other
+        """Return whether the file holds all of this mission except the parameters."""
+        return repr(replace(mission, parameters={})) == repr(
+            replace(self.mission, parameters={})
+        )  # repr: NaN equals NaN

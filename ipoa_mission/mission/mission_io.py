@@ -1,4 +1,4 @@
-"""Mission files of any kind: read by what is in them, written by the suffix."""
+"""Read mission files by content, and write them by suffix."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -19,20 +19,20 @@ from ipoa_mission.vehicles.known_parameters import firmware_of
 
 
 def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Mission:
-    """Read a mission file, whatever it is called, and NAME.params beside it.
+    """Read a mission file of any name, and the NAME.params next to it.
 
-    Where it lands the ground is as high as the file says, or NAME.json, if that was written with this very file.
+    The height of the landing ground is from the file, or from a NAME.json written with this very file.
 
     Args:
         path: of a `.plan` or a `.waypoints` file.
-        autopilot: goes before what a `.plan` says of itself. A `.waypoints` file does not say it: without this,
-            NAME.params or NAME.json beside it do; else it is read for PX4.
+        autopilot: overrides the one in a `.plan`. A `.waypoints` file names none: by default NAME.params or
+            NAME.json decide; else it is PX4.
 
     Returns:
-        The mission; what the reading had to say besides is told by `check`.
+        The mission; `check` reports the findings of reading.
 
     Raises:
-        BadInput: the file cannot be read, is neither, or says two things of an item; the message names the place.
+        BadInput: the file cannot be read, is of another kind, or contradicts itself; the message names the place.
 
     Example:
         >>> from ipoa_mission import read_mission
@@ -48,18 +48,18 @@ def read_mission(path: str | Path, autopilot: Autopilot | None = None) -> Missio
 def read_mission_file(
     path: str | Path, autopilot: Autopilot | None = None, otherwise: Autopilot | None = None
 ) -> MissionFile:
-    """Read a mission file as `read_mission` does, with what was odd in it.
+    """Read a mission file like `read_mission`, with the findings.
 
     Args:
         path: of a `.plan` or a `.waypoints` file.
         autopilot: as for `read_mission`.
-        otherwise: for which a `.waypoints` file is read that nothing beside it is about.
+        otherwise: autopilot of a `.waypoints` file if nothing next to it names one.
 
     Returns:
-        The mission, the findings of reading it, and the text.
+        The mission, the findings of reading, and the text.
 
     Raises:
-        BadInput: the file cannot be read or is neither; the message names the place.
+        BadInput: the file cannot be read or is of another kind; the message names the place.
 
     Example:
         >>> from ipoa_mission import read_mission_file
@@ -72,7 +72,7 @@ def read_mission_file(
 def parse_mission(
     path: Path, text: str, autopilot: Autopilot | None = None, otherwise: Autopilot | None = None
 ) -> MissionFile:
-    """The same where the file at `path` had this text.
+    """Parse `text` as the content of the mission file at `path`.
 
     Raises:
         BadInput: as `read_mission_file`.
@@ -99,7 +99,7 @@ def parse_mission(
 
 
 def read_by_items(path: Path, file: MissionFile) -> MissionFile:
-    """Read a file of which nothing says for which autopilot it is for the one that alone takes its items."""
+    """Choose the autopilot of a `.waypoints` file that names none: the only one that takes its items."""
     if file.taken_for is None or (taker := only_taker(file.mission.items)) is None:
         return file
     return replace(parse_mission(path, file.source, taker[0]), taken_for=taker[1])
@@ -125,19 +125,19 @@ def write_mission(
 ) -> tuple[str, ...]:
     """Write a `.plan` or a `.waypoints` file, by the suffix.
 
-    The mission's parameters go beside it (NAME.params), where `read_mission` finds them.
+    The mission's parameters go to NAME.params next to it, where `read_mission` finds them.
 
     Args:
-        mission: what is written.
+        mission: to write.
         path: of the file.
-        suffix: goes before the path's own.
-        read_from: a file of this kind; a mission that is still as it was read from it is written byte for byte so.
+        suffix: overrides the path's own.
+        read_from: a file of this kind; a mission unchanged since it was read is written with the same bytes.
 
     Returns:
-        In words: what the format cannot hold, or a reader loses.
+        Losses in words: data that the format cannot hold, or a reader drops.
 
     Raises:
-        BadInput: another suffix, or the mission cannot be put into this format.
+        BadInput: the suffix is unknown, or the format cannot hold the mission.
 
     Example:
         >>> from ipoa_mission import read_mission, write_mission
@@ -152,10 +152,10 @@ def write_mission(
 
 
 def mission_text(mission: Mission, suffix: str, read_from: MissionFile | None = None) -> str:
-    """The text of a `.plan` or a `.waypoints` file; as for `write_mission`.
+    """Return the text of a `.plan` or a `.waypoints` file; arguments as for `write_mission`.
 
     Raises:
-        BadInput: the mission cannot be put into this format.
+        BadInput: the format cannot hold the mission.
     """
     if read_from is not None and read_from.suffix == suffix and read_from.still_holds(mission):
         return read_from.source

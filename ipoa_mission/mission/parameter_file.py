@@ -1,7 +1,7 @@
-"""Parameter files: ArduPilot's (NAME,VALUE or NAME VALUE) and QGroundControl's (ids, NAME, VALUE, type).
+"""Read parameter files of ArduPilot (NAME,VALUE or NAME VALUE) and QGroundControl (ids, NAME, VALUE, type).
 
-Which of the two a line is written in shows in its number of fields, so the file's suffix does not matter. A mission
-file holds no parameters: those of a mission stand beside it, in QGroundControl's format.
+The number of fields of a line decides its format; the suffix does not matter. A mission's parameters are in a file
+next to it, in QGroundControl's format.
 """
 
 import math
@@ -25,8 +25,8 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,15}", re.ASCII)  # MAVLink's param_id
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?nan", re.ASCII | re.IGNORECASE)
 AUTOPILOT = "1"  # MAV_COMP_ID_AUTOPILOT1
 WHOLE, FLOATS = range(1, 9), (9, 10)  # MAV_PARAM_TYPE
-UNUSUAL = 25.0  # a value of so many times the default may be one of another unit, and one of so small a part
-A_WHOLE_LIST = 100  # parameters that no model uses: then the file has all of a vehicle's
+UNUSUAL = 25.0  # ratio to the default that suggests another unit
+A_WHOLE_LIST = 100  # unknown parameters from which on the file is a vehicle's complete list
 SEPARATOR = re.compile(r"[,\s]+")
 
 
@@ -35,7 +35,7 @@ _Owner: TypeAlias = tuple[str, str]
 
 @dataclass(frozen=True)
 class ParameterFile:
-    """The parameters in a file by name, and what of it was not read or makes no sense."""
+    """Hold the parameters of a file by name, and the findings of reading it."""
 
     parameters: Parameters
     unread: tuple[Unread, ...] = ()
@@ -43,7 +43,7 @@ class ParameterFile:
 
 @dataclass(frozen=True)
 class _Row:
-    """A parameter of a line; `owner`: vehicle and component, where the line names them."""
+    """Hold the parameter of a line; `owner`: vehicle and component, if the line names them."""
 
     line: int
     name: str
@@ -52,9 +52,9 @@ class _Row:
 
 
 def read_parameters(path: str | Path) -> Parameters:
-    """The parameters of a `.parm` or `.params` file by name; comments (`#`) and blank lines are passed over.
+    """Read a `.parm` or `.params` file by name; comments (`#`) and blank lines are ignored.
 
-    A parameter that stands twice has its last value, as it would have in the vehicle.
+    The last value of a repeated parameter counts, as in the vehicle.
 
     Raises:
         BadInput: the message names the line, as in `quad.parm: line 3: expected a name and a value, not "WPNAV"`.
@@ -63,7 +63,7 @@ def read_parameters(path: str | Path) -> Parameters:
 
 
 def read_parameter_file(path: str | Path) -> ParameterFile:
-    """Read parameters as `read_parameters` does, and what was not read; of several components the autopilot's.
+    """Read parameters like `read_parameters`, with the findings; of several components the autopilot's.
 
     Raises:
         BadInput: as `read_parameters`.
@@ -77,24 +77,24 @@ def read_parameter_file(path: str | Path) -> ParameterFile:
 
 
 def beside(path: Path) -> Path:
-    """Where the parameters of the mission in a file stand."""
+    """Return the path of a mission's parameter file."""
     return path.with_suffix(".params")
 
 
 def parameters_beside(mission: Mission, path: Path) -> dict[Path, str]:
-    """The file with the mission's parameters that belongs beside `path`, and its text; none where it has none.
+    """Return path and text of the mission's parameter file; empty without parameters.
 
     Raises:
-        BadInput: the mission has parameters, and in their place stands a file that was not written here.
+        BadInput: the mission has parameters, and a file that is not ours has their name.
     """
     target = beside(path)
     if not mission.parameters:
         return {}
     if target.exists() and not _is_ours(target):
-        words = "expected no file of somebody else's, where the mission's parameters belong"
+        words = "expected a free name for the mission's parameters, not a file of another origin"
         hint = "move it, or write the mission under another name"
         raise BadInput(words, hint=hint, code="already-there", place=target)
-    lines = (  # with its type: QGroundControl does not load a parameter of another than the vehicle's
+    lines = (  # QGroundControl loads a parameter only with the vehicle's own type
         f"1\t1\t{name}\t{_number(value)}\t{mission.autopilot.book.types.get(name, REAL32)}"
         for name, value in mission.parameters.items()
     )
@@ -102,12 +102,12 @@ def parameters_beside(mission: Mission, path: Path) -> dict[Path, str]:
 
 
 def write_with_parameters(mission: Mission, contents: Mapping[Path, str]) -> None:
-    """Write files of a mission and its parameters beside them, all or none.
+    """Write files of a mission and its parameter file, all or none.
 
-    Where it has no parameters, what was written there before is removed.
+    Without parameters an old parameter file of ours is removed.
 
     Raises:
-        BadInput: a file cannot be written, or in the parameters' place stands one that was not written here.
+        BadInput: a file cannot be written, or a file that is not ours has the parameters' name.
     """
     path = next(iter(contents))
     write_together({**contents, **parameters_beside(mission, path)})
@@ -160,7 +160,7 @@ def _unread(file: str, text: str, rows: list[_Row], owner: _Owner | None) -> Ite
             of = "vehicle {}, component {}".format(*row.owner or ())
             yield Unread(file, "parameters of another vehicle or component", f"line {row.line}: {of}", row.name)
         elif row.value != taken[row.name].value:
-            words = "values of parameters that have another one further below"
+            words = "values of parameters that a later line overrides"
             yield Unread(file, words, f"line {row.line}: {row.name}", f"{row.value:g}")
     for autopilot in registered():
         yield from _of_book(file, taken, autopilot)
@@ -172,23 +172,23 @@ def _unread(file: str, text: str, rows: list[_Row], owner: _Owner | None) -> Ite
     elif flies is not None:
         there = flies.book.by_old_names(dict.fromkeys(taken, 0.0))
         for name in sorted(flies.book.moving.keys() - there.keys()):
-            yield Unread(file, "parameters that are not in the list: their defaults are taken", name)
+            yield Unread(file, "parameters missing in the list: their defaults apply", name)
     header = re.search(r"^#\s*Vehicle:\s*(.*(?:wing|plane|vtol|rover|boat|sub|ground|heli|ship).*)$", text, re.I | re.M)
     if header is not None:
-        yield Unread(file, "the class of its vehicle: taken for a multicopter", "header", header[1].strip())
+        yield Unread(file, "the vehicle's class: taken as multicopter", "header", header[1].strip())
     if not rows:
-        yield Unread(file, "parameters: there are none", "the file")
+        yield Unread(file, "parameters: the file has none", "the file")
     elif not text.endswith(("\n", "\r")) and not (rows[-1].owner and rows[-1].line == len(text.splitlines())):
-        yield Unread(file, "what may follow: its last line has no end", f"line {rows[-1].line}", rows[-1].name)
+        yield Unread(file, "the rest, if any: the last line has no line end", f"line {rows[-1].line}", rows[-1].name)
 
 
 def _of_book(file: str, taken: Mapping[str, _Row], autopilot: Autopilot) -> Iterator[Unread]:
-    """Name old spellings beside newer ones that say otherwise, and values that look like those of another unit."""
+    """Report old names with a value other than the new name's, and values that suggest another unit."""
     book = autopilot.book
     for name, (old, unit) in book.renamed.items():
         newer, older = taken.get(name), taken.get(old)
         if newer and older and not math.isclose(newer.value * unit, older.value, rel_tol=1e-5):
-            yield Unread(file, f"old name beside {name}", f"line {older.line}: {old}", f"{older.value:g}")
+            yield Unread(file, f"old name next to {name}", f"line {older.line}: {old}", f"{older.value:g}")
         usual = abs(book.moving.get(old, 0.0))
         for row, factor in ((newer, unit), (older, 1.0)):
             times = abs(row.value) * factor / usual if row and usual and unit != 1.0 else 0.0

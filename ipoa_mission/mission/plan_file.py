@@ -1,7 +1,7 @@
-"""QGroundControl's `.plan`: written so that QGroundControl's loader and MAVSDK's import both take it, and read.
+"""Read and write QGroundControl's `.plan`.
 
-Both enforce different things; what is written satisfies the union of them (docs/file-formats.md). DO_JUMP refers to an
-item's `doJumpId`, which we write as the item's number.
+The text satisfies QGroundControl's loader and MAVSDK's import, which enforce different rules (docs/file-formats.md).
+DO_JUMP refers to an item's `doJumpId`, which equals the item's number here.
 """
 
 import json
@@ -31,7 +31,7 @@ from ipoa_mission.world.frame import Geodetic
 MIXED, RELATIVE, AMSL, TERRAIN = 0, 1, 2, 4  # QGroundControl's altitude modes
 ALTITUDE_MODE = {Frame.GLOBAL_RELATIVE_ALT: RELATIVE, Frame.GLOBAL: AMSL, Frame.GLOBAL_TERRAIN_ALT: TERRAIN}
 LANDING_GROUND = "landingGround"  # a key of ours
-CALCULATED_ABOVE_TERRAIN = 3  # `Altitude` is then over the ground, and `AMSLAltAboveTerrain` what is flown
+CALCULATED_ABOVE_TERRAIN = 3  # `Altitude` is then over the ground, and `AMSLAltAboveTerrain` is flown
 FRAME_OF_MODE = {mode: frame for frame, mode in ALTITUDE_MODE.items()} | {CALCULATED_ABOVE_TERRAIN: Frame.GLOBAL}
 
 
@@ -39,11 +39,11 @@ def write_plan(mission: Mission, path: str | Path) -> None:
     """Write a mission with its fence and rally points as a `.plan`; the same mission gives the same bytes.
 
     Args:
-        mission: what is written; its parameters go beside it (NAME.params).
+        mission: to write; its parameters go to NAME.params next to the file.
         path: of the file.
 
     Raises:
-        BadInput: the file cannot be written, or the mission holds a place that is no number, or a jump to nowhere.
+        BadInput: the file cannot be written, a coordinate is no number, or a jump has no target.
 
     Example:
         >>> from ipoa_mission import read_mission, write_plan
@@ -53,20 +53,20 @@ def write_plan(mission: Mission, path: str | Path) -> None:
 
 
 def plan_text(mission: Mission) -> str:
-    """The text of such a file.
+    """Return the text of a `.plan`.
 
     Raises:
-        BadInput: the mission holds what no `.plan` can.
+        BadInput: a `.plan` cannot hold the mission.
     """
     return json.dumps(_plan(mission), indent=4, sort_keys=True, allow_nan=False) + "\n"
 
 
 def parse_plan(path: Path, text: str, autopilot: Autopilot | None = None) -> MissionFile:
-    """What a `.plan` says, by QGroundControl, MAVSDK or us; surveys and corridor scans become their waypoints.
+    """Read a `.plan` of QGroundControl, MAVSDK or this package; surveys and corridor scans become their waypoints.
 
-    `path` is for messages; `autopilot`, if given, goes before the file's `firmwareType` and `vehicleType`. What is
-    wrong with the file but harms nothing is in `findings`: a home without altitude, a fence without version; and as an
-    error, which `check` shows and which stops an upload: an `Altitude` that is not the one in `params`.
+    `path` is for messages. `autopilot`, if given, overrides `firmwareType` and `vehicleType`.
+    `findings` holds harmless faults, such as a home without altitude or a fence without version.
+    An `Altitude` that differs from `params` is an error there, which stops an upload.
 
     Raises:
         BadInput: the message names the place, as in `campus.plan: mission.items[3].params: expected 7 numbers, not 6`.
@@ -143,12 +143,12 @@ def _written(items: Sequence[Item], mission: Mission) -> Iterator[dict[str, Any]
 
 
 def _check(number: int, item: Item, count: int) -> None:
-    """Refuse what every reader would."""
+    """Refuse an item that every reader refuses."""
     where = f"item {number} ({command_name(item.command)})"
     if _has_altitude(item) and not math.isfinite(item.altitude):
         raise BadInput(f"expected an altitude, not {item.altitude}", code="altitude-missing", place=where)
     if item.command == Command.DO_JUMP and item.params[0] not in range(1, count + 1):
-        words = f"expected the number of an item, 1 to {count}, not {item.params[0]:g}"
+        words = f"expected an item number from 1 to {count}, not {item.params[0]:g}"
         raise BadInput(words, code="jump-target", place=f"{where}: param1")
 
 
@@ -193,7 +193,7 @@ def _place(place: Geodetic, what: str) -> list[float | int | None]:
 
 
 def _tidy(value: float) -> float | int | None:
-    """A number as QGroundControl writes it: whole numbers without a point, NaN as null."""
+    """Return a number as QGroundControl writes it: whole numbers without a point, NaN as null."""
     if not math.isfinite(value):
         return None
     return int(value) if abs(value) < 1e15 and value == int(value) else value
@@ -203,10 +203,10 @@ def _tidy(value: float) -> float | int | None:
 
 
 def autopilot_in(node: Node, mav_type: int = QUADROTOR) -> Autopilot:
-    """The autopilot that a MAV_AUTOPILOT number stands for, on this class of vehicle if one is registered for it.
+    """Return the autopilot of a MAV_AUTOPILOT number, for this class of vehicle if one is registered for it.
 
     Raises:
-        BadInput: it is none that is known.
+        BadInput: the number is unknown.
     """
     if not isinstance(node.value, bool):
         of_firmware = [one for one in registered() if one.mav_autopilot == node.value]
@@ -214,7 +214,7 @@ def autopilot_in(node: Node, mav_type: int = QUADROTOR) -> Autopilot:
             return autopilot
     numbers = sorted({(one.mav_autopilot, one.firmware_name) for one in registered()})
     known = " or ".join(f"{number} ({name})" for number, name in numbers)
-    raise node.wrong(known, hint="say which autopilot the plan is for")
+    raise node.wrong(known, hint="name the plan's autopilot")
 
 
 def _home(node: Node) -> Geodetic:
@@ -227,9 +227,9 @@ def _home(node: Node) -> Geodetic:
 
 @dataclass(frozen=True)
 class ListedItem:
-    """An item, where it stands in its file, what DO_JUMP calls it, and the height of the scan that it begins [m].
+    """Hold an item of a file: its node, its number for DO_JUMP, and the height of a scan that it begins [m].
 
-    `part_of` is the complex item in which it stands.
+    `part_of` is its complex item.
     """
 
     item: Item
@@ -252,7 +252,7 @@ def _items(listed: list[ListedItem]) -> list[Item]:
 
 
 def _check_numbers(listed: list[ListedItem]) -> Iterator[Finding]:
-    """Items are numbered from 1 on: another number says that some are missing, doubled or moved."""
+    """Report a number out of sequence: items may be missing, doubled or moved."""
     for due, entry in enumerate(listed, start=1):
         if entry.jump_id not in (None, due):
             words = f"{entry.node.place}.doJumpId: {entry.jump_id} where {due} is due: is an item missing or moved?"
@@ -290,7 +290,7 @@ def _complex(node: Node) -> list[ListedItem]:
 
 
 def read_item(node: Node) -> ListedItem:
-    """A SimpleItem of any version.
+    """Read a SimpleItem of any version.
 
     Raises:
         BadInput: the message names the place.
@@ -315,7 +315,7 @@ def read_item(node: Node) -> ListedItem:
 
 
 def _seven(node: Node) -> list[Node]:
-    """param1 to param7; version 1 has four in `params`, or each by its name, and the place in `coordinate`."""
+    """Return param1 to param7; version 1 has four in `params` or by name, and the rest in `coordinate`."""
     coordinate = node.get("coordinate")
     if coordinate is None:
         return node["params"].array(7, "numbers")
@@ -324,12 +324,12 @@ def _seven(node: Node) -> list[Node]:
     return [*first, *coordinate.array(3, "numbers (latitude, longitude, altitude)")]
 
 
-#: Commands for which (0, 0) means the place where the vehicle is.
+#: Commands for which (0, 0) means the vehicle's position.
 MAY_BE_HERE = {Command.NAV_TAKEOFF, Command.NAV_LAND}
 
 
 def _check_altitude(node: Node, frame: int, param7: float) -> None:
-    """QGroundControl flies by `AltitudeMode`, everyone else by `frame` and params[6]: they must not differ."""
+    """Report an `AltitudeMode` or `Altitude`, which QGroundControl flies, that differs from `frame` or params[6]."""
     mode, altitude = node.get("AltitudeMode"), node.get("Altitude")
     if mode is not None and mode.value is not None and frame != Frame.MISSION:
         of_mode = FRAME_OF_MODE.get(mode.whole("a number from 0 to 5", 0, 5))
@@ -359,7 +359,7 @@ def _fence(node: Node | None) -> tuple[FencePolygon | FenceCircle, ...]:
     else:
         node.note("the fence names no version: taken for version 2")
     if node.get("breachReturn"):
-        node["breachReturn"].note("a return point is not kept")
+        node["breachReturn"].note("the return point is dropped")
     polygons, circles = node.get("polygons"), node.get("circles")
     return (
         *(_read_polygon(child) for child in (polygons.array() if polygons else [])),

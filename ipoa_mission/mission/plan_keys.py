@@ -1,4 +1,4 @@
-"""Name what a `.plan` holds that is not read, and what QGroundControl writes and it lacks."""
+"""Report keys of a `.plan` that are not read, and missing keys that QGroundControl writes."""
 
 import json
 import re
@@ -9,7 +9,7 @@ from ipoa_mission.mission.json_node import Node
 from ipoa_mission.unread import Unread, gathered
 
 FENCE, RALLY = "geoFence", "rallyPoints"
-#: The keys of each object that are read, or bear on no flight; of `[]` each member of a list.
+#: Keys of each object that are read or have no effect on a flight; `[]`: of each member of a list.
 KEYS = {
     "": {"fileType", "version", "groundStation", "mission", FENCE, RALLY, "landingGround", "UUID"},
     "landingGround": {"aboveHome", "latitude", "longitude"},
@@ -27,21 +27,21 @@ KEYS = {
     f"{FENCE}.circles[].circle": {"center", "radius"},
     RALLY: {"version", "points"},
 }
-#: What QGroundControl always writes, and a reader must assume where it is missing.
+#: Keys that QGroundControl always writes, and the assumption if one is missing.
 EXPECTED = {
-    FENCE: "taken for a mission without a fence",
-    f"{FENCE}.polygons": "taken for a fence without polygons",
-    f"{FENCE}.circles": "taken for a fence without circles",
-    RALLY: "taken for a mission without rally points",
-    f"{RALLY}.points": "taken for a mission without rally points",
-    "mission.vehicleType": "taken for a multicopter",
+    FENCE: "taken as a mission without a fence",
+    f"{FENCE}.polygons": "taken as a fence without polygons",
+    f"{FENCE}.circles": "taken as a fence without circles",
+    RALLY: "taken as a mission without rally points",
+    f"{RALLY}.points": "taken as a mission without rally points",
+    "mission.vehicleType": "taken as a multicopter",
 }
 LIMITS = re.compile("fence|rally|zone|polygon|circle|clusion", re.IGNORECASE)
 REMEDY = "spell it as QGroundControl does, or ignore this code where it limits no flight"
 
 
 def findings_of_keys(plan: Node) -> Iterator[Finding]:
-    """Find the keys that are not read: errors where they may be a fence or rally points; and what is missing."""
+    """Find missing keys, and unread ones; those that may limit a flight are errors."""
     missing = {place for place in EXPECTED if _lacks(plan, place)}
     for unread in gathered(_unread(plan, missing)):
         words = unread.words.removeprefix(f"{unread.file}: ")

@@ -1,8 +1,7 @@
-"""From a mission to the items that go over the wire, and back, for each firmware (tables: `autopilots.firmware`).
+"""Convert a mission to items on the wire and back for each firmware (tables: `vehicles.firmware_tables`).
 
-ArduPilot's list begins with home and it flies from item 1; PX4's begins with the first thing done. That is the
-oldest trap of mission uploads (a list without home is accepted, and its take-off silently vanishes), and it is
-dealt with here and nowhere else.
+ArduPilot's list begins with home and flies from item 1; PX4's begins with the first item flown. ArduPilot accepts a
+list without home, and its take-off is lost. Only this module adds and removes home.
 """
 
 import math
@@ -20,16 +19,16 @@ from ipoa_mission.vehicles.refusal import PARAM_NAMES
 from ipoa_mission.vehicles.version import Version
 from ipoa_mission.world.frame import Geodetic
 
-#: Centimetres by which an altitude may come back lower: the cut is made in single precision, and so may be one off.
+#: An altitude may come back lower by a centimeter: ArduPilot truncates it in single precision.
 ALTITUDE_SLACK = 0.0101  # [m]
-YAW_SLACK = 1e-3  # [deg], of a heading that went through radians in single precision
+YAW_SLACK = 1e-3  # [deg], of a heading converted through radians in single precision
 
 
 def to_wire(mission: Mission) -> tuple[Item, ...]:
-    """The items as `mission.autopilot` wants them: seq is the index; home first for ArduPilot, not at all for PX4.
+    """Return the items for `mission.autopilot`: seq is the index; home is first for ArduPilot, absent for PX4.
 
-    Commands without a position go in frame 2 (PX4 refuses them in any other), DO_JUMP counts as the autopilot does,
-    and NaN ("your own") becomes 0 where ArduPilot refuses NaN.
+    Commands without a position get frame 2: PX4 refuses them in any other. DO_JUMP is renumbered.
+    NaN (the autopilot's default) becomes 0 where ArduPilot refuses NaN.
     """
     own = mission.autopilot.firmware(mission.firmware_version)
     items = tuple(_spoken(item, own) for item in mission.items)
@@ -37,12 +36,12 @@ def to_wire(mission: Mission) -> tuple[Item, ...]:
 
 
 def from_wire(items: Sequence[Item], autopilot: Autopilot, home: Geodetic | None = None) -> Mission:
-    """The mission behind a downloaded list; frames lose their `_INT`, commands without a position get frame 2.
+    """Return the mission of a downloaded list; frames lose `_INT`, commands without a position get frame 2.
 
-    `home` is what the vehicle itself says; without it ArduPilot's item 0 serves.
+    `home` is reported by the vehicle; without it ArduPilot's item 0 is home.
 
     Raises:
-        MissionError: a PX4 list holds no home and none is given.
+        MissionError: a PX4 list comes without a home.
     """
     own = autopilot.firmware()
     if own.home_is_item_0:
@@ -56,21 +55,20 @@ def from_wire(items: Sequence[Item], autopilot: Autopilot, home: Geodetic | None
 
 
 def settle_frames(items: Sequence[Item], autopilot: Autopilot) -> tuple[Item, ...]:
-    """The items with frames as a `Mission` and its files have them: no `_INT`, and frame 2 for what has no position."""
+    """Return the items with the frames of a `Mission` and its files: no `_INT`, and frame 2 without a position."""
     return tuple(replace(item, frame=_plain_frame(item, autopilot.firmware())) for item in items)
 
 
 def home_item(home: Geodetic) -> Item:
-    """Item 0 of ArduPilot's list and of a `.waypoints` file: a waypoint at home, frame 0, AMSL."""
+    """Return item 0 of ArduPilot's list and of a `.waypoints` file: a waypoint at home, frame 0, AMSL."""
     return Item(Command.NAV_WAYPOINT, Frame.GLOBAL, (0.0,) * 4, home.latitude_deg, home.longitude_deg, home.altitude)
 
 
 def as_stored(items: Sequence[Item], autopilot: Autopilot, version: Version | None = None) -> tuple[Item, ...]:
-    """What reading back is known to give for items sent (mission, fence or rally), frames without their `_INT`.
+    """Return sent items (mission, fence or rally) as the firmware stores them, with frames without `_INT`.
 
-    ArduPilot answers with its own home as item 0 of a mission: that one is given as sent. Floats are as MAVLink
-    carries them, single precision; an item that the firmware does not know stays as it is.
-    `version`: left out, the newest.
+    Item 0 of an ArduPilot mission is returned as sent, although the vehicle answers with its own home.
+    Floats are single precision; an unknown item is unchanged. `version`: the newest by default.
     """
     own = autopilot.firmware(version)
     return tuple(_stored(item, own) for item in items)
@@ -78,7 +76,7 @@ def as_stored(items: Sequence[Item], autopilot: Autopilot, version: Version | No
 
 @dataclass(frozen=True)
 class Difference:
-    """The first thing that is not as it was sent; `seq` is the number on the wire, None if the counts differ."""
+    """Describe the first difference; `seq` is the number on the wire, None if the counts differ."""
 
     seq: int | None
     field: str
@@ -93,11 +91,10 @@ class Difference:
 def compare(
     sent: Sequence[Item], got: Sequence[Item], autopilot: Autopilot, version: Version | None = None
 ) -> Difference | None:
-    """The first difference between a list sent and the list read back, beyond what the firmware is known to change.
+    """Return the first difference between sent and received items beyond known changes by the firmware.
 
-    Both as on the wire. A field agrees if it is as sent or as this firmware stores it; positions to the last degE7.
-    `version` of the firmware: left out, an item agrees that any version would store so.
-    ArduPilot's item 0 is its own home and not compared.
+    Both lists are as on the wire. A field agrees as sent or as stored; positions to the last degE7.
+    Without a `version` an item agrees if any version stores it so. ArduPilot's item 0 (home) is not compared.
     """
     versions = (version,) if version else [Version(*series) for series in reversed(autopilot.tables.series)]
     newest, *older = (autopilot.firmware(one) for one in versions)
@@ -140,11 +137,11 @@ def _is_home(item: Item) -> bool:
     return item.command == Command.NAV_WAYPOINT and plain_frame(item.frame) == Frame.GLOBAL
 
 
-# --- what is kept -----------------------------------------------------------------------------------------------
+# --- stored values ----------------------------------------------------------------------------------------------
 
 
 def _single(value: float) -> float:
-    """The number as MAVLink carries it; what does not fit is infinite."""
+    """Return the number in single precision; infinite beyond its range."""
     with np.errstate(over="ignore"):
         return float(np.float32(value))
 
@@ -154,7 +151,7 @@ def _whole(value: float) -> float:
 
 
 def _centimeters(value: float) -> float:
-    """Cut as ArduPilot cuts: times a hundred in single precision, then to an integer."""
+    """Truncate as ArduPilot does: times 100 in single precision, then to an integer."""
     scaled = _single(_single(value) * 100.0)
     return _single(_single(math.trunc(scaled)) / 100.0) if math.isfinite(scaled) else 0.0
 
@@ -207,11 +204,11 @@ def _stored_frame(item: Item, firmware: Firmware) -> int:
     frame = plain_frame(item.frame)
     unplaced = item.command in firmware.plain and item.command not in firmware.placed
     if firmware.home_is_item_0 and (unplaced or frame == Frame.MISSION or item.command in firmware.fence):
-        return int(Frame.GLOBAL)  # ArduPilot has no frame 2 in its store, and gives a fence no frame at all
+        return int(Frame.GLOBAL)  # ArduPilot stores no frame 2, and no frame for a fence
     return frame
 
 
-# --- what differs -----------------------------------------------------------------------------------------------
+# --- differences ------------------------------------------------------------------------------------------------
 
 
 def _first_difference(sent: Item, got: Item, firmware: Firmware) -> tuple[str, str, str] | None:
@@ -230,11 +227,11 @@ def _first_difference(sent: Item, got: Item, firmware: Firmware) -> tuple[str, s
     return None
 
 
-UNKNOWN = "....dd."  # of a command that is in no table: nothing is known to change
+UNKNOWN = "....dd."  # of an unknown command: assume no change
 
 
 def values_of(item: Item) -> tuple[float, ...]:
-    """param1 to param7."""
+    """Return param1 to param7."""
     return (*item.params, item.latitude_deg, item.longitude_deg, item.altitude)
 
 

@@ -1,7 +1,7 @@
-"""Lay out structure scans from their geometry as QGroundControl does, which never stores their waypoints.
+"""Lay out structure scans from their geometry as QGroundControl does, which does not store their waypoints.
 
-A round a layer, at a distance beside the structure, the camera looking at it from half the height of a layer; a
-waypoint at the entrance before and after. Layers are counted from the structure's height, its bottom and the footprint.
+Each layer is one round at a distance from the structure; the camera looks at it from half the layer's height.
+A waypoint at the entrance is before and after. Layers follow from the structure's height, its bottom and the footprint.
 """
 
 import math
@@ -17,12 +17,12 @@ from ipoa_mission.world.frame import Geodetic
 from ipoa_mission.world.spherical_plane import SphericalPlane
 
 LAYERS_MOST = 200
-LOOK_ASIDE = 90.0  # the camera's yaw from the way to the next waypoint [deg]
-LEAST_SIDE = 1e-3  # of the round [m]
+LOOK_ASIDE = 90.0  # camera yaw relative to the direction of the next waypoint [deg]
+LEAST_SIDE = 1e-3  # shortest side of the round [m]
 
 
 def lay_out(node: Node) -> tuple[list[Item], float]:
-    """The items of a structure scan, and how far its top is above its bottom [m].
+    """Return the items of a structure scan, and the height from its bottom to its top [m].
 
     Raises:
         BadInput: the complex item is no structure scan, or its geometry is incomplete.
@@ -32,7 +32,7 @@ def lay_out(node: Node) -> tuple[list[Item], float]:
         raise BadInput(
             f'expected the waypoints of the complex item "{name}", but it holds none',
             place=node.where,
-            hint="open the plan in QGroundControl and save it: that writes the waypoints",
+            hint="open the plan in QGroundControl and save it to write the waypoints",
         )
     camera = node["CameraCalc"]
     layer = camera["AdjustedFootprintFrontal"]
@@ -60,8 +60,8 @@ def lay_out(node: Node) -> tuple[list[Item], float]:
 
 
 def _round(polygon: Node, distance: float) -> list[Geodetic]:
-    """The corners of the round beside a polygon, clockwise from its first corner."""
-    from shapely import Polygon  # takes long to import, and few plans need it
+    """Return the corners of the round about a polygon, clockwise from its first corner."""
+    from shapely import Polygon  # slow to import, and rarely needed
 
     corners = polygon.corners(3)
     about = SphericalPlane(*corners[0].tolist())
@@ -71,25 +71,27 @@ def _round(polygon: Node, distance: float) -> list[Geodetic]:
     forth = np.roll(plane, -1, axis=0) - plane
     sides = np.linalg.norm(forth, axis=1)
     if not (sides > LEAST_SIDE).all() or _area(plane) == 0:
-        raise polygon.wrong("a polygon with an area, whose corners differ")
+        raise polygon.wrong("a polygon with an area and distinct corners")
     forth /= sides[:, None]
     found = np.array([_corner(plane[n], forth[n - 1], forth[n], distance) for n in range(len(plane))])
     ahead = ((np.roll(found, -1, axis=0) - found) * forth).sum(axis=1)
     if not (np.isfinite(found).all() and (ahead > LEAST_SIDE).all() and Polygon(found).is_valid):
-        words = f"expected sides that have room at {distance:g} m beside the structure"
-        raise BadInput(words, hint="give the structure fewer corners, or scan it from nearer by", place=polygon.where)
+        words = f"expected a round with room for each side at {distance:g} m from the structure"
+        raise BadInput(
+            words, hint="give the structure fewer corners, or scan it from a shorter distance", place=polygon.where
+        )
     latitude, longitude = about.to_geodetic(*found.T)
     return [Geodetic(float(lat), float(lon)) for lat, lon in zip(latitude, longitude, strict=True)]
 
 
 def _area(plane: Points) -> float:
-    """Twice the area of a polygon [m^2], above zero if it turns counter-clockwise."""
+    """Return twice the area of a polygon [m^2], positive if it turns counter-clockwise."""
     x, y = plane.T
     return float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
 
 def _corner(corner: Points, into: Points, out: Points, distance: float) -> Points:
-    """Where the sides into and out of a clockwise corner meet, moved outwards by a distance."""
+    """Return the corner of a clockwise polygon between its two sides moved outwards by `distance` [m]."""
     left, next_left = np.array([-into[1], into[0]]), np.array([-out[1], out[0]])
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(corner + distance * (left + next_left) / (1.0 + float(left @ next_left)))

@@ -1,7 +1,7 @@
-"""`.waypoints` (QGC WPL 110): twelve fields a line, home on line 0; written strictly, read leniently.
+"""Write `.waypoints` files (QGC WPL 110) strictly and read them leniently: 12 fields a line, home on line 0.
 
-The format holds neither a fence, nor rally points, nor which autopilot it is for. Ground stations take a terrain
-altitude in it for AMSL, so none is written. PX4 turns the vehicle north where a param4 of NaN becomes 0: NaN stays.
+The format holds no fence, no rally points and no autopilot. No terrain altitude is written: ground stations take it as
+AMSL. NaN is kept: PX4 turns the vehicle north where param4 is 0.
 """
 
 import math
@@ -25,7 +25,7 @@ from ipoa_mission.world.frame import Geodetic
 SUFFIX, FIRST_LINE = ".waypoints", "QGC WPL 110"
 TAKEOFF_LOST = "QGroundControl 4.4 loses the take-off of a .waypoints file: open the .plan there"
 HOMEWARDS = ": its RTL flies home, by another way, time and energy"
-NO_COMMAND = 0  # what Mission Planner gives a home that it does not know
+NO_COMMAND = 0  # of a home that Mission Planner does not know
 OTHER_LISTS = frozenset({*POLYGON, *CIRCLE, Command.NAV_FENCE_RETURN_POINT, Command.NAV_RALLY_POINT})
 PARAMS = ("param1", "param2", "param3", "param4")
 FIELDS = ("seq", "current", "frame", "command", *PARAMS, "latitude", "longitude", "altitude", "autocontinue")
@@ -35,11 +35,11 @@ def write_waypoints(mission: Mission, path: str | Path) -> tuple[str, ...]:
     """Write home and items as a `.waypoints` file; the same mission gives the same bytes.
 
     Args:
-        mission: what is written; its parameters go beside it (NAME.params).
+        mission: to write; its parameters go to NAME.params next to the file.
         path: of the file.
 
     Returns:
-        In words: what the format cannot hold, or a reader loses.
+        Losses in words: data that the format cannot hold, or a reader drops.
 
     Raises:
         BadInput: the file cannot be written, or an altitude is above terrain or no number.
@@ -54,7 +54,7 @@ def write_waypoints(mission: Mission, path: str | Path) -> tuple[str, ...]:
 
 
 def waypoints_text(mission: Mission) -> str:
-    """The text of such a file.
+    """Return the text of a `.waypoints` file.
 
     Raises:
         BadInput: an altitude is above terrain or no number.
@@ -69,13 +69,13 @@ def waypoints_text(mission: Mission) -> str:
 
 
 def lost_in_waypoints(mission: Mission) -> tuple[str, ...]:
-    """What a `.waypoints` file cannot hold, or QGroundControl loses of it, in words."""
+    """Describe the losses in a `.waypoints` file: by the format, or in QGroundControl."""
     takes_off = any(item.command in TAKEOFFS for item in mission.items)
     return (*left_out(mission), *([TAKEOFF_LOST] if takes_off else []))
 
 
 def left_out(mission: Mission) -> tuple[str, ...]:
-    """What of a mission a `.waypoints` file cannot hold, in words."""
+    """Describe the parts of a mission that a `.waypoints` file cannot hold."""
     parts = (
         ("the geofence cannot be held by a .waypoints file", mission.fence),
         (f"the rally points cannot be held by a .waypoints file{HOMEWARDS}", mission.rally),
@@ -84,10 +84,10 @@ def left_out(mission: Mission) -> tuple[str, ...]:
 
 
 def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -> MissionFile:
-    """What home and items a text has, of the file at `path`; CRLF, blank lines and `#` comments are let pass.
+    """Read home and items from the text of the file at `path`; CRLF, blank lines and `#` comments are accepted.
 
-    Read and noted in `findings`: numbers that leave some out (items are numbered by their lines, as MAVProxy does), a
-    home at 0, 0 (the first place stands in for it), a file that holds a fence or rally points only.
+    `findings` reports wrong line numbers (items are numbered by lines, as MAVProxy does) and a file of another list.
+    It reports a home at 0, 0, which the first place of the mission replaces.
 
     Raises:
         BadInput: the message names line and field, as in `a.waypoints: line 4: latitude: expected a number, not "x"`.
@@ -110,16 +110,16 @@ def parse_waypoints(path: Path, text: str, autopilot: Autopilot | None = None) -
     home = Geodetic(first.latitude_deg, first.longitude_deg, first.altitude)
     if (home.latitude_deg, home.longitude_deg) == (0.0, 0.0) and (places := [i for i in items if i.has_position]):
         home = replace(home, latitude_deg=places[0].latitude_deg, longitude_deg=places[0].longitude_deg)
-        message = "home: 0, 0 stands for no place: the first place of the mission is taken for it"
+        message = "home: 0, 0 is no place: the first place of the mission is used"
         findings.append(Finding("file-home", Severity.WARNING, 0, message))
     if first.frame not in (Frame.GLOBAL, Frame.GLOBAL_INT):
-        message = f"home: its altitude is taken as AMSL, though its frame is {first.frame}, not 0"
+        message = f"home: its altitude is taken as AMSL, but its frame is {first.frame}, not 0"
         findings.append(Finding("file-home", Severity.WARNING, 0, message))
     return MissionFile(Mission(home, items, autopilot), tuple(findings), text, SUFFIX)
 
 
 def _other_list(path: Path, text: str, items: list[Item], autopilot: Autopilot) -> MissionFile:
-    """A fence or rally points that were saved as waypoints; item 0 may be a home."""
+    """Read a fence or rally points saved as waypoints; item 0 may be a home."""
     items = items[1:] if items[0].command == Command.NAV_WAYPOINT else items
     is_rally = items[0].command == Command.NAV_RALLY_POINT
     home = Geodetic(items[0].latitude_deg, items[0].longitude_deg, 0.0)
@@ -159,7 +159,7 @@ def _check(number: int, item: Item) -> None:
 
 
 def _without_nan(item: Item) -> Item:
-    """The item with 0 for NaN, which means the same to ArduPilot: its own ground stations cannot read NaN."""
+    """Return the item with 0 for NaN, which is the same to ArduPilot: its ground stations cannot read NaN."""
     p1, p2, p3, p4 = (0.0 if math.isnan(param) else param for param in item.params)
     return replace(item, params=(p1, p2, p3, p4))
 
@@ -172,7 +172,7 @@ def _line(seq: int, item: Item) -> str:
 
 
 def _number(value: float, least_digits: int = 6) -> str:
-    """The shortest decimal that reads back as the same number, without an exponent."""
+    """Return the shortest decimal that reads back as the same number, without an exponent."""
     return np.format_float_positional(value, unique=True, min_digits=least_digits)
 
 
@@ -180,7 +180,7 @@ def _number(value: float, least_digits: int = 6) -> str:
 
 
 class _Line:
-    """The fields of one line, by name."""
+    """Hold the fields of one line, by name."""
 
     def __init__(self, path: Path, number: int, fields: list[str]) -> None:
         self.number, self.where = number, f"{path}: line {number}"
@@ -189,7 +189,7 @@ class _Line:
         self.fields = dict(zip(FIELDS, fields, strict=True))
 
     def value(self, name: str) -> float:
-        """A finite number; params may also be `nan`."""
+        """Return a finite number; params may also be `nan`."""
         if not NUMBER.fullmatch(self.fields[name]):
             raise self.wrong(name, "a number")
         value = float(self.fields[name])
@@ -198,21 +198,21 @@ class _Line:
         raise self.wrong(name, "a finite number")
 
     def degrees(self, name: str) -> float:
-        """Degrees that MAVLink can carry; a latitude beyond 90 is left to the check of the mission."""
+        """Return degrees that MAVLink can carry; `check` reports a latitude beyond 90."""
         value = self.value(name)
         if abs(value) > 180:
             raise self.wrong(name, "degrees from -180 to 180")
         return value
 
     def whole(self, name: str, most: int) -> int:
-        """A whole number from 0 to `most`."""
+        """Return a whole number from 0 to `most`."""
         value = self.value(name)
         if not (value.is_integer() and 0 <= value <= most):
             raise self.wrong(name, f"a whole number from 0 to {most}")
         return int(value)
 
     def wrong(self, name: str, expected: str) -> BadInput:
-        """The error that says what was expected in a field."""
+        """Return an error with the expected and the actual value of a field."""
         return BadInput(f'expected {expected}, not "{self.fields[name][:40]}"', place=f"{self.where}: {name}")
 
 
@@ -227,13 +227,13 @@ def _rows(path: Path, text: str) -> Iterator[tuple[_Line, Item]]:
 
 
 def _check_numbers(rows: Sequence[tuple[_Line, Item]]) -> Iterator[Finding]:
-    """Items are numbered by their lines; a file that numbers them otherwise must not jump by its numbers."""
+    """Number items by their lines; refuse other numbers in a file with jumps, else report them."""
     has_jump = any(item.command == Command.DO_JUMP for _, item in rows)
     for count, (line, _) in enumerate(rows):
         if line.whole("seq", 65535) != count:
             if has_jump:
                 raise line.wrong("seq", f"{count} (a jump counts on it)")
-            message = f"line {line.number}: seq {line.fields['seq']} stands where {count} is due: numbered by lines"
+            message = f"line {line.number}: seq {line.fields['seq']} is not {count}: items are numbered by their lines"
             yield Finding("file-numbers", Severity.WARNING, count, message)
             return
 

@@ -1,4 +1,4 @@
-"""Decide which autopilot a `.waypoints` file is for: the format does not say it."""
+"""Find the autopilot of a `.waypoints` file, which does not name it."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -9,7 +9,7 @@ from ipoa_mission.vehicles.autopilot import Autopilot, registered
 
 
 def only_taker(items: Sequence[Item]) -> tuple[Autopilot, str] | None:
-    """Find the one autopilot that takes all items, and why no other does; None where none or several do."""
+    """Find the one autopilot that takes all items, and why no other does; None if none or several do."""
     against = {one: next(_unlike(items, one), None) for one in registered()}
     takers = [one for one, why in against.items() if why is None]
     if len(takers) != 1:
@@ -18,7 +18,7 @@ def only_taker(items: Sequence[Item]) -> tuple[Autopilot, str] | None:
 
 
 def _unlike(items: Sequence[Item], autopilot: Autopilot) -> Iterator[str]:
-    """Name what a mission for this autopilot would not hold."""
+    """Yield differences from a mission for this autopilot."""
     own = autopilot.firmware()
     for seq, item in enumerate(items, start=1):
         at, placed = f"item {seq} ({command_name(item.command)})", item.command in own.placed

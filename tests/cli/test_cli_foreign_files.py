@@ -141,7 +141,7 @@ REFUSED = [
     (f"{MAVSDK}_without_mission.plan", 'expected "mission", but there is none'),
     (f"{MAVSDK}_wrong_mission_version.plan", "mission.version: expected 2, not 7"),
     (f"{MAVSDK}_wrong_overall_version.plan", "version: expected 1, not 42"),
-    ("nxxvaa+fence_test/mission.waypoints", "expected a polygon of 5 vertices, but it breaks off"),
+    ("nxxvaa+fence_test/mission.waypoints", "expected a polygon of 5 vertices, but the list ends before"),
 ]
 
 

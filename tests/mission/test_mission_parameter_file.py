@@ -79,7 +79,7 @@ def test_a_broken_line_is_named(tmp_path: Path, line: str, message: tuple[str, .
         (
             "WPNAV_SPEED 500\nWPNAV_SPEED 800\nWPNAV_SPEED 800\n",
             {"WPNAV_SPEED": 800.0},
-            ['values of parameters that have another one further below: line 1: WPNAV_SPEED ("500")'],
+            ['values of parameters that a later line overrides: line 1: WPNAV_SPEED ("500")'],
         ),
         (
             "1 1 NAV_ACC_RAD 3 9\n1 100 NAV_ACC_RAD 9 9\n2 1 NAV_ACC_RAD 8 9\n",
@@ -94,7 +94,7 @@ def test_a_broken_line_is_named(tmp_path: Path, line: str, message: tuple[str, .
         (
             "WP_SPD 8\nWPNAV_SPEED 500\n",
             {"WP_SPD": 8.0, "WPNAV_SPEED": 500.0},
-            ['old name beside WP_SPD: line 2: WPNAV_SPEED ("500")'],
+            ['old name next to WP_SPD: line 2: WPNAV_SPEED ("500")'],
         ),
         (
             "WP_SPD 800\n",
@@ -109,14 +109,14 @@ def test_a_broken_line_is_named(tmp_path: Path, line: str, message: tuple[str, .
         (
             "#\n# Vehicle: Fixed Wing\n1 1 NAV_ACC_RAD 3 9\n",
             {"NAV_ACC_RAD": 3.0},
-            ['the class of its vehicle: taken for a multicopter: header ("Fixed Wing")'],
+            ['the vehicle\'s class: taken as multicopter: header ("Fixed Wing")'],
         ),
         (
             "WPNAV_SPEED,80",
             {"WPNAV_SPEED": 80.0},
-            ['what may follow: its last line has no end: line 1 ("WPNAV_SPEED")'],
+            ['the rest, if any: the last line has no line end: line 1 ("WPNAV_SPEED")'],
         ),
-        ("# only words\n", {}, ["parameters: there are none: the file"]),
+        ("# only words\n", {}, ["parameters: the file has none: the file"]),
     ],
 )
 def test_what_a_parameter_file_says_twice_or_oddly_is_named(
@@ -145,9 +145,7 @@ def test_a_whole_list_is_asked_for_what_it_lacks(tmp_path: Path) -> None:
     assert read_parameter_file(path).unread == ()
     path.write_text(path.read_text().replace("MPC_XY_CRUISE", "MPC_XY_KRUISE"))
     (unread,) = read_parameter_file(path).unread
-    assert unread.words.endswith(
-        "not read: parameters that are not in the list: their defaults are taken: MPC_XY_CRUISE"
-    )
+    assert unread.words.endswith("not read: parameters missing in the list: their defaults apply: MPC_XY_CRUISE")
 
 
 @given(

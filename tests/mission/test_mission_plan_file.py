@@ -192,7 +192,7 @@ def test_a_return_point_of_the_fence_is_reported_as_not_kept(tmp_path: Path) -> 
     path = tmp_path / "breach.plan"
     path.write_text(json.dumps(plan))
     assert [str(f) for f in read_mission_file(path).findings] == [
-        "warning: geoFence.breachReturn: a return point is not kept"
+        "warning: geoFence.breachReturn: the return point is dropped"
     ]
 
 

@@ -103,7 +103,7 @@ def test_stored_items_go_before_the_geometry_and_the_file_is_kept(tmp_path: Path
         ({"StructureHeight": 9e4}, "expected a structure of at most 200 layers"),
         ({"polygon": SQUARE[:2]}, "expected 3 corners or more"),
         ({"polygon": [SQUARE[0]] * 4}, "expected a polygon with an area"),
-        ({"polygon": [*SQUARE, *NOTCH]}, "expected sides that have room at 50 m beside the structure"),
+        ({"polygon": [*SQUARE, *NOTCH]}, "expected a round with room for each side at 50 m from the structure"),
         ({"EntranceAltitude": None}, "EntranceAltitude: expected metres"),
     ],
 )

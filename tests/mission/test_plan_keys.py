@@ -63,9 +63,9 @@ def test_a_limit_that_is_not_read_is_an_error(tmp_path: Path, changes: dict[str,
     ("changes", "words"),
     [
         ({}, []),
-        ({"geoFence": None}, ["geoFence: missing: taken for a mission without a fence"]),
-        ({"rallyPoints": {}}, ["rallyPoints.points: missing: taken for a mission without rally points"]),
-        ({"mission__vehicleType": None}, ["mission.vehicleType: missing: taken for a multicopter"]),
+        ({"geoFence": None}, ["geoFence: missing: taken as a mission without a fence"]),
+        ({"rallyPoints": {}}, ["rallyPoints.points: missing: taken as a mission without rally points"]),
+        ({"mission__vehicleType": None}, ["mission.vehicleType: missing: taken as a multicopter"]),
         ({"mission__hoverspeed": 5}, ['not read: key "hoverspeed": mission ("5")']),
         ({"mission__items": [ITEM | {"altitude": 9}] * 2},
          ['not read: key "altitude": 2 times, first mission.items[0] ("9")']),
@@ -96,4 +96,4 @@ def test_a_home_of_another_frame_is_named(tmp_path: Path) -> None:
     path = tmp_path / "a.waypoints"
     path.write_text("QGC WPL 110\n0\t1\t3\t16\t0\t0\t0\t0\t47\t8\t400\t1\n1\t0\t3\t16\t0\t0\t0\t0\t47\t8\t30\t1\n")
     (finding,) = read_mission_file(path).findings
-    assert finding.message == "home: its altitude is taken as AMSL, though its frame is 3, not 0"
+    assert finding.message == "home: its altitude is taken as AMSL, but its frame is 3, not 0"
