@@ -33,7 +33,7 @@ class LinkDown(MissionError):
 class Channel(Protocol):
     """Carry bytes, and provide the clock that belongs to them."""
 
-    #: Whether bytes come in datagrams of whole frames.
+    #: True if bytes come in datagrams of whole frames.
     datagrams: bool
 
     def now(self) -> float:

@@ -21,7 +21,7 @@ MAGIC_1, MAGIC_2 = 0xFE, 0xFD
 SIGNED = 0x01  # incompat_flags bit
 HEADER_BYTES = 10  # of MAVLink 2
 SIGNATURE_BYTES = 13
-#: Where a frame may begin: a MAVLink 2 length is followed by flags, of which only the signature's is known.
+#: Possible start of a frame: a MAVLink 2 length is followed by flags, of which only the signature's is known.
 _BEGINNING = re.compile(rb"\xfe|\xfd(?=.[\x00\x01]|.?\Z)", re.DOTALL)
 RADIO_STATUS = "RADIO_STATUS"
 _HEADER = struct.Struct("<BBBBBBHB")  # after the magic byte

@@ -1,7 +1,7 @@
 """Start a mission from the ground at a known item, in the order that each firmware needs.
 
-The vehicle is armed only after it has reported that it is disarmed, begins at the right item, could be armed in
-the arming mode, and holds exactly the lists that were uploaded. A refusal after the arming disarms it again, unless
+The vehicle is armed only if it reports four facts: it is disarmed, begins at the right item, could be armed in the
+arming mode, and holds the uploaded lists. A refusal after the arming disarms it again, unless
 it may be in the air.
 """
 
@@ -266,7 +266,7 @@ def _order(what: str, number: int, *params: float) -> Dialogue[None]:
 
 
 def _disarm_on_ground(state: VehicleState) -> Dialogue[None]:
-    """Disarm a vehicle that reports to be on the ground, anew before each order.
+    """Disarm a vehicle that reports to be on the ground; wait for a new report before each order.
 
     Do nothing to a vehicle that flies, takes off, or does not report its landed state.
     """

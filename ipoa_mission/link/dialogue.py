@@ -1,15 +1,15 @@
-"""A conversation is a generator; `Exchange` gives it a clock.
+"""Dialogues are generators; `Exchange` runs one against a clock.
 
-A dialogue yields what it wants to say and is sent what it hears, so its code reads like the sequence diagram:
+A dialogue yields a step and is sent a heard message, so its code reads like the sequence diagram:
 
-    heard = yield Ask(Count(3))      # said again until something is heard that the dialogue acts upon
-    heard = yield Tell(item)         # said once: it is the other side's turn to ask again
-    heard = yield Pause(2.0)         # nothing is said; `None` is heard when the time is up
-    yield Remark(Ack(...))           # said by the way; goes on at once, and what was awaited stays awaited
-    heard = yield None               # that was not for us: keep listening as before
+    heard = yield Ask(Count(3))      # sent repeatedly until the dialogue acts on an answer
+    heard = yield Tell(item)         # sent once: repeating is up to the other side
+    heard = yield Pause(2.0)         # nothing is sent; returns `None` at the timeout
+    yield Remark(Ack(...))           # sent once; returns at once, and the earlier wait continues
+    heard = yield None               # the message was irrelevant: continue the earlier wait
 
-What ends an `Exchange` is the dialogue: it returns, or raises. When the other side stays silent, `NoAnswer` is thrown
-into it at the place where it waits, so a dialogue can try another way.
+The dialogue ends its `Exchange` by a return or an error. If the other side stays silent, `NoAnswer` is raised in the
+dialogue where it waits, so that it can try another way.
 """
 
 import math
@@ -22,12 +22,12 @@ from ipoa_mission.link.item_run import ItemRun, ItemsRead, ItemsSent
 from ipoa_mission.link.messages import Ack, CommandAck, Count, FileTransfer, ItemAt, Message, Request
 
 T = TypeVar("T")
-#: What is said only in answer to something; the rest is also sent unasked.
+#: Messages that only answer others; all others are also sent unasked.
 ANSWERS = (Ack, CommandAck, Count, FileTransfer, ItemAt, Request)
 
 
 class Unfinished(MissionError):
-    """A dialogue came to no end; `holds` is the list that the vehicle holds now, where something is known of it."""
+    """A dialogue did not complete; `holds` is the list that the vehicle holds now, if anything is known of it."""
 
     def __init__(
         self,
@@ -45,26 +45,26 @@ class Unfinished(MissionError):
 
 
 class NoAnswer(Unfinished):
-    """The other side said nothing for as long as our patience lasts."""
+    """The other side was silent until the last timeout."""
 
 
 class Silence(MissionError):
-    """The other side, which speaks unasked, has said nothing for a while: who speaks next may be somebody else."""
+    """A vehicle that sends unasked is silent: another one may be heard next."""
 
 
 class Cancelled(Unfinished):
-    """The user took it back; the message says what the vehicle holds now."""
+    """The user cancelled; the message reports what the vehicle holds now."""
 
 
 class TimeUp(Unfinished):
-    """What was to be done took longer than the user allows."""
+    """The user's time limit is over."""
 
 
 @dataclass(frozen=True)
 class Ask:
-    """Say this, again and again, until an answer comes; `item`: one of many, for which the shorter timer holds.
+    """Send repeatedly until an answer comes; `item`: use the shorter timer of list items.
 
-    `run`: the items that may be read before the dialogue looks again.
+    `run`: the items that may be read without the dialogue.
     """
 
     message: Message
@@ -74,7 +74,7 @@ class Ask:
 
 @dataclass(frozen=True)
 class Tell:
-    """Say this once and wait for what the other side makes of it; `run`: what may be said before the dialogue looks."""
+    """Send once and wait for the other side's reaction; `run`: the items that may be sent without the dialogue."""
 
     message: Message
     run: ItemsSent | None = None
@@ -82,14 +82,14 @@ class Tell:
 
 @dataclass(frozen=True)
 class Remark:
-    """Say this by the way."""
+    """Send once, without a wait."""
 
     message: Message
 
 
 @dataclass(frozen=True)
 class Pause:
-    """Listen for so many seconds."""
+    """Listen for this many seconds."""
 
     seconds: float
 
@@ -99,7 +99,7 @@ Dialogue: TypeAlias = Generator[Step, Message | None, T]
 
 
 def until(condition: Callable[[], bool], seconds: float) -> Dialogue[bool]:
-    """Listen until it holds, for so many seconds at most; whether it does."""
+    """Listen for `seconds` at most until the condition holds; return whether it does."""
     if condition():
         return True
     heard = yield Pause(seconds)
@@ -111,7 +111,7 @@ def until(condition: Callable[[], bool], seconds: float) -> Dialogue[bool]:
 
 
 def wait(seconds: float) -> Dialogue[None]:
-    """Listen for so many seconds, whatever is heard."""
+    """Listen for `seconds`, whatever is heard."""
     heard = yield Pause(seconds)
     while heard is not None:
         heard = yield None
@@ -119,14 +119,16 @@ def wait(seconds: float) -> Dialogue[None]:
 
 @dataclass(frozen=True)
 class Patience:
-    """When to repeat, and when to give up: MAVLink's own timers by default.
+    """Set the timers of repeats and of giving up; the defaults are MAVLink's.
 
-    A question is repeated after `answer_s` (an item of a list: `item_s`), or, with `adapt`, after the measured round
-    trip and four times its spread. A silent link is given up after `retries` of `answer_s`; one on which the other side
-    is heard at all, after `alive_retries` repeats, but no sooner than a silent one: losing a third of the packets is no
-    reason to give up, nor is an autopilot that is busy for some seconds. For an item of a list `item_retries` will do:
-    the other side may have closed the list, which is then opened again. `total_s` is the most that one verb of the
-    client (an upload with its fence and rally points, a download) may take in all.
+    A question is repeated after `answer_s` (for an item of a list: `item_s`). With `adapt` it is repeated after the
+    measured round trip plus four times its deviation.
+
+    A silent link is given up after `retries` times `answer_s`. A link with traffic is given up after `alive_retries`
+    repeats, and no sooner than a silent one: packets may be lost, or the autopilot busy. An item of a
+    list gets `item_retries`, because the other side may have closed the list, which is then opened again.
+
+    `total_s` limits one verb of the client, such as an upload with its fence and rally points.
     """
 
     answer_s: float = 1.5
@@ -135,12 +137,14 @@ class Patience:
     alive_retries: int = 20
     item_retries: int = 8
     adapt: bool = True
-    echo_s: float = 0.1  # the same question heard twice within this time, at least, is a duplicate of the network
+    echo_s: float = (
+        0.1  # a question repeated within this time, or longer if the link is slow, is a duplicate of the network
+    )
     total_s: float = 3600.0
 
     @property
     def silence_s(self) -> float:
-        """How long nothing at all may be heard."""
+        """Return the longest accepted silence [s]."""
         return self.answer_s * (self.retries + 1)
 
 
@@ -148,16 +152,16 @@ SPECIFIED = Patience()
 
 
 class Tempo:
-    """The round trip of a link as measured so far: RFC 6298's mean and deviation with Karn's rule.
+    """Measure a link's round trip: mean and deviation of RFC 6298 with Karn's rule.
 
-    Less patient than TCP on purpose: a question that was asked once too often costs a frame, one too late a second.
+    It waits shorter than TCP: one question too many costs a frame, one too late costs a second.
     """
 
     FASTEST_S = 0.05
     SLOWEST_S = 6.0
     LONGEST_BACKOFF = 1.5
-    #: A lost packet is no sign of a slow link, but so many questions in a row that had to be repeated are.
-    DOUBTS = 5
+    #: Repeated questions in a row that indicate a slow link, not a lossy one.
+    SLOW_LINK_REPEATS = 5
 
     def __init__(self, patience: Patience) -> None:
         self._patience = patience
@@ -169,7 +173,7 @@ class Tempo:
         self._doubts = 0
 
     def wait_s(self, item: bool) -> float:
-        """How long to wait for an answer before asking again."""
+        """Return the timeout of an answer [s]."""
         usual = self._patience.item_s if item else self._patience.answer_s
         if not self._patience.adapt:
             return usual
@@ -178,7 +182,7 @@ class Tempo:
         return min(usual * self._backoff, self.SLOWEST_S)
 
     def sample(self, seconds: float) -> None:
-        """An answer came this long after a question that was asked once."""
+        """Note the delay of an answer to a question that was sent once [s]."""
         self._backoff = 1.0
         self._doubts = 0
         if self._mean is None:
@@ -190,30 +194,32 @@ class Tempo:
 
     @property
     def echo_s(self) -> float:
-        """A question that is heard again within this time of its answer was asked before the answer was there.
+        """Return the time within which a repeated question crossed its answer [s].
 
-        PX4 asks every 0.25 s, so over a slower link it asks for each item twice or more. On a link that has lost
-        something already, answering each of them is worth its bytes.
+        PX4 asks every 0.25 s, so over a slower link it repeats each question. On a link that has lost something, each
+        of them is worth an answer.
         """
         if self._loses or not self._patience.adapt:
             return self._patience.echo_s
         return max(self._patience.echo_s, self._shortest)
 
     def lost(self) -> None:
-        """An answer of ours has not arrived: the question came again when it should have been there."""
+        """Note that an answer of ours was lost: its question was repeated too late for an echo."""
         self._loses = True
 
     def doubt(self) -> None:
-        """An answer came to a question that was asked more than once: to which saying, nobody knows."""
+        """Note an answer to a repeated question: it does not give a round trip."""
         self._doubts += 1
 
     def repeated(self) -> None:
-        """A question went unanswered: the link is lossy (wait a little longer), or slow (wait much longer)."""
-        self._backoff = min(self._backoff * 1.5, self.LONGEST_BACKOFF if self._doubts < self.DOUBTS else 16.0)
+        """Note an unanswered question: back off a little on a lossy link, more on a slow one."""
+        self._backoff = min(
+            self._backoff * 1.5, self.LONGEST_BACKOFF if self._doubts < self.SLOW_LINK_REPEATS else 16.0
+        )
 
 
 class Exchange(Generic[T]):
-    """One dialogue under way: hand it what is heard and the time, send what it says."""
+    """Run one dialogue: feed it heard messages and the time, and send its messages."""
 
     def __init__(self, dialogue: Dialogue[T], now: float, patience: Patience, tempo: Tempo | None = None) -> None:
         self.finished = False
@@ -232,14 +238,14 @@ class Exchange(Generic[T]):
 
     @property
     def result(self) -> T:
-        """What the dialogue returned."""
+        """Return the dialogue's result."""
         if not self.finished:
             raise RuntimeError("the dialogue is still under way")
         return self._result  # type: ignore[return-value]
 
     @property
     def deadline(self) -> float:
-        """When `tick` is next needed."""
+        """Return when `tick` is needed next."""
         if self.finished:
             return math.inf
         if isinstance(self._awaited, Ask):
@@ -249,11 +255,11 @@ class Exchange(Generic[T]):
         return self._since + self._awaited.seconds
 
     def asked_for_s(self, now: float) -> float:
-        """How long what was said has been waiting for its answer."""
+        """Return how long the last question has waited for its answer [s]."""
         return 0.0 if self.finished or isinstance(self._awaited, Pause) else now - self._since
 
     def run(self) -> ItemRun | None:
-        """The items that may go on by themselves from here; whoever lets them tells so (`ran`)."""
+        """Return the items that may be transferred without the dialogue; the caller reports them to `ran`."""
         if self.finished or self._repeats or isinstance(self._awaited, Pause) or self._awaited.run is None:
             return None
         run = self._awaited.run
@@ -265,7 +271,7 @@ class Exchange(Generic[T]):
         return run
 
     def ran(self, run: ItemRun, now: float) -> None:
-        """Items have gone on to `run.at`: what was said and heard last was said and heard here."""
+        """Take over a run that reached `run.at`: its last message and time replace ours."""
         if run.at == self._ran_from:
             return
         self._heard = now
@@ -278,12 +284,12 @@ class Exchange(Generic[T]):
             self._acted_on = (run.acted_on, run.said_s)
 
     def outgoing(self) -> list[Message]:
-        """What is to be said now; each message once."""
+        """Return the messages to send now, each once."""
         messages, self._outbox = self._outbox, []
         return messages
 
     def receive(self, message: Message, now: float) -> None:
-        """The other side has said something (whatever it is)."""
+        """Take any message of the other side."""
         if self.finished:
             return
         self._heard = now
@@ -305,7 +311,7 @@ class Exchange(Generic[T]):
         self._follow(step, now)
 
     def tick(self, now: float) -> None:
-        """Time has passed."""
+        """Repeat, time out or give up, if it is due."""
         if now < self.deadline:
             return
         match self._awaited:
@@ -356,14 +362,14 @@ class Exchange(Generic[T]):
         self._since = now
         self._repeats = 0
         if isinstance(step, Ask):
-            self._acted_on = (None, now)  # what answers a new question is no echo, even in the same words
+            self._acted_on = (None, now)  # an answer to a new question is no echo, even with equal content
         if not isinstance(step, Pause):
             self._say(step.message, now)
 
     def _say(self, message: Message, now: float) -> None:
         self._said = now
         self._wait_s = self._tempo.wait_s(isinstance(self._awaited, Ask) and self._awaited.item)
-        if self._repeats >= self._patience.alive_retries:  # so many at the link's pace are no use
+        if self._repeats >= self._patience.alive_retries:  # faster repeats did not help
             self._wait_s = max(self._wait_s, self._patience.answer_s)
         self._outbox.append(message)
 

@@ -249,7 +249,7 @@ class Logbook:
         if not (self.is_flown or flight.current >= self._final + self._first):
             item = f"item {flight.current + 1 - self._first} of {len(self._items)}"
             if flight.landed_unheard:
-                return f"it was last heard at {item}, and landed unheard{self._place(flight)}{mode}"
+                return f"it was last heard at {item}, and landed while the link was lost{self._place(flight)}{mode}"
             return f"it was disarmed at {item}{mode}"
         if flight.mode not in self.modes:
             return f"it left its mission before the landing{mode}"

@@ -1,30 +1,30 @@
-"""Why a vehicle that is on the line does not hear us, or is not heard: it signs otherwise, or speaks MAVLink 1."""
+"""Explain why a vehicle on the link does not answer: its signing differs, or it uses MAVLink 1."""
 
 from collections.abc import Mapping
 
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.signing import Doubt
 
-#: A vehicle that is heard and has never answered: after so long a silence the cause is named, if there is one [s].
+#: Silence after which the cause is reported, of a vehicle that is heard and has never answered [s].
 CAUSE_S = 5.0
-#: How long one listens for another vehicle after frames of one that is not believed [s].
+#: Time to listen for another vehicle after frames that are not accepted [s].
 DOUBTED_S = 3.0
 _WORDS: Mapping[Doubt | None, tuple[str, str]] = {
-    None: ("it signs what it says, and does not answer us, who do not sign", "give the key that it has: --key FILE"),
+    None: ("it signs its messages, and does not answer our unsigned ones", "give the key that it has: --key FILE"),
     Doubt.UNSIGNED: (
-        "it does not sign, and what is not signed with our key is not believed",
+        "it does not sign, and only messages signed with our key are accepted",
         "give it this key, or connect without one",
     ),
     Doubt.FOREIGN: ("it signs with another key than ours", "give the key that it has: --key FILE"),
     Doubt.STALE: (
-        "it signs with our key, and its timestamps are old ones",
-        "is its clock wrong, or this computer's? Or does somebody play back what it said before?",
+        "it signs with our key, but its timestamps are old",
+        "is its clock wrong, or this computer's? Or are old messages replayed?",
     ),
 }
 
 
 class SpeaksMavlink1(MissionError):
-    """The vehicle is heard in MAVLink 1 only, and understands nothing that we say."""
+    """The vehicle is heard in MAVLink 1 only, and ignores our MAVLink 2."""
 
     def __init__(self, system: int) -> None:
         super().__init__(
@@ -34,7 +34,7 @@ class SpeaksMavlink1(MissionError):
 
 
 class SignsOtherwise(MissionError):
-    """The vehicle is there; it signs and we do not, or not as we do. Nothing that we said had an effect."""
+    """The vehicle's signing and ours differ; none of our messages had an effect."""
 
     def __init__(self, system: int, doubt: Doubt | None) -> None:
         words, hint = _WORDS[doubt]

@@ -1,10 +1,10 @@
-"""Name what a vehicle is ordered when its flight deviates from its forecast."""
+"""Choose the order to a vehicle that deviates from its forecast."""
 
 from enum import StrEnum
 
 
 class OnDeviation(StrEnum):
-    """Name what is ordered; `report`: nothing."""
+    """Choose the order; `report`: none."""
 
     HOLD = "hold"
     RTL = "rtl"

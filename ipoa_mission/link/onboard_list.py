@@ -1,4 +1,4 @@
-"""What a vehicle was seen to hold, and whether it still does: proved before the arming, heard of afterwards."""
+"""Prove before arming that a vehicle holds a list, and watch for changes afterwards."""
 
 import logging
 import math
@@ -16,40 +16,40 @@ from ipoa_mission.link.vehicle_state import NotReady, VehicleState
 
 log = logging.getLogger(__name__)
 NO_TOTAL = 65535  # MISSION_CURRENT.total where there is no mission
-TOLD_S = 1.5  # how long MISSION_CURRENT is waited for
-LOOK_S = 10.0  # between two looks in flight, on the vehicle's clock
+CURRENT_TIMEOUT_S = 1.5  # for MISSION_CURRENT
+CHECK_INTERVAL_S = 10.0  # in flight, on the vehicle's clock
 
 
 @dataclass
 class OnboardList:
-    """A list that a vehicle was seen to hold, and its id or checksum there (0: neither is known).
+    """A list that a vehicle was seen to hold, and its id or checksum there (0: unknown).
 
-    `changed`: what it has since said of another list, in words; `is_told`: the user knows.
+    `changed`: what the vehicle has since reported of another list. `is_reported`: the user was informed.
     """
 
     job: Upload
     list_id: int = 0
     changed: str = ""
-    is_told: bool = False
+    is_reported: bool = False
 
     @property
     def is_watched(self) -> bool:
-        """Whether the vehicle itself tells of any other list in its place."""
+        """Check whether the vehicle itself reports a replaced list, by its id."""
         return self.list_id != 0 and not self.job.has_checksum
 
     def note(self, message: Message, is_flying: bool = False) -> None:
-        """Hear the vehicle: a mission with another id, or with another number of items, is somebody else's.
+        """Compare the list with the vehicle's report: another id, or another number of items, means a replacement.
 
-        In flight a change is told as soon as it is known, once.
+        Log a change in flight once, at once.
         """
         if self.job.kind == MissionType.MISSION and isinstance(message, Current):
             self.changed = self.changed or self._other(message)
-        if self.changed and is_flying and not self.is_told:
-            self.is_told = True
+        if self.changed and is_flying and not self.is_reported:
+            self.is_reported = True
             log.warning("%s", ReplacedSince(self))
 
-    def is_told_by(self, current: Current | None) -> bool:
-        """Whether this message says that it is the very list that was sent."""
+    def is_confirmed_by(self, current: Current | None) -> bool:
+        """Check whether this message confirms the list by its id."""
         is_ours = current is not None and self.list_id != 0 and current.mission_id == self.list_id
         return is_ours and current is not None and not self._other(current)
 
@@ -64,40 +64,40 @@ class OnboardList:
 
 
 class ReplacedSince(MissionError):
-    """The vehicle holds another list than that which it was proved to hold before it was armed."""
+    """The vehicle's list is no longer the one that was proved before the arming."""
 
     def __init__(self, holding: OnboardList) -> None:
         super().__init__(f"the {list_name(holding.job.kind)} on the vehicle is no longer ours: {holding.changed}")
 
 
 def prove(holdings: Iterable[OnboardList], state: VehicleState) -> Dialogue[None]:
-    """See that the vehicle holds each of these lists now: by the id or the checksum that it gave, else item by item.
+    """Prove that the vehicle holds each list now: by its id or checksum, else item by item.
 
     Raises:
-        Replaced: it does not.
-        NotReady: it does not tell.
+        Replaced: it holds another list.
+        NotReady: it does not report it.
     """
     for holding in holdings:
         if not (holding.list_id and (yield from _is_named(holding, state))):
             holding.list_id = (yield from _read_again(holding.job)) or holding.list_id
-        holding.changed, holding.is_told = "", False
+        holding.changed, holding.is_reported = "", False
 
 
 def _is_named(holding: OnboardList, state: VehicleState) -> Dialogue[bool]:
-    """Whether the vehicle gives its list the same id, or the same checksum, as when it was seen."""
+    """Check whether the vehicle reports the same id, or the same checksum, as before."""
     if (numbers := holding.job.numbers) is not None:
         try:
-            yield from open_list(holding.job.kind)  # refused while another one is being sent
+            yield from open_list(holding.job.kind)  # refused while another station uploads
             return (yield from list_checksum(holding.job.kind, numbers)) == holding.list_id
         except (MissionRefused, NoAnswer) as nothing:
             raise _unknown(holding.job, nothing) from None
     state.current = None
-    yield from until(lambda: state.current is not None, TOLD_S)
-    return holding.is_told_by(state.current)
+    yield from until(lambda: state.current is not None, CURRENT_TIMEOUT_S)
+    return holding.is_confirmed_by(state.current)
 
 
 def read_again(holding: OnboardList, state: VehicleState) -> Dialogue[None]:
-    """Look once more, after a flight, at a list without an id: one of the same length may have come in its place."""
+    """Read a list without an id once more after a flight: a replacement may have the same length."""
     if holding.is_watched or holding.changed:
         return
     try:
@@ -107,9 +107,9 @@ def read_again(holding: OnboardList, state: VehicleState) -> Dialogue[None]:
 
 
 class ListWatcher:
-    """In flight, now and then, looks whether a list is still ours that the vehicle gives no id, but a checksum.
+    """Check in flight, at intervals, a list of which the vehicle gives a checksum instead of an id.
 
-    Arming moves home, and home is summed up too: another checksum is no other list until the list has been read.
+    The checksum includes home, which arming moves. So another checksum only means that the list must be read again.
     """
 
     def __init__(self, holding: OnboardList) -> None:
@@ -118,7 +118,7 @@ class ListWatcher:
         self._asked: set[int] = set()
 
     def look(self, heard: Message, now_s: float) -> Dialogue[None]:
-        """Make of one message what it tells of the list, and ask again when it is time."""
+        """Take a checksum from a message, and ask for one when due."""
         holding, numbers = self._holding, self._holding.job.numbers
         if holding.changed or numbers is None:
             return
@@ -127,7 +127,7 @@ class ListWatcher:
             if checksum != holding.list_id:
                 yield from self._read_again()
         elif now_s >= self._due_s:
-            self._due_s = now_s + LOOK_S
+            self._due_s = now_s + CHECK_INTERVAL_S
             question = checksum_question(holding.job.kind, numbers, self._asked)
             yield Remark(question)
 
@@ -136,19 +136,19 @@ class ListWatcher:
             self._holding.list_id = (yield from _read_again(self._holding.job)) or self._holding.list_id
         except Replaced as replaced:
             self._holding.changed = str(replaced.difference)
-        except NotReady:  # somebody may be sending it one just now: the next look will tell
+        except NotReady:  # another station may be uploading: the next check decides
             return
 
 
 def expect_unchanged(holdings: Iterable[OnboardList]) -> None:
-    """Raise ReplacedSince where the vehicle has spoken of another list since it was proved to hold ours."""
+    """Raise ReplacedSince if the vehicle has reported another list since the proof."""
     for holding in holdings:
         if holding.changed:
             raise ReplacedSince(holding)
 
 
 def _read_again(job: Upload) -> Dialogue[int]:
-    """Read a list once more, and see that it is ours; its checksum, if it has one."""
+    """Read a list again, verify it, and return its checksum, if any."""
     try:
         stored, checksum = yield from read_consistent(job.kind, job.numbers)
     except (MissionRefused, NoAnswer, KeepsChanging) as nothing:
@@ -160,7 +160,7 @@ def _read_again(job: Upload) -> Dialogue[int]:
 
 def _unknown(job: Upload, nothing: MissionError) -> NotReady:
     return NotReady(
-        f"nobody knows whether the vehicle still holds the {list_name(job.kind)} that was sent: {nothing}",
-        hint="is another station sending it one?",
+        f"it is unknown whether the vehicle still holds the {list_name(job.kind)} that was sent: {nothing}",
+        hint="is another station uploading?",
         code="list-unproven",
     )

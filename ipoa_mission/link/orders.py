@@ -1,4 +1,4 @@
-"""What one tells a vehicle besides a mission: commands, the current item, arming, starting, parameters."""
+"""Send orders besides missions: commands, current item, arming, start, parameters."""
 
 import struct
 from collections.abc import Mapping, Sequence
@@ -30,22 +30,22 @@ M = TypeVar("M", bound=Message)
 
 #: MAV_PROTOCOL_CAPABILITY_FTP.
 FILE_TRANSFER = 32
-#: MAV_PARAM_TYPE of whole numbers, which PX4 sends bit by bit.
+#: MAV_PARAM_TYPE of integers, which PX4 sends bit by bit.
 INT_TYPES = frozenset({1, 2, 3, 4, 5, 6})
-#: A parameter that does not exist is met with silence: how often one asks, and how long one listens each time [s].
+#: Rounds of asking for a parameter, and their duration [s]; an unknown parameter is met with silence.
 PARAMETER_ROUNDS, PARAMETER_ROUND_S = 6, 0.7
-#: How often it has to answer to what it knows, until what it does not answer to is not there.
-SURE = 4
-#: The rounds that follow where nothing at all was heard: a slow link, or a vehicle that is busy.
+#: Answers to known parameters after which an unanswered one does not exist.
+PROOFS_OF_ABSENCE = 4
+#: Further rounds if nothing was heard, for a slow link or a busy vehicle, and their duration [s].
 SLOW_ROUNDS, SLOW_ROUND_S = 5, 2.0
-#: How long one listens each time that a parameter is set, before another value is believed to be kept [s].
+#: Timeouts of the repeated settings of a parameter; after the last one another value counts as kept [s].
 SETTING_S = (1.0, 2.0, 4.0)
-#: A message that is asked for by REQUEST_MESSAGE: how often, and the pause after a refusal [s].
+#: Number of requests of a message by REQUEST_MESSAGE, and the pause after a refusal [s].
 ASKINGS, REFUSED_S = 5, 0.3
 
 
 class CommandRefused(MissionError):
-    """The vehicle would not do what it was told; the message has its words."""
+    """The vehicle refused an order; the message contains its words."""
 
     def __init__(self, what: str, result: int, words: str = "") -> None:
         self.what, self.result = what, result
@@ -54,22 +54,22 @@ class CommandRefused(MissionError):
 
 
 def order(number: int, *params: float) -> CommandLong:
-    """A COMMAND_LONG; what is left out of its seven parameters is 0."""
+    """Return a COMMAND_LONG; missing params are 0."""
     return CommandLong(number, (*params, *(0.0,) * (7 - len(params))))  # type: ignore[arg-type]
 
 
 def mode_order(mode: int, autopilot: Autopilot) -> CommandLong:
-    """The order to change to a mode, HEARTBEAT.custom_mode."""
+    """Return the order to change to a mode, HEARTBEAT.custom_mode."""
     return order(VehicleCommand.DO_SET_MODE, CUSTOM_MODE_FLAG, *autopilot.modes.numbers(mode))
 
 
 def command(number: int, *params: float) -> Dialogue[tuple[int, str]]:
-    """Give a COMMAND_LONG; its result and the words that came with it."""
+    """Send a COMMAND_LONG; return its result and the vehicle's words."""
     return obeyed(order(number, *params))
 
 
 def obeyed(one: CommandLong) -> Dialogue[tuple[int, str]]:
-    """The same of one that is spelled already."""
+    """Send a given COMMAND_LONG; return its result and the vehicle's words."""
     texts, number = VehicleTexts(), one.command
     step: Step = Ask(one)
     while True:
@@ -89,13 +89,13 @@ def obeyed(one: CommandLong) -> Dialogue[tuple[int, str]]:
 
 
 def set_current(seq: int, restart: bool = False) -> Dialogue[None]:
-    """Go on with the item at `seq`: by command 224, or by the older message where that is unknown (PX4).
+    """Continue at item `seq`: by command 224, or by the older message if that is unsupported (PX4).
 
-    `restart`: jumps are counted anew, and a mission that was complete is no more.
+    `restart`: reset the jump counters and the completed state.
 
     Raises:
         CommandRefused: there is no such item.
-        NoAnswer: nothing shows that the vehicle took it.
+        NoAnswer: the vehicle does not show the item as current.
     """
     result, words = yield from command(VehicleCommand.DO_SET_MISSION_CURRENT, float(seq), float(restart))
     if result == CommandResult.ACCEPTED:
@@ -107,22 +107,22 @@ def set_current(seq: int, restart: bool = False) -> Dialogue[None]:
         try:
             heard = yield step
         except NoAnswer:
-            raise NoAnswer(f"the vehicle did not go to item {seq}: is there one?", code="no-such-item") from None
+            raise NoAnswer(f"the vehicle did not go to item {seq}: does it exist?", code="no-such-item") from None
         step = None
         if isinstance(heard, Current) and heard.seq == seq:
             return
 
 
 def stream(name: str, interval_s: float) -> Dialogue[bool]:
-    """Ask for a message every so often; whether the vehicle will do so."""
+    """Request a message at an interval [s]; return whether the vehicle accepts."""
     result, _ = yield from command(VehicleCommand.SET_MESSAGE_INTERVAL, message_number(name), round(interval_s * 1e6))
     return result == CommandResult.ACCEPTED
 
 
 def _requested(name: str, kind: type[M], pause_s: float, askings: int = ASKINGS) -> Dialogue[M | None]:
-    """A message that the vehicle is asked for; None where it will not send it, or does not although it would.
+    """Request a message once; return None if it is refused, or does not come.
 
-    It is asked so often before that is believed: what is heard may be the answer to an earlier request.
+    The request is repeated, because an answer may belong to an earlier request.
     """
     request = CommandLong(VehicleCommand.REQUEST_MESSAGE, (float(message_number(name)), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
     step: Step = Ask(request)
@@ -149,18 +149,18 @@ def _requested(name: str, kind: type[M], pause_s: float, askings: int = ASKINGS)
 
 
 def home() -> Dialogue[Geodetic | None]:
-    """Where the vehicle's home is; None while it does not know."""
+    """Return the vehicle's home; None while it has none."""
     at = yield from _requested("HOME_POSITION", HomePosition, 2.0)
     return None if at is None else Geodetic(at.latitude_deg, at.longitude_deg, at.altitude)
 
 
 def clock() -> Dialogue[SystemTime | None]:
-    """What the autopilot's clocks say; None where it does not tell."""
+    """Return the autopilot's clocks, or None."""
     return (yield from _requested("SYSTEM_TIME", SystemTime, 1.0, askings=2))
 
 
 def about() -> Dialogue[AutopilotVersion | None]:
-    """What the autopilot says of itself: its version, and what it can do; None where it does not say."""
+    """Return the autopilot's version and capabilities, or None."""
     try:
         return (yield from _requested("AUTOPILOT_VERSION", AutopilotVersion, 1.0, askings=2))
     except NoAnswer:
@@ -168,51 +168,51 @@ def about() -> Dialogue[AutopilotVersion | None]:
 
 
 def parameters(wanted: Sequence[Sequence[str]], autopilot: Autopilot) -> Dialogue[Mapping[str, ParamValue]]:
-    """The vehicle's values; each of `wanted` is one parameter by all its names, of which the first known will do.
+    """Return the vehicle's values; each entry of `wanted` lists the names of one parameter, of which one suffices.
 
-    What the vehicle does not answer to is left out: a name that it does not have meets with silence. So each time one
-    that it surely has is asked for behind the others; once these were answered often enough, the others are not there.
+    Unanswered parameters are left out: an unknown name is met with silence. Each round also asks for a parameter that
+    exists for sure. After enough answers to those the missing ones do not exist.
 
     Raises:
-        NoAnswer: it answers to none.
+        NoAnswer: the vehicle answers to none.
     """
     values: dict[str, ParamValue] = {}
-    told = 0
+    proofs = 0
 
     def missing() -> list[Sequence[str]]:
         return [names for names in wanted if not any(name in values for name in names)]
 
     for n in range(PARAMETER_ROUNDS + SLOW_ROUNDS):
-        if not missing() or told == SURE or (n >= PARAMETER_ROUNDS and (values or told)):
+        if not missing() or proofs == PROOFS_OF_ABSENCE or (n >= PARAMETER_ROUNDS and (values or proofs)):
             break
         known = autopilot.book.surely_there[
             n % len(autopilot.book.surely_there)
-        ]  # not the same twice running: that would be heard as an echo
+        ]  # never the same twice in a row, which would count as an echo
         for name in (*(name for names in missing() for name in names), *known):
             yield Remark(ParamRequestRead(name))
         heard = yield Pause(PARAMETER_ROUND_S if n < PARAMETER_ROUNDS else SLOW_ROUND_S)
         while heard is not None:
             if isinstance(heard, ParamValue):
                 values[heard.param_id] = replace(heard, param_value=parameter_value(heard, autopilot))
-                told += (is_known := any(heard.param_id in names for names in autopilot.book.surely_there))
+                proofs += (is_known := any(heard.param_id in names for names in autopilot.book.surely_there))
                 if is_known or not missing():
                     break
             heard = yield None
     found = {name: values[name] for names in wanted for name in names if name in values}
-    if wanted and not found and not told:
+    if wanted and not found and not proofs:
         raise NoAnswer(f"the vehicle does not answer when asked for {wanted[0][0]}")
     return found
 
 
 def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[None]:
-    """Give a parameter another value, in the type that the vehicle has it in, and see that it took it.
+    """Set a parameter in the vehicle's type for it, and verify the value.
 
-    What is heard first may be the late answer to a question from before: only what it keeps to the end is told.
+    The first value heard may answer an earlier question, so only the last one counts.
 
     Raises:
-        NoAnswer: there is no such parameter, or nothing is heard of it any more.
+        NoAnswer: there is no such parameter, or its value is not reported any more.
         BadInput: its type has no such value.
-        MissionError: it keeps another value.
+        MissionError: the vehicle keeps another value.
     """
     found = yield from parameters([(name,)], autopilot)
     if name not in found:
@@ -233,22 +233,22 @@ def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[Non
                     return
             heard = yield None
     if kept is None:
-        raise NoAnswer(f"the vehicle does not answer when {name} is to be {value:g}")
-    raise MissionError(f"the vehicle was to have {value:g}, and keeps {kept:g}", code="parameter-kept", place=name)
+        raise NoAnswer(f"the vehicle does not answer when {name} is set to {value:g}")
+    raise MissionError(f"expected {value:g}, but the vehicle keeps {kept:g}", code="parameter-kept", place=name)
 
 
 def parameter_value(heard: ParamValue, autopilot: Autopilot) -> float:
-    """The value that was told: some send the bits of a whole number in the place of a float's."""
+    """Return a parameter's value: some autopilots send an integer's bits in the place of a float."""
     if heard.param_type not in INT_TYPES or not autopilot.book.packs_integers:
         return heard.param_value
     return float(struct.unpack("<i", struct.pack("<f", heard.param_value))[0])
 
 
 def spelled_parameter(value: float, kind: int, autopilot: Autopilot) -> float:
-    """The inverse of `parameter_value`, for a parameter of this type.
+    """Invert `parameter_value` for a parameter of this type.
 
     Raises:
-        BadInput: it is no whole number that the type has.
+        BadInput: the type has no such integer.
     """
     if kind not in INT_TYPES or not autopilot.book.packs_integers:
         return value

@@ -1,7 +1,7 @@
-"""A vehicle in flight that is not heard any more: the link is opened anew, and who is heard then must be known again.
+"""Reconnect to a vehicle in flight after a link loss, and identify it before anything is sent to it.
 
-Nothing is told to whoever comes back until it is of the same kind under the same system id, was not restarted, and
-holds the mission that was uploaded; what it says meanwhile counts only from then on.
+The vehicle must have the same kind and system id, must not have rebooted, and must hold the uploaded mission. Its
+messages count only from then on.
 """
 
 import logging
@@ -26,27 +26,27 @@ from ipoa_mission.link.upload import Replaced
 from ipoa_mission.link.vehicle_state import NotReady, VehicleState
 
 log = logging.getLogger(__name__)
-SILENT_S = 3.0  # so long without a word the link is lost
-GONE_S = 300.0  # and so long the vehicle is
-AGAIN_S = 1.0  # between two attempts to open the link, and how often it is told how long it is lost
-SHOWN_S = 2.0  # how long one waits for where the vehicle is, and at which item
-EARLIER_S = 1.0  # a clock that is so much behind what it was has begun anew
+SILENT_S = 3.0  # silence that counts as a link loss
+GONE_S = 300.0  # link loss after which the vehicle is given up
+AGAIN_S = 1.0  # between two attempts to open the link, and between two progress reports
+SHOWN_S = 2.0  # timeout for position and current item
+EARLIER_S = 1.0  # a clock this much behind its former value was reset
 
 
 class NotTheSameVehicle(MissionError):
-    """Who is heard on the link again is not the vehicle that was lost, or not as it was: it is told nothing."""
+    """The vehicle heard after a link loss is not the lost one, or has changed: nothing is sent to it."""
 
     def __init__(self, system: int, lost_s: float, why: str) -> None:
-        super().__init__(f"after {lost_s:.0f} s vehicle {system} is heard again, but {why}: it is told nothing")
+        super().__init__(f"after {lost_s:.0f} s vehicle {system} is heard again, but {why}: nothing is sent to it")
 
 
 class IdentityChanged(MissionError):
-    """It is another vehicle, or has become one; the message says by what."""
+    """It is another vehicle, or it has changed; the message gives the evidence."""
 
 
 @dataclass(frozen=True)
 class KnownVehicle:
-    """What is known of the vehicle that was lost: its state, clock and version, and the mission that it holds."""
+    """Identify the lost vehicle: its state, clock, version, and the mission on it."""
 
     system: int
     state: VehicleState
@@ -56,16 +56,17 @@ class KnownVehicle:
 
 
 class LinkLoss:
-    """Whether a vehicle that is watched is away, for how long [s], and what is known of that in `words`.
+    """Handle the loss of the link to a watched vehicle.
 
-    `seconds` is None and `words` are empty while it is heard. `meanwhile`: what it does without its ground station.
+    `seconds`: its duration so far [s], None while the vehicle is heard. `words`: its description, empty meanwhile.
+    `meanwhile`: what the vehicle does without its ground station.
     """
 
     def __init__(self, line: Carrier) -> None:
         self.seconds: float | None = None
         self.words, self.meanwhile = "", ""
         self._line, self._why = line, ""
-        self._since_s = self._told_s = self._open_s = 0.0
+        self._since_s = self._reported_s = self._open_s = 0.0
         self._until_s = math.inf
         self._is_open = True
         self._others = ""
@@ -78,30 +79,30 @@ class LinkLoss:
         tell: Callable[[str], None],
         until_s: float = math.inf,
     ) -> list[Message]:
-        """Wait until the vehicle is heard again, and known to be the same: what it has said by then.
+        """Wait until the vehicle is heard again and identified; return its messages until then.
 
         Args:
-            lost: how it was lost.
-            known: what is known of it.
-            patience: how long answers are waited for.
-            tell: told every second in which it is not known again.
-            until_s: when the user's time is up, on the line's clock.
+            lost: the error that reported the loss.
+            known: the identity of the vehicle.
+            patience: the timeouts of answers.
+            tell: called every second until the vehicle is identified.
+            until_s: the user's time limit, on the line's clock.
 
         Raises:
-            LinkDown: the link broke, and is not ours to open anew.
-            NotTheSameVehicle, OtherKind: somebody else is heard in its place, or another mission is on it.
-            NoAnswer: it was not known again in `GONE_S`.
-            TimeUp: nor until `until_s`.
+            LinkDown: the link broke, and we cannot open it again.
+            NotTheSameVehicle, OtherKind: another vehicle is heard in its place, or it holds another mission.
+            NoAnswer: it was not identified within `GONE_S`.
+            TimeUp: it was not identified before `until_s`.
             Cancelled: by Ctrl-C.
         """
         now, self._until_s = self._line.now(), until_s
         self._is_open = not isinstance(lost, LinkDown)
         if not (self._is_open or self._line.reopens):
             raise lost
-        self._since_s, self._told_s, self._open_s = now - SILENT_S * self._is_open, -AGAIN_S, now
+        self._since_s, self._reported_s, self._open_s = now - SILENT_S * self._is_open, -AGAIN_S, now
         self._why, self._others = ("" if self._is_open else str(lost)), ""
         self._look(tell)
-        log.warning("%s; it is listened for, for %g s", self.words, GONE_S)
+        log.warning("%s; listening for %g s", self.words, GONE_S)
         try:
             with noted_interrupts() as interrupt:
                 while (kept := self._kept(known, patience, interrupt, tell)) is None:
@@ -110,7 +111,7 @@ class LinkLoss:
                     if self._is_over:
                         words = _with(f"the link is lost for {GONE_S:g} s: ", self._why, self._others)
                         raise NoAnswer(words, code="link-lost")
-            log.warning("the link is there again after %.0f s: %s", self._line.now() - self._since_s, _same(known))
+            log.warning("the link is back after %.0f s: %s", self._line.now() - self._since_s, _same(known))
             return kept
         finally:
             self.seconds, self.words = None, ""
@@ -118,7 +119,7 @@ class LinkLoss:
     def _kept(
         self, known: KnownVehicle, patience: Patience, interrupt: Interrupt, tell: Callable[[str], None]
     ) -> list[Message] | None:
-        """What the vehicle has said, if it was heard and is known; None where that is to be tried again."""
+        """Return the vehicle's messages if it was heard and identified; None to try again."""
         stranger, kept = VehicleState(known.state.autopilot, known.state.kind), list[Message]()
 
         def note(message: Message) -> None:
@@ -136,7 +137,7 @@ class LinkLoss:
                     if heard.message is not None and (heard.system, heard.component) == target:
                         note(heard.message)
                     elif autopilots_in([heard]):
-                        self._others = f"vehicle {heard.system} is heard, and is told nothing"
+                        self._others = f"vehicle {heard.system} is heard; nothing is sent to it"
             if Heartbeat not in stranger.heard:
                 return None
             dialogue = noting(recognize(stranger, known), lambda heard: stranger.expect_flown())
@@ -154,7 +155,7 @@ class LinkLoss:
         return None
 
     def _heard(self) -> list[Heard]:
-        """What is heard in a moment; a link that broke is opened anew first, now and then."""
+        """Receive for a moment; open a broken link first, at intervals."""
         now = self._line.now()
         if not self._is_open:
             if now < self._open_s:
@@ -169,36 +170,36 @@ class LinkLoss:
         return self._line.now() >= min(self._since_s + GONE_S, self._until_s)
 
     def _look(self, tell: Callable[[str], None]) -> None:
-        """Time has passed."""
+        """Update the duration, and report it when due."""
         now = self._line.now()
         self.seconds = now - self._since_s
-        if now - self._told_s >= AGAIN_S:
-            self._told_s = now
+        if now - self._reported_s >= AGAIN_S:
+            self._reported_s = now
             self.words = _with("the link is lost: ", self._why, self._others, self.meanwhile)
             tell(_with(f"link lost for {self.seconds:.0f} s; ", self._why, self._others, self.meanwhile))
 
 
 def recognize(stranger: VehicleState, known: KnownVehicle) -> Dialogue[None]:
-    """See that who is heard is the vehicle that is known; only questions are asked.
+    """Identify the heard vehicle as the known one; send questions only.
 
     Raises:
-        OtherKind, Replaced, Another: it is not, or holds another mission.
-        NotReady, NoAnswer: it does not tell.
+        OtherKind, Replaced, IdentityChanged: it is another vehicle, or holds another mission.
+        NotReady, NoAnswer: it does not report its list.
     """
     stranger.expect_flown()
     clock = yield from orders.clock()
     if clock is not None and clock.boot_s < known.clock_s - EARLIER_S:
-        raise IdentityChanged(f"its clock has begun anew, {clock.boot_s:.0f} s ago: it was restarted; {stranger}")
+        raise IdentityChanged(f"it was restarted {clock.boot_s:.0f} s ago; {stranger}")
     before, about = known.about, (yield from orders.about())
     if before and about and (before.uid, before.flight_sw_version) != (about.uid, about.flight_sw_version):
-        raise IdentityChanged("by its AUTOPILOT_VERSION it is another one")
+        raise IdentityChanged("its AUTOPILOT_VERSION is another one")
     if known.holding is not None:
         yield from prove([known.holding], stranger)
     yield from until(lambda: stranger.heard >= {Current, Position}, SHOWN_S)
 
 
 def _with(words: str, *more: str) -> str:
-    """The same, and what else there is to say behind it."""
+    """Append the non-empty parts of `more`."""
     return (words + "; ".join(filter(None, more))).rstrip(":; ")
 
 

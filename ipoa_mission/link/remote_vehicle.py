@@ -1,4 +1,4 @@
-"""The other side of every dialogue, one vehicle: what it has said of itself, and how long one waits for it."""
+"""Hold dialogues with one vehicle: its state, its timers."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -19,8 +19,6 @@ T = TypeVar("T")
 
 
 class RemoteVehicle:
-    """One vehicle on a line, with which dialogues are held."""
-
     def __init__(
         self, line: Carrier, heard: FoundVehicle, patience: Patience = SPECIFIED, round_trip_s: float | None = None
     ) -> None:
@@ -29,7 +27,7 @@ class RemoteVehicle:
         self.autopilot = heard.kind.autopilot
         self.state = VehicleState(self.autopilot, heard.kind, heard.is_ready, heard.armed)
         self.overhearing: Callable[[Message], None] = lambda message: None
-        """Told everything that the vehicle says while something is done with it."""
+        """Called with every message of the vehicle while a dialogue is held."""
         self._about: AutopilotVersion | None = None
         self._patience = patience
         self._tempo = Tempo(patience)
@@ -38,37 +36,36 @@ class RemoteVehicle:
         self._until = math.inf
 
     def firmware_version(self) -> Version | None:
-        """The version that the vehicle says of its firmware, AUTOPILOT_VERSION; None where it does not say."""
+        """Return the firmware version from AUTOPILOT_VERSION, or None if it is not reported."""
         with self._in_time():
             return Version.said(self._told().flight_sw_version)
 
     @property
     def version_heard(self) -> Version | None:
-        """The same as far as it was asked for; None before."""
+        """Return the firmware version if it was read already, else None."""
         return None if self._about is None else Version.said(self._about.flight_sw_version)
 
     def send(self, message: Any) -> None:
-        """Say one of pymavlink's messages (`MAVLink_command_long_message`, ...), to whom its own fields name.
+        """Send one of pymavlink's messages (`MAVLink_command_long_message`, ...) to the target in its fields.
 
         Raises:
-            BadInput: it is none, or of a dialect that `connect` was not given.
+            BadInput: it is not such a message, or its dialect was not added.
         """
         from ipoa_mission.link.mavutil_channel import own_line, payload_of
 
         own_line(self.line).say(*payload_of(message))
 
     def messages(self, seconds: float, *names: str) -> list[Any]:
-        """What is heard from the vehicle in so many `seconds`, as pymavlink's messages; `names`: only those."""
+        """Return the vehicle's messages within `seconds`, as pymavlink's; `names`: only those."""
         from ipoa_mission.link.mavutil_channel import messages_from, own_line
 
         return messages_from(own_line(self.line), self.system, seconds, names, self._overhear)
 
     def give_up_after(self, seconds: float) -> None:
-        """Raise TimeUp in what is under way so many seconds from now: the watching of a flight, too."""
+        """Raise TimeUp in the present verb this many seconds from now, also while a flight is watched."""
         self._until = self.line.now() + seconds
 
     def close(self) -> None:
-        """Close the line."""
         self.line.close()
 
     def __enter__(self) -> Self:
@@ -78,12 +75,12 @@ class RemoteVehicle:
         self.close()
 
     def _tell(self, dialogue: Dialogue[T]) -> T:
-        """Hold a dialogue that changes something, with a vehicle on which it is known to mean what is meant."""
+        """Hold a dialogue that changes something, while the vehicle is a supported multicopter."""
         self.state.expect_flown()
         return self._hold(conversations.noting(dialogue, lambda heard: self.state.expect_flown()))
 
     def _hold(self, dialogue: Dialogue[T], quiet_s: float = math.inf) -> T:
-        """Hold a dialogue; `quiet_s`: how long the vehicle may be silent in it."""
+        """Hold a dialogue; `quiet_s`: the longest accepted silence of the vehicle [s]."""
         patience, tempo = self._patience, self._tempo
         return converse(self.line, self._target, dialogue, patience, tempo, self._overhear, self._until, quiet_s)
 
@@ -93,7 +90,7 @@ class RemoteVehicle:
 
     @contextmanager
     def _in_time(self) -> Iterator[None]:
-        """What is said in here must be over when the user's patience is."""
+        """Limit the time of the dialogues in this context to the user's patience."""
         before = self._until
         self._until = min(before, self.line.now() + self._patience.total_s)
         try:
@@ -108,10 +105,10 @@ class RemoteVehicle:
             self.overhearing(message)
 
     def _heed(self, message: Message) -> None:
-        """The vehicle has said something."""
+        """Handle a message, in a subclass."""
 
     def _told(self) -> AutopilotVersion:
-        """What the autopilot says of itself; it is asked once."""
+        """Return the autopilot's version and capabilities, which are read once."""
         if self._about is None:
             self._about = self._hold(orders.about()) or AutopilotVersion(0)
         return self._about

@@ -1,30 +1,30 @@
-"""Which peers speak for which system, and which of them may: so that an answer goes only where it is wanted.
+"""Route messages: which peers send as which system, and which of them may.
 
-Several peers may go by one name (a system and a component): two ground stations with the same ids are both answered.
-Where only one may speak (the vehicle we talk to; the station whose transfer is under way), it claims the name.
+Several peers may use one name (system and component): two ground stations with equal ids both get the answers. A
+sender that must be the only one claims the name: the vehicle we talk to, or the station of the running transfer.
 """
 
 from ipoa_mission.link.channel import Peer
 from ipoa_mission.link.codec import Framer, Target
 
-#: A peer that was silent for so long has lost its claim to a name, and its place in a full house.
+#: Silence after which a peer loses its claim to a name, and its place in a full table [s].
 CLAIM_S = 5.0
-#: From one transfer to the next of the same peer (an upload, and its reading back) [s].
+#: Time between two transfers of one peer, such as an upload and its read-back [s].
 REST_S = 1.0
 MOST_PEERS = 32
 
 
 class Routes:
-    """What was heard from whom, and when; never more than `MOST_PEERS` of them, those that were spoken to first."""
+    """Remember who was heard where and when: `MOST_PEERS` at most, preferably those that were addressed."""
 
     def __init__(self) -> None:
-        self._heard: dict[tuple[Target, Peer], float] = {}  # the last one heard stands last
+        self._heard: dict[tuple[Target, Peer], float] = {}  # ordered by the time of the last message
         self._claims: dict[Target, tuple[Peer, float]] = {}
         self._spoken_to: set[Target] = set()
         self._framers: dict[Peer, Framer] = {}
 
     def framer(self, peer: Peer) -> Framer:
-        """The half-finished frames of a peer."""
+        """Return the buffer of a peer's incomplete frames."""
         framer = self._framers.pop(peer, None) or Framer()
         self._framers[peer] = framer
         while len(self._framers) > MOST_PEERS:
@@ -32,11 +32,11 @@ class Routes:
         return framer
 
     def learn(self, name: Target, peer: Peer, now: float) -> None:
-        """A frame of this name came from `peer`.
+        """Note a frame of this name from `peer`.
 
-        A new peer takes the place of those of its name who have fallen silent: it has moved. In a full house whoever
-        was silent for `CLAIM_S` goes first, then the longest silent of those whom nobody speaks to; where all are
-        spoken to, there is no room for another.
+        A new peer replaces peers of the same name that were silent for `CLAIM_S`: it has moved. A full table drops
+        the longest silent entry if that was silent for `CLAIM_S`, else the longest silent one that was never addressed.
+        If all were addressed, the new one is not stored.
         """
         if self._heard.pop((name, peer), None) is None:
             for one in [one for one, when in self._heard.items() if one[0] == name and now - when >= CLAIM_S]:
@@ -46,7 +46,7 @@ class Routes:
         self._heard[name, peer] = now
 
     def claim(self, name: Target, peer: Peer, now: float) -> bool:
-        """Whether `peer` may speak for this name alone: False while another one does."""
+        """Claim this name for `peer`; False while another peer holds it."""
         holder, when = self._claims.get(name, (peer, now))
         if holder != peer and now - when < CLAIM_S:
             return False
@@ -54,25 +54,25 @@ class Routes:
         return True
 
     def release(self, name: Target, now: float) -> None:
-        """Whoever claimed this name has done: unless more comes within `REST_S` another may claim it."""
+        """End a claim: unless more follows within `REST_S`, another peer may claim the name."""
         holder, _ = self._claims[name]
         self._claims[name] = (holder, now - CLAIM_S + REST_S)
 
     def heard_s(self, name: Target) -> float | None:
-        """When this name was heard last, if it ever was."""
+        """Return when this name was heard last, or None."""
         return max((when for (one, _), when in self._heard.items() if one == name), default=None)
 
     def holder(self, name: Target) -> Peer | None:
-        """Who claimed this name last, if anyone did."""
+        """Return the last peer that claimed this name, or None."""
         holder, _ = self._claims.get(name, (None, 0.0))
         return holder
 
     def speak_to(self, name: Target) -> None:
-        """Whoever goes by this name is not forgotten for the sake of others."""
+        """Keep this name in a full table."""
         self._spoken_to.add(name)
 
     def to(self, target: Target) -> set[Peer]:
-        """The peers behind a target; all of them for a broadcast."""
+        """Return the peers of a target; all peers for a broadcast."""
         return {
             peer
             for (system, component), peer in self._heard

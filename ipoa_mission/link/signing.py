@@ -1,8 +1,8 @@
-"""MAVLink 2 signing: who may speak, and that nothing is replayed.
+"""Sign MAVLink 2 frames, and reject unsigned and replayed ones.
 
-A signature is the first six bytes of SHA-256 over key, frame, link id and a timestamp in 10 us since 2015. Timestamps
-must only grow, across restarts too, and should be those of the clock: a vehicle's own follows the greatest that it
-hears, and it does not listen to a station that is a minute behind.
+A signature is the first six bytes of SHA-256 over key, frame, link id and a timestamp in units of 10 us since 2015.
+Timestamps must only grow, also across restarts, and should follow the clock. A vehicle adopts the greatest timestamp
+that it hears, and ignores a station that is a minute behind.
 """
 
 import hashlib
@@ -20,8 +20,8 @@ from ipoa_mission.link.timestamps import Timestamps, own_timestamps
 log = logging.getLogger(__name__)
 EPOCH_2015_S = 1_420_070_400
 TICKS_PER_S = 100_000
-NEW_STREAM_TICKS = 60 * TICKS_PER_S  # a stream first heard may be this much behind us
-RESERVE_TICKS = TICKS_PER_S  # how much the file is ahead while it is in use
+NEW_STREAM_TICKS = 60 * TICKS_PER_S  # a new stream may be this much behind us
+RESERVE_TICKS = TICKS_PER_S  # the file's lead over the last timestamp while in use
 SIGNED_FLAG = 0x01
 KEY_BYTES = 32
 MOST_SIGNERS = 16
@@ -29,10 +29,10 @@ _HEXADECIMAL = re.compile(rb"\s*([0-9a-fA-F]{64})\s*")
 
 
 def read_key(path: str | Path) -> bytes:
-    """The key in a file; see `key_of`. A file that others may write is warned of.
+    """Return the key in a file; see `key_of`. Warn if others may write the file.
 
     Raises:
-        BadInput: the file cannot be read, or holds no key.
+        BadInput: the file cannot be read, or contains no key.
     """
     path = Path(path)
     try:
@@ -46,8 +46,10 @@ def read_key(path: str | Path) -> bytes:
 
 
 def key_of(secret: str | bytes) -> bytes:
-    """The key behind what a file or the environment holds: 64 hexadecimal digits, 32 bytes that are no text, or else
-    the SHA-256 of a passphrase without the line end behind it, as ground stations do it.
+    """Return the key in a file or environment variable.
+
+    It is 64 hexadecimal digits, or 32 bytes that are not text, or a passphrase. A passphrase gives the SHA-256 of it
+    without its line end, as in other ground stations.
 
     Raises:
         BadInput: it is none of these.
@@ -73,15 +75,15 @@ def _is_text(raw: bytes) -> bool:
 
 
 class Doubt(StrEnum):
-    """Why a frame is not believed."""
+    """Reason for rejecting a frame."""
 
     UNSIGNED = "unsigned"
     FOREIGN = "foreign"  # signed with another key
-    STALE = "stale"  # signed with ours, and no newer than what was heard before
+    STALE = "stale"  # signed with our key, but not newer than the last frame
 
 
 class Signer:
-    """Signs what we say and judges what we hear, with one key."""
+    """Sign our frames and check received ones, with one key."""
 
     def __init__(self, key: bytes, link_id: int = 0, timestamps: Timestamps | None = None) -> None:
         self.key = key
@@ -92,10 +94,10 @@ class Signer:
         self._is_warned = False
         self._streams: dict[tuple[int, int, int], int] = {}
         self.doubts: dict[tuple[int, int], Doubt] = {}
-        """Why a frame of this system and component was not believed, the last of them."""
+        """Last reason for rejecting a frame, by system and component."""
 
     def signature(self, frame: bytes, unix_s: float) -> bytes:
-        """The 13 bytes that follow a frame said at `unix_s`."""
+        """Return the 13 bytes that follow a frame sent at `unix_s`."""
         clock = round((unix_s - EPOCH_2015_S) * TICKS_PER_S)
         if self._last > clock + NEW_STREAM_TICKS and not self._is_warned:
             self._is_warned = True
@@ -112,14 +114,14 @@ class Signer:
         return stamp + self._digest(frame + stamp)
 
     def close(self) -> None:
-        """Nothing more will be signed."""
+        """Store the last timestamp and release its file."""
         if self._timestamps:
             self._timestamps.keep(self._last)
             self._timestamps.close()
             self._timestamps = None
 
     def accepts(self, frame: bytes, system: int, component: int) -> bool:
-        """Whether a frame is signed with our key, and newer than all before it in its stream."""
+        """Check that a frame is signed with our key and newer than its predecessors in its stream."""
         doubt = self._doubt(frame, system, component)
         if doubt is not None:
             self.doubts[system, component] = doubt
@@ -143,13 +145,13 @@ class Signer:
 
 
 def persistent_signer(key: bytes, path: str | Path) -> Signer:
-    """A signer whose timestamps go on growing from one run to the next; `path` holds the last.
+    """Return a signer whose timestamps grow from one run to the next; `path` stores the last one.
 
-    Processes that sign at the same time each have a file, and a link id, of their own: what one says is no replay of
-    what the other says.
+    Processes that sign at the same time have their own files and link ids, so that their frames are not replays of each
+    other.
 
     Raises:
-        BadInput: the file holds something else than a timestamp, or too many sign at once.
+        BadInput: the file contains no timestamp, or too many processes sign at once.
     """
     path = Path(path)
     for link_id in range(MOST_SIGNERS):

@@ -1,4 +1,4 @@
-"""What a vehicle tells of itself while it flies, as data: frozen classes like those of `messages`, in SI units."""
+"""Telemetry of a flying vehicle as data: frozen classes like those of `messages`, in SI units."""
 
 from dataclasses import dataclass
 
@@ -16,7 +16,7 @@ class AutopilotVersion(Message):
 
 @dataclass(frozen=True)
 class ProtocolVersion(Message):
-    """PROTOCOL_VERSION: MAVLink's, in hundredths: 200 is MAVLink 2."""
+    """PROTOCOL_VERSION: MAVLink's version times 100: 200 is MAVLink 2."""
 
     version: int
     min_version: int
@@ -34,7 +34,7 @@ class HomePosition(Message):
 
 @dataclass(frozen=True)
 class GlobalOrigin(Message):
-    """GPS_GLOBAL_ORIGIN: where the local frame begins."""
+    """GPS_GLOBAL_ORIGIN: origin of the local frame."""
 
     latitude_deg: float
     longitude_deg: float
@@ -56,7 +56,7 @@ class Position(Message):
 
 @dataclass(frozen=True)
 class LocalPosition(Message):
-    """LOCAL_POSITION_NED: north, east, down of the origin [m], and the velocity [m/s]."""
+    """LOCAL_POSITION_NED: north, east, down from the origin [m], and velocity [m/s]."""
 
     time_s: float
     position: tuple[float, float, float]
@@ -100,7 +100,7 @@ class Hud(Message):
 
 @dataclass(frozen=True)
 class SystemStatus(Message):
-    """SYS_STATUS: sensor bits present, enabled and healthy; volts, remaining [%] and amperes of a battery."""
+    """SYS_STATUS: sensor bits present, enabled and healthy; battery voltage [V], remaining [%], current [A]."""
 
     present: int
     enabled: int
@@ -112,7 +112,7 @@ class SystemStatus(Message):
 
 @dataclass(frozen=True)
 class BatteryStatus(Message):
-    """BATTERY_STATUS: volts, amperes and remaining [%] of one battery; what is negative is not measured."""
+    """BATTERY_STATUS: voltage [V], current [A] and remaining [%] of one battery; negative: not measured."""
 
     id: int
     voltage: float
@@ -122,7 +122,7 @@ class BatteryStatus(Message):
 
 @dataclass(frozen=True)
 class WindEstimate(Message):
-    """WIND, as ArduPilot estimates it: from where it blows [deg], and how fast [m/s]."""
+    """WIND: ArduPilot's estimate; direction from which it blows [deg], speed [m/s]."""
 
     direction_deg: float
     speed: float
@@ -130,7 +130,7 @@ class WindEstimate(Message):
 
 @dataclass(frozen=True)
 class WindVelocity(Message):
-    """WIND_COV, as PX4 estimates it: how fast the air goes north, east and down [m/s]."""
+    """WIND_COV: PX4's estimate; velocity of the air north, east, down [m/s]."""
 
     velocity: tuple[float, float, float]
 
@@ -153,7 +153,7 @@ class SystemTime(Message):
 
 @dataclass(frozen=True)
 class RadioStatus(Message):
-    """RADIO_STATUS: from the radio itself, so it is never signed."""
+    """RADIO_STATUS: sent by the radio itself, and therefore never signed."""
 
     rssi: int
     remrssi: int

@@ -1,4 +1,4 @@
-"""How telemetry lies in MAVLink's fields: scaled to integers, which say their end where a value does not fit."""
+"""Map telemetry to MAVLink's fields: scaled to integers, saturated where a value does not fit."""
 
 import math
 from typing import Any
@@ -8,7 +8,7 @@ from ipoa_mission.link.message_layout import MessageLayout, Value, plain
 
 
 def saturated(value: float, bits: int = 32) -> int:
-    """Telemetry never fails: what does not fit a signed integer is told as its end, NaN as 0."""
+    """Round to a signed integer of this size, saturated; NaN gives 0, because telemetry must not fail."""
     most = 2 ** (bits - 1) - 1
     return 0 if math.isnan(value) else round(min(max(value, -most), most))
 
@@ -30,15 +30,15 @@ _VELOCITY = Value(
 _HEADING = Value(("hdg",), lambda yaw: saturated(math.degrees(yaw) * 100) % 36000, lambda raw: math.radians(raw / 100))
 _PLACE = {"latitude_deg": _scaled("latitude", 1e7), "longitude_deg": _scaled("longitude", 1e7)}
 _SHORT_PLACE = {"latitude_deg": _scaled("lat", 1e7), "longitude_deg": _scaled("lon", 1e7)}
-_HIGH = {"altitude": _scaled("altitude", 1000)}
+_ALTITUDE = {"altitude": _scaled("altitude", 1000)}
 _NO_CELL = 0xFFFF
-#: The cells of a pack, or all of it in the first ones.
+#: The cell voltages of a pack, or its total voltage in the first cells.
 _CELLS = Value(
     ("voltages", "voltages_ext"),
     lambda voltage: ([round(voltage * 1000), *[_NO_CELL] * 9], [0] * 4),
     lambda raw: sum(cell for cell in (*raw[0], *raw[1]) if cell != _NO_CELL) / 1000,
 )
-#: Charge and energy drawn, and temperature: not measured; for all of the vehicle, lithium polymer, charged.
+#: Charge, energy and temperature not measured; a charged lithium polymer battery of the whole vehicle.
 _BATTERY = {"current_consumed": -1, "energy_consumed": -1, "temperature": 0x7FFF} | {
     "battery_function": 1,
     "type": 1,
@@ -49,8 +49,8 @@ _SENSORS = {name: f"onboard_control_sensors_{name}" for name in ("present", "ena
 LAYOUTS: tuple[MessageLayout[Any], ...] = (
     plain("AUTOPILOT_VERSION", t.AutopilotVersion),
     plain("PROTOCOL_VERSION", t.ProtocolVersion),
-    plain("HOME_POSITION", t.HomePosition, {"q": [1.0, 0.0, 0.0, 0.0]}, **_PLACE, **_HIGH),
-    plain("GPS_GLOBAL_ORIGIN", t.GlobalOrigin, **_PLACE, **_HIGH),
+    plain("HOME_POSITION", t.HomePosition, {"q": [1.0, 0.0, 0.0, 0.0]}, **_PLACE, **_ALTITUDE),
+    plain("GPS_GLOBAL_ORIGIN", t.GlobalOrigin, **_PLACE, **_ALTITUDE),
     plain(
         "GLOBAL_POSITION_INT",
         t.Position,

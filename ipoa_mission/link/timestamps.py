@@ -1,7 +1,7 @@
-"""The last timestamp that was signed, kept from one run to the next in a file of which only one process is the owner.
+"""Store the last signed timestamp between runs, in a file that one process owns.
 
-While it is in use the file is a second ahead of what was signed, so that a run that ends badly repeats nothing; a run
-that ends well leaves the timestamp that it signed last. So it never runs ahead of the clock.
+In use, the file is one second ahead of the last signature, so that a crash repeats no timestamp. A regular end stores
+the last timestamp itself. So the file never runs ahead of the clock.
 """
 
 import logging
@@ -19,21 +19,21 @@ else:
 
 log = logging.getLogger(__name__)
 DIGITS = 20
-MOST = 2**48  # a timestamp on the wire has six bytes
-LOCKED_AT = 1_000_000  # on Windows nobody can read what is locked: a byte far behind the timestamp is
+TIMESTAMP_LIMIT = 2**48  # six bytes on the wire
+LOCKED_AT = 1_000_000  # Windows forbids reading locked bytes: lock one far behind the timestamp
 
 
 class Timestamps:
-    """The file of one owner, by its descriptor; `close` it for the next."""
+    """Own a timestamp file by its descriptor; `close` releases it."""
 
     def __init__(self, path: Path, file: int, last: int) -> None:
         self.last = last
         self._path = path
         self._file = file
-        self.close = weakref.finalize(self, os.close, file)  # once, also for one whose owner forgot to
+        self.close = weakref.finalize(self, os.close, file)  # runs once, also if the owner forgot to close
 
     def keep(self, last: int) -> None:
-        """Write a timestamp down; a disk that takes nothing any more does not end a flight."""
+        """Write a timestamp; a full disk only logs a warning, because it must not end a flight."""
         try:
             os.lseek(self._file, 0, os.SEEK_SET)
             os.write(self._file, b"%0*d\n" % (DIGITS, last))
@@ -42,10 +42,10 @@ class Timestamps:
 
 
 def own_timestamps(path: Path) -> Timestamps | None:
-    """The timestamp in a file, which is made if it is not there; None while another process owns it.
+    """Open a timestamp file, or create it; return None while another process owns it.
 
     Raises:
-        BadInput: it cannot be opened, or holds something else than a timestamp.
+        BadInput: it cannot be opened, or contains no timestamp.
     """
     try:
         file = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o600)
@@ -54,13 +54,13 @@ def own_timestamps(path: Path) -> Timestamps | None:
     try:
         _lock(file)
         words = os.read(file, DIGITS + 2).strip()
-    except (BlockingIOError, PermissionError):  # it is locked: on Linux, on Windows
+    except (BlockingIOError, PermissionError):  # locked: on Linux, on Windows
         os.close(file)
         return None
     except OSError as error:
         os.close(file)
         raise Unwritable(f"cannot be locked: {error.strerror}", place=path) from error
-    if words and not (words.isdigit() and int(words) < MOST):
+    if words and not (words.isdigit() and int(words) < TIMESTAMP_LIMIT):
         os.close(file)
         raise BadInput(f"expected a timestamp of MAVLink signing, not {words.decode('ascii', 'replace')!r}", place=path)
     return Timestamps(path, file, int(words or b"0"))

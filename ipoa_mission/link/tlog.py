@@ -1,4 +1,4 @@
-"""`.tlog`: every frame that went over the link, as ground stations keep and replay it.
+"""Read and write `.tlog` files: every frame of a link, in the format of ground stations.
 
 A record is the time of a frame in microseconds since 1970, eight bytes big-endian, and the raw frame.
 """
@@ -18,13 +18,13 @@ from ipoa_mission.link.codec import frame_at, next_magic, numbered, unknown_fram
 
 log = logging.getLogger(__name__)
 STAMP_BYTES = 8
-REORDERED = 128  # frames that seem to be lost, or more: one has overtaken another
+REORDERED = 128  # apparent losses from which on a frame counts as reordered
 
 
 class TlogWriter:
-    """A log under way; each frame is on the disk as soon as it is written.
+    """Write a log unbuffered.
 
-    A disk that takes no more ends the log, not the flight: that is said once.
+    A full disk ends the log with one warning, not the flight.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -36,7 +36,6 @@ class TlogWriter:
             raise Unwritable(f"cannot be written: {error.strerror}", place=path) from error
 
     def write(self, frame: bytes, unix_s: float) -> None:
-        """Add one frame."""
         record = round(unix_s * 1e6).to_bytes(STAMP_BYTES, "big") + frame
         try:
             if not self._is_over and self._file.write(record) < len(record):
@@ -46,7 +45,6 @@ class TlogWriter:
             log.warning("%s: cannot be written any more: %s; the log ends here", self._path, error.strerror)
 
     def close(self) -> None:
-        """No more frames."""
         self._file.close()
 
     def __enter__(self) -> "TlogWriter":
@@ -58,7 +56,7 @@ class TlogWriter:
 
 @dataclass(frozen=True)
 class Record:
-    """One frame of a log and when it was seen, in seconds since 1970."""
+    """A frame of a log, and its time in seconds since 1970."""
 
     unix_s: float
     frame: bytes
@@ -66,14 +64,14 @@ class Record:
 
 @dataclass
 class LostFrames:
-    """What of a log is lost: bytes that are no frames, and frames by the gaps in each sender's numbers."""
+    """Count the losses of a log: bytes outside frames, and frames missing by each sender's sequence numbers."""
 
     torn_bytes: int = 0
     frames: Counter[int] = field(default_factory=Counter)  # by system
     there: Counter[int] = field(default_factory=Counter)
 
     def remarks(self, system: int) -> Iterator[str]:
-        """What a user should know where the log is read for this system."""
+        """Yield warnings for a user who reads this system's log."""
         if self.torn_bytes:
             yield f"{self.torn_bytes} bytes of the log are no whole messages: it is damaged or cut short"
         if self.frames[system]:
@@ -82,11 +80,11 @@ class LostFrames:
 
 
 def read_tlog(path: str | Path, missing: LostFrames | None = None) -> Iterator[Record]:
-    """The frames of a log in their order; a torn record is passed over, as are frames with a wrong checksum.
+    """Yield the frames of a log in order; skip torn records and frames with wrong checksums.
 
     Args:
         path: of the log.
-        missing: takes up what was passed over.
+        missing: counts what was skipped.
 
     Raises:
         BadInput: the file cannot be read.
@@ -117,12 +115,12 @@ def read_tlog(path: str | Path, missing: LostFrames | None = None) -> Iterator[R
 
 
 def _beginnings(data: bytes, at: int) -> Iterator[int]:
-    """Where, from here on, a frame may begin."""
+    """Yield each place from `at` where a frame may begin."""
     while (at := next_magic(data, at)) >= 0:
         yield at
         at += 1
 
 
 def _is_record(data: bytes, at: int) -> bool:
-    """Whether the log ends here, or another record begins."""
+    """Check that the log ends at `at`, or another record begins there."""
     return at == len(data) or next_magic(data, at + STAMP_BYTES) == at + STAMP_BYTES

@@ -1,4 +1,4 @@
-"""Mission transfers overheard on a link: which items the vehicle holds, whoever sent them to whom."""
+"""Follow overheard mission transfers: which items the vehicle holds, whoever sent them."""
 
 from dataclasses import dataclass, field
 
@@ -20,12 +20,12 @@ from ipoa_mission.link.mission_upload_file import unpack_mission
 from ipoa_mission.mission.items import Item
 
 Items = tuple[Item, ...]
-BURST_READ = 15  # a MAVFTP opcode that our own client does without
+BURST_READ = 15  # a MAVFTP opcode that our own client does not use
 
 
 @dataclass
 class _List:
-    """A list on its way: as many items as were announced, or fewer so far."""
+    """A list in transfer: `count` items were announced."""
 
     count: int
     to_vehicle: bool
@@ -33,12 +33,12 @@ class _List:
 
     @property
     def whole(self) -> Items | None:
-        """All items, once all are there."""
+        """Return all items once they are complete."""
         return tuple(self.items[n] for n in range(self.count)) if len(self.items) == self.count else None
 
 
 class Transfers:
-    """Hears both ends; `note` returns the items that the vehicle is then known to hold."""
+    """Hear both ends; `note` returns the items that the vehicle holds from then on."""
 
     def __init__(self) -> None:
         self._held: Items = ()
@@ -47,7 +47,7 @@ class Transfers:
         self._written = False
 
     def note(self, message: Message, by_vehicle: bool) -> Items | None:
-        """Something was said; the items of the mission if the vehicle is known by it to hold them."""
+        """Take a message; return the mission's items if it shows that the vehicle holds them."""
         held = self._note_file(message, by_vehicle) if isinstance(message, FileTransfer) else None
         match message:
             case Count(count, MissionType.MISSION):
@@ -69,7 +69,7 @@ class Transfers:
         return held
 
     def _note_file(self, message: FileTransfer, by_vehicle: bool) -> Items | None:
-        """ArduPilot's list as one file: written by a station, or read by it."""
+        """Follow ArduPilot's list as one file: written or read by a station."""
         request = unpack(message)
         match request.opcode:
             case Opcode.OPEN_FILE_RO | Opcode.CREATE_FILE | Opcode.OPEN_FILE_WO:

@@ -1,6 +1,6 @@
-"""An upload ends when the vehicle is known to hold what was sent: offer, read back, compare, hear the verdict.
+"""Upload a list until the vehicle provably holds it: offer, read back, compare, await the vehicle's check.
 
-If it ends otherwise, the error says what the vehicle holds.
+An error reports what the vehicle holds.
 """
 
 from collections.abc import Iterator, Sequence
@@ -25,18 +25,17 @@ from ipoa_mission.mission.stored_mission import Difference
 from ipoa_mission.progress import Progress, count, silent
 from ipoa_mission.vehicles.autopilot import Autopilot
 
-#: A transfer that broke off is begun anew, from COUNT, this often; one that got nowhere, only once more.
+#: Attempts of a transfer that fails after some items; one without any gets only two.
 ATTEMPTS = 12
-#: How long a vehicle may take to judge a mission that it has stored and given back; and how long to listen for second
-#: thoughts when it has called the mission flyable.
+#: Timeout for PX4's check of a stored mission, and time to listen for a revision of a positive result [s].
 VERDICT_S = 1.5
-SECOND_THOUGHTS_S = 0.4
-#: Refusals that concern the moment and not the items.
+REVISION_S = 0.4
+#: Refusals for a temporary reason, not because of the items.
 PASSING = frozenset({*DOUBTFUL, Result.DENIED, Result.OPERATION_CANCELLED})
 
 
 class ReadBackDiffers(MissionError):
-    """The vehicle holds something else than it was sent."""
+    """The vehicle holds another list than it was sent."""
 
     def __init__(self, kind: int, difference: Difference) -> None:
         self.kind, self.difference = kind, difference
@@ -44,7 +43,7 @@ class ReadBackDiffers(MissionError):
 
 
 class Replaced(MissionError):
-    """The vehicle held what it was sent, and now holds something else."""
+    """The vehicle held the sent list, and now holds another one."""
 
     def __init__(self, kind: int, difference: Difference) -> None:
         self.kind, self.difference = kind, difference
@@ -55,7 +54,7 @@ class Replaced(MissionError):
 
 
 class Unflyable(MissionError):
-    """The vehicle took the mission and then found that it cannot fly it; `why` in its words, if it has said so."""
+    """The vehicle stored the mission and then found it unflyable; `why` in its words, if it gave a reason."""
 
     def __init__(self, why: str) -> None:
         self.why = why
@@ -63,17 +62,18 @@ class Unflyable(MissionError):
 
 
 class Unplaced(Unflyable):
-    """The vehicle has no position, and without one it finds every mission unflyable (PX4)."""
+    """The vehicle has no position, and without one PX4 finds every mission unflyable."""
 
     def __init__(self) -> None:
-        super().__init__("it has no position yet, and so judges none")
-        self.hint = "wait until it knows where it is (GPS), and upload again"
+        super().__init__("it has no position yet, without which it accepts none")
+        self.hint = "wait until it has a position (GPS), and upload again"
 
 
 @dataclass(frozen=True)
 class Upload:
-    """One list for one vehicle, as it goes over the wire; `numbers` of questions for the
-    checksum of what the vehicle holds, where it may make one.
+    """One list for one vehicle in wire form.
+
+    `numbers`: sequence numbers for questions for the vehicle's checksum, if it may compute one.
 
     Raises:
         BadInput: MAVLink cannot carry it.
@@ -91,21 +91,21 @@ class Upload:
 
     @property
     def has_checksum(self) -> bool:
-        """Whether the vehicle may make one of what it holds."""
+        """Check whether the vehicle may compute a checksum of its list."""
         return self.numbers is not None
 
     @property
     def truncates(self) -> bool:
-        """Whether the vehicle forgets its old list as soon as a transfer begins (ArduPilot; its fence is atomic)."""
+        """Check whether the vehicle drops its old list when a transfer begins (ArduPilot, except for its fence)."""
         return self.autopilot.protocol_profile.forgets_at_count and self.kind != MissionType.FENCE
 
     @property
     def is_judged(self) -> bool:
-        """Whether the vehicle tells after the Ack that it cannot fly this."""
+        """Check whether the vehicle may report after the Ack that it cannot fly this."""
         return self.autopilot.protocol_profile.judges_later and self.kind == MissionType.MISSION and len(self.items) > 0
 
     def difference(self, stored: Sequence[Item | bytes]) -> Difference | None:
-        """What is not as it was sent. An empty list is empty, although ArduPilot may answer with its home alone."""
+        """Return the first difference from the sent list; ArduPilot may answer its home alone for an empty list."""
         home = self.autopilot.counts_home if self.kind == MissionType.MISSION else 0
         if not self.items and len(stored) <= home:
             return None
@@ -114,36 +114,36 @@ class Upload:
 
 @dataclass
 class MissionReports(VehicleTexts):
-    """The vehicle's words, and what it says of the mission that it holds."""
+    """Collect the vehicle's texts, and its reports of the mission that it holds."""
 
     faintest: int = WARNING
-    stored_as: int = 0  # the id that it gave to what we sent: the first after our COUNT; 0: not told
-    is_disputed: bool = False  # it has stored a mission under another id too: one of the two is somebody else's
-    is_read: bool = False  # reading back has begun: what is stored from here on is not ours
-    ids: frozenset[int] = frozenset()  # of the missions that it has spoken of since,
-    latest: int = 0  # and of that which it spoke of last
+    stored_as: int = 0  # its id of our list: the first one after our COUNT; 0: not reported
+    is_disputed: bool = False  # it has reported a second stored id: one of the two missions is another station's
+    is_read: bool = False  # the read-back has begun: a mission stored from here on is not ours
+    ids: frozenset[int] = frozenset()  # ids of the reported missions since then
+    latest: int = 0  # the last one of them
     total: int | None = None
-    is_named: bool = False  # it has named ours since the list was read whole
+    is_named: bool = False  # it has reported our id since the list was read whole
 
     def offered(self) -> None:
-        """We begin to send our list: what was told before is of others."""
+        """Reset at the start of our transfer: earlier reports concern other missions."""
         self.stored_as, self.is_disputed, self.is_read = 0, False, False
 
     def read(self) -> None:
-        """The list is read from here on."""
+        """Begin the read-back."""
         self.ids, self.latest, self.total, self.is_read = frozenset(), 0, None, True
 
     def was_read(self) -> None:
-        """The list has been read: what was said before proves nothing of what is there now."""
+        """End the read-back: earlier reports prove nothing about the list from here on."""
         self.is_named = False
 
     def read_again(self) -> None:
-        """The list is read once more; what it last said of it still counts."""
+        """Begin another read-back; the last reported id still counts."""
         self.ids, self.total, self.is_disputed = frozenset({self.latest} - {0}), None, False
         self.is_named = False
 
     def note(self, message: Message | None) -> None:
-        """Keep what it says of its mission."""
+        """Keep its reports of its mission."""
         match message:
             case Ack(Result.ACCEPTED, MissionType.MISSION, number) if number:
                 if not self.is_read:
@@ -158,11 +158,11 @@ class MissionReports(VehicleTexts):
         super().note(message)
 
     def proves(self, job: Upload) -> bool:
-        """Whether all that it said since the list was begun to be read is of that list, and it has named it since."""
+        """Check that it has named our list since the read-back, and reported no other since the read-back began."""
         return self.is_named and self.ids == {self.stored_as} and not self._is_another(job)
 
     def agrees(self, job: Upload) -> bool:
-        """Whether nothing that it said since the list was read is of another one."""
+        """Check that all its reports since the read-back agree on one list of our length."""
         return len(self.ids) <= 1 and not self._is_another(job)
 
     def _is_another(self, job: Upload) -> bool:
@@ -171,26 +171,26 @@ class MissionReports(VehicleTexts):
 
 @dataclass
 class UploadState:
-    """How an upload is going."""
+    """Progress of an upload."""
 
     attempt: int = 0
-    furthest: int = -1  # the last item that was asked for in this attempt
-    before: int = -1  # and in the one before
-    may_be_whole: bool = False  # whether the vehicle may have the whole list already
-    checksum: int = 0  # of the list as it was read back; 0: the vehicle makes none
+    furthest: int = -1  # the last requested item in this attempt
+    before: int = -1  # the same of the attempt before
+    may_be_whole: bool = False  # the vehicle may hold the whole list already
+    checksum: int = 0  # of the list as read back; 0: the vehicle computes none
     reports: MissionReports = field(default_factory=MissionReports)
 
 
 def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
-    """Put a list on the vehicle and see that it is there, item by item.
+    """Upload a list and verify it item by item.
 
-    Returns the id that it has there (PX4) or its checksum (ArduPilot); 0 where neither is known.
+    Return the vehicle's id (PX4) or checksum (ArduPilot) of the list; 0 if unknown.
 
-    Cancelled in mid-transfer, the vehicle keeps its old list where it can (PX4), else the new one is completed.
+    When cancelled in mid-transfer, PX4 keeps its old list; otherwise the new list is completed first.
 
     Raises:
-        MissionRefused, NoAnswer, TimeUp: with what the vehicle holds now as the hint.
-        ReadBackDiffers, Replaced, Unsettled, Unflyable, Cancelled.
+        MissionRefused, NoAnswer, TimeUp: the hint reports what the vehicle holds now.
+        ReadBackDiffers, Replaced, KeepsChanging, Unflyable, Cancelled.
     """
     course = UploadState()
     try:
@@ -205,10 +205,10 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
     if job.is_judged:
         try:
             state = yield from _verdict(course.reports)
-        except (Cancelled, TimeUp) as broken_off:
-            raise type(broken_off)(
-                f"{broken_off}: the vehicle holds the whole new {list_name(job.kind)}, verified",
-                hint="whether it finds it flyable was not waited for",
+        except (Cancelled, TimeUp) as aborted:
+            raise type(aborted)(
+                f"{aborted}: the vehicle holds the whole new {list_name(job.kind)}, verified",
+                hint="its check of the mission was not awaited",
                 holds="new",
             ) from None
         if not (state == NO_MISSION and course.reports.agrees(job)):
@@ -220,7 +220,7 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
 
 
 def _settle(job: Upload, reports: MissionReports) -> Dialogue[None]:
-    """Read the list again until nothing that the vehicle says of it leaves a doubt."""
+    """Read the list again until the vehicle's reports agree with it."""
     if reports.proves(job):
         return
     for _ in range(READINGS):
@@ -234,17 +234,17 @@ def _settle(job: Upload, reports: MissionReports) -> Dialogue[None]:
 def _expect_unchanged(job: Upload, reports: MissionReports) -> Dialogue[None]:
     try:
         stored = yield from noting(read_list(job.kind), reports.note)
-    except (Cancelled, TimeUp, NoAnswer) as broken_off:
-        words = f"{broken_off}: the vehicle may no longer hold the {list_name(job.kind)} that was sent"
-        raise type(broken_off)(
-            words, hint="it was verified, and not heard to speak of it since, or of another one", holds="unknown"
+    except (Cancelled, TimeUp, NoAnswer) as aborted:
+        words = f"{aborted}: the vehicle may no longer hold the {list_name(job.kind)} that was sent"
+        raise type(aborted)(
+            words, hint="it was verified, but since then not confirmed, or another one was reported", holds="unknown"
         ) from None
     if (difference := job.difference(stored)) is not None:
         raise Replaced(job.kind, difference)
 
 
 def _give_in(job: Upload, course: UploadState, progress: Progress) -> Dialogue[None]:
-    """Leave a whole list behind, the old or the new one, and say which."""
+    """Leave a whole list on the vehicle, the old or the new one, and raise Cancelled, which says which."""
     name = list_name(job.kind)
     if job.truncates:
         course.attempt = 0
@@ -321,7 +321,7 @@ def _leftover(job: Upload) -> str:
 
 
 def _withdraw(kind: int) -> Dialogue[None]:
-    """Say "cancelled" in place of every item that is still asked for, until the vehicle is quiet."""
+    """Answer every further request with "cancelled", until the vehicle is quiet."""
     yield Remark(Ack(Result.OPERATION_CANCELLED, kind))
     step: Step = Pause(1.0)
     while True:
@@ -336,9 +336,9 @@ def _withdraw(kind: int) -> Dialogue[None]:
 
 
 def _verdict(reports: MissionReports) -> Dialogue[int]:
-    """Listen whether the vehicle finds the mission flyable: the last state that it tells counts (0: none was told).
+    """Wait for PX4's check of the mission; return the last reported state (0: none).
 
-    Its reasons may have come at any time since the Ack. One that has given ours an id is given time to name it.
+    Its reasons may come at any time after the Ack. If it gave our list an id, wait longer until it names it.
     """
     state, is_over = 0, reports.stored_as == 0
     heard = yield Pause(VERDICT_S)
@@ -354,6 +354,6 @@ def _verdict(reports: MissionReports) -> Dialogue[int]:
         match heard:
             case Current(mission_state=latest) if latest:
                 if state != latest:
-                    step = Pause(VERDICT_S if latest == NO_MISSION else SECOND_THOUGHTS_S)
+                    step = Pause(VERDICT_S if latest == NO_MISSION else REVISION_S)
                 state = latest
         heard = yield step

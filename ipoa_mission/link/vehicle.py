@@ -1,6 +1,6 @@
-"""A vehicle on a link, and what it can be told: upload, download, clear, set_current, prepare, start, watch, pause.
+"""Operate a vehicle on a link: upload, download, clear, set_current, prepare, start, watch, pause.
 
-Each verb is one dialogue, held by `converse`; nothing here knows about bytes or timers.
+Each verb is one dialogue, held by `converse`; nothing here handles bytes or timers.
 """
 
 import itertools
@@ -81,27 +81,27 @@ class Vehicle(RemoteVehicle):
         self._mission: Mission | None = None
         self._holdings: dict[int, OnboardList] = {}
         self._logbook = Logbook((), self.autopilot)
-        self._leaving = ModeWatch(self.state)
+        self._mode_watch = ModeWatch(self.state)
         self.order = FlightOrder(self.state, line.now)
-        """Has a vehicle that is watched hold its place, go on, or end its flight."""
+        """Orders a watched vehicle to hold, resume, or end its flight."""
         self.conformance = Conformance(self.state, self.order)
-        """Compares a vehicle that is watched with the forecast of its flight, and what is ordered if it deviates."""
+        """Compares a watched vehicle with its forecast, and orders the reaction to a deviation."""
         self.absence = LinkLoss(line)
-        """Whether the link to a vehicle that is watched is lost, for how long, and what it does meanwhile."""
-        self._numbers = itertools.count(2 * round(1e3 * line.now()), 2)  # not those of the last session
+        """State of the link to a watched vehicle: lost or not, for how long, and what the vehicle does meanwhile."""
+        self._numbers = itertools.count(2 * round(1e3 * line.now()), 2)  # differ from those of the last session
 
     def upload(self, mission: Mission, progress: Progress = silent, checked: bool = True) -> None:
-        """Put a mission on the vehicle, with its fence and rally points if it has some, and verify each list.
+        """Upload a mission, with its fence and rally points if it has some, and verify each list.
 
         Args:
             mission: for this vehicle's autopilot.
-            progress: told how far that is.
-            checked: whether it is checked first as this vehicle's firmware would meet it.
+            progress: called with the share done.
+            checked: whether to check it first, as this vehicle's firmware would fly it.
 
         Raises:
-            NotFlown: the vehicle is no multicopter.
-            BadInput: the mission is for none, or for another autopilot.
-            Unsafe: the check found errors, and nothing was sent.
+            NotFlown: the vehicle is not a multicopter.
+            BadInput: the mission is for another autopilot, or not for a multicopter.
+            Unsafe: the check found errors; nothing was sent.
             MissionRefused, NoAnswer, ReadBackDiffers, Replaced, Unflyable, TimeUp, Cancelled: it is not on the vehicle,
                 or cannot be flown.
         """
@@ -133,22 +133,22 @@ class Vehicle(RemoteVehicle):
         self._expect(mission)
 
     def upload_items(self, items: Sequence[Item], kind: int, progress: Progress = silent) -> None:
-        """Put one list, `items` of MAV_MISSION_TYPE `kind`, on the vehicle as it stands on the wire, and verify it."""
+        """Upload one list, `items` of MAV_MISSION_TYPE `kind` in wire form, and verify it."""
         with noted_interrupts(), self._in_time():
             self._await_ready()
             job = Upload(items, self.autopilot, kind, self._checksum_numbers())
             self._holdings.pop(kind, None)
             list_id = None
             if self._fast and job.has_checksum and kind == MissionType.MISSION:
-                with suppress(FileRefused, NoAnswer, ReadBackDiffers):  # the ordinary transfer says what is wrong
+                with suppress(FileRefused, NoAnswer, ReadBackDiffers):  # the ordinary transfer finds the cause
                     list_id = self._tell(upload_by_file(job, progress))
             self._holdings[kind] = OnboardList(job, self._tell(upload(job, progress)) if list_id is None else list_id)
 
     def download(self, progress: Progress = silent) -> Mission:
-        """The mission on the vehicle, with its fence and rally points.
+        """Return the vehicle's mission, with its fence and rally points.
 
         Raises:
-            MissionRefused, NoAnswer, TimeUp: it did not come whole.
+            MissionRefused, NoAnswer, TimeUp: it is not complete.
         """
         with self._in_time():
             lists = {kind: self.download_items(kind, progress if kind == 0 else silent) for kind in LISTS}
@@ -160,60 +160,60 @@ class Vehicle(RemoteVehicle):
         return replace(mission, fence=fence, rally=rally, firmware_version=self.firmware_version())
 
     def download_items(self, kind: int, progress: Progress = silent) -> tuple[Item, ...]:
-        """The list of MAV_MISSION_TYPE `kind` as it stands on the wire."""
+        """Return the list of MAV_MISSION_TYPE `kind` in wire form."""
         with self._in_time():
             self._await_ready()
             return self._hold(consistent_download.download(kind, progress, self._checksum_numbers()))
 
     def clear(self, kind: int = MissionType.MISSION) -> None:
-        """Have the vehicle forget a list. 255: all three, one by one, because ArduPilot knows no "all"."""
+        """Clear a list on the vehicle. 255: all three one by one, because ArduPilot does not support "all"."""
         with self._in_time():
             for one in LISTS if kind == MissionType.ALL else (kind,):
                 self._holdings.pop(one, None)
                 self._tell(conversations.clear(one))
 
     def set_current(self, index: int) -> None:
-        """Make item `index` of `Mission.items` the one to go on with; `state` tells whether the vehicle does."""
+        """Make item `index` of `Mission.items` the current one; `state` shows whether the vehicle does."""
         with self._in_time():
             self._tell(orders.set_current(index + self.autopilot.counts_home))
             self._hold(until(lambda: self.state.custom_mode is not None, SHOWN_S))
 
     def pause(self) -> None:
-        """Have the flying vehicle stop and hold its place; `resume` or `return_to_launch` ends that.
+        """Stop the flying vehicle and hold its position until `resume` or `return_to_launch`.
 
         Raises:
-            NotReady, NoAnswer, TimeUp: it flies on, or does not fly.
+            NotReady, NoAnswer, TimeUp: it does not stop, or does not fly.
         """
         self._tell_flying(pause)
 
     def resume(self) -> None:
-        """Have the flying vehicle go on with its mission; raises as `pause` does."""
+        """Resume the mission of the flying vehicle; raises as `pause` does."""
         self._tell_flying(resume)
 
     def return_to_launch(self) -> None:
-        """Have the flying vehicle come home and land; raises as `pause` does."""
+        """Return the flying vehicle to launch and land it; raises as `pause` does."""
         self._tell_flying(return_to_launch)
 
     def expect_on_ground(self) -> None:
-        """Raise NotReady for a vehicle that is armed already."""
+        """Raise NotReady if the vehicle is armed already."""
         expect_on_ground(self.state)
 
     def prepare(
         self, first: int = 0, progress: Progress = silent, permit: Callable[[Geodetic], object] | None = None
     ) -> None:
-        """Bring a vehicle on the ground to where it can be armed and will begin with item `first` of `Mission.items`.
+        """Prepare a vehicle on the ground for arming, and for a start at item `first` of `Mission.items`.
 
         Args:
             first: the index of the item to begin with.
-            progress: told what is waited for.
-            permit: told where the vehicle stands, and raises an error if no flight may begin there; left out, that is
+            progress: called with what is waited for.
+            permit: called with the vehicle's position; raises an error if no flight may begin there. The default is
                 `check_start` without a scenario.
 
         Raises:
-            NotReady: armed already, not ready in time, or elsewhere; with the vehicle's own reasons.
-            NotFlown: it is no multicopter.
-            Contested: another vehicle has come that uses its system id.
-            CommandRefused, NoAnswer, LinkDown, TimeUp, Cancelled: it is not to be armed.
+            NotReady: armed already, not ready in time, or at another place; with the vehicle's own reasons.
+            NotFlown: it is not a multicopter.
+            Contested: another vehicle uses its system id.
+            CommandRefused, NoAnswer, LinkDown, TimeUp, Cancelled: it cannot be armed.
         """
         mission = self._mission
         climb = 0.0 if mission is None or first == 0 else begun_at(mission, first).items[first - 1].altitude
@@ -230,22 +230,22 @@ class Vehicle(RemoteVehicle):
             permit(Geodetic(at.latitude_deg, at.longitude_deg, at.altitude))
 
     def start(self, progress: Progress = silent) -> None:
-        """Arm a prepared vehicle and let it fly its mission; time zero of the flight is the vehicle's arming.
+        """Arm a prepared vehicle and start its mission; time zero of the flight is the arming.
 
-        Directly before the arming the vehicle is proved to hold the lists that were uploaded to it, or downloaded.
-        One that is refused for a reason that passes is prepared again, proved and armed; `progress` is told of it.
+        Directly before the arming, prove that the vehicle holds the lists that were uploaded or downloaded. After a
+        refusal for a reason that passes with time, prepare, prove and arm it again; `progress` reports that.
 
         Raises:
-            NotReady, TimeUp: it could not be armed for as long as it is waited for; with its own reasons.
-            Replaced, ReplacedSince: it holds others.
+            NotReady, TimeUp: it could not be armed in time; with its own reasons.
+            Replaced, ReplacedSince: it holds other lists.
             CommandRefused, NoAnswer, NotReady, LinkDown, Cancelled: with the vehicle's state as the hint; it was
-                disarmed again if it said that it was still on the ground.
+                disarmed again if it reported to be on the ground.
         """
         until_s, given = min(self._until, self.line.now() + self.ready_s), self._until
         departure = replace(self._departure, progress=progress)
-        self._until = math.inf  # what is half started is ended first
+        self._until = math.inf  # a begun departure is completed first
         try:
-            with self.state.told():
+            with self.state.in_errors():
                 self._tell(depart_when_ready(departure, lambda: until_s - self.line.now()))
         finally:
             self._until = given
@@ -253,49 +253,49 @@ class Vehicle(RemoteVehicle):
     def watch(self, progress: Progress = silent) -> FlightRecord:
         """Wait until the flight is over, or the vehicle holds because it deviated from its forecast (`conformance`).
 
-        `progress` is told of items done, and for how long the link is lost.
+        `progress` counts items done, and reports the duration of a link loss.
 
-        A vehicle that leaves its mission in the air, and a mission that is replaced, are logged as warnings at once.
-        So is a link that is lost: it is opened anew, and the flight watched on when the same vehicle is heard again,
-        with the same mission; nothing is told to any other, and nothing that was ordered before is said again.
+        Log at once as a warning: a vehicle that leaves its mission in the air, a replaced mission, and a link loss.
+        After a link loss, open the link again, and continue when the same vehicle is heard with the same mission.
+        Nothing is sent to any other vehicle, and no earlier order is repeated.
 
         Raises:
             NoAnswer, LinkDown: the vehicle is not heard any more; with its last known state as the hint.
-            NotTheSameVehicle, NotFlown: another one is heard in its place, or one with another mission.
-            TimeUp: the time given by `give_up_after` is up; the vehicle may be in the air.
+            NotTheSameVehicle, NotFlown: another vehicle is heard in its place, or it holds another mission.
+            TimeUp: the time limit of `give_up_after` is over; the vehicle may be in the air.
         """
         holding, is_back, record = self._holdings.get(MissionType.MISSION), False, None
         compared = self.conformance.of(self._logbook)
-        with self.state.told(), self._in_flight_time(), self._leaving.watched(self._logbook.modes):
+        with self.state.in_errors(), self._in_flight_time(), self._mode_watch.watched(self._logbook.modes):
             while record is None:
-                lookouts = () if holding is None else (ListWatcher(holding),)
-                asides: tuple[Aside, ...] = (self.order, compared, *lookouts)
+                watchers = () if holding is None else (ListWatcher(holding),)
+                asides: tuple[Aside, ...] = (self.order, compared, *watchers)
                 try:
                     if is_back:
                         self._subscribe_again()
                     dialogue = watch(self._logbook, progress, *asides, is_over=lambda: compared.is_over)
                     record = self._hold(dialogue, SILENT_S)
                 except (Silence, LinkDown) as lost:
-                    self._meet_again(lost, progress)
+                    self._reconnect(lost, progress)
                     is_back = True
-        with suppress(MissionError):  # the flight is over and known; a stream too many hurts nobody
+        with suppress(MissionError):  # the flight is over and recorded; a superfluous stream does no harm
             self._hold(unsubscribe())
         if holding is not None:
-            with suppress(MissionError):  # it does not tell
+            with suppress(MissionError):  # it does not report its list
                 self._hold(read_again(holding, self.state))
         return self.record()
 
     @contextmanager
     def _in_flight_time(self) -> Iterator[None]:
-        """Leave the vehicle to itself when the user's time is up."""
+        """Raise TimeUp at the user's time limit; the vehicle continues by itself."""
         try:
             yield
         except TimeUp:
-            words = ("the time is up: nobody watches the vehicle any more, and it flies on", self.absence.meanwhile)
+            words = ("the time is up: the vehicle flies on, and is not watched any more", self.absence.meanwhile)
             raise TimeUp("; ".join(filter(None, words))) from None
 
-    def _meet_again(self, lost: MissionError, progress: Progress) -> None:
-        """Go on where the vehicle is, once it is known again."""
+    def _reconnect(self, lost: MissionError, progress: Progress) -> None:
+        """Wait for the reconnect, and continue with the vehicle's present state."""
         logbook, holding = self._logbook, self._holdings.get(MissionType.MISSION)
         proved = None if holding is None or holding.changed else holding
         known = KnownVehicle(self.system, self.state, logbook.clock_s, self._about, proved)
@@ -304,80 +304,85 @@ class Vehicle(RemoteVehicle):
         kept = self.absence.end(lost, known, self._patience, tell, self._until)
         self.order.cut(False)
         logbook.note_return()
-        for message in sorted(kept, key=lambda one: isinstance(one, Heartbeat)):  # where it is, before whether it ended
+        for message in sorted(
+            kept, key=lambda one: isinstance(one, Heartbeat)
+        ):  # position before the end of the flight
             self._overhear(message)
-        self._leaving.was_away = True
+        self._mode_watch.was_away = True
         if logbook.disarmed_s is not None:
-            log.warning("it stands disarmed: it landed unheard, at the latest %.1f s after arming", logbook.disarmed_s)
+            log.warning(
+                "it is disarmed: it landed while the link was lost, at the latest %.1f s after arming",
+                logbook.disarmed_s,
+            )
 
     def _subscribe_again(self) -> None:
-        """Ask for the streams anew where a vehicle, or what carries its link, has forgotten them."""
+        """Request the streams again if the vehicle, or a relay of its link, has forgotten them."""
         self.state.heard -= set(NEEDED.values())
         if not self._hold(until(lambda: self.state.heard >= set(NEEDED.values()), AGAIN_S), SILENT_S):
             with suppress(NotReady, NoAnswer):
                 self._tell(subscribe(self.state))
 
     def record(self) -> FlightRecord:
-        """The flight so far; not complete if a deviation ended it, or the vehicle came to hold another mission."""
+        """Return the flight so far; incomplete if a deviation ended it, or the mission was replaced."""
         record, why_not = self._logbook.record(), self.changed or self.conformance.why_not
         record = replace(record, deviations=tuple(self.conformance.deviations))
         return replace(record, completed=False, why_not=why_not) if why_not else record
 
     @property
     def ready_s(self) -> float:
-        """How long it is waited for until it can be armed [s]: the user's limit for everything, if there is one."""
+        """Return the timeout until it can be armed [s]: the user's limit for everything, if there is one."""
         total_s = self._patience.total_s
         return LIMITS.ready_s if total_s == SPECIFIED.total_s else total_s
 
     @property
     def changed(self) -> str:
-        """What the vehicle has said of another mission since it was proved to hold ours, in words; else nothing."""
+        """Return the vehicle's reports of another mission since the proof; empty if there are none."""
         holding = self._holdings.get(MissionType.MISSION)
         return "" if holding is None or not holding.changed else str(ReplacedSince(holding))
 
     @property
     def interrupted(self) -> str:
-        """How the vehicle, watched in the air, has left its mission, in words; nothing where it flies it."""
-        return self._leaving.words
+        """Return how the watched vehicle has left its mission in the air; empty while it flies it."""
+        return self._mode_watch.words
 
     @property
     def mode(self) -> str:
-        """The mode that it was last heard in, by the autopilot's name."""
+        """Return the last reported mode, by the autopilot's name."""
         return "no mode" if self.state.custom_mode is None else self.autopilot.modes.name(self.state.custom_mode)
 
     def home(self) -> Geodetic | None:
-        """Where the vehicle's home is; None while it does not know."""
+        """Return the vehicle's home; None while it has none."""
         return self._hold(orders.home())
 
     def parameters(self, wanted: Iterable[str | Sequence[str]]) -> Mapping[str, float]:
-        """The vehicle's values of these parameters; those that it does not have are left out.
+        """Return the vehicle's values of these parameters; unknown ones are left out.
 
-        A parameter that goes by several names is asked for by all of them at once.
+        A parameter with several names is requested by all of them at once.
         """
         names = [(one,) if isinstance(one, str) else tuple(one) for one in wanted]
         return {name: one.param_value for name, one in self._hold(orders.parameters(names, self.autopilot)).items()}
 
     def set_parameter(self, name: str, value: float) -> None:
-        """Give the parameter `name` another `value`, and see that the vehicle took it.
+        """Set the parameter `name` to `value`, and verify it.
 
         Raises:
             NoAnswer: there is no such parameter.
-            MissionError: it keeps another value.
+            MissionError: the vehicle keeps another value.
         """
         self._tell(orders.set_parameter(name, value, self.autopilot))
 
     def _tell_flying(self, order: Callable[[VehicleState], Dialogue[None]]) -> None:
-        with self._in_time(), self.state.told():
+        with self._in_time(), self.state.in_errors():
             self._tell(order(self.state))
 
     def _heed(self, message: Message) -> None:
         self._logbook.note(message)
         for holding in self._holdings.values():
             holding.note(message, self._logbook.armed)
-        self._leaving.note(message, self.line.now())
+        self._mode_watch.note(message, self.line.now())
 
     def _checksum_numbers(self) -> Iterator[int] | None:
-        """Numbers for questions, where the vehicle keeps its lists as files, of which it makes a checksum."""
+        """Return sequence numbers if the vehicle keeps its lists as files with a checksum, else None."""
         has = self.autopilot.protocol_profile.takes_mission_file and self._told().capabilities & orders.FILE_TRANSFER
         return self._numbers if has else None
 

@@ -1,4 +1,4 @@
-"""What a vehicle will not do with a mission although it holds it: by its own parameters, read and set over the link."""
+"""Check a vehicle's parameters for a mission: values that differ, link loss failsafe, disabled fence."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -10,22 +10,22 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.version import Version
 
-#: Values of a parameter agree to single precision.
+#: Relative tolerance of parameter values: single precision.
 ROUNDING = 1e-6
 
 
 class HasParameters(Protocol):
-    """A vehicle whose parameters can be read."""
+    """A vehicle with readable parameters."""
 
     autopilot: Autopilot
 
     def parameters(self, wanted: Iterable[str | Sequence[str]]) -> Parameters:
-        """Its values of these, each by any of its names; what it does not have is left out."""
+        """Return its values, each by any of its names; unknown ones are left out."""
 
 
 @dataclass(frozen=True)
 class OtherValue:
-    """A parameter that the mission was made for with another value than the vehicle has, by the vehicle's name."""
+    """A parameter whose value differs between mission and vehicle, by the vehicle's name."""
 
     name: str
     wanted: float
@@ -36,9 +36,9 @@ class OtherValue:
 
 
 def other_values(vehicle: HasParameters, wanted: Parameters) -> tuple[tuple[OtherValue, ...], tuple[str, ...]]:
-    """Which of these parameters the vehicle has otherwise, and which it does not have at all.
+    """Return the parameters whose values differ on the vehicle, and those that it lacks.
 
-    ArduCopter 4.7 has new names and units for some; a parameter is looked up by the name that the vehicle knows.
+    ArduCopter 4.7 has renamed and rescaled some; a parameter is looked up by each of its names.
     """
     spelled = vehicle.autopilot.book.spellings
     values = vehicle.parameters([name for name, _ in spelled(one)] for one in wanted) if wanted else {}
@@ -46,7 +46,7 @@ def other_values(vehicle: HasParameters, wanted: Parameters) -> tuple[tuple[Othe
     for one, value in wanted.items():
         for name, unit in spelled(one):
             if name in values:
-                if not abs(values[name] - value * unit) <= ROUNDING * max(1.0, abs(value * unit)):  # NaN is another
+                if not abs(values[name] - value * unit) <= ROUNDING * max(1.0, abs(value * unit)):  # NaN differs
                     others.append(OtherValue(name, value * unit, values[name]))
                 break
         else:
@@ -55,18 +55,18 @@ def other_values(vehicle: HasParameters, wanted: Parameters) -> tuple[tuple[Othe
 
 
 def own_values(vehicle: HasParameters, names: Iterable[str]) -> Parameters:
-    """The vehicle's values of these that it has, by its older names and in their units."""
+    """Return the vehicle's values by their older names and in the older units; unknown ones are left out."""
     book = vehicle.autopilot.book
     return book.by_old_names(vehicle.parameters([name for name, _ in book.spellings(one)] for one in names))
 
 
 def without_station(vehicle: HasParameters, version: Version | None = None) -> str:
-    """What the vehicle does when it loses this ground station, by its own parameters; nothing where nobody knows.
+    """Return what the vehicle does after losing this ground station, by its parameters; empty if unknown.
 
-    `version` of its firmware: left out, the newest measured.
+    `version` of its firmware; without it the newest measured one is assumed.
 
     Raises:
-        NoAnswer: it does not tell its parameters.
+        NoAnswer: it does not report its parameters.
     """
     loss = vehicle.autopilot.station_loss
     if loss is None:
@@ -76,12 +76,12 @@ def without_station(vehicle: HasParameters, version: Version | None = None) -> s
 
 
 def idle_fence(vehicle: HasParameters, mission: Mission) -> str | None:
-    """What to say where the vehicle holds the mission's fence and does nothing with it."""
+    """Return a warning if the vehicle holds the mission's fence, but has its fence disabled."""
     if not mission.fence:
         return None
     switch = vehicle.autopilot.book.fence_switch
     if vehicle.parameters([switch]).get(switch, 1.0) != 0.0:
         return None
     bits = vehicle.autopilot.protocol_profile.limits_are_bits
-    more = f"; {bits} says what it puts into force: 4 is this fence alone" if bits else ""
+    more = f"; {bits} chooses the enabled limits: 4 is this fence alone" if bits else ""
     return f"the fence does nothing on this vehicle: its {switch} is 0{more}"

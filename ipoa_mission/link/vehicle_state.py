@@ -1,4 +1,4 @@
-"""What a vehicle has last said of itself: all that is known of it when something goes wrong."""
+"""Collect the last state that a vehicle has reported."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,18 +12,18 @@ from ipoa_mission.vehicles.kind import Kind
 from ipoa_mission.vehicles.mav_types import with_article
 
 ON_GROUND = 1  # MAV_LANDED_STATE
-#: MAV_SYS_STATUS_PREARM_CHECK: the vehicle could be armed in its present mode.
+#: MAV_SYS_STATUS_PREARM_CHECK: the pre-arm checks pass in the present mode.
 PREARM_CHECK = 0x10000000
-IN_AIR_M = 0.5  # above home, where nothing better tells whether it flies
+IN_AIR_M = 0.5  # above home; decides whether it flies if nothing better is known
 MOST_WORDS = 50
 
 
 class NotReady(MissionError):
-    """The vehicle is not in a state for what it is told to do; the message says what hinders."""
+    """The vehicle's state does not permit an order; the message gives the reason."""
 
 
 class NotFlown(MissionError):
-    """What is on the link is no multicopter of a firmware that the package knows: nothing is changed on it."""
+    """The vehicle is not a supported multicopter: nothing is changed on it."""
 
     def __init__(self, kind: Kind, name: str = "the vehicle") -> None:
         self.kind = kind
@@ -34,22 +34,22 @@ class NotFlown(MissionError):
 
 
 class OtherKind(NotFlown):
-    """What speaks with the vehicle's ids turned out to be something else than it was: nothing more is sent to it."""
+    """The kind of vehicle behind these ids has changed: nothing more is sent to it."""
 
     def __init__(self, before: Kind, kind: Kind) -> None:
         self.kind = kind
         MissionError.__init__(
             self,
-            f"the vehicle is {with_article(str(kind))}, and was {with_article(str(before))}: it is told nothing more",
+            f"the vehicle is {with_article(str(kind))}, and was {with_article(str(before))}: nothing is sent to it",
             hint="do two vehicles use its system id? give each its own",
         )
 
 
 @dataclass
 class VehicleState:
-    """Hears everything that one vehicle says; None is what it has not said yet.
+    """Note all messages of one vehicle; None is unknown.
 
-    `other`: what else has spoken with its ids; such heartbeats tell nothing of it.
+    `other`: another kind of vehicle that uses the same ids; its heartbeats are ignored.
     """
 
     autopilot: Autopilot
@@ -60,14 +60,13 @@ class VehicleState:
     landed_state: int | None = None
     position: Position | None = None
     current: Current | None = None
-    may_arm: bool | None = None  # None: it does not tell
-    battery_left: float | None = None  # the share of its first battery
+    may_arm: bool | None = None  # None: not reported
+    battery_left: float | None = None  # share of its first battery
     heard: set[type[Message]] = field(default_factory=set)
     warnings: list[str] = field(default_factory=list)
     other: Kind | None = None
 
     def note(self, message: Message) -> None:
-        """Something was heard."""
         self.heard.add(type(message))
         is_first = isinstance(message, SystemStatus) or (isinstance(message, BatteryStatus) and message.id == 0)
         if is_first and message.battery_remaining >= 0:  # type: ignore[attr-defined]
@@ -92,24 +91,24 @@ class VehicleState:
                 self.warnings = [*self.warnings[1 - MOST_WORDS :], text.rstrip("\t ")]
 
     def expect_flown(self) -> None:
-        """Raise NotFlown unless all its heartbeats were those of one vehicle whose flight the package knows."""
+        """Raise NotFlown unless all heartbeats were of one supported vehicle."""
         if self.kind is not None and not self.kind.is_flown:
             raise NotFlown(self.kind)
         if self.kind is not None and self.other is not None:
             raise OtherKind(self.kind, self.other)
 
     def owns(self, message: Message) -> bool:
-        """Whether it may have said this: a heartbeat of another kind is of somebody else who uses its ids."""
+        """Check whether a message may be the vehicle's: a heartbeat of another kind is not."""
         if not isinstance(message, Heartbeat):
             return True
         if message.autopilot == MavAutopilot.INVALID:
             return False
-        told = Kind(message.autopilot, message.type)
-        return self.kind in (None, told) or (told.is_flown and told.autopilot is self.autopilot)
+        reported = Kind(message.autopilot, message.type)
+        return self.kind in (None, reported) or (reported.is_flown and reported.autopilot is self.autopilot)
 
     @contextmanager
-    def told(self) -> Iterator[None]:
-        """What breaks off in here says what is known of the vehicle."""
+    def in_errors(self) -> Iterator[None]:
+        """Add this state as the hint to errors in this context."""
         try:
             yield
         except MissionError as error:
@@ -118,7 +117,7 @@ class VehicleState:
 
     @property
     def in_air(self) -> bool | None:
-        """Whether it flies, as far as it tells."""
+        """Check whether it flies; None if unknown."""
         if self.armed is False:
             return False
         if self.landed_state is not None:
@@ -126,9 +125,9 @@ class VehicleState:
         return None if self.position is None else self.position.height > IN_AIR_M
 
     def __str__(self) -> str:
-        """Armed or not, in the air or not, and what it does next."""
+        """Return armed or not, in the air or not, and the next action."""
         if self.armed is None:
-            return "the vehicle has told nothing of its state"
+            return "the vehicle has not reported its state"
         if self.custom_mode is None:
             return f"the vehicle is {'armed' if self.armed else 'disarmed'}"
         mode = self.autopilot.modes.name(self.custom_mode)

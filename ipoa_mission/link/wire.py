@@ -1,6 +1,6 @@
-"""How each message lies in MAVLink fields: names, units, scaling. No bytes and no pymavlink here.
+"""Map each message to MAVLink's fields: names, units, scaling. No bytes and no pymavlink here.
 
-degE7 is made here and nowhere else, with `round` (truncation moves six coordinates in a hundred by one unit).
+Only this module makes degE7, with `round`: truncation would move 6 % of the coordinates by one unit.
 """
 
 import math
@@ -19,10 +19,10 @@ LOCAL_SCALE = 10_000  # metres in local frames
 
 
 def write(message: m.Message) -> tuple[str, Fields]:
-    """MAVLink's name and fields of a message, without target, which only the sender knows.
+    """Return MAVLink's name and fields of a message, without its target, which the sender adds.
 
     Raises:
-        BadInput: a coordinate does not fit the 32 bits that MAVLink has for it.
+        BadInput: a coordinate does not fit MAVLink's 32 bits.
     """
     layout = _BY_KIND[type(message)]
     if isinstance(message, m.Request) and message.legacy:
@@ -31,13 +31,13 @@ def write(message: m.Message) -> tuple[str, Fields]:
 
 
 def read(name: str, raw: Any) -> m.Message:
-    """The message behind MAVLink's fields (any object that has them as attributes)."""
+    """Return the message in MAVLink's fields (any object that has them as attributes)."""
     message: m.Message = _BY_NAME[name].read(raw)
     return message
 
 
 def coordinate(degrees: float, frame: int) -> int:
-    """Param5 or param6 as MISSION_ITEM_INT has it: degE7 in global frames, as it is in frame 2, else metres x 1e4."""
+    """Return param5 or param6 of MISSION_ITEM_INT: degE7 in global frames, unscaled in frame 2, else metres x 1e4."""
     if math.isnan(degrees):
         return INT32_MAX if frame in GLOBAL_FRAMES else 0
     scaled = degrees * _scale(frame)
@@ -48,7 +48,7 @@ def coordinate(degrees: float, frame: int) -> int:
 
 
 def degrees(value: int, frame: int) -> float:
-    """The inverse of `coordinate`."""
+    """Invert `coordinate`."""
     return math.nan if value == INT32_MAX and frame in GLOBAL_FRAMES else value / _scale(frame)
 
 
@@ -75,7 +75,7 @@ def _write_item(message: m.ItemAt) -> Fields:
 
 
 def read_item(raw: Any) -> Item:
-    """The item in the fields of MISSION_ITEM_INT."""
+    """Return the item in the fields of MISSION_ITEM_INT."""
     return _item(raw, degrees(raw.x, raw.frame), degrees(raw.y, raw.frame))
 
 
@@ -89,7 +89,7 @@ def _read_item(raw: Any) -> m.ItemAt:
 
 
 def _read_old_item(raw: Any) -> m.ItemAt:
-    """MISSION_ITEM, whose degrees are single precision (up to 0.85 m off): understood, never sent."""
+    """Read a MISSION_ITEM, whose degrees are single precision (up to 0.85 m off); it is never sent."""
     return m.ItemAt(raw.seq, _item(raw, raw.x, raw.y), raw.mission_type, raw.current)
 
 
@@ -155,5 +155,5 @@ _LAYOUTS: tuple[MessageLayout[Any], ...] = (
 
 _BY_NAME = {layout.name: layout for layout in (*_LAYOUTS, *telemetry_wire.LAYOUTS)}
 _BY_KIND = {layout.kind: layout for layout in _BY_NAME.values()}
-#: The MAVLink messages that the package understands; it passes by all others.
+#: The MAVLink messages that the package understands; it ignores all others.
 NAMES = frozenset(_BY_NAME)

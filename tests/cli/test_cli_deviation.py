@@ -72,7 +72,7 @@ def test_a_flight_that_outlasts_the_users_time_is_left_in_the_air(run: Run, auto
         ended = run(f"fly {SITL} --link {link} --timeout 12 --json")
     assert ended.code == 1
     told = json.loads(ended.out)
-    assert told["error"].startswith("the time is up: nobody watches the vehicle any more, and it flies on")
+    assert told["error"].startswith("the time is up: the vehicle flies on, and is not watched any more")
     assert (told["completed"], told["in_air"]) == (False, True)
 
 

@@ -217,7 +217,7 @@ def test_a_port_in_use_and_nobody_listening_are_told_with_a_hint(run: Run, autop
     assert "hint: is another ground station using it?" in ended.err
     nobody = run(f"upload {mission} --link tcp:127.0.0.1:1")
     assert nobody.code == 1
-    assert "hint: nobody listens there" in nobody.err
+    assert "hint: nothing listens there" in nobody.err
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ def _as_before(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setattr(definitions, "_IN_USE", [ardupilotmega])
     tables: list[dict[Any, Any]] = [definitions.DEFINITIONS, definitions._NUMBERS]
     before = [dict(table) for table in tables]
-    new = {one.number: one for one in (*definitions._OTHERS, *definitions._definitions(ardupilotmega))}
+    new = {one.number: one for one in (*definitions._PX4_DEFINITIONS, *definitions._definitions(ardupilotmega))}
     first: tuple[dict[Any, Any], ...] = (new, {one.name: number for number, one in new.items()})
     for table, one in zip(tables, first, strict=True):
         table.clear()

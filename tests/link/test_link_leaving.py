@@ -6,7 +6,7 @@ import pytest
 
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
-from ipoa_mission.link.flight_order import SAYINGS, FlightOrder
+from ipoa_mission.link.flight_order import ORDER_REPEATS, FlightOrder
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import CommandAck, CommandLong, CommandResult, Heartbeat, Message, Text
@@ -146,7 +146,7 @@ def test_an_order_to_end_the_flight_is_given_until_the_vehicle_shows_it(
     vehicle.overhearing = overhear
     record = vehicle.watch()
     assert record.completed is (lost == 99)
-    assert len(said) == min(lost + 1, SAYINGS)
+    assert len(said) == min(lost + 1, ORDER_REPEATS)
     assert ("does not show it" in vehicle.order.words) is (lost == 99)
 
 

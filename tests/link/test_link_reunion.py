@@ -205,7 +205,7 @@ def test_one_that_has_left_its_mission_unheard_is_told_of_when_it_is_heard(
     flight.at_loss = lambda: flight.order_elsewhere(PX4.modes.hold)
     flight.on_return = lambda: flight.order_elsewhere(PX4.modes.mission)
     assert flight.lose(20.0).completed
-    assert ", and what it said of that was not heard" in caplog.text
+    assert ", and its reason may not have been heard" in caplog.text
     assert "the vehicle goes on with its mission" in caplog.text
 
 
@@ -229,17 +229,20 @@ def test_one_that_came_home_unheard_is_told_as_it_stands(
     flight.at_loss = lambda: flight.order_elsewhere(mode)
     record = flight.lose(120.0)
     assert not record.completed
-    assert "it was last heard at item 1 of 4, and landed unheard, 167 m from the place of its LAND" in record.why_not
+    assert (
+        "it was last heard at item 1 of 4, and landed while the link was lost, 167 m from the place of its LAND"
+        in record.why_not
+    )
     assert (f"in {family.modes.name(mode)}" in record.why_not) is (family is ARDUPILOT)  # PX4 changes it
     assert not record.armed
-    assert "it landed unheard, at the latest" in caplog.text
+    assert "it landed while the link was lost, at the latest" in caplog.text
 
 
 def test_one_that_ended_its_mission_unheard_has_completed_it_if_it_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     record = Flight(PX4, monkeypatch).lose(120.0)
     assert record.completed, record.why_not
     record = Flight(ARDUPILOT, monkeypatch).lose(120.0)  # it begins its mission anew as soon as it stands
-    assert record.why_not.startswith("it was last heard at item 1 of 4, and landed unheard, ")
+    assert record.why_not.startswith("it was last heard at item 1 of 4, and landed while the link was lost, ")
 
 
 @pytest.mark.parametrize("family", registered())

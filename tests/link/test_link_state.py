@@ -18,7 +18,7 @@ HOME = Geodetic(47.4, 8.5, 400.0)
 ARMED, DISARMED = (Heartbeat(2, MavAutopilot.ARDUPILOT, flag | 1, 3) for flag in (ARMED_FLAG, 0))
 HIGH = Position(1.0, 47.4, 8.5, 420.0, 20.0, (0.0, 0.0, 0.0))
 STATES: dict[str, tuple[list[Message], bool | None, str]] = {
-    "nothing": ([], None, "the vehicle has told nothing of its state"),
+    "nothing": ([], None, "the vehicle has not reported its state"),
     "disarmed": ([DISARMED, HIGH], False, "the vehicle is disarmed, in AUTO"),
     "armed": ([ARMED], None, "the vehicle is armed, perhaps in the air, in AUTO"),
     "landed": ([ARMED, HIGH, ExtendedState(1)], False, "the vehicle is armed, on the ground, in AUTO"),
@@ -71,7 +71,7 @@ def test_a_fence_that_does_nothing_is_told_of(switch: float | None, idle: bool) 
     vehicle = Table(Autopilot.ARDUPILOT, {} if switch is None else {"FENCE_ENABLE": switch})
     words = (
         "the fence does nothing on this vehicle: its FENCE_ENABLE is 0; "
-        "FENCE_TYPE says what it puts into force: 4 is this fence alone"
+        "FENCE_TYPE chooses the enabled limits: 4 is this fence alone"
     )
     assert idle_fence(vehicle, fenced) == (words if idle else None)
     assert idle_fence(vehicle, Mission(HOME, fenced.items)) is None

@@ -212,7 +212,7 @@ def test_broken_off_while_the_verdict_is_awaited_the_new_mission_is_whole(error:
     with refuses(error.code) as told:
         air.hold(upload(Upload(items_of(PX4, 4), PX4)), interrupts={1.0: error})
     assert told.value.holds == "new"
-    assert told.value.hint == "whether it finds it flyable was not waited for"
+    assert told.value.hint == "its check of the mission was not awaited"
 
 
 @pytest.mark.parametrize(("autopilot", "hint"), [(PX4, "keeps the mission it had"), (ARDUPILOT, "a mixture")])

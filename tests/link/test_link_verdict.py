@@ -140,7 +140,7 @@ def test_a_vehicle_that_spoke_of_another_mission_and_fell_silent_is_not_taken_fo
 
 
 def test_what_an_event_says_has_its_numbers_in_it() -> None:
-    assert words_of(*mission_event("takeoff_too_low", 3.0)) == "the take-off is too low: it takes 3.0 m at least"
+    assert words_of(*mission_event("takeoff_too_low", 3.0)) == "the take-off is too low: at least 3.0 m is required"
     number, arguments = mission_event("unsup_cmd", 2, 400)
     assert words_of(number, arguments) == "item 2 has command 400, which this vehicle cannot fly"
     assert words_of(number, b"\x02") == "item 2 has command 0, which this vehicle cannot fly"  # zeros are not sent
