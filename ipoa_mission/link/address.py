@@ -16,8 +16,6 @@ _SERIAL = re.compile(r"serial:(//)?(?P<device>[^:]+)(:(?P<baud>\d{1,9}))?", re.A
 
 
 class Transport(StrEnum):
-    """Name the carrier of the bytes, and which side waits for the other."""
-
     UDP_IN = "udpin"
     UDP_OUT = "udpout"
     TCP_OUT = "tcp"

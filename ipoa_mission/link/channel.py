@@ -36,11 +36,9 @@ class Channel(Protocol):
     #: True if bytes come in datagrams of whole frames.
     datagrams: bool
 
-    def now(self) -> float:
-        """Return the seconds on the channel's monotonic clock."""
+    def now(self) -> float: ...
 
-    def unix_s(self) -> float:
-        """Return the same moment in seconds since 1970."""
+    def unix_s(self) -> float: ...
 
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
         """Return received bytes as soon as there are some, or none at `until`."""
@@ -48,8 +46,7 @@ class Channel(Protocol):
     def send(self, data: bytes, peer: Peer | None) -> None:
         """Send to one peer; None: to the remote address of the channel, if it has one."""
 
-    def close(self) -> None:
-        """Release the resources of the operating system."""
+    def close(self) -> None: ...
 
 
 def open_channel(url: str) -> Channel:
@@ -126,7 +123,6 @@ class UdpChannel(RealTime):
 
     @property
     def port(self) -> int:
-        """Return the local port, for addresses with port 0."""
         return int(self._socket.getsockname()[1])
 
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
@@ -183,7 +179,6 @@ class TcpChannel(RealTime):
 
     @property
     def port(self) -> int:
-        """Return the local port, for addresses with port 0."""
         return int((self._listener or self._connections[0]).getsockname()[1])
 
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
@@ -261,8 +256,6 @@ class TcpChannel(RealTime):
 
 
 class SerialChannel(RealTime):
-    """Carry bytes over a serial port: a telemetry radio, or USB."""
-
     datagrams = False
 
     def __init__(self, address: Address) -> None:
@@ -307,7 +300,6 @@ class SerialChannel(RealTime):
 
 @contextmanager
 def _broken_by_errors() -> Iterator[None]:
-    """Raise LinkDown for pyserial's errors on a lost line, and for those of a closed file."""
     try:
         yield
     except (OSError, TypeError, ValueError) as error:
@@ -315,7 +307,6 @@ def _broken_by_errors() -> Iterator[None]:
 
 
 def serial_ports() -> tuple[str, ...]:
-    """Return the names of this machine's serial ports; none without pyserial."""
     try:
         from serial.tools.list_ports import comports
     except ImportError:

@@ -49,12 +49,10 @@ class Heard:
     raw: bytes
 
     def is_for(self, system: int, component: int) -> bool:
-        """Check that it is addressed to this system and component, or to everyone."""
         return self.target.system in (0, system) and self.target.component in (0, component)
 
 
 def checksum(frame: bytes, crc_extra: int) -> int:
-    """Return the CRC-16/MCRF4XX of everything after the magic byte and of the message's seed."""
     return mcrf4xx(frame[1:] + bytes((crc_extra,)))
 
 
@@ -107,7 +105,6 @@ class Framer:
 
     @property
     def is_torn(self) -> bool:
-        """Check whether an incomplete frame is in the buffer."""
         return bool(self._buffer)
 
     def feed(self, data: bytes) -> Iterator[bytes]:
@@ -141,7 +138,6 @@ class Framer:
 
 
 def frames(data: bytes) -> Iterator[bytes]:
-    """Yield the whole frames in complete data."""
     at = 0
     while (start := next_magic(data, at)) >= 0:
         frame = frame_at(data, start)
@@ -182,12 +178,10 @@ def numbered(frame: bytes) -> tuple[tuple[int, int], int]:
 
 
 def is_old(frame: bytes) -> bool:
-    """Check for MAVLink 1."""
     return frame[0] == MAGIC_1
 
 
 def sender_of(frame: bytes) -> int:
-    """Return the system id of a frame's sender."""
     return frame[3 if is_old(frame) else 5]
 
 
@@ -196,13 +190,11 @@ def is_signed(frame: bytes) -> bool:
 
 
 def next_magic(data: bytes, at: int) -> int:
-    """Return where the next frame may begin, or -1."""
     match = _BEGINNING.search(data, at)
     return match.start() if match else -1
 
 
 def _frame_length(data: bytes, start: int) -> int | None:
-    """Return the length of the frame at `start`; None while it is not known."""
     if len(data) < start + 3 or data[start] not in (MAGIC_1, MAGIC_2):
         return None
     if data[start] == MAGIC_1:

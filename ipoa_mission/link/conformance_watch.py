@@ -49,13 +49,11 @@ class Conformance:
         self.deviations.clear()
 
     def of(self, logbook: Logbook) -> "Conformance":
-        """Set the logbook of the flight."""
         self._logbook = logbook
         return self
 
     @property
     def is_held(self) -> bool:
-        """Check whether the vehicle holds because of a deviation."""
         holds = self._order.is_paused or self._state.custom_mode == self._state.autopilot.modes.hold
         return self._is_ordered and self.on_deviation is OnDeviation.HOLD and holds
 

@@ -89,7 +89,6 @@ def _drop_unanswered(log: Path) -> None:
 
 
 def open_line(link: Any, log: str | Path | None = None, signer: Signer | None = None) -> Line:
-    """Open a ground station's end of a link, from a connection string or from mavutil's connection."""
     codec = Codec(STATION_SYSTEM, STATION_COMPONENT, signer)
     if not isinstance(link, str):
         return Line(MavutilChannel(link), codec, log)
@@ -151,7 +150,6 @@ def meet(
 
 
 def _disbelieved(line: Line, system: int | None) -> SignsOtherwise | None:
-    """Return the error of an autopilot whose frames are not accepted: with this system id, or of any."""
     doubted = line.doubted()
     return next(iter(doubted.values()), None) if system is None else doubted.get(system)
 

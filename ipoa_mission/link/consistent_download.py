@@ -56,7 +56,6 @@ def download(
 
 
 def _first_checksum(kind: int, numbers: Iterator[int]) -> Dialogue[int | None]:
-    """Return the checksum, or None if all questions stay unanswered."""
     try:
         return (yield from list_checksum(kind, numbers))
     except NoAnswer:

@@ -58,7 +58,6 @@ class MissionRefused(MissionError):
 
 
 def list_name(kind: int) -> str:
-    """Return the list's name for users."""
     return {MissionType.MISSION: "mission", MissionType.FENCE: "fence", MissionType.RALLY: "rally points"}.get(
         MissionType(kind) if kind in set(MissionType) else MissionType.ALL, "lists"
     )
@@ -72,7 +71,6 @@ class VehicleTexts:
     words: list[str] = field(default_factory=list)
 
     def note(self, message: Message | None) -> None:
-        """Keep a text, or the words of an event number."""
         match message:
             case Text(severity, text) if severity <= self.faintest:
                 words = text.rstrip("\t ")  # PX4 marks a text that repeats an event with a tab
@@ -285,7 +283,6 @@ def clear(kind: int) -> Dialogue[None]:
 
 
 def _answered(question: RequestList | ClearAll, answer: type[Answer]) -> Dialogue[Answer]:
-    """Ask about a list until an answer of this type, or a refusal, comes."""
     step: Step = Ask(question)
     texts = VehicleTexts()
     while True:

@@ -20,8 +20,6 @@ NOT_USED = ("Empty", "Reserved", "empty", "reserved", "Unused")  # MAVLink's des
 
 @dataclass(frozen=True)
 class Definition:
-    """Describe one MAVLink message: its payload in wire order, and its checksum seed."""
-
     number: int
     name: str
     layout: struct.Struct
@@ -31,7 +29,6 @@ class Definition:
 
     @cached_property
     def seed(self) -> bytes:
-        """Return CRC_EXTRA as a byte, which ends the checksum's input."""
         return bytes((self.crc_extra,))
 
     def pack(self, fields: Fields) -> bytes:
@@ -172,7 +169,6 @@ def message_number(name: str) -> int:
 
 
 def message_name(number: int) -> str | None:
-    """Return MAVLink's name of a message number, or None if unknown."""
     return DEFINITIONS[number].name if number in DEFINITIONS else None
 
 

@@ -36,8 +36,6 @@ ASKINGS = 3  # for a missing stream: the answer heard may belong to an earlier r
 
 @dataclass(frozen=True)
 class DepartureLimits:
-    """Limit the time for each step of a departure [s]."""
-
     stream_s: float = 4.0  # until a requested stream is heard
     ready_s: float = 180.0  # until the vehicle could be armed
     look_s: float = 3.0  # for each look at what hinders it
@@ -105,13 +103,11 @@ def subscribe(state: VehicleState) -> Dialogue[None]:
 
 
 def unsubscribe() -> Dialogue[None]:
-    """Reset every stream to its default rate."""
     for name in STREAMS_S:
         yield from stream(name, 0.0)
 
 
 def expect_on_ground(state: VehicleState) -> None:
-    """Raise NotReady if the vehicle is armed already."""
     if state.armed:
         words = f"a flight begins disarmed and on the ground, but {state}"
         raise NotReady(words, hint="land and disarm it first", code="not-on-ground")
@@ -168,7 +164,6 @@ def _await_ready(departure: Departure, ready_s: float) -> Dialogue[None]:
 
 
 def _hindrance(state: VehicleState) -> str:
-    """Return why it could not be armed, in its own words if it has any."""
     if state.warnings:
         return "; ".join(dict.fromkeys(state.warnings))
     return "its pre-arm checks do not pass, without a reason" if _has_position(state) else "it has no position"

@@ -111,7 +111,6 @@ def until(condition: Callable[[], bool], seconds: float) -> Dialogue[bool]:
 
 
 def wait(seconds: float) -> Dialogue[None]:
-    """Listen for `seconds`, whatever is heard."""
     heard = yield Pause(seconds)
     while heard is not None:
         heard = yield None
@@ -144,7 +143,6 @@ class Patience:
 
     @property
     def silence_s(self) -> float:
-        """Return the longest accepted silence [s]."""
         return self.answer_s * (self.retries + 1)
 
 
@@ -173,7 +171,6 @@ class Tempo:
         self._doubts = 0
 
     def wait_s(self, item: bool) -> float:
-        """Return the timeout of an answer [s]."""
         usual = self._patience.item_s if item else self._patience.answer_s
         if not self._patience.adapt:
             return usual
@@ -238,14 +235,12 @@ class Exchange(Generic[T]):
 
     @property
     def result(self) -> T:
-        """Return the dialogue's result."""
         if not self.finished:
             raise RuntimeError("the dialogue is still under way")
         return self._result  # type: ignore[return-value]
 
     @property
     def deadline(self) -> float:
-        """Return when `tick` is needed next."""
         if self.finished:
             return math.inf
         if isinstance(self._awaited, Ask):
@@ -284,12 +279,10 @@ class Exchange(Generic[T]):
             self._acted_on = (run.acted_on, run.said_s)
 
     def outgoing(self) -> list[Message]:
-        """Return the messages to send now, each once."""
         messages, self._outbox = self._outbox, []
         return messages
 
     def receive(self, message: Message, now: float) -> None:
-        """Take any message of the other side."""
         if self.finished:
             return
         self._heard = now
@@ -311,7 +304,6 @@ class Exchange(Generic[T]):
         self._follow(step, now)
 
     def tick(self, now: float) -> None:
-        """Repeat, time out or give up, if it is due."""
         if now < self.deadline:
             return
         match self._awaited:
@@ -325,7 +317,6 @@ class Exchange(Generic[T]):
                 self.interrupt(NoAnswer("the vehicle does not answer"), now)
 
     def interrupt(self, error: MissionError, now: float) -> None:
-        """Raise an error in the dialogue, where it waits."""
         if self.finished:
             return
         try:

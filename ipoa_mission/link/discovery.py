@@ -28,8 +28,6 @@ ABOUT = (
 
 @dataclass(frozen=True)
 class FoundVehicle:
-    """Describe an autopilot heard on a link."""
-
     system: int
     kind: Kind
     armed: bool
@@ -77,7 +75,6 @@ def await_booted(line: Carrier, system: int, state: VehicleState, until: float) 
 
 
 def autopilots_in(heard: Iterable[Heard]) -> dict[int, FoundVehicle]:
-    """Return the autopilots whose heartbeats were heard, by system id."""
     return {
         one.system: FoundVehicle(one.system, Kind(beat.autopilot, beat.type), beat.armed, beat.system_status >= STANDBY)
         for one in heard

@@ -10,7 +10,6 @@ AUTOPILOT = 1 << 24
 
 
 def event_number(name: str) -> int:
-    """Return PX4's number of an event name."""
     value = 0x811C9DC5
     for byte in name.encode():
         value = (value ^ byte) * 0x01000193 & 0xFFFFFFFF
@@ -45,7 +44,6 @@ _MISSION_EVENTS = {
 
 
 def mission_event(name: str, *values: float) -> tuple[int, bytes]:
-    """Return number and arguments of the event `navigator_mis_`NAME."""
     return event_number(f"navigator_mis_{name}"), struct.pack(_MISSION_EVENTS[name][1], *values)
 
 

@@ -20,7 +20,7 @@ CHECKSUM_S = (0.5,) * 4 + (1.0,) * 6 + (2.0,) * 8
 
 
 class FileRefused(MissionError):
-    """The vehicle refused a file operation."""
+    pass
 
 
 def write_file(path: str, data: bytes, progress: Progress = silent) -> Dialogue[FileMessage]:
@@ -89,7 +89,6 @@ def checksum_question(kind: int, numbers: Iterator[int], asked: set[int]) -> Fil
 
 
 def checksum_in(heard: Message, asked: set[int]) -> int | None:
-    """Return the checksum if a message answers a question in `asked`, else None."""
     answer = _answer_in(heard, asked)
     return None if answer is None else _checksum(answer)
 

@@ -93,7 +93,6 @@ class FlightOrder:
         self._take(self._change(mode))
 
     def hold(self) -> None:
-        """Order it to stop and hold its position, as `pause` does."""
         state, brake = self._state, self._change(self._state.autopilot.modes.hold)
         if self.is_paused or any(step.pauses for step in self._steps):
             return  # already ordered: a second pause would be refused
@@ -103,13 +102,11 @@ class FlightOrder:
             self._take(brake)
 
     def go_on(self) -> None:
-        """Order it to resume its mission at its current item."""
         mission = self._change(self._state.autopilot.modes.mission)
         self._take(mission, *([_Step("go on", order(Command.DO_PAUSE_CONTINUE, 1.0))] if self.is_paused else []))
 
     @property
     def is_under_way(self) -> bool:
-        """Check whether an order is neither obeyed nor refused yet."""
         return bool(self._steps)
 
     def cut(self, is_cut: bool) -> None:
@@ -120,7 +117,6 @@ class FlightOrder:
             self._steps.clear()
 
     def look(self, heard: Message, now_s: float) -> Dialogue[None]:
-        """Update the order by a heard message, and repeat it when due."""
         state = self._state
         self.is_paused = self.is_paused and state.custom_mode == state.autopilot.modes.mission
         if not state.armed:
@@ -158,7 +154,6 @@ class FlightOrder:
         self._said, self._due_s = 0, -math.inf
 
     def _hear(self, heard: Message) -> None:
-        """End a step that is done, and note acceptance or refusal."""
         while self._steps and (step := self._steps[0]).mode is not None and self._state.custom_mode == step.mode:
             self._take(*self._steps[1:])
         if not self._steps or not self._said:
@@ -172,7 +167,6 @@ class FlightOrder:
                 self._refused(CommandRefused(f"change to {step.name}" if step.mode is not None else step.name, result))
 
     def _refused(self, why: MissionError) -> None:
-        """Take the alternative step, or raise `why`."""
         if (otherwise := self._steps[0].otherwise) is None:
             raise why
         self._take(otherwise)

@@ -19,7 +19,6 @@ class Interrupt:
 
     @property
     def is_pending(self) -> bool:
-        """Check whether Ctrl-C was noted and not handled yet."""
         return self._is_noted and not self._is_taken
 
     def take(self) -> bool:

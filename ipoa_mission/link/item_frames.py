@@ -13,8 +13,6 @@ _OLD_REQUEST = definition_of("MISSION_REQUEST")
 
 
 class ItemFrames:
-    """Take the heard frames of a run between `codec` and `target`, and build their replies."""
-
     def __init__(self, run: ItemRun, codec: Codec, target: Target) -> None:
         self.run = run
         self._codec = codec

@@ -83,7 +83,6 @@ def pack_items(items: Sequence[Item], kind: int) -> Payloads:
 
 
 def _refuse(items: Sequence[Item]) -> None:
-    """Raise BadInput for the first field that does not fit."""
     for seq, item in enumerate(items):
         numbers = {f"param{i}": value for i, value in enumerate(item.params, start=1)} | {"altitude": item.altitude}
         wrong = next((name for name, value in numbers.items() if SINGLE_MAX < abs(value) < math.inf), None)
@@ -102,7 +101,6 @@ def _refuse(items: Sequence[Item]) -> None:
 
 
 def unpack_items(data: bytes) -> tuple[Item, ...]:
-    """Return the items of concatenated payloads."""
     return tuple(
         Item(command, frame, (p1, p2, p3, p4), degrees(x, frame), degrees(y, frame), z, bool(autocontinue))
         for p1, p2, p3, p4, x, y, z, _, command, _, _, frame, _, autocontinue, _ in _PAYLOAD.iter_unpack(data)

@@ -35,8 +35,6 @@ class _Run:
 
 @dataclass
 class ItemsSent(_Run):
-    """Send items, which the other side requests one by one."""
-
     items: Sequence[Item] = ()
     packed: Payloads | None = None
     asked: Callable[[int], None] = lambda seq: None
@@ -44,20 +42,17 @@ class ItemsSent(_Run):
     doubt: int | None = None  # a refusal, unless a request followed it
 
     def asked_for(self, seq: int) -> None:
-        """Note a request for this item."""
         self.at, self.doubt = seq, None
         self.asked(seq)
 
     @property
     def payloads(self) -> Payloads:
-        """Return the items in wire form."""
         if self.packed is None:
             self.packed = pack_items(self.items, self.kind)
         return self.packed
 
     @property
     def acted_on(self) -> Message:
-        """Return the last heard message."""
         return Request(self.at, self.kind, self.is_legacy)
 
 

@@ -33,11 +33,9 @@ MAV_TYPE_GCS = 6
 class Carrier(Protocol):
     """Carry messages to vehicles and back, and provide the clock that belongs to them."""
 
-    def now(self) -> float:
-        """Return the seconds on a monotonic clock."""
+    def now(self) -> float: ...
 
-    def send(self, message: Message, target: Target = EVERYONE) -> None:
-        """Send a message to one vehicle, or to all."""
+    def send(self, message: Message, target: Target = EVERYONE) -> None: ...
 
     def receive(self, until: float) -> list[Heard]:
         """Return the messages to us as soon as there are some, or none at `until`."""
@@ -51,8 +49,7 @@ class Carrier(Protocol):
     def no_reply_cause(self, target: Target) -> MissionError | None:
         """Return why this target, which is heard, never answers; None if unknown."""
 
-    def expect_alone(self, system: int) -> None:
-        """Raise Contested if another vehicle is known to use this system id too."""
+    def expect_alone(self, system: int) -> None: ...
 
     @property
     def reopens(self) -> bool:
@@ -61,8 +58,7 @@ class Carrier(Protocol):
     def reopen(self) -> None:
         """Open the link again; all peers are unknown afterwards. Raises LinkDown while it cannot be opened."""
 
-    def close(self) -> None:
-        """Release the resources."""
+    def close(self) -> None: ...
 
 
 class Contested(MissionError):
@@ -105,7 +101,6 @@ class Line:
         return self.channel.now()
 
     def send(self, message: Message, target: Target = EVERYONE) -> None:
-        """Send a message to one vehicle, or to all."""
         frame = self.codec.encode(message, target, self.channel.unix_s())
         if 0 not in target:
             self._routes.speak_to(target)
@@ -182,7 +177,6 @@ class Line:
         return heard
 
     def contested(self, system: int) -> bool:
-        """Check whether two live peers speak as the autopilot of this system; only the first is heard."""
         name = Target(system, AUTOPILOT_COMPONENT)
         first, last = self._rivals.get(name, (math.inf, -math.inf))
         heard = self._routes.heard_s(name)
@@ -193,7 +187,6 @@ class Line:
             raise Contested(system)
 
     def heard_s(self, target: Target) -> float | None:
-        """Return when this target was heard last, on the channel's clock; None if never."""
         return self._routes.heard_s(target)
 
     def understands(self, target: Target) -> None:
@@ -207,7 +200,6 @@ class Line:
         return SignsOtherwise(target.system, None) if target in self._signing and not self.codec.signer else None
 
     def doubted(self) -> dict[int, SignsOtherwise]:
-        """Return the errors of the autopilots whose frames are not accepted, by system id."""
         doubts = self.codec.signer.doubts if self.codec.signer else {}
         return {
             system: SignsOtherwise(system, doubt)
@@ -227,7 +219,6 @@ class Line:
         self._routes, self._rivals, self._frames = Routes(), {}, None
 
     def close(self) -> None:
-        """Close the channel and the log, and store the timestamp of the last signature."""
         self.channel.close()
         if self._log:
             self._log.close()

@@ -74,14 +74,11 @@ class FlightRecord:
 
 
 def brings_down(command: int) -> bool:
-    """Check whether a mission that ends with this command ends on the ground."""
     return command in (Command.NAV_LAND, Command.NAV_RETURN_TO_LAUNCH)
 
 
 @dataclass
 class _Recording:
-    """Data of one flight so far; times since arming [s]."""
-
     zero: float
     first: int
     reached: dict[int, float] = field(default_factory=dict)
@@ -116,7 +113,6 @@ class Logbook:
 
     @property
     def lands(self) -> bool:
-        """Check whether the mission ends on the ground."""
         return bool(self._items) and brings_down(self._items[self._final].command)
 
     @property
@@ -125,12 +121,10 @@ class Logbook:
 
     @property
     def done(self) -> int:
-        """Return the number of items that are done."""
         return max(self._flight.reached, default=-1) + 1 if self._flight else 0
 
     @property
     def disarmed_s(self) -> float | None:
-        """Return when the flight ended [s], or None."""
         return self._flight.disarmed_s if self._flight else None
 
     @property
@@ -152,7 +146,6 @@ class Logbook:
 
     @property
     def is_flown(self) -> bool:
-        """Check whether the last item was reached, or the vehicle reported its mission complete."""
         flight = self._flight
         return flight is not None and (flight.state == COMPLETE or self._final in flight.reached)
 
@@ -229,7 +222,6 @@ class Logbook:
             self.armed, self._flight = False, None
 
     def _turn_to(self, flight: _Recording, seq: int) -> None:
-        """Make item `seq` current: the items before it are done."""
         if flight.current < seq < self._first + len(self._items):
             for index in range(flight.current - self._first, seq - self._first):
                 flight.reached.setdefault(index, self._clock - flight.zero)
@@ -240,7 +232,6 @@ class Logbook:
         return Sample(at.time_s - zero, at.latitude_deg, at.longitude_deg, at.altitude, at.height, speed)
 
     def _why_not(self, flight: _Recording) -> str:
-        """Return why the flight is incomplete; empty if it is complete."""
         if not self.lands:
             return "the mission ends in the air"
         if flight.disarmed_s is None:
@@ -260,7 +251,6 @@ class Logbook:
         return f", {off_m:.0f} m from the place of its LAND" if (off_m := self._landing_offset(flight)) else ""
 
     def _landing_offset(self, flight: _Recording) -> float:
-        """Return the distance from the place of its LAND to the end of the flight [m]; 0 without such a place."""
         last = self._items[self._final]
         if last.command != Command.NAV_LAND or not last.has_position or not flight.path:
             return 0.0

@@ -15,37 +15,26 @@ EPOCH_S = 1_767_225_600.0
 class FarEnd(Protocol):
     """The other end of a loopback, without I/O: bytes in, bytes out, and a deadline for its next action."""
 
-    def receive(self, data: bytes, peer: Peer, now: float) -> None:
-        """Take bytes that have arrived."""
+    def receive(self, data: bytes, peer: Peer, now: float) -> None: ...
 
-    def tick(self, now: float) -> None:
-        """Act on the passed time."""
+    def tick(self, now: float) -> None: ...
 
-    def outgoing(self) -> list[tuple[bytes, Peer | None]]:
-        """Return the data to send, and their peers (None: everyone)."""
+    def outgoing(self) -> list[tuple[bytes, Peer | None]]: ...
 
     @property
-    def deadline(self) -> float:
-        """Return when `tick` is needed next."""
+    def deadline(self) -> float: ...
 
 
 class Pipe(Protocol):
-    """One direction of a link."""
+    def push(self, data: bytes, now: float) -> None: ...
 
-    def push(self, data: bytes, now: float) -> None:
-        """Accept bytes."""
-
-    def pop(self, now: float) -> list[bytes]:
-        """Return the bytes that have come through by now."""
+    def pop(self, now: float) -> list[bytes]: ...
 
     @property
-    def deadline(self) -> float:
-        """Return when the next bytes come through."""
+    def deadline(self) -> float: ...
 
 
 class PerfectPipe:
-    """A pipe without delay and loss."""
-
     def __init__(self) -> None:
         self._held: list[bytes] = []
 
@@ -62,8 +51,6 @@ class PerfectPipe:
 
 
 class Loopback:
-    """A `Channel` to another end in the same process."""
-
     datagrams = True
     PEER = "loopback"
 
@@ -80,7 +67,6 @@ class Loopback:
         return EPOCH_S + self._now
 
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
-        """Run the other end until something comes, or until that moment."""
         while True:
             for data in self._there.pop(self._now):
                 self.far.receive(data, self.PEER, self._now)

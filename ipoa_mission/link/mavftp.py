@@ -11,8 +11,6 @@ LONGEST_DATA = 251 - HEADER.size
 
 
 class Opcode(IntEnum):
-    """MAVFTP opcodes of requests and answers."""
-
     NONE = 0
     TERMINATE_SESSION = 1
     RESET_SESSIONS = 2
@@ -66,7 +64,6 @@ def unpack(message: FileTransfer) -> FileMessage:
 
 
 def nak(question: FileMessage, error: FileError) -> FileMessage:
-    """Return the refusal of a question."""
     return FileMessage(
         (question.sequence + 1) & 0xFFFF, Opcode.NAK, question.session, question.opcode, 0, bytes((error,))
     )

@@ -164,11 +164,9 @@ class MavsdkLine:
         """Return False: MAVSDK reopens its links by itself."""
         return False
 
-    def reopen(self) -> None:
-        """Do nothing."""
+    def reopen(self) -> None: ...
 
     def close(self) -> None:
-        """End MAVSDK's threads, unless they are borrowed."""
         self._direct.unsubscribe_message(self._handle)
         if self._instance is not None:
             self._instance.destroy()
@@ -183,7 +181,6 @@ class MavsdkLine:
 
 
 def _to_json(value: Any) -> Any:
-    """Convert bytes and NaN, which JSON lacks."""
     if isinstance(value, bytes):
         return value.decode("utf-8", "replace")
     return None if isinstance(value, float) and not math.isfinite(value) else value
@@ -213,7 +210,6 @@ class MavsdkVehicle(Vehicle):
             raise NotFlown(self.state.kind, f"vehicle {self.system}")
 
     def upload_items(self, items: Sequence[Item], kind: int, progress: Progress = silent) -> None:
-        """Upload one list in its wire form, and verify it."""
         name = list_name(kind)
         self.state.expect_flown()
         self._holdings.pop(kind, None)
@@ -275,7 +271,6 @@ class MavsdkVehicle(Vehicle):
             return
 
     def download_items(self, kind: int, progress: Progress = silent) -> tuple[Item, ...]:
-        """Download one list in its wire form."""
         read = (self._raw.download_mission, self._raw.download_geofence, self._raw.download_rallypoints)[kind]
         items = tuple(map(wire.read_item, self._transfer(kind, read)))
         count(progress, len(items), len(items))
@@ -299,7 +294,6 @@ class MavsdkVehicle(Vehicle):
             raise MissionRefused(_RESULTS.get(name, Result.ERROR), kind, words=words) from refusal
 
     def _listen(self) -> None:
-        """Read the messages that came while MAVSDK was busy."""
         while heard := self.line.receive(self.line.now()):
             for one in heard:
                 if one.message is not None:

@@ -69,7 +69,6 @@ def payload_of(message: Any) -> tuple[Definition, bytes]:
 
 
 def as_pymavlink(frame: bytes) -> Any:
-    """Convert a whole frame to one of pymavlink's messages."""
     number = int.from_bytes(frame[7:10], "little") if frame[0] == 0xFD else frame[5]
     return dialect_of(number).MAVLink(None).decode(bytearray(frame))
 

@@ -78,7 +78,7 @@ STATION_SYSTEM, STATION_COMPONENT = 245, 190
 
 @dataclass(frozen=True)
 class Message:
-    """Base class of all messages."""
+    pass
 
 
 # --- the mission service -------------------------------------------------------------------------------------------
@@ -186,7 +186,6 @@ class Heartbeat(Message):
 
     @property
     def armed(self) -> bool:
-        """Check whether the motors may run."""
         return bool(self.base_mode & ARMED_FLAG)
 
 

@@ -109,7 +109,6 @@ def _cancelled_late(job: Upload, closing: FileMessage) -> Dialogue[Cancelled]:
 
 
 def _settle(job: Upload, closing: FileMessage) -> Dialogue[int]:
-    """Close the file, and read it until its checksum shows that it did not change meanwhile."""
     yield from ask_of_file(closing, f"take {MISSION_FILE}")
     for _ in range(READINGS):
         data = yield from read_file(MISSION_FILE)

@@ -38,7 +38,6 @@ class ModeWatch:
 
     @contextmanager
     def watched(self, modes: frozenset[int]) -> Iterator[None]:
-        """Watch a vehicle that flies its mission in one of these modes."""
         self.words, self._mode, self._modes = "", None, modes
         self._said.clear()
         try:

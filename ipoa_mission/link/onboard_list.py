@@ -34,7 +34,6 @@ class OnboardList:
 
     @property
     def is_watched(self) -> bool:
-        """Check whether the vehicle itself reports a replaced list, by its id."""
         return self.list_id != 0 and not self.job.has_checksum
 
     def note(self, message: Message, is_flying: bool = False) -> None:
@@ -49,7 +48,6 @@ class OnboardList:
             log.warning("%s", ReplacedSince(self))
 
     def is_confirmed_by(self, current: Current | None) -> bool:
-        """Check whether this message confirms the list by its id."""
         is_ours = current is not None and self.list_id != 0 and current.mission_id == self.list_id
         return is_ours and current is not None and not self._other(current)
 
@@ -84,7 +82,6 @@ def prove(holdings: Iterable[OnboardList], state: VehicleState) -> Dialogue[None
 
 
 def _is_named(holding: OnboardList, state: VehicleState) -> Dialogue[bool]:
-    """Check whether the vehicle reports the same id, or the same checksum, as before."""
     if (numbers := holding.job.numbers) is not None:
         try:
             yield from open_list(holding.job.kind)  # refused while another station uploads
@@ -118,7 +115,6 @@ class ListWatcher:
         self._asked: set[int] = set()
 
     def look(self, heard: Message, now_s: float) -> Dialogue[None]:
-        """Take a checksum from a message, and ask for one when due."""
         holding, numbers = self._holding, self._holding.job.numbers
         if holding.changed or numbers is None:
             return
@@ -141,14 +137,12 @@ class ListWatcher:
 
 
 def expect_unchanged(holdings: Iterable[OnboardList]) -> None:
-    """Raise ReplacedSince if the vehicle has reported another list since the proof."""
     for holding in holdings:
         if holding.changed:
             raise ReplacedSince(holding)
 
 
 def _read_again(job: Upload) -> Dialogue[int]:
-    """Read a list again, verify it, and return its checksum, if any."""
     try:
         stored, checksum = yield from read_consistent(job.kind, job.numbers)
     except (MissionRefused, NoAnswer, KeepsChanging) as nothing:

@@ -54,22 +54,18 @@ class CommandRefused(MissionError):
 
 
 def order(number: int, *params: float) -> CommandLong:
-    """Return a COMMAND_LONG; missing params are 0."""
     return CommandLong(number, (*params, *(0.0,) * (7 - len(params))))  # type: ignore[arg-type]
 
 
 def mode_order(mode: int, autopilot: Autopilot) -> CommandLong:
-    """Return the order to change to a mode, HEARTBEAT.custom_mode."""
     return order(VehicleCommand.DO_SET_MODE, CUSTOM_MODE_FLAG, *autopilot.modes.numbers(mode))
 
 
 def command(number: int, *params: float) -> Dialogue[tuple[int, str]]:
-    """Send a COMMAND_LONG; return its result and the vehicle's words."""
     return obeyed(order(number, *params))
 
 
 def obeyed(one: CommandLong) -> Dialogue[tuple[int, str]]:
-    """Send a given COMMAND_LONG; return its result and the vehicle's words."""
     texts, number = VehicleTexts(), one.command
     step: Step = Ask(one)
     while True:
@@ -114,7 +110,6 @@ def set_current(seq: int, restart: bool = False) -> Dialogue[None]:
 
 
 def stream(name: str, interval_s: float) -> Dialogue[bool]:
-    """Request a message at an interval [s]; return whether the vehicle accepts."""
     result, _ = yield from command(VehicleCommand.SET_MESSAGE_INTERVAL, message_number(name), round(interval_s * 1e6))
     return result == CommandResult.ACCEPTED
 
@@ -149,18 +144,15 @@ def _requested(name: str, kind: type[M], pause_s: float, askings: int = ASKINGS)
 
 
 def home() -> Dialogue[Geodetic | None]:
-    """Return the vehicle's home; None while it has none."""
     at = yield from _requested("HOME_POSITION", HomePosition, 2.0)
     return None if at is None else Geodetic(at.latitude_deg, at.longitude_deg, at.altitude)
 
 
 def clock() -> Dialogue[SystemTime | None]:
-    """Return the autopilot's clocks, or None."""
     return (yield from _requested("SYSTEM_TIME", SystemTime, 1.0, askings=2))
 
 
 def about() -> Dialogue[AutopilotVersion | None]:
-    """Return the autopilot's version and capabilities, or None."""
     try:
         return (yield from _requested("AUTOPILOT_VERSION", AutopilotVersion, 1.0, askings=2))
     except NoAnswer:

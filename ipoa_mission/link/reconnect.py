@@ -119,7 +119,6 @@ class LinkLoss:
     def _kept(
         self, known: KnownVehicle, patience: Patience, interrupt: Interrupt, tell: Callable[[str], None]
     ) -> list[Message] | None:
-        """Return the vehicle's messages if it was heard and identified; None to try again."""
         stranger, kept = VehicleState(known.state.autopilot, known.state.kind), list[Message]()
 
         def note(message: Message) -> None:
@@ -155,7 +154,6 @@ class LinkLoss:
         return None
 
     def _heard(self) -> list[Heard]:
-        """Receive for a moment; open a broken link first, at intervals."""
         now = self._line.now()
         if not self._is_open:
             if now < self._open_s:
@@ -170,7 +168,6 @@ class LinkLoss:
         return self._line.now() >= min(self._since_s + GONE_S, self._until_s)
 
     def _look(self, tell: Callable[[str], None]) -> None:
-        """Update the duration, and report it when due."""
         now = self._line.now()
         self.seconds = now - self._since_s
         if now - self._reported_s >= AGAIN_S:
@@ -199,7 +196,6 @@ def recognize(stranger: VehicleState, known: KnownVehicle) -> Dialogue[None]:
 
 
 def _with(words: str, *more: str) -> str:
-    """Append the non-empty parts of `more`."""
     return (words + "; ".join(filter(None, more))).rstrip(":; ")
 
 

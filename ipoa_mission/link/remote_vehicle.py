@@ -36,13 +36,11 @@ class RemoteVehicle:
         self._until = math.inf
 
     def firmware_version(self) -> Version | None:
-        """Return the firmware version from AUTOPILOT_VERSION, or None if it is not reported."""
         with self._in_time():
             return Version.said(self._told().flight_sw_version)
 
     @property
     def version_heard(self) -> Version | None:
-        """Return the firmware version if it was read already, else None."""
         return None if self._about is None else Version.said(self._about.flight_sw_version)
 
     def send(self, message: Any) -> None:
@@ -80,7 +78,6 @@ class RemoteVehicle:
         return self._hold(conversations.noting(dialogue, lambda heard: self.state.expect_flown()))
 
     def _hold(self, dialogue: Dialogue[T], quiet_s: float = math.inf) -> T:
-        """Hold a dialogue; `quiet_s`: the longest accepted silence of the vehicle [s]."""
         patience, tempo = self._patience, self._tempo
         return converse(self.line, self._target, dialogue, patience, tempo, self._overhear, self._until, quiet_s)
 
@@ -104,11 +101,9 @@ class RemoteVehicle:
             self._heed(message)
             self.overhearing(message)
 
-    def _heed(self, message: Message) -> None:
-        """Handle a message, in a subclass."""
+    def _heed(self, message: Message) -> None: ...
 
     def _told(self) -> AutopilotVersion:
-        """Return the autopilot's version and capabilities, which are read once."""
         if self._about is None:
             self._about = self._hold(orders.about()) or AutopilotVersion(0)
         return self._about

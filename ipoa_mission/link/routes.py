@@ -24,7 +24,6 @@ class Routes:
         self._framers: dict[Peer, Framer] = {}
 
     def framer(self, peer: Peer) -> Framer:
-        """Return the buffer of a peer's incomplete frames."""
         framer = self._framers.pop(peer, None) or Framer()
         self._framers[peer] = framer
         while len(self._framers) > MOST_PEERS:
@@ -59,11 +58,9 @@ class Routes:
         self._claims[name] = (holder, now - CLAIM_S + REST_S)
 
     def heard_s(self, name: Target) -> float | None:
-        """Return when this name was heard last, or None."""
         return max((when for (one, _), when in self._heard.items() if one == name), default=None)
 
     def holder(self, name: Target) -> Peer | None:
-        """Return the last peer that claimed this name, or None."""
         holder, _ = self._claims.get(name, (None, 0.0))
         return holder
 

@@ -75,8 +75,6 @@ def _is_text(raw: bytes) -> bool:
 
 
 class Doubt(StrEnum):
-    """Reason for rejecting a frame."""
-
     UNSIGNED = "unsigned"
     FOREIGN = "foreign"  # signed with another key
     STALE = "stale"  # signed with our key, but not newer than the last frame
@@ -114,7 +112,6 @@ class Signer:
         return stamp + self._digest(frame + stamp)
 
     def close(self) -> None:
-        """Store the last timestamp and release its file."""
         if self._timestamps:
             self._timestamps.keep(self._last)
             self._timestamps.close()

@@ -56,8 +56,6 @@ class TlogWriter:
 
 @dataclass(frozen=True)
 class Record:
-    """A frame of a log, and its time in seconds since 1970."""
-
     unix_s: float
     frame: bytes
 
@@ -71,7 +69,6 @@ class LostFrames:
     there: Counter[int] = field(default_factory=Counter)
 
     def remarks(self, system: int) -> Iterator[str]:
-        """Yield warnings for a user who reads this system's log."""
         if self.torn_bytes:
             yield f"{self.torn_bytes} bytes of the log are no whole messages: it is damaged or cut short"
         if self.frames[system]:
@@ -115,12 +112,10 @@ def read_tlog(path: str | Path, missing: LostFrames | None = None) -> Iterator[R
 
 
 def _beginnings(data: bytes, at: int) -> Iterator[int]:
-    """Yield each place from `at` where a frame may begin."""
     while (at := next_magic(data, at)) >= 0:
         yield at
         at += 1
 
 
 def _is_record(data: bytes, at: int) -> bool:
-    """Check that the log ends at `at`, or another record begins there."""
     return at == len(data) or next_magic(data, at + STAMP_BYTES) == at + STAMP_BYTES

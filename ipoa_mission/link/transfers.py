@@ -25,15 +25,12 @@ BURST_READ = 15  # a MAVFTP opcode that our own client does not use
 
 @dataclass
 class _List:
-    """A list in transfer: `count` items were announced."""
-
     count: int
     to_vehicle: bool
     items: dict[int, Item] = field(default_factory=dict)
 
     @property
     def whole(self) -> Items | None:
-        """Return all items once they are complete."""
         return tuple(self.items[n] for n in range(self.count)) if len(self.items) == self.count else None
 
 
@@ -47,7 +44,6 @@ class Transfers:
         self._written = False
 
     def note(self, message: Message, by_vehicle: bool) -> Items | None:
-        """Take a message; return the mission's items if it shows that the vehicle holds them."""
         held = self._note_file(message, by_vehicle) if isinstance(message, FileTransfer) else None
         match message:
             case Count(count, MissionType.MISSION):
@@ -69,7 +65,6 @@ class Transfers:
         return held
 
     def _note_file(self, message: FileTransfer, by_vehicle: bool) -> Items | None:
-        """Follow ArduPilot's list as one file: written or read by a station."""
         request = unpack(message)
         match request.opcode:
             case Opcode.OPEN_FILE_RO | Opcode.CREATE_FILE | Opcode.OPEN_FILE_WO:

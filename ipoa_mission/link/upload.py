@@ -91,7 +91,6 @@ class Upload:
 
     @property
     def has_checksum(self) -> bool:
-        """Check whether the vehicle may compute a checksum of its list."""
         return self.numbers is not None
 
     @property
@@ -130,7 +129,6 @@ class MissionReports(VehicleTexts):
         self.stored_as, self.is_disputed, self.is_read = 0, False, False
 
     def read(self) -> None:
-        """Begin the read-back."""
         self.ids, self.latest, self.total, self.is_read = frozenset(), 0, None, True
 
     def was_read(self) -> None:
@@ -143,7 +141,6 @@ class MissionReports(VehicleTexts):
         self.is_named = False
 
     def note(self, message: Message | None) -> None:
-        """Keep its reports of its mission."""
         match message:
             case Ack(Result.ACCEPTED, MissionType.MISSION, number) if number:
                 if not self.is_read:
@@ -171,8 +168,6 @@ class MissionReports(VehicleTexts):
 
 @dataclass
 class UploadState:
-    """Progress of an upload."""
-
     attempt: int = 0
     furthest: int = -1  # the last requested item in this attempt
     before: int = -1  # the same of the attempt before
@@ -220,7 +215,6 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
 
 
 def _settle(job: Upload, reports: MissionReports) -> Dialogue[None]:
-    """Read the list again until the vehicle's reports agree with it."""
     if reports.proves(job):
         return
     for _ in range(READINGS):

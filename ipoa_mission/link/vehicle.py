@@ -287,7 +287,6 @@ class Vehicle(RemoteVehicle):
 
     @contextmanager
     def _in_flight_time(self) -> Iterator[None]:
-        """Raise TimeUp at the user's time limit; the vehicle continues by itself."""
         try:
             yield
         except TimeUp:
@@ -295,7 +294,6 @@ class Vehicle(RemoteVehicle):
             raise TimeUp("; ".join(filter(None, words))) from None
 
     def _reconnect(self, lost: MissionError, progress: Progress) -> None:
-        """Wait for the reconnect, and continue with the vehicle's present state."""
         logbook, holding = self._logbook, self._holdings.get(MissionType.MISSION)
         proved = None if holding is None or holding.changed else holding
         known = KnownVehicle(self.system, self.state, logbook.clock_s, self._about, proved)

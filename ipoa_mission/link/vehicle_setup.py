@@ -15,12 +15,9 @@ ROUNDING = 1e-6
 
 
 class HasParameters(Protocol):
-    """A vehicle with readable parameters."""
-
     autopilot: Autopilot
 
-    def parameters(self, wanted: Iterable[str | Sequence[str]]) -> Parameters:
-        """Return its values, each by any of its names; unknown ones are left out."""
+    def parameters(self, wanted: Iterable[str | Sequence[str]]) -> Parameters: ...
 
 
 @dataclass(frozen=True)

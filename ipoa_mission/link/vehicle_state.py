@@ -98,7 +98,6 @@ class VehicleState:
             raise OtherKind(self.kind, self.other)
 
     def owns(self, message: Message) -> bool:
-        """Check whether a message may be the vehicle's: a heartbeat of another kind is not."""
         if not isinstance(message, Heartbeat):
             return True
         if message.autopilot == MavAutopilot.INVALID:
@@ -117,7 +116,6 @@ class VehicleState:
 
     @property
     def in_air(self) -> bool | None:
-        """Check whether it flies; None if unknown."""
         if self.armed is False:
             return False
         if self.landed_state is not None:
@@ -125,7 +123,6 @@ class VehicleState:
         return None if self.position is None else self.position.height > IN_AIR_M
 
     def __str__(self) -> str:
-        """Return armed or not, in the air or not, and the next action."""
         if self.armed is None:
             return "the vehicle has not reported its state"
         if self.custom_mode is None:

@@ -31,7 +31,6 @@ def write(message: m.Message) -> tuple[str, Fields]:
 
 
 def read(name: str, raw: Any) -> m.Message:
-    """Return the message in MAVLink's fields (any object that has them as attributes)."""
     message: m.Message = _BY_NAME[name].read(raw)
     return message
 
@@ -48,7 +47,6 @@ def coordinate(degrees: float, frame: int) -> int:
 
 
 def degrees(value: int, frame: int) -> float:
-    """Invert `coordinate`."""
     return math.nan if value == INT32_MAX and frame in GLOBAL_FRAMES else value / _scale(frame)
 
 
@@ -75,7 +73,6 @@ def _write_item(message: m.ItemAt) -> Fields:
 
 
 def read_item(raw: Any) -> Item:
-    """Return the item in the fields of MISSION_ITEM_INT."""
     return _item(raw, degrees(raw.x, raw.frame), degrees(raw.y, raw.frame))
 
 
