@@ -10,8 +10,8 @@ TIMES: tuple[tuple[ModuleType, str, object], ...] = (
     (connect, "OTHERS_S", 0.1),
     (conversations, "WORDS_S", 0.05),
     (orders, "PARAMETER_ROUND_S", 0.05),
-    (upload, "SECOND_THOUGHTS_S", 0.05),
-    (departure, "LIMITS", replace(departure.LIMITS, again_s=0.05)),
+    (upload, "REVISION_S", 0.05),
+    (departure, "LIMITS", replace(departure.LIMITS, retry_s=0.05)),
 )
 
 

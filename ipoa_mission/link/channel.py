@@ -17,13 +17,13 @@ from ipoa_mission.errors import MissionError, imported
 from ipoa_mission.link.address import Address, Transport, parse_address
 
 Peer: TypeAlias = Hashable
-LONGEST_READ = 65536
-MOST_CONNECTIONS = 16
-UNTAKEN_S = 10.0  # a connection opened here that takes nothing for this long is closed: reconnecting is faster
+MAX_READ = 65536
+MAX_CONNECTIONS = 16
+TCP_TIMEOUT_S = 10.0  # a connection opened here that takes nothing for this long is closed: reconnecting is faster
 RECEIVE_BUFFER = 4 << 20  # bytes: PX4 streams thousands of frames a second while we may be busy
 CLOSED = "the other side closed the connection"
 CLOSED_HINT = "was the autopilot, or what relays it, restarted?"
-MOST_UNSENT = 2048  # bytes queued for a serial line: a third of a second at 57600 baud
+MAX_UNSENT = 2048  # bytes queued for a serial line: a third of a second at 57600 baud
 
 
 class LinkDown(MissionError):
@@ -129,7 +129,7 @@ class UdpChannel(RealTime):
         """Return one datagram at a time: its answer may be urgent."""
         try:
             self._socket.settimeout(max(0.0, until - time.monotonic()))
-            return [self._socket.recvfrom(LONGEST_READ)]
+            return [self._socket.recvfrom(MAX_READ)]
         except (TimeoutError, BlockingIOError, ConnectionError):  # nothing came, or a datagram met a closed port
             return []
         except OSError as error:
@@ -168,14 +168,14 @@ class TcpChannel(RealTime):
         self._connections: list[socket.socket] = []
         if address.transport is Transport.TCP_IN:
             self._listener = socket.create_server(
-                (address.host, address.port), family=_family(address.host), backlog=MOST_CONNECTIONS
+                (address.host, address.port), family=_family(address.host), backlog=MAX_CONNECTIONS
             )
             self._listener.setblocking(False)
         else:
             connection = socket.create_connection((address.host, address.port), timeout=5.0)
             self._adopt(connection)
             with suppress(AttributeError):  # not available on every system
-                connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, round(1e3 * UNTAKEN_S))
+                connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, round(1e3 * TCP_TIMEOUT_S))
 
     @property
     def port(self) -> int:
@@ -192,7 +192,7 @@ class TcpChannel(RealTime):
                 self._accept()
                 continue
             try:
-                data = one.recv(LONGEST_READ)
+                data = one.recv(MAX_READ)
             except BlockingIOError:
                 continue
             except OSError:
@@ -234,7 +234,7 @@ class TcpChannel(RealTime):
             connection, _ = self._listener.accept()  # type: ignore[union-attr]
         except OSError:
             return
-        if len(self._connections) >= MOST_CONNECTIONS:
+        if len(self._connections) >= MAX_CONNECTIONS:
             connection.close()
         else:
             self._adopt(connection)
@@ -275,7 +275,7 @@ class SerialChannel(RealTime):
 
     def send(self, data: bytes, peer: Peer | None) -> None:
         """Queue a whole frame, or drop it while the line does not drain."""
-        if len(self._unsent) + len(data) <= MOST_UNSENT:
+        if len(self._unsent) + len(data) <= MAX_UNSENT:
             self._unsent += data
         with _broken_by_errors():
             self._write()
@@ -286,7 +286,7 @@ class SerialChannel(RealTime):
     def _move(self) -> bytes:
         with _broken_by_errors():
             self._write()
-            data: bytes = self._port.read(LONGEST_READ)
+            data: bytes = self._port.read(MAX_READ)
         return data
 
     def _write(self) -> None:

@@ -121,7 +121,7 @@ def meet(
     is_met = is_doubted = False
     while line.now() < until:
         heard = line.receive(until)
-        if not is_doubted and _disbelieved(line, system):
+        if not is_doubted and _rejected(line, system):
             is_doubted = True
             until = min(until, line.now() + DOUBTED_S)
         autopilots |= autopilots_in(heard)
@@ -131,7 +131,7 @@ def meet(
             until = line.now() + OTHERS_S
             if reading or all(one.kind.is_flown for one in autopilots.values()):
                 line.send(Ping(round(line.now() * 1e6), 0))
-    if (disbelieved := _disbelieved(line, system)) and not (autopilots if system is None else system in autopilots):
+    if (disbelieved := _rejected(line, system)) and not (autopilots if system is None else system in autopilots):
         raise disbelieved
     if system is not None and system not in autopilots:
         others = f"; heard: {', '.join(map(str, sorted(autopilots)))}" if autopilots else ""
@@ -149,7 +149,7 @@ def meet(
     return Vehicle(line, one, patience, fast, trips.get(one.system), anyway)
 
 
-def _disbelieved(line: Line, system: int | None) -> SignsOtherwise | None:
+def _rejected(line: Line, system: int | None) -> SignsOtherwise | None:
     doubted = line.doubted()
     return next(iter(doubted.values()), None) if system is None else doubted.get(system)
 

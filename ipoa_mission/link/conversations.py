@@ -37,7 +37,7 @@ Take = Callable[[int, ItemAt], int]
 
 #: Refusals after which a vehicle may still ask for items. PX4 answers a second COUNT or a stray item with ERROR.
 #: ArduPilot answers a duplicate with INVALID_SEQUENCE. Neither ends the transfer.
-DOUBTFUL = frozenset({Result.ERROR, Result.INVALID_SEQUENCE})
+DOUBTFUL_REFUSALS = frozenset({Result.ERROR, Result.INVALID_SEQUENCE})
 #: Timeout for the next request after a doubtful refusal [s]; both firmwares repeat theirs within a second.
 GRACE_S = 3.0
 #: Timeout for the final Ack [s]; after it the read-back decides.
@@ -65,14 +65,14 @@ def list_name(kind: int) -> str:
 
 @dataclass
 class VehicleTexts:
-    """Collect the vehicle's texts during a conversation, of severity `faintest` or worse."""
+    """Collect the vehicle's texts during a conversation, of severity `least_severity` or worse."""
 
-    faintest: int = INFO
+    least_severity: int = INFO
     words: list[str] = field(default_factory=list)
 
     def note(self, message: Message | None) -> None:
         match message:
-            case Text(severity, text) if severity <= self.faintest:
+            case Text(severity, text) if severity <= self.least_severity:
                 words = text.rstrip("\t ")  # PX4 marks a text that repeats an event with a tab
             case Event(number, _, arguments):
                 words = words_of(number, arguments) or ""
@@ -85,7 +85,7 @@ class VehicleTexts:
         return "; ".join(self.words)
 
 
-def noting(dialogue: Dialogue[T], note: Callable[[Message | None], object]) -> Dialogue[T]:
+def observed(dialogue: Dialogue[T], note: Callable[[Message | None], object]) -> Dialogue[T]:
     """Pass each heard message to `note` first; an error that `note` raises ends the dialogue without the message."""
     move = partial(dialogue.send, None)
     while True:
@@ -211,7 +211,7 @@ def fetch(
                     break
                 case ItemAt(_, _, k) if k == kind and style.rebukes:
                     yield Remark(Ack(Result.INVALID_SEQUENCE, kind))
-                case Ack(result, k) if k == kind and result in DOUBTFUL:
+                case Ack(result, k) if k == kind and result in DOUBTFUL_REFUSALS:
                     doubt = result
                 case Ack(result, k) if k == kind and result != Result.ACCEPTED:
                     raise MissionRefused(result, kind, here.at)
@@ -289,7 +289,7 @@ def _answered(question: RequestList | ClearAll, answer: type[Answer]) -> Dialogu
         heard = yield step
         step = None
         match heard:
-            case Ack(result, question.kind) if result not in (Result.ACCEPTED, *DOUBTFUL):
+            case Ack(result, question.kind) if result not in (Result.ACCEPTED, *DOUBTFUL_REFUSALS):
                 yield from listen_for_words(texts)
                 raise MissionRefused(result, question.kind, words=str(texts))
             case Ack(Result.ACCEPTED, question.kind) | Count(_, question.kind) if isinstance(heard, answer):

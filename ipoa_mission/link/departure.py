@@ -1,6 +1,6 @@
 """Start a mission from the ground at a known item, in the order that each firmware needs.
 
-The vehicle is armed only if it reports four facts: it is disarmed, begins at the right item, could be armed in the
+The vehicle is armed only after it has reported that it is disarmed, begins at the right item, could be armed in the
 arming mode, and holds the uploaded lists. A refusal after the arming disarms it again, unless
 it may be in the air.
 """
@@ -30,16 +30,16 @@ STREAMS_S = {
 }
 NEEDED = {"GLOBAL_POSITION_INT": Position, "MISSION_CURRENT": Current, "SYS_STATUS": SystemStatus}
 ARMING = "arm"
-DISARMINGS = 3
-ASKINGS = 3  # for a missing stream: the answer heard may belong to an earlier request
+DISARM_ATTEMPTS = 3
+STREAM_REQUESTS = 3  # for a missing stream: the answer heard may belong to an earlier request
 
 
 @dataclass(frozen=True)
 class DepartureLimits:
     stream_s: float = 4.0  # until a requested stream is heard
     ready_s: float = 180.0  # until the vehicle could be armed
-    look_s: float = 3.0  # for each look at what hinders it
-    again_s: float = 1.0  # pause before the next look, and between two attempts to arm
+    check_s: float = 3.0  # for each look at its readiness
+    retry_s: float = 1.0  # pause before the next look, and between two attempts to arm
     arming_attempts: int = 5  # a vehicle that reports readiness may need a moment more
     climb_s: float = 120.0  # until it has climbed
     climbed_below: float = 0.5  # tolerance below the requested height [m]
@@ -48,7 +48,7 @@ class DepartureLimits:
 LIMITS = DepartureLimits()
 
 
-class NotYet(CommandRefused):
+class NotArmedYet(CommandRefused):
     """The vehicle is not armed, for reasons that pass with time by its own `words`."""
 
     def __init__(self, result: int, words: str) -> None:
@@ -66,7 +66,7 @@ class Departure:
         moving: the first item from there on that moves the vehicle. ArduPilot reports it as current once the items
             before it are done.
         climb: height to which an ArduPilot climbs before a first item that is no take-off [m]; PX4 climbs by itself.
-        holdings: the lists that the vehicle was seen to hold.
+        onboard_lists: the lists that the vehicle was seen to hold.
         progress: called with what is waited for.
     """
 
@@ -74,7 +74,7 @@ class Departure:
     first: int
     moving: int
     climb: float = 0.0
-    holdings: tuple[OnboardList, ...] = ()
+    onboard_lists: tuple[OnboardList, ...] = ()
     progress: Progress = silent
 
     @property
@@ -90,7 +90,7 @@ def subscribe(state: VehicleState) -> Dialogue[None]:
     """
     unheard, refused = list(STREAMS_S), set[str]()
     state.heard -= set(NEEDED.values())
-    for _ in range(ASKINGS):
+    for _ in range(STREAM_REQUESTS):
         for name in unheard:
             is_refused = not (yield from stream(name, STREAMS_S[name]))
             refused = refused | {name} if is_refused else refused - {name}
@@ -138,32 +138,32 @@ def prepare(departure: Departure, ready_s: float = LIMITS.ready_s) -> Dialogue[N
 
 def _await_ready(departure: Departure, ready_s: float) -> Dialogue[None]:
     state, mode = departure.state, departure.autopilot.modes.arming
-    waited_s, hinders = 0.0, ""
+    waited_s, reason = 0.0, ""
     try:
         while True:
             state.warnings.clear()
-            hinders = (yield from change_mode(state, mode)) or hinders
+            reason = (yield from change_mode(state, mode)) or reason
             if state.custom_mode == mode:
-                if (yield from until(lambda: state.may_arm is not False and _has_position(state), LIMITS.look_s)):
+                if (yield from until(lambda: state.may_arm is not False and _has_position(state), LIMITS.check_s)):
                     return
                 yield from command(VehicleCommand.RUN_PREARM_CHECKS)
-                yield from wait(LIMITS.again_s)
-                hinders = _hindrance(state)
-                if lasting := departure.autopilot.protocol_profile.arming_words.lasting(hinders):
+                yield from wait(LIMITS.retry_s)
+                reason = _not_ready_reason(state)
+                if lasting := departure.autopilot.protocol_profile.arming_words.lasting(reason):
                     words = f"the vehicle cannot be armed: {'; '.join(lasting)}"
                     raise NotReady(words, hint=str(state), code="arming-refused")
             else:
-                yield from wait(LIMITS.again_s)
-            waited_s += LIMITS.look_s + LIMITS.again_s
-            departure.progress(0.0, hinders)
+                yield from wait(LIMITS.retry_s)
+            waited_s += LIMITS.check_s + LIMITS.retry_s
+            departure.progress(0.0, reason)
             if waited_s > ready_s:
-                raise NotReady(f"the vehicle is not ready after {waited_s:.0f} s: {hinders}", hint=str(state))
+                raise NotReady(f"the vehicle is not ready after {waited_s:.0f} s: {reason}", hint=str(state))
     except TimeUp as late:
-        why = hinders or _hindrance(state)
+        why = reason or _not_ready_reason(state)
         raise TimeUp(f"{late}: the vehicle is not ready: {why}", hint=str(state)) from None
 
 
-def _hindrance(state: VehicleState) -> str:
+def _not_ready_reason(state: VehicleState) -> str:
     if state.warnings:
         return "; ".join(dict.fromkeys(state.warnings))
     return "its pre-arm checks do not pass, without a reason" if _has_position(state) else "it has no position"
@@ -174,7 +174,7 @@ def depart_when_ready(departure: Departure, left_s: Callable[[], float]) -> Dial
     while True:
         try:
             return (yield from depart(departure))
-        except NotYet as refused:
+        except NotArmedYet as refused:
             departure.progress(0.0, f"not armed yet: {refused.words}")
             if left_s() <= 0.0:
                 raise NotReady(f"the vehicle is not ready in time: {refused.words}", hint=refused.hint) from None
@@ -185,7 +185,7 @@ def depart(departure: Departure) -> Dialogue[None]:
     """Arm a prepared vehicle that provably holds our lists, and start its mission.
 
     Raises:
-        NotYet: not armed, for reasons that pass with time; `prepare` and `depart` may be repeated.
+        NotArmedYet: not armed, for reasons that pass with time; `prepare` and `depart` may be repeated.
         Replaced, NotReady: it holds another list, or does not report it; it was not armed, or not started.
         CommandRefused, NoAnswer, Cancelled, TimeUp: with the vehicle's state as the hint; it was disarmed again if it
             reported to be on the ground.
@@ -196,19 +196,19 @@ def depart(departure: Departure) -> Dialogue[None]:
         while True:
             attempt += 1
             state.expect_flown()
-            yield from prove(departure.holdings, state)
+            yield from prove(departure.onboard_lists, state)
             may_be_armed = True
             result, words = yield from command(Command.COMPONENT_ARM_DISARM, 1.0)
             if result == CommandResult.ACCEPTED:
                 break
             has_reason = bool(reasons.reasons(words))
             is_last = has_reason or attempt == LIMITS.arming_attempts
-            if (yield from until(lambda: state.armed is True, SHOWN_S if is_last else LIMITS.again_s)):
+            if (yield from until(lambda: state.armed is True, SHOWN_S if is_last else LIMITS.retry_s)):
                 break  # the refusal was of an earlier order
             may_be_armed = False
             if is_last:
                 if has_reason and not reasons.lasting(words):
-                    raise NotYet(result, words)
+                    raise NotArmedYet(result, words)
                 raise CommandRefused(ARMING, result, words)
         yield from _begin(departure)
     except MissionError as aborted:
@@ -225,8 +225,8 @@ def _begin(departure: Departure) -> Dialogue[None]:
             yield from _order("take off", Command.NAV_TAKEOFF, *(0.0,) * 6, departure.climb)
             yield from until(lambda: _height(state) > departure.climb - LIMITS.climbed_below, LIMITS.climb_s)
         state.current = None  # only a report from after the arming counts
-        yield from until(lambda: state.current is not None, LIMITS.again_s)
-        expect_unchanged(departure.holdings)
+        yield from until(lambda: state.current is not None, LIMITS.retry_s)
+        expect_unchanged(departure.onboard_lists)
         yield from _order("start the mission", VehicleCommand.MISSION_START)
     mode = departure.autopilot.modes.mission
     if not (yield from until(lambda: state.armed is True and state.custom_mode == mode, SHOWN_S)):
@@ -266,7 +266,7 @@ def _disarm_on_ground(state: VehicleState) -> Dialogue[None]:
     Do nothing to a vehicle that flies, takes off, or does not report its landed state.
     """
     try:
-        for attempt in range(DISARMINGS):
+        for attempt in range(DISARM_ATTEMPTS):
             if attempt > 0 and (yield from until(lambda: state.armed is False, SHOWN_S)):
                 return
             state.landed_state = None

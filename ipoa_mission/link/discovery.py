@@ -18,7 +18,7 @@ from ipoa_mission.vehicles.version import Version
 #: Duration of asking autopilots for their versions, and the interval of repeats [s].
 VERSIONS_S, VERSION_ROUND_S = 3.0, 0.7
 #: The commands that request AUTOPILOT_VERSION: today's, and its predecessor.
-ABOUT = (
+VERSION_REQUESTS = (
     CommandLong(
         VehicleCommand.REQUEST_MESSAGE, (float(message_number("AUTOPILOT_VERSION")), 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     ),
@@ -46,7 +46,7 @@ def scan(line: Line, seconds: float = 3.0) -> tuple[FoundVehicle, ...]:
 def versions_of(line: Line, systems: Iterable[int], seconds: float = VERSIONS_S) -> dict[int, Version]:
     """Return the firmware versions reported within `seconds`, by system id."""
     silent, versions = set(systems), dict[int, Version]()
-    until, orders = line.now() + seconds, cycle(ABOUT)
+    until, orders = line.now() + seconds, cycle(VERSION_REQUESTS)
     while silent and line.now() < until:
         order = next(orders)
         for system in sorted(silent):

@@ -9,7 +9,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.link.conversations import VehicleTexts, listen_for_words
 from ipoa_mission.link.dialogue import Dialogue, Pause, Remark, until
 from ipoa_mission.link.messages import CommandAck, CommandLong, CommandResult, Message
-from ipoa_mission.link.orders import CommandRefused, command, mode_order, obeyed, order
+from ipoa_mission.link.orders import CommandRefused, command, mode_order, order, send_command
 from ipoa_mission.link.vehicle_state import NotFlown, NotReady, VehicleState
 from ipoa_mission.mission.commands import Command, VehicleCommand
 
@@ -19,7 +19,7 @@ ORDER_REPEATS, REPEAT_S = 6, 1.0
 #: Timeout until a vehicle reports a mode [s].
 SHOWN_S = 5.0
 #: Answers after which the mode may still change.
-HOPEFUL = frozenset({CommandResult.ACCEPTED, CommandResult.IN_PROGRESS})
+PENDING_RESULTS = frozenset({CommandResult.ACCEPTED, CommandResult.IN_PROGRESS})
 
 
 def pause(state: VehicleState) -> Dialogue[None]:
@@ -110,7 +110,7 @@ class FlightOrder:
         return bool(self._steps)
 
     def cut(self, is_cut: bool) -> None:
-        """Note that the link is lost, or back; cancel an order that was not seen to be obeyed."""
+        """Note that the link is lost, or back; cancel an order that the vehicle has not shown yet."""
         self._is_cut = is_cut
         if self._steps:
             self.words = f"{self._steps[0].name} was ordered, and the link was lost before the vehicle showed it"
@@ -137,10 +137,10 @@ class FlightOrder:
                     )
                 self._said, self._due_s = self._said + 1, self._now() + REPEAT_S
                 yield Remark(self._steps[0].message)
-        except (NotFlown, NotReady, CommandRefused) as hinders:
-            self.words = str(hinders)
+        except (NotFlown, NotReady, CommandRefused) as reason:
+            self.words = str(reason)
             self._steps.clear()
-            log.warning("%s", hinders)
+            log.warning("%s", reason)
 
     def _change(self, mode: int) -> _Step:
         autopilot = self._state.autopilot
@@ -163,7 +163,7 @@ class FlightOrder:
             case CommandAck(step.message.command, CommandResult.ACCEPTED) if step.mode is None:
                 self.is_paused = step.pauses
                 self._take(*self._steps[1:])
-            case CommandAck(step.message.command, result) if result not in HOPEFUL:
+            case CommandAck(step.message.command, result) if result not in PENDING_RESULTS:
                 self._refused(CommandRefused(f"change to {step.name}" if step.mode is not None else step.name, result))
 
     def _refused(self, why: MissionError) -> None:
@@ -173,10 +173,10 @@ class FlightOrder:
 
 
 def change_mode(state: VehicleState, mode: int) -> Dialogue[str]:
-    """Request a mode and see it in the heartbeat; return what hinders, or an empty string."""
+    """Request a mode and see it in the heartbeat; return why it does not change, or an empty string."""
     if state.custom_mode == mode:
         return ""
-    result, words = yield from obeyed(mode_order(mode, state.autopilot))
+    result, words = yield from send_command(mode_order(mode, state.autopilot))
     texts = VehicleTexts(words=[words] if words else [])
     if result == CommandResult.ACCEPTED:
         result = yield from _taken_back(state, mode, texts)
@@ -194,7 +194,7 @@ def _taken_back(state: VehicleState, mode: int, texts: VehicleTexts) -> Dialogue
     while heard is not None and state.custom_mode != mode:
         texts.note(heard)
         match heard:
-            case CommandAck(VehicleCommand.DO_SET_MODE, result) if result not in HOPEFUL:
+            case CommandAck(VehicleCommand.DO_SET_MODE, result) if result not in PENDING_RESULTS:
                 yield from listen_for_words(texts)
                 return result
         heard = yield None
@@ -202,8 +202,8 @@ def _taken_back(state: VehicleState, mode: int, texts: VehicleTexts) -> Dialogue
 
 
 def _enter(state: VehicleState, mode: int) -> Dialogue[None]:
-    if hinders := (yield from change_mode(state, mode)):
-        raise NotReady(hinders, hint=str(state))
+    if reason := (yield from change_mode(state, mode)):
+        raise NotReady(reason, hint=str(state))
 
 
 def _expect_flying(state: VehicleState) -> Dialogue[None]:

@@ -18,7 +18,7 @@ from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import Difference, compare
 from ipoa_mission.vehicles.autopilot import Autopilot
 
-MOST_ITEMS = 65535
+MAX_ITEMS = 65535
 SINGLE_MAX = float(np.finfo(np.float32).max)
 #: MISSION_ITEM_INT in wire order, with its extension.
 PAYLOAD = np.dtype(
@@ -59,8 +59,8 @@ def pack_items(items: Sequence[Item], kind: int) -> Payloads:
     packed = np.zeros(len(items), PAYLOAD)
     if not items:
         return packed
-    if len(items) > MOST_ITEMS:
-        raise BadInput(f"expected {MOST_ITEMS} items at most, as many as MAVLink can count, not {len(items)}")
+    if len(items) > MAX_ITEMS:
+        raise BadInput(f"expected {MAX_ITEMS} items at most, as many as MAVLink can count, not {len(items)}")
     if any(not (0 <= item.command <= 65535 and 0 <= item.frame <= 255) for item in items):
         _refuse(items)
     numbers = np.array([(*item.params, item.altitude, item.latitude_deg, item.longitude_deg) for item in items], float)

@@ -89,7 +89,7 @@ class _Recording:
     mode: int | None = None
     disarming_s: float = -math.inf
     disarmed_s: float | None = None
-    landed_unheard: bool = False
+    landed_in_link_loss: bool = False
 
 
 class Logbook:
@@ -214,7 +214,7 @@ class Logbook:
         if heartbeat.armed:
             flight.confirmed, flight.mode, self._was_away = True, heartbeat.custom_mode, False
         elif flight.confirmed:
-            self.armed, flight.landed_unheard = False, self._was_away
+            self.armed, flight.landed_in_link_loss = False, self._was_away
             if self._was_away and heartbeat.custom_mode in self._autopilot.modes.returns | self._autopilot.modes.lands:
                 flight.mode = heartbeat.custom_mode
             flight.disarmed_s = flight.disarming_s if since - flight.disarming_s < DISARMING_TEXT_S else since
@@ -239,7 +239,7 @@ class Logbook:
         mode = "" if flight.mode is None else f", in {self._autopilot.modes.name(flight.mode)}"
         if not (self.is_flown or flight.current >= self._final + self._first):
             item = f"item {flight.current + 1 - self._first} of {len(self._items)}"
-            if flight.landed_unheard:
+            if flight.landed_in_link_loss:
                 return f"it was last heard at {item}, and landed while the link was lost{self._place(flight)}{mode}"
             return f"it was disarmed at {item}{mode}"
         if flight.mode not in self.modes:
@@ -258,7 +258,7 @@ class Logbook:
         return apart(Geodetic(end.latitude_deg, end.longitude_deg), Geodetic(last.latitude_deg, last.longitude_deg))
 
 
-class Aside(Protocol):
+class Observer(Protocol):
     """React to a watched vehicle's messages; may send something in between."""
 
     def look(self, heard: Message, now_s: float) -> Dialogue[None]:
@@ -266,11 +266,11 @@ class Aside(Protocol):
 
 
 def watch(
-    logbook: Logbook, progress: Progress = silent, *asides: Aside, is_over: Callable[[], bool] = lambda: False
+    logbook: Logbook, progress: Progress = silent, *observers: Observer, is_over: Callable[[], bool] = lambda: False
 ) -> Dialogue[FlightRecord]:
     """Listen until the flight ends, or `is_over`; a mission that does not land ends when its last item is flown.
 
-    The logbook hears each message first. `progress` counts items done, and `asides` hear every message.
+    The logbook hears each message first. `progress` counts items done, and `observers` hear every message.
     """
     done = -1
     while True:
@@ -281,7 +281,7 @@ def watch(
             count(progress, done, logbook.total, "item ")
         if logbook.disarmed_s is not None or (logbook.is_flown and not logbook.lands):
             return logbook.record()
-        for aside in asides:
+        for aside in observers:
             yield from aside.look(heard, logbook.clock_s)
         if is_over():
             return logbook.record()

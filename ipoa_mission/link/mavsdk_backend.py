@@ -75,7 +75,7 @@ def connect(
     mavsdk = imported("mavsdk", "MAVSDK is not installed", "mavsdk", LinkDown)
     address = parse_address(url)
     instance = mavsdk.Mavsdk(mavsdk.Configuration.create_with_component_type(mavsdk.ComponentType.GROUND_STATION))
-    result = instance.add_any_connection(_spelled(address))
+    result = instance.add_any_connection(_mavsdk_url(address))
     if result.name != "SUCCESS":
         instance.destroy()
         raise LinkDown(f"cannot be opened: {result.name}", code="link-not-opened", place=address)
@@ -107,7 +107,7 @@ def borrow(system: Any, log: object = None) -> "MavsdkVehicle":
     return MavsdkVehicle(None, system)
 
 
-def _spelled(address: Address) -> str:
+def _mavsdk_url(address: Address) -> str:
     if address.transport is Transport.SERIAL:
         return f"serial://{address.device}:{address.baud}"
     scheme = "tcpout" if address.transport is Transport.TCP_OUT else str(address.transport)
@@ -200,8 +200,8 @@ class MavsdkVehicle(Vehicle):
         self._item = mission_raw.MissionItem
         self._refused = import_module("mavsdk").MavsdkError
         line = MavsdkLine(instance, system)
-        said = system.autopilot_type().name
-        likely = next((one for one in registered() if one.firmware_name.upper() == said), default_autopilot())
+        reported_name = system.autopilot_type().name
+        likely = next((one for one in registered() if one.firmware_name.upper() == reported_name), default_autopilot())
         kind = Kind(likely.mav_autopilot, QUADROTOR)  # until its first heartbeat
         super().__init__(line, FoundVehicle(int(system.get_system_id()), kind, armed=False, is_ready=True))
         if not self._hold(until(lambda: Heartbeat in self.state.heard, PRESENCE_S)):
@@ -212,9 +212,9 @@ class MavsdkVehicle(Vehicle):
     def upload_items(self, items: Sequence[Item], kind: int, progress: Progress = silent) -> None:
         name = list_name(kind)
         self.state.expect_flown()
-        self._holdings.pop(kind, None)
+        self._onboard_lists.pop(kind, None)
         with noted_interrupts() as interrupt:
-            rows = [self._spell(seq, item, kind) for seq, item in enumerate(items)]
+            rows = [self._mavsdk_item(seq, item, kind) for seq, item in enumerate(items)]
             self._listen()
             self.state.warnings.clear()  # later warnings may explain a refusal
             try:
@@ -234,7 +234,7 @@ class MavsdkVehicle(Vehicle):
             again = compare(items, self.download_items(kind), self.autopilot)
             if again is not None:
                 raise Replaced(kind, again)
-        self._holdings[kind] = OnboardList(Upload(items, self.autopilot, kind))
+        self._onboard_lists[kind] = OnboardList(Upload(items, self.autopilot, kind))
 
     def _expect_flyable(self) -> None:
         """Raise Unflyable if PX4 reports so in MISSION_CURRENT, some time after it has taken the mission."""
@@ -299,7 +299,7 @@ class MavsdkVehicle(Vehicle):
                 if one.message is not None:
                     self._overhear(one.message)
 
-    def _spell(self, seq: int, item: Item, kind: int) -> Any:
+    def _mavsdk_item(self, seq: int, item: Item, kind: int) -> Any:
         x, y = coordinate(item.latitude_deg, item.frame), coordinate(item.longitude_deg, item.frame)
         current = int(seq == 0)
         return self._item(

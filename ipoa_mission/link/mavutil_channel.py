@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection
 from typing import TYPE_CHECKING, Any
 
 from ipoa_mission.errors import BadInput
-from ipoa_mission.link.channel import LONGEST_READ, LinkDown, Peer, RealTime
+from ipoa_mission.link.channel import MAX_READ, LinkDown, Peer, RealTime
 from ipoa_mission.link.definitions import DEFINITIONS, Definition, dialect_of
 from ipoa_mission.link.messages import Message
 
@@ -38,7 +38,7 @@ class MavutilChannel(RealTime):
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
         try:
             ready, _, _ = select.select([self._connection.fd], [], [], max(0.0, until - self.now()))
-            data = self._connection.recv(LONGEST_READ) if ready else b""
+            data = self._connection.recv(MAX_READ) if ready else b""
         except (OSError, ValueError) as error:
             raise LinkDown(f"the link broke: {error}") from error
         return [(bytes(data), PEER)] if data else []

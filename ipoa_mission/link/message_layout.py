@@ -9,7 +9,7 @@ from ipoa_mission.link.messages import Message
 
 M = TypeVar("M", bound=Message)
 Fields: TypeAlias = Mapping[str, Any]
-Way: TypeAlias = Callable[[Any], Any]
+Conversion: TypeAlias = Callable[[Any], Any]
 
 
 @dataclass(frozen=True)
@@ -27,8 +27,8 @@ class Value:
     """Map one value to a MAVLink field (or several, as a tuple), with both conversions."""
 
     names: tuple[str, ...]
-    write: Way = lambda value: value
-    read: Way = lambda raw: raw
+    write: Conversion = lambda value: value
+    read: Conversion = lambda raw: raw
 
 
 def plain(name: str, kind: type[M], also: Fields | None = None, /, **placed: str | Value) -> MessageLayout[M]:

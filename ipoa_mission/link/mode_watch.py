@@ -15,9 +15,11 @@ log = logging.getLogger(__name__)
 #: A mode this long has replaced the mission's; meanwhile the vehicle may give its reason [s].
 SETTLED_S = 1.0
 #: Warnings up to this long before may be the reason, too [s].
-SAID_S = 3.0
-BY_ITSELF = "a pilot or a ground station can take it over"
-HELD = "a pilot or a ground station can take it over; or stop watching by Ctrl-C, then `resume` or `rtl` orders it on"
+REASON_AGE_S = 3.0
+RETURN_HINT = "a pilot or a ground station can take it over"
+HOLD_HINT = (
+    "a pilot or a ground station can take it over; or stop watching by Ctrl-C, then `resume` or `rtl` orders it on"
+)
 
 
 @dataclass
@@ -61,10 +63,10 @@ class ModeWatch:
         elif now_s - self._since_s >= SETTLED_S and not self._is_reported:
             self._is_reported, self.words = True, self._left()
             modes = self.state.autopilot.modes
-            log.warning("%s (%s)", self.words, BY_ITSELF if mode in modes.returns | modes.lands else HELD)
+            log.warning("%s (%s)", self.words, RETURN_HINT if mode in modes.returns | modes.lands else HOLD_HINT)
 
     def _left(self) -> str:
-        said = list(dict.fromkeys(text for when, text in self._said if when >= self._since_s - SAID_S))
+        said = list(dict.fromkeys(text for when, text in self._said if when >= self._since_s - REASON_AGE_S))
         why = "its reason may not have been heard" if self.was_away else "does not say why"
         reason = f"; it says: {'; '.join(said)}" if said else f", and {why}"
         return f"the vehicle has left its mission: {self.state}{reason}"

@@ -68,14 +68,14 @@ class ReplacedSince(MissionError):
         super().__init__(f"the {list_name(holding.job.kind)} on the vehicle is no longer ours: {holding.changed}")
 
 
-def prove(holdings: Iterable[OnboardList], state: VehicleState) -> Dialogue[None]:
+def prove(onboard_lists: Iterable[OnboardList], state: VehicleState) -> Dialogue[None]:
     """Prove that the vehicle holds each list now: by its id or checksum, else item by item.
 
     Raises:
         Replaced: it holds another list.
         NotReady: it does not report it.
     """
-    for holding in holdings:
+    for holding in onboard_lists:
         if not (holding.list_id and (yield from _is_named(holding, state))):
             holding.list_id = (yield from _read_again(holding.job)) or holding.list_id
         holding.changed, holding.is_reported = "", False
@@ -136,8 +136,8 @@ class ListWatcher:
             return
 
 
-def expect_unchanged(holdings: Iterable[OnboardList]) -> None:
-    for holding in holdings:
+def expect_unchanged(onboard_lists: Iterable[OnboardList]) -> None:
+    for holding in onboard_lists:
         if holding.changed:
             raise ReplacedSince(holding)
 

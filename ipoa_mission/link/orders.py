@@ -41,7 +41,7 @@ SLOW_ROUNDS, SLOW_ROUND_S = 5, 2.0
 #: Timeouts of the repeated settings of a parameter; after the last one another value counts as kept [s].
 SETTING_S = (1.0, 2.0, 4.0)
 #: Number of requests of a message by REQUEST_MESSAGE, and the pause after a refusal [s].
-ASKINGS, REFUSED_S = 5, 0.3
+REQUESTS, REFUSED_S = 5, 0.3
 
 
 class CommandRefused(MissionError):
@@ -62,10 +62,11 @@ def mode_order(mode: int, autopilot: Autopilot) -> CommandLong:
 
 
 def command(number: int, *params: float) -> Dialogue[tuple[int, str]]:
-    return obeyed(order(number, *params))
+    """Send a COMMAND_LONG; return its result and the vehicle's words."""
+    return send_command(order(number, *params))
 
 
-def obeyed(one: CommandLong) -> Dialogue[tuple[int, str]]:
+def send_command(one: CommandLong) -> Dialogue[tuple[int, str]]:
     texts, number = VehicleTexts(), one.command
     step: Step = Ask(one)
     while True:
@@ -114,7 +115,7 @@ def stream(name: str, interval_s: float) -> Dialogue[bool]:
     return result == CommandResult.ACCEPTED
 
 
-def _requested(name: str, kind: type[M], pause_s: float, askings: int = ASKINGS) -> Dialogue[M | None]:
+def _requested(name: str, kind: type[M], pause_s: float, requests: int = REQUESTS) -> Dialogue[M | None]:
     """Request a message once; return None if it is refused, or does not come.
 
     The request is repeated, because an answer may belong to an earlier request.
@@ -135,8 +136,8 @@ def _requested(name: str, kind: type[M], pause_s: float, askings: int = ASKINGS)
                 has_answered = True
                 step = Pause(pause_s if result == CommandResult.ACCEPTED else REFUSED_S)
             case None:
-                askings -= 1
-                if askings == 0:
+                requests -= 1
+                if requests == 0:
                     return None
                 step = Ask(request)
             case _ if isinstance(heard, kind):
@@ -149,12 +150,12 @@ def home() -> Dialogue[Geodetic | None]:
 
 
 def clock() -> Dialogue[SystemTime | None]:
-    return (yield from _requested("SYSTEM_TIME", SystemTime, 1.0, askings=2))
+    return (yield from _requested("SYSTEM_TIME", SystemTime, 1.0, requests=2))
 
 
 def about() -> Dialogue[AutopilotVersion | None]:
     try:
-        return (yield from _requested("AUTOPILOT_VERSION", AutopilotVersion, 1.0, askings=2))
+        return (yield from _requested("AUTOPILOT_VERSION", AutopilotVersion, 1.0, requests=2))
     except NoAnswer:
         return None
 

@@ -14,7 +14,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.link import orders
 from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.codec import Heard, Target
-from ipoa_mission.link.conversations import noting
+from ipoa_mission.link.conversations import observed
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, Patience, Silence, TimeUp, until
 from ipoa_mission.link.discovery import autopilots_in
 from ipoa_mission.link.interrupt import Interrupt, noted_interrupts
@@ -27,10 +27,10 @@ from ipoa_mission.link.vehicle_state import NotReady, VehicleState
 
 log = logging.getLogger(__name__)
 SILENT_S = 3.0  # silence that counts as a link loss
-GONE_S = 300.0  # link loss after which the vehicle is given up
-AGAIN_S = 1.0  # between two attempts to open the link, and between two progress reports
+GIVE_UP_S = 300.0  # link loss after which the vehicle is given up
+RETRY_S = 1.0  # between two attempts to open the link, and between two progress reports
 SHOWN_S = 2.0  # timeout for position and current item
-EARLIER_S = 1.0  # a clock this much behind its former value was reset
+CLOCK_RESET_S = 1.0  # a clock this much behind its former value was reset
 
 
 class NotTheSameVehicle(MissionError):
@@ -91,7 +91,7 @@ class LinkLoss:
         Raises:
             LinkDown: the link broke, and we cannot open it again.
             NotTheSameVehicle, OtherKind: another vehicle is heard in its place, or it holds another mission.
-            NoAnswer: it was not identified within `GONE_S`.
+            NoAnswer: it was not identified within `GIVE_UP_S`.
             TimeUp: it was not identified before `until_s`.
             Cancelled: by Ctrl-C.
         """
@@ -99,31 +99,31 @@ class LinkLoss:
         self._is_open = not isinstance(lost, LinkDown)
         if not (self._is_open or self._line.reopens):
             raise lost
-        self._since_s, self._reported_s, self._open_s = now - SILENT_S * self._is_open, -AGAIN_S, now
+        self._since_s, self._reported_s, self._open_s = now - SILENT_S * self._is_open, -RETRY_S, now
         self._why, self._others = ("" if self._is_open else str(lost)), ""
         self._look(tell)
-        log.warning("%s; listening for %g s", self.words, GONE_S)
+        log.warning("%s; listening for %g s", self.words, GIVE_UP_S)
         try:
             with noted_interrupts() as interrupt:
-                while (kept := self._kept(known, patience, interrupt, tell)) is None:
+                while (messages := self._identified(known, patience, interrupt, tell)) is None:
                     if self._line.now() >= until_s:
                         raise TimeUp("the time is up")
                     if self._is_over:
-                        words = _with(f"the link is lost for {GONE_S:g} s: ", self._why, self._others)
+                        words = _with(f"the link is lost for {GIVE_UP_S:g} s: ", self._why, self._others)
                         raise NoAnswer(words, code="link-lost")
-            log.warning("the link is back after %.0f s: %s", self._line.now() - self._since_s, _same(known))
-            return kept
+            log.warning("the link is back after %.0f s: %s", self._line.now() - self._since_s, _description(known))
+            return messages
         finally:
             self.seconds, self.words = None, ""
 
-    def _kept(
+    def _identified(
         self, known: KnownVehicle, patience: Patience, interrupt: Interrupt, tell: Callable[[str], None]
     ) -> list[Message] | None:
-        stranger, kept = VehicleState(known.state.autopilot, known.state.kind), list[Message]()
+        stranger, messages = VehicleState(known.state.autopilot, known.state.kind), list[Message]()
 
         def note(message: Message) -> None:
             stranger.note(message)
-            kept.append(message)
+            messages.append(message)
             self._look(tell)
 
         target = Target(known.system, AUTOPILOT_COMPONENT)
@@ -139,12 +139,12 @@ class LinkLoss:
                         self._others = f"vehicle {heard.system} is heard; nothing is sent to it"
             if Heartbeat not in stranger.heard:
                 return None
-            dialogue = noting(recognize(stranger, known), lambda heard: stranger.expect_flown())
-            end_s = min(self._since_s + GONE_S, self._until_s)
+            dialogue = observed(recognize(stranger, known), lambda heard: stranger.expect_flown())
+            end_s = min(self._since_s + GIVE_UP_S, self._until_s)
             converse(self._line, target, dialogue, patience, overhear=note, until=end_s, quiet_s=SILENT_S)
-            return kept
+            return messages
         except LinkDown as down:
-            self._is_open, self._open_s, self._why = False, self._line.now() + AGAIN_S, str(down)
+            self._is_open, self._open_s, self._why = False, self._line.now() + RETRY_S, str(down)
         except (NoAnswer, NotReady, Silence) as unknown:
             self._why = f"it was heard, but {unknown}"
         except TimeUp:
@@ -165,12 +165,12 @@ class LinkLoss:
 
     @property
     def _is_over(self) -> bool:
-        return self._line.now() >= min(self._since_s + GONE_S, self._until_s)
+        return self._line.now() >= min(self._since_s + GIVE_UP_S, self._until_s)
 
     def _look(self, tell: Callable[[str], None]) -> None:
         now = self._line.now()
         self.seconds = now - self._since_s
-        if now - self._reported_s >= AGAIN_S:
+        if now - self._reported_s >= RETRY_S:
             self._reported_s = now
             self.words = _with("the link is lost: ", self._why, self._others, self.meanwhile)
             tell(_with(f"link lost for {self.seconds:.0f} s; ", self._why, self._others, self.meanwhile))
@@ -185,7 +185,7 @@ def recognize(stranger: VehicleState, known: KnownVehicle) -> Dialogue[None]:
     """
     stranger.expect_flown()
     clock = yield from orders.clock()
-    if clock is not None and clock.boot_s < known.clock_s - EARLIER_S:
+    if clock is not None and clock.boot_s < known.clock_s - CLOCK_RESET_S:
         raise IdentityChanged(f"it was restarted {clock.boot_s:.0f} s ago; {stranger}")
     before, about = known.about, (yield from orders.about())
     if before and about and (before.uid, before.flight_sw_version) != (about.uid, about.flight_sw_version):
@@ -199,5 +199,5 @@ def _with(words: str, *more: str) -> str:
     return (words + "; ".join(filter(None, more))).rstrip(":; ")
 
 
-def _same(known: KnownVehicle) -> str:
+def _description(known: KnownVehicle) -> str:
     return "it is the same vehicle" + ("" if known.holding is None else ", with the mission that was uploaded")

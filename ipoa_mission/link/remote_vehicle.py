@@ -37,7 +37,7 @@ class RemoteVehicle:
 
     def firmware_version(self) -> Version | None:
         with self._in_time():
-            return Version.said(self._told().flight_sw_version)
+            return Version.said(self._read_version().flight_sw_version)
 
     @property
     def version_heard(self) -> Version | None:
@@ -75,7 +75,7 @@ class RemoteVehicle:
     def _tell(self, dialogue: Dialogue[T]) -> T:
         """Hold a dialogue that changes something, while the vehicle is a supported multicopter."""
         self.state.expect_flown()
-        return self._hold(conversations.noting(dialogue, lambda heard: self.state.expect_flown()))
+        return self._hold(conversations.observed(dialogue, lambda heard: self.state.expect_flown()))
 
     def _hold(self, dialogue: Dialogue[T], quiet_s: float = math.inf) -> T:
         patience, tempo = self._patience, self._tempo
@@ -98,12 +98,12 @@ class RemoteVehicle:
     def _overhear(self, message: Message) -> None:
         self.state.note(message)
         if self.state.owns(message):
-            self._heed(message)
+            self._handle(message)
             self.overhearing(message)
 
-    def _heed(self, message: Message) -> None: ...
+    def _handle(self, message: Message) -> None: ...
 
-    def _told(self) -> AutopilotVersion:
+    def _read_version(self) -> AutopilotVersion:
         if self._about is None:
             self._about = self._hold(orders.about()) or AutopilotVersion(0)
         return self._about

@@ -11,11 +11,11 @@ from ipoa_mission.link.codec import Framer, Target
 CLAIM_S = 5.0
 #: Time between two transfers of one peer, such as an upload and its read-back [s].
 REST_S = 1.0
-MOST_PEERS = 32
+MAX_PEERS = 32
 
 
 class Routes:
-    """Remember who was heard where and when: `MOST_PEERS` at most, preferably those that were addressed."""
+    """Remember who was heard where and when: `MAX_PEERS` at most, preferably those that were addressed."""
 
     def __init__(self) -> None:
         self._heard: dict[tuple[Target, Peer], float] = {}  # ordered by the time of the last message
@@ -26,7 +26,7 @@ class Routes:
     def framer(self, peer: Peer) -> Framer:
         framer = self._framers.pop(peer, None) or Framer()
         self._framers[peer] = framer
-        while len(self._framers) > MOST_PEERS:
+        while len(self._framers) > MAX_PEERS:
             del self._framers[next(iter(self._framers))]
         return framer
 
@@ -40,7 +40,7 @@ class Routes:
         if self._heard.pop((name, peer), None) is None:
             for one in [one for one, when in self._heard.items() if one[0] == name and now - when >= CLAIM_S]:
                 del self._heard[one]
-        if len(self._heard) >= MOST_PEERS and not self._make_room(now):
+        if len(self._heard) >= MAX_PEERS and not self._make_room(now):
             return
         self._heard[name, peer] = now
 

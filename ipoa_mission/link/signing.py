@@ -24,7 +24,7 @@ NEW_STREAM_TICKS = 60 * TICKS_PER_S  # a new stream may be this much behind us
 RESERVE_TICKS = TICKS_PER_S  # the file's lead over the last timestamp while in use
 SIGNED_FLAG = 0x01
 KEY_BYTES = 32
-MOST_SIGNERS = 16
+MAX_SIGNERS = 16
 _HEXADECIMAL = re.compile(rb"\s*([0-9a-fA-F]{64})\s*")
 
 
@@ -151,8 +151,8 @@ def persistent_signer(key: bytes, path: str | Path) -> Signer:
         BadInput: the file contains no timestamp, or too many processes sign at once.
     """
     path = Path(path)
-    for link_id in range(MOST_SIGNERS):
+    for link_id in range(MAX_SIGNERS):
         timestamps = own_timestamps(path.with_stem(f"{path.stem}-{link_id}") if link_id else path)
         if timestamps is not None:
             return Signer(key, link_id, timestamps)
-    raise TooLarge(f"expected no more than {MOST_SIGNERS} processes that sign at the same time", place=path)
+    raise TooLarge(f"expected no more than {MAX_SIGNERS} processes that sign at the same time", place=path)

@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.consistent_download import READINGS, KeepsChanging, read_consistent
 from ipoa_mission.link.conversations import (
-    DOUBTFUL,
+    DOUBTFUL_REFUSALS,
     MissionRefused,
     VehicleTexts,
     list_name,
-    noting,
+    observed,
     offer,
     read_list,
 )
@@ -31,7 +31,7 @@ ATTEMPTS = 12
 VERDICT_S = 1.5
 REVISION_S = 0.4
 #: Refusals for a temporary reason, not because of the items.
-PASSING = frozenset({*DOUBTFUL, Result.DENIED, Result.OPERATION_CANCELLED})
+TEMPORARY_REFUSALS = frozenset({*DOUBTFUL_REFUSALS, Result.DENIED, Result.OPERATION_CANCELLED})
 
 
 class ReadBackDiffers(MissionError):
@@ -115,7 +115,7 @@ class Upload:
 class MissionReports(VehicleTexts):
     """Collect the vehicle's texts, and its reports of the mission that it holds."""
 
-    faintest: int = WARNING
+    least_severity: int = WARNING
     stored_as: int = 0  # its id of our list: the first one after our COUNT; 0: not reported
     is_disputed: bool = False  # it has reported a second stored id: one of the two missions is another station's
     is_read: bool = False  # the read-back has begun: a mission stored from here on is not ours
@@ -190,13 +190,13 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
     course = UploadState()
     try:
         try:
-            yield from noting(_store(job, course, progress), course.reports.note)
+            yield from observed(_store(job, course, progress), course.reports.note)
         except Cancelled:
-            yield from _give_in(job, course, progress)
+            yield from _cancel(job, course, progress)
     except TimeUp as late:
         yield Remark(Ack(Result.OPERATION_CANCELLED, job.kind))
         where = f"item {max(course.furthest, 0)} of {len(job.items)} of the {list_name(job.kind)}"
-        raise TimeUp(f"{late}: attempt {course.attempt} had come to {where}", hint=_leftover(job)) from None
+        raise TimeUp(f"{late}: attempt {course.attempt} had come to {where}", hint=_remaining_list(job)) from None
     if job.is_judged:
         try:
             state = yield from _verdict(course.reports)
@@ -227,7 +227,7 @@ def _settle(job: Upload, reports: MissionReports) -> Dialogue[None]:
 
 def _expect_unchanged(job: Upload, reports: MissionReports) -> Dialogue[None]:
     try:
-        stored = yield from noting(read_list(job.kind), reports.note)
+        stored = yield from observed(read_list(job.kind), reports.note)
     except (Cancelled, TimeUp, NoAnswer) as aborted:
         words = f"{aborted}: the vehicle may no longer hold the {list_name(job.kind)} that was sent"
         raise type(aborted)(
@@ -237,7 +237,7 @@ def _expect_unchanged(job: Upload, reports: MissionReports) -> Dialogue[None]:
         raise Replaced(job.kind, difference)
 
 
-def _give_in(job: Upload, course: UploadState, progress: Progress) -> Dialogue[None]:
+def _cancel(job: Upload, course: UploadState, progress: Progress) -> Dialogue[None]:
     """Leave a whole list on the vehicle, the old or the new one, and raise Cancelled, which says which."""
     name = list_name(job.kind)
     if job.truncates:
@@ -245,7 +245,7 @@ def _give_in(job: Upload, course: UploadState, progress: Progress) -> Dialogue[N
         yield from _store(job, course, progress)
         words = f"cancelled: the vehicle had already dropped its old {name}, so the new one was completed"
         raise Cancelled(words, hint="it is whole and verified; clear it if it must not be flown", holds="new")
-    yield from _withdraw(job.kind)
+    yield from _refuse_requests(job.kind)
     if course.may_be_whole and (yield from _holds(job)):
         words = f"cancelled too late: the vehicle holds the whole new {name}"
         raise Cancelled(words, hint="clear it if it must not be flown", holds="new")
@@ -282,13 +282,13 @@ def _store(job: Upload, course: UploadState, progress: Progress) -> Dialogue[Non
             stored, course.checksum = yield from read_consistent(job.kind, job.numbers)
         except NoAnswer as silence:
             if course.attempt == ATTEMPTS or max(course.before, course.furthest) < 0:
-                silence.hint = _leftover(job)
+                silence.hint = _remaining_list(job)
                 raise
         except MissionRefused as refusal:
             again = _same(refusal, refused_before)
-            settled = refusal.result not in PASSING and (not job.truncates or again)
+            settled = refusal.result not in TEMPORARY_REFUSALS and (not job.truncates or again)
             if course.attempt == ATTEMPTS or settled or (again and refusal.result == Result.ERROR):
-                refusal.hint = _leftover(job)
+                refusal.hint = _remaining_list(job)
                 raise
             refused_before = refusal
             yield from wait(1.0)
@@ -297,7 +297,7 @@ def _store(job: Upload, course: UploadState, progress: Progress) -> Dialogue[Non
             difference = job.difference(stored)
             if difference is None:
                 return
-            if course.attempt >= 2 and ending in DOUBTFUL:
+            if course.attempt >= 2 and ending in DOUBTFUL_REFUSALS:
                 raise MissionRefused(ending, job.kind, len(job.items) - 1)
             if course.attempt >= 2:
                 raise ReadBackDiffers(job.kind, difference)
@@ -307,14 +307,14 @@ def _same(one: MissionRefused, other: MissionRefused | None) -> bool:
     return other is not None and (one.result, one.seq) == (other.result, other.seq)
 
 
-def _leftover(job: Upload) -> str:
+def _remaining_list(job: Upload) -> str:
     name = list_name(job.kind)
     if job.truncates:
         return f"the {name} on the vehicle may now be a mixture of new and old: upload again, or clear it"
     return f"the vehicle keeps the {name} it had, unless it says otherwise"
 
 
-def _withdraw(kind: int) -> Dialogue[None]:
+def _refuse_requests(kind: int) -> Dialogue[None]:
     """Answer every further request with "cancelled", until the vehicle is quiet."""
     yield Remark(Ack(Result.OPERATION_CANCELLED, kind))
     step: Step = Pause(1.0)

@@ -36,12 +36,12 @@ from ipoa_mission.link.file_transfer import FileRefused
 from ipoa_mission.link.flight_order import SHOWN_S, FlightOrder, pause, resume, return_to_launch
 from ipoa_mission.link.interrupt import noted_interrupts
 from ipoa_mission.link.line import Carrier
-from ipoa_mission.link.logbook import Aside, FlightRecord, Logbook, watch
+from ipoa_mission.link.logbook import FlightRecord, Logbook, Observer, watch
 from ipoa_mission.link.messages import Heartbeat, Message, MissionType
 from ipoa_mission.link.mission_upload_file import upload_by_file
 from ipoa_mission.link.mode_watch import ModeWatch
 from ipoa_mission.link.onboard_list import ListWatcher, OnboardList, ReplacedSince, read_again
-from ipoa_mission.link.reconnect import AGAIN_S, SILENT_S, KnownVehicle, LinkLoss
+from ipoa_mission.link.reconnect import RETRY_S, SILENT_S, KnownVehicle, LinkLoss
 from ipoa_mission.link.remote_vehicle import RemoteVehicle
 from ipoa_mission.link.upload import ReadBackDiffers, Unflyable, Unplaced, Upload, upload
 from ipoa_mission.link.vehicle_state import NotReady, VehicleState
@@ -79,7 +79,7 @@ class Vehicle(RemoteVehicle):
         super().__init__(line, heard, patience, round_trip_s)
         self._fast, self._anyway = fast, anyway
         self._mission: Mission | None = None
-        self._holdings: dict[int, OnboardList] = {}
+        self._onboard_lists: dict[int, OnboardList] = {}
         self._logbook = Logbook((), self.autopilot)
         self._mode_watch = ModeWatch(self.state)
         self.order = FlightOrder(self.state, line.now)
@@ -130,19 +130,21 @@ class Vehicle(RemoteVehicle):
                 raise Cancelled(words, cancelled.hint, holds=cancelled.holds) from None
             if interrupt.take():
                 raise Cancelled("cancelled too late: the vehicle holds everything that was sent", holds="new")
-        self._expect(mission)
+        self._set_mission(mission)
 
     def upload_items(self, items: Sequence[Item], kind: int, progress: Progress = silent) -> None:
         """Upload one list, `items` of MAV_MISSION_TYPE `kind` in wire form, and verify it."""
         with noted_interrupts(), self._in_time():
             self._await_ready()
             job = Upload(items, self.autopilot, kind, self._checksum_numbers())
-            self._holdings.pop(kind, None)
+            self._onboard_lists.pop(kind, None)
             list_id = None
             if self._fast and job.has_checksum and kind == MissionType.MISSION:
                 with suppress(FileRefused, NoAnswer, ReadBackDiffers):  # the ordinary transfer finds the cause
                     list_id = self._tell(upload_by_file(job, progress))
-            self._holdings[kind] = OnboardList(job, self._tell(upload(job, progress)) if list_id is None else list_id)
+            self._onboard_lists[kind] = OnboardList(
+                job, self._tell(upload(job, progress)) if list_id is None else list_id
+            )
 
     def download(self, progress: Progress = silent) -> Mission:
         """Return the vehicle's mission, with its fence and rally points.
@@ -155,8 +157,10 @@ class Vehicle(RemoteVehicle):
             items, fenced, rallied = (lists[kind] for kind in LISTS)
             fence, rally = fence_from_wire(fenced), rally_from_wire(rallied)
             mission = from_wire(items, self.autopilot, self.home())
-        self._holdings = {k: OnboardList(Upload(lists[k], self.autopilot, k, self._checksum_numbers())) for k in LISTS}
-        self._expect(mission)
+        self._onboard_lists = {
+            k: OnboardList(Upload(lists[k], self.autopilot, k, self._checksum_numbers())) for k in LISTS
+        }
+        self._set_mission(mission)
         return replace(mission, fence=fence, rally=rally, firmware_version=self.firmware_version())
 
     def download_items(self, kind: int, progress: Progress = silent) -> tuple[Item, ...]:
@@ -169,7 +173,7 @@ class Vehicle(RemoteVehicle):
         """Clear a list on the vehicle. 255: all three one by one, because ArduPilot does not support "all"."""
         with self._in_time():
             for one in LISTS if kind == MissionType.ALL else (kind,):
-                self._holdings.pop(one, None)
+                self._onboard_lists.pop(one, None)
                 self._tell(conversations.clear(one))
 
     def set_current(self, index: int) -> None:
@@ -219,8 +223,8 @@ class Vehicle(RemoteVehicle):
         climb = 0.0 if mission is None or first == 0 else begun_at(mission, first).items[first - 1].altitude
         items = () if mission is None else mission.items
         moving = next((n for n, item in enumerate(items) if n >= first and item.command < LAST_NAV), first)
-        holdings, home = tuple(self._holdings.values()), self.autopilot.counts_home
-        self._departure = Departure(self.state, first + home, moving + home, climb, holdings, progress)
+        onboard_lists, home = tuple(self._onboard_lists.values()), self.autopilot.counts_home
+        self._departure = Departure(self.state, first + home, moving + home, climb, onboard_lists, progress)
         if not self._anyway:
             self.line.expect_alone(self.system)
         with self._in_time():
@@ -264,16 +268,16 @@ class Vehicle(RemoteVehicle):
             NotTheSameVehicle, NotFlown: another vehicle is heard in its place, or it holds another mission.
             TimeUp: the time limit of `give_up_after` is over; the vehicle may be in the air.
         """
-        holding, is_back, record = self._holdings.get(MissionType.MISSION), False, None
+        holding, is_back, record = self._onboard_lists.get(MissionType.MISSION), False, None
         compared = self.conformance.of(self._logbook)
         with self.state.in_errors(), self._in_flight_time(), self._mode_watch.watched(self._logbook.modes):
             while record is None:
                 watchers = () if holding is None else (ListWatcher(holding),)
-                asides: tuple[Aside, ...] = (self.order, compared, *watchers)
+                observers: tuple[Observer, ...] = (self.order, compared, *watchers)
                 try:
                     if is_back:
                         self._subscribe_again()
-                    dialogue = watch(self._logbook, progress, *asides, is_over=lambda: compared.is_over)
+                    dialogue = watch(self._logbook, progress, *observers, is_over=lambda: compared.is_over)
                     record = self._hold(dialogue, SILENT_S)
                 except (Silence, LinkDown) as lost:
                     self._reconnect(lost, progress)
@@ -294,7 +298,7 @@ class Vehicle(RemoteVehicle):
             raise TimeUp("; ".join(filter(None, words))) from None
 
     def _reconnect(self, lost: MissionError, progress: Progress) -> None:
-        logbook, holding = self._logbook, self._holdings.get(MissionType.MISSION)
+        logbook, holding = self._logbook, self._onboard_lists.get(MissionType.MISSION)
         proved = None if holding is None or holding.changed else holding
         known = KnownVehicle(self.system, self.state, logbook.clock_s, self._about, proved)
         self.order.cut(True)
@@ -316,7 +320,7 @@ class Vehicle(RemoteVehicle):
     def _subscribe_again(self) -> None:
         """Request the streams again if the vehicle, or a relay of its link, has forgotten them."""
         self.state.heard -= set(NEEDED.values())
-        if not self._hold(until(lambda: self.state.heard >= set(NEEDED.values()), AGAIN_S), SILENT_S):
+        if not self._hold(until(lambda: self.state.heard >= set(NEEDED.values()), RETRY_S), SILENT_S):
             with suppress(NotReady, NoAnswer):
                 self._tell(subscribe(self.state))
 
@@ -335,7 +339,7 @@ class Vehicle(RemoteVehicle):
     @property
     def changed(self) -> str:
         """Return the vehicle's reports of another mission since the proof; empty if there are none."""
-        holding = self._holdings.get(MissionType.MISSION)
+        holding = self._onboard_lists.get(MissionType.MISSION)
         return "" if holding is None or not holding.changed else str(ReplacedSince(holding))
 
     @property
@@ -373,18 +377,21 @@ class Vehicle(RemoteVehicle):
         with self._in_time(), self.state.in_errors():
             self._tell(order(self.state))
 
-    def _heed(self, message: Message) -> None:
+    def _handle(self, message: Message) -> None:
         self._logbook.note(message)
-        for holding in self._holdings.values():
+        for holding in self._onboard_lists.values():
             holding.note(message, self._logbook.armed)
         self._mode_watch.note(message, self.line.now())
 
     def _checksum_numbers(self) -> Iterator[int] | None:
         """Return sequence numbers if the vehicle keeps its lists as files with a checksum, else None."""
-        has = self.autopilot.protocol_profile.takes_mission_file and self._told().capabilities & orders.FILE_TRANSFER
+        has = (
+            self.autopilot.protocol_profile.takes_mission_file
+            and self._read_version().capabilities & orders.FILE_TRANSFER
+        )
         return self._numbers if has else None
 
-    def _expect(self, mission: Mission) -> None:
+    def _set_mission(self, mission: Mission) -> None:
         self._mission, armed = mission, self._logbook.armed
         self._logbook = Logbook(mission.items, self.autopilot)
         self._logbook.armed = armed

@@ -15,7 +15,7 @@ ON_GROUND = 1  # MAV_LANDED_STATE
 #: MAV_SYS_STATUS_PREARM_CHECK: the pre-arm checks pass in the present mode.
 PREARM_CHECK = 0x10000000
 IN_AIR_M = 0.5  # above home; decides whether it flies if nothing better is known
-MOST_WORDS = 50
+MAX_WARNINGS = 50
 
 
 class NotReady(MissionError):
@@ -88,7 +88,7 @@ class VehicleState:
             case SystemStatus(present, _, health):
                 self.may_arm = bool(health & PREARM_CHECK) if present & PREARM_CHECK else None
             case Text(severity, text) if severity <= WARNING:
-                self.warnings = [*self.warnings[1 - MOST_WORDS :], text.rstrip("\t ")]
+                self.warnings = [*self.warnings[1 - MAX_WARNINGS :], text.rstrip("\t ")]
 
     def expect_flown(self) -> None:
         """Raise NotFlown unless all heartbeats were of one supported vehicle."""

@@ -36,19 +36,19 @@ def spoil(vehicle: MavsdkVehicle) -> dict[str, object]:
     except Unflyable as error:
         told["unflyable"] = str(error)
     many = [waypoint(Geodetic(47.4 + 1e-5 * n, 8.5), 30.0) for n in range(500)]
-    spell = vehicle._spell
+    spell = vehicle._mavsdk_item
 
     def press(seq: int, *rest: Any) -> Any:
         if seq == len(many):
             signal.raise_signal(signal.SIGINT)
         return spell(seq, *rest)
 
-    vehicle._spell = press  # type: ignore[assignment,method-assign]
+    vehicle._mavsdk_item = press  # type: ignore[assignment,method-assign]
     try:
         vehicle.upload(Mission(HOME, (takeoff(HOME, 20.0), *many), Autopilot.PX4))
     except Cancelled as cancelled:
         told["cancelled_as_told"] = held(vehicle) == (1 if "keeps" in str(cancelled) else len(many) + 1)
-    vehicle._spell = spell  # type: ignore[method-assign]
+    vehicle._mavsdk_item = spell  # type: ignore[method-assign]
     return told
 
 

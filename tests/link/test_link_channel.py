@@ -12,7 +12,7 @@ from types import SimpleNamespace
 import pytest
 
 from ipoa_mission.link.address import parse_address
-from ipoa_mission.link.channel import MOST_UNSENT, LinkDown, SerialChannel, UdpChannel, open_channel, serial_ports
+from ipoa_mission.link.channel import MAX_UNSENT, LinkDown, SerialChannel, UdpChannel, open_channel, serial_ports
 from ipoa_mission.link.codec import EVERYONE, Codec, Framer, frames
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import SPECIFIED, NoAnswer, TimeUp
@@ -70,7 +70,7 @@ def test_a_serial_line_that_does_not_drain_loses_whole_frames_and_never_blocks(
     for frame in sent:
         serial.send(frame, None)
     assert time.monotonic() - began < 5.0
-    assert len(serial._unsent) <= MOST_UNSENT
+    assert len(serial._unsent) <= MAX_UNSENT
     framer = Framer()
     got: list[bytes] = []
     while data := (os.read(cable.vehicle, 100_000) if _is_readable(cable.vehicle) else b""):

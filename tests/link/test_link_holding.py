@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import pytest
 
-from ipoa_mission.link import onboard_list as holdings
+from ipoa_mission.link import onboard_list as onboard_lists
 from ipoa_mission.link.codec import Codec, Target
 from ipoa_mission.link.connect import meet
 from ipoa_mission.link.dialogue import Dialogue, NoAnswer
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import NO_MISSION, CommandLong, Count, Current, ItemAt, Message, MissionType
-from ipoa_mission.link.onboard_list import LOOK_S, OnboardList, ReplacedSince, expect_unchanged
+from ipoa_mission.link.onboard_list import CHECK_INTERVAL_S, OnboardList, ReplacedSince, expect_unchanged
 from ipoa_mission.link.telemetry import AutopilotVersion, Position
 from ipoa_mission.link.upload import Replaced, Upload
 from ipoa_mission.link.vehicle import Vehicle
@@ -82,7 +82,7 @@ def test_a_list_that_another_station_is_just_sending_is_not_flown(has_checksum: 
     """To ArduPilot, that is: PX4 keeps the whole one that it has, by its id, until it has the new one."""
     vehicle = vehicle_of(ARDUPILOT)
     vehicle.upload(suited(vehicle, MISSION))
-    for onboard_list in vehicle._holdings.values():
+    for onboard_list in vehicle._onboard_lists.values():
         onboard_list.list_id *= has_checksum
     vehicle.prepare()
     items = to_wire(replace(MISSION, autopilot=ARDUPILOT))
@@ -130,7 +130,7 @@ def test_a_flight_is_watched_of_which_no_list_was_seen(family: Autopilot) -> Non
     vehicle = vehicle_of(family)
     vehicle.upload(suited(vehicle, MISSION))
     vehicle.prepare()
-    vehicle._holdings.clear()
+    vehicle._onboard_lists.clear()
     vehicle.start()
     assert vehicle.watch().completed
     assert vehicle.changed == ""
@@ -142,7 +142,7 @@ def test_a_list_that_cannot_be_read_in_flight_is_looked_at_once_more(monkeypatch
     vehicle.upload(suited(vehicle, MISSION))
     vehicle.prepare()
     vehicle.start()
-    read = holdings._read_again
+    read = onboard_lists._read_again
     replaced_s, refused_s, told_s = list[float](), list[float](), list[float]()
 
     def once_refused(job: Upload) -> Dialogue[int]:
@@ -159,9 +159,9 @@ def test_a_list_that_cannot_be_read_in_flight_is_looked_at_once_more(monkeypatch
             told_s.append(vehicle.line.now())
 
     vehicle.overhearing = overhear
-    monkeypatch.setattr(holdings, "_read_again", once_refused)
+    monkeypatch.setattr(onboard_lists, "_read_again", once_refused)
     assert not vehicle.watch().completed
-    assert replaced_s[0] < refused_s[0] < told_s[0] <= refused_s[0] + LOOK_S + 2.0
+    assert replaced_s[0] < refused_s[0] < told_s[0] <= refused_s[0] + CHECK_INTERVAL_S + 2.0
 
 
 @pytest.mark.parametrize("other", OTHERS)
@@ -190,7 +190,7 @@ def test_a_mission_that_is_replaced_in_flight_is_told_of_and_the_flight_is_not_c
     assert not record.completed
     assert "the mission on the vehicle is no longer ours: " in record.why_not
     is_asked = family is ARDUPILOT and other == "as long"  # it names no id, so its checksum is asked for now and then
-    assert told[1] - told[0] < (LOOK_S + 2.0 if is_asked else 1.0)
+    assert told[1] - told[0] < (CHECK_INTERVAL_S + 2.0 if is_asked else 1.0)
     assert caplog.text.count("no longer ours") == 1
 
 
@@ -281,8 +281,8 @@ def onboard_list(family: Autopilot, list_id: int = 0, count: int = 4) -> Onboard
 def test_what_it_says_of_another_mission(held: OnboardList, said: Current, words: str) -> None:
     held.note(said)
     assert held.changed == words
-    assert held.is_told_by(said) is (said.mission_id == 77)
-    assert not held.is_told_by(None)
+    assert held.is_confirmed_by(said) is (said.mission_id == 77)
+    assert not held.is_confirmed_by(None)
     held.note(Current(0, 9, 2))
     assert held.changed.startswith(words)
     with pytest.raises(ReplacedSince):

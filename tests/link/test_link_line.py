@@ -16,7 +16,7 @@ from ipoa_mission.link.discovery import VERSIONS_S, scan, versions_of
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import CommandLong, CommandResult, Heartbeat, MissionType, Text
-from ipoa_mission.link.routes import CLAIM_S, MOST_PEERS, Routes
+from ipoa_mission.link.routes import CLAIM_S, MAX_PEERS, Routes
 from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.tlog import TlogWriter, read_tlog
 from ipoa_mission.mission.items import Mission, return_to_launch, takeoff, waypoint
@@ -256,8 +256,8 @@ def test_a_flood_of_peers_does_not_grow_without_bound() -> None:
     for n in range(1000):
         routes.learn(Target(n % 256, n // 256), f"peer {n}", float(n))
         routes.framer(f"peer {n}")
-    assert len(routes.to(EVERYONE)) == MOST_PEERS
-    assert len(routes._framers) == MOST_PEERS
+    assert len(routes.to(EVERYONE)) == MAX_PEERS
+    assert len(routes._framers) == MAX_PEERS
 
 
 def test_made_up_ids_do_not_evict_whom_we_speak_to() -> None:

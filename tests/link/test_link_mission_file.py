@@ -240,7 +240,7 @@ def test_a_list_that_was_changed_once_is_read_once_more(fast: bool) -> None:
     vehicle.upload_items(items_of(ARDUPILOT, 5), MissionType.MISSION)
     mock.transfers.stores[MissionType.MISSION].clear()
     with pytest.raises(Replaced):
-        converse(line_of(vehicle), Target(1, 1), prove(vehicle._holdings.values(), vehicle.state), SPECIFIED)
+        converse(line_of(vehicle), Target(1, 1), prove(vehicle._onboard_lists.values(), vehicle.state), SPECIFIED)
 
 
 def test_a_question_for_a_checksum_that_is_repeated_is_a_new_one() -> None:

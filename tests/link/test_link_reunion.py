@@ -17,7 +17,7 @@ from ipoa_mission.link.interrupt import Interrupt
 from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import CommandLong, Heartbeat, Message, MissionType
-from ipoa_mission.link.reconnect import GONE_S, SILENT_S
+from ipoa_mission.link.reconnect import GIVE_UP_S, SILENT_S
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.link.vehicle_setup import without_station
 from ipoa_mission.mission.commands import Command, VehicleCommand
@@ -286,7 +286,7 @@ def test_whoever_has_another_system_id_is_named_until_the_vehicle_is_gone(monkey
     with refuses("link-lost", "", "300", "vehicle 7", kind=NoAnswer):
         flight.lose(5.0)
     assert {type(message) for message in others[0].told} <= {Heartbeat}
-    assert flight.air.now() > GONE_S
+    assert flight.air.now() > GIVE_UP_S
 
 
 def test_one_that_is_heard_and_does_not_answer_is_not_known(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -301,7 +301,7 @@ def test_a_vehicle_that_holds_another_mission_already_is_known_without_it(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     flight = Flight(PX4, monkeypatch)
-    flight.at_loss = lambda: setattr(flight.vehicle._holdings[MissionType.MISSION], "changed", "it is another")
+    flight.at_loss = lambda: setattr(flight.vehicle._onboard_lists[MissionType.MISSION], "changed", "it is another")
     assert flight.lose(10.0).why_not == "the mission on the vehicle is no longer ours: it is another"
     assert "it is the same vehicle\n" in caplog.text
 

@@ -369,7 +369,7 @@ def test_a_vehicle_that_answers_in_mavlink_1_is_spoken_to_as_any_other() -> None
 def test_a_connection_that_is_closed_in_flight_for_good_tells_when_the_vehicle_was_heard_last(
     run_mock: Callable[..., object], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(reconnect, "GONE_S", 1.5)
+    monkeypatch.setattr(reconnect, "GIVE_UP_S", 1.5)
     with run_mock(PX4, 20.0, "tcpin") as running:  # type: ignore[attr-defined]
         vehicle = connect(f"tcp:127.0.0.1:{running.port}")
         vehicle.upload(suited(vehicle, MISSION))

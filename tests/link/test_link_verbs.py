@@ -20,7 +20,7 @@ from ipoa_mission.link.line import Line
 from ipoa_mission.link.loopback import Loopback
 from ipoa_mission.link.messages import Message, MissionType, ParamSet, ParamValue, Request
 from ipoa_mission.link.orders import CommandRefused
-from ipoa_mission.link.signing import MOST_SIGNERS, persistent_signer
+from ipoa_mission.link.signing import MAX_SIGNERS, persistent_signer
 from ipoa_mission.link.telemetry import AutopilotVersion
 from ipoa_mission.link.tlog import TlogWriter
 from ipoa_mission.link.upload import Unflyable
@@ -212,9 +212,9 @@ def test_two_ends_that_wait_for_each_other_for_ever_are_an_error() -> None:
 
 
 def test_as_many_processes_sign_at_once_as_have_a_link_id(tmp_path: Path) -> None:
-    signers = [persistent_signer(bytes(32), tmp_path / "stamp") for _ in range(MOST_SIGNERS)]
-    assert len({signer.link_id for signer in signers}) == MOST_SIGNERS
-    with refuses("too-large", "stamp", f"{MOST_SIGNERS}"):
+    signers = [persistent_signer(bytes(32), tmp_path / "stamp") for _ in range(MAX_SIGNERS)]
+    assert len({signer.link_id for signer in signers}) == MAX_SIGNERS
+    with refuses("too-large", "stamp", f"{MAX_SIGNERS}"):
         persistent_signer(bytes(32), tmp_path / "stamp")
     signers[3].close()
     signers[3].close()  # once more does nothing
