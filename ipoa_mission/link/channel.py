@@ -31,7 +31,7 @@ class LinkDown(MissionError):
 
 
 class Channel(Protocol):
-    """Carry bytes, and provide the clock that belongs to them."""
+    """Carry bytes, and provide the link's clock."""
 
     #: True if bytes come in datagrams of whole frames.
     datagrams: bool

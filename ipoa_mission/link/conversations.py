@@ -1,7 +1,6 @@
 """The mission service: `offer` and `fetch` are the two ends of one transfer, for the client and the mock alike.
 
-In an upload the client offers and the vehicle fetches; in a download it is the reverse. The client's own dialogues
-follow, which are made of the two.
+In an upload the client offers and the vehicle fetches; in a download it is the reverse.
 """
 
 from collections.abc import Callable, Sequence
@@ -116,8 +115,6 @@ def offer(
     a late duplicate and stays unanswered. With Tell we are the vehicle, and the client may request any item.
 
     Args:
-        items: the list.
-        kind: its MAV_MISSION_TYPE.
         opening: Ask or Tell.
         asked: called with the number of each requested item, and at the end with their count.
         packed: the items' payloads, if they exist already.

@@ -1,8 +1,7 @@
 """Start a mission from the ground at a known item, in the order that each firmware needs.
 
-The vehicle is armed only after it has reported that it is disarmed, begins at the right item, could be armed in the
-arming mode, and holds the uploaded lists. A refusal after the arming disarms it again, unless
-it may be in the air.
+Before the arming the vehicle must report that it is disarmed, begins at the right item, passes its pre-arm checks, and
+holds the uploaded lists. A refusal after the arming disarms it again, unless it may be in the air.
 """
 
 from collections.abc import Callable
@@ -48,7 +47,7 @@ class DepartureLimits:
 LIMITS = DepartureLimits()
 
 
-class NotArmedYet(CommandRefused):
+class NotYet(CommandRefused):
     """The vehicle is not armed, for reasons that pass with time by its own `words`."""
 
     def __init__(self, result: int, words: str) -> None:
@@ -61,13 +60,11 @@ class Departure:
     """Describe a flight that is about to begin.
 
     Attributes:
-        state: of the vehicle.
         first: the item to begin with, as numbered on the wire.
         moving: the first item from there on that moves the vehicle. ArduPilot reports it as current once the items
             before it are done.
         climb: height to which an ArduPilot climbs before a first item that is no take-off [m]; PX4 climbs by itself.
         onboard_lists: the lists that the vehicle was seen to hold.
-        progress: called with what is waited for.
     """
 
     state: VehicleState
@@ -174,7 +171,7 @@ def depart_when_ready(departure: Departure, left_s: Callable[[], float]) -> Dial
     while True:
         try:
             return (yield from depart(departure))
-        except NotArmedYet as refused:
+        except NotYet as refused:
             departure.progress(0.0, f"not armed yet: {refused.words}")
             if left_s() <= 0.0:
                 raise NotReady(f"the vehicle is not ready in time: {refused.words}", hint=refused.hint) from None
@@ -185,7 +182,7 @@ def depart(departure: Departure) -> Dialogue[None]:
     """Arm a prepared vehicle that provably holds our lists, and start its mission.
 
     Raises:
-        NotArmedYet: not armed, for reasons that pass with time; `prepare` and `depart` may be repeated.
+        NotYet: not armed, for reasons that pass with time; `prepare` and `depart` may be repeated.
         Replaced, NotReady: it holds another list, or does not report it; it was not armed, or not started.
         CommandRefused, NoAnswer, Cancelled, TimeUp: with the vehicle's state as the hint; it was disarmed again if it
             reported to be on the ground.
@@ -208,7 +205,7 @@ def depart(departure: Departure) -> Dialogue[None]:
             may_be_armed = False
             if is_last:
                 if has_reason and not reasons.lasting(words):
-                    raise NotArmedYet(result, words)
+                    raise NotYet(result, words)
                 raise CommandRefused(ARMING, result, words)
         yield from _begin(departure)
     except MissionError as aborted:

@@ -82,15 +82,11 @@ class Tell:
 
 @dataclass(frozen=True)
 class Remark:
-    """Send once, without a wait."""
-
     message: Message
 
 
 @dataclass(frozen=True)
 class Pause:
-    """Listen for this many seconds."""
-
     seconds: float
 
 
@@ -120,14 +116,10 @@ def wait(seconds: float) -> Dialogue[None]:
 class Patience:
     """Set the timers of repeats and of giving up; the defaults are MAVLink's.
 
-    A question is repeated after `answer_s` (for an item of a list: `item_s`). With `adapt` it is repeated after the
-    measured round trip plus four times its deviation.
-
-    A silent link is given up after `retries` times `answer_s`. A link with traffic is given up after `alive_retries`
-    repeats, and no sooner than a silent one: packets may be lost, or the autopilot busy. An item of a
-    list gets `item_retries`, because the other side may have closed the list, which is then opened again.
-
-    `total_s` limits one verb of the client, such as an upload with its fence and rally points.
+    Repeat a question after `answer_s` (an item of a list: `item_s`), or with `adapt` after the measured round trip plus
+    four deviations. Give up a silent link after `retries`, one with traffic after `alive_retries` and no sooner: packets may
+    be lost, or the autopilot busy. Give up an item after `item_retries`: the other side may have closed the list, which
+    is then opened again. `total_s` limits one verb of the client.
     """
 
     answer_s: float = 1.5

@@ -31,7 +31,7 @@ MAV_TYPE_GCS = 6
 
 
 class Carrier(Protocol):
-    """Carry messages to vehicles and back, and provide the clock that belongs to them."""
+    """Carry messages to vehicles and back, and provide the link's clock."""
 
     def now(self) -> float: ...
 

@@ -83,9 +83,9 @@ class LinkLoss:
 
         Args:
             lost: the error that reported the loss.
-            known: the identity of the vehicle.
-            patience: the timeouts of answers.
-            tell: called every second until the vehicle is identified.
+            known: the vehicle.
+            patience: the timers.
+            tell: called every second.
             until_s: the user's time limit, on the line's clock.
 
         Raises:

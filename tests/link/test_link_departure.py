@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from ipoa_mission.link.departure import NotArmedYet, depart, depart_when_ready, prepare
+from ipoa_mission.link.departure import NotYet, depart, depart_when_ready, prepare
 from ipoa_mission.link.dialogue import TimeUp
 from ipoa_mission.link.messages import (
     CommandAck,
@@ -121,7 +121,7 @@ def test_an_arming_that_is_refused_for_good_is_an_error(words: str, times: int) 
     vehicle.refuses[ARM] = (1, words)
     with refuses("command-refused", "", words) as refused:
         vehicle.hold(depart)
-    assert not isinstance(refused.value, NotArmedYet)
+    assert not isinstance(refused.value, NotYet)
     assert [told[:2] for told in vehicle.told if told[0] == ARM] == [(ARM, 1)] * times
 
 
