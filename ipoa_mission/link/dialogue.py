@@ -117,9 +117,9 @@ class Patience:
     """Set the timers of repeats and of giving up; the defaults are MAVLink's.
 
     Repeat a question after `answer_s` (an item of a list: `item_s`), or with `adapt` after the measured round trip plus
-    four deviations. Give up a silent link after `retries`, one with traffic after `alive_retries` and no sooner: packets may
-    be lost, or the autopilot busy. Give up an item after `item_retries`: the other side may have closed the list, which
-    is then opened again. `total_s` limits one verb of the client.
+    four deviations. Give up a silent link after `retries`, one with traffic after `alive_retries` and no sooner:
+    packets may be lost, or the autopilot busy. Give up an item after `item_retries`: the other side may have closed the
+    list, which is then opened again. `total_s` limits one verb of the client.
     """
 
     answer_s: float = 1.5
