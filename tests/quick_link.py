@@ -7,8 +7,8 @@ from types import ModuleType
 from ipoa_mission.link import connect, conversations, departure, orders, upload
 
 TIMES: tuple[tuple[ModuleType, str, object], ...] = (
-    (connect, "OTHERS_S", 0.1),
-    (conversations, "WORDS_S", 0.05),
+    (connect, "OTHER_HEARTBEATS_S", 0.1),
+    (conversations, "REASON_TIMEOUT_S", 0.05),
     (orders, "PARAMETER_ROUND_S", 0.05),
     (upload, "REVISION_S", 0.05),
     (departure, "LIMITS", replace(departure.LIMITS, retry_s=0.05)),

@@ -19,7 +19,7 @@ if TYPE_CHECKING:  # a large module, which most commands do not need
     from ipoa_mission.forecast.conformance import ConformanceMonitor, Deviation
 
 log = logging.getLogger(__name__)
-EVERY_S = 0.2  # between two comparisons, on the vehicle's clock [s]
+COMPARE_INTERVAL_S = 0.2  # between two comparisons, on the vehicle's clock [s]
 
 
 class Conformance:
@@ -71,7 +71,7 @@ class Conformance:
 
     def look(self, heard: Message, now_s: float) -> Dialogue[None]:
         yield from ()
-        if self._monitor is None or not isinstance(heard, Position) or heard.time_s - self._seen_s < EVERY_S:
+        if self._monitor is None or not isinstance(heard, Position) or heard.time_s - self._seen_s < COMPARE_INTERVAL_S:
             return
         self._seen_s = heard.time_s
         if not self._state.in_air:

@@ -19,7 +19,7 @@ from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.link.vehicle_state import NotFlown
 
 #: Timeouts for the first heartbeat, and for those of other vehicles after it [s].
-PRESENCE_S, OTHERS_S = 10.0, 1.2
+PRESENCE_S, OTHER_HEARTBEATS_S = 10.0, 1.2
 
 
 def connect(
@@ -128,7 +128,7 @@ def meet(
         trips |= round_trips_in(heard, line.now())
         if not is_met and (system in autopilots if system is not None else autopilots):
             is_met = True
-            until = line.now() + OTHERS_S
+            until = line.now() + OTHER_HEARTBEATS_S
             if reading or all(one.kind.is_flown for one in autopilots.values()):
                 line.send(Ping(round(line.now() * 1e6), 0))
     if (disbelieved := _rejected(line, system)) and not (autopilots if system is None else system in autopilots):

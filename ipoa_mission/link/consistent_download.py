@@ -10,7 +10,7 @@ from ipoa_mission.link.item_payloads import unpack_items
 from ipoa_mission.mission.items import Item
 from ipoa_mission.progress import Progress, silent
 
-READINGS = 5  # attempts to read a list that changes, or seems to change, each time
+READ_ATTEMPTS = 5  # attempts to read a list that changes, or seems to change, each time
 
 
 class KeepsChanging(MissionError):
@@ -36,7 +36,7 @@ def read_consistent(
         MissionRefused, NoAnswer.
     """
     before = None if numbers is None else (yield from _first_checksum(kind, numbers))
-    for _ in range(READINGS):
+    for _ in range(READ_ATTEMPTS):
         stored = yield from read_list(kind, progress)
         if before is None or numbers is None:
             return stored, 0

@@ -38,11 +38,11 @@ Take = Callable[[int, ItemAt], int]
 #: ArduPilot answers a duplicate with INVALID_SEQUENCE. Neither ends the transfer.
 DOUBTFUL_REFUSALS = frozenset({Result.ERROR, Result.INVALID_SEQUENCE})
 #: Timeout for the next request after a doubtful refusal [s]; both firmwares repeat theirs within a second.
-GRACE_S = 3.0
+REFUSAL_TIMEOUT_S = 3.0
 #: Timeout for the final Ack [s]; after it the read-back decides.
-ENDING_S = 3.0
+FINAL_ACK_TIMEOUT_S = 3.0
 #: The words that explain a refusal come before it or within this time after it [s].
-WORDS_S = 0.3
+REASON_TIMEOUT_S = 0.3
 
 
 class MissionRefused(MissionError):
@@ -144,7 +144,7 @@ def offer(
                 step = Tell(ItemAt(seq, items[seq], kind), run if in_order else None)
                 if in_order and seq == last:
                     yield Remark(step.message)
-                    step = Pause(ENDING_S)
+                    step = Pause(FINAL_ACK_TIMEOUT_S)
             case Ack(Result.ACCEPTED, k) if k == kind:
                 if run.at == last or not in_order:
                     asked(len(items))
@@ -153,13 +153,13 @@ def offer(
                 run.doubt = Result.INVALID_SEQUENCE
             case Ack(Result.ERROR, k) if k == kind:
                 run.doubt = Result.ERROR
-                step = Pause(GRACE_S)
+                step = Pause(REFUSAL_TIMEOUT_S)
             case Ack(result, k) if k == kind:
                 yield from listen_for_words(texts)
                 raise MissionRefused(result, kind, max(run.at, 0), str(texts))
             case None if run.at == last and items:
                 return run.doubt
-            case None:  # no request came within GRACE_S
+            case None:  # no request came within REFUSAL_TIMEOUT_S
                 raise MissionRefused(run.doubt or Result.ERROR, kind, max(run.at, 0), str(texts))
             case _:
                 texts.note(heard)
@@ -297,7 +297,7 @@ def _answered(question: RequestList | ClearAll, answer: type[Answer]) -> Dialogu
 
 def listen_for_words(texts: VehicleTexts) -> Dialogue[None]:
     """Note the vehicle's words for a moment: they explain a refusal."""
-    heard: Message | None = yield Pause(WORDS_S)
+    heard: Message | None = yield Pause(REASON_TIMEOUT_S)
     while heard is not None:
         texts.note(heard)
         heard = yield None

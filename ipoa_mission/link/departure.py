@@ -27,7 +27,7 @@ STREAMS_S = {
     "SYS_STATUS": 0.5,
     "EXTENDED_SYS_STATE": 0.2,
 }
-NEEDED = {"GLOBAL_POSITION_INT": Position, "MISSION_CURRENT": Current, "SYS_STATUS": SystemStatus}
+NEEDED_STREAMS = {"GLOBAL_POSITION_INT": Position, "MISSION_CURRENT": Current, "SYS_STATUS": SystemStatus}
 ARMING = "arm"
 DISARM_ATTEMPTS = 3
 STREAM_REQUESTS = 3  # for a missing stream: the answer heard may belong to an earlier request
@@ -86,14 +86,14 @@ def subscribe(state: VehicleState) -> Dialogue[None]:
         NotReady: a needed stream does not arrive.
     """
     unheard, refused = list(STREAMS_S), set[str]()
-    state.heard -= set(NEEDED.values())
+    state.heard -= set(NEEDED_STREAMS.values())
     for _ in range(STREAM_REQUESTS):
         for name in unheard:
             is_refused = not (yield from stream(name, STREAMS_S[name]))
             refused = refused | {name} if is_refused else refused - {name}
-        if (yield from until(lambda: state.heard >= set(NEEDED.values()), LIMITS.stream_s)):
+        if (yield from until(lambda: state.heard >= set(NEEDED_STREAMS.values()), LIMITS.stream_s)):
             return
-        unheard = [name for name, kind in NEEDED.items() if kind not in state.heard]
+        unheard = [name for name, kind in NEEDED_STREAMS.items() if kind not in state.heard]
     refusal = f"; it refused to send {', '.join(name for name in unheard if name in refused)}" if refused else ""
     words = f"the vehicle does not send {', '.join(unheard)}{refusal}"
     raise NotReady(words, hint="a flight is not watched without it", code="streams-missing")

@@ -218,7 +218,7 @@ class Exchange(Generic[T]):
         self._tempo = tempo or Tempo(patience)
         self._outbox: list[Message] = []
         self._awaited: Ask | Tell | Pause = Pause(math.inf)
-        self._since = self._said = self._heard = now
+        self._since = self._sent = self._heard = now
         self._repeats = 0
         self._ran_from = -1
         self._acted_on: tuple[Message | None, float] = (None, -math.inf)
@@ -236,7 +236,7 @@ class Exchange(Generic[T]):
         if self.finished:
             return math.inf
         if isinstance(self._awaited, Ask):
-            return self._said + self._wait_s
+            return self._sent + self._wait_s
         if isinstance(self._awaited, Tell):
             return self._since + self._patience.silence_s
         return self._since + self._awaited.seconds
@@ -252,7 +252,7 @@ class Exchange(Generic[T]):
         run = self._awaited.run
         if run.is_ending:
             return None
-        run.said_s = self._said
+        run.sent_s = self._sent
         run.wait_s = self._wait_s if isinstance(self._awaited, Ask) else self._patience.silence_s
         self._ran_from = run.at
         return run
@@ -262,13 +262,13 @@ class Exchange(Generic[T]):
         if run.at == self._ran_from:
             return
         self._heard = now
-        self._since = self._said = run.said_s
+        self._since = self._sent = run.sent_s
         if isinstance(run, ItemsRead):
             self._awaited = Ask(run.question, item=True, run=run)
             self._acted_on = (None, now)
             self._tempo.sample(run.round_trip_s)
         else:
-            self._acted_on = (run.acted_on, run.said_s)
+            self._acted_on = (run.acted_on, run.sent_s)
 
     def outgoing(self) -> list[Message]:
         messages, self._outbox = self._outbox, []
@@ -287,7 +287,7 @@ class Exchange(Generic[T]):
         self.was_answered |= isinstance(message, ANSWERS) and not isinstance(self._awaited, Pause)
         if isinstance(self._awaited, Ask):
             if self._repeats == 0:
-                self._tempo.sample(now - self._said)
+                self._tempo.sample(now - self._sent)
             else:
                 self._tempo.doubt()
         elif message == last:
@@ -304,7 +304,7 @@ class Exchange(Generic[T]):
             case Ask(message, item) if not self._is_hopeless(item, now):
                 self._repeats += 1
                 self._tempo.repeated()
-                self._say(message, now)
+                self._send(message, now)
             case _:
                 self.interrupt(NoAnswer("the vehicle does not answer"), now)
 
@@ -347,10 +347,10 @@ class Exchange(Generic[T]):
         if isinstance(step, Ask):
             self._acted_on = (None, now)  # an answer to a new question is no echo, even with equal content
         if not isinstance(step, Pause):
-            self._say(step.message, now)
+            self._send(step.message, now)
 
-    def _say(self, message: Message, now: float) -> None:
-        self._said = now
+    def _send(self, message: Message, now: float) -> None:
+        self._sent = now
         self._wait_s = self._tempo.wait_s(isinstance(self._awaited, Ask) and self._awaited.item)
         if self._repeats >= self._patience.alive_retries:  # faster repeats did not help
             self._wait_s = max(self._wait_s, self._patience.answer_s)

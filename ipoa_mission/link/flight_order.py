@@ -86,7 +86,7 @@ class FlightOrder:
         self.words, self.is_paused, self._is_cut = "", False, False
         self._state, self._now = state, now
         self._steps: list[_Step] = []
-        self._said, self._due_s = 0, -math.inf
+        self._repeats, self._due_s = 0, -math.inf
 
     def give(self, mode: int) -> None:
         """Order this mode with the next heard message; this replaces an earlier order."""
@@ -127,7 +127,7 @@ class FlightOrder:
                 return
             state.expect_flown()
             if self._now() >= self._due_s:
-                if self._said == ORDER_REPEATS:
+                if self._repeats == ORDER_REPEATS:
                     name = self._steps[0].name
                     self._refused(
                         NotReady(
@@ -135,7 +135,7 @@ class FlightOrder:
                             code="mode-not-shown",
                         )
                     )
-                self._said, self._due_s = self._said + 1, self._now() + REPEAT_S
+                self._repeats, self._due_s = self._repeats + 1, self._now() + REPEAT_S
                 yield Remark(self._steps[0].message)
         except (NotFlown, NotReady, CommandRefused) as reason:
             self.words = str(reason)
@@ -151,12 +151,12 @@ class FlightOrder:
         if self._is_cut and steps:
             self.words = f"{self._steps[0].name} was not ordered: the link is lost"
             self._steps.clear()
-        self._said, self._due_s = 0, -math.inf
+        self._repeats, self._due_s = 0, -math.inf
 
     def _hear(self, heard: Message) -> None:
         while self._steps and (step := self._steps[0]).mode is not None and self._state.custom_mode == step.mode:
             self._take(*self._steps[1:])
-        if not self._steps or not self._said:
+        if not self._steps or not self._repeats:
             return
         step = self._steps[0]
         match heard:

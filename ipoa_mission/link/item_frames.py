@@ -26,13 +26,13 @@ class ItemFrames:
             packed = run.payloads.copy()
             packed["target"] = target
             whole = packed.tobytes()
-            self._said = _ITEM
+            self._reply_definition = _ITEM
             self._payloads = [
                 whole[at : at + PAYLOAD_BYTES].rstrip(b"\0") for at in range(0, len(whole), PAYLOAD_BYTES)
             ]
         else:
             end = bytes((*target, run.kind)).rstrip(b"\0")
-            self._said = _REQUEST
+            self._reply_definition = _REQUEST
             self._payloads = [seq.to_bytes(2, "little") + end for seq in range(run.count)]
 
     def take(self, frame: bytes) -> bool:
@@ -67,4 +67,4 @@ class ItemFrames:
 
     def reply(self, unix_s: float) -> bytes:
         """Return the answer to the step that was taken: the requested item, or the request for the next item."""
-        return self._codec.frame(self._said, self._payloads[self.run.at], unix_s)
+        return self._codec.frame(self._reply_definition, self._payloads[self.run.at], unix_s)

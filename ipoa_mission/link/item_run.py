@@ -16,14 +16,14 @@ from ipoa_mission.mission.items import Item
 class _Run:
     """Follow a list of `count` items; `at` is the item requested last, by either side.
 
-    `said_s` is the time of the last sent message, `wait_s` the timeout for its answer, `round_trip_s` the delay of the
+    `sent_s` is the time of the last sent message, `wait_s` the timeout for its answer, `round_trip_s` the delay of the
     last answer [s].
     """
 
     kind: int
     count: int
     at: int = -1
-    said_s: float = 0.0
+    sent_s: float = 0.0
     wait_s: float = 0.0
     round_trip_s: float = 0.0
 

@@ -128,14 +128,14 @@ class Line:
         """Take the steps of `run`; end at any other message, or at a timeout."""
         channel, holder = self.channel, self._routes.holder(target)
         if holder is None or self._routes.framer(holder).is_torn:
-            return self.receive(min(until, run.said_s + run.wait_s))
+            return self.receive(min(until, run.sent_s + run.wait_s))
         if self._frames is None or self._frames.run is not run:
             self._frames = ItemFrames(run, self.codec, target)
         frames, peers, begun_at = self._frames, self._routes.to(target), run.at
         heard: list[Heard] | None = None
         while heard is None:
             self._keep_present()
-            limit = min(until, run.said_s + run.wait_s)
+            limit = min(until, run.sent_s + run.wait_s)
             got = channel.receive(min(limit, self._next_heartbeat))
             now = channel.now()
             for data, peer in got:
@@ -143,14 +143,14 @@ class Line:
                     if self._log:
                         self._log.write(data, channel.unix_s())
                     self._send(frames.reply(channel.unix_s()), peers)
-                    run.round_trip_s, run.said_s = now - run.said_s, now
+                    run.round_trip_s, run.sent_s = now - run.sent_s, now
                 else:
                     heard = (heard or []) + self._hear(data, peer)
             if heard is None and (run.is_ending or is_over() or now >= (limit if not got else until)):
                 heard = []
         if run.at != begun_at:
-            self._routes.claim(target, holder, run.said_s)
-            self._routes.learn(target, holder, run.said_s)
+            self._routes.claim(target, holder, run.sent_s)
+            self._routes.learn(target, holder, run.sent_s)
             self._is_old[target] = False
         return heard
 

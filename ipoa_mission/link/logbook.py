@@ -21,11 +21,11 @@ COMPLETE = 5  # MISSION_STATE
 #: Tolerance for a flight to have ended at the place of its LAND, horizontally [m].
 LANDING_RADIUS = 20.0
 #: An acknowledged arming without a heartbeat that confirms it within this time did not happen [s].
-CONFIRMED_S = 3.0
+ARMING_CONFIRMATION_S = 3.0
 #: Texts that give the moment of disarming more precisely than the next heartbeat.
 DISARMING = ("Disarming motors", "Disarmed")
 DISARMING_TEXT_S = 2.0  # from such a text to the disarmed heartbeat
-IN_AIR = 0.5  # above home [m]
+IN_AIR_HEIGHT = 0.5  # above home [m]
 
 
 @dataclass(frozen=True)
@@ -191,7 +191,7 @@ class Logbook:
                 reached[self._final] = flight.disarmed_s
         since = self._clock - flight.zero if flight.disarmed_s is None else flight.disarmed_s
         end = since if self.lands else reached.get(self._final, since)
-        flying = self.armed and bool(flight.path) and flight.path[-1].height > IN_AIR
+        flying = self.armed and bool(flight.path) and flight.path[-1].height > IN_AIR_HEIGHT
         return FlightRecord(
             reached, end, tuple(flight.path), tuple(self._texts), not why_not, why_not, self.armed, flying
         )
@@ -218,7 +218,7 @@ class Logbook:
             if self._was_away and heartbeat.custom_mode in self._autopilot.modes.returns | self._autopilot.modes.lands:
                 flight.mode = heartbeat.custom_mode
             flight.disarmed_s = flight.disarming_s if since - flight.disarming_s < DISARMING_TEXT_S else since
-        elif since > CONFIRMED_S:
+        elif since > ARMING_CONFIRMATION_S:
             self.armed, self._flight = False, None
 
     def _turn_to(self, flight: _Recording, seq: int) -> None:

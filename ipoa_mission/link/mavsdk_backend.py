@@ -131,7 +131,7 @@ class MavsdkLine:
 
     def carry_on(self, run: ItemRun, target: Target, until: float, is_over: Callable[[], bool]) -> list[Heard]:
         """Only receive: MAVSDK transfers lists by itself."""
-        return self.receive(min(until, run.said_s + run.wait_s))
+        return self.receive(min(until, run.sent_s + run.wait_s))
 
     def send(self, message: Message, target: Target = EVERYONE) -> None:
         name, fields = wire.write(message)

@@ -9,7 +9,7 @@ import struct
 from collections.abc import Sequence
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.consistent_download import READINGS, KeepsChanging
+from ipoa_mission.link.consistent_download import READ_ATTEMPTS, KeepsChanging
 from ipoa_mission.link.dialogue import Cancelled, Dialogue, NoAnswer, TimeUp
 from ipoa_mission.link.file_transfer import (
     MISSION_FILE,
@@ -110,7 +110,7 @@ def _cancelled_late(job: Upload, closing: FileMessage) -> Dialogue[Cancelled]:
 
 def _settle(job: Upload, closing: FileMessage) -> Dialogue[int]:
     yield from ask_of_file(closing, f"take {MISSION_FILE}")
-    for _ in range(READINGS):
+    for _ in range(READ_ATTEMPTS):
         data = yield from read_file(MISSION_FILE)
         difference = job.difference(unpack_mission(data))
         if difference is not None:

@@ -36,12 +36,12 @@ class ModeWatch:
     _mode: int | None = None
     _since_s: float = 0.0
     _is_reported: bool = False
-    _said: list[tuple[float, str]] = field(default_factory=list)
+    _warnings: list[tuple[float, str]] = field(default_factory=list)
 
     @contextmanager
     def watched(self, modes: frozenset[int]) -> Iterator[None]:
         self.words, self._mode, self._modes = "", None, modes
-        self._said.clear()
+        self._warnings.clear()
         try:
             yield
         finally:
@@ -50,7 +50,7 @@ class ModeWatch:
     def note(self, message: Message, now_s: float) -> None:
         """Take a message that `state` has noted already."""
         if isinstance(message, Text) and message.severity <= WARNING:
-            self._said.append((now_s, message.text.strip()))
+            self._warnings.append((now_s, message.text.strip()))
         mode = self.state.custom_mode
         if not self._modes or mode is None or not self.state.armed or not self.state.in_air:
             return
@@ -66,7 +66,7 @@ class ModeWatch:
             log.warning("%s (%s)", self.words, RETURN_HINT if mode in modes.returns | modes.lands else HOLD_HINT)
 
     def _left(self) -> str:
-        said = list(dict.fromkeys(text for when, text in self._said if when >= self._since_s - REASON_AGE_S))
+        warnings = list(dict.fromkeys(text for when, text in self._warnings if when >= self._since_s - REASON_AGE_S))
         why = "its reason may not have been heard" if self.was_away else "does not say why"
-        reason = f"; it says: {'; '.join(said)}" if said else f", and {why}"
+        reason = f"; it says: {'; '.join(warnings)}" if warnings else f", and {why}"
         return f"the vehicle has left its mission: {self.state}{reason}"

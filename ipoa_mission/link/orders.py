@@ -39,9 +39,9 @@ PROOFS_OF_ABSENCE = 4
 #: Further rounds if nothing was heard, for a slow link or a busy vehicle, and their duration [s].
 SLOW_ROUNDS, SLOW_ROUND_S = 5, 2.0
 #: Timeouts of the repeated settings of a parameter; after the last one another value counts as kept [s].
-SETTING_S = (1.0, 2.0, 4.0)
+SET_TIMEOUTS_S = (1.0, 2.0, 4.0)
 #: Number of requests of a message by REQUEST_MESSAGE, and the pause after a refusal [s].
-REQUESTS, REFUSED_S = 5, 0.3
+MESSAGE_REQUESTS, REFUSAL_PAUSE_S = 5, 0.3
 
 
 class CommandRefused(MissionError):
@@ -115,7 +115,7 @@ def stream(name: str, interval_s: float) -> Dialogue[bool]:
     return result == CommandResult.ACCEPTED
 
 
-def _requested(name: str, kind: type[M], pause_s: float, requests: int = REQUESTS) -> Dialogue[M | None]:
+def _requested(name: str, kind: type[M], pause_s: float, requests: int = MESSAGE_REQUESTS) -> Dialogue[M | None]:
     """Request a message once; return None if it is refused, or does not come.
 
     The request is repeated, because an answer may belong to an earlier request.
@@ -134,7 +134,7 @@ def _requested(name: str, kind: type[M], pause_s: float, requests: int = REQUEST
         match heard:
             case CommandAck(VehicleCommand.REQUEST_MESSAGE, result):
                 has_answered = True
-                step = Pause(pause_s if result == CommandResult.ACCEPTED else REFUSED_S)
+                step = Pause(pause_s if result == CommandResult.ACCEPTED else REFUSAL_PAUSE_S)
             case None:
                 requests -= 1
                 if requests == 0:
@@ -216,7 +216,7 @@ def set_parameter(name: str, value: float, autopilot: Autopilot) -> Dialogue[Non
     except BadInput as error:
         raise error.at(name) from None
     kept: float | None = None
-    for seconds in SETTING_S:
+    for seconds in SET_TIMEOUTS_S:
         yield Remark(order)
         heard = yield Pause(seconds)
         while heard is not None:

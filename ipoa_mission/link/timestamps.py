@@ -20,7 +20,7 @@ else:
 log = logging.getLogger(__name__)
 DIGITS = 20
 TIMESTAMP_LIMIT = 2**48  # six bytes on the wire
-LOCKED_AT = 1_000_000  # Windows forbids reading locked bytes: lock one far behind the timestamp
+LOCK_OFFSET = 1_000_000  # Windows forbids reading locked bytes: lock one far behind the timestamp
 
 
 class Timestamps:
@@ -68,7 +68,7 @@ def own_timestamps(path: Path) -> Timestamps | None:
 
 def _lock(file: int) -> None:
     if sys.platform == "win32":
-        os.lseek(file, LOCKED_AT, os.SEEK_SET)
+        os.lseek(file, LOCK_OFFSET, os.SEEK_SET)
         msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
         os.lseek(file, 0, os.SEEK_SET)
     else:

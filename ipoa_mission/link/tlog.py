@@ -18,7 +18,7 @@ from ipoa_mission.link.codec import frame_at, next_magic, numbered, unknown_fram
 
 log = logging.getLogger(__name__)
 STAMP_BYTES = 8
-REORDERED = 128  # apparent losses from which on a frame counts as reordered
+REORDERED_GAP = 128  # apparent losses from which on a frame counts as reordered
 
 
 class TlogWriter:
@@ -103,7 +103,7 @@ def read_tlog(path: str | Path, missing: LostFrames | None = None) -> Iterator[R
             known = True
         sender, number = numbered(frame)
         lost = (number - last.get(sender, number - 1) - 1) % 256
-        missing.frames[sender[0]] += lost if lost < REORDERED else 0
+        missing.frames[sender[0]] += lost if lost < REORDERED_GAP else 0
         missing.there[sender[0]] += 1
         last[sender] = number
         if known:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from ipoa_mission.errors import MissionError
-from ipoa_mission.link.consistent_download import READINGS, KeepsChanging, read_consistent
+from ipoa_mission.link.consistent_download import READ_ATTEMPTS, KeepsChanging, read_consistent
 from ipoa_mission.link.conversations import (
     DOUBTFUL_REFUSALS,
     MissionRefused,
@@ -217,7 +217,7 @@ def upload(job: Upload, progress: Progress = silent) -> Dialogue[int]:
 def _settle(job: Upload, reports: MissionReports) -> Dialogue[None]:
     if reports.proves(job):
         return
-    for _ in range(READINGS):
+    for _ in range(READ_ATTEMPTS):
         reports.read_again()
         yield from _expect_unchanged(job, reports)
         if reports.agrees(job):

@@ -22,7 +22,7 @@ from ipoa_mission.link.channel import LinkDown
 from ipoa_mission.link.conformance_watch import Conformance
 from ipoa_mission.link.departure import (
     LIMITS,
-    NEEDED,
+    NEEDED_STREAMS,
     Departure,
     depart_when_ready,
     expect_on_ground,
@@ -319,8 +319,8 @@ class Vehicle(RemoteVehicle):
 
     def _subscribe_again(self) -> None:
         """Request the streams again if the vehicle, or a relay of its link, has forgotten them."""
-        self.state.heard -= set(NEEDED.values())
-        if not self._hold(until(lambda: self.state.heard >= set(NEEDED.values()), RETRY_S), SILENT_S):
+        self.state.heard -= set(NEEDED_STREAMS.values())
+        if not self._hold(until(lambda: self.state.heard >= set(NEEDED_STREAMS.values()), RETRY_S), SILENT_S):
             with suppress(NotReady, NoAnswer):
                 self._tell(subscribe(self.state))
 

@@ -11,7 +11,7 @@ from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.vehicles.version import Version
 
 #: Relative tolerance of parameter values: single precision.
-ROUNDING = 1e-6
+TOLERANCE = 1e-6
 
 
 class HasParameters(Protocol):
@@ -43,7 +43,7 @@ def other_values(vehicle: HasParameters, wanted: Parameters) -> tuple[tuple[Othe
     for one, value in wanted.items():
         for name, unit in spelled(one):
             if name in values:
-                if not abs(values[name] - value * unit) <= ROUNDING * max(1.0, abs(value * unit)):  # NaN differs
+                if not abs(values[name] - value * unit) <= TOLERANCE * max(1.0, abs(value * unit)):  # NaN differs
                     others.append(OtherValue(name, value * unit, values[name]))
                 break
         else:

@@ -14,7 +14,7 @@ from ipoa_mission.vehicles.mav_types import with_article
 ON_GROUND = 1  # MAV_LANDED_STATE
 #: MAV_SYS_STATUS_PREARM_CHECK: the pre-arm checks pass in the present mode.
 PREARM_CHECK = 0x10000000
-IN_AIR_M = 0.5  # above home; decides whether it flies if nothing better is known
+IN_AIR_HEIGHT = 0.5  # above home; decides whether it flies if nothing better is known
 MAX_WARNINGS = 50
 
 
@@ -120,7 +120,7 @@ class VehicleState:
             return False
         if self.landed_state is not None:
             return self.landed_state != ON_GROUND
-        return None if self.position is None else self.position.height > IN_AIR_M
+        return None if self.position is None else self.position.height > IN_AIR_HEIGHT
 
     def __str__(self) -> str:
         if self.armed is None:

@@ -8,7 +8,7 @@ import pytest
 from ipoa_mission.errors import MissionError
 from ipoa_mission.link.consistent_download import download
 from ipoa_mission.link.conversations import (
-    GRACE_S,
+    REFUSAL_TIMEOUT_S,
     MissionRefused,
     RequestStyle,
     VehicleTexts,
@@ -192,7 +192,7 @@ def test_what_follows_a_doubtful_end_is_for_the_read_back_to_settle(doubtful: in
 def test_an_error_is_final_if_it_does_not() -> None:
     talk = Talk(offer(ITEMS, 0)).hear(Request(0), Ack(Result.ERROR), BEAT)
     with refuses("mission-refused", "", "ERROR"):
-        talk.wait(GRACE_S)
+        talk.wait(REFUSAL_TIMEOUT_S)
 
 
 def test_a_rebuke_is_final_if_nothing_follows() -> None:
