@@ -210,8 +210,7 @@ class Vehicle(RemoteVehicle):
         Args:
             first: the index of the item to begin with.
             progress: called with what is waited for.
-            permit: called with the vehicle's position; raises an error if no flight may begin there. The default is
-                `check_start` without a scenario.
+            permit: raises an error if no flight may begin at this position (default: `check_start`, no scenario).
 
         Raises:
             NotReady: armed already, not ready in time, or at another place; with the vehicle's own reasons.
@@ -257,11 +256,9 @@ class Vehicle(RemoteVehicle):
     def watch(self, progress: Progress = silent) -> FlightRecord:
         """Wait until the flight is over, or the vehicle holds because it deviated from its forecast (`conformance`).
 
-        `progress` counts items done, and reports the duration of a link loss.
-
-        Log at once as a warning: a vehicle that leaves its mission in the air, a replaced mission, and a link loss.
-        After a link loss, open the link again, and continue when the same vehicle is heard with the same mission.
-        Nothing is sent to any other vehicle, and no earlier order is repeated.
+        `progress` counts items done, and reports the duration of a link loss. Log at once as a warning: a vehicle that
+        leaves its mission in the air, a replaced mission, and a link loss. After a link loss, open the link again, and
+        continue when the same vehicle is heard with the same mission. Send nothing to others, and repeat no order.
 
         Raises:
             NoAnswer, LinkDown: the vehicle is not heard any more; with its last known state as the hint.
