@@ -235,10 +235,8 @@ class PredictedFlight:
 
     def _others(self, part: Pieces, deviation_bound: DeviationBound) -> Iterator[Kept]:
         path = thinned(part.points)
-        nominal = {
-            (c.limit, c.required): c
-            for c in limits_kept(path, self.scenario, DeviationBound(*(THINNING_TOLERANCE,) * 3))
-        }
+        tolerance = DeviationBound(THINNING_TOLERANCE, THINNING_TOLERANCE, THINNING_TOLERANCE)
+        nominal = {(c.limit, c.required): c for c in limits_kept(path, self.scenario, tolerance)}
         for check in limits_kept(path, self.scenario, deviation_bound):
             expected = nominal.get((check.limit, check.required), check).nearest.distance
             found = check.nearest
