@@ -1,4 +1,4 @@
-"""Plan an obstacle-free flight, write it as a QGroundControl mission, upload it, and know how long it will fly.
+"""Plan an obstacle-free flight, write it as a QGroundControl mission, upload it and forecast its duration.
 
     from ipoa_mission import plan_flight, read_scenario
 
@@ -6,19 +6,19 @@
     flight.write("out")
     print(flight.estimate.total_s)
 
-Names are imported when they are first used, so that `import ipoa_mission` costs nothing. docs/api.md shows them all,
-and `help` tells of each. The modules below are internal: what they hold may change with any version.
-In a notebook, `%load_ext ipoa_mission` lets missions, plans, estimates and flights be seen as tables.
+Names are imported at first use, so `import ipoa_mission` is quick. docs/api.md lists them all, and `help` explains
+each. The modules below are internal and may change with any version. In a notebook, `%load_ext ipoa_mission` shows
+missions, plans, estimates and flights as tables.
 """
 
-# Nothing is imported here: Ctrl-C while the command line is, is caught in `__main__`, which comes after this.
+# No imports here: Ctrl-C during the command line's imports is caught in `__main__`, which runs after this.
 _WHERE: dict[str, str] = {}
-#: Names of 0.3 and what they are now; the old ones go with 0.5.
+#: Names of 0.3 and their replacements; the old ones are removed with 0.5.
 _RENAMED = {"Unlike": "NotTheSameVehicle", "Unsettled": "KeepsChanging"}
 
 
 def _where() -> dict[str, str]:
-    """In which module each name is, as the stub has it."""
+    """Return the module of each name in the stub."""
     if not _WHERE:
         import re
         from pathlib import Path
@@ -51,7 +51,7 @@ def __dir__() -> list[str]:
 
 
 def load_ipython_extension(shell: object) -> None:
-    """What `%load_ext ipoa_mission` calls."""
+    """Set up `%load_ext ipoa_mission`."""
     from ipoa_mission.report.notebook import show_in
 
     show_in(shell)

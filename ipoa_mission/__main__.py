@@ -1,17 +1,17 @@
-"""`ipoa-mission` and `python -m ipoa_mission`: the command line, and Ctrl-C while it is still being imported."""
+"""Run the command line as `ipoa-mission` or `python -m ipoa_mission`; handle Ctrl-C during its imports."""
 
 import sys
 
 
 def main() -> None:
-    """Run the command line."""
     try:
         import gc
         import os
 
-        gc.set_threshold(50_000)  # imports make many objects, and no garbage
-        os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # to look for any it reads all that is installed
-        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # its threads take longer to start than matrices to solve
+        gc.set_threshold(50_000)  # imports make many objects but no garbage
+        os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # its search reads all installed packages
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # starting its threads takes longer than the matrices here
+
         from ipoa_mission.cli.app import main as run
 
         run()

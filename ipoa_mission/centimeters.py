@@ -1,17 +1,16 @@
-"""Lengths that must be kept: printed to the centimetre, and by what is printed compared.
+"""Round kept lengths down and required lengths up to the centimetre, for printing and comparison.
 
-What is kept is rounded down and what is required up, so that nothing reads as more than it is: 2.478 m is 2.47 m, and
-that is less than 2.50 m.
+No length reads better than it is: 2.478 m is 2.47 m, which is less than 2.50 m.
 """
 
 import math
 
 PER_METER = 100
-NOISE = 1e-6  # centimetres that come from binary fractions: 0.1 + 0.7 is 80 of them
+NOISE = 1e-6  # tolerance for binary fractions [cm]: 0.1 + 0.7 is 80 cm
 
 
 def down(meters: float, per_meter: int = PER_METER) -> float:
-    """Rounded down to the centimetre: what is kept at least [m].
+    """Round a kept length down to the centimetre [m].
 
     >>> down(2.478), down(0.1 + 0.7), down(-0.001)
     (2.47, 0.8, -0.01)
@@ -20,7 +19,7 @@ def down(meters: float, per_meter: int = PER_METER) -> float:
 
 
 def up(meters: float, per_meter: int = PER_METER) -> float:
-    """Rounded up to the centimetre: what is required at least, or reached at most [m].
+    """Round a required or reached length up to the centimetre [m].
 
     >>> up(2.491), up(2.5), up(0.1 + 0.7)
     (2.5, 2.5, 0.8)
@@ -29,7 +28,7 @@ def up(meters: float, per_meter: int = PER_METER) -> float:
 
 
 def falls_short(kept: float, required: float) -> bool:
-    """Whether less is kept than is required, as both are printed [m].
+    """Whether the kept length is less than the required one, as printed [m].
 
     >>> falls_short(2.499, 2.5), falls_short(2.5, 2.5)
     (True, False)
@@ -38,5 +37,5 @@ def falls_short(kept: float, required: float) -> bool:
 
 
 def goes_beyond(reached: float, most: float) -> bool:
-    """Whether more is reached than is allowed at most, as both are printed [m]."""
+    """Whether the reached length exceeds the greatest allowed one, as printed [m]."""
     return up(reached) > down(most)

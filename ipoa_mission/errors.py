@@ -1,7 +1,7 @@
-"""Errors that a user can understand and mend, and the register of their codes.
+"""Errors that a user can understand and correct, and the register of their codes.
 
-Every error that the package raises on purpose is a `MissionError`; the command line prints its words and returns
-its `exit_code`. Rooms derive their own beside the code that raises them.
+Every deliberate error is a `MissionError`; the command line prints its message and returns its `exit_code`. Other
+modules derive their own errors next to the code that raises them.
 """
 
 import json
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, Self
 
-#: The codes of errors; those of findings, which some errors share, are in `RULES`.
+#: Codes of errors; codes of findings, some shared with errors, are in `RULES`.
 _CODES = """
 already-there area-covered area-kept-out area-parted arming-refused backend-cannot bad-input battery-flown
 battery-missing cancelled cluster-lost command-not-ended command-refused complex-item contested damaged-file
@@ -36,13 +36,13 @@ CODES = frozenset(_CODES.split())
 
 @dataclass(frozen=True)
 class Remedy:
-    """A change of the scenario that may mend an error: the `field` by its path, and its new value (None: taken out)."""
+    """A change of the scenario that may correct an error: the path of the `field`, and its new value (None: remove)."""
 
     field: tuple[str | int, ...]
     value: Any = None
 
     def __str__(self) -> str:
-        """Return it as a scenario's file has it, with dots: `vehicle.cruise_speed = 3`."""
+        """Return the change in a scenario file's notation with dots: `vehicle.cruise_speed = 3`."""
         value = f"{self.value:g}" if isinstance(self.value, float) else json.dumps(self.value)
         return f"{'.'.join(map(str, self.field))} = {value}"
 
@@ -51,11 +51,11 @@ class MissionError(Exception):
     """The job could not be done (exit code 1).
 
     Attributes:
-        code: what is wrong, by the same word in every version: one of `CODES`, by default the name of its class.
-        place: where: a file and a place in it, a key of the scenario, an option; the message begins with it.
-        hint: what to try.
-        remedies: changes of the scenario that may mend it.
-        known: what else is known, for machines.
+        code: stable identifier, one of `CODES`; by default the name of the class.
+        place: a file and a place in it, a key of the scenario or an option; the message begins with it.
+        hint: advice to the user.
+        remedies: changes of the scenario that may correct it.
+        known: further data for machines.
     """
 
     exit_code = 1
@@ -84,41 +84,40 @@ class MissionError(Exception):
         return super().__str__() if self.place is None else f"{self.place}: {self.args[0]}"
 
     def at(self, place: object = None, hint: str | None = None) -> Self:
-        """Return the same error at a place that holds its own, with another hint if there is one."""
+        """Return the error with an outer place in front of its own, and another hint if given."""
         other = copy(self)
         other.place = ": ".join(str(one) for one in (place, self.place) if one is not None) or None
         other.hint = hint or self.hint
         return other
 
     def followed_by(self, *lines: str) -> Self:
-        """Return the same error with more lines in its message."""
+        """Return the error with more lines in its message."""
         other = copy(self)
         other.args = ("\n".join([self.args[0], *lines]),)
         return other
 
     def as_json(self) -> dict[str, object]:
-        """Return it as data."""
         changes = [{"field": list(remedy.field), "value": remedy.value} for remedy in self.remedies]
         about = {"error": str(self), "code": self.code, "place": self.place, "hint": self.hint, "remedies": changes}
         return about | {"exit_code": self.exit_code} | self.known
 
 
 class BadInput(MissionError):
-    """What the user gave is wrong (exit code 2); the message says what was expected there."""
+    """The user's input is wrong (exit code 2); the message names the expected input."""
 
     exit_code = 2
 
 
 class DamagedFile(BadInput):
-    """A file is of its format, but not whole."""
+    """A file has the right format, but is incomplete."""
 
 
 class EndlessFlight(BadInput):
-    """A mission has no end, and so no time."""
+    """A mission has no end, so no duration."""
 
 
 class InvalidRing(BadInput):
-    """Corners do not make the ring, line or area that was expected."""
+    """Corners do not form the expected ring, line or area."""
 
 
 class NoCoordinateSystem(BadInput):
@@ -126,11 +125,11 @@ class NoCoordinateSystem(BadInput):
 
 
 class NotCovered(BadInput):
-    """A map, grid or forecast does not reach over the place."""
+    """A map, grid or forecast does not cover the place."""
 
 
 class NothingThere(BadInput):
-    """A file holds nothing of what was expected."""
+    """A file has none of the expected content."""
 
 
 class OptionConflict(BadInput):
@@ -158,15 +157,15 @@ class Unwritable(BadInput):
 
 
 class WrongFormat(BadInput):
-    """A file is not of the format that was expected."""
+    """A file does not have the expected format."""
 
 
 class WrongSuffix(BadInput):
-    """A file's name does not end as was expected."""
+    """A file's name does not have the expected suffix."""
 
 
 class LogUseless(MissionError):
-    """A log does not have what is to be learned or compared."""
+    """A log lacks the data to learn or compare."""
 
 
 class NotModeled(MissionError):
@@ -174,10 +173,10 @@ class NotModeled(MissionError):
 
 
 def imported(module: str, needed: str, extra: str, wrong: type[MissionError] = MissionError) -> Any:
-    """Import a library that only those have who installed the package with this extra.
+    """Import a library that needs an extra of the package.
 
     Raises:
-        MissionError: it is not installed; `needed` says for what it is, `wrong` is the error's class.
+        MissionError: it is not installed; `needed` is the message, `wrong` the error's class.
     """
     try:
         return import_module(module)

@@ -1,4 +1,4 @@
-"""Reading what a user named; writing so that nothing is ever half-written: temporary files first, then renames."""
+"""Read user files; write files atomically: temporary files first, then renames."""
 
 import errno
 import os
@@ -11,27 +11,27 @@ from pathlib import Path
 
 from ipoa_mission.errors import BadInput, Unreadable, Unwritable, WrongFormat
 
-PIPE_S = 5.0  # for so long something must be written into a named pipe
+PIPE_TIMEOUT_S = 5.0  # timeout for the first data in a named pipe [s]
 
 MISSIONS = (".plan", ".waypoints")  # suffixes of mission files
 
 
 def write_atomically(path: Path, content: str | bytes) -> None:
-    """Write `content` (text as UTF-8 with LF) to `path`; what was there before stays until the new file is whole.
+    """Write `content` (text as UTF-8 with LF) to `path`; the old file stays until the new one is complete.
 
     Raises:
-        BadInput: the folder does not exist or may not be written.
+        BadInput: the folder does not exist or is not writable.
     """
     write_together({path: content})
 
 
 def write_together(contents: Mapping[Path, str | bytes]) -> None:
-    """Write several files, as `write_atomically` does: every one is whole before the first takes its place.
+    """Write several files: each is complete before the first is renamed.
 
-    A symbolic link stays one: what it leads to is written.
+    A symbolic link stays; its target is written.
 
     Raises:
-        BadInput: one of them cannot be written; none of them was.
+        BadInput: one of them cannot be written; none was.
     """
     staged: dict[Path, Path] = {}
     targets = {path: Path(os.path.realpath(path)) for path in contents}
@@ -57,20 +57,20 @@ def write_together(contents: Mapping[Path, str | bytes]) -> None:
 
 
 def make_folder(path: Path) -> None:
-    """Make a folder and those above it, where they are not there yet.
+    """Make a folder and its parents if missing.
 
     Raises:
-        BadInput: something else has this name, or the folder above may not be written.
+        BadInput: a file has this name, or the parent is not writable.
     """
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise Unwritable(f"cannot be made a folder: {error.strerror}", place=path) from error
+        raise Unwritable(f"cannot become a folder: {error.strerror}", place=path) from error
 
 
 @contextmanager
 def in_folder(path: Path) -> Iterator[None]:
-    """With a folder, as `make_folder` makes it; where what is done in it fails and leaves it empty, it goes again."""
+    """Make a folder for a block; remove the new folders if the block fails and leaves them empty."""
     made = [one for one in (path, *path.parents) if not one.exists()]
     make_folder(path)
     try:
@@ -83,7 +83,7 @@ def in_folder(path: Path) -> Iterator[None]:
 
 
 def unused(path: Path) -> Path:
-    """This path, or NAME-2, NAME-3, ... beside it, if there is such a file already: for logs, which nobody can repeat.
+    """Return this path, or NAME-2, NAME-3, ... next to it if it exists: logs cannot be repeated.
 
     >>> unused(Path("nowhere/flight.tlog")).name
     'flight.tlog'
@@ -97,10 +97,10 @@ def unused(path: Path) -> Path:
 
 
 def read_text(path: Path) -> str:
-    """The text of a file that a user named; a byte order mark is dropped, line ends are kept.
+    """Read the text of a user's file; drop a byte order mark, keep line ends.
 
     Raises:
-        BadInput: the file is not there, is no file, or is not UTF-8; nobody writes into the pipe that it is.
+        BadInput: the file is missing, not a file, or not UTF-8; or nothing is written into a pipe.
     """
     try:
         data = _read_pipe(path) if path.is_fifo() else path.read_bytes()
@@ -113,22 +113,20 @@ def read_text(path: Path) -> str:
 
 
 def why_no_json(text: str, at: int) -> str | None:
-    """Explain why a text is no JSON from a place on, where that can be seen; None where it cannot."""
+    """Explain why a text is not JSON from offset `at` on, or return None."""
     if not text.strip():
         return "the file is empty"
     if at >= len(text.rstrip()):
         return "the file is cut off"
     is_comma = text[at] == "," or text[:at].rstrip().endswith(",")
-    return (
-        "there is a comma too many before it" if is_comma and text[at:].lstrip(", \t\r\n")[:1] in ("]", "}") else None
-    )
+    return "there is an extra comma before it" if is_comma and text[at:].lstrip(", \t\r\n")[:1] in ("]", "}") else None
 
 
 def read_bytes(path: Path, most: int = -1) -> bytes:
-    """The bytes of a file that a user named; so many at most, if that is not negative.
+    """Read a user's file, at most `most` bytes unless negative.
 
     Raises:
-        BadInput: the file is not there, or is no file.
+        BadInput: the file is missing or not a file.
     """
     try:
         with path.open("rb") as file:
@@ -138,16 +136,16 @@ def read_bytes(path: Path, most: int = -1) -> bytes:
 
 
 def packed(mission: str) -> Path:
-    """A file of `missions/` that comes with the program: in a wheel it is inside of the package, else beside it."""
+    """Return the path of a file of `missions/`: within the package in a wheel, else next to it."""
     package = Path(__file__).parent
     inside = package / "missions" / mission
     return inside if inside.is_file() else package.parent / "missions" / mission
 
 
 def copies(part: str) -> Iterator[Path]:
-    """A file or folder of this package, like "compiled", in the other copies of it that Python finds.
+    """Yield a file or folder, like "compiled", in other copies of this package on `sys.path`.
 
-    In a clone the folder's own package stands before the one that was installed.
+    In a clone, the clone's package shadows the installed one.
     """
     package = Path(__file__).parent
     for place in sys.path:
@@ -157,17 +155,17 @@ def copies(part: str) -> Iterator[Path]:
 
 
 def _read_pipe(path: Path) -> bytes:
-    """What is written into a pipe, to its end, if a writer begins soon."""
+    """Read a pipe to its end, if a writer begins within `PIPE_TIMEOUT_S`."""
     pipe = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
     with os.fdopen(pipe, "rb") as file:
-        if not select.select([pipe], [], [], PIPE_S)[0]:
-            raise BadInput(f"expected something to be written into this pipe within {PIPE_S:g} s", place=path)
+        if not select.select([pipe], [], [], PIPE_TIMEOUT_S)[0]:
+            raise BadInput(f"expected data in this pipe within {PIPE_TIMEOUT_S:g} s", place=path)
         os.set_blocking(pipe, True)
         return file.read()
 
 
 def _expect_file(path: Path) -> None:
-    """A folder cannot be replaced by a file: said before anything is."""
+    """Raise if the path is a folder, which a file cannot replace."""
     if path.is_dir():
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
 

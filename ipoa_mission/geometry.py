@@ -1,4 +1,4 @@
-"""Lengths and angles of polylines in the local east, north, up frame; everyone may import it."""
+"""Lengths and angles of polylines in the local east, north, up frame."""
 
 from typing import TypeAlias
 
@@ -12,23 +12,23 @@ GRAVITY = 9.80665  # standard gravity [m/s^2]
 
 
 def leg_lengths(points: Points) -> Vector:
-    """Length of each leg between consecutive points, (n-1,) [m]."""
-    axes = np.ascontiguousarray(points.T)  # of many points NumPy adds these far quicker
+    """Return the length of each leg, (n-1,) [m]."""
+    axes = np.ascontiguousarray(points.T)  # much quicker in NumPy for many points
     return np.asarray(np.linalg.norm(np.diff(axes), axis=0))
 
 
 def arc_lengths(points: Points) -> Vector:
-    """The way along the legs from the first point to each, (n,) [m]."""
+    """Return the path length from the first point to each, (n,) [m]."""
     return np.concatenate([[0.0], np.cumsum(leg_lengths(points))])
 
 
 def polyline_length(points: Points) -> float:
-    """Sum of the leg lengths [m]: the paper's W1, eq. (4)."""
+    """Return the sum of the leg lengths [m]: the paper's W1, eq. (4)."""
     return float(leg_lengths(points).sum())
 
 
 def turning_angles(points: Points) -> Vector:
-    """Angle between the horizontal projections of consecutive legs, (n-2,) [rad]: the paper's eqs. (5)-(6)."""
+    """Return the angles between horizontal projections of consecutive legs, (n-2,) [rad]: the paper's eqs. (5)-(6)."""
     legs = np.diff(points[:, :2], axis=0)
     before, after = legs[:-1], legs[1:]
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
@@ -36,6 +36,6 @@ def turning_angles(points: Points) -> Vector:
 
 
 def climb_angles(points: Points) -> Vector:
-    """Climb angle of each leg above the horizontal, (n-1,) [rad]: the paper's eq. (7)."""
+    """Return the climb angle of each leg above the horizontal, (n-1,) [rad]: the paper's eq. (7)."""
     legs = np.diff(points, axis=0)
     return np.asarray(np.arctan2(legs[:, 2], np.hypot(legs[:, 0], legs[:, 1])))

@@ -1,4 +1,4 @@
-"""What a reader did not take of a file: counted by kind, with the first place and an example of each."""
+"""Parts of a file that a reader skipped: counted by kind, with the first place and an example."""
 
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
@@ -7,16 +7,16 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Unread:
-    """One kind of thing that a reader did not take.
+    """One kind of thing that a reader skipped.
 
     Attributes:
         file: name of the file.
-        what: the thing and why it was not taken: `tag "hgt", which may be a height`.
-        place: where the first of them is: `features[3]`.
-        example: value of the first, as the file spells it; empty where there is none.
-        count: how many there are.
-        may_limit: whether it may be an obstacle, a zone or another limit of the flight; it is an error then.
-        remedy: what the user can do about it.
+        what: the thing and the reason: `tag "hgt", which may be a height`.
+        place: place of the first one: `features[3]`.
+        example: value of the first one as spelled in the file, or empty.
+        count: number of them.
+        may_limit: whether it may be an obstacle, a zone or another limit of the flight: an error.
+        remedy: advice to the user.
 
     Example:
         >>> tags = [Unread("town.shp", 'tag "hgt"', f"row[{n}]", "12") for n in (4, 7)]
@@ -34,14 +34,14 @@ class Unread:
 
     @property
     def words(self) -> str:
-        """A sentence without a full stop."""
+        """Describe the kind, without a full stop."""
         times = f"{self.count} times, first " if self.count > 1 else ""
         example = f' ("{self.example[:40]}")' if self.example else ""
         return f"{self.file}: not read: {self.what}: {times}{self.place}{example}"
 
 
 def gathered(things: Iterable[Unread]) -> tuple[Unread, ...]:
-    """Each kind once, with its count, those that may limit the flight first; else in their order."""
+    """Return each kind once, with its count; those that may limit the flight first."""
     kinds: dict[tuple[str, str, bool], Unread] = {}
     for thing in things:
         key = (thing.file, thing.what, thing.may_limit)
@@ -51,5 +51,5 @@ def gathered(things: Iterable[Unread]) -> tuple[Unread, ...]:
 
 
 def unread_as_json(things: Iterable[Unread]) -> list[dict[str, Any]]:
-    """The list `unread` in what a verb prints for machines."""
+    """Return the list `unread` of a verb's JSON output."""
     return [asdict(thing) for thing in things]

@@ -1,15 +1,15 @@
-"""A wind, as it is given: a speed and the direction that it comes from, alike everywhere, or by height."""
+"""Wind: a constant speed and direction, or a profile by height."""
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-MOST_LEVELS = 8  # of a profile
+MAX_LEVELS = 8  # of a profile
 
 
 class WindLevel(NamedTuple):
-    """The wind at one height over home [m]: what it blows towards the east and the north [m/s]."""
+    """The wind at a height above home [m]: its eastward and northward components [m/s]."""
 
     height: float
     east: float
@@ -18,18 +18,18 @@ class WindLevel(NamedTuple):
 
 @dataclass(frozen=True)
 class Wind:
-    """A wind that blows everywhere and at all times alike, but for its height.
+    """A wind that is constant in time and place, except for its height.
 
-    Below the `gradient_height` it follows a power law: speed (height / gradient height)^`exponent`. With `levels` it is
-    as they say, in straight lines between them and as at the nearest one beyond; `speed` and `from_deg` are then those
-    of the strongest.
+    Below `gradient_height` the speed follows a power law: speed (height / gradient_height)^`exponent`. With `levels`,
+    the wind is interpolated linearly between them and constant beyond; `speed` and `from_deg` are then those of the
+    strongest.
 
     Attributes:
-        speed: how strong it is [m/s].
-        from_deg: where it blows from, clockwise: 0 north, 90 east [degrees].
+        speed: [m/s].
+        from_deg: direction that it comes from, clockwise: 0 north, 90 east [degrees].
         exponent: of the power law.
-        gradient_height: up to where it grows [m above home].
-        spread: by so much it may be stronger or weaker [m/s].
+        gradient_height: height up to which it grows [m above home].
+        spread: uncertainty of the speed, up and down [m/s].
         levels: the wind by height, upwards.
 
     Example:
@@ -53,13 +53,13 @@ class Wind:
     def of_profile(
         cls, heights: Sequence[float], speeds: Sequence[float], from_deg: Sequence[float], spread: float = 0.0
     ) -> "Wind":
-        """A profile: at growing heights over home [m], at most eight, speeds [m/s] and where it blows from [degrees].
+        """Return a profile of at most eight levels.
 
         Args:
-            heights: over home, growing [m].
-            speeds: there [m/s].
-            from_deg: where it blows from there [degrees].
-            spread: by so much it may be stronger or weaker [m/s].
+            heights: above home, increasing [m].
+            speeds: at these heights [m/s].
+            from_deg: directions that it comes from there [degrees].
+            spread: uncertainty of the speeds, up and down [m/s].
         """
         winds = [cls(speed, angle) for speed, angle in zip(speeds, from_deg, strict=True)]
         levels = tuple(WindLevel(up, wind.east, wind.north) for up, wind in zip(heights, winds, strict=True))
@@ -68,11 +68,11 @@ class Wind:
 
     @classmethod
     def towards_north_east(cls, north: float, east: float) -> "Wind":
-        """One that blows towards there [m/s]."""
+        """Return the wind with these northward and eastward components [m/s]."""
         return cls(math.hypot(north, east), math.degrees(math.atan2(-east, -north)) % 360.0)
 
     def at(self, height: float) -> float:
-        """Its speed at a height over home [m/s]."""
+        """Return the speed at a height above home [m/s]."""
         if self.levels:
             return math.hypot(*self.towards(height))
         if height >= self.gradient_height or self.gradient_height <= 0:
@@ -80,7 +80,7 @@ class Wind:
         return self.speed * math.pow(max(height, 0.0) / self.gradient_height, self.exponent)
 
     def towards(self, height: float) -> tuple[float, float]:
-        """What it blows towards the east and the north at a height over home [m/s]."""
+        """Return the eastward and northward components at a height above home [m/s]."""
         if not self.levels:
             share = self.at(height) / self.speed if self.speed else 0.0
             return self.east * share, self.north * share
@@ -96,11 +96,11 @@ class Wind:
 
     @property
     def strongest(self) -> float:
-        """The most that is to be reckoned with at any height [m/s]."""
+        """Return the greatest speed to expect at any height [m/s]."""
         return self.speed + self.spread
 
     def __str__(self) -> str:
-        """The wind in words.
+        """Describe the wind.
 
         >>> print(Wind(8.0, 300.0, spread=2.0))
         8 m/s from 300 deg, 2 m/s more or less
@@ -117,36 +117,36 @@ class Wind:
         return words + (f", {self.spread:.3g} m/s more or less" if self.spread else "")
 
     def as_json(self) -> dict[str, object]:
-        """The same for machines."""
+        """Return the wind as data."""
         levels = [level._asdict() for level in self.levels]
         about = {"speed_m_s": round(self.speed, 3), "from_deg": round(self.from_deg % 360, 3)}
         return about | {"spread_m_s": round(self.spread, 3), **({"levels": levels} if levels else {})}
 
     def as_strong_as_may_be(self) -> "Wind":
-        """The same at the upper end of its spread."""
+        """Return the wind at the upper end of its spread."""
         share = self.strongest / self.speed if self.speed else 1.0
         levels = tuple(WindLevel(level.height, level.east * share, level.north * share) for level in self.levels)
         return Wind(self.strongest, self.from_deg, self.exponent, self.gradient_height, levels=levels)
 
     @property
     def east(self) -> float:
-        """The part that blows towards the east [m/s]."""
+        """Return the eastward component [m/s]."""
         return -self.speed * math.sin(math.radians(self.from_deg))
 
     @property
     def north(self) -> float:
-        """The part that blows towards the north [m/s]."""
+        """Return the northward component [m/s]."""
         return -self.speed * math.cos(math.radians(self.from_deg))
 
     def along(self, east: float, north: float) -> float:
-        """The part that blows along a level direction.
+        """Return the component along a level direction.
 
         Args:
             east: of a vector of any length in that direction.
-            north: of the same.
+            north: of the same vector.
 
         Returns:
-            Its speed [m/s], negative against it; 0 for no direction.
+            The component [m/s], negative against the direction; 0 for a zero vector.
         """
         length = math.hypot(east, north)
         return (self.east * east + self.north * north) / length if length > 0 else 0.0

@@ -1,9 +1,8 @@
-"""Kernels as machine code: compiled when the package was built, or else by numba when they are first needed.
+"""Kernels as machine code: compiled with the package, or by numba at first use.
 
-A kernel is one Python function, decorated with `njit`, or handed to `jit_if_faster` where it also runs as plain Python.
-A wheel carries the machine code of both, made by `tools/machine_code`: it loads in a millisecond and needs neither
-numba nor a writable folder. Where the sources (`library.SOURCES`), the system or the CPU differ from those that it was
-made for, numba compiles, as in a checkout, and caches the result until one of these differs.
+A kernel is one Python function, decorated with `njit`, or passed to `jit_if_faster` if it also runs as plain Python. A
+wheel carries machine code made by `tools/machine_code`, which loads in 1 ms and needs neither numba nor a writable
+folder. If the sources (`library.SOURCES`), system or CPU differ, numba compiles and caches instead.
 """
 
 import sys
@@ -17,31 +16,31 @@ from ipoa_mission.compiled.library import PACKAGE, shipped, sources_digest
 from ipoa_mission.errors import MissionError
 
 Function = TypeVar("Function", bound=Callable[..., Any])
-MANY_STEPS = 50_000  # so many take plain Python as long as it takes to load numba and what it has kept
+MANY_STEPS = 50_000  # plain Python takes as long for these as loading numba and its cache
 
 
 def njit(**options: Any) -> Any:
-    """`numba.njit`, for a kernel that may have been compiled before.
+    """Decorate a kernel like `numba.njit`, with shipped machine code if available.
 
     Raises:
-        MissionError: there is no machine code for this system, and no numba.
+        MissionError: no machine code for this system, and no numba.
     """
 
     def decorated(function: Callable[..., Any]) -> Any:
         kernels = shipped()
-        if kernels is not None:  # what is not there is called by kernels only
+        if kernels is not None:  # others are only called by kernels
             return kernels.get(f"{function.__module__}.{function.__name__}", function)
         try:
             import numba
         except ImportError:
-            words = "there is no machine code of these sources for this system, and numba is not installed"
+            words = "expected machine code for these sources and this system, or numba"
             hint = "pip install numba; or, where sources were changed, pip install that folder again"
             raise MissionError(words, hint=hint, code="package-missing", place=PACKAGE) from None
         try:
             kernel = numba.njit(**options)(function)
-        except RuntimeError:  # nowhere to keep it
+        except RuntimeError:  # no writable cache folder
             return numba.njit(**options | {"cache": False})(function)
-        if options.get("cache"):  # numba itself would look at the time of one file, and not of those that it imports
+        if options.get("cache"):  # numba would check the time of one file only, without its imports
             kernel._cache._cache_file._source_stamp = _digest()
         return kernel
 
@@ -52,19 +51,19 @@ _digest = lru_cache(maxsize=1)(sources_digest)
 
 
 def jit_if_faster(function: Function, fast: bool | None, steps: float) -> Function:
-    """A plain function itself, or compiled if `fast`; None takes whichever is sooner ready with so many steps.
+    """Return a plain function, compiled if `fast`; None compiles if that is quicker for `steps` steps.
 
-    Both speeds say the same, bit for bit, so the choice is one of time only.
+    The results are identical, bit for bit.
     """
     if fast is None:
         at_hand = shipped() is not None or compiled.cache_info().currsize > 0
-        fast = at_hand or (steps > MANY_STEPS and _was_kept(function))
+        fast = at_hand or (steps > MANY_STEPS and _is_cached(function))
     return compiled(function) if fast else function
 
 
 @lru_cache(maxsize=8)
 def compiled(function: Any) -> Any:
-    """A plain function as machine code, with all functions of its package that it calls."""
+    """Compile a plain function with all functions of its package that it calls."""
     options = {"error_model": "numpy", "no_cfunc_wrapper": True}
     kernel = njit(cache=True, **options)(function)
     if shipped() is None:
@@ -76,7 +75,7 @@ def compiled(function: Any) -> Any:
 
 
 def called_by(function: Any) -> set[FunctionType]:
-    """The functions of its package that a function calls, and those that they call."""
+    """Return the functions of its package that a function calls, directly or indirectly."""
     package, found, todo = function.__module__.rpartition(".")[0], set[FunctionType](), [function]
     while todo:
         caller = todo.pop()
@@ -87,7 +86,7 @@ def called_by(function: Any) -> set[FunctionType]:
     return found
 
 
-def _was_kept(function: Any) -> bool:
-    """Whether numba has once kept the compiled function beside its source."""
+def _is_cached(function: Any) -> bool:
+    """Whether numba has cached the compiled function next to its source."""
     source = Path(sys.modules[function.__module__].__file__ or "")
     return any((source.parent / "__pycache__").glob(f"{source.stem}.{function.__name__}-*.nbi"))

@@ -1,7 +1,7 @@
-"""The machine code that was shipped: which file is for this CPU, and whether it is of these sources.
+"""Find and load the shipped machine code for this CPU and these sources.
 
-In a folder with the sources, as a clone, their package stands before the one that was installed. If it has no machine
-code of its own, that of the other is taken: it counts by the digest of the sources, wherever it lies.
+In a clone, the sources may shadow an installed package. Machine code of the installed one is used if its digest of the
+sources matches.
 """
 
 import ctypes
@@ -18,14 +18,14 @@ from ipoa_mission.compiled.native import Native
 from ipoa_mission.files import copies
 
 PACKAGE = Path(__file__).parent.parent
-#: What is compiled, and what it takes constants from.
+#: Sources of compiled code and its constants.
 SOURCES = (
     "compiled/__init__.py",
     "compiled/native.py",
     "compiled/records.py",
     "mission/commands.py",
     "vehicles/*/dynamics/*.py",
-    "vehicles/*/book.py",
+    "vehicles/*/parameter_table.py",
     "vehicles/*/limits.py",
     "vehicles/parameters.py",
     "geometry.py",
@@ -40,17 +40,17 @@ SOURCES = (
     "world/obstacles/obstacle.py",
 )
 INDEX = "kernels.json"
-#: Of CPUs, the best first, with what versions of numpy call the instructions that they must have.
+#: CPUs, best first, with numpy's names of the required instruction sets.
 CPUS: dict[str, dict[str, tuple[str, ...]]] = {
     "x86_64": {"x86-64-v4": ("X86_V4", "AVX512_SKX"), "x86-64-v3": ("X86_V3", "AVX2"), "x86-64": ("SSE2",)},
     "aarch64": {"generic": ("NEON",)},
 }
-NUMBA = "IPOA_MISSION_NUMBA"  # set to anything: compile with numba in any case
+NUMBA = "IPOA_MISSION_NUMBA"  # any value: always compile with numba
 
 
 @lru_cache(maxsize=1)
 def shipped() -> dict[str, Callable[..., Any]] | None:
-    """The kernels by module and name, or None if there are none for this system and these sources."""
+    """Return the kernels by module and name, or None if there are none for this system and these sources."""
     if os.environ.get(NUMBA):
         return None
     here = PACKAGE / "compiled"
@@ -58,7 +58,7 @@ def shipped() -> dict[str, Callable[..., Any]] | None:
 
 
 def load(folder: Path) -> dict[str, Callable[..., Any]] | None:
-    """The kernels in a folder, or None if it has none for this system and these sources."""
+    """Return the kernels in a folder, or None if there are none for this system and these sources."""
     try:
         index = json.loads((folder / INDEX).read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -69,28 +69,27 @@ def load(folder: Path) -> dict[str, Callable[..., Any]] | None:
     try:
         library = ctypes.CDLL(str(files[0]))
         return {name: Native(library, name, *types) for name, types in index["kernels"].items()}
-    except (OSError, AttributeError):  # another system's, or its linker has left out what it was to show
+    except (OSError, AttributeError):  # for another system, or without the exported symbols
         return None
 
 
 def _is_of(index: dict[str, Any], library: Path) -> bool:
-    """Whether a library is the one that was made with this index: another may be of other sources."""
+    """Whether a library was built with this index: another may be of other sources."""
     made: dict[str, str] | None = index.get("libraries")
     return made is None or made.get(library.name) == digest_of(library)
 
 
 def digest_of(library: Path) -> str:
-    """A hash of a library."""
     return hashlib.sha256(library.read_bytes()).hexdigest()
 
 
 def file_name(cpu: str) -> str:
-    """The library for a CPU; by its ending it is no module of Python."""
+    """Return the library's file name; its suffix is not that of a Python module."""
     return f"kernels-{platform.system()}-{cpu}.bin"
 
 
 def sources_digest() -> str:
-    """A hash of all that is compiled."""
+    """Return the hash of all sources."""
     digest = hashlib.sha256()
     for path in sorted(path for pattern in SOURCES for path in PACKAGE.glob(pattern)):
         digest.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
@@ -98,7 +97,7 @@ def sources_digest() -> str:
 
 
 def these_cpus() -> list[str]:
-    """Those of `CPUS` for which this machine's can stand, the best first."""
+    """Return those of `CPUS` whose instructions this machine has, best first."""
     from numpy._core._multiarray_umath import __cpu_features__ as has
 
     machine = platform.machine()

@@ -1,11 +1,10 @@
-"""Calling machine code that numba made, without numba: arguments as its calling convention has them, in a row of words.
+"""Call machine code made by numba without numba, with arguments packed as words in its calling convention.
 
-A number is handed on as itself, a tuple as its parts, an array as seven things: two that are of no concern here, its
-size, the size of an element, the address of the first, its shape and its strides. What is returned is written where the
-first argument says, in the same layout.
+A number is packed as itself, a tuple as its parts. An array is packed as two unused words, its size, item size, data
+address, shape and strides. The result is written to the first argument, in the same layout.
 
-Types are strings, or lists of types for tuples: "float", "int", "bool", or an array's element and dimensions: "<f8 2",
-of records "|V16 1".
+Types are strings, or lists of types for tuples: "float", "int", "bool", or an array's element type and dimensions: "<f8
+2", of records "|V16 1".
 """
 
 import ctypes
@@ -18,32 +17,32 @@ import numpy as np
 
 Type = str | Sequence["Type"]
 RETURNED, RETURNED_NONE = 0, -2  # numba's status codes
-PACKED = 4  # named tuples whose words an argument keeps, for the next call
+CACHED_TUPLES = 4  # named tuples whose words are cached per argument
 
-_NUMBERS = {"float": "d", "int": "q", "bool": "q"}  # as `struct` has them
+_NUMBERS = {"float": "d", "int": "q", "bool": "q"}  # format characters of `struct`
 
 
 class Native:
-    """A kernel of a library, called as the Python function of which it is made."""
+    """A kernel of a library, called like its Python function."""
 
     def __init__(self, library: ctypes.CDLL, name: str, arguments: Sequence[Type], result: Type | None) -> None:
         self._call, self._name = library[name], name
         self._call.argtypes = [ctypes.c_void_p, ctypes.c_char_p]
         self._call.restype = ctypes.c_int32
-        self._arguments = [_packer(kind) if isinstance(kind, str) else _Kept(kind) for kind in arguments]
+        self._arguments = [_packer(kind) if isinstance(kind, str) else _CachedPacker(kind) for kind in arguments]
         release = library["release"]
         release.argtypes = [ctypes.c_void_p]
         release.restype = None
         self._returned = struct.Struct("=" + _layout(result or []))
         self._result = None if result is None else _unpacker(result, release)
-        self._room = ctypes.c_char * (self._returned.size + 8)  # the last word for what numba says of an error
+        self._room = ctypes.c_char * (self._returned.size + 8)  # the last word for numba's error information
 
     def __call__(self, *values: Any) -> Any:
-        """What the Python function would return; arrays are new ones.
+        """Return the result of the Python function; arrays are new.
 
         Raises:
-            TypeError: an array is not of the type for which this was compiled.
-            RuntimeError: the kernel gave up, as on an index out of range.
+            TypeError: an array is not of the compiled type.
+            RuntimeError: the kernel failed, as on an index out of range.
         """
         room = self._room()
         given = b"".join([packed(value) for packed, value in zip(self._arguments, values, strict=True)])
@@ -53,8 +52,8 @@ class Native:
         return None if self._result is None else self._result(iter(self._returned.unpack_from(room)))
 
 
-class _Kept:
-    """Tuples as words; those of named ones, which do not change, are kept."""
+class _CachedPacker:
+    """Pack tuples as words; cache those of named tuples, which are immutable."""
 
     def __init__(self, kind: Sequence[Type]) -> None:
         self._packed = _packer(kind)
@@ -66,14 +65,14 @@ class _Kept:
             return kept[1]
         words = self._packed(value)
         if hasattr(value, "_fields"):
-            if len(self._kept) >= PACKED:
+            if len(self._kept) >= CACHED_TUPLES:
                 self._kept.clear()
             self._kept[id(value)] = value, words
         return words
 
 
 def _packer(kind: Type) -> Callable[[Any], bytes]:
-    """What turns a value into words."""
+    """Return a function that packs a value as words."""
     if not isinstance(kind, str):
         parts = [_packer(one) for one in kind]
         return lambda value: b"".join([packed(part) for packed, part in zip(parts, value, strict=True)])
@@ -95,7 +94,7 @@ def _packer(kind: Type) -> Callable[[Any], bytes]:
 
 
 def _unpacker(kind: Type, release: Callable[[int], None]) -> Callable[[Iterator[Any]], Any]:
-    """What makes a returned value of its words."""
+    """Return a function that builds a returned value from its words."""
     if not isinstance(kind, str):
         parts = [_unpacker(one, release) for one in kind]
         return lambda words: tuple([unpacked(words) for unpacked in parts])
@@ -114,13 +113,13 @@ def _unpacker(kind: Type, release: Callable[[int], None]) -> Callable[[Iterator[
 
 
 def _address(array: Any) -> int:
-    """Of the first element."""
-    if array.dtype.names is None:  # of records each field's format would be written down
+    """Return the address of the first element."""
+    if array.dtype.names is None:  # for records, ctypes would write out the format of each field
         try:
             return ctypes.addressof(ctypes.c_char.from_buffer(array))
-        except (TypeError, ValueError):  # what may only be read, or is empty
+        except (TypeError, ValueError):  # read-only or empty
             pass
-    return int(array.ctypes.data)  # this way takes twice as long
+    return int(array.ctypes.data)  # takes twice as long
 
 
 def _array(kind: str) -> tuple[np.dtype[Any], int]:
@@ -129,12 +128,12 @@ def _array(kind: str) -> tuple[np.dtype[Any], int]:
 
 
 def words(kind: Type) -> int:
-    """How many words of eight bytes a value takes."""
+    """Return the number of 8-byte words of a value."""
     return len(_layout(kind))
 
 
 def _layout(kind: Type) -> str:
-    """These words, as `struct` has them."""
+    """Return the layout of a value's words for `struct`."""
     if not isinstance(kind, str):
         return "".join(map(_layout, kind))
     return _NUMBERS[kind] if kind in _NUMBERS else "q" * (5 + 2 * _array(kind)[1])

@@ -1,4 +1,4 @@
-"""Named tuples as numpy records of the same names, which compiled code takes where a tuple would be too long."""
+"""Convert named tuples to numpy records of the same fields, for compiled code with long tuples."""
 
 from functools import cache
 from operator import attrgetter
@@ -11,9 +11,9 @@ _PLAIN = {float: np.float64, int: np.int64, bool: np.bool_}
 
 @cache
 def record_type(kind: type) -> np.dtype[np.void]:
-    """The numpy type of records with the names and kinds of a class's fields.
+    """Return the numpy record type with the fields of a class.
 
-    A field of several is `Annotated[list[X], n]`, and always n of them.
+    A field with several values is `Annotated[list[X], n]`, always of length n.
     """
     return np.dtype([(name, *_field(hint)) for name, hint in get_type_hints(kind, include_extras=True).items()])
 
@@ -26,7 +26,7 @@ def _field(hint: Any) -> tuple[Any, ...]:
 
 
 def records(values: Any, kind: type) -> Any:
-    """Values of one class, named tuples or objects with plain fields, as an array of records."""
+    """Return values of one class, named tuples or objects with plain fields, as an array of records."""
     made = record_type(kind)
     rows = list(values) if issubclass(kind, tuple) else list(map(attrgetter(*made.names or ()), values))
     return np.array(rows, made)

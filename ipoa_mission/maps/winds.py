@@ -16,7 +16,7 @@ from ipoa_mission.maps.grib_winds import grib_winds
 from ipoa_mission.maps.netcdf_winds import netcdf_winds
 from ipoa_mission.maps.wind_levels import STRONGEST, Datum, ForecastWind, ForecastWinds, Times, WindSamples
 from ipoa_mission.unread import gathered
-from ipoa_mission.wind import MOST_LEVELS, Wind
+from ipoa_mission.wind import MAX_LEVELS, Wind
 from ipoa_mission.world.frame import Geodetic
 
 GRIB_BEGINS = b"GRIB"
@@ -79,7 +79,7 @@ def _profile(
     kept = _flown_levels(path, sorted(levels), place, notes)
     blowing = {height: _winds_at_time(path, height, levels[height], time, notes) for height in kept}
     means = {height: winds.mean(axis=0) for height, winds in blowing.items()}
-    picked = [kept[n] for n in np.linspace(0, len(kept) - 1, min(len(kept), MOST_LEVELS)).round().astype(int)]
+    picked = [kept[n] for n in np.linspace(0, len(kept) - 1, min(len(kept), MAX_LEVELS)).round().astype(int)]
     towards = [Wind.towards_north_east(float(means[height][1]), float(means[height][0])) for height in picked]
     wind = Wind(towards[0].speed, towards[0].from_deg)
     if len(picked) > 1:

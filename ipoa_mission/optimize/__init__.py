@@ -1,1 +1,1 @@
-"""Search: algorithms that propose candidates and are told their costs. They know nothing of what is optimized."""
+"""Optimizers propose candidates and receive their costs, without knowledge of the problem."""

@@ -1,9 +1,9 @@
-"""The adaptive pelican, ours: POA's two phases, but with differences instead of products, and steps that learn.
+"""Adaptive pelican, our own algorithm: POA's two phases with difference steps of adaptive size.
 
-POA's steps multiply coordinates, so they favor the origin, and their size is fixed beforehand. Here every step is a
-difference of members, so that moving, turning or stretching the problem changes nothing but crossover; the scale of a
-step is drawn around what lately succeeded (SHADE, Tanabe and Fukunaga 2013); the population shrinks linearly while the
-evaluations are spent (L-SHADE, 2014). Uses its budget of `evaluations` and no more.
+POA's steps multiply coordinates, so they favor the origin, and their size is fixed. Here every step is a difference of
+members, so all but crossover is invariant to translation, rotation and scaling. Step scales are drawn around recently
+successful ones (SHADE, Tanabe and Fukunaga 2013). The population shrinks linearly with the evaluations spent (L-SHADE,
+2014). The search uses at most its budget of `evaluations`.
 """
 
 from dataclasses import dataclass
@@ -18,20 +18,20 @@ from ipoa_mission.optimize.settings import Amount, Between, Count, Fraction
 
 @dataclass(frozen=True)
 class AdaptivePelican:
-    """Pelicans fly towards one of the best, then the best of them wing over the water around themselves.
+    """Pelicans fly towards one of the best; then the best move randomly around themselves.
 
-    The flock begins with `per_dimension` D members, or with fewer where the budget leaves less than
-    `evaluations_per_member` for each, and ends with four.
+    The flock begins with `per_dimension` D members, or fewer if the budget leaves less than `evaluations_per_member`
+    for each. It ends with four.
     """
 
     evaluations: Annotated[int, Between(40)] = 90_060
     per_dimension: Annotated[float, Between(1)] = 12.0
     evaluations_per_member: Annotated[float, Between(10)] = 200.0
-    prey_share: Fraction = 0.11  # how many of the best may be the prey
-    winging_share: Fraction = 0.1  # how many of the best wing over the water
-    surface_share: Fraction = 0.3  # how many of the best say how the water lies
+    prey_share: Fraction = 0.11  # share of the best that may be the prey
+    winging_share: Fraction = 0.1  # share of the best that wing over the water
+    surface_share: Fraction = 0.3  # share of the best that span the water surface
     memories: Count = 6
-    archive: Amount = 1.0  # displaced members kept, for each member of the flock
+    archive: Amount = 1.0  # displaced members kept, per member of the flock
 
     def search(self, box: Box, rng: np.random.Generator) -> Search:
         """Yield the first flock, then two batches a generation, until the evaluations are spent."""
@@ -99,11 +99,11 @@ class AdaptivePelican:
                 displaced = displaced[rng.permutation(len(displaced))[:kept]]
 
 
-_LEAST = 4  # members at the end: as few as a difference step needs
+_LEAST = 4  # members at the end: the fewest for a difference step
 
 
 class _Memory:
-    """What succeeded lately: a ring of weighted Lehmer means, drawn from at random."""
+    """A ring of weighted Lehmer means of recent successes."""
 
     def __init__(self, slots: int, start: float) -> None:
         self._means = np.full(slots, start)
@@ -113,7 +113,7 @@ class _Memory:
         return self._means[rng.integers(len(self._means), size=n)]
 
     def learn(self, values: NDArray[np.float64], gain: NDArray[np.float64]) -> None:
-        """Remember the `values` whose `gain` is positive, each weighted by it."""
+        """Store the weighted mean of the `values` with positive `gain`."""
         good, weight = values[gain > 0], gain[gain > 0]
         total = float(weight @ good)
         if total > 0:
@@ -122,14 +122,14 @@ class _Memory:
 
 
 def _gain(f: Costs, g: Costs) -> Costs:
-    """How much cheaper `g` is than `f`, else 0; what was infinite gains as much as the best of the others."""
+    """Return max(f - g, 0); an infinite `f` gains as much as the best finite one."""
     gain = np.subtract(f, g, out=np.zeros(len(f)), where=g < f)
     finite = np.isfinite(gain)
     return np.where(finite, gain, max(gain[finite].max(initial=0), 1e-300))
 
 
 def _cauchy(centers: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
-    """Scales Cauchy-distributed around `centers`, drawn again until positive, at most 1."""
+    """Return Cauchy-distributed scales around `centers`, redrawn until positive, at most 1."""
     drawn = centers + 0.1 * rng.standard_cauchy(len(centers))
     while (again := np.flatnonzero(drawn <= 0)).size:
         drawn[again] = centers[again] + 0.1 * rng.standard_cauchy(again.size)
@@ -137,7 +137,7 @@ def _cauchy(centers: NDArray[np.float64], rng: np.random.Generator) -> NDArray[n
 
 
 def _other_than(taken: NDArray[np.intp], n: int, rng: np.random.Generator) -> NDArray[np.intp]:
-    """One index below `n` for each row of `taken` (rows ascending), unlike all in that row."""
+    """Return one index below `n` for each row of `taken` (rows ascending), different from all in that row."""
     index = rng.integers(n - taken.shape[1], size=len(taken))
     for column in taken.T:
         index += index >= column
@@ -145,13 +145,13 @@ def _other_than(taken: NDArray[np.intp], n: int, rng: np.random.Generator) -> ND
 
 
 def _halfway_back(trial: Candidates, parent: Candidates, box: Box) -> Candidates:
-    """A coordinate that left the box is set halfway between its parent and the bound that it crossed."""
+    """Set each coordinate outside the box halfway between its parent and the bound it crossed."""
     trial = np.where(trial < box.lower, (parent + box.lower) / 2, trial)
     return np.where(trial > box.upper, (parent + box.upper) / 2, trial)
 
 
 def _settle(x: Candidates, f: Costs, trial: Candidates, g: Costs) -> tuple[Candidates, Costs]:
-    """The first members make way for trials that cost no more: on a plateau, moving on is better than staying."""
+    """Replace the first members by trials of equal or lower cost; an equal cost moves on, across plateaus."""
     m = len(trial)
     goes = g <= f[:m]
     x, f = x.copy(), f.copy()

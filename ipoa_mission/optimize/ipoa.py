@@ -1,9 +1,10 @@
 """IPOA, the multi-strategy improved pelican algorithm (Qiu, Dai and Zhao, Biomimetics 2024, 9, 647), section 4.2.
 
-Each of its four strategies can be switched off. Where the print is open, the reading is a setting: taken as printed,
-eq. (27) multiplies the whole position by (1 + s), a blow to any function whose optimum is not at the origin of
-coordinates (`reading="literal"`); by default it multiplies the exploitation step (`reading="step"`).
-Costs 2 N + 3 N T evaluations with all strategies: 90,060 for N = 30 and T = 1000.
+Each of its four strategies can be switched off. Ambiguous formulas are settings. As printed, eq. (27) multiplies the
+whole position by (1 + s), which fails for an optimum away from the origin (`reading="literal"`). By default it
+multiplies the exploitation step (`reading="step"`).
+
+With all strategies it costs 2 N + 3 N T evaluations: 90,060 for N = 30 and T = 1000.
 """
 
 import math
@@ -22,7 +23,7 @@ from ipoa_mission.optimize.settings import Amount, Between, Count, Fraction, Mem
 class IPOA:
     """POA with a chaotic and refracted start, an inertia weight, Levy flights and a t-distributed mutation.
 
-    Defaults are those of Table 2 where it has them; k n of eq. (20) and the range of eq. (29) are not given there.
+    Defaults are those of Table 2. It gives none for k n of eq. (20) and the range of eq. (29).
 
     Attributes:
         population: pelicans, N.
@@ -37,13 +38,13 @@ class IPOA:
         inertia: (22), (23); off: omega is 1.
         levy: (24)-(27); off: POA's own exploitation.
         mutation: (28)-(30); off: no third batch.
-        reading: what s of (27) multiplies.
+        reading: the factor of s in (27).
         weight: omega of (22).
         prey: a member of the population, or the best one.
         mutated: (30) for each, for the best only; (28) around each.
-        rand: what rand of (23) is drawn for; the authors of POA: a pelican.
-        steps: what s of (27) and t(nu) of (30) are drawn for.
-        share: of s that is taken: 0.01 is usual in cuckoo search and Harris hawks.
+        rand: rand of (23) is drawn for each pelican, as by the authors of POA, or each coordinate.
+        steps: s of (27) and t(nu) of (30) are drawn for each pelican or each coordinate.
+        share: factor on s; 0.01 is usual in cuckoo search and Harris hawks.
 
     Example:
         >>> IPOA(iterations=200, mutation=False).population
@@ -76,11 +77,11 @@ class IPOA:
         """Yield 2 N candidates (N without the chaotic start), then two or three batches an iteration.
 
         Args:
-            box: the space that is searched.
-            rng: where the random numbers come from.
+            box: the search space.
+            rng: the source of random numbers.
 
         Returns:
-            A generator of candidates (n, D), which is sent costs (n,).
+            A generator of candidates (n, D) that receives costs (n,).
         """
         n, d = self.population, box.dimension
         rands, steps = (1 if drawn_for == "pelican" else d for drawn_for in (self.rand, self.steps))
@@ -139,14 +140,14 @@ class IPOA:
                     x, f = keep_better(x, f, trial, (yield trial))
 
     def _omega(self, done: float) -> float:
-        """The nonlinear inertia weight, (22); `done` is t/T."""
+        """Return the nonlinear inertia weight, (22); `done` is t/T."""
         if self.weight == "exp(t/T)":
             return math.exp(done)
         return math.exp(done - 1) if self.weight == "exp(t/T-1)" else math.expm1(done)
 
 
 def iterate_chaotic_map(a: float, count: int, width: int, rng: np.random.Generator) -> NDArray[np.float64]:
-    """The iterative chaotic map, eq. (18): `count` iterates of `width` sequences, (count, width), in [-1, 1]."""
+    """Return `count` iterates of `width` sequences of the chaotic map, eq. (18), (count, width), in [-1, 1]."""
     z = np.empty((count, width))
     last = 1 - 2 * (1 - rng.random(width)) + np.finfo(float).tiny  # never 0
     for row in z:
@@ -155,6 +156,6 @@ def iterate_chaotic_map(a: float, count: int, width: int, rng: np.random.Generat
 
 
 def refract(x: Candidates, box: Box, kn: float) -> Candidates:
-    """The refracted opposites of `x`, eq. (20); `kn` is the scale factor times the index of refraction."""
+    """Return the refracted opposites of `x`, eq. (20); `kn` is the scale factor times the index of refraction."""
     middle = (box.lower + box.upper) / 2
     return middle + middle / kn - x / kn

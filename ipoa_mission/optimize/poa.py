@@ -1,7 +1,7 @@
-"""POA, the pelican optimization algorithm (Trojovsky and Dehghani, Sensors 2022, 22, 855), as its authors' code has it.
+"""POA, the pelican optimization algorithm (Trojovsky and Dehghani, Sensors 2022, 22, 855), as in its authors' code.
 
-Two things the formulas do not say and the authors' code does: the prey is a member of the population, drawn once an
-iteration, and `rand` of eq. (14) is one number for each pelican. Costs N + 2 N T evaluations.
+Two details come from that code: the prey is a member of the population, drawn once an iteration, and `rand` of eq. (14)
+is one number per pelican. Costs N + 2 N T evaluations.
 """
 
 from dataclasses import dataclass
@@ -17,8 +17,8 @@ from ipoa_mission.optimize.settings import Amount, Count, Members
 class POA:
     """Pelicans move towards prey, then wing on the water surface; both moves are accepted greedily.
 
-    `radius` is the paper's R (Table 2: 0.2). `rand` is what `rand` of eq. (14) is drawn for: a pelican, as the
-    authors do, or each of its coordinates.
+    `radius` is the paper's R (Table 2: 0.2). `rand` of eq. (14) is drawn per pelican, as by the authors, or per
+    coordinate.
     """
 
     population: Members = 30
@@ -40,7 +40,7 @@ class POA:
 
 
 def towards_prey(x: Candidates, f: Costs, width: int, rng: np.random.Generator) -> Candidates:
-    """Moving towards prey, eq. (14), or away from it where it costs more; `width` numbers a pelican are drawn."""
+    """Move towards prey, eq. (14), or away from costlier prey, with `width` random numbers per pelican."""
     n = len(x)
     k = rng.integers(n)
     prey, prey_cost = x[k], f[k]
@@ -51,5 +51,5 @@ def towards_prey(x: Candidates, f: Costs, width: int, rng: np.random.Generator) 
 
 
 def wing(x: Candidates, radius: float, rng: np.random.Generator) -> Candidates:
-    """Winging on the water surface, eq. (16); `radius` is R (1 - t/T)."""
+    """Wing on the water surface, eq. (16); `radius` is R (1 - t/T)."""
     return x + radius * (2 * rng.random(x.shape) - 1) * x

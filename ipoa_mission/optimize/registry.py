@@ -1,8 +1,7 @@
-"""The optimizers by name, and how one is made from a name and settings that a user wrote.
+"""Registry of optimizers: build one from a name and user settings.
 
-Three are here. Others are found by entry points of the group `ipoa_mission.optimizers`, in whatever package has them:
-an optimizer of one's own is a frozen dataclass with a `search` (see `search.Optimizer`), and a line in the
-`pyproject.toml` of its package.
+Three are built in. Other packages register theirs as entry points of the group `ipoa_mission.optimizers`: a frozen
+dataclass with a `search` (see `search.Optimizer`) and a line in the package's `pyproject.toml`.
 """
 
 from collections.abc import Mapping
@@ -20,20 +19,19 @@ from ipoa_mission.optimize.search import Optimizer
 from ipoa_mission.optimize.settings import check_setting
 
 GROUP = "ipoa_mission.optimizers"
-#: Those that need no looking for.
 BUILT_IN: dict[str, type[Optimizer]] = {"ipoa": IPOA, "poa": POA, "adaptive-pelican": AdaptivePelican}
 
 
 def optimizer_names() -> list[str]:
-    """The names of all optimizers, those of other packages after ours."""
+    """Return the names of all optimizers, built-in ones first."""
     return [*BUILT_IN, *sorted(_registered().keys() - BUILT_IN.keys())]
 
 
 def optimizer_class(name: str) -> type[Optimizer]:
-    """The optimizer called `name`.
+    """Return the optimizer class called `name`.
 
     Raises:
-        BadInput: there is none of that name, or what registers it cannot be imported.
+        BadInput: no optimizer has this name, or its registered class cannot be imported.
     """
     if name in BUILT_IN:
         return BUILT_IN[name]
@@ -48,16 +46,16 @@ def optimizer_class(name: str) -> type[Optimizer]:
         words = f"{name} is registered as {registered.value}, which fails: {error}"
         raise BadInput(words, place="optimizer.name") from error
     if not (isinstance(found, type) and hasattr(found, "search") and hasattr(found, "__dataclass_fields__")):
-        words = f"{name} is registered as {registered.value}, which is no dataclass with a search"
+        words = f"{name} is registered as {registered.value}, not a dataclass with a search method"
         raise BadInput(words, place="optimizer.name")
     return found
 
 
 def build_optimizer(name: str, settings: Mapping[str, object]) -> Optimizer:
-    """The optimizer called `name` with `settings`; what is not set keeps its default.
+    """Build the optimizer called `name` with `settings`; other settings keep their defaults.
 
     Raises:
-        BadInput: no such optimizer, no such setting, or a value it cannot have.
+        BadInput: the optimizer or setting does not exist, or a value is out of range.
     """
     kind = optimizer_class(name)
     types = get_type_hints(kind, include_extras=True)

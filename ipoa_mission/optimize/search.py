@@ -1,7 +1,7 @@
-"""The one loop that all optimizers share: an optimizer yields candidates and is sent their costs.
+"""The loop shared by all optimizers: an optimizer yields candidates and receives their costs.
 
-An optimizer never calls the cost function, so it cannot miscount its budget, and several phases an iteration
-need no flag: each phase is a `yield`.
+An optimizer never calls the cost function, so it cannot miscount its budget. Several phases an iteration need no flag:
+each phase is a `yield`.
 """
 
 from collections.abc import Callable, Generator
@@ -17,12 +17,12 @@ Candidates: TypeAlias = NDArray[np.float64]  # (n, D)
 Costs: TypeAlias = NDArray[np.float64]  # (n,)
 Search: TypeAlias = Generator[Candidates, Costs, None]
 
-SEARCH_EVALUATIONS = 30_000  # about as many as the paper gives a search
+SEARCH_EVALUATIONS = 30_000  # about as many as one search of the paper
 
 
 @dataclass(frozen=True)
 class Box:
-    """The space that is searched: a range for each of its D variables.
+    """The search space: a range for each of D variables.
 
     Attributes:
         lower: least values, (D,).
@@ -42,24 +42,16 @@ class Box:
         return len(self.lower)
 
     def sample(self, n: int, rng: np.random.Generator) -> Candidates:
-        """Candidates drawn uniformly: the paper's eq. (13).
-
-        Args:
-            n: how many.
-            rng: where the random numbers come from.
-
-        Returns:
-            The candidates, (n, D).
-        """
+        """Return `n` uniformly drawn candidates (n, D): the paper's eq. (13)."""
         return self.lower + rng.random((n, self.dimension)) * (self.upper - self.lower)
 
     def clip(self, x: Candidates) -> Candidates:
-        """Out-of-range coordinates set to the bound, as the authors of POA do."""
+        """Clip coordinates to the bounds, as the authors of POA do."""
         return np.clip(x, self.lower, self.upper)
 
 
 class Optimizer(Protocol):
-    """An algorithm with its settings: whatever has such a `search`.
+    """An algorithm with its settings: any object with such a `search`.
 
     Example:
         >>> class Once:
@@ -72,23 +64,15 @@ class Optimizer(Protocol):
     """
 
     def search(self, box: Box, rng: np.random.Generator) -> Search:
-        """Yield candidates (n, D) and be sent their costs (n,), until the algorithm's own number of iterations is done.
-
-        Args:
-            box: the space that is searched.
-            rng: where the random numbers come from.
-
-        Returns:
-            A generator.
-        """
+        """Yield candidates (n, D) and receive their costs (n,), until the algorithm's own iterations are done."""
         ...
 
 
 @dataclass(frozen=True)
 class Optimum:
-    """What a search found: the best candidate (D,), its cost, and how it came there.
+    """Result of a search: the best candidate (D,), its cost, and the convergence history.
 
-    `evaluations[i]` evaluations had been spent when the best cost known was `history[i]`; one entry a batch.
+    The best cost after `evaluations[i]` evaluations was `history[i]`; one entry a batch.
     """
 
     x: NDArray[np.float64]
@@ -109,15 +93,15 @@ def minimize(
     """Run an optimizer on a cost; stop before the batch that would exceed the budget.
 
     Args:
-        cost: takes many candidates at once, (n, D), and returns a cost for each, (n,).
-        box: the space that is searched.
+        cost: function from candidates (n, D) to costs (n,).
+        box: the search space.
         optimizer: the algorithm with its settings.
-        rng: where the random numbers come from.
-        budget: how many evaluations there may be; left out, as many as the optimizer makes.
-        progress: told the share done, a guess without a budget, and the best cost, after each batch.
+        rng: the source of random numbers.
+        budget: greatest number of evaluations; None: as many as the optimizer makes.
+        progress: called after each batch with the share done (estimated without a budget) and the best cost.
 
     Returns:
-        The best candidate `x` (D,), its `cost`, and the best cost known (`history`) after so many `evaluations`.
+        The best candidate `x` (D,), its `cost`, and the best cost (`history`) after each number of `evaluations`.
 
     Example:
         >>> from ipoa_mission import IPOA, Box, minimize
@@ -148,6 +132,6 @@ def minimize(
 
 
 def keep_better(x: Candidates, f: Costs, trial: Candidates, g: Costs) -> tuple[Candidates, Costs]:
-    """Greedy acceptance, the paper's eqs. (15) and (17): a trial replaces its parent when it costs less."""
+    """Accept greedily, the paper's eqs. (15) and (17): a trial replaces its parent if it costs less."""
     won = g < f
     return np.where(won[:, None], trial, x), np.where(won, g, f)

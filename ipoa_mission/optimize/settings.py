@@ -1,7 +1,6 @@
-"""What a setting of an optimizer may be: the types and ranges that its fields declare, and the check of a value.
+"""Types and ranges of optimizer settings, and the check of a value.
 
-An optimizer is a frozen dataclass; its fields are its settings. `Annotated[int, Between(1, ...)]` says the range once,
-where the field is; `check_setting` reads it from there.
+An optimizer is a frozen dataclass; its fields are its settings. `Annotated[int, Between(1, ...)]` declares a range.
 """
 
 import math
@@ -13,7 +12,7 @@ from ipoa_mission.errors import BadInput
 
 @dataclass(frozen=True)
 class Between:
-    """The smallest and the largest value that a number may have."""
+    """The least and greatest value of a number."""
 
     least: float
     most: float = math.inf
@@ -23,16 +22,16 @@ class Between:
 
 
 Count: TypeAlias = Annotated[int, Between(1)]
-Members: TypeAlias = Annotated[int, Between(4)]  # a population: enough for a step between distinct members
+Members: TypeAlias = Annotated[int, Between(4)]  # of a population: enough for a step between distinct members
 Fraction: TypeAlias = Annotated[float, Between(0, 1)]
 Amount: TypeAlias = Annotated[float, Between(0)]
 
 
 def check_setting(place: str, kind: Any, value: object) -> object:
-    """`value` if it is of `kind` (bool, int, float, a Literal, or Annotated with a `Between`), numbers converted.
+    """Return `value` as `kind`: bool, int, float, a Literal, or Annotated with a `Between`.
 
     Raises:
-        BadInput: it is not; the message begins with `place` and says what was expected.
+        BadInput: it is not; the message begins with `place` and names the expected kind.
     """
     (kind, *rest) = get_args(kind) if get_origin(kind) is Annotated else (kind,)
     limits = next((r for r in rest if isinstance(r, Between)), Between(-math.inf))

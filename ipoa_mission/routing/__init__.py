@@ -1,1 +1,1 @@
-"""How a path's waypoints are chosen."""
+"""Choose the waypoints of a path."""

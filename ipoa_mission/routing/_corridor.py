@@ -1,4 +1,4 @@
-"""The fewest straight legs beside a curve, compiled: a shortest path over all pairs of spots that a leg may join."""
+"""Compiled search for the fewest straight legs near a curve: a shortest path over all pairs that a leg may join."""
 
 # mypy: disable-error-code="no-untyped-def,misc"
 
@@ -8,12 +8,12 @@ import numpy as np
 
 from ipoa_mission.compiled import njit
 
-FIRST_LOOK = 16  # a leg may be looked for over so many samples at first
+FIRST_LOOK = 16  # samples in the first search window for the end of a leg
 
 
 @njit(inline="always")
 def _strays(samples, i, j, start, end, most):
-    """How far samples i to j, the first left out, leave the leg from `start` to `end` [m]; or infinite: over `most`."""
+    """Return the greatest distance of samples i+1..j from the leg `start`-`end` [m], or infinity above `most`."""
     x, y, z = end[0] - start[0], end[1] - start[1], end[2] - start[2]
     square, farthest = max(x * x + y * y + z * z, 1e-12), 0.0
     for k in range(i + 1, j + 1):
@@ -29,11 +29,11 @@ def _strays(samples, i, j, start, end, most):
 
 @njit(cache=True, error_model="numpy")
 def fewest_legs(samples, spots, last, tolerance):
-    """From which spot (n, sides, 2) each of `spots` (n, sides, 3), beside samples (n, 3), is best come to.
+    """Return the predecessor (n, sides, 2) of each of `spots` (n, sides, 3) near samples (n, 3).
 
-    By the fewest legs that leave the samples by `tolerance` at most; of as many, by those with the least sum of squared
-    deviations. A leg from sample i ends at `last[i]` (n,) at the latest. The search for its end widens, half as far
-    again each time, until no leg of the last two widenings fits: a curve that comes back later is not looked for.
+    Minimize the number of legs that leave the samples by at most `tolerance`, then the sum of squared deviations. A leg
+    from sample i ends at `last[i]` (n,) or before. The search window for its end grows by half each time. The search
+    stops after two windows without a fit, so a curve that returns later is not found.
     """
     n, sides = spots.shape[:2]
     legs, strain = np.full((n, sides), n + 1), np.full((n, sides), np.inf)

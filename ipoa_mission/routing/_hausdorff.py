@@ -1,4 +1,4 @@
-"""How far places are from others at most, compiled."""
+"""Compiled directed Hausdorff distance."""
 
 # mypy: disable-error-code="no-untyped-def,misc"
 
@@ -9,10 +9,10 @@ from ipoa_mission.compiled import njit
 
 @njit(cache=True, error_model="numpy")
 def farthest(points, others):
-    """The greatest distance from one of `points` (n, 3) to the nearest of `others` (m, 3), (directed) Hausdorff's.
+    """Return the greatest distance from one of `points` (n, 3) to the nearest of `others` (m, 3): directed Hausdorff.
 
-    A point is done with as soon as another is nearer than that (Taha and Hanbury 2015). Places along two lines are
-    looked at from the nearest of the point before on, so that few of all pairs are.
+    A point is dropped once another is nearer than the current maximum (Taha and Hanbury 2015). The search begins at the
+    nearest neighbor of the previous point, so for points along two lines few pairs are compared.
     """
     most, near = 0.0, 0
     for p in range(len(points)):

@@ -1,7 +1,7 @@
-"""From a plan to a mission: choose the waypoints as the scenario asks, and build the mission that flies them.
+"""Build the mission for a plan, with the waypoints that the scenario asks for.
 
-Each mode of `scenario.route` is one way to choose: `even` as the paper resamples, `corridor` the fewest straight legs,
-`spline` one smooth curve (ArduPilot), `fastest` whichever is quickest on this autopilot.
+Modes of `scenario.route`: `even` resamples as the paper does, `corridor` uses the fewest straight legs, `spline` one
+smooth curve (ArduPilot), `fastest` the quickest of these on this autopilot.
 """
 
 import math
@@ -22,42 +22,41 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.autopilot import Autopilot
 
 HALVINGS = 6  # of the step or the tolerance, before a mode gives up
-NARROW = 2  # so many times halved, the waypoints lie close along the curve
-TURNED_LATE = 2.5  # where PX4, which then flies slower, turns to the next waypoint [m]
+NARROW = 2  # halvings after which the waypoints are close along the curve
+TURNED_LATE = 2.5  # acceptance radius at which PX4, flying slower, turns to the next waypoint [m]
 MODES = ("even", "corridor", "spline", "fastest")
 
 
 @dataclass(frozen=True)
 class Option:
-    """A way to choose waypoints and what it would come to on this autopilot, from start to goal."""
+    """One choice of waypoints, with its flight from start to goal on this autopilot."""
 
     mode: str
     route: Route
     seconds: float
     deviation: float
-    """How far the vehicle would leave the planned curve [m]."""
+    """Greatest distance between the flown path and the planned curve [m]."""
     flies_clear: bool
-    """Whether the predicted path keeps every limit, corners cut and overshot."""
+    """Whether the predicted path, with its cut corners and overshoots, keeps every limit."""
     ratio: float
-    """How many times the least time that the planned curve takes under the same limits, or the quickest route if one
-    is quicker than that, beside the curve.
+    """Ratio to the least time of the planned curve under the same limits, or to the quickest route if that is quicker.
     """
     passed_over: str = ""
-    """Why `fastest` does not fly it, where it is quicker than what that flies."""
+    """Reason why `fastest` does not select it although it is quicker; empty otherwise."""
 
 
 def assemble(plan: Plan, scenario: Scenario) -> Mission:
-    """Make the mission that flies a plan: waypoints chosen as `scenario.route` asks, and its ending.
+    """Build the mission that flies a plan, with waypoints and ending as `scenario.route` asks.
 
     Args:
         plan: the path.
-        scenario: what it was planned for.
+        scenario: the scenario of the plan.
 
     Returns:
         Home, items, fence and rally points, the vehicle's parameters.
 
     Raises:
-        BadInput: the start lies too low over home for a take-off to end there, or the autopilot has no such waypoints.
+        BadInput: the start is too low for a take-off to end there, or the autopilot has no such waypoints.
         NoRoute: no choice of waypoints keeps the required clearance.
 
     Example:
@@ -71,10 +70,10 @@ def assemble(plan: Plan, scenario: Scenario) -> Mission:
 
 
 def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
-    """The waypoints that one mode chooses; their legs, and the path that is predicted, keep the required clearance.
+    """Return the route of one mode whose legs and predicted path keep the required clearance.
 
     Raises:
-        NoRoute: none that were tried do; it has the widest and a narrow one.
+        NoRoute: no tried route does; `tried` holds the widest and a narrow one.
     """
     if mode == "fastest":
         return fastest_route(plan, scenario) or choose_route(plan, scenario, "corridor")
@@ -94,16 +93,16 @@ def choose_route(plan: Plan, scenario: Scenario, mode: str) -> Attempt:
 
 
 def best_route(plan: Plan, scenario: Scenario, promising: float) -> Attempt:
-    """The best of the quick routes, and of all where that is short of a limit by less than `promising` [m]."""
+    """Return the best quick route, or the best of all routes if it misses a limit by less than `promising` [m]."""
     quick = _first_promised(_near_routes(plan, scenario))
     if not quick.is_promised and quick.slack < promising:
         return quick
-    whole = _first_promised(_routes(plan, scenario))  # another path makes endings clear, and no slower route
+    whole = _first_promised(_routes(plan, scenario))  # another path, not a slower route, makes contingencies clear
     return whole if whole.is_promised else max(quick, whole, key=lambda attempt: attempt.merit)
 
 
 def _first_promised(attempts: Iterable[Attempt]) -> Attempt:
-    """The first of them that is, or else the one that comes nearest to it."""
+    """Return the first attempt that is promised, or the one with the most slack."""
     seen = list[Attempt]()
     for attempt in attempts:
         seen.append(attempt)
@@ -113,7 +112,7 @@ def _first_promised(attempts: Iterable[Attempt]) -> Attempt:
 
 
 def _routes(plan: Plan, scenario: Scenario) -> Iterator[Attempt]:
-    """The route of the scenario's mode; where the fastest is not promised, those of other modes."""
+    """Yield the route of the scenario's mode; if the fastest is not promised, also those of other modes."""
     modes = [scenario.route.mode]
     if modes == ["fastest"]:
         modes += ["corridor", "even"]
@@ -124,11 +123,11 @@ def _routes(plan: Plan, scenario: Scenario) -> Iterator[Attempt]:
         except NoRoute as error:
             yield from (Attempt(plan, route, scenario) for route in error.tried)
             if mode == "fastest":
-                modes.remove("corridor")  # that was its last resort
+                modes.remove("corridor")  # already tried as the fallback of `fastest`
 
 
 def _near_routes(plan: Plan, scenario: Scenario) -> tuple[Attempt, ...]:
-    """A few routes of the scenario's mode, chosen quickly; nobody looked whether they keep anything."""
+    """Yield a few quick routes of the scenario's mode, without a check of their limits."""
     mode = scenario.route.mode
     choose, width = _chooser(plan, scenario, "corridor" if mode == "fastest" else mode)
     wide, narrow = choose(width), choose(width / 2**NARROW)
@@ -140,19 +139,19 @@ def _near_routes(plan: Plan, scenario: Scenario) -> tuple[Attempt, ...]:
 
 
 def weigh_routes(plan: Plan, scenario: Scenario, chosen: Attempt | None = None) -> tuple[Option, ...]:
-    """Weigh every mode that this autopilot can fly against the others.
+    """Compare every mode that this autopilot can fly.
 
     Args:
         plan: the path.
-        scenario: what it was planned for.
-        chosen: the try of the scenario's own mode, if it is known and keeps its limits.
+        scenario: the scenario of the plan.
+        chosen: the attempt of the scenario's own mode, if known and within its limits.
 
     Returns:
-        What each would come to, quickest first.
+        The options, quickest first.
 
     Raises:
-        BadInput, NoRoute: as `assemble`, where nothing is `chosen` and the scenario's own mode fails; the others are
-            left out where they do.
+        BadInput, NoRoute: as `assemble`, if `chosen` is None and the scenario's own mode fails. Other modes that
+            fail are left out.
 
     Example:
         >>> from ipoa_mission import plan_path, read_scenario, weigh_routes
@@ -180,7 +179,7 @@ def weigh_routes(plan: Plan, scenario: Scenario, chosen: Attempt | None = None) 
 
 
 def _passed_over(attempt: Attempt, chosen: Flown, is_clear: bool) -> str:
-    """Why a route is not the fastest, though it is quicker than the `chosen` one."""
+    """Return why a route is not selected although it is quicker than `chosen`."""
     flown, tolerance = attempt.flown, attempt.scenario.route.tolerance
     if not is_clear:
         return "not clear"
@@ -189,28 +188,28 @@ def _passed_over(attempt: Attempt, chosen: Flown, is_clear: bool) -> str:
     if flown.overrun > SEARCH.most_overrun:
         return "would brake beyond the goal"
     if flown.seconds + flown.late > (1 - SEARCH.equal_share) * (chosen.seconds + chosen.late):
-        return "hardly quicker"
+        return "not noticeably quicker"
     try:
-        return "not sought" if attempt.holds else "its ending is not clear"
+        return "not found by the search" if attempt.holds else "its ending is not clear"
     except MissionError as error:
         return str(error)
 
 
 def _least_time(plan: Plan, scenario: Scenario) -> float:
-    """What no vehicle with these limits can beat on the planned curve [s]."""
+    """Return the least time [s] that any vehicle with these limits needs for the planned curve."""
     vehicle = scenario.vehicle
     limits = kinematics(vehicle.autopilot, vehicle.autopilot_parameters(), vehicle.cruise_speed)
     return least_time(plan.curve.sample(max(2, math.ceil(plan.curve.length))), limits).seconds
 
 
 def expect_mode(mode: str, autopilot: Autopilot) -> None:
-    """Complain of a mode that chooses waypoints which an autopilot does not fly."""
+    """Raise if the autopilot does not fly the waypoints of a mode."""
     if mode == "spline" and not autopilot.guidance.flies_splines:
         raise BadInput("expected even, corridor or fastest: only ArduPilot flies spline waypoints", place="route.mode")
 
 
 def _chooser(plan: Plan, scenario: Scenario, mode: str) -> tuple[Callable[[float], Attempt], float]:
-    """How a mode chooses waypoints by a width, moved clear, and the width that the scenario asks for [m]."""
+    """Return a function from width [m] to a cleared route, and the width that the scenario asks for [m]."""
     expect_mode(mode, scenario.vehicle.autopilot)
     via = scenario.via_points
 

@@ -1,4 +1,4 @@
-"""One try of a flight: a route along a plan, and all that is known of it, each worked out when it is first asked."""
+"""An attempt: a route along a plan, with its lazily computed forecast, proof and margins."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -24,27 +24,27 @@ from ipoa_mission.scenario import Scenario
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """A route along the curve of a plan, flown in the world of a scenario."""
+    """A route along the curve of a plan, in the world of a scenario."""
 
     plan: Plan
     route: Route
     scenario: Scenario
 
     def along(self, points: Points) -> "Attempt":
-        """The same through other waypoints (k, 3)."""
+        """Return an attempt through other waypoints (k, 3)."""
         return replace(self, route=replace(self.route, points=points))
 
     @cached_property
     def draft(self) -> Forecast:
-        """The flight of its mission before anybody looked at the ways from home to the start and back."""
+        """Forecast the mission without its legs between home and the start."""
         return Forecast(draft_mission(self.route, self.scenario), self.scenario)
 
     @cached_property
     def whole(self) -> Forecast:
-        """That of its whole mission, where it can be one: where the draft promises what it must.
+        """Forecast the whole mission if the draft keeps its limits, else return the draft.
 
         Raises:
-            NoRoute, Unsafe, BadInput: as `build_mission`, of a route that may be flown otherwise.
+            NoRoute, Unsafe, BadInput: as `build_mission`.
         """
         if self.draft.promise.forbidding:
             return self.draft
@@ -59,43 +59,42 @@ class Attempt:
 
     @property
     def forecast(self) -> Forecast:
-        """The same with what its endings need of the vehicle and of rally points, where they are planned."""
+        """Forecast with the vehicle parameters and rally points that planned contingencies need."""
         return self._settled[0]
 
     @property
     def short(self) -> tuple[Shortfall, ...]:
-        """What its endings lack all the same, where they are planned."""
+        """Return the clearance that planned contingencies still lack."""
         return self._settled[1]
 
     @property
     def promise(self) -> Promise:
-        """What its flights keep."""
         return self.forecast.promise
 
     @property
     def is_promised(self) -> bool:
-        """Whether enough flights keep every limit on the way; of its endings nothing is asked."""
+        """Whether enough flights keep every limit on the way, without regard to contingencies."""
         return not self.whole.promise.forbidding
 
     @property
     def holds(self) -> bool:
-        """Whether enough flights keep every limit on the way, and every ending that is planned is clear."""
+        """Whether enough flights keep every limit on the way and every planned contingency is clear."""
         return self.is_promised and not self.short and not self.promise.forbidding
 
     @property
     def slack(self) -> float:
-        """How much more than required is kept on the way and by its endings, of all limits the least [m]."""
+        """Return the least margin over all limits, on the way and in planned contingencies [m]."""
         kept = min((kept.slack for kept in self.promise.limits if kept.on_the_way), default=0.0)
         return min([kept, *(-one.missing for one in self.short)])
 
     @property
     def merit(self) -> tuple[bool, float]:
-        """What of two attempts the better one has more of."""
+        """Return the key by which attempts are compared; greater is better."""
         return self.holds, self.slack
 
     @cached_property
     def proof(self) -> Proof:
-        """Whether the way between its waypoints keeps the limits, in straight legs or along its curves."""
+        """Prove that the way between the waypoints keeps the limits, along straight legs or splines."""
         if not self.route.spline:
             return prove(self.route.points, self.scenario, spare=0.0)
         between = {index + 1 for index in items_of_waypoints(self.route)[1:]}
@@ -104,13 +103,13 @@ class Attempt:
 
     @cached_property
     def flown(self) -> "Flown":
-        """It as `estimate` has its whole mission."""
         return _flown(self, self.draft, sure=False)
 
     @cached_property
     def sketched(self) -> "Flown":
-        """The same by a vehicle that knows where it is, and no farther than the goal: for PX4, whose flights are noisy,
-        in a small part of the time. The path is the same; the noise adds some seconds.
+        """Fly the mission without sensor noise and only to the goal: much quicker to compute for PX4.
+
+        The path is the same; noise adds some seconds.
         """
         mission = self.draft.given
         return _flown(self, Forecast(replace(mission, items=mission.items[:-1]), self.scenario), sure=True)
@@ -118,11 +117,11 @@ class Attempt:
 
 @dataclass(frozen=True, eq=False)
 class Flown:
-    """An attempt as the time model flies it, from over the start to the last waypoint: seconds, and its track until the
-    vehicle could stand.
+    """The flight of an attempt by the time model, from over the start to the last waypoint.
 
-    `overrun`: how far beyond the goal it could stand, braking as it may from where the goal counts as reached [m].
-    `late` are the seconds that nine flights in ten keep, and `missed` is how many waypoints a flight misses on average.
+    `track` ends where the vehicle could stop. `overrun` is how far beyond the goal it could stop, braking from where
+    the goal counts as reached [m]. `late` is the 90 % quantile of the duration [s], `missed` the mean number of missed
+    waypoints.
     """
 
     attempt: Attempt
@@ -134,23 +133,23 @@ class Flown:
 
     @cached_property
     def path(self) -> Points:
-        """Straight legs (n, 3) for the places."""
+        """Return the path as straight legs (n, 3)."""
         return thinned(self.track.points)
 
     @cached_property
     def deviation(self) -> float:
-        """How far the path and the planned curve are apart [m]."""
+        """Return the greatest distance between the path and the planned curve [m]."""
         return deviation(self.path, self.attempt.plan.curve)
 
     @property
     def slack(self) -> float:
-        """How much more than required the predicted path keeps, of clearance, ground and bounds the least [m]."""
+        """Return the least margin of the predicted path, of clearance, ground, ceiling and bounds [m]."""
         checks = prove(self.path, self.attempt.scenario).checks
         return min(c.slack for c in checks if c.limit in ("obstacles", "ground", "ceiling", "bounds"))
 
     @property
     def keeps_limits(self) -> bool:
-        """Whether the predicted path keeps clearance, ground and bounds, and the tube round it as often as it must."""
+        """Whether the predicted path keeps its limits, and its deviation bound with the required probability."""
         scenario = self.attempt.scenario
         return deviation_bound_holds(pieces_of(self.track), scenario.vehicle.autopilot, scenario)
 
@@ -173,7 +172,7 @@ def _flown(attempt: Attempt, forecast: Forecast, sure: bool) -> Flown:
 
 
 def _motion(track: Track, end: float) -> Vector:
-    """The velocity (3,) [m/s] with which a time is come to."""
+    """Return the velocity (3,) [m/s] just before the time `end`."""
     last = max(int(np.searchsorted(track.times, end, side="right")) - 1, 1)
     way = track.points[last] - track.points[last - 1]
     return np.asarray(way / max(float(np.linalg.norm(way)), 1e-9) * track.speeds[last])

@@ -1,7 +1,7 @@
-"""A mission too long for one battery as several flights, each of which comes home clear and with its reserve.
+"""Split a mission too long for one battery into flights that each return home clear and with reserve.
 
-Each begins with the mission's take-off, goes on at the waypoint where the one before it turned home, with the speed and
-the triggers that the mission has there, and returns by RTL; the last one ends as the mission does.
+Each flight begins with the mission's take-off and resumes at the waypoint where the previous one turned home, with the
+speed and triggers in force there. All but the last return by RTL; the last ends as the mission does.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -17,14 +17,14 @@ from ipoa_mission.mission.items import Item, Mission, camera_trigger, return_to_
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.frame import Geodetic
 
-#: Where a flight may turn home and another go on.
+#: Commands at which a flight may turn home and another resume.
 TURNS = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT})
-#: What leads elsewhere than to the next item.
+#: Commands that lead elsewhere than to the next item.
 JUMPS = frozenset({
     Command.DO_JUMP, Command.DO_JUMP_TAG, Command.JUMP_TAG, Command.DO_LAND_START, Command.DO_RETURN_PATH_START,
     Command.NAV_ARC_WAYPOINT,
 })  # fmt: skip
-#: What holds until another of its kind comes.
+#: Commands in force until another of their kind.
 STATES = frozenset({
     Command.DO_SET_CAM_TRIGG_DIST, Command.DO_SET_CAM_TRIGG_INTERVAL, Command.DO_SET_ROI_LOCATION, Command.DO_SET_ROI,
     Command.NAV_ROI, Command.DO_SET_ROI_NONE, Command.DO_MOUNT_CONTROL, Command.DO_GIMBAL_MANAGER_PITCHYAW,
@@ -33,18 +33,18 @@ STATES = frozenset({
 
 
 def split(mission: Mission, scenario: Scenario) -> tuple[Mission, ...]:
-    """Split a mission into the fewest flights that one battery each brings home.
+    """Split a mission into the fewest flights that one battery each completes.
 
     Args:
         mission: a take-off, then waypoints, then its ending.
         scenario: its battery, and the world in which each flight must be clear.
 
     Returns:
-        The mission itself where one battery is enough; else its parts, in their order. Each goes on at the very
-        waypoint at which the one before it turned home.
+        The mission itself if one battery is enough, else its parts in order. Each resumes at the waypoint where the
+        previous one turned home.
 
     Raises:
-        BadInput: the scenario has no battery, or nothing is known of the vehicle's power.
+        BadInput: the scenario has no battery, or the vehicle's power is unknown.
         NotEnoughBattery: a waypoint is too far for one battery.
         MissionError: it jumps, begins in the air, or there is no clear way home, or back, at a waypoint.
 
@@ -62,7 +62,7 @@ def split(mission: Mission, scenario: Scenario) -> tuple[Mission, ...]:
 
 
 def split_flight(whole: Forecast) -> tuple[Forecast, ...]:
-    """The same of a flight that is forecast already, its parts with their forecasts.
+    """Split a flight that is already forecast; return the parts with their forecasts.
 
     Raises:
         BadInput, NotEnoughBattery, MissionError: as `split`.
@@ -82,10 +82,10 @@ def split_flight(whole: Forecast) -> tuple[Forecast, ...]:
 
 
 def most(fits: Callable[[int], bool], count: int, guess: int = 1) -> int:
-    """The greatest number up to `count` that fits, 0 where 1 does not; quick where the `guess` is near.
+    """Return the greatest number up to `count` that fits, 0 if 1 does not; quick if `guess` is near.
 
-    It is the law of all flights that are split: the more of what is ahead one flies before it turns home, the more it
-    takes; where each flies as much as it can, no fewer would do.
+    Energy grows with the part of the mission flown before the return. Flights that each fly as much as they can are
+    therefore the fewest.
     """
     least, beyond, here, step = 0, count + 1, guess, 1
     while beyond - least > 1:
@@ -100,7 +100,7 @@ def most(fits: Callable[[int], bool], count: int, guess: int = 1) -> int:
 
 
 class _Parts:
-    """The flights from one waypoint of a mission to a later one; they are numbered in their order."""
+    """The flights from one waypoint of a mission to a later one, numbered in order."""
 
     def __init__(self, whole: Forecast) -> None:
         self.whole, self.mission = whole, whole.given
@@ -114,9 +114,9 @@ class _Parts:
         self.last = len(self.turns)
 
     def longest(self, begin: int, guess: int) -> tuple[int, Forecast]:
-        """The flight from a waypoint that goes on farthest, and where the next one begins; `last` after the last one.
+        """Return the farthest end of a flight from waypoint `begin`, and that flight.
 
-        About so many waypoints farther as the `guess`.
+        The end is `last` at the mission's end. `guess`: expected number of waypoints.
         """
         straight = dict[int, Forecast]()
 
@@ -140,7 +140,7 @@ class _Parts:
         raise why
 
     def part(self, begin: int, end: int, way: Sequence[Item] = ()) -> Forecast:
-        """From one waypoint to another and home; to the end of the mission with `last`."""
+        """Forecast the flight from one waypoint to another and home, or to the mission's end with `last`."""
         items = self.mission.items
         until = len(items) if end == self.last else self.turns[end - 1] + 1
         taken = list(items[:until])
@@ -154,7 +154,7 @@ class _Parts:
         return Forecast(replace(self.mission, items=tuple(taken), scanned=()), self.whole.scenario)
 
     def _ways_back(self, begin: int) -> Iterator[tuple[Item, ...]]:
-        """On which ways a flight may go to where it goes on: straight, or as high as an RTL from there comes home."""
+        """Yield ways to the resumed waypoint: straight, then as high as an RTL from there."""
         yield ()
         if begin > 0:
             frame, item, home = self.whole.frame, self.mission.items[self.turns[begin - 1]], self.mission.home
@@ -171,13 +171,13 @@ def _refused(flight: Forecast) -> MissionError | None:
 
 
 def _in_force(before: Sequence[Item]) -> Iterator[Item]:
-    """What of the items before a waypoint still holds there: the last one of each kind."""
+    """Yield the last item of each kind that is still in force after `before`."""
     last = {item.command: n for n, item in enumerate(before) if item.command in STATES}
     yield from (before[n] for n in sorted(last.values()))
 
 
 def _ended(taken: Sequence[Item]) -> Iterator[Item]:
-    """What ends the taking of pictures, where it is under way."""
+    """Yield the items that stop a running capture of pictures."""
     triggers = [item for item in taken if item.command == Command.DO_SET_CAM_TRIGG_DIST]
     if triggers and triggers[-1].params[0] > 0.0:
         yield camera_trigger(0.0, at_once=False)

@@ -1,4 +1,4 @@
-"""From a route to a mission: take off, set the speed, fly the waypoints, come down."""
+"""Build a mission from a route: take off, set the speed, fly the waypoints, land."""
 
 import numpy as np
 
@@ -25,20 +25,20 @@ from ipoa_mission.scenario.place_sections import FenceSection
 from ipoa_mission.vehicles.guidance_profile import WaypointDefaults
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
-#: A take-off below this height above home is refused: PX4's own least take-off altitude (MIS_TAKEOFF_ALT).
+#: Lowest take-off height above home [m]: PX4's minimum take-off altitude (MIS_TAKEOFF_ALT).
 LEAST_TAKEOFF_HEIGHT = 2.5
-VISITED = 0.5  # a waypoint so near stands for a via point [m]
-OVER_HOME = 0.5  # a route that begins this near is begun by the take-off [m]
+VISITED = 0.5  # a waypoint this near to a via point counts as it [m]
+OVER_HOME = 0.5  # a route that begins this near to home begins with the take-off [m]
 
 
 def build_mission(route: Route, scenario: Scenario) -> Mission:
-    """The mission that flies a route, with the scenario's speed, ending, fence and rally points.
+    """Build the mission of a route, with the scenario's speed, ending, fence and rally points.
 
-    Where the straight way home would not be clear it first climbs over the goal; where it lands on high ground its
-    vehicle slows down in time.
+    If the straight way home is not clear, the mission first climbs over the goal. If it lands on high ground, vehicle
+    parameters make it slow down in time.
 
     Raises:
-        BadInput: the start lies too low over home for a take-off to end there.
+        BadInput: the start is too low for a take-off to end there.
         NoRoute: the straight way from over home to the start is not clear.
         Unsafe: it would touch down fast, and nothing helps.
     """
@@ -48,10 +48,10 @@ def build_mission(route: Route, scenario: Scenario) -> Mission:
 
 
 def draft_mission(route: Route, scenario: Scenario) -> Mission:
-    """The same, but nobody looked yet at the ways from home to the start and back.
+    """Build the mission without a check of the ways from home to the start and back.
 
     Raises:
-        BadInput: the start lies too low over home for a take-off to end there.
+        BadInput: the start is too low for a take-off to end there.
     """
     frame, home = scenario.frame, scenario.frame.home
     first, *others = [(place, round(place.altitude - home.altitude, 3)) for place in _geodetic(route.points, frame)]
@@ -89,19 +89,20 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
 
 
 def items_of_waypoints(route: Route) -> tuple[int, ...]:
-    """Which item of its mission flies to each waypoint of the route, as indices of `Mission.items`."""
+    """Return the index in `Mission.items` of the item that flies to each waypoint of the route."""
     first = 0 if starts_over_home(route) else 2  # the take-off ends there, or a change of speed comes before it
-    changes, at = np.array(route.speed_changes, dtype=int), max(first, 1) + 1  # of speed, and where the first leg leads
+    # speed changes; the item of the first leg
+    changes, at = np.array(route.speed_changes, dtype=int), max(first, 1) + 1
     return first, *(at + leg + int((changes <= leg).sum()) for leg in range(route.legs))
 
 
 def starts_over_home(route: Route) -> bool:
-    """Whether the take-off ends at its first waypoint."""
+    """Whether the take-off ends at the first waypoint."""
     return bool(np.hypot(*route.points[0, :2]) < OVER_HOME)
 
 
 def _pass(route: Route, n: int, place: Geodetic, height: float, usual: WaypointDefaults, scenario: Scenario) -> Item:
-    """The item that passes waypoint n of the route; those at via points are flown to as near as others are."""
+    """Return the item that passes waypoint n; waypoints at via points use the usual acceptance radius."""
     if route.spline:
         return spline_waypoint(place, height)
     via = np.linalg.norm(scenario.via_points - route.points[n], axis=1) <= VISITED
@@ -117,7 +118,7 @@ def _prove_departure(start: Vector, scenario: Scenario) -> None:
 
 
 def _geodetic(points: Points, frame: LocalFrame) -> list[Geodetic]:
-    """Places rounded to what MAVLink can carry: 1e-7 degrees and a millimetre."""
+    """Round places to the resolution of MAVLink: 1e-7 degrees and 1 mm."""
     return [
         Geodetic(round(float(lat), 7), round(float(lon), 7), round(float(alt), 3))
         for lat, lon, alt in zip(*frame.to_geodetic(points), strict=True)
@@ -137,7 +138,7 @@ def _fence(fence: FenceSection, frame: LocalFrame) -> FencePolygon | FenceCircle
 
 
 def _rally(scenario: Scenario) -> tuple[Geodetic, ...]:
-    """Rally points; their altitude is above home, as the files and the vehicles have it."""
+    """Return rally points with altitudes above home, as files and vehicles store them."""
     frame, home = scenario.frame, scenario.frame.home
     places = [frame.geodetic(point) for point in scenario.rally_points]
     return tuple(Geodetic(p.latitude_deg, p.longitude_deg, round(p.altitude - home.altitude, 3)) for p in places)

@@ -1,7 +1,7 @@
-"""Routes along a curve that an autopilot may fly quickly: of every density, and as it likes them.
+"""Generate routes along a curve that an autopilot may fly quickly.
 
-ArduCopter slows down for every straight leg, PX4 for every corner. ArduCopter therefore also gets splines along the
-gentlest line beside the curve, PX4 waypoints that it need not come near to.
+ArduCopter slows down for every straight leg, so it also gets splines along the gentlest line near the curve. PX4 slows
+down for every corner, so it gets waypoints with large acceptance radii.
 """
 
 import math
@@ -16,22 +16,22 @@ from ipoa_mission.routing.resample import ON_THE_CURVE, corridor, stations
 from ipoa_mission.routing.route import Route
 from ipoa_mission.scenario import Scenario
 
-NEAREST = 0.1  # two waypoints are never so near to each other [m]
+NEAREST = 0.1  # least distance between two waypoints [m]
 
 
 @dataclass(frozen=True)
 class RouteGrid:
-    """Which choices of waypoints beside a curve are tried; `tolerance` is how far they may leave it."""
+    """Grid of waypoint choices near a curve; `tolerance` is the greatest distance from it."""
 
-    straight_shares: tuple[float, ...] = (1.0, 0.6, 0.3, 0.1)  # of the tolerance, that straight legs leave the curve by
-    aside_share: float = 0.6  # of that, by which a waypoint may lie beside the curve
-    turn_radii: tuple[float, ...] = (0.0, 4.0, 7.0, 10.0, 14.0)  # where PX4 turns to the next [m]; 0: as it is set
+    straight_shares: tuple[float, ...] = (1.0, 0.6, 0.3, 0.1)  # of the tolerance, for straight legs
+    aside_share: float = 0.6  # of that width, lateral offset of a waypoint from the curve
+    turn_radii: tuple[float, ...] = (0.0, 4.0, 7.0, 10.0, 14.0)  # acceptance radii of PX4 [m]; 0: its parameter
     spline_shares: tuple[float, ...] = (
         0.8,
         0.4,
         0.0,
-    )  # of the tolerance, that a spline's line may lie beside the curve
-    spline_spacings: tuple[float, ...] = (40.0, 25.0, 12.0)  # of spline waypoints [m]
+    )  # of the tolerance, lateral room of a spline's line
+    spline_spacings: tuple[float, ...] = (40.0, 25.0, 12.0)  # between spline waypoints [m]
     most_splines: int = 200
 
 
@@ -39,7 +39,7 @@ GRID = RouteGrid()
 
 
 def candidates(curve: Spline, scenario: Scenario) -> Iterator[Route]:
-    """Routes beside the curve; their legs, and the chords of their curves, may still cut in on what it bends round."""
+    """Yield routes near the curve; their legs may still cut corners near obstacles."""
     guidance = scenario.vehicle.autopilot.guidance
     if guidance.flies_splines:
         yield from _splines(curve, scenario)
@@ -57,7 +57,7 @@ def candidates(curve: Spline, scenario: Scenario) -> Iterator[Route]:
 
 
 def braking_length(scenario: Scenario) -> float:
-    """In which ArduCopter comes to a stop on a curve, where it brakes by half of WPNAV_ACCEL [m]."""
+    """Return ArduCopter's braking distance on a curve, with half of WPNAV_ACCEL [m]."""
     limits = kinematics(scenario.vehicle.autopilot, scenario.vehicle.autopilot_parameters())
     return scenario.vehicle.cruise_speed**2 / limits.accel
 

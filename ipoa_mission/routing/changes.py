@@ -1,4 +1,4 @@
-"""Changes of a scenario that may plan what is refused, each looked at once at most."""
+"""Changes of a scenario that may make it plannable, each tried at most once."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -8,14 +8,14 @@ from ipoa_mission.errors import Remedy
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.scenario import Scenario
 
-SLOWER = (0.5, 0.25)  # shares of the cruise speed that are tried
-SLOWEST = 0.5  # [m/s]
-LESS_SURE = (0.9,)  # confidences that are tried
+SLOWER = (0.5, 0.25)  # of the cruise speed
+SLOWEST = 0.5  # lowest cruise speed that is tried [m/s]
+LESS_SURE = (0.9,)
 
 
 @dataclass(frozen=True, eq=False)
 class Looks:
-    """What becomes of a scenario with each change; `planned` is a first look at one, None where nothing holds."""
+    """Plans of a scenario with each change; `planned` returns None for a scenario without a valid plan."""
 
     scenario: Scenario
     planned: Callable[[Scenario], Attempt | None]
@@ -23,18 +23,18 @@ class Looks:
 
     @cached_property
     def changes(self) -> dict[Remedy, Scenario]:
-        """The changes, the harmless first: as a file has them, and the scenario with each."""
+        """Return the scenario with each change, least invasive first."""
         return dict(slower(self.scenario)) | dict(_otherwise(self.scenario))
 
     def at(self, change: Remedy) -> Attempt | None:
-        """What a change comes to."""
+        """Return the attempt with a change, or None."""
         if change not in self._seen:
             self._seen[change] = self.planned(self.changes[change])
         return self._seen[change]
 
 
 def slower(scenario: Scenario) -> Iterator[tuple[Remedy, Scenario]]:
-    """The scenario at lower cruise speeds."""
+    """Yield the scenario at lower cruise speeds."""
     for share in SLOWER:
         speed = max(round(share * scenario.vehicle.cruise_speed, 1), SLOWEST)
         vehicle = scenario.vehicle.model_copy(update={"cruise_speed": speed})

@@ -1,8 +1,8 @@
-"""The quickest waypoints along a curve for the autopilot that will fly them.
+"""Find the quickest waypoints along a curve for the autopilot that flies them.
 
-The same curve may take 47 or 208 s, depending only on how it is cut into waypoints. Candidates are flown by the time
-model; what leaves the corridor, comes too close or overruns the goal on the *predicted* path, corners cut and overshot,
-is out. The best are then improved waypoint by waypoint.
+The same curve may take 47 or 208 s, depending only on its waypoints. The time model flies each candidate. Candidates
+whose *predicted* path leaves the corridor, comes too close or overruns the goal are dropped. The best are then improved
+waypoint by waypoint.
 """
 
 from collections.abc import Iterator
@@ -24,29 +24,29 @@ from ipoa_mission.scenario import Scenario
 
 @dataclass(frozen=True)
 class RouteSearch:
-    """How long the quickest choice of waypoints is looked for, and what counts as quicker."""
+    """Effort and thresholds of the search for the quickest route."""
 
-    starts: int = 2  # routes of different numbers of waypoints are improved
-    most_behind: float = 1.06  # times the time of the first that the second may take, to be improved
-    trials: int = 60  # of leaving a waypoint out or moving it,
-    legs: int = 2000  # that are flown in these at most
-    patience: int = 25  # after so many that gain nothing a step is given up
-    step_shares: tuple[float, ...] = (0.5, 0.2)  # of the tolerance, that a waypoint is moved by
-    least_gain_s: float = 0.1  # a change must save so much
-    equal_share: float = 0.005  # of the time, that is not worth less room
-    most_overrun: float = 0.5  # how far beyond the goal the vehicle may need to brake [m]
+    starts: int = 2  # routes with different numbers of waypoints to improve
+    most_behind: float = 1.06  # of the second start's time to the first's, at most
+    trials: int = 60  # of removing or moving a waypoint
+    legs: int = 2000  # flown in all trials, at most
+    patience: int = 25  # trials without gain before a step size is given up
+    step_shares: tuple[float, ...] = (0.5, 0.2)  # of the tolerance, by which a waypoint moves
+    least_gain_s: float = 0.1  # least time that a change must save
+    equal_share: float = 0.005  # of the time, within which routes count as equally quick
+    most_overrun: float = 0.5  # greatest distance beyond the goal in which the vehicle brakes [m]
 
 
 SEARCH = RouteSearch()
-TIGHT = 0.5  # of tight places, that waypoints are given room at where none would fit without
+TIGHT = 0.5  # share of tight places with extra room, if no route fits otherwise
 
 
 def fastest_route(plan: Plan, scenario: Scenario) -> Attempt | None:
-    """The quickest route found whose predicted path stays within `route.tolerance` of the curve and keeps every limit.
+    """Return the quickest route whose predicted path stays within `route.tolerance` and keeps every limit.
 
-    Quick is what is quick in its mean and in the time that nine flights in ten keep. Of routes that are as good as
-    equally quick it is the one that misses the fewest waypoints, and of those the one that keeps away farthest.
-    Where none does both, their waypoints are moved clear with room for the tube; None at last.
+    Time is the sum of the mean and the 90 % quantile. Among equally quick routes, prefer the fewest missed waypoints,
+    then the greatest margin. If no route fits, move waypoints clear with room for the deviation bound. Return None if
+    none fits.
     """
     drawn = [Attempt(plan, route, scenario) for route in candidates(plan.curve, scenario)]
     quickest = _quickest(drawn, scenario) or _quickest(drawn, with_room(scenario, TIGHT))
@@ -60,9 +60,9 @@ def fastest_route(plan: Plan, scenario: Scenario) -> Attempt | None:
 
 
 def _quickest(drawn: list[Attempt], roomy: PathTask) -> list[Attempt]:
-    """The quickest fit routes of those drawn, of different numbers of waypoints, moved clear in `roomy`.
+    """Return the quickest valid routes with different numbers of waypoints, moved clear in `roomy`.
 
-    To move a route clear takes longer than to fly it, so that is put off until no other is quicker as it is drawn.
+    Clearing a route takes longer than flying it, so a route is cleared only when no other is quicker as drawn.
     """
     waiting = [(attempt.sketched.seconds, n, False, attempt) for n, attempt in enumerate(drawn)]
     heapify(waiting)
@@ -88,7 +88,7 @@ def _quickest(drawn: list[Attempt], roomy: PathTask) -> list[Attempt]:
 
 
 def _is_fit(attempt: Attempt) -> bool:
-    """Whether the route and its predicted path keep to the corridor and to the limits, and it stops at the goal."""
+    """Whether the route and its predicted path keep the corridor and the limits, and stop at the goal."""
     flown = attempt.sketched
     return (
         flown.overrun <= SEARCH.most_overrun
@@ -99,7 +99,7 @@ def _is_fit(attempt: Attempt) -> bool:
 
 
 def _improve(attempt: Attempt) -> Attempt:
-    """Leave waypoints out and move them, as long as that saves time."""
+    """Remove and move waypoints while that saves time."""
     scenario, tried = attempt.scenario, set[bytes]()
     trials = min(SEARCH.trials, SEARCH.legs // len(attempt.route.points))
     for share in SEARCH.step_shares:
@@ -117,9 +117,9 @@ def _improve(attempt: Attempt) -> Attempt:
 
 
 def _changes(points: Points, step: float, via: Points, tried: set[bytes]) -> Iterator[Points]:
-    """The waypoints with one left out, or one moved aside or along by `step` [m]; those at via points stay.
+    """Yield the waypoints with one removed, or one moved laterally or along by `step` [m]; via points stay.
 
-    Without those that were `tried`, as bytes.
+    Waypoints in `tried` (as bytes) are skipped.
     """
     free = [i for i in range(1, len(points) - 1) if (np.linalg.norm(via - points[i], axis=1) > VISITED).all()]
     for i in free:

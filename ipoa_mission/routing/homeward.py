@@ -1,4 +1,4 @@
-"""The way home as a leg like any other: planned, where the straight one of an RTL is not clear."""
+"""Plan the way home as a leg if the straight RTL is not clear."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -14,14 +14,14 @@ if TYPE_CHECKING:
 
 
 class WayHomeBlocked(MissionError):
-    """The straight way home of a mission that ends in RTL is not clear, at whatever altitude."""
+    """The straight way home of a mission that ends in RTL is not clear at any altitude."""
 
 
 def expect_way_home(attempt: "Attempt") -> None:
-    """See that the own return of a mission whose endings are planned is clear, and what is below it, if it may land.
+    """Check that the return of a mission with planned contingencies is clear, as is the ground below if it may land.
 
     Raises:
-        WayHomeBlocked: it is not.
+        WayHomeBlocked: the way home is not clear.
     """
     scenario = attempt.scenario
     if scenario.safety.returns != "planned" or scenario.route.ending != "rtl" or leads_home(scenario):
@@ -36,17 +36,17 @@ def expect_way_home(attempt: "Attempt") -> None:
 
 
 def by_way_of_the_goal(scenario: Scenario) -> Scenario:
-    """The scenario with its goal as a via point, and over home, as high as the start, as its goal."""
+    """Return the scenario with its goal as a via point, and a new goal over home at the height of the start."""
     over_home = Place(east=0.0, north=0.0, up=float(scenario.start_point[2]))
     return scenario.model_copy(update={"via": (*scenario.via, scenario.goal), "goal": over_home})
 
 
 def leads_home(scenario: Scenario) -> bool:
-    """Whether its goal is over home."""
+    """Whether the goal is over home."""
     return bool((scenario.goal_point[:2] == 0.0).all())
 
 
 def planned_way_home(scenario: Scenario, asked: Scenario) -> Iterator[str]:
-    """That the way home was planned, where it was."""
+    """Yield a note if the way home was planned."""
     if leads_home(scenario) and not leads_home(asked):
         yield "the way home is planned as the way out is, by way of the goal: the straight one is not clear"

@@ -1,4 +1,4 @@
-"""Where a path must keep farther away than the scenario asks, so that what is flown along it keeps what is asked."""
+"""Enlarge obstacles and tighten limits so that the flown path keeps the asked clearance."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -15,19 +15,19 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Cylinder, Obstacle
 
-MORE = 1.15  # times what is missing
-A_LITTLE = 0.03  # and so much [m]
-AS_NEAR = 0.3  # an obstacle is moved away from that is farther than the nearest by what is missing and so much [m]
-LOOK_EVERY = 0.5  # along a curve [m]
-EVEN = DeviationBound(1.0, 1.0, 1.0)  # as far up and down as to the sides
+GROWTH_FACTOR = 1.15  # factor on the missing distance
+GROWTH_MARGIN = 0.03  # added to the missing distance [m]
+NEAREST_MARGIN = 0.3  # obstacles within the nearest distance + missing + this are moved away from [m]
+SAMPLE_STEP = 0.5  # step along a curve [m]
+EVEN_BOUND = DeviationBound(1.0, 1.0, 1.0)  # equal in all directions
 
 
 @dataclass(frozen=True, eq=False)
 class Needs:
-    """By how much obstacles (n,) must be larger, and limits of height and bounds tighter [m].
+    """Growth of obstacles (n,), and tightening of height limits and bounds [m].
 
-    `columns`, `towers`: so much wider than obstacles (n,) is what is kept free below them, down to the ground, and
-    above them, up to the highest bound; negative: nothing.
+    `columns`, `towers`: growth of the volume kept free below obstacles (n,) down to the ground, and above them up to
+    the highest bound; negative: none.
     """
 
     growth: Vector
@@ -38,14 +38,14 @@ class Needs:
     inside: float = 0.0
 
     def more(self, attempt: Attempt, scenario: Scenario) -> "Needs":
-        """What is needed beside this by what an attempt is short of."""
+        """Return these needs plus those from an attempt's shortfalls."""
         promise, curve = attempt.promise, attempt.plan.curve
-        short = {kept.limit: -kept.slack * MORE + A_LITTLE for kept in promise.broken if kept.on_the_way}
+        short = {kept.limit: -kept.slack * GROWTH_FACTOR + GROWTH_MARGIN for kept in promise.broken if kept.on_the_way}
         wanted = [(one.to, short["obstacles"]) for one in promise.broken if one.on_the_way and one.limit == "obstacles"]
         aside = [one for one in attempt.short if one.body and not one.overhead and not one.comes_down]
-        wanted += [(one.body, one.missing * MORE + A_LITTLE) for one in aside]
+        wanted += [(one.body, one.missing * GROWTH_FACTOR + GROWTH_MARGIN) for one in aside]
         growth = self.growth
-        spots = curve.sample(max(2, int(curve.length / LOOK_EVERY)))
+        spots = curve.sample(max(2, int(curve.length / SAMPLE_STEP)))
         for name, missing in wanted:
             growth = np.maximum(growth, _growth(spots, name, missing, scenario))
         return Needs(
@@ -58,15 +58,15 @@ class Needs:
         )
 
     def room(self, roomy: PathTask, scenario: Scenario, gaps: bool) -> PathProblem:
-        """The scenario with the room that `roomy` has and what is needed beside; with `gaps` it closes no gap.
+        """Return the problem with the room of `roomy` and these needs; with `gaps`, no gap is closed.
 
-        Nothing closes in on a place that the scenario gives.
+        Places given by the scenario stay free.
         """
         air = roomy.airspace
         bodies = tuple(
             _upright(air, wide, column, tower) if max(column, tower) >= 0.0 else body
             for body, wide, column, tower in zip(
-                grown(roomy, scenario, self.growth, EVEN, gaps),
+                grown(roomy, scenario, self.growth, EVEN_BOUND, gaps),
                 air.obstacles,
                 self.columns.tolist(),
                 self.towers.tolist(),
@@ -79,17 +79,19 @@ class Needs:
 
 
 def _wider(rooms: Vector, short: Iterable[Shortfall], scenario: Scenario) -> Vector:
-    """What is kept free below or above obstacles (n,), wider by what is missing there; at first as wide as they are."""
+    """Widen the volumes kept free below or above obstacles (n,) by what is missing; a new one is as wide as its
+    obstacle.
+    """
     number = {body.name: n for n, body in enumerate(scenario.airspace.obstacles)}
     wider = rooms.copy()
     for name, missing in {one.body: one.missing for one in short}.items():
         wide = rooms[number[name]]
-        wider[number[name]] = 0.0 if wide < 0.0 else wide + missing * MORE + A_LITTLE
+        wider[number[name]] = 0.0 if wide < 0.0 else wide + missing * GROWTH_FACTOR + GROWTH_MARGIN
     return wider
 
 
 def _upright(air: Airspace, body: Obstacle, column: float, tower: float) -> Obstacle:
-    """The body, as wide as the wider of both, with all below it if it has a column, and all above if a tower."""
+    """Return the body widened by the wider of both, extended down for a column and up for a tower."""
     (west, south, base), (east, north, top) = body.bounds
     floor = min(air.bounds.lower[2], base) if column >= 0.0 else base
     ceiling = max(air.bounds.upper[2], top) if tower >= 0.0 else top
@@ -101,24 +103,24 @@ def _upright(air: Airspace, body: Obstacle, column: float, tower: float) -> Obst
 
 
 def _growth(spots: np.ndarray, name: str, missing: float, scenario: Scenario) -> Vector:
-    """By how much obstacles (n,) must be larger for a path of those spots (k, 3) to be `missing` [m] farther away."""
+    """Return the growth of obstacles (n,) that moves a path of `spots` (k, 3) away by `missing` [m]."""
     bodies, required = scenario.airspace.obstacles, scenario.limits.obstacle_distance
     reach = {body.name: n for n, body in enumerate(bodies)}
     away = np.full(len(bodies), np.inf)
     for body, _, distance in scenario.airspace.near(spots, required + 4 * missing + 10.0):
         away[reach[body.name]] = min(away[reach[body.name]], float(distance.min()))
     nearest = away[reach[name]] if name in reach and np.isfinite(away[reach[name]]) else float(away.min())
-    return np.where(away <= nearest + missing + AS_NEAR, np.maximum(away + missing - required, 0.0), 0.0)
+    return np.where(away <= nearest + missing + NEAREST_MARGIN, np.maximum(away + missing - required, 0.0), 0.0)
 
 
 def a_little(scenario: Scenario) -> Needs:
-    """What the predicted path alone needs: it is seen by straight legs that stand for it."""
+    """Return the needs of the predicted path alone: straight legs approximate it."""
     none = nothing(scenario)
-    return replace(none, growth=none.growth + 2 * A_LITTLE, above=2 * A_LITTLE)
+    return replace(none, growth=none.growth + 2 * GROWTH_MARGIN, above=2 * GROWTH_MARGIN)
 
 
 def nothing(scenario: Scenario) -> Needs:
-    """No need of more but, where it may land by choice and that is planned, to stay aside from what is below."""
+    """Return no needs, or zero-width towers if the vehicle may land by choice and returns are planned."""
     none, vehicle = np.full(len(scenario.airspace.obstacles), -1.0), scenario.vehicle
     failsafes = vehicle.autopilot.failsafes(vehicle.autopilot_parameters(), vehicle.version)
     lands = scenario.safety.returns == "planned" and any(one.lands_by_choice for one in failsafes)

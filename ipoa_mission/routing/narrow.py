@@ -1,4 +1,4 @@
-"""What no path can promise: walls through all heights that leave no gap as wide as the tube of a straight flight."""
+"""Find walls through all heights whose gaps are narrower than the deviation bound of a straight flight."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -18,13 +18,13 @@ from ipoa_mission.scenario.path_limits import place_names
 
 @dataclass(frozen=True)
 class Narrow:
-    """The widest gap between two places that are named, and that it is narrower than any flight's tube."""
+    """The widest gap between two named places, narrower than any flight's deviation bound."""
 
     gap: Closure
     leg: str
 
     def words(self) -> str:
-        """The gap, its width, what it needs and where it is, without a full stop."""
+        """Describe the gap, its width, the needed width and the place, without a full stop."""
         east, north = self.gap.place
         width, needed = f"{down(self.gap.width):.2f} m wide", f"{up(self.gap.needed):.2f} m"
         where = f"at east {east:.1f}, north {north:.1f} m{self.leg}"
@@ -32,7 +32,7 @@ class Narrow:
 
 
 class TooNarrow(MissionError):
-    """Not a search but geometry says that too few flights would keep the limits; `narrow` is where."""
+    """Geometry alone shows that too few flights would keep the limits; `narrow` is the gap."""
 
     def __init__(self, narrow: Narrow) -> None:
         super().__init__(narrow.words())
@@ -40,18 +40,18 @@ class TooNarrow(MissionError):
 
 
 def expect_wide(scenario: Scenario) -> None:
-    """Complain where every way leads through a gap that is too narrow for the least tube.
+    """Raise if every way leads through a gap narrower than the least deviation bound.
 
-    A gap that is even narrower than the required distance on both sides is not looked for: `plan_path` names it.
+    `plan_path` reports gaps narrower than twice the required distance.
 
     Raises:
-        TooNarrow: on some leg between given places.
+        TooNarrow: on a leg between given places.
     """
     chance, law = scenario.safety.chance, law_of(scenario.vehicle.autopilot, scenario.wind.strongest)
     if chance is None or not scenario.airspace.obstacles:
         return
     if tight_places(scenario, 2 * THINNING_TOLERANCE + law.lateral(chance)):
-        return  # round these less is promised
+        return  # less clearance is required around these
     more = least_reach(law, chance)
     wider = scenario.model_copy(update={"safety_distance": scenario.safety_distance + more})
     names = place_names(scenario.places)
@@ -63,10 +63,10 @@ def expect_wide(scenario: Scenario) -> None:
 
 
 def least_reach(law: DeviationLaw, chance: float) -> float:
-    """What a flight must have at least beside what is required, wherever it passes anything [m].
+    """Return a lower bound on the extra distance that any flight needs next to an obstacle [m].
 
-    No promise of one pass asks for less: it is short of a limit as often as the likeliest of its ways to be. Above and
-    below a body what leads to its side may count for less.
+    A flight misses a limit at least as often as the likeliest of its paths. Above and below a body, its sides may need
+    less.
     """
     usual = [spread.distance(TYPICAL_CHANCE) for spread in (law.down, law.up)]
     facing = min(1.0, min(usual) / law.level.distance(TYPICAL_CHANCE))

@@ -1,7 +1,7 @@
-"""A flight of which every ending is clear: a return altitude and rally points for it, and what they leave to the path.
+"""Choose a return altitude and rally points so that every contingency of a flight is clear.
 
-RTL can be seen to by the vehicle's return altitude, and where none helps by rally points; where the vehicle brakes, or
-climbs under something, only another path or a lower speed helps. What the scenario names is the user's, and stays.
+A return altitude or rally points can make RTL clear. Braking, or a climb under an obstacle, needs another path or a
+lower speed. Values named in the scenario stay.
 """
 
 import math
@@ -33,14 +33,14 @@ from ipoa_mission.routing.repairs import slow_landings
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.vehicles.contingency import Contingency
 
-NAMED = 3  # things on which it may come down
+NAMED = 3  # obstacles named in a note on LAND
 
 
 def settled(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
-    """The mission with the return altitude, and the rally points if need be, at which its endings keep the most.
+    """Return the mission with the return altitude and rally points that leave its contingencies the most clearance.
 
     Returns:
-        The forecast of it, and what is still too near: of each body the worst.
+        Its forecast, and the worst remaining shortfall of each body.
     """
     ways = forecast.cached(ContingencyPaths)
     braking = list(shortfalls(ways, Contingency.HOLD, ways.assessments(Contingency.HOLD)))
@@ -50,7 +50,7 @@ def settled(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
         braking += shortfalls(ways, Contingency.LAND, ways.assessments(Contingency.LAND))
     if ways.why_unknown() is not None:
         return forecast, tuple(braking)
-    if braking:  # another path it must be, and that is to turn back and climb in the clear as well
+    if braking:  # needs another path, as do turning back and climbing
         return forecast, (*braking, *(one for one in returning(ways) if one.part < RETURNS))
     best, short = forecast, returning(ways)
     if not names_return_altitude(forecast.world) and (short or return_altitude(forecast) > highest_return(forecast)):
@@ -61,7 +61,7 @@ def settled(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
 
 
 def names_return_altitude(scenario: Scenario) -> bool:
-    """Whether the scenario names the return altitude, by its older or newer name: then it stays."""
+    """Whether the scenario names the return altitude, by its older or newer parameter name."""
     book = scenario.vehicle.autopilot.book
     return book.return_height.name in book.by_old_names(scenario.vehicle.autopilot_parameters())
 
@@ -69,7 +69,7 @@ def names_return_altitude(scenario: Scenario) -> bool:
 def _with_rally_points(
     ways: ContingencyPaths, forecast: Forecast, short: list[Shortfall]
 ) -> tuple[Forecast, list[Shortfall]]:
-    """The fewest rally points that make RTL clear, and at which it slows down in time; none where they do not."""
+    """Return the fewest rally points that make RTL clear with a slow landing, or the unchanged forecast."""
     for rally in rally_sets(ways.returning(forecast)):
         try:
             mission = slow_landings(replace(forecast.given, rally=rally), forecast.world)
@@ -83,7 +83,7 @@ def _with_rally_points(
 
 
 def why_not_planned(forecast: Forecast) -> str:
-    """Which stretch of which ending is not clear, in words that go on."""
+    """Describe the worst stretch of a contingency that is not clear, as part of a sentence."""
     contingencies = forecast.cached(Contingencies)
     asked = [
         contingency
@@ -102,13 +102,13 @@ def why_not_planned(forecast: Forecast) -> str:
 
 
 def or_else(forecast: Forecast) -> str:
-    """What else than a wider way makes an end of its refusal, in words that go on."""
+    """Return the other remedies for the refusal, as part of a sentence."""
     returns = f"or {to_return_instead(forecast)}; " if lands_by_choice(forecast) else ""
     return f'{returns}or [safety] returns = "warn", to be warned only'
 
 
 def planned_returns(forecast: Forecast) -> Iterator[str]:
-    """That its vehicle needs another return altitude, and which rally points were planned, where it is so."""
+    """Yield the return altitude and the rally points that the plan needs."""
     scenario, mission = forecast.world, forecast.mission
     name = mission.autopilot.book.return_height.name
     if name in forecast.given.parameters and not names_return_altitude(scenario):
@@ -126,7 +126,7 @@ def planned_returns(forecast: Forecast) -> Iterator[str]:
 
 
 def _lands_on(forecast: Forecast) -> Iterator[str]:
-    """For how long LAND where it is may come down on something, which is not planned away."""
+    """Yield for how long a LAND on the spot may come down on an obstacle; such landings are not planned away."""
     ways = forecast.cached(ContingencyPaths)
     assessments = ways.assessments(Contingency.LAND)
     names = list(dict.fromkeys(one.body or "the ground" for one in shortfalls(ways, Contingency.LAND, assessments)))

@@ -1,4 +1,4 @@
-"""Rally points for returns that no altitude makes clear: places with room to land, as few as may be."""
+"""Place as few rally points as possible for returns that no altitude makes clear."""
 
 from collections.abc import Iterator
 
@@ -12,37 +12,35 @@ from ipoa_mission.mission.commands import Command
 from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.world.frame import Geodetic
 
-MOST = 4  # rally points
-EVERY_M = 25.0  # along the path a place to land is looked for
-BESIDE = (0.0, 15.0, 30.0)  # and so far beside it [m]
-TO_LAND = 2.0  # around the place it is so much more than required away from everything [m]
-SAMPLED = 60  # moments of the flight from which candidates are weighed
-APART = 12.0  # from home and from each other at least [m]: PX4 passes over those within 10 m of home
+MAX_RALLY_POINTS = 4
+PLACE_STEP = 25.0  # spacing of landing places along the path [m]
+LATERAL_DISTANCES = (0.0, 15.0, 30.0)  # lateral distances of landing places from the path [m]
+LANDING_CLEARANCE = 2.0  # extra clearance around a landing place [m]
+SAMPLE_COUNT = 60  # instants of the flight at which candidates are compared
+LEAST_SEPARATION = 12.0  # least distance from home and between rally points [m]: PX4 ignores those within 10 m of home
 
 
 def rally_sets(ways: ContingencyPaths) -> Iterator[tuple[Geodetic, ...]]:
-    """One rally point, then one more, each the one that makes most returns clear; to be proved by who asks."""
+    """Yield growing sets of rally points; each adds the one that makes most returns clear. The caller proves them."""
     forecast = ways.forecast
     places = _with_room(ways, _places(forecast))
     if not len(places):
         return
     begin, end = ways.in_air
-    times = np.linspace(begin, end, SAMPLED)
-    stands = ways.stops().at(times)[1]
+    times = np.linspace(begin, end, SAMPLE_COUNT)
+    stopped = ways.stops().at(times)[1]
     height = ways.at(Contingency.RTL, times).ways[:, 0, 3, 2]
     home = np.zeros(3)
     goals = np.vstack([home, places])
-    clear = _clear(ways, stands, height, goals)
-    if (
-        forecast.mission.items[-1].command == Command.NAV_RETURN_TO_LAUNCH
-    ):  # from its own return to none but through air
+    clear = _clear(ways, stopped, height, goals)
+    if forecast.mission.items[-1].command == Command.NAV_RETURN_TO_LAUNCH:  # its own return may only lead through air
         own = int(np.searchsorted(times, forecast.promise.flight.way[1]))
         keep = clear[min(own, len(times) - 1)]
         keep[0] = True
         goals, clear = goals[keep], clear[:, keep]
-    away = np.linalg.norm(stands[:, None, :2] - goals[None, :, :2], axis=2)
+    away = np.linalg.norm(stopped[:, None, :2] - goals[None, :, :2], axis=2)
     chosen = [0]
-    while len(goals) > 1 and len(chosen) <= MOST:
+    while len(goals) > 1 and len(chosen) <= MAX_RALLY_POINTS:
         gains = [_served(clear, away, [*chosen, n]) for n in range(1, len(goals))]
         best = int(np.argmax(gains)) + 1
         if gains[best - 1] <= _served(clear, away, chosen):
@@ -52,52 +50,52 @@ def rally_sets(ways: ContingencyPaths) -> Iterator[tuple[Geodetic, ...]]:
 
 
 def _served(clear: NDArray[np.bool_], away: NDArray[np.float64], chosen: list[int]) -> int:
-    """From how many moments every one of the chosen goals that may be taken for the nearest is reached clear."""
+    """Count the instants at which every chosen goal that may be the nearest is reached clear."""
     near = away[:, chosen] <= away[:, chosen].min(axis=1, keepdims=True) + 2 * POSITION_ERROR
     return int((clear[:, chosen] | ~near).all(axis=1).sum())
 
 
-def _clear(ways: ContingencyPaths, stands: Points, height: NDArray[np.float64], goals: Points) -> NDArray[np.bool_]:
-    """Whether level ways at these heights lead clear from over each place (n, 3) to over each goal (m, 3), (n, m)."""
-    starts = np.repeat(np.column_stack([stands[:, :2], height]), len(goals), axis=0)
-    ends = np.column_stack([np.tile(goals[:, :2], (len(stands), 1)), starts[:, 2]])
+def _clear(ways: ContingencyPaths, stopped: Points, height: NDArray[np.float64], goals: Points) -> NDArray[np.bool_]:
+    """Return whether level legs from over each stopping point (n, 3) to each goal (m, 3) are clear, (n, m)."""
+    starts = np.repeat(np.column_stack([stopped[:, :2], height]), len(goals), axis=0)
+    ends = np.column_stack([np.tile(goals[:, :2], (len(stopped), 1)), starts[:, 2]])
     near, _ = ways.roomy.airspace.legs_clearance(starts, ends, ways.required + MAX_SPARE)
-    return np.asarray(near >= ways.required).reshape(len(stands), len(goals))
+    return np.asarray(near >= ways.required).reshape(len(stopped), len(goals))
 
 
 def _places(forecast: Forecast) -> Points:
-    """Places on the ground along the path and beside it (n, 3), away from home and from each other."""
+    """Return ground places along and next to the path (n, 3), apart from home and each other."""
     track = forecast.promise.flight.pieces.points
     steps = np.hypot(*np.diff(track[:, :2], axis=0).T)
     traveled = np.concatenate([[0.0], np.cumsum(steps)])
-    at = np.arange(0.0, traveled[-1] + EVERY_M, EVERY_M)
+    at = np.arange(0.0, traveled[-1] + PLACE_STEP, PLACE_STEP)
     spots = np.column_stack([np.interp(at, traveled, track[:, k]) for k in range(2)])
     ahead = np.gradient(spots, axis=0) if len(spots) > 1 else np.zeros_like(spots)
     aside = np.column_stack([-ahead[:, 1], ahead[:, 0]]) / np.maximum(np.hypot(*ahead.T), 1e-9)[:, None]
     kept: list[np.ndarray] = [np.zeros(2)]
-    for distance in BESIDE:
+    for distance in LATERAL_DISTANCES:
         for sign in (1.0, -1.0) if distance else (1.0,):
             for spot in spots + sign * distance * aside:
-                if min(float(np.hypot(*(spot - other))) for other in kept) >= APART:
+                if min(float(np.hypot(*(spot - other))) for other in kept) >= LEAST_SEPARATION:
                     kept.append(spot)
     level = np.array(kept[1:]).reshape(-1, 2)
     return np.column_stack([level, forecast.world.airspace.ground(level)])
 
 
 def _with_room(ways: ContingencyPaths, places: Points) -> Points:
-    """Those within the bounds with nothing over them or beside them as one comes down."""
+    """Return the places within the bounds with no obstacle over or near the descent."""
     if not len(places):
         return places
     air = ways.roomy.airspace
     top = np.column_stack([places[:, :2], np.full(len(places), air.bounds.upper[2])])
-    near, _ = air.legs_clearance(top, places, ways.required + TO_LAND)
+    near, _ = air.legs_clearance(top, places, ways.required + LANDING_CLEARANCE)
     middle = (air.bounds.lower[2] + air.bounds.upper[2]) / 2
     inside = air.bounds.margin(np.column_stack([places[:, :2], np.full(len(places), middle)]))
-    return places[(near >= ways.required + TO_LAND) & (inside > 0.0)]
+    return places[(near >= ways.required + LANDING_CLEARANCE) & (inside > 0.0)]
 
 
 def _rally_point(forecast: Forecast, place: np.ndarray) -> Geodetic:
-    """It as a mission has it: its altitude is above home."""
+    """Convert a place to a rally point with its altitude above home."""
     there = forecast.frame.geodetic(place)
     above = round(there.altitude - forecast.mission.home.altitude, 3)
     return Geodetic(round(there.latitude_deg, 7), round(there.longitude_deg, 7), above)

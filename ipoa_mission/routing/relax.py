@@ -1,7 +1,7 @@
-"""The gentlest line beside a curve: what a vehicle that must slow down in bends flies faster.
+"""Compute the gentlest line near a curve, which a vehicle that slows down in bends flies faster.
 
-Each place of the curve may move aside, level, by so much; of all such lines the one with the least sum of squared
-curvatures is taken, a linear least-squares problem with bounds (in motor racing: the minimum-curvature line).
+Each place of the curve may move laterally, within a limit. The line minimizes the sum of squared curvatures: a linear
+least-squares problem with bounds (the minimum-curvature line of motor racing).
 """
 
 import math
@@ -12,20 +12,20 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing.resample import lefts, through
 
-PLACE_SPACING = 3.0  # between the places that move aside [m]
-MAX_PLACES = 200  # of them
+PLACE_SPACING = 3.0  # between movable places [m]
+MAX_PLACES = 200
 MAX_ROUNDS, SHARES, ENOUGH = 500, 0.5 ** np.arange(30), 1e-13  # of Newton's method
 
 
 def relaxed(curve: Spline, room: float, via: Points) -> Points:
-    """Places of the line that bends least within `room` [m] beside the curve, (n, 3); it keeps to via points (m, 3)."""
+    """Return places (n, 3) of the line with least bending within `room` [m] of the curve, through via points (m, 3)."""
     count = int(np.clip(math.ceil(curve.length / PLACE_SPACING), 8, MAX_PLACES))
     samples, stops = through(curve.sample(count + 1), via)
     free = np.setdiff1d(np.arange(1, len(samples) - 1), stops)
     if room <= 0 or len(free) == 0:
         return samples
     aside = lefts(samples)[:, :2]
-    bend = np.diff(np.eye(len(samples)), 2, axis=0)  # second differences: curvature, as the places are evenly far apart
+    bend = np.diff(np.eye(len(samples)), 2, axis=0)  # second differences: curvature, for evenly spaced places
     system = np.vstack([(bend * aside[:, axis])[:, free] for axis in (0, 1)])
     wanted = -np.concatenate([bend @ samples[:, axis] for axis in (0, 1)])
     moved = _least_squares(system, wanted, room)
@@ -34,9 +34,9 @@ def relaxed(curve: Spline, room: float, via: Points) -> Points:
 
 
 def _least_squares(system: Points, wanted: Vector, room: float) -> Vector:
-    """The x (n,), each within `room` of 0, for which `system` x is nearest to `wanted`: Newton's method, projected.
+    """Solve for x (n,), |x| <= `room`, that minimizes |`system` x - `wanted`|, by projected Newton.
 
-    An element of x touches only such elements of `system` as its two neighbors on each side do (Bertsekas 1982).
+    Normal equations couple each x with two neighbors on either side only (Bertsekas 1982).
     """
     from ipoa_mission.planning.banded import solve_banded
 

@@ -1,4 +1,4 @@
-"""What is changed in a mission that would else fail a check: a higher way home, a slow stretch over high ground."""
+"""Repair a mission that would fail a check: raise its way home, slow its landing on high ground."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -17,13 +17,13 @@ from ipoa_mission.world.frame import Geodetic
 
 
 def slow_landings(mission: Mission, scenario: Scenario) -> Mission:
-    """The mission for a vehicle that slows down as high above the ground where it lands as it else does above home.
+    """Return the mission with parameters that start the slow landing stretch in time over high ground.
 
-    Its parameters stay where the slow stretch is long enough, where the scenario names one of them, and where
-    ArduCopter has a range finder.
+    Parameters stay if the slow stretch is long enough, if the scenario names one of them, or if ArduCopter has a range
+    finder.
 
     Raises:
-        Unsafe: the ground is so high that no value that the firmware documents helps.
+        Unsafe: no value within the firmware's documented range helps.
     """
     stretch = mission.autopilot.slow_stretch(mission.parameters)
     names = mission.autopilot.slowed_by.names
@@ -40,31 +40,31 @@ def slow_landings(mission: Mission, scenario: Scenario) -> Mission:
             f"{touches_down(slowed, highest)}",
             hint=f"land elsewhere, descend no faster than {slowed.landing:g} m/s (vehicle.descent_speed), or name "
             f"{' or '.join(filter(None, (mission.autopilot.slowed_by.spared_by, names[0])))} under "
-            "[vehicle.parameters]: then it is yours to see to",
+            "[vehicle.parameters], on your own responsibility",
             code="fast-touchdown",
         )
     return replace(mission, parameters={**mission.parameters, **wanted})
 
 
 def slowed_for_ground(forecast: Forecast) -> Iterator[str]:
-    """That its vehicle needs other parameters to land slowly, where it does."""
+    """Yield the parameters that the vehicle needs for a slow landing."""
     mission, scenario = forecast.mission, forecast.world
     given, slowing = scenario.vehicle.autopilot_parameters(), mission.autopilot.slowed_by.names
     wanted = {name: mission.parameters[name] for name in slowing if name in mission.parameters and name not in given}
     if wanted:
         highest = max(landings(forecast), key=lambda landing: landing.counted)
         yield (
-            f"{highest.words}: {in_words(wanted)} in the vehicle, so that it slows down as high above it as it else "
-            f"does above home ({scenario.name}.params; `fly --set-params` writes it)"
+            f"{highest.words}: {in_words(wanted)} in the vehicle make it slow down as high above it as otherwise "
+            f"above home ({scenario.name}.params; `fly --set-params` writes it)"
         )
 
 
 def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
-    """The mission with a waypoint high over its last place, if its way home is not clear and that makes it so.
+    """Return the mission with a waypoint high over its last place, if that makes a blocked way home clear.
 
-    The waypoint has the lowest of every five metres above home at which the way home keeps the required clearance; the
-    climb to it must do so, within the bounds. If there is none the mission stays as it is. A spline waypoint before it
-    is held for a second: if it flew on, ArduCopter's curve would dip first, to rise there.
+    The waypoint has the lowest height, in steps of 5 m above home, at which the way home keeps the required clearance.
+    The climb must keep it too, within the bounds; otherwise the mission stays. A preceding spline waypoint gets a hold
+    of 1 s, because without it ArduCopter's curve dips before it rises.
     """
     if mission.items[-1].command != Command.NAV_RETURN_TO_LAUNCH:
         return mission
@@ -87,7 +87,7 @@ def raise_way_home(mission: Mission, scenario: Scenario) -> Mission:
 
 
 def climb_for_way_home(mission: Mission) -> Iterator[str]:
-    """That it climbs over its last place before it returns, where it does."""
+    """Yield a note if the mission climbs over its last place before the return."""
     match mission.items:
         case (*_, before, last, end) if end.command == Command.NAV_RETURN_TO_LAUNCH:
             there = (last.latitude_deg, last.longitude_deg) == (before.latitude_deg, before.longitude_deg)

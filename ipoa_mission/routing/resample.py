@@ -1,7 +1,7 @@
-"""Where on (or beside) a curve its waypoints lie: pure geometry, in metres.
+"""Place waypoints on or near a curve: pure geometry in metres.
 
-The vehicle flies straight legs between waypoints. `every` takes equal steps, as the paper's reader would expect;
-`corridor` takes the fewest waypoints whose legs stay near the curve. Both have one at every via point.
+The vehicle flies straight legs between waypoints. `every` takes equal steps, as the paper does. `corridor` takes the
+fewest waypoints whose legs stay near the curve. Both include every via point.
 """
 
 import math
@@ -13,26 +13,26 @@ from ipoa_mission.forecast.timing import cubic
 from ipoa_mission.geometry import Points, arc_lengths
 from ipoa_mission.planning.spline import Spline
 
-SAMPLES = 240  # spots on or beside the curve where a corridor may have a waypoint
-SPARSE = 3.0  # where these would be farther apart they are as near as the curve bends [m]
-CHORD_SHARE = 0.1  # of the tolerance, by which it may then leave the straight lines between them
-COMPARING_STEP = 0.5  # at which a path is held against a curve [m]
+SAMPLES = 240  # candidate places of corridor waypoints
+GREATEST_SPACING = 3.0  # greatest spacing of candidate places before they follow the bends [m]
+CHORD_SHARE = 0.1  # of the tolerance, for chords between candidate places
+COMPARING_STEP = 0.5  # at which a path is compared with a curve [m]
 ON_THE_CURVE = (0.0,)
 NOWHERE = np.zeros((0, 3))
 
 
 def every(curve: Spline, spacing: float, via: Points = NOWHERE) -> Points:
-    """Waypoints along the curve, equally far apart and at most `spacing` [m] of arc, (k, 3): the paper's resampling.
+    """Return waypoints along the curve, equally far apart and at most `spacing` [m] of arc, (k, 3), as the paper does.
 
-    The nearest to each via point (m, 3) stand on it.
+    The nearest to each via point (m, 3) is moved onto it.
     """
     return through(curve.sample(max(2 + len(via), math.ceil(curve.length / spacing) + 1)), via)[0]
 
 
 def stations(line: Points, spacing: float, last: float, via: Points) -> Points:
-    """Waypoints on a line (n, 3), evenly and at most `spacing` [m] apart, but the last leg is `last` [m] long, (k, 3).
+    """Return waypoints on a line (n, 3), at most `spacing` [m] apart, with a last leg of `last` [m], (k, 3).
 
-    The nearest to each via point (m, 3) stand on it.
+    The nearest to each via point (m, 3) is moved onto it.
     """
     traveled = arc_lengths(line)
     before = traveled[-1] - last
@@ -44,11 +44,13 @@ def stations(line: Points, spacing: float, last: float, via: Points) -> Points:
 def corridor(
     curve: Spline, tolerance: float, asides: tuple[float, ...] = ON_THE_CURVE, via: Points = NOWHERE
 ) -> Points:
-    """The fewest waypoints whose straight legs stay within `tolerance` [m] of the curve, (k, 3), via points among them.
+    """Return the fewest waypoints (k, 3) whose straight legs stay within `tolerance` [m] of the curve.
 
-    Other inner waypoints lie beside the curve by one of `asides` [m, to the left]: outside a bend they save more. A
-    shortest path over all pairs that a straight leg may join (Imai and Iri 1986); among routes of equal number the one
-    with the least sum of squared deviations is taken.
+        Via points (m, 3) are among them.
+
+    Other inner waypoints are offset laterally by one of `asides` [m, to the left]: an offset outside a bend saves
+        waypoints. The search is a shortest path over all pairs that a leg may join (Imai and Iri 1986). Of equal numbers,
+        the route with the least sum of squared deviations is taken.
     """
     from ipoa_mission.routing._corridor import fewest_legs
 
@@ -65,28 +67,27 @@ def corridor(
 
 
 def _spots(curve: Spline, tolerance: float, most: int) -> Points:
-    """Places of the curve that show all its bends, (n, 3): evenly apart, if so many are enough for that."""
-    if curve.length > SPARSE * most:
+    """Return places of the curve that resolve all its bends, (n, 3): evenly spaced if `most` are enough."""
+    if curve.length > GREATEST_SPACING * most:
         return curve.points(curve.chords(CHORD_SHARE * tolerance))
     return curve.sample(int(np.clip(math.ceil(curve.length / min(1.0, tolerance)) + 1, 20, most)))
 
 
 def deviation(path: Points, curve: Spline) -> float:
-    """How far a path of straight legs (n, 3) and a curve are apart [m], to a few centimetres.
+    """Return the symmetric Hausdorff distance of a path of straight legs (n, 3) and a curve [m], to a few cm.
 
-    The greatest distance of either from the other (Hausdorff): a path that leaves a loop out is as far as the loop is
-    wide.
+    A path that leaves out a loop is as far as the loop is wide.
     """
     from ipoa_mission.routing._hausdorff import farthest
 
-    steps, samples = _steps(path), _fine(curve)
+    steps, samples = _steps(path), _dense(curve)
     spacing = curve.length / (len(samples) - 1)
     away = max(farthest(steps, samples), farthest(samples, steps))
     return math.sqrt(max(away**2 - spacing**2 / 4, 0.0))
 
 
 def through(samples: Points, via: Points) -> tuple[Points, list[int]]:
-    """The samples of a curve with the nearest to each via point, in their order, put on it; and which these are."""
+    """Move the sample nearest to each via point onto it, in order; return the samples and those indices."""
     stops: list[int] = []
     for place, left in zip(via, range(len(via), 0, -1), strict=True):
         first = stops[-1] + 1 if stops else 1
@@ -97,20 +98,20 @@ def through(samples: Points, via: Points) -> tuple[Points, list[int]]:
 
 
 def _steps(path: Points) -> Points:
-    """The corners of a path and points between them, half a metre apart at most."""
+    """Return the corners of a path and points between them, at most 0.5 m apart."""
     traveled = arc_lengths(path)
     stops = np.union1d(traveled, np.linspace(0.0, traveled[-1], math.ceil(traveled[-1] / COMPARING_STEP) + 1))
     return np.column_stack([np.interp(stops, traveled, axis) for axis in path.T])
 
 
 @lru_cache(maxsize=8)
-def _fine(curve: Spline) -> Points:
-    """Samples of a curve half a metre apart."""
+def _dense(curve: Spline) -> Points:
+    """Return samples of a curve 0.5 m apart."""
     return curve.sample(int(np.clip(curve.length / COMPARING_STEP, 200, 2000)))
 
 
 def lefts(samples: Points) -> Points:
-    """Level unit vectors to the left of the way at each sample, (n, 3); zero where the way is vertical."""
+    """Return level unit vectors to the left of the path at each sample, (n, 3); zero for a vertical path."""
     ahead = np.gradient(samples[:, :2], axis=0)
     length = np.linalg.norm(ahead, axis=1, keepdims=True)
     level = np.divide(ahead, length, out=np.zeros_like(ahead), where=length > 1e-9)

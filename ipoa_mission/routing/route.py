@@ -1,7 +1,7 @@
-"""A route: the waypoints that a mission flies through, and the care that its legs keep the required clearance.
+"""A route: waypoints of a mission, moved until the legs between them keep the required clearance.
 
-Resampling cuts corners, so whatever chooses waypoints, the legs between them are proved again; where a leg cuts in on
-what the curve bends round, its waypoints are moved aside until the proof holds.
+Resampling cuts corners, so the legs are proved again. If a leg comes too near to an obstacle that the curve avoids, its
+waypoints move aside until the proof holds.
 """
 
 from dataclasses import dataclass
@@ -14,13 +14,13 @@ from ipoa_mission.planning.path_problem import PathTask
 from ipoa_mission.planning.proof import Check, prove
 from ipoa_mission.world.airspace import Airspace
 
-PUSHES = 30  # rounds of moving waypoints aside
-OVERSHOOT = 0.01  # a leg that is moved keeps so much more than it must [m]
-SLOPE_STEP = 1e-3  # for the slope of the distance [m]
+PUSHES = 30  # rounds of moving waypoints
+OVERSHOOT = 0.01  # extra clearance of a moved leg [m]
+SLOPE_STEP = 1e-3  # finite-difference step for the gradient of the distance [m]
 
 
 class NoRoute(MissionError):
-    """No choice of waypoints keeps the required clearance on the legs between them; `tried` are some that do not."""
+    """No choice of waypoints keeps the required clearance between them; `tried` are some that do not."""
 
     tried: "tuple[Route, ...]" = ()
 
@@ -29,9 +29,9 @@ class NoRoute(MissionError):
 class Route:
     """Waypoints (k, 3) from start to goal, flown in straight legs, or with `spline` in one smooth curve (ArduPilot).
 
-    A curve ends in a straight leg, or with `brakes_on_curve` in a curve as well: that one must be long enough to brake
-    in (`braking_length`). `radius` is how near to a waypoint PX4 turns to the next [m]; 0: as its parameters say. The
-    `slow` legs, counted from 0, are flown at `slow_speed` [m/s], all others at the cruise speed.
+    A spline ends in a straight leg, or with `brakes_on_curve` in a curve long enough to brake in (`braking_length`).
+    `radius` is PX4's acceptance radius [m]; 0: its parameter. The `slow` legs, counted from 0, are flown at
+    `slow_speed` [m/s], all others at the cruise speed.
     """
 
     points: Points
@@ -43,26 +43,25 @@ class Route:
 
     @property
     def legs(self) -> int:
-        """How many it has."""
         return len(self.points) - 1
 
     @property
     def speed_changes(self) -> list[int]:
-        """The legs before which the vehicle is told another speed."""
+        """Return the legs before which the speed changes."""
         return [leg for leg in range(self.legs) if (leg in self.slow) != (leg - 1 in self.slow)]
 
 
 def push_clear(waypoints: Points, task: PathTask) -> Points:
-    """Waypoints (k, 3) moved aside where a leg between them keeps too little clearance; the ends stay.
+    """Move waypoints (k, 3) aside where a leg between them keeps too little clearance; the ends stay.
 
-    A curve bends round what it avoids, so its chords cut in on that side: each breach pushes the ends of its leg
-    outwards by what is missing, shared by their nearness to it. Where that does not help the legs stay as they are,
-    and the proof that follows says so.
+    A curve bends around obstacles, so its chords cut in on that side. Each breach pushes the ends of its leg outwards
+    by the missing distance, weighted by their nearness. Legs that cannot be mended stay, and fail the proof that
+    follows.
     """
     moved = waypoints.copy()
     if not _broken(moved, task):
         return moved
-    moved_legs = set(range(len(moved) - 1))  # since they were last proved
+    moved_legs = set(range(len(moved) - 1))  # not proved since their last move
     for _ in range(PUSHES):
         for leg in range(len(moved) - 1):
             if leg not in moved_legs:
@@ -80,13 +79,13 @@ def push_clear(waypoints: Points, task: PathTask) -> Points:
 
 
 def _broken(legs: Points, task: PathTask) -> list[Check]:
-    """The limits that straight legs break and that moving them aside may mend."""
+    """Return the broken limits of straight legs that moving may repair."""
     checks = prove(legs, task, spare=0.0).checks
     return [check for check in checks if check.slack < 0 and check.limit in ("obstacles", "ground", "bounds")]
 
 
 def _push(waypoints: Points, leg: int, check: Check, airspace: Airspace) -> None:
-    """Move the ends of one leg, in place, so that it keeps `check` where it was broken."""
+    """Move the ends of one leg, in place, so that it keeps `check`."""
     place = np.array(check.nearest.place)
     ahead = waypoints[leg + 1] - waypoints[leg]
     share = float(np.clip((place - waypoints[leg]) @ ahead / max(float(ahead @ ahead), 1e-12), 0, 1))
@@ -98,7 +97,7 @@ def _push(waypoints: Points, leg: int, check: Check, airspace: Airspace) -> None
 
 
 def _outwards(place: Vector, limit: str, airspace: Airspace) -> Vector:
-    """The direction in which a limit is left fastest at a place: upwards from the ground, else the distance's slope."""
+    """Return the direction away from a limit at a place: up from the ground, else the gradient of the distance."""
     if limit == "ground":
         return np.array([0.0, 0.0, 1.0])
     distance = airspace.obstacle_distance if limit == "obstacles" else airspace.bounds.margin

@@ -1,4 +1,4 @@
-"""Why too few flights would keep the limits, where, and a change of the scenario that was seen to help."""
+"""Explain why too few flights would keep the limits, where, and which tried change of the scenario helps."""
 
 import numpy as np
 
@@ -14,14 +14,14 @@ from ipoa_mission.scenario.path_limits import place_names
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.obstacles import Obstacle
 
-OPPOSITE = -0.5  # the cosine of the angle between what stands on both sides of a gap, at most
+OPPOSITE = -0.5  # greatest cosine between the directions to the two sides of a gap
 
 
 def refusal(nearest: Attempt, assessments: Looks) -> NoPath:
-    """The error for the attempt that came nearest to keeping the limits; `assessments` tries changed scenarios."""
+    """Return the error for the attempt nearest to the limits; `assessments` tries changed scenarios."""
     promise = nearest.promise
     if nearest.short:
-        helps, hint, remedies = _what_helps("", assessments)
+        helps, hint, remedies = _try_changes("", assessments)
         words = f"a path is there, but {why_not_planned(nearest.forecast)}; {helps}"
         return NoPath(words, hint=f"{hint}; {or_else(nearest.forecast)}", remedies=remedies)
     tightest = min(promise.forbidding, key=lambda kept: kept.slack)
@@ -35,7 +35,7 @@ def refusal(nearest: Attempt, assessments: Looks) -> NoPath:
 
 
 def narrow_refusal(narrow: Narrow, assessments: Looks) -> NoPath:
-    """The error for a gap that is too narrow for any flight."""
+    """Return the error for a gap that is too narrow for any flight."""
     return _with_help(narrow.words(), "", assessments)
 
 
@@ -45,7 +45,7 @@ def _with_help(words: str, round_it: str, assessments: Looks) -> NoPath:
         why = f"a path is there, but {who} it would not be kept to"
     else:
         why = f"a path is there, but {100 * (1 - chance):g} % of flights {who} would not keep it"
-    helps, hint, remedies = _what_helps(round_it, assessments)
+    helps, hint, remedies = _try_changes(round_it, assessments)
     return NoPath(f"{why}: {words}; {helps}", hint=hint, remedies=remedies)
 
 
@@ -61,7 +61,7 @@ def _leg(nearest: Attempt, tightest: Kept) -> str:
 
 
 def _gap(tightest: Kept, airspace: Airspace) -> str:
-    """What is too near at a place, and what is needed there; where it is a gap, between what, and how wide it is."""
+    """Describe what is too near at a place and the needed distance; for a gap, its two sides and width."""
     spot, needed = np.array(tightest.place), tightest.required + tightest.nominal - tightest.kept
     apart, other = _across(spot, tightest.to, needed, airspace)
     if other is not None and apart < 2 * needed:
@@ -71,7 +71,7 @@ def _gap(tightest: Kept, airspace: Airspace) -> str:
 
 
 def _across(spot: np.ndarray, name: str, needed: float, airspace: Airspace) -> tuple[float, str | None]:
-    """What stands opposite to an obstacle beside a place, level, and the width between them [m]; None: nothing."""
+    """Return the level width [m] to the obstacle on the opposite side of a place, and its name or None."""
     import shapely
 
     point = shapely.Point(spot[:2])
@@ -94,8 +94,8 @@ def _across(spot: np.ndarray, name: str, needed: float, airspace: Airspace) -> t
     return best, found
 
 
-def _what_helps(round_it: str, assessments: Looks) -> tuple[str, str, tuple[Remedy, ...]]:
-    """Return which of some changes plans the scenario, tried one after the other: words, a hint, the change."""
+def _try_changes(round_it: str, assessments: Looks) -> tuple[str, str, tuple[Remedy, ...]]:
+    """Try changes of the scenario in turn; return a description, a hint and the change that helps."""
     tried = list[Remedy]()
     for change in assessments.changes:
         if (found := assessments.at(change)) is None:
@@ -105,7 +105,7 @@ def _what_helps(round_it: str, assessments: Looks) -> tuple[str, str, tuple[Reme
         with_it = "" if kept is None else f" with {down(kept.kept):.2f} m kept"
         return f"{change} plans it{with_it}", f"{change}, which was tried; or leave a wider way", (change,)
     return (
-        f"it was tried in vain with {', '.join(map(str, tried))}",
+        f"no change helped of {', '.join(map(str, tried))}",
         f"leave a wider way there, or a smaller safety_distance{round_it}",
         (),
     )

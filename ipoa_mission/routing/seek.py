@@ -1,7 +1,7 @@
-"""A path with room for the tube: sought where there is room all round first, then through the gaps that are left.
+"""Seek a path with room for the deviation bound: first around gaps, then through them.
 
-Where the flights along a path would come too near all the same, the path is moved aside by what is missing; where that
-cannot be, another way round is sought, and by another seed.
+If flights along a path would come too near, the path is moved aside by the missing distance. If that fails, another way
+around and another seed are tried.
 """
 
 from collections.abc import Iterator
@@ -26,20 +26,20 @@ from ipoa_mission.routing.slower import slowed_where_needed
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.obstacles import Obstacle
 
-#: At how many tight places the tube is given room, whether gaps stay open, and by which share of the height that the
-#: lowest given place has to spare the path may have to be higher over steep ground. Tried in this order until a route
-#: is safe: less room than is needed for sure is quicker, and mostly enough.
+#: Share of the deviation bound by which tight places gain room, whether gaps stay open, and share of the lowest given
+#: place's spare height that steep ground may require. Tried in this order until a route is safe: less room than surely
+#: needed is quicker and mostly enough.
 ROOMS = ((0.5, False, 0.9), (0.5, False, 9.0), (4.0, False, 9.0), (0.5, True, 0.9))
-FAR_OFF = -0.15  # where the quick routes are so short of a limit the better ones are not looked at [m]
-ROUNDS, IN_VAIN = 4, 2  # so often a path is moved aside, and so often in a row where that gains less than
-LEAST_GAIN = 0.01  # so much [m]
-PLANS = 6  # so often a path is sought at most,
-AGAIN = 1  # so often of these where the one before was too near, with more room there,
-SEEDS = 2  # and with so many seeds
+HOPELESS_SLACK = -0.15  # slack below which only the quick routes are assessed [m]
+MAX_MOVES, MAX_VAIN_MOVES = 4, 2  # moves of a path at most, and in a row with little gain
+LEAST_GAIN = 0.01  # in slack of a move [m]
+MAX_SEARCHES = 6  # searches for a path at most
+REPEATED_SEARCHES = 1  # repeated searches after a path too near, with more room
+SEED_COUNT = 2  # tried in turn
 
 
 class TooNear(NoPath):
-    """Paths are there, but too few flights would keep the limits on any; `nearest` comes nearest to it."""
+    """Paths exist, but too few flights would keep the limits on any; `nearest` is the best attempt."""
 
     def __init__(self, nearest: Attempt) -> None:
         super().__init__("too few flights would keep the limits")
@@ -47,7 +47,7 @@ class TooNear(NoPath):
 
 
 def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> Attempt:
-    """A route along a plan whose flights keep what is required.
+    """Return a route along a plan whose flights keep what is required.
 
     Raises:
         BadInput: the optimizer is unknown, or has no such setting; start and goal are the same place; the autopilot
@@ -58,14 +58,14 @@ def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> Attempt
     """
     expect_mode(scenario.route.mode, scenario.vehicle.autopilot)
     try:
-        return _sought(scenario, seed, progress)
+        return _plan(scenario, seed, progress)
     except WayHomeBlocked:
-        return _sought(by_way_of_the_goal(scenario), seed, progress)
+        return _plan(by_way_of_the_goal(scenario), seed, progress)
 
 
-def _sought(scenario: Scenario, seed: int, progress: Progress) -> Attempt:
-    """As `plan_with_room`; raises WayHomeBlocked as well."""
-    assessments = Looks(scenario, lambda changed: _planned(changed, seed))
+def _plan(scenario: Scenario, seed: int, progress: Progress) -> Attempt:
+    """Plan; raise WayHomeBlocked in addition to the errors of `plan_with_room`."""
+    assessments = Looks(scenario, lambda changed: _plan_once(changed, seed))
     try:
         return seek(scenario, seed, progress)
     except TooNear as error:
@@ -76,25 +76,25 @@ def _sought(scenario: Scenario, seed: int, progress: Progress) -> Attempt:
         raise narrow_refusal(error.narrow, assessments) from None
 
 
-def _planned(scenario: Scenario, seed: int) -> Attempt | None:
-    """What a first look comes to; None where it finds nothing that holds."""
+def _plan_once(scenario: Scenario, seed: int) -> Attempt | None:
+    """Return the attempt of a single search, or None if it fails."""
     try:
         return seek(scenario, seed, silent, plans=1)
     except MissionError:
         return None
 
 
-def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = PLANS) -> Attempt:
-    """The first attempt that holds, of so many paths in more and more room, and then by another seed.
+def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = MAX_SEARCHES) -> Attempt:
+    """Return the first attempt that holds, of at most `plans` paths in more and more room and then by another seed.
 
     Raises:
-        TooNear: none does.
-        TooNarrow: none can.
+        TooNear: no attempt holds.
+        TooNarrow: no attempt can hold.
         NoPath, NoRoute, Unsafe, BadInput: as `plan_with_room`.
     """
     expect_wide(scenario)
     nearest: Attempt | None = None
-    tries = ((number, room) for number in range(seed, seed + SEEDS) for room in _rooms(scenario))
+    tries = ((number, room) for number in range(seed, seed + SEED_COUNT) for room in _rooms(scenario))
     for number, room in islice(tries, plans):
         try:
             attempt = _made_safe(plan_path(room.world, seed=number, progress=progress), room, scenario)
@@ -115,7 +115,7 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = PLANS) 
 
 @dataclass
 class _Room:
-    """A scenario's path with more room, and what was needed of it; `closed` once no path was found in it."""
+    """A path task with extra room and its needs; `closed` once no path was found in it."""
 
     world: PathTask
     needs: Needs
@@ -123,15 +123,15 @@ class _Room:
 
 
 def _rooms(scenario: Scenario) -> Iterator[_Room]:
-    """The scenario with room for the tube, more and more differently; at last without any.
+    """Yield the scenario with different room for the deviation bound; at last without any.
 
-    Each is followed by those with more room where the last path in it was too near, gaps or not: another way round may
-    have it. Where there is no path, there is none with more room.
+    After a path that was too near, the same task with more room follows: another way around may have it. A task without
+    a path is not tried with more room.
     """
     for room in _first_rooms(scenario):
         yield room
         latest, before = room, room.needs
-        for _ in range(0 if _as_printed(scenario) else AGAIN):
+        for _ in range(0 if _as_printed(scenario) else REPEATED_SEARCHES):
             if latest.closed or latest.needs is before:
                 break
             before = latest.needs
@@ -158,28 +158,27 @@ def _first_rooms(scenario: Scenario) -> Iterator[_Room]:
 
 
 def _as_printed(scenario: Scenario) -> bool:
-    """Whether the path is to be as the algorithm found it."""
+    """Whether the path stays as the algorithm found it."""
     return scenario.planning.planner == "paper" or not scenario.planning.polish
 
 
 def _made_safe(plan: Plan, room: _Room, scenario: Scenario) -> Attempt:
-    """The plan, moved aside while too few flights along it keep the limits and it can be; the best attempt.
+    """Return the best attempt after moving the plan aside while too few flights along it keep the limits.
 
-    A first look at each is by a few quick routes of the scenario's mode: only what they promise is asked of it all.
-    What was needed is noted of the room.
+    Only a few quick routes of the scenario's mode are assessed first. The needs are recorded in `room`.
     """
-    latest = best = best_route(plan, scenario, FAR_OFF)
+    latest = best = best_route(plan, scenario, HOPELESS_SLACK)
     in_vain = 0
-    for _ in range(0 if _as_printed(scenario) else ROUNDS):
+    for _ in range(0 if _as_printed(scenario) else MAX_MOVES):
         expect_way_home(latest)
-        if best.holds or in_vain == IN_VAIN:
+        if best.holds or in_vain == MAX_VAIN_MOVES:
             break
         room.needs = room.needs.more(latest, scenario)
         wider = (room.needs.room(room.world, scenario, gaps) for gaps in (False, True))
         moved = next(filter(None, (move_aside(latest.plan, world) for world in wider)), None)
         if moved is None:
             break
-        latest = best_route(replace(latest.plan, curve=moved), scenario, max(FAR_OFF, best.slack + LEAST_GAIN))
+        latest = best_route(replace(latest.plan, curve=moved), scenario, max(HOPELESS_SLACK, best.slack + LEAST_GAIN))
         in_vain = 0 if latest.slack > best.slack + LEAST_GAIN else in_vain + 1
         best = max(best, latest, key=lambda attempt: attempt.merit)
     return best

@@ -1,6 +1,6 @@
-"""Slower stretches: legs on which the vehicle is told to fly slower, where at its cruise speed flights come too near.
+"""Fly single legs slower if flights at the cruise speed come too near.
 
-A lower speed makes no straight gap wider; where the way bends the vehicle cuts and overshoots less, and its tube is
+A lower speed makes no straight gap wider. In bends the vehicle cuts and overshoots less, so its deviation bound is
 narrower.
 """
 
@@ -18,11 +18,11 @@ from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.build import items_of_waypoints
 from ipoa_mission.routing.changes import Looks, slower
 
-ROUNDS = 20  # so often legs are added to those that are flown slower, at most
+ROUNDS = 20  # of adding slow legs, at most
 
 
 def slowed_where_needed(nearest: Attempt, assessments: Looks) -> Attempt | None:
-    """An attempt that holds, with some legs flown slower if need be: of the nearest one, or of one at a lower speed."""
+    """Return an attempt that holds with some legs flown slower, from the nearest attempt or one at a lower speed."""
     changes = dict(slower(assessments.scenario))
     speeds = [changed.vehicle.cruise_speed for changed in changes.values()]
     speeds = [speed for speed in speeds if speed < assessments.scenario.vehicle.cruise_speed]
@@ -36,7 +36,7 @@ def slowed_where_needed(nearest: Attempt, assessments: Looks) -> Attempt | None:
 
 
 def _slowed(attempt: Attempt, speed: float) -> Attempt | None:
-    """The attempt with those legs at this speed [m/s] that must be, if that holds and others may be flown faster."""
+    """Return the attempt with as few legs as necessary at this speed [m/s], or None."""
     every = frozenset(range(attempt.route.legs))
 
     def at(slow: frozenset[int]) -> Attempt:
@@ -53,7 +53,7 @@ def _slowed(attempt: Attempt, speed: float) -> Attempt | None:
             if slow == every or slow == latest.route.slow:
                 return None
             latest = at(slow)
-        for leg in sorted(latest.route.slow, reverse=True):  # a bend asks for the leg before it, seldom for that after
+        for leg in sorted(latest.route.slow, reverse=True):  # a bend needs the leg before it, seldom the one after
             if latest.holds and (without := at(latest.route.slow - {leg})).holds:
                 latest = without
         return latest if latest.holds else None
@@ -62,7 +62,7 @@ def _slowed(attempt: Attempt, speed: float) -> Attempt | None:
 
 
 def _too_near(attempt: Attempt) -> Iterator[int]:
-    """The legs on which something comes too near."""
+    """Yield the legs on which clearance is missing."""
     ends = np.array(items_of_waypoints(attempt.route)[1:]) + 1
     for kept in attempt.promise.forbidding:
         yield min(int(np.searchsorted(ends, kept.item)), len(ends) - 1)
@@ -73,13 +73,13 @@ def _too_near(attempt: Attempt) -> Iterator[int]:
 
 
 def _more(slow: frozenset[int], leg: int) -> int:
-    """The leg; if it is slow already the one before its stretch, from which it comes fast, or at last that after."""
+    """Return the leg; if already slow, the leg before its stretch, or else the one after."""
     before = next(n for n in range(leg, -2, -1) if n not in slow)
     return before if before >= 0 else next(n for n in count(leg) if n not in slow)
 
 
 def slowed_stretches(forecast: Forecast) -> Iterator[str]:
-    """Which items are flown slower than at the cruise speed, and what would come too near else."""
+    """Yield which items are flown below the cruise speed, and which limit needs that."""
     mission, cruise = forecast.mission, forecast.world.vehicle.cruise_speed
     stretches = list(_stretches(mission, cruise))
     if not stretches:
@@ -94,7 +94,7 @@ def slowed_stretches(forecast: Forecast) -> Iterator[str]:
 
 
 def _stretches(mission: Mission, cruise: float) -> Iterator[tuple[int, int, float]]:
-    """The first and the last item of each stretch that is flown slower than the cruise speed, and how fast."""
+    """Yield the first item, the last item and the speed of each stretch below the cruise speed."""
     first = None
     speed = cruise
     for seq, item in enumerate(mission.items, 1):

@@ -7,7 +7,7 @@ from pydantic import Field, PrivateAttr, model_validator
 from ipoa_mission.errors import BadInput
 from ipoa_mission.maps.wind_levels import ForecastWind
 from ipoa_mission.scenario.section import NotNegative, Section, existing_file
-from ipoa_mission.wind import MOST_LEVELS, Wind
+from ipoa_mission.wind import MAX_LEVELS, Wind
 
 
 class WindSection(Section):
@@ -44,8 +44,8 @@ class WindSection(Section):
         numbers = {len(self.heights), len(self.speeds), len(self.directions)}
         if numbers == {0}:
             return self
-        if len(numbers) > 1 or not 2 <= len(self.heights) <= MOST_LEVELS:
-            raise ValueError(f"expected as many speeds and directions as heights, two to {MOST_LEVELS}")
+        if len(numbers) > 1 or not 2 <= len(self.heights) <= MAX_LEVELS:
+            raise ValueError(f"expected as many speeds and directions as heights, two to {MAX_LEVELS}")
         if any(above <= below for below, above in pairwise(self.heights)):
             raise ValueError("expected ascending heights")
         if self.speed or self.exponent or self.gradient_height:

@@ -31,8 +31,8 @@ def test_a_broken_file_is_refused_with_its_message(name: str) -> None:
     [
         ("", "the file is empty"),
         ("\n \n", "the file is empty"),
-        ('{"mission": {}, }', "there is a comma too many before it"),
-        ('{"items": [1, 2,\n]}', "there is a comma too many before it"),
+        ('{"mission": {}, }', "there is an extra comma before it"),
+        ('{"items": [1, 2,\n]}', "there is an extra comma before it"),
         ('{"mission": {"items": [', "the file is cut off"),
         ('{"mission": {"items": [1 2]}}', None),
     ],

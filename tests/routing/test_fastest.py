@@ -194,7 +194,7 @@ def test_a_quicker_way_that_is_not_flown_says_why() -> None:
     chosen = next(n for n, option in enumerate(options) if option.mode == "fastest")
     assert chosen > 0
     for n, option in enumerate(options):
-        expected = "more than 0.05 m off the curve" if option.deviation > 0.05 else "hardly quicker"
+        expected = "more than 0.05 m off the curve" if option.deviation > 0.05 else "not noticeably quicker"
         assert option.passed_over == (expected if n < chosen else "")
 
 

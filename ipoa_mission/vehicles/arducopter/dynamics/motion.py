@@ -12,7 +12,7 @@ from ipoa_mission.geometry import GRAVITY
 from ipoa_mission.vehicles.arducopter.dynamics.airframe import Airframe
 from ipoa_mission.vehicles.arducopter.dynamics.scurve import AT_REST, Profile
 from ipoa_mission.vehicles.arducopter.limits import CopterLimits
-from ipoa_mission.wind import MOST_LEVELS, Wind
+from ipoa_mission.wind import MAX_LEVELS, Wind
 
 STEP = 0.02  # [s]
 ASTRAY, ASTRAY_S = 30.0, 3.0  # greatest lag behind the target in calm air: [m], plus [s] of flight
@@ -122,7 +122,7 @@ class Tuning(NamedTuple):
 def levels_of(wind: Wind) -> Levels:
     """Return height, east and north wind (towards) of each level, padded with the last; all 0 without a profile."""
     given = [tuple(level) for level in wind.levels] or [(0.0, 0.0, 0.0)]
-    return tuple(given + given[-1:] * (MOST_LEVELS - len(given)))  # type: ignore[return-value]
+    return tuple(given + given[-1:] * (MAX_LEVELS - len(given)))  # type: ignore[return-value]
 
 
 def tuning(limits: CopterLimits, airframe: Airframe, wind: Wind) -> Tuning:

@@ -12,7 +12,7 @@ from ipoa_mission.mission.items import Item
 from ipoa_mission.vehicles.px4_multicopter.dynamics.airframe import Airframe, SensorModel
 from ipoa_mission.vehicles.px4_multicopter.dynamics.state import GO, LAND, TAKE_OFF, Enu, Law, Level, Order
 from ipoa_mission.vehicles.px4_multicopter.limits import BRAKES_LATE, Px4Limits
-from ipoa_mission.wind import MOST_LEVELS, Wind, WindLevel
+from ipoa_mission.wind import MAX_LEVELS, Wind, WindLevel
 
 FLOWN_TO = HOLDING | {Command.NAV_LOITER_TO_ALT}
 ANYWHERE = 1e9  # a radius without effect [m]
@@ -24,7 +24,7 @@ def law(limits: Px4Limits, airframe: Airframe, senses: SensorModel, wind: Wind, 
     steps = (dt, GRAVITY * math.tan(limits.lean), leaning, turning)
     east, north, exponent, height = map(float, (wind.east, wind.north, wind.exponent, wind.gradient_height))
     given = [*wind.levels] or [WindLevel(0.0, 0.0, 0.0)]
-    levels = given + given[-1:] * (MOST_LEVELS - len(given))
+    levels = given + given[-1:] * (MAX_LEVELS - len(given))
     return Law(limits, airframe, senses, east, north, exponent, height, levels, *steps, turns=True, noisy=True)
 
 
