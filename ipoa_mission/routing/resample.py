@@ -46,11 +46,9 @@ def corridor(
 ) -> Points:
     """Return the fewest waypoints (k, 3) whose straight legs stay within `tolerance` [m] of the curve.
 
-        Via points (m, 3) are among them.
-
-    Other inner waypoints are offset laterally by one of `asides` [m, to the left]: an offset outside a bend saves
-        waypoints. The search is a shortest path over all pairs that a leg may join (Imai and Iri 1986). Of equal numbers,
-        the route with the least sum of squared deviations is taken.
+    Via points (m, 3) are among them. Other inner waypoints are offset laterally by one of `asides` [m, to the left]: an
+    offset outside a bend saves waypoints. The search is a shortest path over all pairs that a leg may join (Imai and
+    Iri 1986). Of equal numbers, the route with the least sum of squared deviations is taken.
     """
     from ipoa_mission.routing._corridor import fewest_legs
 

@@ -42,7 +42,7 @@ from ipoa_mission.unread import Unread
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.wind import Wind
 from ipoa_mission.world.airspace import Airspace
-from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, apart, why_so_far
+from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, apart, swap_hint
 from ipoa_mission.world.ground import EARTH_RADIUS, LEVEL, Ground
 
 CIRCUMFERENCE = 40_000_000.0  # of the Earth [m]
@@ -147,7 +147,7 @@ class Scenario(Section):
             away = float(np.hypot(*place.east_north(self.frame))) if there is None else apart(self.frame.home, there)
             if not away < REACH:
                 far = f"{away / 1000:.0f}" if away < 100 * CIRCUMFERENCE else f"{away / 1000:.0e}"
-                why = "" if there is None else why_so_far(self.frame.home, there, name)
+                why = "" if there is None else swap_hint(self.frame.home, there, name)
                 words = f"{name}: expected a place within {REACH / 1000:g} km of home, not {far} km{why}"
                 raise ValueError(words)
         return self

@@ -24,7 +24,7 @@ from ipoa_mission.maps.map_reader import hand_on_features
 from ipoa_mission.scenario.profiles import PROFILES
 from ipoa_mission.scenario.scenario_file import parse_scenario
 from ipoa_mission.vehicles.autopilot import registered
-from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, why_so_far
+from ipoa_mission.world.frame import REACH, Geodetic, LocalFrame, swap_hint
 
 FREE_RADIUS = 12.0  # of a suggested place [m]
 LARGEST_OFFSET = 200.0  # of a suggested place from the middle of the map, along either axis [m]
@@ -259,7 +259,7 @@ def check_goal(answers: Mapping[str, str]) -> None:
         home, goal = _place("home", answers["home"]), _place("goal", answers["goal"])
         east, north, _ = LocalFrame(Geodetic(*home)).local(Geodetic(*goal))
         if not math.hypot(east, north) <= REACH:
-            why = why_so_far(Geodetic(*home), Geodetic(*goal), "goal")
+            why = swap_hint(Geodetic(*home), Geodetic(*goal), "goal")
             raise TooFar(f"expected a place within {REACH / 1000:g} km of home, {answers['home']}{why}", place="goal")
 
 

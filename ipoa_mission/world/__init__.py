@@ -1,1 +1,1 @@
-"""The world: where things are, and how far away they are."""
+"""Obstacles, terrain and bounds, and exact distances to them."""

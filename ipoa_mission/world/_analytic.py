@@ -1,8 +1,8 @@
-"""The least and the greatest height of straight legs above the paper's surface, compiled: bound, and cut in four.
+"""Compiled least and greatest height of straight legs above the paper's surface, by branch and bound.
 
-Over a span of a leg the height above a surface differs from the line between its ends by no more than the surface
-arches above (for the least height) or sags below (for the greatest) its own chord. A span whose bound cannot matter is
-done with; of the others the pieces are looked at in turn.
+Over a span of a leg, the height above a surface differs from linear interpolation by at most the surface's deviation
+from its own chord: upwards for the least height, downwards for the greatest. A span whose bound cannot improve the
+result is dropped; others are divided by four.
 """
 
 # mypy: disable-error-code="no-untyped-def,misc"
@@ -13,14 +13,14 @@ import numpy as np
 
 from ipoa_mission.compiled import njit
 
-PARTS = 4  # a span is cut in so many
-REFINED = 1e-4  # bounds are closed to this [m]
-DEEPEST = 30  # a leg cut so often is shorter than what a number resolves
+PARTS = 4  # pieces of a divided span
+REFINED = 1e-4  # accuracy of the result [m]
+DEEPEST = 30  # a leg divided this often is shorter than the floating-point resolution
 
 
 @njit(error_model="numpy")
 def _surfaces(landform, base, peaks, x, y):
-    """The paper's eqs. (1) and (2) at a place."""
+    """Evaluate the paper's eqs. (1) and (2) at a place."""
     a, b, c, d, e, f, g = landform
     r = math.hypot(x, y)
     low = math.sin(y + a) + b * math.sin(x) + c * math.cos(d * r) + (e + g) * math.cos(y) + f * math.sin(f * r)
@@ -33,10 +33,10 @@ def _surfaces(landform, base, peaks, x, y):
 
 @njit(error_model="numpy")
 def _bends(landform, peaks, greatest):
-    """By how much landform and mountains arch (or sag) at most over a span of a meter east, and of one north [m].
+    """Bound how far landform and mountains rise (or sag) from a chord of 1 m, east and north [m].
 
-    c cos(d r) bends by at most |c| d^2 in any direction, and f sin(f r) arches by at most |f|^3. A Gaussian exp(-w^2)
-    has second derivatives between -2 and 4 exp(-3/2).
+    c cos(d r) curves by at most |c| d^2 in any direction, f sin(f r) arches by at most |f|^3. A Gaussian exp(-w^2) has
+    second derivatives between -2 and 4 exp(-3/2).
     """
     _, b, c, d, e, f, g = landform
     round_about = abs(c) * d * d + abs(f) ** 3
@@ -50,10 +50,9 @@ def _bends(landform, peaks, greatest):
 
 @njit(error_model="numpy")
 def _kink(f, x, y, run):
-    """By how much more f sin(f r) sags over a span of a level length whose middle is at a place [m].
+    """Bound the extra sag of f sin(f r) over a span of squared level length `run` around a place [m].
 
-    f^2 / r is its curvature, with a hollow kink at the origin; but it never leaves a chord of length s by more than
-    f^2 s / 2.
+    Its curvature is f^2 / r, with a kink at the origin. It never leaves a chord of length s by more than f^2 s / 2.
     """
     span = math.sqrt(run)
     nearest = max(math.hypot(x, y) - span / 2.0, 1e-12)
@@ -62,10 +61,10 @@ def _kink(f, x, y, run):
 
 @njit(cache=True, error_model="numpy")
 def extreme(points, landform, base, peaks, greatest, enough):
-    """A height that the legs between points (n, 3) nowhere go below, or exceed, on which leg, at which fraction of it.
+    """Return the least (or greatest) height of the legs between points (n, 3) as a bound, with its leg and fraction.
 
-    It is right to `REFINED`, and where the least is `enough` or more only at least that. `landform` are a to g of
-    eq. (1), `peaks` (m, 5) heights, centers and slopes.
+    The bound is within `REFINED`; above `enough` it is only at least `enough`. `landform` are a to g of eq. (1),
+    `peaks` (m, 5) heights, centers and slopes.
     """
     sign = -1.0 if greatest else 1.0
     low_e, low_n, high_e, high_n = _bends(landform, peaks, greatest)
@@ -74,7 +73,7 @@ def extreme(points, landform, base, peaks, greatest, enough):
     for n in range(len(points)):
         low, high = _surfaces(landform, base, peaks, points[n, 0], points[n, 1])
         ends[n, 0], ends[n, 1] = points[n, 2] - low, points[n, 2] - high
-        if math.isnan(ends[n, 0] + ends[n, 1]):  # nothing is proved of what is no number
+        if math.isnan(ends[n, 0] + ends[n, 1]):  # nothing is proved of NaN
             return -sign * math.inf, min(n, len(points) - 2), 0.0
         height = sign * min(ends[n, 0], ends[n, 1])
         if height < best:

@@ -1,7 +1,7 @@
-"""The airspace: bounds, ground and obstacles together, and how near a flight comes to any of them, exactly.
+"""The airspace: bounds, ground and obstacles, and exact clearances of a flight.
 
-Distance to obstacles is Euclidean, to the ground it is vertical. An index over the obstacles' boxes keeps thousands
-of buildings nearly as quick as ten.
+Distance to obstacles is Euclidean, to the ground vertical. A spatial index over the obstacles' boxes makes thousands of
+buildings nearly as quick as ten.
 """
 
 from collections.abc import Iterator
@@ -22,7 +22,7 @@ from ipoa_mission.world.terrain import Terrain
 
 @dataclass(frozen=True)
 class Clearance:
-    """How near a flight comes to something: `distance` [m], negative inside it, at `place` on leg number `leg`."""
+    """Clearance of a flight: `distance` [m], negative inside, to `what`, at `place` on leg number `leg`."""
 
     distance: float
     place: tuple[float, float, float]
@@ -34,18 +34,18 @@ class Clearance:
         return f"{self.distance:.3f} m to {self.what} at east {east:.2f}, north {north:.2f}, up {up:.2f} m"
 
     def less(self, stray: float) -> "Clearance":
-        """What a path has at least that is nowhere farther than `stray` [m] from the flight."""
+        """Return the least clearance of a path that is nowhere farther than `stray` [m] from the flight."""
         return replace(self, distance=self.distance - stray)
 
 
 ROUNDING = 1e-6  # [m]
-PARTS = (2, 16)  # of a leg, whose ends are looked at before it is solved
+PARTS = (2, 16)  # subdivisions of a leg whose ends are checked before the exact solution
 NOTHING_NEAR = Clearance(float("inf"), (float("nan"),) * 3, "nothing")
 
 
 @dataclass(frozen=True)
 class Bounds:
-    """Where flying is allowed: a box, and inside it the footprint of a flight area if there is one.
+    """The allowed volume: a box, and within it the footprint of a flight area if any.
 
     Attributes:
         lower: its least east, north and up [m].
@@ -70,26 +70,18 @@ class Bounds:
             raise BadInput(f"expected lower below upper, not {self.lower} and {self.upper}", place="bounds")
 
     def margin(self, points: Points) -> Vector:
-        """Distance of points (n, 3) to the nearest limit, (n,) [m]: negative outside."""
+        """Return the distance of points (n, 3) to the nearest limit, (n,) [m]: negative outside."""
         inside = self.box_margin(points)
         if self.footprint is not None:
             inside = np.minimum(inside, -self.footprint.distance(points[:, :2]))
         return np.asarray(inside)
 
     def box_margin(self, points: Points) -> Vector:
-        """Distance of points (n, 3) to the nearest side of the box, (n,) [m]: negative outside."""
+        """Return the distance of points (n, 3) to the nearest side of the box, (n,) [m]: negative outside."""
         return np.asarray(np.hstack([points - np.asarray(self.lower), np.asarray(self.upper) - points]).min(axis=1))
 
     def leg_margin(self, a: Vector, b: Vector) -> Clearance:
-        """The least margin of the straight leg between two points.
-
-        Args:
-            a: its beginning, (3,) [m].
-            b: its end, (3,) [m].
-
-        Returns:
-            How far inside it stays at least, negative outside, and where.
-        """
+        """Return the least margin of the straight leg from a to b, (3,) each [m], negative outside, and its place."""
         fractions, b = np.array([0.0, 1.0]), straightened(a, b)
         if self.footprint is not None:
             inner = (
@@ -103,7 +95,7 @@ class Bounds:
         return Clearance(float(margins[least]), _place(points[least]), self.nearest_limit(points[least]))
 
     def nearest_limit(self, point: Vector) -> str:
-        """What of the bounds is nearest to a point (3,)."""
+        """Name the part of the bounds nearest to a point (3,)."""
         sides = np.concatenate([point - np.asarray(self.lower), np.asarray(self.upper) - point])
         names = ("west", "south", "lower", "east", "north", "upper")
         if self.footprint is not None and -self.footprint.distance(point[None, :2])[0] < sides.min():
@@ -113,12 +105,12 @@ class Bounds:
 
 @dataclass(frozen=True, eq=False)
 class Airspace:
-    """The world as a planner sees it, in a local frame: east, north and up of home [m].
+    """The world of a planner, in a local frame: east, north and up of home [m].
 
     Attributes:
-        bounds: where flying is allowed.
+        bounds: the allowed volume.
         terrain: the ground.
-        obstacles: what stands on it or hangs over it.
+        obstacles: bodies on or above it.
 
     Example:
         >>> import numpy as np
@@ -137,15 +129,15 @@ class Airspace:
 
     @cached_property
     def ground(self) -> Ground:
-        """The ground: called with points (n, 2 or 3), its height under them, (n,) [m]."""
+        """Return the ground: call it with points (n, 2 or 3) for heights (n,) [m]."""
         return Ground(self.terrain)
 
     def clearance(self, points: Points) -> Vector:
-        """Distance of points (n, 3) to the nearest obstacle, or height above ground if that is less, (n,) [m]."""
+        """Return the distance of points (n, 3) to the nearest obstacle, or the height above ground if less, (n,)."""
         return np.minimum(self.obstacle_distance(points), points[:, 2] - self.ground(points))
 
     def obstacle_distance(self, points: Points) -> Vector:
-        """Signed distance of points (n, 3) to the nearest obstacle, (n,) [m]; infinite if there is none."""
+        """Return the signed distance of points (n, 3) to the nearest obstacle, (n,) [m]; infinite without obstacles."""
         least = np.full(len(points), np.inf)
         if not self.obstacles:
             return least
@@ -158,47 +150,29 @@ class Airspace:
         return least
 
     def leg_clearance(self, a: Vector, b: Vector) -> Clearance:
-        """The least clearance of a straight leg, over ground and obstacles.
-
-        Args:
-            a: its beginning, (3,) [m].
-            b: its end, (3,) [m].
-
-        Returns:
-            The distance [m], negative inside of something, of what, and where.
-        """
+        """Return the least clearance of the leg from a to b, (3,) each [m], over ground and obstacles."""
         return self.polyline_clearance(np.array([a, b]))
 
     def polyline_clearance(self, points: Points) -> Clearance:
-        """The least clearance of the legs between consecutive points (n, 3), over ground and obstacles."""
+        """Return the least clearance of the legs between points (n, 3), over ground and obstacles."""
         return min(self.terrain_clearance(points), self.obstacle_clearance(points), key=lambda c: c.distance)
 
     def terrain_clearance(self, points: Points, within: float = np.inf) -> Clearance:
-        """The least height above ground of the legs between consecutive points.
+        """Return the least height above ground of the legs between points (n, 3), negative below the ground.
 
-        Args:
-            points: (n, 3) [m].
-            within: as for `obstacle_clearance`.
-
-        Returns:
-            The height [m], negative below the ground, and where.
+        `within`: as in `obstacle_clearance`.
         """
         return _clearance(points, "terrain", *self.terrain.least_height(points, within))
 
     def height_reached(self, points: Points) -> Clearance:
-        """The greatest height above ground of the legs between consecutive points (n, 3)."""
+        """Return the greatest height above ground of the legs between points (n, 3)."""
         return _clearance(points, "the ground", *self.terrain.greatest_height(points))
 
     def near(self, points: Points, reach: float) -> Iterator[tuple[Obstacle, NDArray[np.intp], Vector]]:
-        """Each obstacle that is near to some of many points.
-
-        Args:
-            points: (n, 3) [m].
-            reach: how near [m].
+        """Yield each obstacle within `reach` [m] of some of the points (n, 3).
 
         Returns:
-            The obstacle, which of the points it is near to (k,), and their distances (k,) [m]; one obstacle after the
-            other.
+            The obstacle, the indices of its near points (k,), and their distances (k,) [m].
         """
         if not self.obstacles:
             return
@@ -209,14 +183,14 @@ class Airspace:
                 yield self.obstacles[body], which[close], distance[close]
 
     def beside(self, lines: NDArray[np.object_], reach: Vector) -> NDArray[np.intp]:
-        """Which obstacles are beside which lines, level, by their boxes.
+        """Return which obstacles are near which lines, level, by their boxes.
 
         Args:
-            lines: shapely's lines, (k,).
-            reach: how far beside each line is looked (k,) [m].
+            lines: shapely lines, (k,).
+            reach: lateral distance from each line (k,) [m].
 
         Returns:
-            Numbers of lines and of obstacles, (2, n).
+            Indices of lines and of obstacles, (2, n).
         """
         if not self.obstacles:
             return np.zeros((2, 0), dtype=np.intp)
@@ -226,17 +200,17 @@ class Airspace:
         return np.asarray(self._index.query(asked, "dwithin", reach))
 
     def legs_clearance(self, starts: Points, ends: Points, within: float) -> tuple[Vector, NDArray[np.intp]]:
-        """What the distances of many straight legs to obstacles do not fall short of; quick where they are many.
+        """Return lower bounds of the distances of many straight legs to obstacles, quickly.
 
-        It is the distance itself where a leg is level or upright, outside an obstacle that stands upright.
+        A bound is exact for a level or vertical leg outside an upright obstacle.
 
         Args:
             starts: (n, 3) [m].
             ends: (n, 3) [m].
-            within: what is farther away is not looked at [m].
+            within: obstacles farther away are ignored [m].
 
         Returns:
-            For each leg the distance to what is nearest (n,) [m], infinite where nothing is so near, and its number.
+            For each leg the distance to the nearest obstacle (n,) [m], infinite if none is near, and its index.
         """
         least, which = np.full(len(starts), np.inf), np.full(len(starts), -1)
         if not self.obstacles:
@@ -253,28 +227,28 @@ class Airspace:
         return least, which
 
     def obstacle_clearance(self, points: Points, within: float = np.inf) -> Clearance:
-        """The least distance to an obstacle of the legs between consecutive points.
+        """Return the least distance of the legs between consecutive points to an obstacle.
 
         Args:
             points: (n, 3) [m].
-            within: what is farther away is not looked at any closer: what is told of it is farther than that too [m].
+            within: a distance greater than this is only a lower bound [m].
 
         Returns:
-            The distance [m], negative inside of an obstacle, of which, and where.
+            The distance [m], negative inside, with the obstacle and place.
         """
         if not self.obstacles:
             return NOTHING_NEAR
         starts, ends, lengths = points[:-1], points[1:], leg_lengths(points)
-        reach = within + ROUNDING  # what is farther does not matter: it is not asked for, or not the least
+        reach = within + ROUNDING  # farther obstacles do not matter: beyond `within`, or not the least
         if not np.isfinite(within):
             reach = float(self.obstacle_distance(points).min()) + ROUNDING
         tracks = shapely.linestrings(np.stack([starts[:, :2], ends[:, :2]], axis=1))
         upright = (starts[:, :2] == ends[:, :2]).all(axis=1)  # GEOS finds nothing near a line without length
         tracks[upright] = shapely.points(starts[upright, :2])
-        near = list[tuple[float, int, int]]()  # what the distance cannot be less than, of which body to which leg
+        near = list[tuple[float, int, int]]()  # lower bound of the distance, obstacle, leg
         for body, legs in _grouped(self._index.query(tracks, "dwithin", max(reach, 0.0))):
             for parts in PARTS:
-                away = _looked_at(self.obstacles[body], starts[legs], ends[legs], parts)
+                away = _sampled_distances(self.obstacles[body], starts[legs], ends[legs], parts)
                 reach = min(reach, float(away.min()) + ROUNDING)
                 floor = _floor(away, lengths[legs] / parts, self.obstacles[body].convex)
                 close = floor <= reach
@@ -292,9 +266,9 @@ class Airspace:
         return least
 
     def bounds_margin(self, points: Points) -> Clearance:
-        """The least margin to the bounds of the legs between consecutive points (n, 3)."""
+        """Return the least margin of the legs between points (n, 3) to the bounds."""
         box, margins = replace(self.bounds, footprint=None), self.bounds.box_margin(points)
-        spot = int(np.argmin(margins))  # inside a box a leg is nowhere nearer to a side than at one of its ends
+        spot = int(np.argmin(margins))  # within a box, the least margin of a leg is at one of its ends
         limit = box.nearest_limit(points[spot])
         least = Clearance(float(margins[spot]), _place(points[spot]), limit, max(spot - 1, 0))
         if self.bounds.footprint is None:
@@ -310,7 +284,7 @@ class Airspace:
 
     @cached_property
     def _heights(self) -> tuple[Vector, Vector]:
-        """From where to where each obstacle reaches, (n,) each [m]."""
+        """Return the lowest and greatest height of each obstacle, (n,) each [m]."""
         heights = np.array([obstacle.bounds[:, 2] for obstacle in self.obstacles])
         return heights[:, 0], heights[:, 1]
 
@@ -320,18 +294,18 @@ class Airspace:
         return shapely.STRtree(shapely.box(*boxes.T))
 
 
-def _looked_at(obstacle: Obstacle, starts: Points, ends: Points, parts: int) -> NDArray[np.float64]:
-    """The distances to an obstacle of the ends of equal parts of legs (n, 3), (n, parts + 1) [m]."""
+def _sampled_distances(obstacle: Obstacle, starts: Points, ends: Points, parts: int) -> NDArray[np.float64]:
+    """Return distances to an obstacle at the ends of equal parts of legs (n, 3), (n, parts + 1) [m]."""
     shares = np.linspace(0.0, 1.0, parts + 1)[:, None]
     spots = starts[:, None] + shares * (ends - starts)[:, None]
     return obstacle.distance(spots.reshape(-1, 3)).reshape(-1, parts + 1)
 
 
 def _floor(away: NDArray[np.float64], part: Vector, convex: bool) -> Vector:
-    """What the distance along legs cannot be less than, from that of the ends of their parts (n, parts + 1).
+    """Return a lower bound of the distance along legs, from distances at the ends of their parts (n, parts + 1).
 
-    It changes by a metre a metre at most, `part` (n,) being the length of one; or else it is convex, and so not less
-    than on the line through two ends beside.
+    The distance changes by at most 1 m per metre; `part` (n,) is the length of a part. For a convex obstacle the
+    distance is convex, so it is not below the line through two adjacent ends.
     """
     before, after = away[:, :-1], away[:, 1:]
     floor = (before + after - part[:, None]) / 2
@@ -355,7 +329,7 @@ def _place(point: Vector) -> tuple[float, float, float]:
 
 
 def _grouped(pairs: NDArray[np.intp]) -> Iterator[tuple[int, NDArray[np.intp]]]:
-    """(obstacle, the queries that met it) from an index's answer (2, k)."""
+    """Yield (obstacle, queries that met it) from an index's answer (2, k)."""
     queries, bodies = pairs
     order = np.argsort(bodies, kind="stable")
     numbers, first = np.unique(bodies[order], return_index=True)

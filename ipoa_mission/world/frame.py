@@ -1,8 +1,7 @@
-"""Geodetic <-> local east, north, up, by PROJ's topocentric conversion on the WGS 84 ellipsoid.
+"""Convert between geodetic and local east, north, up, by PROJ's topocentric conversion on the WGS 84 ellipsoid.
 
-`up` is measured along the vertical *at home*: two kilometres away the Earth has curved 0.3 m below that plane, and
-the conversion accounts for it. Heights are taken as given (AMSL in, AMSL out): the geoid undulation does not vary
-enough over a flight to matter.
+`up` is along the vertical *at home*: 2 km away the Earth has curved 0.3 m below that plane, which the conversion
+includes. Heights are AMSL in and out: the geoid undulation varies too little over a flight to matter.
 """
 
 from dataclasses import dataclass
@@ -14,7 +13,7 @@ from pyproj import Geod, Transformer
 from ipoa_mission.geometry import Points, Vector
 
 _ELLIPSOID = Geod(ellps="WGS84")
-REACH = 100_000.0  # what is farther from home than this is a mistake [m]
+REACH = 100_000.0  # places farther from home are errors [m]
 
 
 @dataclass(frozen=True)
@@ -37,56 +36,56 @@ class Geodetic:
 
 
 def apart(one: Geodetic, other: Geodetic) -> float:
-    """How far two places are from each other over the ground [m]."""
+    """Return the distance of two places over the ground [m]."""
     ends = (one.longitude_deg, one.latitude_deg, other.longitude_deg, other.latitude_deg)
     return float(_ELLIPSOID.inv(*ends)[2])
 
 
-def why_so_far(home: Geodetic, there: Geodetic, name: str) -> str:
-    """Explain why a place of this name is out of reach: exchanged coordinates, if they bring it back; else nothing."""
+def swap_hint(home: Geodetic, there: Geodetic, name: str) -> str:
+    """Return a hint at swapped coordinates if swapping them brings the place within reach, else ""."""
     turned = Geodetic(there.longitude_deg, there.latitude_deg)
     fits = abs(turned.latitude_deg) <= 90 and apart(home, turned) <= REACH
     return f": are latitude and longitude swapped, in home or in {name}?" if fits else ""
 
 
 def radii_of_curvature(latitude_deg: float) -> tuple[float, float]:
-    """The ellipsoid's radii along the meridian and across it [m]."""
+    """Return the ellipsoid's radii of curvature along and across the meridian [m]."""
     squared = 1 - _ELLIPSOID.es * np.sin(np.radians(latitude_deg)) ** 2
     return float(_ELLIPSOID.a * (1 - _ELLIPSOID.es) / squared**1.5), float(_ELLIPSOID.a / np.sqrt(squared))
 
 
 @dataclass(frozen=True)
 class LocalFrame:
-    """The tangent frame whose origin is `home`: right to a millimetre within 50 km, across the antimeridian too."""
+    """Tangent frame with origin `home`: accurate to 1 mm within 50 km, also across the antimeridian."""
 
     home: Geodetic
 
     def to_local(self, latitude_deg: Vector, longitude_deg: Vector, altitude: Vector | float) -> Points:
-        """East, north, up of geodetic positions; the three arrays (n,) or scalars broadcast to (n, 3) [m]."""
+        """Return east, north, up of geodetic positions, arrays (n,) or scalars, as (n, 3) [m]."""
         lat, lon, alt = np.broadcast_arrays(
             *(np.atleast_1d(np.asarray(a, float)) for a in (latitude_deg, longitude_deg, altitude))
         )
         return np.column_stack(self._transform(lon, lat, alt, "FORWARD"))
 
     def to_geodetic(self, points: Points) -> tuple[Vector, Vector, Vector]:
-        """Latitude [deg], longitude [deg, -180 to 180] and altitude [m AMSL] of local points (n, 3), each (n,)."""
+        """Return latitude [deg], longitude [deg, -180 to 180] and altitude [m AMSL] of points (n, 3), each (n,)."""
         east, north, up = np.atleast_2d(np.asarray(points, float)).T
         lon, lat, alt = self._transform(east, north, up, "INVERSE")
         return lat, (lon + 180.0) % 360.0 - 180.0, alt
 
     def local(self, place: Geodetic) -> Vector:
-        """East, north, up of one place, (3,) [m]."""
+        """Return east, north, up of one place, (3,) [m]."""
         lon, lat, alt = float(place.longitude_deg), float(place.latitude_deg), float(place.altitude)
         return np.array(_topocentric(self.home).transform(lon, lat, alt))
 
     def geodetic(self, point: Vector) -> Geodetic:
-        """The place of one local point (3,)."""
+        """Return the geodetic place of one local point (3,)."""
         east, north, up = point
         lon, lat, alt = _topocentric(self.home).transform(float(east), float(north), float(up), direction="INVERSE")
         return Geodetic(lat, (lon + 180.0) % 360.0 - 180.0, alt)
 
     def _transform(self, x: Vector, y: Vector, z: Vector, direction: str) -> tuple[Vector, Vector, Vector]:
-        """PROJ's answer as arrays. Of one point numbers are given: pyproj warns of an array of one."""
+        """Return PROJ's result as arrays; a single point is passed as numbers because pyproj warns of arrays of one."""
         transform = _topocentric(self.home).transform
         if len(x) != 1:
             x, y, z = transform(x, y, z, direction=direction)

@@ -1,6 +1,6 @@
-"""The ground: its height everywhere, and the least and greatest height of straight legs above it, exactly.
+"""Terrain: its height, and the exact least and greatest height of straight legs above it.
 
-Above the ground means vertically above: heights know nothing of slopes.
+Heights above ground are vertical.
 """
 
 from dataclasses import dataclass
@@ -14,39 +14,39 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.frame import Geodetic, radii_of_curvature
 
-Spot: TypeAlias = tuple[float, int, float]  # a height [m], the leg on which it is, and the fraction of that leg
+Spot: TypeAlias = tuple[float, int, float]  # a height [m], its leg, and the fraction of that leg
 
 
 class Terrain(Protocol):
-    """Anything with a height over the plane."""
+    """Any terrain with a height over the plane."""
 
     @property
     def steepness(self) -> float:
-        """A slope [m/m] that the ground nowhere exceeds."""
+        """Return an upper bound of the slope [m/m]."""
         ...
 
     def height(self, points: NDArray[np.float64]) -> Vector:
-        """Height of the ground [m] under points (n, 2) or (n, 3) east, north(, up), (n,)."""
+        """Return the height of the ground [m] under points (n, 2) or (n, 3) east, north(, up), (n,)."""
         ...
 
     def least_height(self, points: Points, enough: float = np.inf) -> Spot:
-        """Least height above ground of the straight legs between consecutive points (n, 3).
+        """Return the least height above ground of the legs between points (n, 3).
 
-        Where it is at least `enough` [m] any height from there on may be told, if that takes less time.
+        If it is at least `enough` [m], any bound from `enough` on may be returned.
         """
         ...
 
     def greatest_height(self, points: Points) -> Spot:
-        """Greatest height above ground of the straight legs between consecutive points (n, 3)."""
+        """Return the greatest height above ground of the legs between points (n, 3)."""
         ...
 
     def legs_height(self, starts: Points, ends: Points) -> Vector:
-        """What the height above ground of many straight legs, (n, 3) each, does not fall short of, (n,) [m]."""
+        """Return lower bounds of the height above ground of legs (n, 3), (n,) [m]."""
         ...
 
 
 def _end(heights: Vector, i: int) -> Spot:
-    """The end number i of legs whose ends are so high above the ground (n,)."""
+    """Return end number i of legs whose ends have these heights (n,)."""
     leg = min(i, len(heights) - 2)
     return float(heights[i]), leg, float(i - leg)
 
@@ -56,7 +56,7 @@ class Flat:
     """Level ground.
 
     Attributes:
-        level: how high it is above home [m].
+        level: height above home [m].
 
     Example:
         >>> import numpy as np
@@ -68,32 +68,26 @@ class Flat:
 
     @property
     def steepness(self) -> float:
-        """None."""
         return 0.0
 
     def height(self, points: NDArray[np.float64]) -> Vector:
-        """Height under points (n, 2 or 3), (n,)."""
         return np.full(len(points), self.level)
 
     def least_height(self, points: Points, enough: float = np.inf) -> Spot:
-        """Least height above ground of the legs between `points` (n, 3) [m]; `enough` changes nothing."""
         return _end(heights := points[:, 2] - self.level, int(np.argmin(heights)))
 
     def greatest_height(self, points: Points) -> Spot:
-        """Greatest height above ground of the legs between points (n, 3)."""
         return _end(heights := points[:, 2] - self.level, int(np.argmax(heights)))
 
     def legs_height(self, starts: Points, ends: Points) -> Vector:
-        """Least height above ground of legs from `starts` to `ends`, (n, 3) each, (n,) [m]."""
         return np.asarray(np.minimum(starts[:, 2], ends[:, 2]) - self.level)
 
 
 @dataclass(frozen=True)
 class SeaLevel:
-    """Ground at one height above mean sea level: away from home it falls below home's plane as the Earth does.
+    """Ground at a constant height above mean sea level: it falls below home's plane with the Earth's curvature.
 
-    It is `level` at home and lower by `east_bend` east^2 + `north_bend` north^2 [1/m]; `reach` is how far it is asked
-    for [m].
+    Its height is `level` - `east_bend` east^2 - `north_bend` north^2 [1/m], within `reach` [m].
     """
 
     level: float
@@ -103,33 +97,31 @@ class SeaLevel:
 
     @classmethod
     def around(cls, home: Geodetic, level: float, reach: float) -> "SeaLevel":
-        """The ground `level` above home, by the ellipsoid's radii of curvature there: right to 1 cm within 20 km."""
+        """Return the ground `level` above home, by the local radii of curvature: accurate to 1 cm within 20 km."""
         along, across = radii_of_curvature(home.latitude_deg)
         altitude = home.altitude + level
         return cls(level, 0.5 / (across + altitude), 0.5 / (along + altitude), reach)
 
     @property
     def drop(self) -> float:
-        """How far below home's plane it may be within its reach [m]."""
+        """Return the greatest drop below home's plane within reach [m]."""
         return max(self.east_bend, self.north_bend) * self.reach**2
 
     @property
     def steepness(self) -> float:
-        """Its slope at the end of its reach."""
+        """Return the slope at the end of its reach."""
         return 2 * max(self.east_bend, self.north_bend) * self.reach
 
     def height(self, points: NDArray[np.float64]) -> Vector:
-        """Height under points (n, 2 or 3), (n,)."""
         return np.asarray(self.level - points[:, :2] ** 2 @ self._bends)
 
     def least_height(self, points: Points, enough: float = np.inf) -> Spot:
-        """Least height above ground of the legs between points (n, 3): of each leg it is a parabola, open upwards."""
+        """Return the least height above ground of the legs between points (n, 3): a convex parabola on each leg."""
         heights, lowest = self._lowest(points[:-1], points[1:])
         leg = int(np.argmin(heights))
         return float(heights[leg]), leg, float(lowest[leg])
 
     def legs_height(self, starts: Points, ends: Points) -> Vector:
-        """Least height above ground of legs from `starts` to `ends`, (n, 3) each, (n,) [m]."""
         return self._lowest(starts, ends)[0]
 
     def _lowest(self, starts: Points, ends: Points) -> tuple[Vector, Vector]:
@@ -142,7 +134,7 @@ class SeaLevel:
         return np.asarray(spots[:, 2] - self.height(spots)), lowest
 
     def greatest_height(self, points: Points) -> Spot:
-        """Greatest height above ground of the legs between points (n, 3): at an end of one."""
+        """Return the greatest height above ground of the legs between points (n, 3): at an end of one."""
         return _end(heights := points[:, 2] - self.height(points), int(np.argmax(heights)))
 
     @property
@@ -152,9 +144,9 @@ class SeaLevel:
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """Heights on a regular grid, bilinear between its nodes; beyond its edge the height at the edge goes on.
+    """Heights on a regular grid, bilinear between its nodes, constant beyond its edge.
 
-    `heights[row, column]` belongs to (`east` + column * `spacing`, `north` + row * `spacing`).
+    `heights[row, column]` is at (`east` + column * `spacing`, `north` + row * `spacing`).
     """
 
     east: float
@@ -172,12 +164,11 @@ class Grid:
 
     @cached_property
     def steepness(self) -> float:
-        """The greatest slope: in a cell each component lies between those of its sides."""
+        """Return the greatest slope: in a cell each component is between those of its sides."""
         along_north, along_east = (float(np.abs(np.diff(self.heights, axis=axis)).max()) for axis in (0, 1))
         return float(np.hypot(along_north, along_east)) / self.spacing
 
     def height(self, points: NDArray[np.float64]) -> Vector:
-        """Height under points (n, 2 or 3), (n,)."""
         rows, columns = self.heights.shape
         x = np.clip((points[:, 0] - self.east) / self.spacing, 0.0, columns - 1.0)
         y = np.clip((points[:, 1] - self.north) / self.spacing, 0.0, rows - 1.0)
@@ -188,30 +179,27 @@ class Grid:
         return np.asarray((1 - y) * south + y * north)
 
     def least_height(self, points: Points, enough: float = np.inf) -> Spot:
-        """Least height above ground of the legs between points (n, 3)."""
         return self._lowest(points, 1.0)
 
     def legs_height(self, starts: Points, ends: Points) -> Vector:
-        """Least height above ground of legs from `starts` to `ends`, (n, 3) each, (n,) [m]."""
-        heights, leg, _ = self._tried(starts, ends, 1.0)
+        heights, leg, _ = self._candidate_heights(starts, ends, 1.0)
         least = np.full(len(starts), np.inf)
         np.minimum.at(least, leg, heights)
         return least
 
     def greatest_height(self, points: Points) -> Spot:
-        """Greatest height above ground of the legs between points (n, 3)."""
         height, leg, fraction = self._lowest(points, -1.0)
         return -height, leg, fraction
 
     def _lowest(self, points: Points, sign: float) -> Spot:
-        heights, leg, fraction = self._tried(points[:-1], points[1:], sign)
+        heights, leg, fraction = self._candidate_heights(points[:-1], points[1:], sign)
         best = int(np.argmin(heights))
         return float(heights[best]), int(leg[best]), float(fraction[best])
 
-    def _tried(self, starts: Points, ends: Points, sign: float) -> tuple[Vector, NDArray[np.intp], Vector]:
-        """Heights on legs (n, 3), the numbers of these and fractions, (k,) each, the least of each leg among them.
+    def _candidate_heights(self, starts: Points, ends: Points, sign: float) -> tuple[Vector, NDArray[np.intp], Vector]:
+        """Return heights on legs (n, 3), their leg numbers and fractions, (k,) each, including the least of each leg.
 
-        Within each cell the height above ground is a quadratic along the leg: its ends and its vertex are tried.
+        Within a cell the height above ground is quadratic along the leg, so its ends and vertex are tried.
         """
         everywhere = np.arange(len(starts))
         pieces = [(everywhere, np.zeros(len(everywhere))), (everywhere, np.ones(len(everywhere)))]
@@ -235,7 +223,7 @@ class Grid:
         return above(leg, fraction), leg, fraction
 
     def _crossings(self, starts: Points, ends: Points, axis: int) -> tuple[NDArray[np.intp], Vector]:
-        """Where the legs cross the grid lines of one axis: leg numbers and fractions."""
+        """Return leg numbers and fractions where the legs cross the grid lines of one axis."""
         start, end = ((points[:, axis] - (self.east, self.north)[axis]) / self.spacing for points in (starts, ends))
         low = np.maximum(np.ceil(np.minimum(start, end)), 0.0)
         high = np.minimum(np.floor(np.maximum(start, end)), self.heights.shape[1 - axis] - 1.0)
@@ -247,7 +235,7 @@ class Grid:
 
 @dataclass(frozen=True)
 class Peak:
-    """One Gaussian mountain of eq. (2): its height, its center, and its slopes a and b along east and north [m]."""
+    """One Gaussian mountain of eq. (2): height, center, and widths a and b along east and north [m]."""
 
     height: float
     east: float
@@ -258,7 +246,7 @@ class Peak:
 
 @dataclass(frozen=True)
 class Analytic:
-    """The paper's surface, eqs. (1)-(3): the higher of a rolling base landform and a range of Gaussian peaks."""
+    """The paper's surface, eqs. (1)-(3): the greater of a rolling landform and a range of Gaussian peaks."""
 
     a: float
     b: float
@@ -272,17 +260,17 @@ class Analytic:
 
     @property
     def steepness(self) -> float:
-        """A bound on the slope: exp(-w^2) falls by at most sqrt(2/e) per unit of w."""
+        """Return a bound of the slope: exp(-w^2) falls by at most sqrt(2/e) per unit of w."""
         landform = np.hypot(abs(self.b), 1 + abs(self.e + self.g)) + abs(self.c * self.d) + self.f**2
         mountains = sum(abs(p.height) * np.sqrt(2 / np.e) / min(p.a, p.b) for p in self.peaks)
         return float(max(landform, mountains))
 
     def height(self, points: NDArray[np.float64]) -> Vector:
-        """Height under points (n, 2 or 3), (n,): eq. (3)."""
+        """Return the height under points (n, 2 or 3), (n,): eq. (3)."""
         return np.maximum(self.landform(points), self.mountains(points))
 
     def landform(self, points: NDArray[np.float64]) -> Vector:
-        """Eq. (1)."""
+        """Evaluate eq. (1)."""
         x, y = points[:, 0], points[:, 1]
         r = np.hypot(x, y)
         return np.asarray(
@@ -295,7 +283,7 @@ class Analytic:
         )
 
     def mountains(self, points: NDArray[np.float64]) -> Vector:
-        """Eq. (2)."""
+        """Evaluate eq. (2)."""
         height, east, north, a, b = self._peaks.T[:, :, None]
         x, y = points[:, 0] - east, points[:, 1] - north
         rises = height * np.exp(-((x / a) ** 2) - (y / b) ** 2)
@@ -303,19 +291,19 @@ class Analytic:
 
     @cached_property
     def _peaks(self) -> NDArray[np.float64]:
-        """Height, center and slopes of each peak, (peaks, 5)."""
+        """Return height, center and widths of each peak, (peaks, 5)."""
         return np.array([(p.height, p.east, p.north, p.a, p.b) for p in self.peaks], dtype=np.float64).reshape(-1, 5)
 
     def least_height(self, points: Points, enough: float = np.inf) -> Spot:
-        """A height that the legs between points (n, 3) nowhere go below, within 0.1 mm of the least."""
+        """Return a lower bound of the height of the legs between points (n, 3), within 0.1 mm."""
         return self._extreme(points, greatest=False, enough=enough)
 
     def greatest_height(self, points: Points) -> Spot:
-        """A height that the legs between points (n, 3) nowhere exceed, within 0.1 mm of the greatest."""
+        """Return an upper bound of the height of the legs between points (n, 3), within 0.1 mm."""
         return self._extreme(points, greatest=True)
 
     def legs_height(self, starts: Points, ends: Points) -> Vector:
-        """A height that legs (n, 3) do not fall short of, by the steepness of the ground, (n,)."""
+        """Return lower bounds of the heights of legs (n, 3), by the greatest slope of the ground, (n,)."""
         step = np.abs(ends - starts)
         at_ends = [points[:, 2] - self.height(points) for points in (starts, ends)]
         return np.asarray(np.maximum(*at_ends) - step[:, 2] - self.steepness * np.hypot(step[:, 0], step[:, 1]))

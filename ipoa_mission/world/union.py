@@ -1,18 +1,18 @@
-"""The union of areas, of which none is lost."""
+"""Union of areas, checked for completeness."""
 
 from typing import Any
 
 import numpy as np
 import shapely
 
-GRID = 1e-9  # on which GEOS loses none; of metres, and of degrees
+GRID = 1e-9  # grid of the exact union, in metres or degrees
 
 
 def union_of(areas: Any) -> Any:
-    """What polygons of shapely (n,), or nothing, hold together.
+    """Return the union of shapely polygons (n,), or nothing.
 
-    GEOS 3.14 may lose some, even half of all, where many just meet; on a grid it does not, which takes three times as
-    long: it is asked for that only where a place inside of one is missing.
+    GEOS 3.14 may lose some polygons where many just touch. On a grid it does not, but takes three times as long, so the
+    grid is used only if an inner point of a polygon is missing.
 
     Example:
         >>> halves = [shapely.box(0.0, 0.0, 1.0, 2.0), shapely.box(1.0, 0.0, 2.0, 2.0)]

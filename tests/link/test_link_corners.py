@@ -15,7 +15,7 @@ from ipoa_mission.link.reconnect import LinkLoss
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.logs.flight_log import LoggedFlight
 from ipoa_mission.simulator.mock_profile import asks_every
-from ipoa_mission.world.frame import Geodetic, why_so_far
+from ipoa_mission.world.frame import Geodetic, swap_hint
 from ipoa_mission.world.obstacles.cylinder import RoundZone
 
 
@@ -49,8 +49,8 @@ def test_a_log_without_a_version_has_none() -> None:
 
 
 def test_exchanged_coordinates_are_named() -> None:
-    assert "swapped" in why_so_far(Geodetic(47.4, 8.5, 0.0), Geodetic(8.5, 47.4, 0.0), "goal")
-    assert why_so_far(Geodetic(47.4, 8.5, 0.0), Geodetic(-30.0, 100.0, 0.0), "goal") == ""
+    assert "swapped" in swap_hint(Geodetic(47.4, 8.5, 0.0), Geodetic(8.5, 47.4, 0.0), "goal")
+    assert swap_hint(Geodetic(47.4, 8.5, 0.0), Geodetic(-30.0, 100.0, 0.0), "goal") == ""
 
 
 def test_nothing_is_solid_in_a_zone() -> None:

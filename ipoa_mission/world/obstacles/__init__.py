@@ -1,4 +1,4 @@
-"""What stands in the way, one kind a file; each knows its exact distance, its drawing, and what kernels take it for."""
+"""Kinds of obstacles, one a file, with exact distances, drawings and data for kernels."""
 
 from ipoa_mission.world.obstacles.cylinder import Cylinder, RoundZone
 from ipoa_mission.world.obstacles.nearest import straightened

@@ -1,6 +1,6 @@
-"""How near a straight leg comes to an extruded polygon, compiled: every parameter at which it may be nearest is tried.
+"""Compiled distance of a straight leg to an extruded polygon: try every parameter that may be nearest.
 
-Along the leg the squared distance to a corner, an edge's wall or a rim is a polynomial, so these can be written down.
+Along the leg the squared distance to a corner, a wall or an edge of a cap is a polynomial, so these have closed forms.
 """
 
 # mypy: disable-error-code="no-untyped-def,misc"
@@ -11,12 +11,12 @@ import numpy as np
 
 from ipoa_mission.compiled import njit
 
-TRIED_PER_EDGE = 8  # places that each edge of the plan gives
+TRIED_PER_EDGE = 8  # parameters per edge of the plan
 
 
 @njit(inline="always")
 def _distance(starts, ends, base, top, x, y, z):
-    """Signed distance of a place to the prism; the plan's edges go from `starts` to `ends` (m, 2)."""
+    """Return the signed distance of a place to the prism; the plan's edges go from `starts` to `ends` (m, 2)."""
     nearest, inside = math.inf, False
     for k in range(len(starts)):
         e0, n0, e1, n1 = starts[k, 0], starts[k, 1], ends[k, 0], ends[k, 1]
@@ -34,7 +34,7 @@ def _distance(starts, ends, base, top, x, y, z):
 
 @njit(inline="always")
 def _feet(starts, ends, a, step, tried):
-    """Adds where the leg in the plane is nearest to a corner, crosses an edge's line, is abreast of its ends."""
+    """Add the parameters at which the leg is nearest to a corner, crosses an edge's line, or is abreast of its ends."""
     square, count = step[0] ** 2 + step[1] ** 2, 0
     for k in range(len(starts)):
         away_e, away_n = starts[k, 0] - a[0], starts[k, 1] - a[1]
@@ -55,7 +55,7 @@ def _feet(starts, ends, a, step, tried):
 
 @njit(inline="always")
 def _rims(starts, ends, height, a, step, tried, count):
-    """Adds where the leg is nearest to the corners and to the edges of the plan at a height."""
+    """Add the parameters at which the leg is nearest to the corners and edges of the plan at a height."""
     square, up = step[0] ** 2 + step[1] ** 2 + step[2] ** 2, height - a[2]
     for k in range(len(starts)):
         away_e, away_n = starts[k, 0] - a[0], starts[k, 1] - a[1]
@@ -74,9 +74,9 @@ def _rims(starts, ends, height, a, step, tried, count):
 
 @njit(cache=True, error_model="numpy")
 def nearest(starts, ends, base, top, a, b):
-    """The least distance [m] of the leg from a to b (3,) to a prism over a plan with edges (m, 2), and the fraction.
+    """Return the least distance [m] of the leg a-b, (3,) each, to a prism with plan edges (m, 2), and its fraction.
 
-    Where the leg goes through it, the distance is what it is at these places, and may be less between them.
+    Within the prism only the tried parameters count; the distance may be less between them.
     """
     step = b - a
     tried = np.zeros(TRIED_PER_EDGE * len(starts) + 5)

@@ -12,7 +12,7 @@ from ipoa_mission.world.obstacles.nearest import derivative, foot, least, levels
 from ipoa_mission.world.obstacles.obstacle import CYLINDER, NO_EDGES, ChartRow, Column, Part, expect_positive
 from ipoa_mission.world.polygon import Plane, circle, quadratic_roots
 
-TOUCHING = 1e-9  # a leg so much beside it, as a share, may be in it
+TOUCHING = 1e-9  # relative lateral tolerance within which a leg may be inside
 
 
 @dataclass(frozen=True)
@@ -20,12 +20,12 @@ class Cylinder(Part):
     """A vertical, closed cylinder.
 
     Attributes:
-        name: what it is called where something comes near it.
+        name: its name in messages.
         east: of its axis [m].
         north: of its axis [m].
         radius: above zero [m].
         base: its lowest height [m].
-        top: its greatest [m].
+        top: its greatest height [m].
 
     Example:
         >>> import numpy as np
@@ -47,40 +47,34 @@ class Cylinder(Part):
 
     @property
     def bounds(self) -> NDArray[np.float64]:
-        """The box around it, (2, 3)."""
         r = self.radius
         return np.array([[self.east - r, self.north - r, self.base], [self.east + r, self.north + r, self.top]])
 
     @property
     def convex(self) -> bool:
-        """It is."""
         return True
 
     @property
     def column(self) -> Column:
-        """Its axis, larger by its radius."""
         return Column(shapely.Point(self.east, self.north), self.radius, self.base, self.top)
 
     @property
     def parts(self) -> tuple["Cylinder"]:
-        """Itself."""
         return (self,)
 
     def grown(self, aside: float, below: float, above: float) -> "Cylinder":
-        """Larger by so much."""
         return Cylinder(self.name, self.east, self.north, self.radius + aside, self.base - below, self.top + above)
 
     def distance(self, points: Points) -> Vector:
-        """Signed distance of points (n, 3), (n,)."""
         aside = np.hypot(points[:, 0] - self.east, points[:, 1] - self.north) - self.radius
         return upright_distance(aside, points[:, 2], self.base, self.top)
 
     def leg_clearance(self, a: Vector, b: Vector) -> tuple[float, float]:
-        """Least signed distance of the leg, and where.
+        """Return the least signed distance of the leg, and the fraction where it is.
 
-        With q(t) the squared distance to the axis and w(t) the height over a cap, the rim is nearest where
-        (q' + (w^2)')^2 q = r^2 q'^2, a quartic; deep inside, side and cap balance where q = (r + w)^2. Beside it only
-        a cap that the leg goes beyond has a rim that can be nearest.
+        Let q(t) be the squared distance to the axis and w(t) the height over a cap. The edge of the cap is nearest
+        where (q' + (w^2)')^2 q = r^2 q'^2, a quartic. Inside, side and cap balance where q = (r + w)^2. A leg outside
+        can only be nearest to the edge of a cap that it goes beyond.
         """
         b = straightened(a, b)
         axis = np.array([self.east, self.north])
@@ -106,27 +100,22 @@ class Cylinder(Part):
         return least(self, a, b, np.concatenate([*candidates, levels(a, b, self.base, self.top)]))
 
     def outline(self) -> tuple[Plane, ...]:
-        """One ring, a circle."""
         return (circle(self.east, self.north, self.radius),)
 
     @property
     def plan_radius(self) -> float:
-        """Its radius."""
         return self.radius
 
     def chart_row(self) -> ChartRow:
-        """East, north, radius, base, top."""
         return ChartRow(CYLINDER, (self.east, self.north, self.radius, self.base, self.top), NO_EDGES)
 
     def page_shape(self) -> dict[str, Any]:
-        """A ring whose corners are not drawn as edges."""
         return {"rings": self.outline(), "base": self.base, "top": self.top, "round": True}
 
 
 class RoundZone(Cylinder):
-    """A cylinder of air that may not be entered, in which nothing stands."""
+    """A cylinder of forbidden air, without a solid body."""
 
     @property
     def solid(self) -> bool:
-        """It is not."""
         return False

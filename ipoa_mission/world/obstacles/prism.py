@@ -1,4 +1,4 @@
-"""A polygon that is extruded: a building with its courtyards, a box, a zone."""
+"""An extruded polygon: a building with its courtyards, a box, a zone."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,19 +13,19 @@ from ipoa_mission.world.obstacles.nearest import least, straightened, upright_di
 from ipoa_mission.world.obstacles.obstacle import PRISM, ChartRow, Column, Part, expect_positive
 from ipoa_mission.world.polygon import Plane, Polygon, Ring, rings_of
 
-TOUCHING = 1e-6  # a leg that goes through may have been tried at the walls only [m]
+TOUCHING = 1e-6  # below this distance a leg may be inside, and only walls may have been tried [m]
 
 
 @dataclass(frozen=True)
 class Prism(Part):
-    """A polygon footprint with holes, raised from `base` to `top`: a building with its courtyards. A box is one.
+    """A polygon footprint with holes, extruded from `base` to `top`: a building with its courtyards, or a box.
 
     Attributes:
-        name: what it is called where something comes near it.
+        name: its name in messages.
         outer: corners of the footprint (east, north) [m], in either direction, the first not repeated.
         holes: rings of the same kind inside it.
         base: its lowest height [m].
-        top: its greatest [m].
+        top: its greatest height [m].
 
     Example:
         >>> import numpy as np
@@ -42,11 +42,11 @@ class Prism(Part):
 
     def __post_init__(self) -> None:
         expect_positive(self.name, "top - base", self.top - self.base)
-        _ = self.footprint  # built now, so that a wrong one is refused now
+        _ = self.footprint  # built now, to raise for an invalid one
 
     @cached_property
     def footprint(self) -> Polygon:
-        """The ground plan."""
+        """Return the ground plan."""
         try:
             return Polygon(self.outer, self.holes)
         except BadInput as error:
@@ -54,36 +54,30 @@ class Prism(Part):
 
     @property
     def bounds(self) -> NDArray[np.float64]:
-        """The box around it, (2, 3)."""
         corners = self.footprint.starts
         return np.array([[*corners.min(axis=0), self.base], [*corners.max(axis=0), self.top]])
 
     @property
     def convex(self) -> bool:
-        """Whether the footprint is, and has no holes."""
         return self.footprint.convex
 
     @property
     def column(self) -> Column:
-        """Its footprint."""
         return Column(self.footprint.shape, 0.0, self.base, self.top)
 
     @property
     def parts(self) -> tuple["Prism"]:
-        """Itself."""
         return (self,)
 
     def grown(self, aside: float, below: float, above: float) -> "Prism":
-        """Larger by so much, corners rounded."""
+        """Return it grown by these distances [m], with rounded corners."""
         outer, holes = rings_of(self.footprint.buffered(aside))
         return type(self)(self.name, outer, holes, self.base - below, self.top + above)
 
     def distance(self, points: Points) -> Vector:
-        """Signed distance of points (n, 3), (n,)."""
         return upright_distance(self.footprint.distance(points[:, :2]), points[:, 2], self.base, self.top)
 
     def leg_clearance(self, a: Vector, b: Vector) -> tuple[float, float]:
-        """Least signed distance of the leg, and where."""
         from ipoa_mission.world.obstacles._prism import nearest
 
         a, b = np.asarray(a, dtype=np.float64), np.asarray(straightened(a, b), dtype=np.float64)
@@ -96,35 +90,31 @@ class Prism(Part):
         return min((distance, where), least(self, a, b, inner))
 
     def outline(self) -> tuple[Plane, ...]:
-        """The footprint and its holes."""
         return tuple(np.asarray(ring, float) for ring in (self.outer, *self.holes))
 
     @property
     def plan_radius(self) -> float:
-        """Half the diagonal of its box."""
+        """Return half the diagonal of its box."""
         lower, upper = self.bounds
         return float(np.hypot(*(upper - lower)[:2])) / 2
 
     def chart_row(self) -> ChartRow:
-        """The edges, base and top."""
         edges = np.hstack([self.footprint.starts, self.footprint.ends])
         return ChartRow(PRISM, (0.0, 0.0, 0.0, self.base, self.top), edges)
 
     def page_shape(self) -> dict[str, Any]:
-        """Rings and heights."""
         return {"rings": self.outline(), "base": self.base, "top": self.top, "round": False}
 
 
 class Zone(Prism):
-    """A prism of air that may not be entered, in which nothing stands."""
+    """A prism of forbidden air, without a solid body."""
 
     @property
     def solid(self) -> bool:
-        """It is not."""
         return False
 
 
 def box(name: str, lower: tuple[float, float, float], upper: tuple[float, float, float]) -> Prism:
-    """A box along the axes, as a prism."""
+    """Return an axis-aligned box as a prism."""
     (e0, n0, base), (e1, n1, top) = lower, upper
     return Prism(name, ((e0, n0), (e1, n0), (e1, n1), (e0, n1)), (), base, top)

@@ -18,7 +18,7 @@ class Sphere(Part):
     """A ball.
 
     Attributes:
-        name: what it is called where something comes near it.
+        name: its name in messages.
         center: east, north and up [m].
         radius: above zero [m].
 
@@ -37,30 +37,26 @@ class Sphere(Part):
 
     @property
     def bounds(self) -> NDArray[np.float64]:
-        """The box around it, (2, 3)."""
         return np.array([np.subtract(self.center, self.radius), np.add(self.center, self.radius)])
 
     @property
     def convex(self) -> bool:
-        """It is."""
         return True
 
     @property
     def parts(self) -> tuple["Sphere"]:
-        """Itself."""
         return (self,)
 
     @property
     def plan(self) -> shapely.Geometry:
-        """A disk."""
         return shapely.Point(self.center[:2]).buffer(self.radius)
 
     def grown(self, aside: float, below: float, above: float) -> "Sphere":
-        """Larger all round as it is aside."""
+        """Return it grown in all directions by `aside` [m]."""
         return Sphere(self.name, self.center, self.radius + aside)
 
     def passing(self, a: Points, b: Points) -> Passing:
-        """As the plane that touches it where the leg is nearest: what is level and what is vertical of the way."""
+        """Return the distances of the tangent plane nearest to each leg: their level and vertical parts."""
         away = self._away(a, b)
         length = np.maximum(np.linalg.norm(away, axis=1), 1e-9)
         share = (length - self.radius) / length
@@ -68,43 +64,36 @@ class Sphere(Part):
         return Passing(share * np.hypot(away[:, 0], away[:, 1]), up, -up, np.ones(len(a)))
 
     def leg_distances(self, a: Points, b: Points) -> Vector:
-        """The signed distances themselves."""
         return np.asarray(np.linalg.norm(self._away(a, b), axis=1) - self.radius)
 
     def _away(self, a: Points, b: Points) -> Points:
-        """From the center to where each leg is nearest to it, (n, 3) [m]."""
+        """Return the vectors from the center to the nearest place of each leg, (n, 3) [m]."""
         step, center = b - a, np.asarray(self.center)
         squares = np.maximum((step**2).sum(axis=1), 1e-12)
         along = np.clip(((center - a) * step).sum(axis=1) / squares, 0.0, 1.0)
         return np.asarray(a + along[:, None] * step - center)
 
     def distance(self, points: Points) -> Vector:
-        """Signed distance of points (n, 3), (n,)."""
         return np.asarray(np.linalg.norm(points - np.asarray(self.center), axis=1) - self.radius)
 
     def leg_clearance(self, a: Vector, b: Vector) -> tuple[float, float]:
-        """Least signed distance of the leg, and where."""
         b = straightened(a, b)
         return least(self, a, b, foot(a, b, np.asarray(self.center)))
 
     def outline(self) -> tuple[Plane, ...]:
-        """One ring, a circle."""
         return (circle(*self.center[:2], self.radius),)
 
     def silhouette(self, axis: int) -> Plane:
-        """A circle."""
         return circle(self.center[axis], self.center[2], self.radius)
 
     @property
     def plan_radius(self) -> float:
-        """Its radius."""
         return self.radius
 
     def chart_row(self) -> ChartRow:
-        """East, north, up, radius."""
         east, north, up = self.center
         return ChartRow(SPHERE, (east, north, up, self.radius, 0.0), NO_EDGES)
 
     def page_shape(self) -> dict[str, Any]:
-        """Center and radius."""
+        """-"""
         return {"center": np.array(self.center), "radius": self.radius}
