@@ -28,7 +28,7 @@ def up(meters: float, per_meter: int = PER_METER) -> float:
 
 
 def falls_short(kept: float, required: float) -> bool:
-    """Whether the kept length is less than the required one, as printed [m].
+    """Return whether the kept length is less than the required one, as printed [m].
 
     >>> falls_short(2.499, 2.5), falls_short(2.5, 2.5)
     (True, False)
@@ -37,5 +37,5 @@ def falls_short(kept: float, required: float) -> bool:
 
 
 def goes_beyond(reached: float, most: float) -> bool:
-    """Whether the reached length exceeds the greatest allowed one, as printed [m]."""
+    """Return whether the reached length exceeds the greatest allowed one, as printed [m]."""
     return up(reached) > down(most)

@@ -91,7 +91,6 @@ class MissionError(Exception):
         return other
 
     def followed_by(self, *lines: str) -> Self:
-        """Return the error with more lines in its message."""
         other = copy(self)
         other.args = ("\n".join([self.args[0], *lines]),)
         return other

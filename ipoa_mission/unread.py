@@ -34,7 +34,6 @@ class Unread:
 
     @property
     def words(self) -> str:
-        """Describe the kind, without a full stop."""
         times = f"{self.count} times, first " if self.count > 1 else ""
         example = f' ("{self.example[:40]}")' if self.example else ""
         return f"{self.file}: not read: {self.what}: {times}{self.place}{example}"
@@ -51,5 +50,4 @@ def gathered(things: Iterable[Unread]) -> tuple[Unread, ...]:
 
 
 def unread_as_json(things: Iterable[Unread]) -> list[dict[str, Any]]:
-    """Return the list `unread` of a verb's JSON output."""
     return [asdict(thing) for thing in things]

@@ -117,7 +117,6 @@ class Wind:
         return words + (f", {self.spread:.3g} m/s more or less" if self.spread else "")
 
     def as_json(self) -> dict[str, object]:
-        """Return the wind as data."""
         levels = [level._asdict() for level in self.levels]
         about = {"speed_m_s": round(self.speed, 3), "from_deg": round(self.from_deg % 360, 3)}
         return about | {"spread_m_s": round(self.spread, 3), **({"levels": levels} if levels else {})}
@@ -130,12 +129,10 @@ class Wind:
 
     @property
     def east(self) -> float:
-        """Return the eastward component [m/s]."""
         return -self.speed * math.sin(math.radians(self.from_deg))
 
     @property
     def north(self) -> float:
-        """Return the northward component [m/s]."""
         return -self.speed * math.cos(math.radians(self.from_deg))
 
     def along(self, east: float, north: float) -> float:

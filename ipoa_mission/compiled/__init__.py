@@ -87,6 +87,5 @@ def called_by(function: Any) -> set[FunctionType]:
 
 
 def _is_cached(function: Any) -> bool:
-    """Whether numba has cached the compiled function next to its source."""
     source = Path(sys.modules[function.__module__].__file__ or "")
     return any((source.parent / "__pycache__").glob(f"{source.stem}.{function.__name__}-*.nbi"))

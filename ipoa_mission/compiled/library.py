@@ -74,7 +74,7 @@ def load(folder: Path) -> dict[str, Callable[..., Any]] | None:
 
 
 def _is_of(index: dict[str, Any], library: Path) -> bool:
-    """Whether a library was built with this index: another may be of other sources."""
+    """Return whether a library was built with this index: another may be of other sources."""
     made: dict[str, str] | None = index.get("libraries")
     return made is None or made.get(library.name) == digest_of(library)
 
@@ -89,7 +89,6 @@ def file_name(cpu: str) -> str:
 
 
 def sources_digest() -> str:
-    """Return the hash of all sources."""
     digest = hashlib.sha256()
     for path in sorted(path for pattern in SOURCES for path in PACKAGE.glob(pattern)):
         digest.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")

@@ -72,7 +72,6 @@ class _CachedPacker:
 
 
 def _packer(kind: Type) -> Callable[[Any], bytes]:
-    """Return a function that packs a value as words."""
     if not isinstance(kind, str):
         parts = [_packer(one) for one in kind]
         return lambda value: b"".join([packed(part) for packed, part in zip(parts, value, strict=True)])
@@ -94,7 +93,6 @@ def _packer(kind: Type) -> Callable[[Any], bytes]:
 
 
 def _unpacker(kind: Type, release: Callable[[int], None]) -> Callable[[Iterator[Any]], Any]:
-    """Return a function that builds a returned value from its words."""
     if not isinstance(kind, str):
         parts = [_unpacker(one, release) for one in kind]
         return lambda words: tuple([unpacked(words) for unpacked in parts])
@@ -113,7 +111,6 @@ def _unpacker(kind: Type, release: Callable[[int], None]) -> Callable[[Iterator[
 
 
 def _address(array: Any) -> int:
-    """Return the address of the first element."""
     if array.dtype.names is None:  # for records, ctypes would write out the format of each field
         try:
             return ctypes.addressof(ctypes.c_char.from_buffer(array))
@@ -128,12 +125,10 @@ def _array(kind: str) -> tuple[np.dtype[Any], int]:
 
 
 def words(kind: Type) -> int:
-    """Return the number of 8-byte words of a value."""
     return len(_layout(kind))
 
 
 def _layout(kind: Type) -> str:
-    """Return the layout of a value's words for `struct`."""
     if not isinstance(kind, str):
         return "".join(map(_layout, kind))
     return _NUMBERS[kind] if kind in _NUMBERS else "q" * (5 + 2 * _array(kind)[1])

@@ -1,7 +1,7 @@
 """Registry of optimizers: build one from a name and user settings.
 
-Three are built in. Other packages register theirs as entry points of the group `ipoa_mission.optimizers`: a frozen
-dataclass with a `search` (see `search.Optimizer`) and a line in the package's `pyproject.toml`.
+Three are built in. Other packages register theirs as entry points of the group `ipoa_mission.optimizers`. An optimizer
+is a frozen dataclass with a `search` (see `search.Optimizer`).
 """
 
 from collections.abc import Mapping
@@ -23,7 +23,6 @@ BUILT_IN: dict[str, type[Optimizer]] = {"ipoa": IPOA, "poa": POA, "adaptive-peli
 
 
 def optimizer_names() -> list[str]:
-    """Return the names of all optimizers, built-in ones first."""
     return [*BUILT_IN, *sorted(_registered().keys() - BUILT_IN.keys())]
 
 

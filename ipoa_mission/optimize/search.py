@@ -38,7 +38,6 @@ class Box:
 
     @property
     def dimension(self) -> int:
-        """Number of variables D."""
         return len(self.lower)
 
     def sample(self, n: int, rng: np.random.Generator) -> Candidates:

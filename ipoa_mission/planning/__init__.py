@@ -1,1 +1,1 @@
-"""What a good path is, and how to find it."""
+"""Cost of a path, and the search for the best one."""

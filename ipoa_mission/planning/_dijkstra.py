@@ -1,4 +1,4 @@
-"""What must be fast, compiled: least costs over a lattice."""
+"""Compiled Dijkstra search over a lattice."""
 
 # mypy: disable-error-code="no-untyped-def,misc"
 
@@ -7,17 +7,17 @@ import math
 import numpy as np
 
 from ipoa_mission.compiled import njit
-from ipoa_mission.planning._places import FAST, _look
+from ipoa_mission.planning._places import FASTMATH, _look
 
-GLANCES = 100  # places at which the straight leg between two nodes is looked at, at most
+GLANCES = 100  # most samples on a leg between two nodes
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def spread(nodes, steps, lengths, look, source, chart, rules):
-    """Least cost from one lattice node to every other, and the node before it on the way, by Dijkstra's algorithm.
+@njit(cache=True, fastmath=FASTMATH, error_model="numpy")
+def spread(nodes, steps, lengths, look, source, grid, rules):
+    """Return the least cost from one lattice node to every other (n,), and each predecessor (n,), by Dijkstra.
 
-    A step of `steps` (s, 3) costs its length of `lengths` (s,) times the mean of both ends; it is looked at whether its
-    straight leg runs into something if `look` says so. `nodes` are numbered flat; returns (n,) and (n,).
+    A step of `steps` (s, 3) costs its length of `lengths` (s,) times the mean price of its ends. With `look`, its
+    straight leg is checked for obstacles. Nodes have flat indices.
     """
     places, (nx, ny, nz) = nodes.places, nodes.price.shape
     price, room, total = nodes.price.ravel(), nodes.slack.ravel(), nx * ny * nz
@@ -52,14 +52,14 @@ def spread(nodes, steps, lengths, look, source, chart, rules):
             trial = key + lengths[s] * 0.5 * (price_here + price[there])
             if not trial < cost[there] or size >= len(keys):
                 continue
-            if look:  # where the balls round both ends do not meet, from ball to ball
+            if look:  # if the clearance balls of both ends do not meet, step from ball to ball
                 e, n, u = places[there, 0] - x, places[there, 1] - y, places[there, 2] - z
                 length = math.sqrt(e * e + n * n + u * u)
                 least = max(0.5 * rules.clearance, length / GLANCES)
                 along, end, free = max(room_here, least), length - room[there], True
                 while free and along < end:
                     t = along / length
-                    spare, _ = _look(chart, rules, x + t * e, y + t * n, z + t * u)
+                    spare, _ = _look(grid, rules, x + t * e, y + t * n, z + t * u)
                     free = spare >= -0.5 * rules.clearance
                     along += max(spare, least)
                 if not free:

@@ -1,7 +1,6 @@
-"""What must be fast, compiled: the cost of many candidate paths, and how much room there is at many places.
+"""Compiled cost of many paths, and clearance at many places.
 
-Each has a plain NumPy twin that the tests compare it with. Obstacles, ground and weights are an `ObstacleGrid` and
-`Rules`.
+The tests compare each kernel with a plain NumPy twin. Obstacles, ground and weights are an `ObstacleGrid` and `Rules`.
 """
 
 # mypy: disable-error-code="no-untyped-def,misc"
@@ -11,24 +10,24 @@ import math
 import numpy as np
 
 from ipoa_mission.compiled import njit
-from ipoa_mission.planning._places import FAST, _cell, _distance, _ground, _least_height, _look
-from ipoa_mission.planning.obstacle_grid import FENCE, LEAST, STEEP
+from ipoa_mission.planning._places import FASTMATH, _cell, _distance, _ground, _least_height, _look
+from ipoa_mission.planning.obstacle_grid import FENCE, LEAST, UNLIMITED
 
 
 def _arctangent(terms: int) -> tuple[float, ...]:
-    """Coefficients of t, t^3, ... of arctan on [0, 1]: its Chebyshev series."""
+    """Return the coefficients of t, t^3, ... of arctan on [0, 1] from its Chebyshev series."""
     series = np.zeros(2 * terms)
     k = np.arange(terms)
     series[1::2] = 2 * (-1.0) ** k * (math.sqrt(2) - 1) ** (2 * k + 1) / (2 * k + 1)
     return tuple(float(c) for c in np.polynomial.chebyshev.cheb2poly(series)[1::2])
 
 
-A0, A1, A2, A3, A4, A5, A6, A7, A8, A9 = _arctangent(10)  # good to 2e-9 rad
+A0, A1, A2, A3, A4, A5, A6, A7, A8, A9 = _arctangent(10)  # accurate to 2e-9 rad
 
 
 @njit(inline="always")
 def _angle(cross, dot, product):
-    """The angle between two vectors from |cross|, dot and the product of their lengths: half-angle and a series."""
+    """Return the angle between two vectors from |cross|, dot and the product of lengths: half-angle and series."""
     t = abs(cross) / (product + abs(dot) + 1e-300)
     s = t * t
     series = A0 + s * (A1 + s * (A2 + s * (A3 + s * (A4 + s * (A5 + s * (A6 + s * (A7 + s * (A8 + s * A9))))))))
@@ -36,11 +35,11 @@ def _angle(cross, dot, product):
     return half if dot >= 0.0 else math.pi - half
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def path_costs(points, chart, rules):
-    """Cost of each of many paths; `points` is (m, 3, n): east, north, up of n nodes.
+@njit(cache=True, fastmath=FASTMATH, error_model="numpy")
+def path_costs(points, grid, rules):
+    """Return the cost of each path of `points` (m, 3, n): east, north, up of n nodes.
 
-    A path that breaks a limit costs its length, `rules.collision`, and more the deeper and the longer it does.
+    A path that breaks a limit costs its length, `rules.collision`, and more with the depth and length of the breach.
     """
     count, _, n = points.shape
     costs = np.empty(count)
@@ -48,16 +47,16 @@ def path_costs(points, chart, rules):
     steps_e, steps_n, cell = np.empty(n - 1), np.empty(n - 1), np.empty(n, np.int32)
     near = max(rules.clearance, rules.d_safe + rules.radius)
     raster, first, listed, top, kind, shape, edges = (
-        chart.cells,
-        chart.first,
-        chart.listed,
-        chart.top,
-        chart.kind,
-        chart.shape,
-        chart.edges,
+        grid.cells,
+        grid.first,
+        grid.listed,
+        grid.top,
+        grid.kind,
+        grid.shape,
+        grid.edges,
     )
-    around, heights, low_zones = chart.around, chart.heights, chart.low_zones
-    (west, south, low), (east, north, high) = chart.lower, chart.upper
+    around, heights, low_zones = grid.around, grid.heights, grid.low_zones
+    (west, south, low), (east, north, high) = grid.lower, grid.upper
     for c in range(count):
         x, y, z = points[c, 0], points[c, 1], points[c, 2]
         length, depth = 0.0, 0.0
@@ -67,7 +66,7 @@ def path_costs(points, chart, rules):
             level[i] = math.sqrt(e * e + n_ * n_)
             leg[i] = math.sqrt(e * e + n_ * n_ + u * u)
             length += leg[i]
-        if min(rules.climb, rules.descent) < STEEP:
+        if min(rules.climb, rules.descent) < UNLIMITED:
             for i in range(n - 1):
                 depth += max(rise[i] - rules.climb * level[i], -rise[i] - rules.descent * level[i], 0.0)
         outside = 0.0
@@ -81,7 +80,7 @@ def path_costs(points, chart, rules):
         for i in range(n):
             share = 0.5 * ((leg[i - 1] if i > 0 else 0.0) + (leg[i] if i < n - 1 else 0.0))
             if z[i] < top[cell[i]]:
-                height = z[i] - _ground(chart.ground, heights, x[i], y[i])[0]
+                height = z[i] - _ground(grid.ground, heights, x[i], y[i])[0]
                 depth += share * max(
                     _least_height(low_zones, rules.height, x[i], y[i]) - height, height - rules.ceiling, 0.0
                 )
@@ -114,15 +113,15 @@ def path_costs(points, chart, rules):
     return costs
 
 
-@njit(cache=True, fastmath=FAST, error_model="numpy")
-def survey(points, chart, rules):
-    """For each point (n, 3) how much it has more than required of everything solid [m], and the threat there per metre.
+@njit(cache=True, fastmath=FASTMATH, error_model="numpy")
+def survey(points, grid, rules):
+    """Return the slack to everything solid [m] and the threat per metre at each point (n, 3).
 
-    Obstacles farther than the chart's reach count as at its edge.
+    Obstacles beyond the grid's reach count as at its edge.
     """
     n = len(points)
     slack, threat = np.empty(n), np.empty(n)
     for i in range(n):
         x, y, z = points[i, 0], points[i, 1], points[i, 2]
-        slack[i], threat[i] = _look(chart, rules, x, y, z)
+        slack[i], threat[i] = _look(grid, rules, x, y, z)
     return slack, threat

@@ -1,10 +1,10 @@
-"""The model from which one path is polished, compiled: its smoothed cost, the gradient, and the curvature.
+"""Compiled model for polishing one path: smoothed cost, gradient and curvature.
 
-Each term depends on one node, on one step from a node to the next, or on two steps. What they make is added up by nodes
-and steps first, and handed on to the control points once. It has a plain NumPy twin that the tests hold it against.
+Each term depends on one node, one step between nodes, or two steps. Derivatives are summed by nodes and steps, then
+transferred to the control points. The tests compare it with a plain NumPy twin.
 
-It is compiled without leave to reorder sums: a plan hangs on their last bits, and is to be the same by machine code and
-by numba.
+It is compiled without permission to reorder sums. Plans depend on their last bits, and must be the same by shipped
+machine code and by numba.
 """
 
 # mypy: disable-error-code="no-untyped-def,misc"
@@ -19,28 +19,28 @@ from ipoa_mission.compiled import njit
 from ipoa_mission.planning._places import _cell, _distance, _ground, _least_height
 from ipoa_mission.planning.obstacle_grid import FENCE, LEAST, LEVER
 
-EE, NE, NN, UE, UN, UU = range(6)  # of a symmetric matrix: by east twice, by north and east, ...
+EE, NE, NN, UE, UN, UU = range(6)  # elements of a symmetric matrix: E east, N north, U up
 
 
 class Change(NamedTuple):
-    """How the cost changes with each of n nodes, or of n steps; the last node has no step."""
+    """Derivatives of the cost by each of n nodes, or of n steps; the last node has no step."""
 
     slope: NDArray[np.float64]  # (3, n): by east, north, up
     curvature: NDArray[np.float64]  # (6, n): `EE` and so on
 
 
 class Bends(NamedTuple):
-    """How the cost changes with the turn, and with the change of climb, at each node; zero at both ends."""
+    """Derivatives of the cost by the turn and the change of climb at each node; zero at both ends."""
 
     slope: NDArray[np.float64]  # (2, n)
     curvature: NDArray[np.float64]  # (2, n)
 
 
 class Steps(NamedTuple):
-    """From each node to the next, all (n,), 0 for the last.
+    """Steps from each node to the next, all (n,), 0 for the last.
 
-    A step has three directions at right angles: ahead (flat east, flat north, rise), left (-north, east, 0) and over
-    (-rise east, -rise north, flat).
+    A step has three orthogonal directions: ahead (flat east, flat north, rise), left (-north, east, 0) and over (-rise
+    east, -rise north, flat).
     """
 
     level: NDArray[np.float64]  # level length [m]
@@ -53,9 +53,9 @@ class Steps(NamedTuple):
 
 @njit(inline="always")
 def _add(change, i, east, north, up, slope, curvature):
-    """Adds a term of node or step i that depends on how far that goes along (east, north, up).
+    """Add a term of node or step i that depends on its component along (east, north, up).
 
-    Its first derivative is `slope`, its second `curvature`.
+    `slope` is its first derivative, `curvature` its second.
     """
     first, second = change.slope, change.curvature
     first[0, i] += slope * east
@@ -71,10 +71,10 @@ def _add(change, i, east, north, up, slope, curvature):
 
 @njit(inline="always")
 def _wall(slack, soft, even):
-    """What it costs to be so near to a wall, and how that changes with the slack: value, slope and curvature.
+    """Return the cost of a wall at this slack, with its slope and curvature.
 
-    -log(slack / reach), brought smoothly to nothing at `reach`; where it is as stiff as a broken limit should be, and
-    beyond, the parabola that touches it there.
+    The cost is -log(slack / reach), smoothly zero at `reach`. From where it is as stiff as a broken limit should be, it
+    continues as the osculating parabola.
     """
     t = slack / soft.reach
     if t >= 1.0:
@@ -88,7 +88,6 @@ def _wall(slack, soft, even):
 
 @njit(cache=True, error_model="numpy")
 def _steps(nodes):
-    """The steps between nodes (n, 3)."""
     n = len(nodes)
     steps = Steps(np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n))
     for i in range(n - 1):
@@ -102,17 +101,17 @@ def _steps(nodes):
 
 
 @njit(cache=True, error_model="numpy")
-def _solid(nodes, leg, danger, chart, rules, soft, even, places):
-    """Adds obstacles, ground and bounds at each node; notes in `danger` (n,) what the threats cost a metre."""
+def _solid(nodes, leg, danger, grid, rules, soft, even, places):
+    """Add the cost of obstacles, ground and bounds at each node; write the threat per metre to `danger` (n,)."""
     n, value = len(nodes), 0.0
-    raster, listed_from, listed, around = chart.cells, chart.first, chart.listed, chart.around
-    kind, shape, edges, heights, low_zones = chart.kind, chart.shape, chart.edges, chart.heights, chart.low_zones
+    raster, listed_from, listed, around = grid.cells, grid.first, grid.listed, grid.around
+    kind, shape, edges, heights, low_zones = grid.kind, grid.shape, grid.edges, grid.heights, grid.low_zones
     for i in range(n):
         x, y, z = nodes[i, 0], nodes[i, 1], nodes[i, 2]
         share = 0.5 * ((leg[i - 1] if i > 0 else 0.0) + leg[i])
         cell = _cell(raster, x, y)
-        if z < chart.top[cell] + soft.above + soft.reach:
-            ground, east, north = _ground(chart.ground, heights, x, y)
+        if z < grid.top[cell] + soft.above + soft.reach:
+            ground, east, north = _ground(grid.ground, heights, x, y)
             for sign in (1.0, -1.0):
                 if sign > 0.0:
                     slack = rules.ceiling - soft.above - (z - ground)
@@ -123,10 +122,10 @@ def _solid(nodes, leg, danger, chart, rules, soft, even, places):
                     value += wall
                     _add(places, i, east, north, -1.0, sign * slope, curvature)
         for axis in range(3):
-            slack = min(nodes[i, axis] - chart.lower[axis], chart.upper[axis] - nodes[i, axis]) - soft.aside
+            slack = min(nodes[i, axis] - grid.lower[axis], grid.upper[axis] - nodes[i, axis]) - soft.aside
             wall, slope, curvature = _wall(slack, soft, even)
             if curvature > 0.0:
-                inwards = -1.0 if 2.0 * nodes[i, axis] > chart.lower[axis] + chart.upper[axis] else 1.0
+                inwards = -1.0 if 2.0 * nodes[i, axis] > grid.lower[axis] + grid.upper[axis] else 1.0
                 value += wall
                 places.slope[axis, i] += inwards * slope
                 places.curvature[(EE, NN, UU)[axis], i] += curvature
@@ -159,7 +158,7 @@ def _solid(nodes, leg, danger, chart, rules, soft, even, places):
 
 @njit(cache=True, error_model="numpy")
 def _bends(steps, rules, soft, signs, angles):
-    """What the turn and the change of climb cost at each inner node, and how; notes them in `angles` (n, 2) [rad]."""
+    """Return cost and derivatives of turn and climb change at each inner node; write `angles` (n, 2) [rad]."""
     east, north, n, value = steps.east, steps.north, len(angles), 0.0
     bends, climb = Bends(np.zeros((2, n)), np.zeros((2, n))), math.atan(steps.rise[0] / steps.flat[0])
     for i in range(1, n - 1):
@@ -179,10 +178,10 @@ def _bends(steps, rules, soft, signs, angles):
 
 @njit(cache=True, error_model="numpy")
 def _length(steps, bends, danger, rules, soft, even, along):
-    """Adds the length of each leg, which threats make dearer, its even spacing, its climb, and its part in `bends`.
+    """Add the cost of each leg: its length with threats, its even spacing, its climb, and its part in `bends`.
 
-    Those are the bend where it begins and, with the other sign, the one where it ends. They change as it goes to the
-    left or over, where a longer leg is a bent one.
+    That part is the bend at its begin minus the one at its end. They change with moves to the left or over, where a
+    longer leg is a bent one.
     """
     level, leg, value = steps.level, steps.leg, 0.0
     turn, climb, turns, climbs = bends.slope[0], bends.slope[1], bends.curvature[0], bends.curvature[1]
@@ -207,7 +206,7 @@ def _length(steps, bends, danger, rules, soft, even, along):
 
 @njit(cache=True, error_model="numpy")
 def _mixed(steps, bends):
-    """The second derivatives of the bends by the step before and the step after, (9, n): EE, EN, EU, NE and so on."""
+    """Return the second derivatives of the bends by the steps before and after, (9, n): EE, EN, EU, NE and so on."""
     level, leg = steps.level, steps.leg
     n = len(leg)
     mixed = np.zeros((9, n))
@@ -230,7 +229,7 @@ def _mixed(steps, bends):
 
 @njit(inline="always")
 def _block(places, along, mixed, window, k, m, some):
-    """The second derivatives by two control points of a window, k and m, from some nodes: EE, EN, EU, NE and so on."""
+    """Return second derivatives by control points k and m of a window, from nodes `some`: EE, EN, EU, NE, ..."""
     here, before, after = window[0], window[1], window[2]
     twice, stepwise = places.curvature, along.curvature
     ee, en, eu, ne, nn, nu, ue, un, uu = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -254,7 +253,7 @@ def _block(places, along, mixed, window, k, m, some):
 
 @njit(cache=True, error_model="numpy")
 def _handed_on(places, along, mixed, spans, count):
-    """Gradient and lower band of the Hessian by the control points, from those by nodes and steps."""
+    """Return the gradient and lower band of the Hessian by the control points, from those by nodes and steps."""
     first, window = spans.first, spans.window
     n, start = len(first), 0
     gradient, band = np.zeros(3 * count), np.zeros((15, 3 * count))
@@ -263,7 +262,7 @@ def _handed_on(places, along, mixed, spans, count):
         end = start + 1
         while end < n and first[end] == first[start]:
             end += 1
-        some = range(np.uint64(start), np.uint64(end))  # no number counts from an array's end
+        some = range(np.uint64(start), np.uint64(end))  # unsigned, so that no index counts from an array's end
         for k in range(5):
             row = 3 * (first[start] + k)
             for axis in range(3):
@@ -281,20 +280,20 @@ def _handed_on(places, along, mixed, spans, count):
 
 
 @njit(cache=True, error_model="numpy")
-def path_model(nodes, spans, count, chart, rules, soft, even, signs):
-    """The smoothed cost of one path, its gradient, and a positive semidefinite model of its Hessian.
+def path_model(nodes, spans, count, grid, rules, soft, even, signs):
+    """Return the smoothed cost of one path, its gradient, and a positive semidefinite model of its Hessian.
 
-    `nodes` (n, 3) depend on `count` control points as `Spans` says. `even` is the length of a leg [m] when all are
-    alike. `signs` (n, 2), between -1 and 1, is what is thought of the sign of the turn and of the change of climb at
-    each node; the surer, the less an angle resists to being changed (the dual variables of Chan, Golub and Mulet 1999).
+    `nodes` (n, 3) depend on `count` control points as in `Spans`. `even` is the mean leg length [m]. `signs` (n, 2),
+    between -1 and 1, estimate the signs of turn and climb change at each node: the dual variables of Chan, Golub and
+    Mulet (1999). The closer to 1, the less an angle resists change.
 
-    Returns the value, its gradient (3 count,), the lower band of the Hessian (15, 3 count), `band[i - j, j]` being its
-    element i, j, and the angles (n, 2) [rad]. The model is Gauss-Newton's: what bends downwards is left out.
+    Return the value, its gradient (3 count,), the lower band of the Hessian (15, 3 count), and the angles (n, 2) [rad].
+    `band[i - j, j]` is element i, j of the Hessian. The model is Gauss-Newton's, without negative curvature.
     """
     n = len(nodes)
     places, along = Change(np.zeros((3, n)), np.zeros((6, n))), Change(np.zeros((3, n)), np.zeros((6, n)))
     steps, danger, angles = _steps(nodes), np.zeros(n), np.zeros((n, 2))
-    value = _solid(nodes, steps.leg, danger, chart, rules, soft, even, places)
+    value = _solid(nodes, steps.leg, danger, grid, rules, soft, even, places)
     bent, bends = _bends(steps, rules, soft, signs, angles)
     value += bent + _length(steps, bends, danger, rules, soft, even, along)
     gradient, band = _handed_on(places, along, _mixed(steps, bends), spans, count)

@@ -1,7 +1,6 @@
-"""What stands at a place, for compiled code: ground, distance to an obstacle, what is required there.
+"""Compiled values at a place: ground, distance to an obstacle, required height.
 
-All of it is inlined where it is called, at every node: a chart that lives on there would have its references counted,
-so it is taken apart at once.
+All functions are inlined at every node. A grid kept alive there would be reference-counted, so it is unpacked first.
 """
 
 # mypy: disable-error-code="no-untyped-def,misc"
@@ -14,12 +13,12 @@ from ipoa_mission.compiled import njit
 from ipoa_mission.planning.obstacle_grid import FENCE, LEAST
 from ipoa_mission.world.obstacles.obstacle import CYLINDER, SPHERE
 
-FAST = {"reassoc", "contract", "arcp", "nsz"}  # lets sums be vectorised
+FASTMATH = {"reassoc", "contract", "arcp", "nsz"}  # allow vectorized sums
 
 
 @njit(inline="always")
 def _on_map(raster, x, y):
-    """Column and row of a place, fractions included; beyond the map the nearest ones, and 0 for what is no number."""
+    """Return column and row of a place, with fractions, clamped to the map; 0 for NaN."""
     u, v = (x - raster.east) * raster.per_meter, (y - raster.north) * raster.per_meter
     u, v = u if u > 0.0 else 0.0, v if v > 0.0 else 0.0
     return min(u, raster.columns - 1.0), min(v, raster.rows - 1.0)
@@ -27,7 +26,7 @@ def _on_map(raster, x, y):
 
 @njit(inline="always")
 def _ground(raster, heights, x, y):
-    """Bilinear height of the ground, and its slopes along east and north."""
+    """Return the bilinear height of the ground and its slopes along east and north."""
     u, v = _on_map(raster, x, y)
     i, j = min(int(u), raster.columns - 2), min(int(v), raster.rows - 2)
     u, v = u - i, v - j
@@ -38,14 +37,13 @@ def _ground(raster, heights, x, y):
 
 @njit(inline="always")
 def _cell(raster, x, y):
-    """The number of the cell at a place; beyond the map the nearest one."""
+    """Return the index of the cell at a place, clamped to the map."""
     u, v = _on_map(raster, x, y)
     return np.int32(np.floor(v) * raster.columns + np.floor(u))
 
 
 @njit(inline="always")
 def _least_height(low_zones, height, x, y):
-    """The height above ground that is required here."""
     for k in range(low_zones.shape[0]):
         if (x - low_zones[k, 0]) ** 2 + (y - low_zones[k, 1]) ** 2 <= low_zones[k, 2] ** 2:
             height = min(height, low_zones[k, 3])
@@ -54,7 +52,7 @@ def _least_height(low_zones, height, x, y):
 
 @njit(inline="always")
 def _aside(kind, shape, edges, body, x, y):
-    """Signed distance to an upright obstacle's outline in the plane, and its direction (east, north)."""
+    """Return the signed distance to an upright obstacle's outline in the plane, and its direction (east, north)."""
     if kind[body] == CYLINDER:
         e, n = x - shape[body, 0], y - shape[body, 1]
         r = math.sqrt(e * e + n * n) + 1e-12
@@ -72,7 +70,7 @@ def _aside(kind, shape, edges, body, x, y):
             if (n0 > y) != (n1 > y) and x < e0 + (y - n0) / (n1 - n0) * (e1 - e0):
                 inside = not inside
         r = math.sqrt(nearest) + 1e-12
-        if inside != (kind[body] == FENCE):  # within a prism, or beyond a fence
+        if inside != (kind[body] == FENCE):  # inside a prism, or outside a fence
             r = -r
         aside = r
     return aside, e / r, n / r
@@ -80,7 +78,7 @@ def _aside(kind, shape, edges, body, x, y):
 
 @njit(inline="always")
 def _distance(kind, shape, edges, body, x, y, z):
-    """Signed distance to an obstacle, and the direction in which it grows (east, north, up)."""
+    """Return the signed distance to an obstacle, and the direction in which it grows (east, north, up)."""
     if kind[body] == SPHERE:
         e, n, u = x - shape[body, 0], y - shape[body, 1], z - shape[body, 2]
         r = math.sqrt(e * e + n * n + u * u) + 1e-12
@@ -89,7 +87,7 @@ def _distance(kind, shape, edges, body, x, y, z):
         distance, e, n = _aside(kind, shape, edges, body, x, y)
         under, over = shape[body, 3] - z, z - shape[body, 4]
         above, u = max(under, over), 0.0
-        if distance > 0.0 and above > 0.0:  # over a rim
+        if distance > 0.0 and above > 0.0:  # over an edge of a cap
             r = math.sqrt(distance * distance + above * above)
             e, n, u = e * distance / r, n * distance / r, (above if over > under else -above) / r
             distance = r
@@ -99,11 +97,11 @@ def _distance(kind, shape, edges, body, x, y, z):
 
 
 @njit(inline="always")
-def _look(chart, rules, x, y, z):
-    """How much a place has more than required of everything solid [m], and the threat there per metre."""
-    cells, first, listed, around = chart.cells, chart.first, chart.listed, chart.around
-    kind, shape, edges, raster, heights = chart.kind, chart.shape, chart.edges, chart.ground, chart.heights
-    zones, lower, upper, reach = chart.low_zones, chart.lower, chart.upper, chart.reach
+def _look(grid, rules, x, y, z):
+    """Return the slack of a place to everything solid [m], and the threat per metre there."""
+    cells, first, listed, around = grid.cells, grid.first, grid.listed, grid.around
+    kind, shape, edges, raster, heights = grid.kind, grid.shape, grid.edges, grid.ground, grid.heights
+    zones, lower, upper, reach = grid.low_zones, grid.lower, grid.upper, grid.reach
     ground, threat = _ground(raster, heights, x, y)[0], 0.0
     spare = min(z - ground - _least_height(zones, rules.height, x, y), rules.ceiling - (z - ground))
     spare = min(spare, reach - rules.clearance)

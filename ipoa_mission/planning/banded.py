@@ -1,7 +1,7 @@
-"""Linear equations whose symmetric matrix has elements near its diagonal only, solved by compiled code.
+"""Compiled solver of linear equations with a symmetric banded matrix.
 
-LAPACK, which SciPy asks, adds in the same order where the band is narrow, as without via points: the same to the last
-bit on the CPU where that was tried. To import SciPy takes longer than all equations of a plan.
+For narrow bands, as without via points, LAPACK (by SciPy) adds in the same order: on the tested CPU all bits match.
+Importing SciPy takes longer than all equations of a plan.
 """
 
 # mypy: disable-error-code="no-untyped-def,misc"
@@ -13,7 +13,7 @@ from ipoa_mission.compiled import njit
 
 @njit(cache=True, error_model="numpy")
 def solve_banded(band, right):
-    """The x (n,) with H x = `right` (n,), by Cholesky's factorization, and 1; or 0 if H is not positive definite.
+    """Solve H x = `right` (n,) by Cholesky factorization; return x and 1, or 0 if H is not positive definite.
 
     `band` (k + 1, n) is the lower band of H: `band[i - j, j]` is its element i, j.
     """

@@ -1,9 +1,8 @@
-"""Quick guesses: a coarse lattice over the airspace, and the distinct ways through it.
+"""Initial guesses: distinct routes through a coarse lattice over the airspace.
 
-The cheapest way from the start to a node and from it to the goal are known for all nodes after two runs of Dijkstra's
-algorithm. Where their sum is locally least on the surfaces a quarter, half and three quarters of the way, another
-passage between the obstacles begins. A gap narrower than the lattice is not missed: a node between two walls moves to
-the best place in its cell.
+Two runs of Dijkstra's algorithm give the least cost from the start to each node and from it to the goal. Local minima
+of their sum on the surfaces at a quarter, half and three quarters of the way are other passages between obstacles. Gaps
+narrower than the lattice are found too: a node between two walls moves to the best place in its cell.
 """
 
 from collections.abc import Iterator
@@ -17,31 +16,31 @@ from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector, arc_lengths
 from ipoa_mission.planning.obstacle_gaps import gap_places
-from ipoa_mission.planning.obstacle_grid import STEEP, Nodes
+from ipoa_mission.planning.obstacle_grid import UNLIMITED, Nodes
 from ipoa_mission.planning.problem import Candidate, PreparedProblem, follow
 from ipoa_mission.planning.strategy import USUAL, LatticeStrategy
 from ipoa_mission.planning.winding import lift, wind
 
-MAX_CONTROL_POINTS = 500  # control points of a guess
+MAX_CONTROL_POINTS = 500  # of a guess
 LOOP_RADIUS = 20.0  # of a usual loop [m]
-LEAST_PRICE = 0.1  # of a metre, by which that of turns is divided
-LOOP_DISCOUNT = 0.98  # what loops cost of going to and fro
-LONG_DETOUR = 0.5  # for a climb, as a share of the way up to where it must have been made
-LOOKS_PER_LEG = 10  # points at which a leg between two nodes is looked at
+LEAST_PRICE = 0.1  # lower bound of the price per metre that divides that of turns
+LOOP_DISCOUNT = 0.98  # cost factor of loops against flying to and fro
+LONG_DETOUR = 0.5  # for a climb, as a share of the distance in which it must be made
+LOOKS_PER_LEG = 10  # samples on a leg between two nodes
 STRIDES = np.array([step for step in np.ndindex(3, 3, 3) if step != (1, 1, 1)]) - 1  # to the 26 neighbors
-GAP_SLACK = 0.05  # how much less slack than a node its neighbors on both sides have, in steps, if it is in a gap
-WIDEST_GAP = 1.5  # how much wider than required a gap may be, in steps, to have nodes of its own
-CENTERING_ROUNDS = 6  # each looks three times as closely for the best place in a cell
-CENTERED_AT_A_TIME = 5000  # nodes, each looked at with 26 places around
-END_NODES, LOOKS_TO_END = 64, 8  # nodes that may be an end's, and points at which the leg to each is looked at
+GAP_SLACK = 0.05  # of a node in a gap: slack that its neighbors on both sides lack, in steps
+WIDEST_GAP = 1.5  # width beyond the required one of a gap with own nodes, in steps
+CENTERING_ROUNDS = 6  # each searches a cell three times as finely
+CENTERED_AT_A_TIME = 5000  # nodes per batch, each with 26 places around
+END_NODES, LOOKS_TO_END = 64, 8  # candidates for an end's node; samples of the leg to each
 
 
 @dataclass(frozen=True, eq=False)
 class Lattice:
     """Nodes in steps of `spacing` (3,) from `corner` (3,); `slack` and `price` are (nx, ny, nz).
 
-    Slack is what a node has more than the required clearance [m]; the price is the cost per metre, infinite where
-    slack is negative. `places` (nx ny nz, 3) is where the nodes are.
+    Slack is the clearance of a node beyond the required one [m]. The price is the cost per metre, infinite for negative
+    slack. `places` (nx ny nz, 3) are the positions of the nodes.
     """
 
     corner: Vector
@@ -52,14 +51,14 @@ class Lattice:
     steepest: tuple[float, float]
     """Greatest slopes of climb and descent."""
     winding: float
-    """What a metre of loops costs more than a straight metre."""
+    """Extra cost of a metre of loops against a straight metre."""
     strategy: LatticeStrategy
 
     def steps(self, backwards: bool = False) -> tuple[NDArray[np.int64], Vector]:
-        """The steps (s, 3) and their lengths (s,) [m], or those that are flown backwards.
+        """Return the steps (s, 3) and their lengths (s,) [m], or those of the reversed direction.
 
-        One that is too steep is as long as the loops that it stands for. Height is as dear on the way as in loops, but
-        for a little, so that no way goes to and fro to gain it.
+        A step that is too steep has the length of the loops it represents. Height costs slightly less in loops than on
+        the way, so that no route flies to and fro to gain it.
         """
         strides = STRIDES * self.spacing
         level, rise = np.hypot(strides[:, 0], strides[:, 1]), strides[:, 2]
@@ -72,25 +71,24 @@ class Lattice:
 
 @dataclass(frozen=True, eq=False)
 class Guess:
-    """A polyline `guide` (k, 3), and how many control points a curve needs to follow it.
+    """A polyline `guide` (k, 3), and the control points of a curve that follows it.
 
-    They are `inner` evenly along it, or `shares` (k-1,) on each leg.
+    There are `inner` ones evenly along it, or `shares` (k-1,) on each leg.
     """
 
     guide: Points
     shares: Vector | None
     inner: int
 
-    def trail(self, problem: PreparedProblem, closer: int = 1) -> Candidate:
-        """A curve that follows it with so many times the control points."""
+    def candidate(self, problem: PreparedProblem, closer: int = 1) -> Candidate:
         inner = self.inner if self.shares is None else round(float(self.shares.sum()))
         return follow(self.guide, min(closer * inner, MAX_CONTROL_POINTS), problem.task, self.shares)
 
 
 def guesses(problem: PreparedProblem, coarsest: int, strategy: LatticeStrategy = USUAL.lattice) -> list[Guess]:
-    """Ways from start over all via points to the goal: the straight one, then those that follow lattice ways.
+    """Return guesses from start over all via points to the goal: the straight one, then those along lattice routes.
 
-    Lattices before number `coarsest` of `strategy.refinements` are not tried.
+    Lattices before index `coarsest` of `strategy.refinements` are skipped.
     """
     task = problem.task
     straight = task.places
@@ -112,9 +110,9 @@ def guesses(problem: PreparedProblem, coarsest: int, strategy: LatticeStrategy =
 def _climbing(
     routes: list[Points], inner: int, problem: PreparedProblem, lattice: Lattice, both: bool
 ) -> Iterator[Guess]:
-    """Guesses that follow lattice ways and climb as they may: sooner, in detours that the polish makes, or in loops.
+    """Yield guesses along lattice routes that climb within limits: earlier, by detours from the polish, or in loops.
 
-    A way gets loops where a detour would be long, or is not free; or in any case, if `both` are wanted.
+    A route gets loops if a detour would be long or is not free, or always if `both`.
     """
     step = float(lattice.spacing[2])
     for way in routes:
@@ -128,13 +126,13 @@ def _climbing(
 
 
 def lay(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrategy = USUAL.lattice) -> Lattice:
-    """A lattice over the bounds; `fineness` 2 has half the spacing."""
+    """Return a lattice over the bounds; `fineness` 2 halves the spacing."""
     lower, upper = _region(problem)
     size = upper - lower
     steepest = (problem.rules.climb, problem.rules.descent)
     flattest, area = max(min(*steepest, 1.0), strategy.min_slope), size[0] * size[1]
     pitch = (area * size[2] / flattest / strategy.nodes) ** (1 / 3)
-    if upright := min(steepest) >= STEEP:  # cells may then be higher than they are wide
+    if upright := min(steepest) >= UNLIMITED:  # cells may then be higher than wide
         pitch = min(pitch, (area * strategy.max_levels / strategy.nodes) ** 0.5)
     pitch = max(pitch, size[:2].max() / strategy.max_nodes_per_side) / fineness
     count = np.ones(3, int)
@@ -144,8 +142,8 @@ def lay(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrate
         rise = max(rise, size[2] / (strategy.max_levels * fineness))
     count[2] += int(np.ceil(size[2] / rise))
     spacing = size / (count - 1)
-    grid = np.stack(np.meshgrid(*map(np.arange, count), indexing="ij"), axis=-1).reshape(-1, 3)
-    nodes = np.minimum(lower + spacing * grid, upper)
+    indices = np.stack(np.meshgrid(*map(np.arange, count), indexing="ij"), axis=-1).reshape(-1, 3)
+    nodes = np.minimum(lower + spacing * indices, upper)
     slack, threat = problem.survey(nodes)
     between = np.nonzero(_in_gaps(slack.reshape(count), spacing).ravel())[0]
     nodes[between] = _centered(nodes[between], spacing, problem)
@@ -159,9 +157,9 @@ def lay(problem: PreparedProblem, fineness: float = 1.0, strategy: LatticeStrate
 
 
 def ways(lattice: Lattice, problem: PreparedProblem, most: int, looking: bool = True) -> list[Points]:
-    """Up to `most` distinct ways from start over all via points to the goal, (k, 3) each, the cheapest first.
+    """Return up to `most` distinct routes from start over all via points to the goal, (k, 3) each, cheapest first.
 
-    Empty if the lattice knows no way. Unless it is `looking` a step may lead through something thin between two nodes.
+    Empty if the lattice has no route. Without `looking`, a step may cross something thin between two nodes.
     """
     stops = problem.task.places
     legs = [_leg_ways(lattice, problem, a, b, most, looking) for a, b in pairwise(stops)]
@@ -175,7 +173,7 @@ def ways(lattice: Lattice, problem: PreparedProblem, most: int, looking: bool = 
 
 
 def _in_gaps(slack: NDArray[np.float64], spacing: Vector) -> NDArray[np.bool_]:
-    """Which nodes are a little too near to something, and so more on both sides, or are beside such a node."""
+    """Return which nodes are slightly too near between two walls, or adjacent to such a node."""
     between = np.zeros(slack.shape, bool)
     for axis, step in enumerate(spacing):
         padded = np.pad(slack, [(int(k == axis),) * 2 for k in range(3)], mode="edge")
@@ -186,7 +184,7 @@ def _in_gaps(slack: NDArray[np.float64], spacing: Vector) -> NDArray[np.bool_]:
 
 
 def _centered(nodes: Points, spacing: Vector, problem: PreparedProblem) -> Points:
-    """The places with the most slack in the cells round nodes (n, 3)."""
+    """Return the places with the most slack in the cells around nodes (n, 3)."""
     lower, upper = _region(problem)
     centered = [nodes[:0]]
     for some in (nodes[k : k + CENTERED_AT_A_TIME] for k in range(0, len(nodes), CENTERED_AT_A_TIME)):
@@ -200,10 +198,10 @@ def _centered(nodes: Points, spacing: Vector, problem: PreparedProblem) -> Point
 
 
 def _mended(routes: list[Points], lattice: Lattice, problem: PreparedProblem) -> list[Points]:
-    """The ways, with more points where a leg between two nodes cuts what neither of them is in.
+    """Return the routes with extra points where a leg between two nodes cuts an obstacle.
 
-    Where a leg of the cheapest way cannot be mended, as in a gap that is a little too narrow, ways are added that do
-    without the nodes at all such legs.
+    A leg of the cheapest route may not be repairable, as in a gap slightly too narrow. Then add routes that avoid the
+    nodes of such legs.
     """
     mended, closed = list[Points](), list[Points]()
     for way in routes:
@@ -222,21 +220,21 @@ def _mended(routes: list[Points], lattice: Lattice, problem: PreparedProblem) ->
 
 
 def _cuts(way: Points, problem: PreparedProblem) -> tuple[Points, NDArray[np.bool_]]:
-    """Return points (k, 3) of a way, `LOOKS_PER_LEG` on each leg, and which of them break a limit, corners left out."""
+    """Return points (k, 3) along a route, `LOOKS_PER_LEG` a leg, and which of these, except corners, break limits."""
     shares = np.linspace(0.0, 1.0, LOOKS_PER_LEG, endpoint=False)[:, None]
     points = np.vstack([(way[:-1, None] + shares * np.diff(way, axis=0)[:, None]).reshape(-1, 3), way[-1:]])
     return points, (problem.survey(points)[0] < 0) & (np.arange(len(points)) % LOOKS_PER_LEG > 0)
 
 
 def _whole(points: Points) -> NDArray[np.void]:
-    """Points (n, 3) as (n,) things to be compared."""
+    """Return points (n, 3) as comparable items (n,)."""
     return np.ascontiguousarray(points).view(np.dtype((np.void, 24))).ravel()
 
 
 def _occupy_gaps(
     nodes: Points, slack: Vector, threat: Vector, lower: Vector, spacing: Vector, problem: PreparedProblem
 ) -> None:
-    """Moves nodes (n, 3), with their slack and threat, to the places in narrow gaps that lie in their cells."""
+    """Move nodes (n, 3), with their slack and threat, to places of narrow gaps within their cells."""
     count = np.round((nodes[-1] - lower) / spacing).astype(int) + 1
     heights = lower[2] + spacing[2] * np.arange(count[2])
     widest = 2 * problem.limits.obstacle_distance + WIDEST_GAP * float(spacing[:2].max())
@@ -247,14 +245,15 @@ def _occupy_gaps(
         places, node = places[inside], np.ravel_multi_index(tuple(number[inside].T), tuple(count))
         room, danger = problem.survey(places)
         better = np.nonzero(((room >= 0) | (room > slack_before[node])) & (room >= most[node]))[0]
-        better = better[np.argsort(room[better], kind="stable")]  # of several in a cell that with the most room stays
+        # of several in a cell, keep the one with the most slack
+        better = better[np.argsort(room[better], kind="stable")]
         node = node[better]
         nodes[node], slack[node], threat[node] = places[better], room[better], danger[better]
         most[node] = room[better]
 
 
 def _end(lattice: Lattice, problem: PreparedProblem, place: Vector) -> int | None:
-    """The free node nearest to a place, by its flat number; if possible one to which the straight leg is free."""
+    """Return the flat index of the nearest free node to a place, preferring a free straight leg."""
     free = np.nonzero(np.isfinite(lattice.price.ravel()))[0]
     away = ((lattice.places[free] - place) ** 2).sum(axis=1)
     few = np.argpartition(away, END_NODES)[:END_NODES] if len(free) > END_NODES else np.arange(len(free))
@@ -278,7 +277,7 @@ def _leg_ways(
     nodes = Nodes(lattice.price, lattice.slack, lattice.places)
 
     def costs(steps: NDArray[np.int64], lengths: Vector, node: int) -> tuple[Vector, NDArray[np.int64]]:
-        return spread(nodes, steps, lengths, look, node, problem.chart, problem.rules)  # type: ignore[no-any-return]
+        return spread(nodes, steps, lengths, look, node, problem.grid, problem.rules)  # type: ignore[no-any-return]
 
     there, before = costs(*lattice.steps(), source)
     if not np.isfinite(there[target]):
@@ -300,7 +299,7 @@ def _leg_ways(
 
 
 def _passages(through: Vector, there: Vector, lattice: Lattice) -> Iterator[int]:
-    """Nodes at which a way through is cheaper than through any node around, the cheapest first."""
+    """Return nodes with locally least cost of a route through them, cheapest first."""
     best = through[np.isfinite(through)].min()
     share = np.divide(there, through, out=np.zeros_like(there), where=np.isfinite(through) & (through > 0))
     chosen: list[tuple[float, int]] = []
@@ -313,7 +312,7 @@ def _passages(through: Vector, there: Vector, lattice: Lattice) -> Iterator[int]
 
 
 def _least_around(values: NDArray[Any], reach: int) -> NDArray[Any]:
-    """For each node (nx, ny, nz) the least of the values up to so many steps away along each axis."""
+    """Return for each node (nx, ny, nz) the least value within `reach` steps along each axis."""
     for axis, count in enumerate(values.shape):
         padded = np.pad(values, [(reach * (k == axis),) * 2 for k in range(3)], constant_values=np.inf)
         values = np.minimum.reduce([padded.take(range(k, k + count), axis) for k in range(2 * reach + 1)])
@@ -328,24 +327,23 @@ def _trace(before: NDArray[np.int64], node: int) -> list[int]:
 
 
 def _even(points: Points, count: int = 24) -> Points:
-    """Points equally far apart along a polyline, (count, 3)."""
     traveled = arc_lengths(points)
     return np.column_stack([np.interp(np.linspace(0, traveled[-1], count), traveled, points[:, k]) for k in range(3)])
 
 
 def _turns(way: Points, tolerance: float) -> int:
-    """How many corners a way has if it may be shortened within a tolerance [m] (Douglas and Peucker)."""
+    """Return the number of corners of a route simplified within a tolerance [m] (Douglas and Peucker)."""
     return len(shapely.simplify(shapely.LineString(way[:, :2]), tolerance, preserve_topology=False).coords) - 2
 
 
 def _region(problem: PreparedProblem) -> tuple[Vector, Vector]:
-    """The part of the bounds that matters: above everything that stands there is nothing to find."""
+    """Return the relevant part of the bounds: up to just above all obstacles and ground."""
     task, limits = problem.task, problem.limits
     airspace, stops = task.airspace, task.places
     tops = [obstacle.bounds[1, 2] for obstacle in airspace.obstacles]
     above = 2 * max(limits.obstacle_distance, problem.rules.d_safe)
-    highest = max([*tops, float(problem.chart.heights.max()), float(stops[:, 2].max())]) + above
+    highest = max([*tops, float(problem.grid.heights.max()), float(stops[:, 2].max())]) + above
     lower, upper = np.asarray(airspace.bounds.lower, float), np.asarray(airspace.bounds.upper, float)
-    lowest = max(lower[2], float(problem.chart.heights.min()) + min(limits.height_above_ground, 1.0))
+    lowest = max(lower[2], float(problem.grid.heights.min()) + min(limits.height_above_ground, 1.0))
     lower = np.array([lower[0], lower[1], min(lowest, float(stops[:, 2].min()))])
     return lower, np.array([upper[0], upper[1], min(upper[2], highest)])

@@ -1,4 +1,4 @@
-"""Steps that leave places to pass where they are: how what is free spreads over all control points, sparsely."""
+"""Sparse basis of the control point moves that keep via points in place."""
 
 from dataclasses import dataclass
 
@@ -11,9 +11,10 @@ from ipoa_mission.planning.problem import Matrix
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """The ways (coordinates, free), the same turned round, and the band by what is free as a sum of cells of the other.
+    """The basis `ways` (coordinates, free), its transpose `turned`, and the map from the full band to the reduced one.
 
-    `reach` is how many lower diagonals that band has, (reach + 1, free); `cells` (its cells, the other's) are the sums.
+    `reach` is the number of lower diagonals of the reduced band (reach + 1, free). `cells` (its cells, full cells)
+    sums.
     """
 
     ways: csr_array
@@ -22,16 +23,16 @@ class Spread:
     cells: csr_array
 
     def reduced(self, gradient: Vector, band: Matrix) -> tuple[Vector, Matrix]:
-        """Gradient and lower band of the Hessian by what is free, from those by all coordinates."""
+        """Return the gradient and lower band of the Hessian by the free coordinates."""
         summed = self.cells @ band.ravel()
         return np.asarray(self.turned @ gradient), np.asarray(summed).reshape(self.reach + 1, -1)
 
 
 def spread_of(ways: Matrix, band: int) -> Spread:
-    """How control points move (n, f) where coordinates farther apart than `band` share no term.
+    """Return the reduction for moves (n, f) of control points, with Hessian band width `band`.
 
-    The Hessian H of all coordinates becomes ways^T H ways, and a cell of H adds to those cells of it that the rows of
-    `ways` at its own row and column name: each pair of entries once, of a cell beside the diagonal both ways round.
+    The Hessian H of all coordinates becomes ways^T H ways. A cell of H contributes to the cells named by the rows of
+    `ways` at its row and column. Each pair of entries counts once, for a cell off the diagonal both ways.
     """
     spread = csr_array(kron(csr_array(ways), eye_array(3)))
     size, free = spread.shape

@@ -1,4 +1,4 @@
-"""Gaps between neighbors: where a lattice must have nodes lest it miss one that is narrower than its cells."""
+"""Find gaps between neighboring obstacles that are narrower than a lattice cell."""
 
 from collections.abc import Iterator
 from itertools import pairwise
@@ -12,19 +12,18 @@ from ipoa_mission.planning.problem import PreparedProblem
 from ipoa_mission.world.airspace import Airspace
 from ipoa_mission.world.polygon import Plane
 
-REACH_BEYOND = 1.5  # how far the places go on before and behind a gap, in cells
-LONGEST_GAP = 20.0  # a gap goes no farther than this from where it is narrowest, in cells
-AT_A_TIME = 100_000  # about so many places are made
-TOUCHING = 1e-6  # what stands nearer together than this leaves no gap [m]
+REACH_BEYOND = 1.5  # extent of the places before and behind a gap, in cells
+LONGEST_GAP = 20.0  # greatest extent from the narrowest place of a gap, in cells
+BATCH_SIZE = 100_000  # places per batch, about
+LEAST_GAP = 1e-6  # narrower gaps are closed [m]
 
 
 def gap_places(problem: PreparedProblem, widest: float, cell: float, heights: Vector) -> Iterator[Points]:
-    """Places (k, 3) before, in and behind the gaps up to `widest` [m], at those of the heights at which they are gaps.
+    """Yield places (k, 3) before, in and behind the gaps up to `widest` [m], at the heights at which they are gaps.
 
-    They come some at a time, lest those of ten thousand obstacles fill the memory.
-    On the line through a gap they are half a cell apart. Gaps are looked for between the outlines of upright obstacles,
-    and between these and the sides of the flight area; their middle is where both sides leave as much more than is
-    required.
+    They come in batches: those of 10,000 obstacles would fill the memory. On the line through a gap they are half a
+    cell apart. Gaps are between outlines of upright obstacles, or between these and the sides of the flight area. The
+    middle of a gap leaves equal slack on both sides.
     """
     shapes, radii, required, levels = _outlines(problem.task.airspace, problem.limits.obstacle_distance)
     tree = shapely.STRtree(shapely.envelope(shapely.buffer(shapes, radii, quad_segs=4)))
@@ -34,7 +33,7 @@ def gap_places(problem: PreparedProblem, widest: float, cell: float, heights: Ve
     across = ends[:, 1] - ends[:, 0]
     apart = np.linalg.norm(across, axis=1)
     width = apart - radii[one] - radii[other]
-    gaps = (width > TOUCHING) & (width < widest)
+    gaps = (width > LEAST_GAP) & (width < widest)
     one, other, width = one[gaps], other[gaps], width[gaps]
     across = across[gaps] / apart[gaps, None]
     middle = ends[gaps, 0] + across * (radii[one] + (width + required[one] - required[other]) / 2)[:, None]
@@ -44,7 +43,7 @@ def gap_places(problem: PreparedProblem, widest: float, cell: float, heights: Ve
     low, high = np.maximum(levels[one, 0], levels[other, 0]), np.minimum(levels[one, 1], levels[other, 1])
     gap, level = np.nonzero((low[:, None] <= heights) & (heights <= high[:, None]))
     count = 2 * places_either_way[gap] + 1
-    for some in np.split(np.arange(len(gap)), np.nonzero(np.diff(np.cumsum(count) // AT_A_TIME))[0] + 1):
+    for some in np.split(np.arange(len(gap)), np.nonzero(np.diff(np.cumsum(count) // BATCH_SIZE))[0] + 1):
         place = np.repeat(some, count[some])
         before = np.cumsum(count[some]) - count[some]
         along = np.arange(len(place)) - np.repeat(before + places_either_way[gap[some]], count[some])
@@ -53,13 +52,13 @@ def gap_places(problem: PreparedProblem, widest: float, cell: float, heights: Ve
 
 
 def _extent(shapes: NDArray[np.object_], ahead: Plane, radii: Vector) -> Vector:
-    """How long shapes (n,), larger by radii (n,), are at most along directions (n, 2), (n,) [m]."""
+    """Return the greatest length of shapes (n,), grown by radii (n,), along directions (n, 2), (n,) [m]."""
     west, south, east, north = shapely.bounds(shapes).T
     return np.asarray(np.abs(ahead[:, 0]) * (east - west) + np.abs(ahead[:, 1]) * (north - south) + 2 * radii)
 
 
 def _outlines(airspace: Airspace, distance: float) -> tuple[NDArray[np.object_], Vector, Vector, NDArray[np.float64]]:
-    """Shapes in the plane, by how much they are larger all round, the distance required, lowest and highest (k, 2)."""
+    """Return plane shapes, their radii, the required distances, and lowest and highest height (k, 2)."""
     outlines: list[tuple[shapely.Geometry, float, float, float, float]] = []
     for body in airspace.obstacles:
         if (column := body.column) is not None:

@@ -1,8 +1,8 @@
-"""The airspace as flat arrays, so that the kernels can look up in one step what is near a point.
+"""The airspace as flat arrays for kernels, with a lookup of near obstacles by grid cell.
 
-A grid of cells over the map lists, for each cell, the obstacles that could matter to a point in it, and the height
-above which its ground cannot; a path's cost then hardly depends on how many obstacles there are. An analytic surface
-is resampled here, for speed: the proof looks at the surface itself.
+Each cell lists the obstacles that may matter within it, and the height above which its ground cannot. The cost of a
+path then hardly depends on the number of obstacles. An analytic surface is resampled here for speed; the proof uses the
+surface itself.
 """
 
 from collections.abc import Sequence
@@ -12,17 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.world.obstacles.obstacle import PRISM, ChartRow, Part
+from ipoa_mission.world.obstacles.obstacle import PRISM, GridRow, Part
 from ipoa_mission.world.terrain import Flat, Grid, Terrain
 
-if TYPE_CHECKING:  # what compiles the kernels needs no more than numpy, shapely and pyproj
+if TYPE_CHECKING:  # to compile the kernels, numpy, shapely and pyproj are enough
     from ipoa_mission.scenario.path_limits import Limits
     from ipoa_mission.world.airspace import Airspace
 
-FENCE = PRISM + 1  # a kind of row beside those of the parts: the flight area's outline, seen from inside
-LEAST = 0.05  # threats nearer than this count as being here [m]
-LEVER = 10.0  # a slope's slack counts as the height that it makes over so far [m]
-STEEP = 1e9  # stands for the slope, or the ceiling, that is not limited
+FENCE = PRISM + 1  # kind of the flight area's outline, seen from inside
+LEAST = 0.05  # least distance of a threat [m]
+LEVER = 10.0  # run over which the slack of a slope counts as height [m]
+UNLIMITED = 1e9  # slope or ceiling without a limit
 ENDLESS = 1e9  # base and top of a fence [m]
 RESAMPLED = 400  # nodes along the longer side of an analytic surface
 
@@ -38,15 +38,17 @@ class Raster(NamedTuple):
 
 
 class ObstacleGrid(NamedTuple):
-    """An airspace for kernels. `shape` rows: sphere east, north, up, radius; cylinder east, north, radius, base, top;
-    prism or fence first edge, end of edges, nothing, base, top. Edges: east, north, east, north.
+    """An airspace for kernels.
+
+    `shape` rows: sphere east, north, up, radius; cylinder east, north, radius, base, top; prism or fence first edge,
+    end of edges, unused, base, top. Edges: east, north, east, north.
     """
 
-    cells: Raster  # their arrays are flat, row by row
-    first: NDArray[np.int32]  # (cells + 1,): where a cell's list begins in `listed`; the next one ends it
-    listed: NDArray[np.int32]  # numbers of obstacles
-    top: NDArray[np.float64]  # (cells,): above this the ground is no concern [m]
-    around: NDArray[np.float64]  # (k, 5): who is beyond reach of it: east, north, radius squared, lowest, highest
+    cells: Raster  # arrays by cell are flat, row by row
+    first: NDArray[np.int32]  # (cells + 1,): begin of a cell's list in `listed`, which ends at the next one
+    listed: NDArray[np.int32]  # indices of obstacles
+    top: NDArray[np.float64]  # (cells,): above this the ground does not matter [m]
+    around: NDArray[np.float64]  # (k, 5): region of influence: east, north, radius squared, lowest, highest
     kind: NDArray[np.int8]  # (k,)
     shape: NDArray[np.float64]  # (k, 5)
     edges: NDArray[np.float64]  # (m, 4)
@@ -54,7 +56,7 @@ class ObstacleGrid(NamedTuple):
     heights: NDArray[np.float64]  # (rows, columns)
     lower: Vector  # (3,) bounds
     upper: Vector
-    reach: float  # obstacles are listed wherever they are within this [m]
+    reach: float  # obstacles within this distance are listed [m]
     low_zones: NDArray[np.float64]  # (z, 4): east, north, radius, height
 
 
@@ -73,39 +75,39 @@ class Rules(NamedTuple):
     climbing: float  # cost per radian
     threat: float  # cost per metre (or node) at one metre
     per_node: bool
-    collision: float  # what breaking any limit costs, and per square metre of how deep along how far
+    collision: float  # cost of breaking any limit, and per square metre of depth times length
     depth: float
 
 
 class Nodes(NamedTuple):
     """A lattice for kernels."""
 
-    price: NDArray[np.float64]  # (nx, ny, nz): cost per metre at each node, infinite where none may go
-    slack: NDArray[np.float64]  # (nx, ny, nz): how much more room it has than is required [m]
+    price: NDArray[np.float64]  # (nx, ny, nz): cost per metre at each node, infinite if blocked
+    slack: NDArray[np.float64]  # (nx, ny, nz): clearance beyond the required one [m]
     places: Points  # (nx ny nz, 3)
 
 
 class Spans(NamedTuple):
-    """How n nodes of a path depend on its control points."""
+    """Dependence of n nodes of a path on its control points."""
 
-    first: NDArray[np.int64]  # (n,): the first of five that a node and its neighbors depend on
+    first: NDArray[np.int64]  # (n,): the first of the five that a node and its neighbors depend on
     window: NDArray[np.float64]  # (3, 5, n): coefficients of the node, of the step to it, and of the step from it
 
 
 class Soft(NamedTuple):
-    """How a polish rounds off what is not smooth; it begins soft and ends hard."""
+    """Smoothing of a polish, from soft to hard."""
 
     bend: float  # angles much smaller than this count squared [rad]
-    reach: float  # limits, and the sudden end of threats, are walls that are felt from this distance on [m]
-    wall: float  # cost per metre of path along such a wall, about as near as `reach`
+    reach: float  # distance at which limits, and the end of threats, begin to act as walls [m]
+    wall: float  # cost per metre of path along such a wall, at about `reach`
     stiffness: float  # cost per metre of path and squared metre of a broken limit
-    evenness: float  # how much nodes are drawn to be evenly spaced
-    aside: float  # kept in addition to the required clearance [m]
-    above: float  # kept in addition to the required height [m]
-    flatter: float  # taken off the steepest slopes allowed
+    evenness: float  # weight of even node spacing
+    aside: float  # added to the required clearance [m]
+    above: float  # added to the required height [m]
+    flatter: float  # subtracted from the greatest slopes
 
     def scaled(self, scale: float) -> "Soft":
-        """The same for a scene of other size: lengths are `scale` times as long, and what they cost stays."""
+        """Return the smoothing of a scene with lengths times `scale` and equal costs."""
         return self._replace(
             reach=self.reach * scale,
             wall=self.wall / scale,
@@ -117,7 +119,7 @@ class Soft(NamedTuple):
 
 
 def obstacle_grid_of(airspace: "Airspace", limits: "Limits", reach: float) -> ObstacleGrid:
-    """The chart on which obstacles are listed wherever they are within `reach` [m], and ground within that height."""
+    """Return the grid that lists obstacles within `reach` [m], and ground within that height."""
     lower, upper = np.asarray(airspace.bounds.lower, float), np.asarray(airspace.bounds.upper, float)
     size = upper[:2] - lower[:2]
     cell = float(size.max()) / np.clip(4 * np.sqrt(len(airspace.obstacles)), 64, 512)
@@ -147,7 +149,7 @@ def obstacle_grid_of(airspace: "Airspace", limits: "Limits", reach: float) -> Ob
 
 
 def _heights(terrain: Terrain, lower: Vector, upper: Vector) -> Grid:
-    """The ground as a grid: itself, or resampled over the bounds."""
+    """Return the ground as a grid: itself, or resampled over the bounds."""
     if isinstance(terrain, Grid):
         return terrain
     size = upper[:2] - lower[:2]
@@ -159,7 +161,6 @@ def _heights(terrain: Terrain, lower: Vector, upper: Vector) -> Grid:
 
 
 def _highest(ground: Grid, lower: Vector, cell: float, rows: int, columns: int) -> NDArray[np.float64]:
-    """The highest ground in each cell, (rows, columns)."""
     heights = ground.heights
     for axis, (count, origin, start) in enumerate(((rows, lower[1], ground.north), (columns, lower[0], ground.east))):
         last = heights.shape[axis] - 1
@@ -174,9 +175,9 @@ def _highest(ground: Grid, lower: Vector, cell: float, rows: int, columns: int) 
 def _shapes(
     airspace: "Airspace", parts: Sequence[Part]
 ) -> tuple[NDArray[np.int8], NDArray[np.float64], NDArray[np.float64]]:
-    rows = [part.chart_row() for part in parts]
+    rows = [part.grid_row() for part in parts]
     if (area := airspace.bounds.footprint) is not None:
-        rows.append(ChartRow(FENCE, (0.0, 0.0, 0.0, -ENDLESS, ENDLESS), np.hstack([area.starts, area.ends])))
+        rows.append(GridRow(FENCE, (0.0, 0.0, 0.0, -ENDLESS, ENDLESS), np.hstack([area.starts, area.ends])))
     shape, edges = [], [np.zeros((0, 4))]
     for row in rows:
         numbers = row.numbers
@@ -191,7 +192,7 @@ def _shapes(
 def _lists(
     parts: Sequence[Part], fenced: bool, lower: Vector, cell: float, rows: int, columns: int, reach: float
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """For each cell the parts that may be within `reach` of it: (cells + 1,) and their numbers."""
+    """Return for each cell the parts that may be within `reach` of it: list begins (cells + 1,) and indices."""
     boxes = np.array([_box(part, reach) for part in parts]).reshape(-1, 2, 2)
     if fenced:
         boxes = np.concatenate([boxes, [[lower[:2], lower[:2] + cell * np.array([columns, rows])]]])
@@ -202,7 +203,7 @@ def _lists(
     body = np.repeat(np.arange(len(boxes)), count)
     within = np.arange(len(body)) - np.repeat(np.cumsum(count) - count, count)
     column, row = low[body, 0] + within % extent[body, 0], low[body, 1] + within // extent[body, 0]
-    near = _round(parts, fenced)[body] + reach + 0.71 * cell
+    near = _plan_radii(parts, fenced)[body] + reach + 0.71 * cell
     middle = boxes.mean(axis=1)[body] - lower[:2] - cell * (np.column_stack([column, row]) + 0.5)
     keep = (middle**2).sum(axis=1) <= near**2
     number, body = (row * columns + column)[keep], body[keep]
@@ -211,8 +212,8 @@ def _lists(
     return first.astype(np.int32), body[order].astype(np.int32)
 
 
-def _round(parts: Sequence[Part], fenced: bool) -> Vector:
-    """The radius of a circle round each part's outline, infinite for a fence, (k,)."""
+def _plan_radii(parts: Sequence[Part], fenced: bool) -> Vector:
+    """Return the radius of a circle around each part's outline, infinite for a fence, (k,)."""
     return np.array([part.plan_radius for part in parts] + [np.inf] * fenced)
 
 
@@ -222,7 +223,7 @@ def _around(parts: Sequence[Part], fenced: bool, reach: float) -> NDArray[np.flo
         boxes = np.concatenate([boxes, [[[0.0, 0.0, -ENDLESS], [0.0, 0.0, ENDLESS]]]])
     middle = boxes[:, :, :2].mean(axis=1)
     heights = boxes[:, :, 2] + np.array([-reach, reach])
-    return np.column_stack([middle, (_round(parts, fenced) + reach) ** 2, heights])
+    return np.column_stack([middle, (_plan_radii(parts, fenced) + reach) ** 2, heights])
 
 
 def _box(part: Part, reach: float) -> NDArray[np.float64]:

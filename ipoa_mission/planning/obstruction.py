@@ -1,4 +1,4 @@
-"""Why there is no path: a place that breaks a limit, a way that is walled in, a gap that is too narrow."""
+"""Explain why there is no path: a blocked place, a walled-in route, or a narrow gap."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -14,30 +14,30 @@ from ipoa_mission.planning.proof import Check, Proof
 from ipoa_mission.scenario.path_limits import place_names
 from ipoa_mission.world.obstacles import Obstacle
 
-ROUNDING, NUDGE, SAME = 1e-6, 1e-4, 0.1  # [m]
-LATTICE_FINENESS = 3.0  # of the lattice on which gaps are sought
-COARSEST_STEP = 1.5  # lattices with steps longer than this many clearances may miss a gap between thin walls
+ROUNDING, GRADIENT_STEP, LEAST_FLIGHT = 1e-6, 1e-4, 0.1  # [m]
+LATTICE_FINENESS = 3.0  # of the lattice for finding gaps
+COARSEST_STEP = 1.5  # lattices with longer steps, in clearances, may miss a gap between thin walls
 HINT = "try another --seed, more planning.control_points, or more iterations of the optimizer"
 
 
 class NoPath(MissionError):
-    """No path keeps the limits, or none was found; the message says what is in the way, where and by how much."""
+    """No path keeps the limits, or none was found; the message names the obstruction, place and shortfall."""
 
 
 class NotFound(NoPath):
-    """No path was found, and nothing is known to close every way: another seed may find one."""
+    """No path was found, but nothing closes every route: another seed may find one."""
 
 
 def refuse_places(problem: PreparedProblem) -> None:
-    """Refuse a start, goal or via point at which the vehicle may not be.
+    """Raise for a start, goal or via point at which the vehicle may not be.
 
     Raises:
-        BadInput: the goal is where the start is, with nothing on the way.
-        NoPath: naming the place, what it breaks, and by how much.
+        BadInput: the goal is at the start, without via points.
+        NoPath: the place, with the limit and shortfall.
     """
     task, limits, airspace = problem.task, problem.limits, problem.task.airspace
     stops = task.places
-    if np.linalg.norm(np.diff(stops, axis=0), axis=1).max() < SAME:
+    if np.linalg.norm(np.diff(stops, axis=0), axis=1).max() < LEAST_FLIGHT:
         message = "expected a place other than the start, or via points on the way"
         raise BadInput(message, code="goal-at-start", place="goal")
     for name, stop in zip(place_names(stops), stops, strict=True):
@@ -57,10 +57,10 @@ def refuse_places(problem: PreparedProblem) -> None:
 
 
 def refuse_closed(problem: PreparedProblem) -> None:
-    """Refuse a flight that cannot be because walls from below to above leave no gap that is wide enough.
+    """Raise if walls through all heights leave no gap that is wide enough.
 
     Raises:
-        NoPath: naming the widest gap and its width, or what stands round an end.
+        NoPath: the widest gap and its width, or the obstacles around an end.
     """
     for a, b in pairwise(problem.task.places):
         if (barrier := closure(problem, a, b)) is not None:
@@ -73,12 +73,12 @@ def refuse_closed(problem: PreparedProblem) -> None:
 
 
 def not_found(proof: Proof) -> NotFound:
-    """The error that tells how near to safe the best path is, if nothing is known to close every way."""
+    """Return the error with the best path's shortfall, if nothing is known to close every route."""
     return NotFound(f"no safe path was found; the best one is {proof.words()}", hint=HINT)
 
 
 def blockage(problem: PreparedProblem) -> NoPath | None:
-    """What is in the way where the widest way through is too narrow; nothing if there is a way, or that is not sure."""
+    """Return the error for the widest route if it is too narrow; None if it is open or uncertain."""
     lattice = lay(problem, LATTICE_FINENESS)
     for a, b in pairwise(problem.task.places):
         slack, gate = _widest(lattice, _entrance(lattice, a), _entrance(lattice, b))
@@ -91,7 +91,7 @@ def blockage(problem: PreparedProblem) -> NoPath | None:
 
 
 def _entrance(lattice: Lattice, place: Vector) -> int:
-    """The node with the most slack beside a place, by its flat number."""
+    """Return the flat index of the node with the most slack next to a place."""
     shape = np.array(lattice.slack.shape)
     beside = (
         np.round((place - lattice.corner) / lattice.spacing).astype(int) + np.indices((3, 3, 3)).reshape(3, -1).T - 1
@@ -101,21 +101,21 @@ def _entrance(lattice: Lattice, place: Vector) -> int:
 
 
 def _widest(lattice: Lattice, start: int, goal: int) -> tuple[float, int]:
-    """The greatest slack with which the goal can be reached on the lattice, and the node where it is least."""
+    """Return the greatest slack with which the lattice joins start and goal, and its bottleneck node."""
     slack = lattice.slack.ravel()
     levels = np.unique(slack[np.isfinite(slack)])
-    low, high = 0, len(levels)  # reached at levels[low], not at levels[high]
+    low, high = 0, len(levels)  # joined at levels[low], not at levels[high]
     while high - low > 1:
         middle = (low + high) // 2
         low, high = (middle, high) if _joined(lattice, levels[middle], start, goal) else (low, middle)
-    gates = np.nonzero(slack == levels[low])[0]  # more than one under a level roof: the one least out of the way
+    gates = np.nonzero(slack == levels[low])[0]  # several under a level roof: take the smallest detour
     ends, spots = lattice.places[[start, goal]], lattice.places[gates]
     detour = np.linalg.norm(spots - ends[0], axis=1) + np.linalg.norm(spots - ends[1], axis=1)
     return float(levels[low]), int(gates[np.argmin(detour)])
 
 
 def _joined(lattice: Lattice, level: float, start: int, goal: int) -> bool:
-    from scipy.ndimage import label  # takes long to import, and few plans need it
+    from scipy.ndimage import label  # slow to import, and rarely needed
 
     parts, _ = label(lattice.slack >= level, structure=np.ones((3, 3, 3)))
     parts = parts.ravel()
@@ -124,7 +124,7 @@ def _joined(lattice: Lattice, level: float, start: int, goal: int) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Wall:
-    """Something near the gate: how far its surface is, how far it must be, and which way leads away from it."""
+    """A surface near the gate: its distance, the required distance, and the direction away from it."""
 
     name: str
     distance: float
@@ -134,7 +134,7 @@ class _Wall:
 
 
 def _closed(problem: PreparedProblem, gate: Vector) -> NoPath | None:
-    """What stands on both sides of the widest place that still is too narrow; nothing if it is not."""
+    """Return the error for the obstacles on both sides of the widest place if it is too narrow, else None."""
     walls = sorted(_walls(problem, gate), key=lambda wall: wall.distance - wall.required)
     east, north, up = gate
     where = f"at east {east:.1f}, north {north:.1f}, up {up:.1f} m"
@@ -167,7 +167,6 @@ def _too_narrow(names: tuple[str, ...], where: str, width: float, needed: float)
 
 
 def _walls(problem: PreparedProblem, gate: Vector) -> list[_Wall]:
-    """Everything near a point that a limit keeps it away from."""
     limits, airspace, spot = problem.limits, problem.task.airspace, gate[None, :]
     height = float(gate[2] - airspace.ground(spot)[0])
     upwards = np.array([0.0, 0.0, 1.0])
@@ -184,15 +183,14 @@ def _walls(problem: PreparedProblem, gate: Vector) -> list[_Wall]:
 
 
 def _away(body: Obstacle, place: Vector) -> Vector:
-    """The direction in which the distance to a body grows fastest."""
-    steps = NUDGE * np.vstack([np.eye(3), -np.eye(3)])
+    steps = GRADIENT_STEP * np.vstack([np.eye(3), -np.eye(3)])
     distance = body.distance(place + steps)
     slope = distance[:3] - distance[3:]
     return np.asarray(slope / max(float(np.linalg.norm(slope)), 1e-300))
 
 
 def _gap(a: _Wall, b: _Wall, place: Vector) -> float:
-    """The width between two walls near a place: between two bodies by projecting to and fro."""
+    """Return the width between two walls near a place; between two bodies by alternating projection."""
     if a.body is None or b.body is None:
         return a.distance + b.distance
     for _ in range(50):

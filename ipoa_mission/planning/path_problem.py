@@ -1,4 +1,4 @@
-"""What the planner is asked: an airspace, limits, places to pass, and how a path is judged; no file is needed."""
+"""Input of the planner without a file: airspace, limits, places to pass, and cost weights."""
 
 from dataclasses import dataclass, field, fields, replace
 from typing import TypeAlias
@@ -15,16 +15,15 @@ from ipoa_mission.world.airspace import Airspace
 
 @dataclass(frozen=True, eq=False)
 class PathProblem:
-    """A path to be planned, from arrays and shapes: `plan_path` takes it as it takes a scenario.
+    """A path to plan, from arrays and shapes: `plan_path` takes it like a scenario.
 
     Attributes:
         airspace: bounds, ground and obstacles.
-        limits: what the path must keep.
+        limits: limits of the path.
         places: start, places to pass and goal, two at least, (k, 3) [m].
-        radius: of the vehicle's hull [m]: the threat of obstacles is counted from it, and it is part of
-            `limits.obstacle_distance`.
-        cost: how a path is judged, as `[cost]` of a scenario.
-        planning: how it is sought, as `[planning]`.
+        radius: of the vehicle's hull [m]: threats are measured from it, and `limits.obstacle_distance` includes it.
+        cost: weights of the cost, as `[cost]` of a scenario.
+        planning: settings of the search, as `[planning]`.
         optimizer: the search algorithm, as `[optimizer]`.
 
     Raises:
@@ -48,7 +47,7 @@ class PathProblem:
     optimizer: OptimizerSection = field(default_factory=OptimizerSection)
 
     def __post_init__(self) -> None:
-        """Take lists as arrays.
+        """Convert lists to arrays.
 
         Raises:
             BadInput: the places are not two or more points of three numbers.
@@ -63,19 +62,18 @@ class PathProblem:
         object.__setattr__(self, "places", places)
 
     def tightened(self, above: float, below: float = 0.0, airspace: Airspace | None = None) -> "PathProblem":
-        """The same for a path that keeps `above` [m] more above the ground and `below` more under the ceiling.
+        """Return the problem with `above` [m] more above the ground and `below` more under the ceiling.
 
-        It lies in another `airspace`, if one is given, over the same terrain.
+        `airspace`: another airspace over the same terrain.
         """
         limits = self.limits.tightened(above, below, self.places, self.airspace)
         return replace(self, limits=limits, airspace=airspace or self.airspace)
 
 
-#: What the planner looks at: a scenario has all of a problem, and more.
+#: Input of the planner: a scenario has all parts of a problem, and more.
 PathTask: TypeAlias = PathProblem | Scenario
 
 
 def problem_of(task: PathTask) -> PathProblem:
-    """What of a scenario its path is planned from."""
     given = {one.name: getattr(task, one.name) for one in fields(PathProblem)}
     return PathProblem(**given)

@@ -1,4 +1,4 @@
-"""Iterated local search: beside a curve that is locally best there may be another that is cheaper."""
+"""Iterated local search: find a cheaper curve next to a local optimum."""
 
 from collections.abc import Iterator
 
@@ -10,14 +10,14 @@ from ipoa_mission.planning.spline import Spline
 from ipoa_mission.planning.strategy import SearchStrategy
 
 
-def perturbed(trail: Candidate, problem: PreparedProblem, strategy: SearchStrategy) -> Iterator[Candidate]:
-    """A cheaper curve, if there is one: one piece after the other bent to either side and polished again.
+def perturbed(candidate: Candidate, problem: PreparedProblem, strategy: SearchStrategy) -> Iterator[Candidate]:
+    """Yield a cheaper curve, if any: bend one piece after the other to either side and polish again.
 
-    Of the pieces of a long curve, random ones miss some; a short one is not looked at. Nor is one through via points,
-    which it would miss.
+    Random pieces miss parts of a long curve. Short curves are skipped, as are those with via points, which a bend would
+    miss.
     """
-    count, cost, cheapest = len(trail.curve.control) - 2, problem.cost(trail), trail
-    if count < strategy.kicked_control_points or len(trail.via_at):
+    count, cost, cheapest = len(candidate.curve.control) - 2, problem.cost(candidate), candidate
+    if count < strategy.perturbed_control_points or len(candidate.via_at):
         return
     bend = np.sin(np.pi * (np.arange(strategy.piece) + 0.5) / strategy.piece)[:, None]
     for first in range(0, count - strategy.piece + 1, strategy.piece // 2):
@@ -27,8 +27,8 @@ def perturbed(trail: Candidate, problem: PreparedProblem, strategy: SearchStrate
             inner = control[1:-1][piece]
             ahead = np.gradient(inner[:, :2], axis=0)
             inner[:, :2] += side * len(inner) * bend * np.column_stack([-ahead[:, 1], ahead[:, 0]])
-            polished = polish(Candidate(Spline(control), trail.via_at), problem, part=piece)
+            polished = polish(Candidate(Spline(control), candidate.via_at), problem, part=piece)
             if (again := problem.cost(polished)) < (1 - strategy.least_gain) * cost:
                 cost, cheapest = again, polished
-    if cheapest is not trail:
+    if cheapest is not candidate:
         yield cheapest

@@ -1,4 +1,4 @@
-"""What planning comes to: a curve, what it costs, and the proof that it may be flown."""
+"""Result of planning: a curve, its cost, and the proof that it keeps the limits."""
 
 from dataclasses import dataclass, field, replace
 
@@ -14,16 +14,16 @@ from ipoa_mission.planning.spline import Spline
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Plan:
-    """A path that may be flown; `plan_path` makes it.
+    """A path that may be flown; made by `plan_path`.
 
     Attributes:
         curve: the path, a spline.
-        cost: what it costs, term by term.
-        proof: that it keeps every limit, and how near it comes.
+        cost: its cost, term by term.
+        proof: its clearance from every limit.
         optimizer: the name of the search algorithm.
-        seed: what its random numbers began with.
-        evaluations: costs that had been worked out, (n,) ...
-        history: ... when this was the best cost known, (n,).
+        seed: seed of the random numbers.
+        evaluations: numbers of evaluated costs, (n,).
+        history: best cost after each of these, (n,).
         via_at: the curve's parameters at the places to pass, (k,).
     """
 
@@ -37,7 +37,7 @@ class Plan:
     via_at: Vector = field(default_factory=lambda: np.zeros(0))
 
     def judged_by(self, task: PathTask) -> "Plan":
-        """The same path with its cost and its proof by another `task`, as by one that asks for less room."""
+        """Return the same path with cost and proof for another `task`, like one with less required room."""
         return replace(self, cost=curve_cost(self.curve, task), proof=prove_curve(self.curve, task))
 
     def __repr__(self) -> str:

@@ -1,8 +1,8 @@
-"""The airspace from above: whether what reaches through all heights of flight closes every way.
+"""Decide in plan view whether obstacles through all heights of flight close every route.
 
-Seen so the question is plane geometry, and the answer certain: obstacles as high as the airspace, each grown by the
-distance it requires, either leave start and goal in one piece or they do not. Where they do not, the gap that opens
-first as less is required is the widest.
+In plan view the answer is certain. Obstacles as high as the airspace, grown by their required distance, either leave
+start and goal in one connected piece or they do not. In that case, the gap that opens first as less distance is
+required is the widest.
 """
 
 from dataclasses import dataclass
@@ -16,16 +16,19 @@ from ipoa_mission.world.obstacles import Obstacle
 from ipoa_mission.world.terrain import Flat, Grid
 from ipoa_mission.world.union import union_of
 
-ROUGHLY, FINELY = 2, 16  # sides of a quarter of a circle; they lie inside the true one
-NOT_ROUND = 1 - np.cos(np.pi / 4 / FINELY)
-SHARE, CLOSE = 1e-5, 1e-2  # how closely the widest gap is sought, as a share of what is required, and [m]
+COARSE_SEGMENTS, QUARTER_SEGMENTS = 2, 16  # segments of a quarter circle; they are inside the true circle
+CIRCLE_ERROR = 1 - np.cos(np.pi / 4 / QUARTER_SEGMENTS)
+SHARE_TOLERANCE, DISTANCE_TOLERANCE = (
+    1e-5,
+    1e-2,
+)  # tolerance of the widest gap, as a share of the required distance and [m]
 
 
 @dataclass(frozen=True)
 class Closure:
-    """What closes every way, at `place` (east, north): two `names` that leave `width` of what is `needed` [m].
+    """A closure of every route, at `place` (east, north): two `names` that leave `width` of `needed` [m].
 
-    If there is no gap at all `names` are all that stand round, and `width` is 0.
+    Without any gap, `names` are all obstacles around, and `width` is 0.
     """
 
     names: tuple[str, ...]
@@ -35,21 +38,21 @@ class Closure:
 
 
 def closure(problem: PreparedProblem, start: Vector, goal: Vector) -> Closure | None:
-    """What closes every way between two places, (3,) each; nothing if a way is open, or that is not certain."""
+    """Return what closes every route between two places, (3,) each; None if one is open or it is uncertain."""
     view = _View(problem, start, goal)
-    if not len(view.shapes) or view.piece(1.0, ROUGHLY) is not None or view.piece(1.0) is not None:
+    if not len(view.shapes) or view.piece(1.0, COARSE_SEGMENTS) is not None or view.piece(1.0) is not None:
         return None
     if view.piece(0.0) is None:
         return view.walled_in()
-    low, high = 0.0, 1.0  # shares of what is required: with `low` there is a way, with `high` there is none
-    while high - low > SHARE:
+    low, high = 0.0, 1.0  # shares of the required distance: `low` has a route, `high` has none
+    while high - low > SHARE_TOLERANCE:
         middle = (low + high) / 2
         low, high = (low, middle) if view.piece(middle) is None else (middle, high)
     return view.gap(low)
 
 
 class _View:
-    """Columns that reach through all heights, and two places between them."""
+    """Columns through all heights, and two places between them."""
 
     def __init__(self, problem: PreparedProblem, start: Vector, goal: Vector) -> None:
         bounds = problem.task.airspace.bounds
@@ -70,26 +73,29 @@ class _View:
         self.shapes, self.names = np.array(shapes), names
         self.radii, self.required = np.array(radii), np.array(required)
 
-    def piece(self, share: float, sides: int = FINELY) -> shapely.Geometry | None:
-        """The free piece of the area in which both ends are if a share of the distance is required; none if not one."""
-        return next((p for p in self._pieces(share, sides) if shapely.dwithin(p, self.ends, CLOSE / 10).all()), None)
+    def piece(self, share: float, sides: int = QUARTER_SEGMENTS) -> shapely.Geometry | None:
+        """Return the free piece that joins both ends if a share of the distance is required, or None."""
+        return next(
+            (p for p in self._pieces(share, sides) if shapely.dwithin(p, self.ends, DISTANCE_TOLERANCE / 10).all()),
+            None,
+        )
 
     def walled_in(self) -> Closure | None:
-        """What stands round the end with less room."""
-        pieces = [p for p in self._pieces(0.0, FINELY) if shapely.intersects(p, self.ends).any()]
+        """Return the obstacles around the end with less room."""
+        pieces = [p for p in self._pieces(0.0, QUARTER_SEGMENTS) if shapely.intersects(p, self.ends).any()]
         if len(pieces) < 2:
             return None
         cell = min(pieces, key=lambda piece: piece.area)
         other = self.ends[int(shapely.intersects(cell, self.ends[0]))]
-        near = shapely.distance(self.shapes, cell) <= self.radii + CLOSE
+        near = shapely.distance(self.shapes, cell) <= self.radii + DISTANCE_TOLERANCE
         place = shapely.get_coordinates(shapely.shortest_line(cell, other))[0]
         return Closure(tuple(np.array(self.names)[near]), (float(place[0]), float(place[1])), 0.0, 0.0)
 
     def gap(self, share: float) -> Closure | None:
-        """The gap through which both ends are joined if a share is required, but hardly more."""
+        """Return the gap that joins both ends at this share but at hardly more."""
         piece, side = self.piece(share), self.area.exterior
         tree = shapely.STRtree(self.shapes)
-        reach = 2 * float((self.radii + self.required).max()) + CLOSE
+        reach = 2 * float((self.radii + self.required).max()) + DISTANCE_TOLERANCE
         one, other = tree.query(self.shapes, "dwithin", reach)
         one, other = one[one < other], other[one < other]
         lines = [
@@ -101,17 +107,17 @@ class _View:
         width = shapely.length(lines) - inner
         names = [*zip(one, other, strict=True), *((k, -1) for k in range(len(self.shapes)))]
         called = [*self.names, "the edge of the area"]
-        short = width - share * needed  # no more than it is short of for corners that are not quite round
+        short = width - share * needed  # within the error of corners that are not quite round
         for k in np.argsort(np.abs(short)):
-            if abs(short[k]) > CLOSE + NOT_ROUND * needed[k]:
+            if abs(short[k]) > DISTANCE_TOLERANCE + CIRCLE_ERROR * needed[k]:
                 break
             ends = shapely.get_coordinates(lines[k])
             a, b = names[k]
             along = (self.radii[a] + width[k] * self.required[a] / needed[k]) / max(
-                float(shapely.length(lines[k])), CLOSE
+                float(shapely.length(lines[k])), DISTANCE_TOLERANCE
             )
             east, north = ends[0] + along * (ends[1] - ends[0])
-            if shapely.dwithin(piece, shapely.Point(east, north), CLOSE):
+            if shapely.dwithin(piece, shapely.Point(east, north), DISTANCE_TOLERANCE):
                 pair = tuple(sorted((called[a], called[b])))
                 return Closure(pair, (float(east), float(north)), float(width[k]), float(needed[k]))
         return None
@@ -122,15 +128,15 @@ class _View:
 
 
 def _heights(problem: PreparedProblem, body: Obstacle) -> tuple[float, float]:
-    """Between which heights one may fly beside a body, at most."""
-    airspace, limits, chart = problem.task.airspace, problem.limits, problem.chart
+    """Return the greatest range of heights for flying next to a body."""
+    airspace, limits, grid = problem.task.airspace, problem.limits, problem.grid
     (west, south, _), (east, north, _) = body.bounds
-    reach, step = limits.obstacle_distance, 1 / chart.ground.per_meter
+    reach, step = limits.obstacle_distance, 1 / grid.ground.per_meter
     places = np.array([(west - reach, south - reach), (east + reach, north + reach)])
-    first, last = np.floor((places - (chart.ground.east, chart.ground.north)) / step).astype(int)
-    rows, columns = chart.heights.shape
+    first, last = np.floor((places - (grid.ground.east, grid.ground.north)) / step).astype(int)
+    rows, columns = grid.heights.shape
     (i, j), (m, n) = np.clip(first, 0, (columns - 2, rows - 2)), np.clip(last + 2, 2, (columns, rows))
-    near = chart.heights[j:n, i:m]
+    near = grid.heights[j:n, i:m]
     unsure = 0.0 if isinstance(airspace.terrain, Flat | Grid) else airspace.terrain.steepness * step
     lowest = max(airspace.bounds.lower[2], float(near.min()) - unsure)
     return lowest, min(airspace.bounds.upper[2], float(near.max()) + unsure + limits.ceiling_above_ground)

@@ -1,8 +1,8 @@
-"""Polish: from a rough path to the nearest local optimum, by damped Gauss-Newton steps on a smoothed problem.
+"""Polish a rough path to the nearest local optimum, by damped Gauss-Newton steps on a smoothed problem.
 
-Absolute angles are rounded off, at first generously, then less and less. The limits, and the sudden end of the threat
-at d_safe, are walls that a path feels from a distance, at first from far (a logarithmic barrier, Fiacco and McCormick
-1968). What a path cuts between two nodes is mended by `aside`, `above` and `flatter`: a little more than is required.
+Absolute angles are smoothed, less with each stage. Limits, and the end of the threat at d_safe, are walls that act from
+a distance (a logarithmic barrier, Fiacco and McCormick 1968). Breaches between two nodes are mended by `aside`, `above`
+and `flatter`: a little more than required.
 """
 
 from collections.abc import Sequence
@@ -21,68 +21,67 @@ from ipoa_mission.planning.spline import Spline, even_basis
 if TYPE_CHECKING:
     from ipoa_mission.planning.null_space_basis import Spread
 
-NODES_PER_SPAN = 8  # at least, and for a rough polish
-EARLY_GAIN = 1e-5  # a step of an early stage that gains less is its last, as a share of the cost
+NODES_PER_SPAN = 8  # least number, and that of a rough polish
+EARLY_GAIN = 1e-5  # relative gain below which a step ends an early stage
 ATTEMPTS = 6
-BAND = 14  # coordinates farther apart than this share no term: a term depends on five control points
-HOPELESS = {"m": -1.0, "deg": -10.0}  # what a little more clearance, or a flatter climb, does not mend
-FELT_AWAY = 8  # how many control points away a change is felt, via points included
-SURE_SIGN = 0.9  # how sure of an angle's sign a polish may be
-SOFTER = Soft(bend=0.02, reach=0.5, wall=0.3, stiffness=10.0, evenness=0.05, aside=0.0, above=0.0, flatter=0.0)
-SOFT = SOFTER._replace(bend=5e-3, reach=0.3, wall=0.1, stiffness=30.0, aside=0.01, above=0.01)
-HARD = SOFT._replace(bend=1e-3, reach=0.2, wall=0.03, stiffness=100.0, above=0.02, flatter=1e-3)
-HARDER = HARD._replace(bend=1e-4, reach=0.1, wall=0.01, stiffness=1e3, evenness=0.02)
-HARDEST = HARDER._replace(bend=1e-5, reach=0.05, wall=0.002, stiffness=1e4, evenness=0.01, aside=0.005)
-SHARPEST = HARDEST._replace(bend=1e-6, reach=0.03, wall=3e-4, stiffness=1e5, evenness=0.002, aside=0.003)
-ROUGH = (SOFTER, SOFT, HARD)
-FIRM = (HARD, HARDER)  # for a guess that hardly fits
-FINE = (HARD, HARDER, HARDEST, SHARPEST)
+BAND = 14  # least index distance without a common term: a term depends on five control points
+HOPELESS = {"m": -1.0, "deg": -10.0}  # slack that more clearance, or a flatter climb, does not mend
+FELT_AWAY = 8  # reach of a change in control points, with via points
+SURE_SIGN = 0.9  # greatest confidence in an angle's sign
+STAGE_1 = Soft(bend=0.02, reach=0.5, wall=0.3, stiffness=10.0, evenness=0.05, aside=0.0, above=0.0, flatter=0.0)
+STAGE_2 = STAGE_1._replace(bend=5e-3, reach=0.3, wall=0.1, stiffness=30.0, aside=0.01, above=0.01)
+STAGE_3 = STAGE_2._replace(bend=1e-3, reach=0.2, wall=0.03, stiffness=100.0, above=0.02, flatter=1e-3)
+STAGE_4 = STAGE_3._replace(bend=1e-4, reach=0.1, wall=0.01, stiffness=1e3, evenness=0.02)
+STAGE_5 = STAGE_4._replace(bend=1e-5, reach=0.05, wall=0.002, stiffness=1e4, evenness=0.01, aside=0.005)
+STAGE_6 = STAGE_5._replace(bend=1e-6, reach=0.03, wall=3e-4, stiffness=1e5, evenness=0.002, aside=0.003)
+ROUGH_STAGES = (STAGE_1, STAGE_2, STAGE_3)
+FIRM_STAGES = (STAGE_3, STAGE_4)  # for a guess that hardly fits
+FINE_STAGES = (STAGE_3, STAGE_4, STAGE_5, STAGE_6)
 
 
 def polish(
-    trail: Candidate,
+    candidate: Candidate,
     problem: PreparedProblem,
-    stages: Sequence[Soft] = ROUGH,
+    stages: Sequence[Soft] = ROUGH_STAGES,
     steps: int = 8,
     part: slice = ALL,
     finer: int = 1,
     enough: float = 5e-6,
 ) -> Candidate:
-    """The curve after at most `steps` Gauss-Newton steps at each stage, or until one gains less than `enough`, a share.
+    """Return the curve after at most `steps` Gauss-Newton steps per stage, or until one gains less than `enough`.
 
-    All stages but the last are content with `ROUGHLY`.
-    Its ends and via points stay; `part` says which of the inner control points may move. It is looked at as closely
-    as in the search, or `finer` times so.
+    `enough` is a share of the cost; all stages but the last end at `EARLY_GAIN`. Ends and via points stay; `part`
+    selects the inner control points that may move. The curve is sampled as in the search, or `finer` times as closely.
     """
-    nodes = finer * max(problem.nodes, NODES_PER_SPAN * trail.curve.spans)
-    control, bench = trail.curve.control, _prepare(trail, problem, part, nodes)
+    nodes = finer * max(problem.nodes, NODES_PER_SPAN * candidate.curve.spans)
+    control, bench = candidate.curve.control, _prepare(candidate, problem, part, nodes)
     signs = np.zeros((len(bench.spans.first), 2))
     for k, soft in enumerate(stages, 1):
         good = enough if k == len(stages) else max(enough, EARLY_GAIN)
         control, signs = _descend(control, signs, problem, bench, soft.scaled(problem.scale), steps, good)
-    return Candidate(Spline(control), trail.via_at)
+    return Candidate(Spline(control), candidate.via_at)
 
 
 def settle(
-    trail: Candidate,
+    candidate: Candidate,
     problem: PreparedProblem,
     enough: float = 1e-7,
-    stages: Sequence[Soft] = FINE,
+    stages: Sequence[Soft] = FINE_STAGES,
     finer: int = 2,
     attempts: int = ATTEMPTS,
 ) -> tuple[Candidate, Proof]:
-    """The curve polished until its proof holds, or as near to that as it comes; or as it was, if only that holds.
+    """Polish the curve until its proof holds, or nearly; return it unpolished if only that proof holds.
 
-    Where the curve comes too close between nodes, or the ground is not quite what the chart has, the polish is told
-    to keep more than is required. Where climbs are limited it then begins anew: a curve that must become longer at
-    once, to be higher somewhere, does so by loops.
+    If the curve comes too close between nodes, or the ground differs from the grid, the polish keeps more than
+    required. With limited climbs it then restarts: a curve that must become longer at once, to gain height, would make
+    loops.
     """
-    rough, more = trail, dict.fromkeys(("aside", "above", "flatter"), 0.0)
+    rough, more = candidate, dict.fromkeys(("aside", "above", "flatter"), 0.0)
     for _ in range(attempts):
         wider = [stage._replace(**{name: getattr(stage, name) + by for name, by in more.items()}) for stage in stages]
-        base = rough if problem.climbs_limited else trail
-        trail = polish(base, problem, wider, steps=60, finer=finer, enough=enough)
-        proof = prove_curve(trail.curve, problem.task)
+        base = rough if problem.climbs_limited else candidate
+        candidate = polish(base, problem, wider, steps=60, finer=finer, enough=enough)
+        proof = prove_curve(candidate.curve, problem.task)
         if proof.worst.slack >= 0 or any(check.slack < _hopeless(check, problem) for check in proof.checks):
             break
         for check in proof.checks:
@@ -92,13 +91,13 @@ def settle(
             more[_REMEDY[check.limit]] += short
     if not proof.holds and (unpolished := prove_curve(rough.curve, problem.task)).holds:
         return rough, unpolished
-    return trail, proof
+    return candidate, proof
 
 
 def _hopeless(check: Check, problem: PreparedProblem) -> float:
-    """The slack of a limit that a little more room, or a flatter climb, does not mend.
+    """Return the slack of a limit below which more room, or a flatter climb, does not mend it.
 
-    Over steep ground what a curve cuts between two nodes may be more, and where climbs are limited that is usual.
+    Over steep ground a curve may cut more between two nodes, which is usual with limited climbs.
     """
     ground = check.limit == "ground" and problem.climbs_limited
     return HOPELESS[check.unit] * (1 + problem.task.airspace.terrain.steepness if ground else 1)
@@ -116,11 +115,10 @@ _REMEDY = {
 
 @dataclass(frozen=True, eq=False)
 class _Bench:
-    """The nodes that depend on the control points `some`, how they do, and how those may move.
+    """The nodes that depend on control points `some`, their dependence, and the possible moves.
 
-    The nodes are about `even` [m] apart. Without via points the coordinates `free` of the control points move each by
-    itself; with via points they move by `spread` (3 some, f), and the Hessian of that has elements up to `reach` beside
-    its diagonal.
+    The nodes are about `even` [m] apart. Without via points the coordinates `free` of the control points move
+    independently. With via points they move by `spread` (3 some, f).
     """
 
     some: slice
@@ -131,7 +129,7 @@ class _Bench:
     spread: "Spread | None"
 
     def moved(self, control: Points, step: Vector) -> Points:
-        """Control points (n, 3) after a step (f,)."""
+        """Return control points (n, 3) after a step (f,)."""
         control = control.copy()
         some = control[self.some].reshape(-1)
         if self.spread is None:
@@ -141,37 +139,37 @@ class _Bench:
         return control
 
     def reduced(self, gradient: Vector, band: Matrix) -> tuple[Vector, Matrix]:
-        """Gradient and lower band of the Hessian by what is free, from those by all coordinates of `some`."""
+        """Return gradient and lower band of the Hessian by the free coordinates, from those by all of `some`."""
         if self.spread is None:
             return gradient[self.free], band[:, self.free]
         return self.spread.reduced(gradient, band)
 
 
-def _prepare(trail: Candidate, problem: PreparedProblem, part: slice, nodes: int) -> _Bench:
-    n = len(trail.curve.control)
+def _prepare(candidate: Candidate, problem: PreparedProblem, part: slice, nodes: int) -> _Bench:
+    n = len(candidate.curve.control)
     varied = np.arange(1, n - 1)[part]
     low, high = max(int(varied[0]) - FELT_AWAY, 0), min(int(varied[-1]) + FELT_AWAY + 1, n)
     first, window = _windows(n, nodes)
     seen = slice(*np.searchsorted(first, (low, high - 4)))
     spans = Spans(first[seen] - low, np.ascontiguousarray(window[:, :, seen]))
     free, spread = slice(3 * (int(varied[0]) - low), 3 * (int(varied[-1]) + 1 - low)), None
-    if len(trail.via_at):
+    if len(candidate.via_at):
         from ipoa_mission.planning.null_space_basis import spread_of
 
-        spread = spread_of(null_space(trail, problem.task, part)[low:high], BAND)
+        spread = spread_of(null_space(candidate, problem.task, part)[low:high], BAND)
     look = even_basis(n, nodes)[seen]
-    even = float(leg_lengths(look @ trail.curve.control).mean())
+    even = float(leg_lengths(look @ candidate.curve.control).mean())
     return _Bench(slice(low, high), look, spans, even, free, spread)
 
 
 def _descend(
     control: Points, signs: Matrix, problem: PreparedProblem, bench: _Bench, soft: Soft, steps: int, enough: float
 ) -> tuple[Points, Matrix]:
-    """Levenberg and Marquardt: the less damped the better the model has been right."""
+    """Minimize by Levenberg-Marquardt: damping falls as the model proves right."""
     from ipoa_mission.planning._path_model import path_model
     from ipoa_mission.planning.banded import solve_banded
 
-    count, airspace = bench.some.stop - bench.some.start, (problem.chart, problem.rules)
+    count, airspace = bench.some.stop - bench.some.start, (problem.grid, problem.rules)
 
     def model(control: Points) -> tuple[float, Vector, Matrix, Matrix]:
         nodes = bench.look @ control
@@ -205,7 +203,7 @@ def _descend(
 
 @lru_cache(maxsize=64)
 def _windows(n: int, nodes: int) -> Spans:
-    """How evenly spaced nodes depend on n control points."""
+    """Return the dependence of evenly spaced nodes on n control points."""
     look = even_basis(n, nodes)
     around = np.stack([look[np.clip(np.arange(nodes) + k, 0, nodes - 1)] for k in (-1, 0, 1)])
     first = np.minimum(np.argmax(np.abs(around).max(axis=0) > 1e-14, axis=1), n - 5)

@@ -1,7 +1,7 @@
 """Proof that a path keeps its limits: exact least distances of straight legs, or of a curve by its chords.
 
-Nothing here is sampled. A curve is replaced by chords that it leaves by no more than a known distance, which is then
-taken off every clearance; what is reported is what the curve has at least.
+Nothing is sampled. A curve is replaced by chords within a known distance, which is subtracted from every clearance, so
+the reported values are lower bounds.
 """
 
 from collections.abc import Iterator
@@ -16,14 +16,14 @@ from ipoa_mission.planning.spline import Spline
 from ipoa_mission.scenario.path_limits import Limits
 from ipoa_mission.world.airspace import Clearance
 
-CHORD = 5e-4  # how far a curve may be from the chords that stand for it [m]
-TOUCHING = 1e-3  # a millimetre: what a bound may be short of the truth
-ROUNDING = 1e-9  # a velocity's [m per parameter]
+CHORD = 5e-4  # greatest distance of a curve from its chords [m]
+TOUCHING = 1e-3  # tolerance of a bound [m]
+ROUNDING = 1e-9  # of a velocity [m per parameter]
 
 
 @dataclass(frozen=True)
 class Check:
-    """One limit: what comes nearest to breaking it and how much is required, in `unit`; `at_most` turns it round."""
+    """One limit: the nearest thing and the required distance in `unit`; `at_most` inverts the comparison."""
 
     limit: str
     nearest: Clearance
@@ -33,21 +33,20 @@ class Check:
 
     @property
     def slack(self) -> float:
-        """How much is left; negative if the limit is broken."""
+        """Return the margin; negative if the limit is broken."""
         return self.required - self.nearest.distance if self.at_most else self.nearest.distance - self.required
 
     @property
     def holds(self) -> bool:
-        """Whether the limit is kept, to a millimetre (or a thousandth of a degree)."""
+        """Return whether the limit is kept, to a millimetre (or 0.001 degree)."""
         return self.slack >= -TOUCHING
 
     @property
     def about(self) -> dict[str, object]:
-        """The limit, and what is near, for an error."""
+        """Return the limit and the nearest thing, for an error."""
         return {"limit": self.limit, "near": self.nearest.what}
 
     def words(self) -> str:
-        """The finding in a sentence without a full stop."""
         east, north, up = self.nearest.place
         where = f"at east {east:.1f}, north {north:.1f}, up {up:.1f} m"
         if self.limit == "bounds" and self.slack < 0:
@@ -69,43 +68,40 @@ class Check:
 
 @dataclass(frozen=True)
 class Proof:
-    """Every limit with what was found; the path may be flown if all hold."""
+    """Every limit with its result; the path may be flown if all hold."""
 
     checks: tuple[Check, ...]
 
     @property
     def holds(self) -> bool:
-        """Whether all limits are kept."""
         return all(check.holds for check in self.checks)
 
     @property
     def worst(self) -> Check:
-        """The limit with the least slack."""
         return min(self.checks, key=lambda check: check.slack)
 
     @property
     def clearance(self) -> Clearance:
-        """The least distance to anything solid, obstacle or ground, with place and name."""
+        """Return the least distance to anything solid, obstacle or ground, with place and name."""
         solid = [check.nearest for check in self.checks if check.limit in ("obstacles", "ground")]
         return min(solid, key=lambda clearance: clearance.distance)
 
     def words(self) -> str:
-        """The worst finding in a sentence without a full stop."""
         return self.worst.words()
 
 
 def prove(legs: Points, task: PathTask, stray: float = 0.0, spare: float = np.inf) -> Proof:
-    """What the straight legs between waypoints (n, 3) keep of the task's limits, exactly.
+    """Prove the limits of the task for the straight legs between waypoints (n, 3), exactly.
 
-    With `stray` they stand for a path that is never farther from them [m], and what is found is what it has at least.
-    Where a clearance is `spare` [m] more than required no more is found than that: to ask whether limits hold is quick.
+    With `stray` [m] the legs represent a path within that distance, and results are its lower bounds. A clearance of
+    `spare` [m] more than required is not computed further: checking only whether limits hold is quick.
     """
     angles = climb_angles(legs)
     return _prove(legs, task, (angles, -angles), stray, spare)
 
 
 def prove_curve(curve: Spline, task: PathTask) -> Proof:
-    """What a curve keeps of the task's limits: never more than it has, and less by two millimetres at most."""
+    """Prove the limits of the task for a curve: results are lower bounds, at most 2 mm less than exact."""
     tolerance = CHORD / (1 + task.airspace.terrain.steepness)
     u = curve.chords(tolerance)
     legs, velocity, bend = curve.points(u), curve.points(u, order=1), curve.points(u[:-1], order=2)
@@ -113,8 +109,9 @@ def prove_curve(curve: Spline, task: PathTask) -> Proof:
 
 
 def _prove(legs: Points, task: PathTask, steepness: tuple[Vector, Vector], stray: float, spare: float) -> Proof:
-    """`steepness`: angles of climb and of descent on each leg, (n-1,) each [rad]; `stray`: how far the path may be
-    from its legs [m].
+    """Prove limits with these angles of climb and descent on each leg, (n-1,) each [rad].
+
+    `stray`: greatest distance of the path from its legs [m].
     """
     checks, airspace, limits = list[Check](), task.airspace, task.limits
     if airspace.obstacles:
@@ -134,9 +131,9 @@ def _prove(legs: Points, task: PathTask, steepness: tuple[Vector, Vector], stray
 
 
 def prove_heights(legs: Points, task: PathTask, stray: float = 0.0, spare: float = np.inf) -> Iterator[Check]:
-    """What straight legs (n, 3) keep of ground and ceiling, exactly; `stray` and `spare` as for `prove`.
+    """Prove ground and ceiling for straight legs (n, 3), exactly; `stray` and `spare` as in `prove`.
 
-    Over sloping ground what strays from its legs is farther from them in height.
+    Over sloping ground, the vertical distance of a stray path from its legs is greater.
     """
     yield from prove_ground(legs, task, stray, spare)
     if np.isfinite(task.limits.ceiling_above_ground):
@@ -146,7 +143,7 @@ def prove_heights(legs: Points, task: PathTask, stray: float = 0.0, spare: float
 
 
 def prove_ground(legs: Points, task: PathTask, stray: float = 0.0, spare: float = np.inf) -> Iterator[Check]:
-    """What they keep of the ground: a check for every height that is required somewhere."""
+    """Prove the ground: one check for every required height."""
     airspace, limits = task.airspace, task.limits
     vertical = stray * (1 + airspace.terrain.steepness)
     heights: dict[float, Clearance] = {}
@@ -158,11 +155,11 @@ def prove_ground(legs: Points, task: PathTask, stray: float = 0.0, spare: float 
 
 
 def _steepness(velocity: Points, bend: Points, steps: Vector) -> tuple[Vector, Vector]:
-    """Angles of climb and of descent that a curve nowhere exceeds on each of its pieces, (k-1,) each [rad].
+    """Return upper bounds of climb and descent angles of a curve on each of its pieces, (k-1,) each [rad].
 
-    `velocity` (k, 3) and `bend` (k-1, 3) are its derivatives where they begin, `steps` (k-1,) those of its parameter.
-    On a piece of one span the velocity is a mean of three vectors, its Bézier points. If all of them go ahead, rise
-    over way ahead is nowhere greater than that of the steepest one, and the way ahead is no longer than the level way.
+    `velocity` (k, 3) and `bend` (k-1, 3) are derivatives at their begins, `steps` (k-1,) parameter lengths. On a piece
+    of one span the velocity is a mean of three vectors, its Bézier points. If all go ahead, rise / way ahead is at most
+    that of the steepest one. The way ahead is at most the level way.
     """
     vectors = np.stack([velocity[:-1], velocity[:-1] + bend * steps[:, None] / 2, velocity[1:]], axis=1)
     level = vectors[:, :, :2].sum(axis=1)
@@ -174,10 +171,10 @@ def _steepness(velocity: Points, bend: Points, steps: Vector) -> tuple[Vector, V
 
 
 def _runs(legs: Points, limits: Limits, stray: float) -> Iterator[tuple[float, Points, int]]:
-    """The legs cut where they enter or leave a low zone: required height, polyline, and the number of its first leg.
+    """Yield runs of the legs cut at low zones: required height, polyline, and index of its first leg.
 
-    Zones are narrower by `stray`, so that the path itself is within where its leg is. The number is right to a leg or
-    two in a run that was cut out of the middle of a leg.
+    Zones shrink by `stray`, so that the path itself is within where its leg is. In a run cut from the middle of a leg,
+    the index is off by at most two legs.
     """
     limits = replace(limits, low_zones=tuple(replace(z, radius=max(z.radius - stray, 0.0)) for z in limits.low_zones))
     cuts = [(np.arange(len(legs)), np.zeros(len(legs)))]

@@ -1,4 +1,4 @@
-"""One search for a path: an optimizer of the registry let loose in the space round a curve."""
+"""Search for a path: run an optimizer in the space around a curve."""
 
 from dataclasses import dataclass, field, fields
 
@@ -13,13 +13,13 @@ from ipoa_mission.planning.problem import ALL, Candidate, PreparedProblem, surro
 from ipoa_mission.planning.strategy import SearchStrategy
 from ipoa_mission.progress import Progress, silent
 
-#: A search that is one of several may be short: settings for optimizers that have them, where the task sets none.
-SHORT = {"population": 20, "iterations": 25, "evaluations": 2500, "evaluations_per_member": 40.0}
+#: Settings of short searches, for optimizers that have them, unless set by the task.
+SHORT_SETTINGS = {"population": 20, "iterations": 25, "evaluations": 2500, "evaluations_per_member": 40.0}
 
 
 @dataclass
 class Searcher:
-    """Searches one after the other, with one stream of random numbers, and what the best cost was after which."""
+    """Successive searches with one stream of random numbers, and the history of the best cost."""
 
     problem: PreparedProblem
     optimizer: Optimizer
@@ -35,9 +35,9 @@ class Searcher:
         part: slice = ALL,
         progress: Progress = silent,
     ) -> Candidate:
-        """The best curve found round one, or round a part of its inner control points.
+        """Return the best curve found around one, or around a part of its inner control points.
 
-        `width` is how far the search goes, as a share of the length of what is varied; `progress` is `minimize`'s.
+        `width` is the extent of the search as a share of the varied length; `progress` as in `minimize`.
         """
         task = self.problem.task
         spread = width * polyline_length(around.curve.control[1:-1][part])
@@ -45,25 +45,25 @@ class Searcher:
         optimum = minimize(self.problem.costs(encoding), encoding.box, self.optimizer, self.rng, progress=progress)
         spent, best = (self.spent[-1], self.best[-1]) if self.spent else (0, np.inf)
         self.spent += [spent + int(evaluations) for evaluations in optimum.evaluations]
-        trail = Candidate(encoding.curve(optimum.x), around.via_at)
+        candidate = Candidate(encoding.curve(optimum.x), around.via_at)
         if part == ALL:
             self.best += [min(best, float(cost)) for cost in optimum.history]
-        else:  # these are costs of a part
-            self.best += [best] * (len(optimum.history) - 1) + [min(best, self.problem.cost(trail))]
-        return trail
+        else:  # costs of a part
+            self.best += [best] * (len(optimum.history) - 1) + [min(best, self.problem.cost(candidate))]
+        return candidate
 
     def history(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Evaluations spent and the best cost known by then, (k,) each."""
+        """Return the evaluations spent and the best cost by then, (k,) each."""
         return np.array(self.spent), np.array(self.best)
 
 
 def encoding_of(task: PathTask) -> str:
-    """The name of the search space: the paper's is `absolute`; left open, it is `sine`."""
+    """Return the name of the search space: by default `absolute` for the paper's planner, else `sine`."""
     return task.planning.encoding or ("absolute" if task.planning.planner == "paper" else "sine")
 
 
 def optimizer_of(task: PathTask, short: bool) -> Optimizer:
-    """The task's optimizer with its settings; what is not set is as in `SHORT`, or else the algorithm's default.
+    """Return the task's optimizer with its settings, completed by `SHORT_SETTINGS` if `short`.
 
     Raises:
         BadInput: there is no such optimizer, or it has no such setting.
@@ -71,5 +71,5 @@ def optimizer_of(task: PathTask, short: bool) -> Optimizer:
     name, settings = task.optimizer.name, task.optimizer.settings
     if short:
         accepted = {setting.name for setting in fields(optimizer_class(name))}  # type: ignore[arg-type]
-        settings = {key: value for key, value in SHORT.items() if key in accepted} | settings
+        settings = {key: value for key, value in SHORT_SETTINGS.items() if key in accepted} | settings
     return build_optimizer(name, settings)

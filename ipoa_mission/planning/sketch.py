@@ -1,6 +1,6 @@
-"""A first path at once, for who is still moving things about: the ways through a thin lattice, polished, not searched.
+"""A quick, unsearched path for interactive editing: routes through a thin lattice, polished.
 
-It is proved like any other, but nobody looked for a better one: `plan_path` does.
+It is proved like any other, but not optimized: `plan_path` does that.
 """
 
 from dataclasses import dataclass
@@ -15,15 +15,15 @@ from ipoa_mission.planning.problem import PreparedProblem, prepare
 from ipoa_mission.planning.proof import Proof, prove_curve
 from ipoa_mission.planning.spline import Spline
 
-THINNEST, THIN = 0.4, 0.7  # how fine the lattices are, as shares of the planner's first one
-WAYS = 4  # ways that are looked at, the straight one aside
-TRIED = 2  # curves that are proved before one is polished until its proof holds
-CONTROL = 24  # control points of a sketch
+FIRST_FINENESS, SECOND_FINENESS = 0.4, 0.7  # fineness of the lattices, as shares of the planner's first one
+MAX_ROUTES = 4  # routes tried besides the straight one
+MAX_PROVED = 2  # curves proved before one is settled
+CONTROL_POINTS = 24  # of a sketch
 
 
 @dataclass(frozen=True)
 class Sketch:
-    """A path, what it keeps of the limits, and other ways round that were looked at, the better ones first."""
+    """A path, its proof, and other candidate routes, better ones first."""
 
     curve: Spline
     proof: Proof
@@ -31,9 +31,9 @@ class Sketch:
 
 
 def sketch_path(task: PathTask) -> Sketch:
-    """The best of a few ways; the same for the same task. Mostly some tens of milliseconds, whatever the world holds.
+    """Return the best of a few routes, deterministic for a task, usually in some tens of milliseconds.
 
-    Its proof may not hold: then this quick look found no way that keeps all limits, and one may be there all the same.
+    If its proof does not hold, this quick look found no route within limits; one may exist all the same.
 
     Raises:
         NoPath: a given place breaks a limit.
@@ -42,22 +42,22 @@ def sketch_path(task: PathTask) -> Sketch:
     problem = prepare(task)
     refuse_places(problem)
     with threadpool_limits(1, "blas"):
-        trails = [polish(guess.trail(problem), problem) for guess in _guesses(problem)]
-        best = sorted(trails, key=problem.cost)
+        candidates = [polish(guess.candidate(problem), problem) for guess in _guesses(problem)]
+        best = sorted(candidates, key=problem.cost)
         first = best[0]
-        for trail in best[:TRIED]:
-            if (proof := prove_curve(trail.curve, task)).holds:
-                first = trail
+        for candidate in best[:MAX_PROVED]:
+            if (proof := prove_curve(candidate.curve, task)).holds:
+                first = candidate
                 break
         else:
-            trail, proof = settle(first, problem)
-    return Sketch(trail.curve, proof, tuple(other.curve for other in best if other is not first))
+            candidate, proof = settle(first, problem)
+    return Sketch(candidate.curve, proof, tuple(other.curve for other in best if other is not first))
 
 
 def _guesses(problem: PreparedProblem) -> list[Guess]:
     straight = problem.task.places
-    inner = max(CONTROL, 5 * (len(straight) - 1))
-    for fineness in (THINNEST, THIN):
-        if routes := ways(lay(problem, fineness), problem, WAYS):
+    inner = max(CONTROL_POINTS, 5 * (len(straight) - 1))
+    for fineness in (FIRST_FINENESS, SECOND_FINENESS):
+        if routes := ways(lay(problem, fineness), problem, MAX_ROUTES):
             return [Guess(straight, None, inner), *(Guess(way, None, inner) for way in routes)]
     return [Guess(straight, None, inner)]

@@ -1,6 +1,6 @@
-"""The curve that is planned: a clamped uniform cubic B-spline of control points, the paper's eqs. (11) and (12).
+"""The planned curve: a clamped uniform cubic B-spline, the paper's eqs. (11) and (12).
 
-The parameter u runs from 0 to 1; the curve begins and ends in its first and last control point.
+The parameter u is in [0, 1]; the curve begins at its first and ends at its last control point.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ipoa_mission.geometry import Points, Vector
 
 DEGREE = 3
-ARC_TABLE = 64  # entries a span of the table from parameter to arc length
+ARC_TABLE = 64  # entries per span of the table from parameter to arc length
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -26,45 +26,44 @@ class Spline:
 
     @property
     def spans(self) -> int:
-        """Number of polynomial pieces: n - 3."""
+        """Return the number of polynomial pieces: n - 3."""
         return len(self.control) - DEGREE
 
     def points(self, u: Vector, order: int = 0) -> Points:
-        """Points on the curve at parameters u (k,) in [0, 1], or derivatives by u of the given order, (k, 3)."""
+        """Return points on the curve at parameters u (k,) in [0, 1], or derivatives by u of the given order, (k, 3)."""
         first, values = local_basis(len(self.control), u, order)
         return np.asarray(np.einsum("kj,kja->ka", values, self.control[first[:, None] + np.arange(DEGREE + 1)]))
 
     @cached_property
     def length(self) -> float:
-        """Arc length [m]: Gauss-Legendre on every span."""
+        """Return the arc length [m], by Gauss-Legendre quadrature on every span."""
         nodes, weights = np.polynomial.legendre.leggauss(24)
         u = (np.arange(self.spans)[:, None] + (nodes + 1) / 2).ravel() / self.spans
         speed = np.linalg.norm(self.points(u, order=1), axis=1)
         return float(speed @ np.tile(weights, self.spans) / (2 * self.spans))
 
     def sample(self, n: int) -> Points:
-        """`n` points from start to goal, equally far apart along the curve, (n, 3)."""
         return self.points(self.parameters(n))
 
     def parameters(self, n: int) -> Vector:
-        """Parameters of `n` points from start to goal that are equally far apart along the curve, (n,)."""
+        """Return the parameters of `n` points equally spaced along the curve, (n,)."""
         u, traveled = self._arcs
         even = np.interp(np.linspace(0.0, traveled[-1], n), traveled, u)
         return np.concatenate([[0.0], even[1:-1], [1.0]])
 
     @cached_property
     def _arcs(self) -> tuple[Vector, Vector]:
-        """A table of parameters and of the lengths of the curve up to them [m]."""
+        """Return a table of parameters and arc lengths up to them [m]."""
         u = np.linspace(0.0, 1.0, self.spans * ARC_TABLE + 1)
         speed, middle = (np.linalg.norm(self.points(v, order=1), axis=1) for v in (u, (u[1:] + u[:-1]) / 2))
         arcs = (speed[:-1] + 4 * middle + speed[1:]) / 6 * np.diff(u)  # Simpson
         return u, np.concatenate([[0.0], np.cumsum(arcs)])
 
     def chords(self, tolerance: float) -> Vector:
-        """Parameters (k,) between which the curve leaves its straight chords by no more than `tolerance` [m].
+        """Return parameters (k,) between which the curve leaves its straight chords by at most `tolerance` [m].
 
-        A chord over h leaves the curve by at most max |p''| h^2 / 8; the second derivative is linear on each span, so
-        its greatest value is at an end of the span.
+        A chord over h leaves the curve by at most max |p''| h^2 / 8. The second derivative is linear on each span, so
+        it is greatest at an end of the span.
         """
         knots = np.arange(self.spans + 1) / self.spans
         bend = np.linalg.norm(self.points(knots, order=2), axis=1)
@@ -74,7 +73,6 @@ class Spline:
         return np.concatenate([*pieces, [1.0]])
 
     def refined(self) -> "Spline":
-        """The same curve with twice as many spans."""
         n = 2 * self.spans + DEGREE
         u = np.linspace(0.0, 1.0, 4 * n)
         control = np.asarray(np.linalg.lstsq(basis(n, u), self.points(u), rcond=None)[0])
@@ -84,14 +82,14 @@ class Spline:
 
 @lru_cache(maxsize=64)
 def even_basis(n: int, count: int) -> NDArray[np.float64]:
-    """`basis` at `count` parameters evenly from 0 to 1, (count, n), remembered and not to be written to."""
+    """Return a cached, read-only `basis` at `count` parameters evenly from 0 to 1, (count, n)."""
     values = basis(n, np.linspace(0.0, 1.0, count))
     values.flags.writeable = False
     return values
 
 
 def basis(n: int, u: Vector, order: int = 0) -> NDArray[np.float64]:
-    """Values at u (k,) of the n basis functions, eq. (12), or of their derivatives of the given order, (k, n)."""
+    """Return values at u (k,) of the n basis functions, eq. (12), or of their derivatives of that order, (k, n)."""
     first, some = local_basis(n, u, order)
     values = np.zeros((len(u), n))
     np.put_along_axis(values, first[:, None] + np.arange(DEGREE + 1), some, axis=1)
@@ -99,7 +97,7 @@ def basis(n: int, u: Vector, order: int = 0) -> NDArray[np.float64]:
 
 
 def local_basis(n: int, u: Vector, order: int = 0) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-    """The four of the n basis functions that are not zero at u (k,): number of the first (k,), their values (k, 4)."""
+    """Return the four nonzero basis functions at u (k,): index of the first (k,) and values (k, 4)."""
     knots = np.concatenate([np.zeros(DEGREE), np.linspace(0.0, 1.0, n - DEGREE + 1), np.ones(DEGREE)])
     span = np.clip(np.searchsorted(knots, u, side="right") - 1, DEGREE, n - 1)
     values = np.zeros((len(u), DEGREE + 1))

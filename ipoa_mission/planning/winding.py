@@ -1,7 +1,7 @@
-"""Winding up and down: where a way is steeper than the limits allow, loops that give it the room to climb.
+"""Loops in which a route gains height where it is steeper than the limits allow.
 
-A lattice way that rises steeply, in a courtyard or before a wall, stands for turns of a helix on an ellipse, sheared so
-that it begins and ends where the steep piece does. Of those that are free the one with the fewest turns is taken.
+A steep piece of a lattice route, as in a courtyard, is replaced by turns of a helix on an ellipse. The helix is sheared
+to begin and end where the piece does. Of the free ones, the one with the fewest turns is taken.
 """
 
 from itertools import pairwise
@@ -13,20 +13,20 @@ from ipoa_mission.geometry import Points, Vector, leg_lengths
 from ipoa_mission.planning.problem import PreparedProblem, corners
 
 TURNS = (1, 2, 3, 4, 5, 6, 8, 10, 13, 17, 22, 30, 40, 55)
-AXIS_RATIOS = (1.0, 2.0, 4.0, 8.0, 16.0)  # the ellipse's axes over each other
-ELLIPSE_SIDES = 16  # of the polygon that stands for the ellipse
-LOOP_LEVELS = 9  # at which the ellipse is looked at
-LIFT_SLOPE_SHARE = 0.97  # of the steepest slope, on a way that is lifted
-LOOP_SLOPE_SHARE = 0.85  # how much flatter than allowed the loops are
+AXIS_RATIOS = (1.0, 2.0, 4.0, 8.0, 16.0)  # of the ellipse
+ELLIPSE_SIDES = 16  # of the polygon that approximates the ellipse
+LOOP_LEVELS = 9  # heights at which the ellipse is checked
+LIFT_SLOPE_SHARE = 0.97  # share of the steepest slope on a lifted route
+LOOP_SLOPE_SHARE = 0.85  # share of the steepest slope in loops
 CONTROL_PER_TURN = 12  # control points a turn
-TOO_STEEP = 1.3  # times the limit: what is steeper needs loops, what is not the polish mends
-SHORTEST_DETOUR = 0.5  # a detour shorter than so many metres needs no loop
+LOOP_SLOPE_FACTOR = 1.3  # times the limit: steeper pieces need loops, others the polish mends
+SHORTEST_DETOUR = 0.5  # shorter detours need no loop [m]
 
 
 def wind(way: Points, inner: int, problem: PreparedProblem, step: float) -> tuple[Points, Vector]:
-    """The way (k, 3) with loops where it is too steep, and how many control points each leg needs.
+    """Return the route (k, 3) with loops where it is too steep, and the number of control points on each leg.
 
-    Where it is not, they are its share of `inner`. What is no more than two steps [m] high is left to the polish.
+    Other legs get their share of `inner`. Steep pieces of up to two steps [m] in height are left to the polish.
     """
     way = _without_detours(way, problem)
     pieces, loops = [way[:1]], [np.zeros(0, bool)]
@@ -62,11 +62,11 @@ def wind(way: Points, inner: int, problem: PreparedProblem, step: float) -> tupl
 
 
 def lift(way: Points, problem: PreparedProblem, step: float) -> tuple[Points, float]:
-    """The way (k, 3), higher where it must be lest it climb or descend too steeply, and the longest detour it needs.
+    """Return the route (k, 3) lifted to keep the slope limits, and the longest detour it needs.
 
-    Between places to pass, at which heights are given, it may still be too short for its climbs: a detour is the level
-    distance missing as a share of the distance within which the climb must be made. What is no more than two steps [m]
-    high is left to the polish. It is infinite if the way is not free when it is lifted.
+    Between places to pass, whose heights are fixed, it may still be too short for its climbs. A detour is the missing
+    level distance as a share of the distance in which the climb must be made. It is infinite if the lifted route is not
+    free. Climbs of up to two steps [m] in height are left to the polish.
     """
     lifted, rules, longest = way.copy(), problem.rules, 0.0
     traveled = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(way[:, :2], axis=0).T))])
@@ -74,8 +74,8 @@ def lift(way: Points, problem: PreparedProblem, step: float) -> tuple[Points, fl
     for first, last in pairwise(stops):
         along, height = traveled[first : last + 1] - traveled[first], way[first : last + 1, 2]
         climb, descent = LIFT_SLOPE_SHARE * rules.climb * along, LIFT_SLOPE_SHARE * rules.descent * along
-        after = np.maximum.accumulate(height + descent) - descent  # no lower than a descent from what is behind
-        before = np.maximum.accumulate((after - climb)[::-1])[::-1]  # and a climb to what is ahead
+        after = np.maximum.accumulate(height + descent) - descent  # no lower than a descent from behind
+        before = np.maximum.accumulate((after - climb)[::-1])[::-1]  # and than a climb to what is ahead
         lifted[first + 1 : last, 2] = (before + climb)[1:-1]
         for missing, slope, within in (
             (before[0] - height[0], rules.climb, along[np.argmax(after - climb)]),
@@ -87,7 +87,7 @@ def lift(way: Points, problem: PreparedProblem, step: float) -> tuple[Points, fl
 
 
 def _without_detours(way: Points, problem: PreparedProblem) -> Points:
-    """The way without the nodes beside start, via points and goal, which may lie behind them."""
+    """Return the route without nodes next to start, via points and goal, which may be behind them."""
     stops = {tuple(place) for place in problem.task.places}
     kept = np.ones(len(way), bool)
     for k in range(1, len(way) - 1):
@@ -98,7 +98,7 @@ def _without_detours(way: Points, problem: PreparedProblem) -> Points:
 
 
 def _runs(way: Points) -> list[tuple[int, int]]:
-    """First and last point of each piece of the way that goes only up, or only down."""
+    """Return the first and last point of each piece of the route that only climbs, or only descends."""
     step = np.diff(way[:, 2])
     up = np.sign(step)
     for i in range(1, len(up)):
@@ -109,20 +109,19 @@ def _runs(way: Points) -> list[tuple[int, int]]:
 
 def _too_steep(way: Points, problem: PreparedProblem) -> NDArray[np.bool_]:
     step, rules = np.diff(way, axis=0), problem.rules
-    level = TOO_STEEP * np.hypot(step[:, 0], step[:, 1])
+    level = LOOP_SLOPE_FACTOR * np.hypot(step[:, 0], step[:, 1])
     return np.asarray(np.maximum(step[:, 2] / rules.climb, -step[:, 2] / rules.descent) > level)
 
 
 def _free(way: Points, problem: PreparedProblem) -> bool:
-    """Whether a way, but for its ends, is about free."""
     spots = np.vstack([way[1:-1], (way[1:] + way[:-1]) / 2])
     return bool((problem.survey(spots)[0] >= -0.5 * problem.rules.clearance).all())
 
 
 def _loops(a: Vector, b: Vector, ahead: Vector, problem: PreparedProblem) -> Points | None:
-    """Loops from a up or down to b, without a itself, (k, 3); None if none are needed, or none are free.
+    """Return loops from a up or down to b, without a itself, (k, 3); None if none are needed or free.
 
-    Of several they are those that begin and end best in the direction `ahead` (2,).
+    Of several, take those whose begin and end are best aligned with `ahead` (2,).
     """
     rise = float(b[2] - a[2])
     needed = max(rise / problem.rules.climb, -rise / problem.rules.descent) / LOOP_SLOPE_SHARE
@@ -143,7 +142,7 @@ def _loops(a: Vector, b: Vector, ahead: Vector, problem: PreparedProblem) -> Poi
 
 
 def _room(shapes: NDArray[np.float64], a: Vector, b: Vector, problem: PreparedProblem) -> Vector:
-    """The least slack of shapes (s, k, 2) round places from a to b, (s,) [m]."""
+    """Return the least slack of shapes (s, k, 2) around places from a to b, (s,) [m]."""
     spots = a + np.linspace(0.0, 1.0, LOOP_LEVELS)[:, None] * (b - a)
     around = np.empty((len(shapes), LOOP_LEVELS, shapes.shape[1], 3))
     around[..., :2] = spots[:, None, :2] + shapes[:, None]
@@ -153,7 +152,7 @@ def _room(shapes: NDArray[np.float64], a: Vector, b: Vector, problem: PreparedPr
 
 
 def _closely(shape: NDArray[np.float64], problem: PreparedProblem) -> NDArray[np.float64]:
-    """A shape (k, 2) and the line to it, with corners so near to each other that nothing fits between, (1, m, 2)."""
+    """Return a shape (k, 2) and the line to it, sampled finely enough to hit any obstacle, (1, m, 2)."""
     step = max(problem.limits.obstacle_distance, 0.1)
     along, away = np.roll(shape, -1, axis=0) - shape, float(np.linalg.norm(shape[0]))
     side = float(np.linalg.norm(along, axis=1).max())
@@ -164,7 +163,7 @@ def _closely(shape: NDArray[np.float64], problem: PreparedProblem) -> NDArray[np
 
 
 def _ellipses(length: float) -> NDArray[np.float64]:
-    """Ellipses of that length that go through the origin or round it, (s, SIDES, 2), either way round."""
+    """Return ellipses of this length through or around the origin, (s, SIDES, 2), in both directions."""
     angle = 2 * np.pi * np.arange(ELLIPSE_SIDES) / ELLIPSE_SIDES
     ellipses = []
     for longer in AXIS_RATIOS:

@@ -1,6 +1,6 @@
 """Build the mission for a plan, with the waypoints that the scenario asks for.
 
-Modes of `scenario.route`: `even` resamples as the paper does, `corridor` uses the fewest straight legs, `spline` one
+Modes of `scenario.route`: `even` resamples as the paper does, `corridor` uses the fewest straight legs. `spline` is one
 smooth curve (ArduPilot), `fastest` the quickest of these on this autopilot.
 """
 
@@ -37,7 +37,7 @@ class Option:
     deviation: float
     """Greatest distance between the flown path and the planned curve [m]."""
     flies_clear: bool
-    """Whether the predicted path, with its cut corners and overshoots, keeps every limit."""
+    """True if the predicted path, with its cut corners and overshoots, keeps every limit."""
     ratio: float
     """Ratio to the least time of the planned curve under the same limits, or to the quickest route if that is quicker.
     """

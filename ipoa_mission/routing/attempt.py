@@ -31,7 +31,6 @@ class Attempt:
     scenario: Scenario
 
     def along(self, points: Points) -> "Attempt":
-        """Return an attempt through other waypoints (k, 3)."""
         return replace(self, route=replace(self.route, points=points))
 
     @cached_property
@@ -73,12 +72,11 @@ class Attempt:
 
     @property
     def is_promised(self) -> bool:
-        """Whether enough flights keep every limit on the way, without regard to contingencies."""
+        """Return whether enough flights keep every limit on the way, without regard to contingencies."""
         return not self.whole.promise.forbidding
 
     @property
     def holds(self) -> bool:
-        """Whether enough flights keep every limit on the way and every planned contingency is clear."""
         return self.is_promised and not self.short and not self.promise.forbidding
 
     @property
@@ -89,7 +87,6 @@ class Attempt:
 
     @property
     def merit(self) -> tuple[bool, float]:
-        """Return the key by which attempts are compared; greater is better."""
         return self.holds, self.slack
 
     @cached_property
@@ -133,12 +130,10 @@ class Flown:
 
     @cached_property
     def path(self) -> Points:
-        """Return the path as straight legs (n, 3)."""
         return thinned(self.track.points)
 
     @cached_property
     def deviation(self) -> float:
-        """Return the greatest distance between the path and the planned curve [m]."""
         return deviation(self.path, self.attempt.plan.curve)
 
     @property
@@ -149,7 +144,7 @@ class Flown:
 
     @property
     def keeps_limits(self) -> bool:
-        """Whether the predicted path keeps its limits, and its deviation bound with the required probability."""
+        """Return whether the predicted path keeps its limits, and its deviation bound with the required probability."""
         scenario = self.attempt.scenario
         return deviation_bound_holds(pieces_of(self.track), scenario.vehicle.autopilot, scenario)
 
@@ -172,7 +167,6 @@ def _flown(attempt: Attempt, forecast: Forecast, sure: bool) -> Flown:
 
 
 def _motion(track: Track, end: float) -> Vector:
-    """Return the velocity (3,) [m/s] just before the time `end`."""
     last = max(int(np.searchsorted(track.times, end, side="right")) - 1, 1)
     way = track.points[last] - track.points[last - 1]
     return np.asarray(way / max(float(np.linalg.norm(way)), 1e-9) * track.speeds[last])

@@ -1,7 +1,7 @@
 """Split a mission too long for one battery into flights that each return home clear and with reserve.
 
-Each flight begins with the mission's take-off and resumes at the waypoint where the previous one turned home, with the
-speed and triggers in force there. All but the last return by RTL; the last ends as the mission does.
+Each flight begins with the mission's take-off and resumes where the previous one turned home, with the speed and
+triggers in force there. All but the last return by RTL; the last ends as the mission does.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -177,7 +177,6 @@ def _in_force(before: Sequence[Item]) -> Iterator[Item]:
 
 
 def _ended(taken: Sequence[Item]) -> Iterator[Item]:
-    """Yield the items that stop a running capture of pictures."""
     triggers = [item for item in taken if item.command == Command.DO_SET_CAM_TRIGG_DIST]
     if triggers and triggers[-1].params[0] > 0.0:
         yield camera_trigger(0.0, at_once=False)

@@ -97,7 +97,6 @@ def items_of_waypoints(route: Route) -> tuple[int, ...]:
 
 
 def starts_over_home(route: Route) -> bool:
-    """Whether the take-off ends at the first waypoint."""
     return bool(np.hypot(*route.points[0, :2]) < OVER_HOME)
 
 

@@ -23,18 +23,15 @@ class Looks:
 
     @cached_property
     def changes(self) -> dict[Remedy, Scenario]:
-        """Return the scenario with each change, least invasive first."""
         return dict(slower(self.scenario)) | dict(_otherwise(self.scenario))
 
     def at(self, change: Remedy) -> Attempt | None:
-        """Return the attempt with a change, or None."""
         if change not in self._seen:
             self._seen[change] = self.planned(self.changes[change])
         return self._seen[change]
 
 
 def slower(scenario: Scenario) -> Iterator[tuple[Remedy, Scenario]]:
-    """Yield the scenario at lower cruise speeds."""
     for share in SLOWER:
         speed = max(round(share * scenario.vehicle.cruise_speed, 1), SLOWEST)
         vehicle = scenario.vehicle.model_copy(update={"cruise_speed": speed})

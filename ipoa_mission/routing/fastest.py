@@ -88,7 +88,7 @@ def _quickest(drawn: list[Attempt], roomy: PathTask) -> list[Attempt]:
 
 
 def _is_fit(attempt: Attempt) -> bool:
-    """Whether the route and its predicted path keep the corridor and the limits, and stop at the goal."""
+    """Return whether the route and its predicted path keep the corridor and the limits, and stop at the goal."""
     flown = attempt.sketched
     return (
         flown.overrun <= SEARCH.most_overrun
@@ -99,7 +99,6 @@ def _is_fit(attempt: Attempt) -> bool:
 
 
 def _improve(attempt: Attempt) -> Attempt:
-    """Remove and move waypoints while that saves time."""
     scenario, tried = attempt.scenario, set[bytes]()
     trials = min(SEARCH.trials, SEARCH.legs // len(attempt.route.points))
     for share in SEARCH.step_shares:

@@ -42,11 +42,9 @@ def by_way_of_the_goal(scenario: Scenario) -> Scenario:
 
 
 def leads_home(scenario: Scenario) -> bool:
-    """Whether the goal is over home."""
     return bool((scenario.goal_point[:2] == 0.0).all())
 
 
 def planned_way_home(scenario: Scenario, asked: Scenario) -> Iterator[str]:
-    """Yield a note if the way home was planned."""
     if leads_home(scenario) and not leads_home(asked):
         yield "the way home is planned as the way out is, by way of the goal: the straight one is not clear"

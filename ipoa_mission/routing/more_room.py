@@ -26,8 +26,8 @@ EVEN_BOUND = DeviationBound(1.0, 1.0, 1.0)  # equal in all directions
 class Needs:
     """Growth of obstacles (n,), and tightening of height limits and bounds [m].
 
-    `columns`, `towers`: growth of the volume kept free below obstacles (n,) down to the ground, and above them up to
-    the highest bound; negative: none.
+    `columns`: growth of the volume kept free below obstacles (n,), down to the ground; negative: none. `towers`: the
+    same above them, up to the highest bound.
     """
 
     growth: Vector

@@ -10,7 +10,7 @@ from ipoa_mission.forecast.deviation.law import DeviationLaw
 from ipoa_mission.forecast.deviation.measured_law import law_of
 from ipoa_mission.forecast.deviation.tight_places import tight_places
 from ipoa_mission.forecast.timing.track import THINNING_TOLERANCE
-from ipoa_mission.planning.plan_view import CLOSE, Closure, closure
+from ipoa_mission.planning.plan_view import DISTANCE_TOLERANCE, Closure, closure
 from ipoa_mission.planning.problem import prepare
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.scenario.path_limits import place_names
@@ -24,7 +24,6 @@ class Narrow:
     leg: str
 
     def words(self) -> str:
-        """Describe the gap, its width, the needed width and the place, without a full stop."""
         east, north = self.gap.place
         width, needed = f"{down(self.gap.width):.2f} m wide", f"{up(self.gap.needed):.2f} m"
         where = f"at east {east:.1f}, north {north:.1f} m{self.leg}"
@@ -58,7 +57,7 @@ def expect_wide(scenario: Scenario) -> None:
     problem = prepare(wider)
     for places, (a, b) in zip(pairwise(names), pairwise(scenario.places), strict=True):
         gap = closure(problem, a, b)
-        if gap is not None and gap.needed - 2 * more < gap.width < gap.needed - CLOSE:
+        if gap is not None and gap.needed - 2 * more < gap.width < gap.needed - DISTANCE_TOLERANCE:
             raise TooNarrow(Narrow(gap, f", on the leg from {places[0]} to {places[1]}" if len(names) > 2 else ""))
 
 

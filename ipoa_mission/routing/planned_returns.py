@@ -61,7 +61,7 @@ def settled(forecast: Forecast) -> tuple[Forecast, tuple[Shortfall, ...]]:
 
 
 def names_return_altitude(scenario: Scenario) -> bool:
-    """Whether the scenario names the return altitude, by its older or newer parameter name."""
+    """Return whether the scenario names the return altitude, by its older or newer parameter name."""
     book = scenario.vehicle.autopilot.book
     return book.return_height.name in book.by_old_names(scenario.vehicle.autopilot_parameters())
 

@@ -95,7 +95,6 @@ def _with_room(ways: ContingencyPaths, places: Points) -> Points:
 
 
 def _rally_point(forecast: Forecast, place: np.ndarray) -> Geodetic:
-    """Convert a place to a rally point with its altitude above home."""
     there = forecast.frame.geodetic(place)
     above = round(there.altitude - forecast.mission.home.altitude, 3)
     return Geodetic(round(there.latitude_deg, 7), round(there.longitude_deg, 7), above)

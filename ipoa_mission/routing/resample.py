@@ -18,10 +18,10 @@ GREATEST_SPACING = 3.0  # greatest spacing of candidate places before they follo
 CHORD_SHARE = 0.1  # of the tolerance, for chords between candidate places
 COMPARING_STEP = 0.5  # at which a path is compared with a curve [m]
 ON_THE_CURVE = (0.0,)
-NOWHERE = np.zeros((0, 3))
+NO_PLACES = np.zeros((0, 3))
 
 
-def every(curve: Spline, spacing: float, via: Points = NOWHERE) -> Points:
+def every(curve: Spline, spacing: float, via: Points = NO_PLACES) -> Points:
     """Return waypoints along the curve, equally far apart and at most `spacing` [m] of arc, (k, 3), as the paper does.
 
     The nearest to each via point (m, 3) is moved onto it.
@@ -42,7 +42,7 @@ def stations(line: Points, spacing: float, last: float, via: Points) -> Points:
 
 
 def corridor(
-    curve: Spline, tolerance: float, asides: tuple[float, ...] = ON_THE_CURVE, via: Points = NOWHERE
+    curve: Spline, tolerance: float, asides: tuple[float, ...] = ON_THE_CURVE, via: Points = NO_PLACES
 ) -> Points:
     """Return the fewest waypoints (k, 3) whose straight legs stay within `tolerance` [m] of the curve.
 
@@ -104,7 +104,6 @@ def _steps(path: Points) -> Points:
 
 @lru_cache(maxsize=8)
 def _dense(curve: Spline) -> Points:
-    """Return samples of a curve 0.5 m apart."""
     return curve.sample(int(np.clip(curve.length / COMPARING_STEP, 200, 2000)))
 
 

@@ -47,7 +47,6 @@ class Route:
 
     @property
     def speed_changes(self) -> list[int]:
-        """Return the legs before which the speed changes."""
         return [leg for leg in range(self.legs) if (leg in self.slow) != (leg - 1 in self.slow)]
 
 

@@ -35,7 +35,6 @@ def refusal(nearest: Attempt, assessments: Looks) -> NoPath:
 
 
 def narrow_refusal(narrow: Narrow, assessments: Looks) -> NoPath:
-    """Return the error for a gap that is too narrow for any flight."""
     return _with_help(narrow.words(), "", assessments)
 
 

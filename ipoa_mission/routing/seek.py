@@ -77,7 +77,6 @@ def _plan(scenario: Scenario, seed: int, progress: Progress) -> Attempt:
 
 
 def _plan_once(scenario: Scenario, seed: int) -> Attempt | None:
-    """Return the attempt of a single search, or None if it fails."""
     try:
         return seek(scenario, seed, silent, plans=1)
     except MissionError:
@@ -158,7 +157,7 @@ def _first_rooms(scenario: Scenario) -> Iterator[_Room]:
 
 
 def _as_printed(scenario: Scenario) -> bool:
-    """Whether the path stays as the algorithm found it."""
+    """Return whether the path stays as the algorithm found it."""
     return scenario.planning.planner == "paper" or not scenario.planning.polish
 
 

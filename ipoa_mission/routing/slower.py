@@ -62,7 +62,6 @@ def _slowed(attempt: Attempt, speed: float) -> Attempt | None:
 
 
 def _too_near(attempt: Attempt) -> Iterator[int]:
-    """Yield the legs on which clearance is missing."""
     ends = np.array(items_of_waypoints(attempt.route)[1:]) + 1
     for kept in attempt.promise.forbidding:
         yield min(int(np.searchsorted(ends, kept.item)), len(ends) - 1)

@@ -1,8 +1,8 @@
 """Compiled least and greatest height of straight legs above the paper's surface, by branch and bound.
 
 Over a span of a leg, the height above a surface differs from linear interpolation by at most the surface's deviation
-from its own chord: upwards for the least height, downwards for the greatest. A span whose bound cannot improve the
-result is dropped; others are divided by four.
+from its chord. The deviation upwards bounds the least height, that downwards the greatest. A span whose bound cannot
+improve the result is dropped; others are divided by four.
 """
 
 # mypy: disable-error-code="no-untyped-def,misc"

@@ -154,7 +154,6 @@ class Airspace:
         return self.polyline_clearance(np.array([a, b]))
 
     def polyline_clearance(self, points: Points) -> Clearance:
-        """Return the least clearance of the legs between points (n, 3), over ground and obstacles."""
         return min(self.terrain_clearance(points), self.obstacle_clearance(points), key=lambda c: c.distance)
 
     def terrain_clearance(self, points: Points, within: float = np.inf) -> Clearance:
@@ -165,7 +164,6 @@ class Airspace:
         return _clearance(points, "terrain", *self.terrain.least_height(points, within))
 
     def height_reached(self, points: Points) -> Clearance:
-        """Return the greatest height above ground of the legs between points (n, 3)."""
         return _clearance(points, "the ground", *self.terrain.greatest_height(points))
 
     def near(self, points: Points, reach: float) -> Iterator[tuple[Obstacle, NDArray[np.intp], Vector]]:
@@ -284,7 +282,6 @@ class Airspace:
 
     @cached_property
     def _heights(self) -> tuple[Vector, Vector]:
-        """Return the lowest and greatest height of each obstacle, (n,) each [m]."""
         heights = np.array([obstacle.bounds[:, 2] for obstacle in self.obstacles])
         return heights[:, 0], heights[:, 1]
 

@@ -74,12 +74,10 @@ class LocalFrame:
         return lat, (lon + 180.0) % 360.0 - 180.0, alt
 
     def local(self, place: Geodetic) -> Vector:
-        """Return east, north, up of one place, (3,) [m]."""
         lon, lat, alt = float(place.longitude_deg), float(place.latitude_deg), float(place.altitude)
         return np.array(_topocentric(self.home).transform(lon, lat, alt))
 
     def geodetic(self, point: Vector) -> Geodetic:
-        """Return the geodetic place of one local point (3,)."""
         east, north, up = point
         lon, lat, alt = _topocentric(self.home).transform(float(east), float(north), float(up), direction="INVERSE")
         return Geodetic(lat, (lon + 180.0) % 360.0 - 180.0, alt)

@@ -39,11 +39,9 @@ class Ground:
 
     @property
     def is_level(self) -> bool:
-        """Whether the terrain is unknown."""
         return self.terrain is None
 
     def __call__(self, points: NDArray[np.float64]) -> Vector:
-        """Return the height under points (n, 2 or 3), (n,) [m]."""
         if self.terrain is None:
             return np.zeros(len(points))
         heights = self.terrain.height(points)
@@ -52,7 +50,6 @@ class Ground:
         return heights - self.datum + (points[:, 0] ** 2 + points[:, 1] ** 2) / (2 * self.earth_radius)
 
     def at(self, east: float, north: float) -> float:
-        """Return the height at one place [m]."""
         return 0.0 if self.terrain is None else float(self(np.array([[east, north]]))[0])
 
 

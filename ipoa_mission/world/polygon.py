@@ -56,7 +56,6 @@ class Polygon:
 
     @property
     def shape(self) -> shapely.Polygon:
-        """Return the shapely polygon."""
         return shapely.Polygon(self.outer, self.holes)
 
     def buffered(self, by: float) -> shapely.Geometry:
@@ -65,12 +64,10 @@ class Polygon:
 
     @property
     def starts(self) -> Plane:
-        """Return the corner at which each edge begins, (m, 2)."""
         return self._edges[0]
 
     @property
     def ends(self) -> Plane:
-        """Return the corner at which each edge ends, (m, 2)."""
         return self._edges[1]
 
     @cached_property
@@ -84,7 +81,7 @@ class Polygon:
 
     @cached_property
     def convex(self) -> bool:
-        """Whether it has no holes and turns the same way at every corner."""
+        """Return whether it has no holes and turns the same way at every corner."""
         along = self.ends - self.starts
         turns = _cross(along, np.roll(along, -1, axis=0))
         return not self.holes and bool((turns >= 0).all() or (turns <= 0).all())
@@ -181,7 +178,6 @@ def quadratic_roots(c0: Vector, c1: Vector, c2: Vector) -> Vector:
 
 
 def _equal(squares: NDArray[np.float64]) -> Vector:
-    """Return parameters at which any two of these quadratics (k, 3) are equal."""
     pairs = np.array(list(combinations(range(len(squares)), 2)), dtype=int).reshape(-1, 2)
     differences = squares[pairs[:, 0]] - squares[pairs[:, 1]]
     return quadratic_roots(*differences.T)

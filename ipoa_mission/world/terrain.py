@@ -36,9 +36,7 @@ class Terrain(Protocol):
         """
         ...
 
-    def greatest_height(self, points: Points) -> Spot:
-        """Return the greatest height above ground of the legs between points (n, 3)."""
-        ...
+    def greatest_height(self, points: Points) -> Spot: ...
 
     def legs_height(self, starts: Points, ends: Points) -> Vector:
         """Return lower bounds of the height above ground of legs (n, 3), (n,) [m]."""
@@ -134,7 +132,6 @@ class SeaLevel:
         return np.asarray(spots[:, 2] - self.height(spots)), lowest
 
     def greatest_height(self, points: Points) -> Spot:
-        """Return the greatest height above ground of the legs between points (n, 3): at an end of one."""
         return _end(heights := points[:, 2] - self.height(points), int(np.argmax(heights)))
 
     @property
@@ -270,7 +267,6 @@ class Analytic:
         return np.maximum(self.landform(points), self.mountains(points))
 
     def landform(self, points: NDArray[np.float64]) -> Vector:
-        """Evaluate eq. (1)."""
         x, y = points[:, 0], points[:, 1]
         r = np.hypot(x, y)
         return np.asarray(
@@ -283,7 +279,6 @@ class Analytic:
         )
 
     def mountains(self, points: NDArray[np.float64]) -> Vector:
-        """Evaluate eq. (2)."""
         height, east, north, a, b = self._peaks.T[:, :, None]
         x, y = points[:, 0] - east, points[:, 1] - north
         rises = height * np.exp(-((x / a) ** 2) - (y / b) ** 2)
@@ -291,7 +286,6 @@ class Analytic:
 
     @cached_property
     def _peaks(self) -> NDArray[np.float64]:
-        """Return height, center and widths of each peak, (peaks, 5)."""
         return np.array([(p.height, p.east, p.north, p.a, p.b) for p in self.peaks], dtype=np.float64).reshape(-1, 5)
 
     def least_height(self, points: Points, enough: float = np.inf) -> Spot:
@@ -299,7 +293,6 @@ class Analytic:
         return self._extreme(points, greatest=False, enough=enough)
 
     def greatest_height(self, points: Points) -> Spot:
-        """Return an upper bound of the height of the legs between points (n, 3), within 0.1 mm."""
         return self._extreme(points, greatest=True)
 
     def legs_height(self, starts: Points, ends: Points) -> Vector:

@@ -11,7 +11,7 @@ GRID = 1e-9  # grid of the exact union, in metres or degrees
 def union_of(areas: Any) -> Any:
     """Return the union of shapely polygons (n,), or nothing.
 
-    GEOS 3.14 may lose some polygons where many just touch. On a grid it does not, but takes three times as long, so the
+    GEOS 3.14 may lose some polygons where many just touch. On a grid it does not, but takes three times as long. The
     grid is used only if an inner point of a polygon is missing.
 
     Example:

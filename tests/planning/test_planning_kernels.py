@@ -40,7 +40,7 @@ def fenced(problem: PreparedProblem) -> tuple[Airspace, PreparedProblem]:
     area = Polygon(((-45.0, -95.0), (145.0, -80.0), (140.0, 90.0), (60.0, 30.0), (-40.0, 95.0)))
     airspace = problem.task.airspace
     airspace = Airspace(replace(airspace.bounds, footprint=area), airspace.terrain, airspace.obstacles)
-    return airspace, replace(problem, chart=obstacle_grid_of(airspace, problem.limits, problem.chart.reach))
+    return airspace, replace(problem, grid=obstacle_grid_of(airspace, problem.limits, problem.grid.reach))
 
 
 @pytest.mark.parametrize("per_node", [False, True])
@@ -56,9 +56,9 @@ def test_path_costs_are_those_of_the_twin(town: Town, per_node: bool, limited: b
         rules = problem.rules._replace(per_node=per_node)
         rules = rules if limited else rules._replace(clearance=0.1, height=0.1, **LIMITLESS)
         limits = problem.limits if limited else replace(problem.limits, height_above_ground=0.1, low_zones=())
-        chart = obstacle_grid_of(airspace, limits, problem.chart.reach)
+        grid = obstacle_grid_of(airspace, limits, problem.grid.reach)
         paths = np.ascontiguousarray((even_basis(9, 100) @ curves(seed, 30)).transpose(0, 2, 1))
-        found, expected = path_costs(paths, chart, rules), twins.path_costs(paths, airspace, rules, limits)
+        found, expected = path_costs(paths, grid, rules), twins.path_costs(paths, airspace, rules, limits)
         np.testing.assert_allclose(found, expected, rtol=1e-7)
         feasible += (expected < rules.collision).sum()
     assert (feasible > 20) != limited  # with limits next to nothing keeps them: the penalty is what is tested
@@ -74,7 +74,7 @@ def model(
     even = float(np.linalg.norm(np.diff(nodes, axis=0), axis=1).mean()) if even is None else even
     signs = np.random.default_rng(0).uniform(-1, 1, (60, 2))
     found, gradient, band, angles = path_model(
-        nodes, _windows(n, 60), n, problem.chart, problem.rules, soft, even, signs
+        nodes, _windows(n, 60), n, problem.grid, problem.rules, soft, even, signs
     )
     turns = np.column_stack([turning_angles(nodes), np.abs(np.diff(climb_angles(nodes)))])
     np.testing.assert_allclose(np.abs(angles[1:-1]), turns, atol=1e-7)
@@ -114,7 +114,7 @@ def in_the_open(problem: PreparedProblem, **rules: Any) -> PreparedProblem:
     airspace = Airspace(problem.task.airspace.bounds, problem.task.airspace.terrain, ())
     limits = replace(problem.limits, height_above_ground=-100.0, low_zones=())
     free = problem.rules._replace(height=-100.0, **LIMITLESS, **rules)
-    return replace(problem, rules=free, chart=obstacle_grid_of(airspace, limits, 1.0))
+    return replace(problem, rules=free, grid=obstacle_grid_of(airspace, limits, 1.0))
 
 
 @pytest.mark.parametrize(
@@ -158,8 +158,8 @@ def test_the_survey_is_that_of_the_twin(town: Town) -> None:
         problem = prepare(town(seed))
         for airspace, posed in ((problem.task.airspace, problem), fenced(problem)):
             points = np.random.default_rng(seed).uniform((-60, -110, -5), (160, 110, 110), (3000, 3))
-            slack, threat = survey(points, posed.chart, posed.rules)
-            expected, danger = twins.survey(points, airspace, posed.rules, posed.limits, posed.chart.reach)
+            slack, threat = survey(points, posed.grid, posed.rules)
+            expected, danger = twins.survey(points, airspace, posed.rules, posed.limits, posed.grid.reach)
             np.testing.assert_allclose(slack, expected, atol=1e-9)
             np.testing.assert_allclose(threat, danger, rtol=1e-9)
 
@@ -177,7 +177,7 @@ def test_costs_spread_over_a_lattice_as_in_the_twin(scenario: Make) -> None:
         steps = every[rng.random(26) < 0.7]
         lengths = np.linalg.norm(steps * rng.uniform(1, 3, 3), axis=1)
         nodes = Nodes(price, np.zeros(price.shape), np.zeros((price.size, 3)))
-        cost, before = spread(nodes, steps, lengths, False, source, anywhere.chart, anywhere.rules)
+        cost, before = spread(nodes, steps, lengths, False, source, anywhere.grid, anywhere.rules)
         np.testing.assert_allclose(cost, twins.spread(price, steps, lengths, source), rtol=1e-12)
         reached = np.isfinite(cost)
         reached[source] = False
@@ -197,18 +197,18 @@ def test_no_step_leads_through_what_is_between_two_nodes(scenario: Make) -> None
     lengths = np.array([20.0, 20.0, 15.0, 15.0])
     for look, through in ((False, 20.0), (True, 50.0)):
         nodes = Nodes(price, np.zeros((2, 2, 1)), places)
-        assert spread(nodes, steps, lengths, look, 0, problem.chart, problem.rules)[0][2] == through
+        assert spread(nodes, steps, lengths, look, 0, problem.grid, problem.rules)[0][2] == through
 
 
 @pytest.mark.parametrize("spot", [(np.nan, 0.0), (0.0, np.nan), (np.inf, -np.inf), (1e300, -1e300)])
 def test_no_place_is_looked_up_outside_the_chart(town: Town, spot: tuple[float, float]) -> None:
     from ipoa_mission.planning._places import _cell, _on_map
 
-    chart = prepare(town(0)).chart
-    assert 0 <= _cell(chart.cells, *spot) < chart.cells.rows * chart.cells.columns
-    column, row = _on_map(chart.ground, *spot)
-    assert 0 <= column <= chart.ground.columns - 1
-    assert 0 <= row <= chart.ground.rows - 1
+    grid = prepare(town(0)).grid
+    assert 0 <= _cell(grid.cells, *spot) < grid.cells.rows * grid.cells.columns
+    column, row = _on_map(grid.ground, *spot)
+    assert 0 <= column <= grid.ground.columns - 1
+    assert 0 <= row <= grid.ground.rows - 1
 
 
 def test_nothing_is_compiled_before_a_path_is_planned() -> None:

@@ -31,18 +31,18 @@ def test_round_a_mast_it_finds_two_tangents_and_an_arc(scenario: Make, side: int
     mast = {"kind": "cylinder", "name": "mast", "east": 50, "north": 0, "radius": 10, "height": 95, "base": 0.0}
     job = scenario(obstacles=[mast], cost=LENGTH_ONLY, vehicle=VEHICLE, safety_distance=1.0)
     rough = polish(bulging(job, 18.0 * side, 0.0), prepare(job))
-    trail, proof = settle(refine(rough), prepare(job))
+    candidate, proof = settle(refine(rough), prepare(job))
     assert proof.worst.slack >= 0
-    assert trail.curve.length == pytest.approx(round_a_cylinder(50, 11.5), rel=2e-3)
-    assert side * trail.curve.points(np.array([0.5]))[0, 1] > 11.5
+    assert candidate.curve.length == pytest.approx(round_a_cylinder(50, 11.5), rel=2e-3)
+    assert side * candidate.curve.points(np.array([0.5]))[0, 1] > 11.5
 
 
 def test_over_a_ball_the_way_is_the_same_turned_upright(scenario: Make) -> None:
     ball = {"kind": "sphere", "name": "ball", "east": 50, "north": 0, "up": 20, "radius": 10}
     job = scenario(obstacles=[ball], cost=LENGTH_ONLY, vehicle=VEHICLE, safety_distance=1.0)
-    trail, proof = settle(refine(polish(bulging(job, 0.0, 18.0), prepare(job))), prepare(job))
+    candidate, proof = settle(refine(polish(bulging(job, 0.0, 18.0), prepare(job))), prepare(job))
     assert proof.worst.slack >= 0
-    assert trail.curve.length == pytest.approx(round_a_cylinder(50, 11.5), rel=2e-3)
+    assert candidate.curve.length == pytest.approx(round_a_cylinder(50, 11.5), rel=2e-3)
 
 
 def test_over_a_wall_the_way_is_straight_to_its_rim_and_down(scenario: Make) -> None:
@@ -58,30 +58,30 @@ def test_over_a_wall_the_way_is_straight_to_its_rim_and_down(scenario: Make) -> 
         "base": 0.0,
     }
     job = scenario(obstacles=[wall], cost=LENGTH_ONLY, vehicle=VEHICLE, safety_distance=1.5)
-    trail, proof = settle(refine(polish(bulging(job, 0.0, 40.0), prepare(job))), prepare(job))
+    candidate, proof = settle(refine(polish(bulging(job, 0.0, 40.0), prepare(job))), prepare(job))
     reach = np.hypot(49.9, 20)  # to an edge, round which the clearance makes an arc of 2 m
     tangent, angle = np.sqrt(reach**2 - 2**2), np.arctan2(20, 49.9) + np.arcsin(2 / reach)
     assert proof.worst.slack >= 0
-    assert trail.curve.length == pytest.approx(2 * tangent + 2 * 2 * angle + 0.2, rel=3e-3)
+    assert candidate.curve.length == pytest.approx(2 * tangent + 2 * 2 * angle + 0.2, rel=3e-3)
 
 
 def test_ends_and_via_points_stay(scenario: Make) -> None:
     ball = {"kind": "sphere", "name": "ball", "east": 50, "north": 5, "up": 20, "radius": 10}
     job = scenario(via=[(30, 30, 25), (70, -20, 22)], obstacles=[ball])
-    trail = polish(follow(job.places, 15, job), prepare(job))
-    np.testing.assert_allclose(trail.curve.points(trail.via_at), job.via_points, atol=1e-6)
-    np.testing.assert_array_equal(trail.curve.control[[0, -1]], [job.start_point, job.goal_point])
+    candidate = polish(follow(job.places, 15, job), prepare(job))
+    np.testing.assert_allclose(candidate.curve.points(candidate.via_at), job.via_points, atol=1e-6)
+    np.testing.assert_array_equal(candidate.curve.control[[0, -1]], [job.start_point, job.goal_point])
 
 
 def test_a_part_is_polished_and_the_rest_stays(scenario: Make) -> None:
     ball = {"kind": "sphere", "name": "ball", "east": 50, "north": 5, "up": 20, "radius": 10}
     job = scenario(obstacles=[ball])
     rough = refine(bulging(job, 30.0, 0.0))
-    trail = polish(rough, prepare(job), part=slice(5, 9))
-    change = np.abs(trail.curve.control - rough.curve.control).max(axis=1)
+    candidate = polish(rough, prepare(job), part=slice(5, 9))
+    change = np.abs(candidate.curve.control - rough.curve.control).max(axis=1)
     assert (change[6:10] > 0).all()
     np.testing.assert_array_equal(np.delete(change, range(6, 10)), 0.0)
-    assert prepare(job).cost(trail) < prepare(job).cost(rough)
+    assert prepare(job).cost(candidate) < prepare(job).cost(rough)
 
 
 def test_it_never_makes_a_curve_dearer(town: Town) -> None:
@@ -98,6 +98,6 @@ def test_it_never_makes_a_curve_dearer(town: Town) -> None:
 def test_the_threat_is_kept_out_of_where_that_is_cheap(scenario: Make) -> None:
     ball = {"kind": "sphere", "name": "ball", "east": 50, "north": 3, "up": 20, "radius": 5}
     job = scenario(obstacles=[ball], vehicle=VEHICLE)
-    trail, _ = settle(refine(polish(bulging(job, -8.0, 0.0), prepare(job))), prepare(job))
-    assert curve_cost(trail.curve, job).threat == 0
-    assert job.airspace.obstacle_clearance(trail.curve.sample(1000)).distance == pytest.approx(5.5, abs=0.1)
+    candidate, _ = settle(refine(polish(bulging(job, -8.0, 0.0), prepare(job))), prepare(job))
+    assert curve_cost(candidate.curve, job).threat == 0
+    assert job.airspace.obstacle_clearance(candidate.curve.sample(1000)).distance == pytest.approx(5.5, abs=0.1)

@@ -65,13 +65,13 @@ def test_every_candidate_passes_the_via_points_in_order(scenario: Make, name: st
 
 def test_freedom_moves_everything_but_ends_and_via_points(scenario: Make) -> None:
     job = scenario(via=[(30, 40, 25), (60, -30, 30)])
-    trail = follow(job.places, 15, job)
-    free = null_space(trail, job)
+    candidate = follow(job.places, 15, job)
+    free = null_space(candidate, job)
     assert np.linalg.matrix_rank(free) == free.shape[1] == 13
     np.testing.assert_array_equal(free[[0, -1]], 0.0)
-    moved = trail.curve.control + free @ np.random.default_rng(2).normal(size=(13, 3))
-    assert np.abs(moved - trail.curve.control)[1:-1].min() > 0
-    again = pinned(type(trail)(type(trail.curve)(moved), trail.via_at), job)
+    moved = candidate.curve.control + free @ np.random.default_rng(2).normal(size=(13, 3))
+    assert np.abs(moved - candidate.curve.control)[1:-1].min() > 0
+    again = pinned(type(candidate)(type(candidate.curve)(moved), candidate.via_at), job)
     np.testing.assert_allclose(again.curve.control, moved, atol=1e-9)
 
 

@@ -1,6 +1,6 @@
 """The kernels in plain NumPy, name for name: slow, but to be read, and what the tests hold the kernels against.
 
-They ask the airspace itself where the kernels ask its chart.
+They ask the airspace itself where the kernels ask its grid.
 """
 
 from dataclasses import replace

@@ -11,7 +11,7 @@ from ipoa_mission.planning.spline import Spline
 from ipoa_mission.routing._corridor import fewest_legs
 from ipoa_mission.routing._hausdorff import farthest
 from ipoa_mission.routing.relax import _least_squares, relaxed
-from ipoa_mission.routing.resample import NOWHERE, corridor, deviation, every, stations
+from ipoa_mission.routing.resample import NO_PLACES, corridor, deviation, every, stations
 
 RNG = np.random.default_rng(4)
 CURVES = [Spline(np.cumsum(RNG.normal((12, 5, 0.5), (6, 9, 2), (n, 3)), axis=0)) for n in (4, 7, 10, 14, 20)]
@@ -110,18 +110,18 @@ def test_the_gentlest_line_beside_a_weak_weave_is_straight_and_round_a_corner_it
     aside = 1.5 * np.sin(along / 24)
     aside[[0, -1]] = 0.0
     weave = Spline(np.column_stack([along, aside, np.full(30, 40.0)]))
-    line = relaxed(weave, 3.0, NOWHERE)
+    line = relaxed(weave, 3.0, NO_PLACES)
     assert np.abs(line[:, 1]).max() < 0.05  # of 1.5
     leg = np.linspace(0.0, 150.0, 20)[:, None]
     corner = Spline(np.vstack([leg * (1, 0, 0), (150, 0, 0) + leg[1:] * (0, 1, 0)]))
     for room in (0.0, 2.0, 5.0):
-        line = relaxed(corner, room, NOWHERE)
+        line = relaxed(corner, room, NO_PLACES)
         apart = shapely.distance(shapely.LineString(corner.sample(3000)[:, :2]), shapely.points(line[:, :2]))
         assert apart.max() == pytest.approx(room, abs=0.05)
         np.testing.assert_allclose(line[[0, -1]], corner.control[[0, -1]], atol=1e-9)
     via = corner.points(np.array([0.5]))
     assert np.linalg.norm(relaxed(corner, 5.0, via) - via, axis=1).min() < 1e-9
-    waypoints = stations(line, 12.0, 40.0, NOWHERE)
+    waypoints = stations(line, 12.0, 40.0, NO_PLACES)
     steps = np.linalg.norm(np.diff(waypoints, axis=0), axis=1)
     assert steps[:-1].max() <= 12.0
     assert steps[-1] == pytest.approx(40.0, abs=0.1)

@@ -59,7 +59,7 @@ def kernels() -> Iterator[Kernel]:
     raster = Raster(0.0, 0.0, 1.0, 2, 2)
     lists, kinds = (_numbers(1, np.int32),) * 2, _numbers(1, np.int8)
     low_zones = _numbers(2)
-    chart = ObstacleGrid(
+    grid = ObstacleGrid(
         raster, *lists, _numbers(1), _numbers(2), kinds, _numbers(2), _numbers(2), raster, _numbers(2),
         _numbers(1), _numbers(1), 1.0, low_zones,
     )  # fmt: skip
@@ -68,9 +68,9 @@ def kernels() -> Iterator[Kernel]:
     soft, spans = Soft._make([1.0] * len(Soft._fields)), Spans(_numbers(1, np.int64), _numbers(3))
     clock = Clock(_numbers(1), _numbers(2), 1.0, 1.0)
     examples = {
-        "path_costs": (_numbers(3), chart, rules),
-        "survey": (_numbers(2), chart, rules),
-        "path_model": (_numbers(2), spans, 1, chart, rules, soft, 1.0, _numbers(2)),
+        "path_costs": (_numbers(3), grid, rules),
+        "survey": (_numbers(2), grid, rules),
+        "path_model": (_numbers(2), spans, 1, grid, rules, soft, 1.0, _numbers(2)),
         "solve_banded": (_numbers(2), _numbers(1)),
         "extreme": (_numbers(2), (1.0,) * 7, 1.0, _numbers(2), True, 1.0),
         "farthest": (_numbers(2), _numbers(2)),
@@ -81,7 +81,7 @@ def kernels() -> Iterator[Kernel]:
         "straight_ways": (_numbers(2),) * 3,
         "ways_between": (clock, *(_numbers(2),) * 5, 1.0),
         "search_order": (_numbers(1, np.int64), _numbers(2), _numbers(1), 0),
-        "spread": (nodes, _numbers(2, np.int64), _numbers(1), True, 0, chart, rules),
+        "spread": (nodes, _numbers(2, np.int64), _numbers(1), True, 0, grid, rules),
     }
     for name, arguments in examples.items():
         module = f"ipoa_mission.{MODULES[name]}"

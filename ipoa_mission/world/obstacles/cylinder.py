@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.obstacles.nearest import derivative, foot, least, levels, roots, straightened, upright_distance
-from ipoa_mission.world.obstacles.obstacle import CYLINDER, NO_EDGES, ChartRow, Column, Part, expect_positive
+from ipoa_mission.world.obstacles.obstacle import CYLINDER, NO_EDGES, Column, GridRow, Part, expect_positive
 from ipoa_mission.world.polygon import Plane, circle, quadratic_roots
 
 TOUCHING = 1e-9  # relative lateral tolerance within which a leg may be inside
@@ -106,8 +106,8 @@ class Cylinder(Part):
     def plan_radius(self) -> float:
         return self.radius
 
-    def chart_row(self) -> ChartRow:
-        return ChartRow(CYLINDER, (self.east, self.north, self.radius, self.base, self.top), NO_EDGES)
+    def grid_row(self) -> GridRow:
+        return GridRow(CYLINDER, (self.east, self.north, self.radius, self.base, self.top), NO_EDGES)
 
     def page_shape(self) -> dict[str, Any]:
         return {"rings": self.outline(), "base": self.base, "top": self.top, "round": True}

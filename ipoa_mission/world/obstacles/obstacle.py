@@ -67,17 +67,16 @@ class Obstacle(ABC):
 
     @property
     def convex(self) -> bool:
-        """Whether it is surely convex; then the distance along a straight leg is convex."""
+        """Return whether it is surely convex; then the distance along a straight leg is convex."""
         return False
 
     @property
     def solid(self) -> bool:
-        """Whether it is a solid body; a zone is forbidden air."""
+        """Return whether it is a solid body; a zone is forbidden air."""
         return True
 
     @property
     def column(self) -> Column | None:
-        """Return it as an upright body, if it is one."""
         return None
 
     @property
@@ -123,7 +122,7 @@ class Obstacle(ABC):
         return _rectangle(self.bounds[:, [axis, 2]])
 
 
-class ChartRow(NamedTuple):
+class GridRow(NamedTuple):
     """An elementary body for the planner's kernels; `planning.obstacle_grid.ObstacleGrid` defines the numbers.
 
     With `edges` (m, 4) of east, north, east, north, the first two numbers are replaced by their indices in the grid.
@@ -147,7 +146,7 @@ class Part(Obstacle):
         """Return the radius [m] of a circle around its outline, about the middle of its box."""
 
     @abstractmethod
-    def chart_row(self) -> ChartRow:
+    def grid_row(self) -> GridRow:
         """Return its row for the planner's kernels."""
 
     @abstractmethod

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.obstacles.nearest import least, straightened, upright_distance
-from ipoa_mission.world.obstacles.obstacle import PRISM, ChartRow, Column, Part, expect_positive
+from ipoa_mission.world.obstacles.obstacle import PRISM, Column, GridRow, Part, expect_positive
 from ipoa_mission.world.polygon import Plane, Polygon, Ring, rings_of
 
 TOUCHING = 1e-6  # below this distance a leg may be inside, and only walls may have been tried [m]
@@ -46,7 +46,6 @@ class Prism(Part):
 
     @cached_property
     def footprint(self) -> Polygon:
-        """Return the ground plan."""
         try:
             return Polygon(self.outer, self.holes)
         except BadInput as error:
@@ -94,13 +93,12 @@ class Prism(Part):
 
     @property
     def plan_radius(self) -> float:
-        """Return half the diagonal of its box."""
         lower, upper = self.bounds
         return float(np.hypot(*(upper - lower)[:2])) / 2
 
-    def chart_row(self) -> ChartRow:
+    def grid_row(self) -> GridRow:
         edges = np.hstack([self.footprint.starts, self.footprint.ends])
-        return ChartRow(PRISM, (0.0, 0.0, 0.0, self.base, self.top), edges)
+        return GridRow(PRISM, (0.0, 0.0, 0.0, self.base, self.top), edges)
 
     def page_shape(self) -> dict[str, Any]:
         return {"rings": self.outline(), "base": self.base, "top": self.top, "round": False}
@@ -115,6 +113,5 @@ class Zone(Prism):
 
 
 def box(name: str, lower: tuple[float, float, float], upper: tuple[float, float, float]) -> Prism:
-    """Return an axis-aligned box as a prism."""
     (e0, n0, base), (e1, n1, top) = lower, upper
     return Prism(name, ((e0, n0), (e1, n0), (e1, n1), (e0, n1)), (), base, top)

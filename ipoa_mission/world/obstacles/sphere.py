@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.world.obstacles.nearest import foot, least, straightened
-from ipoa_mission.world.obstacles.obstacle import NO_EDGES, SPHERE, ChartRow, Part, Passing, expect_positive
+from ipoa_mission.world.obstacles.obstacle import NO_EDGES, SPHERE, GridRow, Part, Passing, expect_positive
 from ipoa_mission.world.polygon import Plane, circle
 
 
@@ -90,10 +90,9 @@ class Sphere(Part):
     def plan_radius(self) -> float:
         return self.radius
 
-    def chart_row(self) -> ChartRow:
+    def grid_row(self) -> GridRow:
         east, north, up = self.center
-        return ChartRow(SPHERE, (east, north, up, self.radius, 0.0), NO_EDGES)
+        return GridRow(SPHERE, (east, north, up, self.radius, 0.0), NO_EDGES)
 
     def page_shape(self) -> dict[str, Any]:
-        """-"""
         return {"center": np.array(self.center), "radius": self.radius}

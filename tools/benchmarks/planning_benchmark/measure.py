@@ -117,9 +117,9 @@ def _referred(work: Work, part: str, maps: tuple[str, ...]) -> Iterator[Row]:
         scenario, started = _scenario(map_), time.process_time()
         given = [plan_path(scenario, seed=100 + k).curve.sample(200) for k in range(2)]
         given += [found[1] for found in best_paths("BIT*", scenario, (2.0,)) if found is not None]
-        cost, trail = reference(scenario, 1, work.starts, given)
+        cost, candidate = reference(scenario, 1, work.starts, given)
         spent = time.process_time() - started
-        yield row(map_, "reference", "", 1, cost, trail.curve.length, True, spent)
+        yield row(map_, "reference", "", 1, cost, candidate.curve.length, True, spent)
 
 
 def _scenario(name: str) -> Scenario:

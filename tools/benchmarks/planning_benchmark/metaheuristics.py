@@ -59,7 +59,7 @@ def _as_json(problem: PreparedProblem) -> dict[str, object]:
     scenario, rules = problem.task, problem.rules
     terrain = scenario.airspace.terrain
     assert isinstance(terrain, Analytic)
-    rows = [part.chart_row() for body in scenario.airspace.obstacles for part in body.parts]
+    rows = [part.grid_row() for body in scenario.airspace.obstacles for part in body.parts]
     land: dict[str, object] = {name: getattr(terrain, name) for name in ("a", "b", "c", "d", "e", "f", "g", "base")}
     return {
         "start": scenario.places[0].tolist(),

@@ -15,7 +15,7 @@ import numpy as np
 from ompl import base, geometric, util
 
 from ipoa_mission.geometry import Points, Vector
-from ipoa_mission.planning.cost import FINE, path_cost
+from ipoa_mission.planning.cost import COST_STEP, path_cost
 from ipoa_mission.planning.problem import PreparedProblem, prepare
 from ipoa_mission.planning.proof import prove
 from ipoa_mission.scenario import Scenario
@@ -50,7 +50,7 @@ def polyline_cost(points: Points, scenario: Scenario) -> float:
     """The composite cost of a polyline, its corners and all: nodes every few centimetres, as for a curve."""
     legs = np.linalg.norm(np.diff(points, axis=0), axis=1)
     traveled = np.concatenate([[0.0], np.cumsum(legs)])
-    at = np.union1d(traveled, np.linspace(0.0, traveled[-1], int(np.clip(traveled[-1] / FINE, 1000, 8000))))
+    at = np.union1d(traveled, np.linspace(0.0, traveled[-1], int(np.clip(traveled[-1] / COST_STEP, 1000, 8000))))
     nodes = np.column_stack([np.interp(at, traveled, points[:, k]) for k in range(3)])
     return path_cost(nodes, scenario).total
 
@@ -111,8 +111,8 @@ def _space(problem: PreparedProblem, inflation: float) -> Any:
     euclidean = base.RealVectorStateSpace(3)
     box = base.RealVectorBounds(3)
     for k in range(3):
-        box.setLow(k, float(problem.chart.lower[k]))
-        box.setHigh(k, float(problem.chart.upper[k]))
+        box.setLow(k, float(problem.grid.lower[k]))
+        box.setHigh(k, float(problem.grid.upper[k]))
     euclidean.setBounds(box)
     space = base.SpaceInformation(euclidean)
 

@@ -18,7 +18,7 @@ from ipoa_mission.geometry import Points, polyline_length
 from ipoa_mission.optimize.search import Candidates, Costs
 from ipoa_mission.planning.cost import curve_cost
 from ipoa_mission.planning.lattice import lay, ways
-from ipoa_mission.planning.polish import HARDEST, SHARPEST, polish, settle
+from ipoa_mission.planning.polish import STAGE_5, STAGE_6, polish, settle
 from ipoa_mission.planning.problem import Candidate, Encoding, PreparedProblem, follow, prepare, refine, surround
 from ipoa_mission.planning.proof import prove_curve
 from ipoa_mission.scenario import Scenario
@@ -32,8 +32,8 @@ SHAKEN = 0.25  # standard deviation of the logarithm of a shaken price
 APART = 0.02  # of the length: starts that are nearer to each other than this are one
 KEPT = 4
 #: Stages that go on where the planner's polish ends: hardly anything is rounded off.
-CLOSER = SHARPEST._replace(reach=0.01, wall=3e-5, stiffness=1e6)
-SHARP = (HARDEST, SHARPEST, CLOSER, CLOSER._replace(reach=0.003, wall=3e-6))
+CLOSER = STAGE_6._replace(reach=0.01, wall=3e-5, stiffness=1e6)
+SHARP = (STAGE_5, STAGE_6, CLOSER, CLOSER._replace(reach=0.003, wall=3e-6))
 
 
 def reference(scenario: Scenario, seed: int, starts: int, given: list[Points]) -> tuple[float, Candidate]:
@@ -48,8 +48,8 @@ def reference(scenario: Scenario, seed: int, starts: int, given: list[Points]) -
         rough += _search(problem, guide, min(inner, 60), rng)
     rough += [polish(follow(guide, min(4 * INNER[1], 60), scenario), problem) for guide in given]
     rough.sort(key=problem.cost)
-    found = [_finish(trail, problem, rng) for trail in _distinct(rough)[:KEPT]]
-    proved = [(cost, trail) for cost, trail in found if prove_curve(trail.curve, scenario).holds]
+    found = [_finish(candidate, problem, rng) for candidate in _distinct(rough)[:KEPT]]
+    proved = [(cost, candidate) for cost, candidate in found if prove_curve(candidate.curve, scenario).holds]
     return min(proved, key=lambda each: each[0])
 
 
@@ -72,15 +72,15 @@ def _guides(problem: PreparedProblem, count: int, rng: np.random.Generator) -> I
 
 
 def _search(problem: PreparedProblem, guide: Points, inner: int, rng: np.random.Generator) -> list[Candidate]:
-    trail = follow(guide, inner, problem.task)
-    encoding = surround("sine", trail, 0.25 * polyline_length(guide), problem.task)
-    sought = Candidate(encoding.curve(_cma(problem.costs(encoding), encoding, 0.03, 4000, rng)), trail.via_at)
-    return [polish(each, problem) for each in (trail, sought)]
+    candidate = follow(guide, inner, problem.task)
+    encoding = surround("sine", candidate, 0.25 * polyline_length(guide), problem.task)
+    sought = Candidate(encoding.curve(_cma(problem.costs(encoding), encoding, 0.03, 4000, rng)), candidate.via_at)
+    return [polish(each, problem) for each in (candidate, sought)]
 
 
-def _finish(trail: Candidate, problem: PreparedProblem, rng: np.random.Generator) -> tuple[float, Candidate]:
+def _finish(candidate: Candidate, problem: PreparedProblem, rng: np.random.Generator) -> tuple[float, Candidate]:
     """Settled, sharpened and twice doubled, every control point varied once; the best proved curve on the way."""
-    found = [settle(trail, problem)[0]]
+    found = [settle(candidate, problem)[0]]
     found.append(_vary(found[0], problem, rng))
     for start in found[:2]:
         sharp = start
@@ -92,12 +92,12 @@ def _finish(trail: Candidate, problem: PreparedProblem, rng: np.random.Generator
             sharp = refine(sharp)
     proved = [each for each in found if prove_curve(each.curve, problem.task).holds]
     costs = [curve_cost(each.curve, problem.task).total for each in proved]
-    return min(zip(costs, proved, strict=True), key=lambda each: each[0], default=(np.inf, trail))
+    return min(zip(costs, proved, strict=True), key=lambda each: each[0], default=(np.inf, candidate))
 
 
-def _vary(trail: Candidate, problem: PreparedProblem, rng: np.random.Generator) -> Candidate:
-    encoding = surround("chord", trail, 1.0, problem.task)
-    return Candidate(encoding.curve(_cma(problem.costs(encoding), encoding, 0.01, 10_000, rng)), trail.via_at)
+def _vary(candidate: Candidate, problem: PreparedProblem, rng: np.random.Generator) -> Candidate:
+    encoding = surround("chord", candidate, 1.0, problem.task)
+    return Candidate(encoding.curve(_cma(problem.costs(encoding), encoding, 0.01, 10_000, rng)), candidate.via_at)
 
 
 def _cma(
@@ -120,12 +120,12 @@ def _cma(
     return best
 
 
-def _distinct(trails: list[Candidate]) -> list[Candidate]:
+def _distinct(candidates: list[Candidate]) -> list[Candidate]:
     kept: list[Candidate] = []
-    for trail in trails:
-        points = trail.curve.sample(50)
-        if all(_gap(points, other.curve.sample(50)) > APART / 4 * trail.curve.length for other in kept):
-            kept.append(trail)
+    for candidate in candidates:
+        points = candidate.curve.sample(50)
+        if all(_gap(points, other.curve.sample(50)) > APART / 4 * candidate.curve.length for other in kept):
+            kept.append(candidate)
     return kept
 
 
