@@ -65,7 +65,7 @@ def make_folder(path: Path) -> None:
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise Unwritable(f"cannot become a folder: {error.strerror}", place=path) from error
+        raise Unwritable(f"this folder cannot be created: {error.strerror}", place=path) from error
 
 
 @contextmanager

@@ -25,8 +25,8 @@ NODES_PER_SPAN = 8  # least number, and that of a rough polish
 EARLY_GAIN = 1e-5  # relative gain below which a step ends an early stage
 ATTEMPTS = 6
 BAND = 14  # least index distance without a common term: a term depends on five control points
-HOPELESS = {"m": -1.0, "deg": -10.0}  # slack that more clearance, or a flatter climb, does not mend
-FELT_AWAY = 8  # reach of a change in control points, with via points
+HOPELESS_SLACK = {"m": -1.0, "deg": -10.0}  # slack that more clearance, or a flatter climb, does not mend
+CHANGE_REACH = 8  # reach of a change in control points, with via points
 SURE_SIGN = 0.9  # greatest confidence in an angle's sign
 STAGE_1 = Soft(bend=0.02, reach=0.5, wall=0.3, stiffness=10.0, evenness=0.05, aside=0.0, above=0.0, flatter=0.0)
 STAGE_2 = STAGE_1._replace(bend=5e-3, reach=0.3, wall=0.1, stiffness=30.0, aside=0.01, above=0.01)
@@ -100,7 +100,7 @@ def _hopeless(check: Check, problem: PreparedProblem) -> float:
     Over steep ground a curve may cut more between two nodes, which is usual with limited climbs.
     """
     ground = check.limit == "ground" and problem.climbs_limited
-    return HOPELESS[check.unit] * (1 + problem.task.airspace.terrain.steepness if ground else 1)
+    return HOPELESS_SLACK[check.unit] * (1 + problem.task.airspace.terrain.steepness if ground else 1)
 
 
 _REMEDY = {
@@ -148,7 +148,7 @@ class _Bench:
 def _prepare(candidate: Candidate, problem: PreparedProblem, part: slice, nodes: int) -> _Bench:
     n = len(candidate.curve.control)
     varied = np.arange(1, n - 1)[part]
-    low, high = max(int(varied[0]) - FELT_AWAY, 0), min(int(varied[-1]) + FELT_AWAY + 1, n)
+    low, high = max(int(varied[0]) - CHANGE_REACH, 0), min(int(varied[-1]) + CHANGE_REACH + 1, n)
     first, window = _windows(n, nodes)
     seen = slice(*np.searchsorted(first, (low, high - 4)))
     spans = Spans(first[seen] - low, np.ascontiguousarray(window[:, :, seen]))

@@ -69,7 +69,7 @@ def split_flight(whole: Forecast) -> tuple[Forecast, ...]:
     """
     budget = budget_of(whole)
     if budget is None or budget.battery is None:
-        words = "expected one, and an airframe or a learned vehicle, to split a mission by"
+        words = "expected a battery, and an airframe or a learned vehicle, to split a mission"
         raise BadInput(words, code="battery-missing", place="vehicle.battery")
     if budget.refusal is None:
         return (whole,)
@@ -81,7 +81,7 @@ def split_flight(whole: Forecast) -> tuple[Forecast, ...]:
     return tuple(flights)
 
 
-def most(fits: Callable[[int], bool], count: int, guess: int = 1) -> int:
+def greatest_fitting(fits: Callable[[int], bool], count: int, guess: int = 1) -> int:
     """Return the greatest number up to `count` that fits, 0 if 1 does not; quick if `guess` is near.
 
     Energy grows with the part of the mission flown before the return. Flights that each fly as much as they can are
@@ -107,7 +107,7 @@ class _Parts:
         items = self.mission.items
         begins = [n for n, item in enumerate(items) if item.command in TAKEOFFS]
         if len(begins) != 1 or any(item.command in JUMPS for item in items):
-            words = "expected one take-off, and no jumps or arcs, in a mission that is split"
+            words = "expected one take-off and no jumps or arcs in a mission to split"
             raise MissionError(words, code="not-split")
         self.start = begins[0] + 1
         self.turns = [n for n in range(self.start, len(items)) if items[n].command in TURNS and items[n].has_position]
@@ -124,7 +124,7 @@ class _Parts:
             straight[begin + waypoints] = flight = self.part(begin, begin + waypoints)
             return refusal_of(flight) is None
 
-        reached = begin + most(fits, self.last - begin, guess)
+        reached = begin + greatest_fitting(fits, self.last - begin, guess)
         if reached == begin:
             short = refusal_of(straight[begin + 1])
             assert short is not None

@@ -111,7 +111,7 @@ def _pass(route: Route, n: int, place: Geodetic, height: float, usual: WaypointD
 def _prove_departure(start: Vector, scenario: Scenario) -> None:
     proof = prove(np.array([[0.0, 0.0, start[2]], start]), scenario)
     if not proof.holds:
-        words = f"the straight way to it from over home: {proof.words()}"
+        words = f"the straight way from over home to it: {proof.words()}"
         hint = "begin over home and name this place under via: then the way to it is planned too"
         raise NoRoute(words, hint=hint, code="start-not-reached", place="start")
 

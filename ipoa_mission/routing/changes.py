@@ -8,13 +8,13 @@ from ipoa_mission.errors import Remedy
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.scenario import Scenario
 
-SLOWER = (0.5, 0.25)  # of the cruise speed
-SLOWEST = 0.5  # lowest cruise speed that is tried [m/s]
-LESS_SURE = (0.9,)
+SPEED_SHARES = (0.5, 0.25)  # of the cruise speed
+LEAST_SPEED = 0.5  # lowest cruise speed that is tried [m/s]
+LOWER_CONFIDENCES = (0.9,)
 
 
 @dataclass(frozen=True, eq=False)
-class Looks:
+class ChangeTrials:
     """Plans of a scenario with each change; `planned` returns None for a scenario without a valid plan."""
 
     scenario: Scenario
@@ -32,8 +32,8 @@ class Looks:
 
 
 def slower(scenario: Scenario) -> Iterator[tuple[Remedy, Scenario]]:
-    for share in SLOWER:
-        speed = max(round(share * scenario.vehicle.cruise_speed, 1), SLOWEST)
+    for share in SPEED_SHARES:
+        speed = max(round(share * scenario.vehicle.cruise_speed, 1), LEAST_SPEED)
         vehicle = scenario.vehicle.model_copy(update={"cruise_speed": speed})
         yield Remedy(("vehicle", "cruise_speed"), speed), scenario.model_copy(update={"vehicle": vehicle})
 
@@ -42,7 +42,7 @@ def _otherwise(scenario: Scenario) -> Iterator[tuple[Remedy, Scenario]]:
     if scenario.route.mode != "fastest":
         route = scenario.route.model_copy(update={"mode": "fastest"})
         yield Remedy(("route", "mode"), "fastest"), scenario.model_copy(update={"route": route})
-    for confidence in LESS_SURE:
+    for confidence in LOWER_CONFIDENCES:
         if scenario.safety.confidence != "nominal" and scenario.safety.confidence > confidence:
             safety = scenario.safety.model_copy(update={"confidence": confidence})
             yield Remedy(("safety", "confidence"), confidence), scenario.model_copy(update={"safety": safety})

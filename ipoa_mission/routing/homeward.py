@@ -47,4 +47,4 @@ def leads_home(scenario: Scenario) -> bool:
 
 def planned_way_home(scenario: Scenario, asked: Scenario) -> Iterator[str]:
     if leads_home(scenario) and not leads_home(asked):
-        yield "the way home is planned as the way out is, by way of the goal: the straight one is not clear"
+        yield "the way home is planned by way of the goal, because the straight one is not clear"

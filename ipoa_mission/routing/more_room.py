@@ -113,13 +113,13 @@ def _growth(spots: np.ndarray, name: str, missing: float, scenario: Scenario) ->
     return np.where(away <= nearest + missing + NEAREST_MARGIN, np.maximum(away + missing - required, 0.0), 0.0)
 
 
-def a_little(scenario: Scenario) -> Needs:
+def approximation_needs(scenario: Scenario) -> Needs:
     """Return the needs of the predicted path alone: straight legs approximate it."""
-    none = nothing(scenario)
+    none = initial_needs(scenario)
     return replace(none, growth=none.growth + 2 * GROWTH_MARGIN, above=2 * GROWTH_MARGIN)
 
 
-def nothing(scenario: Scenario) -> Needs:
+def initial_needs(scenario: Scenario) -> Needs:
     """Return no needs, or zero-width towers if the vehicle may land by choice and returns are planned."""
     none, vehicle = np.full(len(scenario.airspace.obstacles), -1.0), scenario.vehicle
     failsafes = vehicle.autopilot.failsafes(vehicle.autopilot_parameters(), vehicle.version)

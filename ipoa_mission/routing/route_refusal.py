@@ -7,7 +7,7 @@ from ipoa_mission.errors import Remedy
 from ipoa_mission.forecast.deviation.promise import Kept
 from ipoa_mission.planning.obstruction import NoPath
 from ipoa_mission.routing.attempt import Attempt
-from ipoa_mission.routing.changes import Looks
+from ipoa_mission.routing.changes import ChangeTrials
 from ipoa_mission.routing.narrow import Narrow
 from ipoa_mission.routing.planned_returns import or_else, why_not_planned
 from ipoa_mission.scenario.path_limits import place_names
@@ -17,12 +17,12 @@ from ipoa_mission.world.obstacles import Obstacle
 OPPOSITE = -0.5  # greatest cosine between the directions to the two sides of a gap
 
 
-def refusal(nearest: Attempt, assessments: Looks) -> NoPath:
-    """Return the error for the attempt nearest to the limits; `assessments` tries changed scenarios."""
+def refusal(nearest: Attempt, trials: ChangeTrials) -> NoPath:
+    """Return the error for the attempt nearest to the limits; `trials` tries changed scenarios."""
     promise = nearest.promise
     if nearest.short:
-        helps, hint, remedies = _try_changes("", assessments)
-        words = f"a path is there, but {why_not_planned(nearest.forecast)}; {helps}"
+        helps, hint, remedies = _try_changes("", trials)
+        words = f"a path exists, but {why_not_planned(nearest.forecast)}; {helps}"
         return NoPath(words, hint=f"{hint}; {or_else(nearest.forecast)}", remedies=remedies)
     tightest = min(promise.forbidding, key=lambda kept: kept.slack)
     east, north, height = tightest.place
@@ -31,20 +31,20 @@ def refusal(nearest: Attempt, assessments: Looks) -> NoPath:
         words = _gap(tightest, nearest.scenario.airspace)
     else:
         words = f"{tightest.to}, where {tightest.words(promise.confidence)}"
-    return _with_help(f"{words}, {where}", ", or a via point that leads round", assessments)
+    return _with_help(f"{words}, {where}", ", or a via point that leads round", trials)
 
 
-def narrow_refusal(narrow: Narrow, assessments: Looks) -> NoPath:
-    return _with_help(narrow.words(), "", assessments)
+def narrow_refusal(narrow: Narrow, trials: ChangeTrials) -> NoPath:
+    return _with_help(narrow.words(), "", trials)
 
 
-def _with_help(words: str, round_it: str, assessments: Looks) -> NoPath:
-    who, chance = f"on {assessments.scenario.vehicle.autopilot}", assessments.scenario.safety.chance
+def _with_help(words: str, round_it: str, trials: ChangeTrials) -> NoPath:
+    who, chance = f"on {trials.scenario.vehicle.autopilot}", trials.scenario.safety.chance
     if chance is None:
-        why = f"a path is there, but {who} it would not be kept to"
+        why = f"a path exists, but flights {who} would leave it"
     else:
-        why = f"a path is there, but {100 * (1 - chance):g} % of flights {who} would not keep it"
-    helps, hint, remedies = _try_changes(round_it, assessments)
+        why = f"a path exists, but {100 * (1 - chance):g} % of flights {who} would not keep it"
+    helps, hint, remedies = _try_changes(round_it, trials)
     return NoPath(f"{why}: {words}; {helps}", hint=hint, remedies=remedies)
 
 
@@ -93,18 +93,18 @@ def _across(spot: np.ndarray, name: str, needed: float, airspace: Airspace) -> t
     return best, found
 
 
-def _try_changes(round_it: str, assessments: Looks) -> tuple[str, str, tuple[Remedy, ...]]:
+def _try_changes(round_it: str, trials: ChangeTrials) -> tuple[str, str, tuple[Remedy, ...]]:
     """Try changes of the scenario in turn; return a description, a hint and the change that helps."""
     tried = list[Remedy]()
-    for change in assessments.changes:
-        if (found := assessments.at(change)) is None:
+    for change in trials.changes:
+        if (found := trials.at(change)) is None:
             tried.append(change)
             continue
         kept = found.promise.clearance
         with_it = "" if kept is None else f" with {down(kept.kept):.2f} m kept"
         return f"{change} plans it{with_it}", f"{change}, which was tried; or leave a wider way", (change,)
     return (
-        f"no change helped of {', '.join(map(str, tried))}",
+        f"these changes did not help: {', '.join(map(str, tried))}",
         f"leave a wider way there, or a smaller safety_distance{round_it}",
         (),
     )

@@ -17,9 +17,9 @@ from ipoa_mission.planning.planner import NoPath, move_aside, plan_path
 from ipoa_mission.progress import Progress, silent
 from ipoa_mission.routing.assemble import best_route, expect_mode
 from ipoa_mission.routing.attempt import Attempt
-from ipoa_mission.routing.changes import Looks
+from ipoa_mission.routing.changes import ChangeTrials
 from ipoa_mission.routing.homeward import WayHomeBlocked, by_way_of_the_goal, expect_way_home
-from ipoa_mission.routing.more_room import Needs, a_little, nothing
+from ipoa_mission.routing.more_room import Needs, approximation_needs, initial_needs
 from ipoa_mission.routing.narrow import TooNarrow, expect_wide
 from ipoa_mission.routing.route_refusal import narrow_refusal, refusal
 from ipoa_mission.routing.slower import slowed_where_needed
@@ -65,15 +65,15 @@ def plan_with_room(scenario: Scenario, seed: int, progress: Progress) -> Attempt
 
 def _plan(scenario: Scenario, seed: int, progress: Progress) -> Attempt:
     """Plan; raise WayHomeBlocked in addition to the errors of `plan_with_room`."""
-    assessments = Looks(scenario, lambda changed: _plan_once(changed, seed))
+    trials = ChangeTrials(scenario, lambda changed: _plan_once(changed, seed))
     try:
         return seek(scenario, seed, progress)
     except TooNear as error:
-        if (slowed := slowed_where_needed(error.nearest, assessments)) is not None:
+        if (slowed := slowed_where_needed(error.nearest, trials)) is not None:
             return slowed
-        raise refusal(error.nearest, assessments) from None
+        raise refusal(error.nearest, trials) from None
     except TooNarrow as error:
-        raise narrow_refusal(error.narrow, assessments) from None
+        raise narrow_refusal(error.narrow, trials) from None
 
 
 def _plan_once(scenario: Scenario, seed: int) -> Attempt | None:
@@ -96,7 +96,7 @@ def seek(scenario: Scenario, seed: int, progress: Progress, plans: int = MAX_SEA
     tries = ((number, room) for number in range(seed, seed + SEED_COUNT) for room in _rooms(scenario))
     for number, room in islice(tries, plans):
         try:
-            attempt = _made_safe(plan_path(room.world, seed=number, progress=progress), room, scenario)
+            attempt = _move_until_safe(plan_path(room.world, seed=number, progress=progress), room, scenario)
         except NoPath as error:
             room.closed = True
             if room.world is scenario and not isinstance(error, NotFound):
@@ -139,10 +139,10 @@ def _rooms(scenario: Scenario) -> Iterator[_Room]:
 
 
 def _first_rooms(scenario: Scenario) -> Iterator[_Room]:
-    none, sought, closed = nothing(scenario), list[tuple[tuple[Obstacle, ...], float]](), False
+    none, sought, closed = initial_needs(scenario), list[tuple[tuple[Obstacle, ...], float]](), False
     if scenario.safety.chance is None:
         if not _as_printed(scenario):
-            little = a_little(scenario)
+            little = approximation_needs(scenario)
             yield _Room(little.room(scenario, scenario, gaps=True), little)
     else:
         for tight, keep_gaps, share in ROOMS:
@@ -161,7 +161,7 @@ def _as_printed(scenario: Scenario) -> bool:
     return scenario.planning.planner == "paper" or not scenario.planning.polish
 
 
-def _made_safe(plan: Plan, room: _Room, scenario: Scenario) -> Attempt:
+def _move_until_safe(plan: Plan, room: _Room, scenario: Scenario) -> Attempt:
     """Return the best attempt after moving the plan aside while too few flights along it keep the limits.
 
     Only a few quick routes of the scenario's mode are assessed first. The needs are recorded in `room`.

@@ -16,19 +16,19 @@ from ipoa_mission.mission.commands import Command
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.routing.attempt import Attempt
 from ipoa_mission.routing.build import items_of_waypoints
-from ipoa_mission.routing.changes import Looks, slower
+from ipoa_mission.routing.changes import ChangeTrials, slower
 
 ROUNDS = 20  # of adding slow legs, at most
 
 
-def slowed_where_needed(nearest: Attempt, assessments: Looks) -> Attempt | None:
+def slowed_where_needed(nearest: Attempt, trials: ChangeTrials) -> Attempt | None:
     """Return an attempt that holds with some legs flown slower, from the nearest attempt or one at a lower speed."""
-    changes = dict(slower(assessments.scenario))
+    changes = dict(slower(trials.scenario))
     speeds = [changed.vehicle.cruise_speed for changed in changes.values()]
-    speeds = [speed for speed in speeds if speed < assessments.scenario.vehicle.cruise_speed]
-    for found in chain([nearest], map(assessments.at, changes)):
+    speeds = [speed for speed in speeds if speed < trials.scenario.vehicle.cruise_speed]
+    for found in chain([nearest], map(trials.at, changes)):
         if found is not None:
-            here = replace(found, scenario=assessments.scenario)
+            here = replace(found, scenario=trials.scenario)
             slowed = [attempt for speed in speeds if (attempt := _slowed(here, speed)) is not None]
             if slowed:
                 return min(slowed, key=lambda attempt: attempt.forecast.estimate.total_s)

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from ipoa_mission.geometry import polyline_length
-from ipoa_mission.routing.battery_split import most
+from ipoa_mission.routing.battery_split import greatest_fitting
 from ipoa_mission.survey.tour import Swath, Tour
 
 MAX_PIECES = 64  # of one line
@@ -29,7 +29,7 @@ def fewest_parts(tour: Tour, fits: Fits, overlap: float, guess: int = 1) -> tupl
     parts, ahead = list[Tour](), tour
     while ahead.swaths:
         before = len(parts[-1].swaths) if parts else guess
-        count = most(lambda n, ahead=ahead: fits(part_of(ahead, 0, n)), len(ahead.swaths), before)  # type: ignore[misc]
+        count = greatest_fitting(lambda n, ahead=ahead: fits(part_of(ahead, 0, n)), len(ahead.swaths), before)  # type: ignore[misc]
         if count == 0:
             cut = first_cut(ahead, fits, overlap)
             if cut is None:

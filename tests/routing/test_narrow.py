@@ -80,7 +80,7 @@ def test_a_gap_that_no_flight_fits_is_named_with_its_leg_before_anything_is_soug
     words = str(refused.value)
     assert "the gap between left and right is 5.60 m wide, and it needs 7.14 m at least" in words
     assert "on the leg from via[0] to goal" in words
-    assert "no change helped of vehicle.cruise_speed" in words
+    assert "these changes did not help: vehicle.cruise_speed" in words
     assert refused.value.hint == "leave a wider way there, or a smaller safety_distance"
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from ipoa_mission import MissionError, Scenario, plan_flight
 from ipoa_mission.errors import Remedy
 from ipoa_mission.planning.sketch import sketch_path
-from ipoa_mission.routing.changes import Looks
+from ipoa_mission.routing.changes import ChangeTrials
 from ipoa_mission.scenario.scenario_file import parse_scenario, parse_toml
 from ipoa_mission.studio.edits import changed
 from ipoa_mission.studio.refused import refused
@@ -39,7 +39,7 @@ def test_a_place_that_is_too_low_is_offered_a_height_at_which_it_can_be() -> Non
 def test_a_change_that_was_tried_is_offered() -> None:
     text = MEADOW.read_text()
     scenario = parse_scenario(text, MEADOW)
-    looks = Looks(scenario, lambda other: None)
+    looks = ChangeTrials(scenario, lambda other: None)
     for change, meant in looks.changes.items():
         (remedy,) = refused(MissionError("a path is there", remedies=(change,)), scenario, 1).remedies
         assert parse_scenario(changed(text, remedy.changes), MEADOW) == meant
