@@ -41,7 +41,7 @@ class Box:
         return len(self.lower)
 
     def sample(self, n: int, rng: np.random.Generator) -> Candidates:
-        """Return `n` uniformly drawn candidates (n, D): the paper's eq. (13)."""
+        """Draw `n` uniform candidates (n, D) from `rng`: the paper's eq. (13)."""
         return self.lower + rng.random((n, self.dimension)) * (self.upper - self.lower)
 
     def clip(self, x: Candidates) -> Candidates:
@@ -63,7 +63,7 @@ class Optimizer(Protocol):
     """
 
     def search(self, box: Box, rng: np.random.Generator) -> Search:
-        """Yield candidates (n, D) and receive their costs (n,), until the algorithm's own iterations are done."""
+        """Yield candidates (n, D) in `box` and receive their costs (n,), until done; `rng` is the source of randomness."""
         ...
 
 

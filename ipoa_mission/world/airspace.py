@@ -81,7 +81,7 @@ class Bounds:
         return np.asarray(np.hstack([points - np.asarray(self.lower), np.asarray(self.upper) - points]).min(axis=1))
 
     def leg_margin(self, a: Vector, b: Vector) -> Clearance:
-        """Return the least margin of the straight leg from a to b, (3,) each [m], negative outside, and its place."""
+        """Return the least margin of the straight leg from `a` to `b`, (3,) each [m], negative outside, and its place."""
         fractions, b = np.array([0.0, 1.0]), straightened(a, b)
         if self.footprint is not None:
             inner = (
@@ -150,14 +150,14 @@ class Airspace:
         return least
 
     def leg_clearance(self, a: Vector, b: Vector) -> Clearance:
-        """Return the least clearance of the leg from a to b, (3,) each [m], over ground and obstacles."""
+        """Return the least clearance of the leg from `a` to `b`, (3,) each [m], over ground and obstacles."""
         return self.polyline_clearance(np.array([a, b]))
 
     def polyline_clearance(self, points: Points) -> Clearance:
         return min(self.terrain_clearance(points), self.obstacle_clearance(points), key=lambda c: c.distance)
 
     def terrain_clearance(self, points: Points, within: float = np.inf) -> Clearance:
-        """Return the least height above ground of the legs between points (n, 3), negative below the ground.
+        """Return the least height above ground of the legs between `points` (n, 3), negative below the ground.
 
         `within`: as in `obstacle_clearance`.
         """
@@ -167,7 +167,7 @@ class Airspace:
         return _clearance(points, "the ground", *self.terrain.greatest_height(points))
 
     def near(self, points: Points, reach: float) -> Iterator[tuple[Obstacle, NDArray[np.intp], Vector]]:
-        """Yield each obstacle within `reach` [m] of some of the points (n, 3).
+        """Yield each obstacle within `reach` [m] of some of the `points` (n, 3).
 
         Returns:
             The obstacle, the indices of its near points (k,), and their distances (k,) [m].

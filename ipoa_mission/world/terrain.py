@@ -72,12 +72,14 @@ class Flat:
         return np.full(len(points), self.level)
 
     def least_height(self, points: Points, enough: float = np.inf) -> Spot:
+        """Return the least height above ground of the legs between `points` (n, 3); `enough` has no effect."""
         return _end(heights := points[:, 2] - self.level, int(np.argmin(heights)))
 
     def greatest_height(self, points: Points) -> Spot:
         return _end(heights := points[:, 2] - self.level, int(np.argmax(heights)))
 
     def legs_height(self, starts: Points, ends: Points) -> Vector:
+        """Return the least height above ground of legs from `starts` to `ends`, (n, 3) each, (n,) [m]."""
         return np.asarray(np.minimum(starts[:, 2], ends[:, 2]) - self.level)
 
 
