@@ -63,7 +63,7 @@ class Optimizer(Protocol):
     """
 
     def search(self, box: Box, rng: np.random.Generator) -> Search:
-        """Yield candidates (n, D) in `box` and receive their costs (n,), until done; `rng` is the source of randomness."""
+        """Yield candidates (n, D) in `box`, drawn with `rng`, and receive their costs (n,), until done."""
         ...
 
 

@@ -81,7 +81,7 @@ class Bounds:
         return np.asarray(np.hstack([points - np.asarray(self.lower), np.asarray(self.upper) - points]).min(axis=1))
 
     def leg_margin(self, a: Vector, b: Vector) -> Clearance:
-        """Return the least margin of the straight leg from `a` to `b`, (3,) each [m], negative outside, and its place."""
+        """Return the least margin of the leg from `a` to `b`, (3,) each [m], negative outside, and its place."""
         fractions, b = np.array([0.0, 1.0]), straightened(a, b)
         if self.footprint is not None:
             inner = (
