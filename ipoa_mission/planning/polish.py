@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 NODES_PER_SPAN = 8  # least number, and that of a rough polish
 EARLY_GAIN = 1e-5  # relative gain below which a step ends an early stage
 ATTEMPTS = 6
-BAND = 14  # least index distance without a common term: a term depends on five control points
+BAND = 14  # greatest index distance of coordinates with a common term: a term depends on five control points
 HOPELESS_SLACK = {"m": -1.0, "deg": -10.0}  # slack that more clearance, or a flatter climb, does not mend
 CHANGE_REACH = 8  # reach of a change in control points, with via points
 SURE_SIGN = 0.9  # greatest confidence in an angle's sign

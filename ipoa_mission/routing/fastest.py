@@ -38,7 +38,7 @@ class RouteSearch:
 
 
 SEARCH = RouteSearch()
-TIGHT = 0.5  # share of tight places with extra room, if no route fits otherwise
+TIGHT_PLACES = 0.5  # number among which the allowed chance is divided, if no route fits without extra room
 
 
 def fastest_route(plan: Plan, scenario: Scenario) -> Attempt | None:
@@ -49,7 +49,7 @@ def fastest_route(plan: Plan, scenario: Scenario) -> Attempt | None:
     none fits.
     """
     drawn = [Attempt(plan, route, scenario) for route in candidates(plan.curve, scenario)]
-    quickest = _quickest(drawn, scenario) or _quickest(drawn, with_room(scenario, TIGHT))
+    quickest = _quickest(drawn, scenario) or _quickest(drawn, with_room(scenario, TIGHT_PLACES))
     improved = list(dict.fromkeys(ready for attempt in quickest for ready in (attempt, _improve(attempt))))
     if len(improved) < 2:
         return improved[0] if improved else None

@@ -26,9 +26,9 @@ from ipoa_mission.routing.slower import slowed_where_needed
 from ipoa_mission.scenario import Scenario
 from ipoa_mission.world.obstacles import Obstacle
 
-#: Share of the deviation bound by which tight places gain room, whether gaps stay open, and share of the lowest given
-#: place's spare height that steep ground may require. Tried in this order until a route is safe: less room than surely
-#: needed is quicker and mostly enough.
+#: Number of tight places among which the allowed chance is divided, whether gaps stay open, and share of the lowest
+#: given place's spare height that steep ground may require. Tried in this order until a route is safe: less room than
+#: surely needed is quicker and mostly enough.
 ROOMS = ((0.5, False, 0.9), (0.5, False, 9.0), (4.0, False, 9.0), (0.5, True, 0.9))
 HOPELESS_SLACK = -0.15  # slack below which only the quick routes are assessed [m]
 MAX_MOVES, MAX_VAIN_MOVES = 4, 2  # moves of a path at most, and in a row with little gain
