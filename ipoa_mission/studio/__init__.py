@@ -1,4 +1,4 @@
-"""The studio: a local web page on which a flight is drawn, planned, proved, flown and watched.
+"""Serve a local web page to draw, plan, prove, fly and watch a flight.
 
-The page shows what the package's own functions answer; nothing is planned, proved or timed in the browser.
+The package's own functions compute everything that the page shows; the browser plans and proves nothing.
 """

@@ -1,4 +1,4 @@
-"""What the server tells the page. Heights are metres above home unless they say otherwise."""
+"""Define the server's messages to the page. Heights are metres above home unless noted."""
 
 from typing import Annotated, Any, Literal, TypeAlias
 
@@ -14,7 +14,7 @@ from ipoa_mission.studio.vocabulary import LngLat, MapLine, Number, PageMessage,
 
 
 class Document(PageMessage):
-    """The file as it is now; of a scenario its table as the text has it, empty where it cannot be read."""
+    """The open file. `scenario` is its table, empty where the text cannot be read."""
 
     kind: Literal["document"] = "document"
     of: Literal["scenario", "mission"] = "scenario"
@@ -30,25 +30,20 @@ class Document(PageMessage):
 
 
 class Remedy(PageMessage):
-    """What may help, as a button: its words and the changes that it makes."""
-
     label: str
     changes: tuple[Change, ...]
 
 
 class Fence(PageMessage):
-    """A geofence that the scenario draws itself."""
-
     path: Path
     inclusion: bool
     ring: tuple[LngLat, ...]
 
 
 class Trouble(PageMessage):
-    """Something was not done; `of` says what it was of, `message` has one thing that is wrong on a line.
+    """A request or a step that failed. `of` names the step; `message` has one error a line.
 
-    `of_home`: whether one of them is wrong with home. `fences` are those that the text draws, where it makes no
-    scenario.
+    `of_home`: one of the errors is about home. `fences` are drawn from the text if it is no valid scenario.
     """
 
     kind: Literal["trouble"] = "trouble"
@@ -62,9 +57,9 @@ class Trouble(PageMessage):
 
 
 class Body(PageMessage):
-    """An obstacle or a zone on the map; `path` where the scenario itself draws it. `rings`: outer one, then holes.
+    """An obstacle or a zone; `path` if the scenario draws it. `rings`: outer one, then holes.
 
-    `doubt`: a map has it, but not how high it is; a flight near it is refused.
+    `doubt`: the map gives no height; a flight near it is refused.
     """
 
     name: str
@@ -77,8 +72,6 @@ class Body(PageMessage):
 
 
 class Spot(PageMessage):
-    """Home, start, goal, a via or a rally point."""
-
     name: str
     path: Path
     place: LngLat
@@ -87,16 +80,16 @@ class Spot(PageMessage):
 
 
 class Terrace(PageMessage):
-    """Ground at least so high, as polygons: rings each, the outer one first."""
+    """Ground at least at height `up` [m]: polygons as rings, the outer one first."""
 
     up: float
     polygons: tuple[tuple[tuple[LngLat, ...], ...], ...]
 
 
 class Tiles(PageMessage):
-    """Map tiles for below the scenario; `address` has {z}, {x} and {y}, and is beside the page if it names no host.
+    """Map tiles below the scenario; `address` has {z}, {x} and {y}, and is relative if it names no host.
 
-    `vector`: they are no pictures, but things in `layers`, as far as their names are told.
+    `vector`: the tiles are vector tiles with the `layers`, as far as their names are known.
     """
 
     kind: Literal["tiles"] = "tiles"
@@ -109,7 +102,7 @@ class Tiles(PageMessage):
 
 
 class Heights(PageMessage):
-    """The ground on a grid, row by row from the south-west corner: `step` in degrees, `up` above home."""
+    """The ground on a grid, row by row from the south-west corner: `step` [deg], `up` above home [m]."""
 
     corner: LngLat
     step: LngLat
@@ -118,9 +111,9 @@ class Heights(PageMessage):
 
 
 class World(PageMessage):
-    """What a map shows of a scenario; `box` is west, south, east, north of the flight's bounds.
+    """A scenario on the map; `box` is west, south, east, north of the flight's bounds.
 
-    `degree_m` is how many metres a degree of longitude and one of latitude are at home.
+    `degree_m`: metres per degree of longitude and of latitude at home.
     """
 
     kind: Literal["world"] = "world"
@@ -141,9 +134,9 @@ class World(PageMessage):
 
 
 class Sketch(PageMessage):
-    """The coarse first answer: a path that is proved as it stands, or not, and other ways round; never the last word.
+    """A coarse first path, which the proved plan replaces; `others` are other ways round.
 
-    `number` is that of the drag it answers, or None for the document.
+    `number` is that of the drag it answers, None for the document.
     """
 
     kind: Literal["sketch"] = "sketch"
@@ -161,8 +154,6 @@ class Sketch(PageMessage):
 
 
 class Progress(PageMessage):
-    """How far planning is."""
-
     kind: Literal["progress"] = "progress"
     revision: int
     share: float
@@ -170,9 +161,9 @@ class Progress(PageMessage):
 
 
 class Course(PageMessage):
-    """The flight as predicted, sample by sample: time [s], distance over ground [m], speed [m/s], ground's height.
+    """Samples of the predicted flight: time [s], distance over ground [m], speed [m/s], ground height [m].
 
-    `returns_at` is the sample at which it turns home, where it ends by a return.
+    `returns_at` is the sample at which a final return begins.
     """
 
     line: MapLine
@@ -185,7 +176,7 @@ class Course(PageMessage):
 
 
 class Binding(PageMessage):
-    """What holds the flight back at a place, and how: near something, or slow. `at` is the sample of the course."""
+    """A constraint that binds at the course's sample `at`: a near obstacle, or what limits the speed."""
 
     what: Literal["near", "slow", "danger"]
     words: str
@@ -193,7 +184,7 @@ class Binding(PageMessage):
 
 
 class Beside(PageMessage):
-    """An obstacle or a zone below or beside the course: between which distances along it, and its heights."""
+    """An obstacle or a zone below or lateral to the course, its heights and distances along the course [m]."""
 
     name: str
     look: Literal["below", "beside", "zone"]
@@ -204,9 +195,9 @@ class Beside(PageMessage):
 
 
 class Stop(PageMessage):
-    """An item of the mission as `show` numbers it, and the sample of the course at which it is done.
+    """An item of the mission, numbered as by `show`, and the sample of the course at which it is done.
 
-    `place`, `up` and `above_ground` are of where it lies, if it lies somewhere; `duration_s` is what it takes.
+    `place`, `up` and `above_ground` are None for an item without a position.
     """
 
     seq: int
@@ -220,7 +211,7 @@ class Stop(PageMessage):
 
 
 class Choice(PageMessage):
-    """A way to choose waypoints, and what it would come to."""
+    """A mode of choosing waypoints, and its result."""
 
     mode: str
     waypoints: int
@@ -231,7 +222,7 @@ class Choice(PageMessage):
 
 
 class Limit(PageMessage):
-    """One limit that the proof looked at, in `unit`."""
+    """One limit that the proof checked, in `unit`."""
 
     limit: str
     words: str
@@ -242,7 +233,7 @@ class Limit(PageMessage):
 
 
 class Homeward(PageMessage):
-    """The way home if RTL were ordered at a time; of several that it may take the first."""
+    """The return path if RTL is ordered from `from_s` on; the first of several possible ones."""
 
     from_s: float
     clear: bool
@@ -250,10 +241,10 @@ class Homeward(PageMessage):
 
 
 class Plan(PageMessage):
-    """The proved answer; `warnings` are to be read before it is flown, `remarks` are what else is told.
+    """The proved plan. `warnings` matter before the flight; `remarks` are further notes.
 
-    `proof` is a short digest of mission and promise, which a start must name. `of` a mission: the flight of an open
-    one as expected, of which nothing is proved but what `kept` says.
+    `proof` is a digest of mission and promise, which a start must name. `of` a mission: the forecast of an open
+    mission, where only `kept` is proved.
     """
 
     kind: Literal["plan"] = "plan"
@@ -287,7 +278,7 @@ class Plan(PageMessage):
 
 
 class SurveyPart(PageMessage):
-    """One flight of a survey: its file, how many lines and photos, and the flight itself as any other plan."""
+    """One flight of a survey: its file, its numbers of lines and photos, and its plan."""
 
     file: str
     lines: int
@@ -296,7 +287,7 @@ class SurveyPart(PageMessage):
 
 
 class PlannedSurvey(PageMessage):
-    """The proved answer to a scenario with a survey: flight by flight, without what was `flown` by these logs."""
+    """The proved flights of a survey, without the parts already `flown` in these logs."""
 
     kind: Literal["survey"] = "survey"
     revision: int
@@ -309,15 +300,13 @@ class PlannedSurvey(PageMessage):
 
 
 class Found(PageMessage):
-    """A place that was asked for, as it was written."""
-
     kind: Literal["found"] = "found"
     place: LngLat
     words: str
 
 
 class Written(PageMessage):
-    """Files that were written, and what their formats cannot hold."""
+    """Files written; `remarks` name what their formats cannot hold."""
 
     kind: Literal["written"] = "written"
     files: tuple[str, ...]

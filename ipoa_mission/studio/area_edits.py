@@ -1,4 +1,4 @@
-"""Changes of a survey's area in a scenario's text: drawn, its corners moved, added and taken out."""
+"""Change a survey's area in a scenario: draw it, and move, add and remove corners."""
 
 from collections.abc import Iterator, MutableMapping
 from typing import Any
@@ -13,19 +13,18 @@ from ipoa_mission.studio.requests import AddCorner, AreaChange, DrawArea, MapAre
 from ipoa_mission.studio.vocabulary import Path
 from ipoa_mission.world.frame import LocalFrame
 
-WIDTH = 40.0  # of a corridor that is drawn, until it is given another [m]
+DEFAULT_WIDTH = 40.0  # default width of a corridor [m]
 LEAST_CORNERS = {"polygon": 3, "line": 2}
-ELSEWHERE = ("start", "goal", "via")  # what a survey is flown in place of
-SHAPES = ("polygon", "line", "area", "width")  # the keys that say where it is
+REPLACED_KEYS = ("start", "goal", "via")  # keys of a scenario that a survey replaces
+SHAPE_KEYS = ("polygon", "line", "area", "width")  # keys that define the area
 
 
 def is_of_area(path: Path) -> bool:
-    """Whether a path leads into what a survey's area is made of."""
     return len(path) > 1 and path[0] == "survey" and path[1] in LEAST_CORNERS
 
 
 def parts_of(polygon: Any) -> Iterator[tuple[Path, Any]]:
-    """The rings of `survey.polygon`, each with its path, however many brackets are written; the outer ones first."""
+    """Yield the rings of `survey.polygon` with their paths, at any nesting depth, outer ring first."""
     depth = depth_of(polygon)
     if depth == 2:
         yield ("survey", "polygon"), polygon
@@ -37,12 +36,10 @@ def parts_of(polygon: Any) -> Iterator[tuple[Path, Any]]:
 
 
 def depth_of(value: Any) -> int:
-    """How many lists are in each other, at the first of each."""
     return 1 + (depth_of(value[0]) if len(value) else 0) if isinstance(value, list) else 0
 
 
 def change_area(document: MutableMapping[str, Any], change: AreaChange, frame: LocalFrame) -> None:
-    """Make a change of the area."""
     match change:
         case DrawArea():
             _draw(document, change, frame)
@@ -61,36 +58,35 @@ def change_area(document: MutableMapping[str, Any], change: AreaChange, frame: L
 
 
 def take_of_area(document: MutableMapping[str, Any], path: Path) -> None:
-    """Take out a corner, a hole, or one of several areas.
+    """Remove a corner, a hole, or one of several areas.
 
     Raises:
-        BadInput: nothing would be left of it.
+        BadInput: the area would be empty.
     """
     polygon = document["survey"].get("polygon")
     ring_paths = {ring_path for ring_path, _ in parts_of(polygon)} if polygon is not None else {("survey", "line")}
     if path[:-1] in ring_paths:
         ring, at, mate = _corner(document, path)
         if len(ring) - len(mate) <= LEAST_CORNERS[str(path[1])]:
-            raise InvalidRing(f"expected {LEAST_CORNERS[str(path[1])]} corners or more", hint="take the whole area out")
+            raise InvalidRing(f"expected {LEAST_CORNERS[str(path[1])]} corners or more", hint="remove the whole area")
         del ring[at]
-        if mate:  # a ring that is written closed stays so
+        if mate:  # a closed ring remains closed
             ring[-1] = tomlkit.item(list(ring[0])) if at == 0 else ring[-1]
         return
     here, last = _at(document, path[:-1]), path[-1]
-    if len(path) == 4 and last == 0:  # without its outline nothing is left of it
+    if len(path) == 4 and last == 0:  # without its outline a polygon is removed whole
         here, last = _at(document, path[:-2]), path[-2]
     if len(path) < 3 or len(here) < 2 or (len(path) == 3 and last == 0 and path in ring_paths):
-        raise InvalidRing("expected some area to be left", hint="take the survey out")
+        raise InvalidRing("expected some area to be left", hint="remove the survey")
     del here[last]
 
 
 def move_area(document: MutableMapping[str, Any], path: Path, move: Move) -> None:
-    """Move a ring, or all that lies below a path."""
     _move_nested(_at(document, path), move)
 
 
 def move_survey(survey: MutableMapping[str, Any], move: Move) -> None:
-    """Move all of a survey that is given in metres from home."""
+    """Move the parts of a survey that are in metres from home."""
     for key in ("polygon", "line", "entry", "exit", "starts"):
         if key in survey:
             _move_nested(survey[key], move)
@@ -111,7 +107,7 @@ def _at(document: Any, path: Path) -> Any:
 
 
 def _corner(document: Any, path: Path) -> tuple[Any, int, tuple[int, ...]]:
-    """The ring of a corner, its number, and that of the same place where the ring is written closed."""
+    """Return a corner's ring, its index, and the index of its duplicate in a closed ring."""
     ring, at = _at(document, path[:-1]), int(path[-1])
     is_closed = path[1] == "polygon" and len(ring) > 3 and list(ring[0]) == list(ring[-1])
     return ring, at, ((len(ring) - 1,) if at == 0 else (0,) if at == len(ring) - 1 else ()) if is_closed else ()
@@ -122,7 +118,7 @@ def _draw(document: MutableMapping[str, Any], change: DrawArea, frame: LocalFram
     polygon = document.get("survey", {}).get("polygon")
     if change.what == "corridor":
         _shaped(document, "line", ring)
-        document["survey"]["width"] = WIDTH
+        document["survey"]["width"] = DEFAULT_WIDTH
     elif change.what == "hole":
         _put_hole(document, ring)
     elif polygon is None:
@@ -146,19 +142,19 @@ def _put_hole(document: MutableMapping[str, Any], ring: list[list[float]]) -> No
             else:
                 (polygon if depth_of(polygon) == 3 else polygon[n]).append(ring)
             return
-    hint = "draw an area first" if "survey" not in document else "one of a map is drawn here first: Edit it here"
-    raise BadInput("expected in an area that this scenario draws", hint=hint, place="hole")
+    hint = "draw an area first" if "survey" not in document else "an area of a map can be changed after: Edit it here"
+    raise BadInput("expected a place inside an area that this scenario draws", hint=hint, place="hole")
 
 
 def _shaped(document: MutableMapping[str, Any], key: str, shape: Any) -> None:
-    """The survey is of this shape and no other; without one there is one from now on, from home to home."""
+    """Replace the survey's shape; add a survey from home to home if there is none."""
     if "survey" not in document:
-        for other in ELSEWHERE:
+        for other in REPLACED_KEYS:
             document.pop(other, None)
         document["survey"] = {key: shape, "line_spacing": USUAL_SPACING, "height_above_ground": USUAL_HEIGHT}
         return
     survey = document["survey"]
-    for other in SHAPES:
+    for other in SHAPE_KEYS:
         if other != key:
             survey.pop(other, None)
     survey[key] = shape

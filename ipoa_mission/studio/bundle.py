@@ -1,7 +1,7 @@
-"""The built page: every wheel and source distribution has it; those who change it, or build from a clone, need npm.
+"""Find or build the page: wheels and source distributions contain it; a clone builds it with npm.
 
-What is bundled (MapLibre, Preact) is other people's and so not in git: it is fetched by its lock file, and its licenses
-stand beside the page. A page counts by the digest of its sources, which is written beside it.
+The bundled libraries (MapLibre, Preact) are not in git. npm fetches them by the lock file; their licenses lie next to
+the page. A digest of the sources, written next to the page, identifies a build.
 """
 
 import hashlib
@@ -18,19 +18,21 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.files import copies
 
 WEB = Path(__file__).parent / "web"
-#: Beside the page's own sources, what they take from other rooms.
+#: Sources of the page outside its own folder.
 SHARED = (Path("report", "assets", "palette.css"), Path("report", "assets", "ways.css"))
 SOURCES = ("*.ts", "*.tsx", "*.css", "*.html", "*.mjs", "package*.json")
-MADE = "messages.d.ts"  # of the program's own types, for an editor
+MADE = "messages.d.ts"  # types of the program's own messages, for an editor
 STEPS = (("ci", "--omit=dev", "--no-audit", "--no-fund"), ("run", "build"))
 DIGEST = "sources.sha256"
 
 
 def built_page(tell: Callable[[str], None]) -> Path:
-    """The folder of the page; `tell` hears it if it must be built first, which takes seconds and the npm registry.
+    """Return the page's folder; build it first if needed, which takes seconds and the npm registry.
+
+    `tell` reports a build.
 
     Raises:
-        MissionError: it is not built, and cannot be built here.
+        MissionError: the page is neither built nor can be built.
     """
     wanted, kept = sources_digest(WEB), _cache() / "studio" / "web"
     for web in (WEB, kept, *copies("studio/web")):
@@ -42,18 +44,18 @@ def built_page(tell: Callable[[str], None]) -> Path:
 
 
 def has_page(web: Path) -> bool:
-    """Whether the page that lies in this folder of sources was made of them."""
+    """Return whether the page in this folder was built from these sources."""
     return _digest(web) == sources_digest(web)
 
 
 def build_page(sources: Path, target: Path, tell: Callable[[str], None]) -> None:
-    """Build the page of these sources into the folder `target`; where one works on it, what npm fetched is kept.
+    """Build the page into the folder `target`; a clone keeps npm's downloads.
 
     Raises:
-        MissionError: there is no npm; or the last lines of what went wrong.
+        MissionError: there is no npm, or the build failed, with its last lines.
     """
     program = npm()
-    tell("building the studio's page, once (npm ci, npm run build)")
+    tell("building the studio's page once (npm ci, npm run build)")
     with tempfile.TemporaryDirectory(prefix="studio-") as folder:
         web = sources if (sources / "node_modules").is_dir() else _copy_sources(sources, Path(folder))
         for step in STEPS:
@@ -71,10 +73,10 @@ def build_page(sources: Path, target: Path, tell: Callable[[str], None]) -> None
 
 
 def npm() -> str:
-    """The npm on the path, or the one that a package put beside this Python.
+    """Return npm on the path, or installed by a package in this Python.
 
     Raises:
-        MissionError: there is none.
+        MissionError: there is no npm.
     """
     folders = os.pathsep.join([os.environ.get("PATH", os.defpath), str(Path(sys.executable).parent)])
     found = shutil.which("npm", path=folders)
@@ -88,7 +90,6 @@ def npm() -> str:
 
 
 def sources_digest(web: Path) -> str:
-    """A hash of all that the page is made of."""
     digest = hashlib.sha256()
     shared = [web.parents[1] / one for one in SHARED]
     for path in (*sorted({file for pattern in SOURCES for file in web.glob(pattern)}), *shared):
@@ -98,7 +99,6 @@ def sources_digest(web: Path) -> str:
 
 
 def _digest(web: Path) -> str | None:
-    """Of which sources the page is that lies here, if there is one."""
     try:
         return (web / "dist" / DIGEST).read_text(encoding="utf-8")
     except OSError:
@@ -106,13 +106,12 @@ def _digest(web: Path) -> str | None:
 
 
 def _cache() -> Path:
-    """Where an installed package may keep what it builds, for each version of it another folder."""
+    """Return the folder of an installed package's builds, one per version."""
     base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA") or Path.home() / ".cache"
     return Path(base) / "ipoa-mission" / version("ipoa-mission")
 
 
 def _copy_sources(sources: Path, folder: Path) -> Path:
-    """The page's sources, in folders that stand to each other as in the package."""
     web = folder / "studio" / "web"
     shutil.copytree(sources, web, ignore=shutil.ignore_patterns("node_modules", "dist"))
     for shared in SHARED:
@@ -122,6 +121,6 @@ def _copy_sources(sources: Path, folder: Path) -> Path:
 
 
 def _has_modules(sources: Path) -> bool:
-    """Whether what npm installed is as young as the list of it."""
+    """Return whether npm's installation is up to date with its list."""
     installed = sources / "node_modules" / ".package-lock.json"
     return installed.is_file() and installed.stat().st_mtime >= (sources / "package-lock.json").stat().st_mtime

@@ -1,4 +1,4 @@
-"""What the server tells the page of how a flight can end before its mission does. Times are seconds from arming."""
+"""Define the server's messages on contingencies. Times are seconds from arming."""
 
 from typing import Literal
 
@@ -7,9 +7,9 @@ from ipoa_mission.studio.vocabulary import Number, PageMessage
 
 
 class StripStretch(PageMessage):
-    """From when to when an ending leads to the same and is as clear, and between which distances along that is [m].
+    """A stretch of the flight with one outcome of a contingency; distances along are in [m].
 
-    `words`: to where, whether it is clear, of what it keeps how much, and what is required.
+    `words`: its destination, whether it is clear, the share kept, and the share required.
     """
 
     look: GradeLook
@@ -21,7 +21,7 @@ class StripStretch(PageMessage):
 
 
 class StripCost(PageMessage):
-    """What an ending takes that is ordered at a time: seconds, watt hours, each at least and at most.
+    """Time [s] and energy [Wh] of a contingency that begins at a time, each at least and at most.
 
     It lands with the share `lands` of the battery, between `least` and `most`; None without a battery.
     """
@@ -35,7 +35,7 @@ class StripCost(PageMessage):
 
 
 class StripBar(PageMessage):
-    """One ending from the first moment in the air to the last; between two `costs` it takes what lies between them."""
+    """One contingency over the whole flight; between two `costs` interpolate."""
 
     ending: str
     stretches: tuple[StripStretch, ...]
@@ -43,9 +43,9 @@ class StripBar(PageMessage):
 
 
 class StripOfEndings(PageMessage):
-    """What each ending would do, of a survey in one of its flights, from 0 on; no bar where nobody can say.
+    """The outcomes of all contingencies, of one flight of a survey (from 0); no bar where unknown.
 
-    It comes after its plan: first without `costs`. `reserve`: the share of the battery that must be left.
+    It follows its plan, first without `costs`. `reserve`: the share of the battery that must be left.
     """
 
     kind: Literal["endings"] = "endings"

@@ -1,4 +1,4 @@
-"""The strip of endings under the page's profile: as the report has it, and with what each ending takes."""
+"""Build the strip of contingencies under the page's profile, with their costs."""
 
 import math
 from collections.abc import Iterator
@@ -19,11 +19,11 @@ from ipoa_mission.studio.plan_answers import course_of
 from ipoa_mission.studio.view import without_folders
 from ipoa_mission.vehicles.contingency import Contingency
 
-EVENLY, MOST = 16, 24  # times of a flight at which it is worked out what an ending takes: at first, and at most
+INITIAL_SAMPLES, SAMPLE_LIMIT = 16, 24  # computed costs of a contingency, at first and at most
 
 
 def strips_of(forecast: Forecast, revision: int, flight: int) -> Iterator[StripOfEndings]:
-    """It at once, and again when it is known what the endings take: each moment is a flight that is simulated."""
+    """Yield the strip at once, and again with costs: each cost takes a simulated flight."""
     bars = () if forecast.scenario is None else contingency_bars(forecast)
     budget, course = budget_of(forecast) if bars else None, course_of(forecast)
     strip = StripOfEndings(
@@ -58,7 +58,7 @@ def _bar(bar: ContingencyBar, course: Seen, scenario: Scenario) -> StripBar:
 
 
 def _costs(bar: ContingencyBar, forecast: Forecast, budget: Budget | None) -> Iterator[StripCost]:
-    """None of an ending that does not land, or of which nobody knows where it leads."""
+    """Yield costs; none for a contingency that does not land, or whose destination is unknown."""
     if bar.contingency not in TIMED or bar.rows[0].grade is Grade.UNKNOWN:
         return
     for time, ((low, high), used, _) in sorted(_taken(bar.contingency, forecast.cached(Contingencies)).items()):
@@ -74,11 +74,11 @@ def _costs(bar: ContingencyBar, forecast: Forecast, budget: Budget | None) -> It
 
 
 def _taken(contingency: Contingency, endings: Contingencies) -> dict[float, Taken]:
-    """What an ending takes at some times, more of them where that jumps, as where a return begins to climb first."""
+    """Return costs at some times, with more samples at jumps, as where a return begins to climb first."""
     begin, end = endings.in_air
-    evenly = np.linspace(begin, end, min(EVENLY, 2 + math.floor((end - begin) / STEP_S))).tolist()
+    evenly = np.linspace(begin, end, min(INITIAL_SAMPLES, 2 + math.floor((end - begin) / STEP_S))).tolist()
     found = {time: taken for time in evenly if (taken := endings.takes(contingency, time)) is not None}
-    while len(found) < MOST:
+    while len(found) < SAMPLE_LIMIT:
         wide = [(a, b) for a, b in pairwise(sorted(found)) if b - a > MIN_STEP_S]
         steep = [(abs(sum(found[b][0]) - sum(found[a][0])) / 2 / (b - a), (a + b) / 2) for a, b in wide]
         steepest, middle = max(steep, default=(0.0, 0.0))

@@ -1,4 +1,4 @@
-"""Files that are dropped on the page: kept beside the scenario, and what they can be taken for."""
+"""Keep files dropped on the page next to the scenario, and find their use."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -19,15 +19,15 @@ LARGEST = 200_000_000  # of a file [bytes]
 LONGEST = 200  # of its name without the suffix [bytes]
 MODELS = (".tif", ".tiff", ".hgt")
 LOGS = (".tlog", ".bin", ".ulg")
-KEPT = (*READERS, *MODELS, *MISSIONS, *LOGS)  # what is kept beside a scenario
+KEPT_SUFFIXES = (*READERS, *MODELS, *MISSIONS, *LOGS)  # suffixes of files kept next to a scenario
 PLACES = (*WAYPOINTS, Command.NAV_TAKEOFF, Command.NAV_LAND)
 
 
-def keep(name: str, content: bytes, folder: Path, suffixes: Sequence[str] = KEPT) -> Path:
-    """Write a dropped file beside the scenario, over nothing: under another name if there is another such file.
+def keep(name: str, content: bytes, folder: Path, suffixes: Sequence[str] = KEPT_SUFFIXES) -> Path:
+    """Write a dropped file next to the scenario; never overwrite, but choose another name.
 
     Raises:
-        BadInput: no such file can be used, or it cannot be written.
+        BadInput: the kind of file is of no use, or it cannot be written.
     """
     plain = _plain(name)
     stem, suffix = Path(plain).stem, Path(plain).suffix.lower()
@@ -43,10 +43,10 @@ def keep(name: str, content: bytes, folder: Path, suffixes: Sequence[str] = KEPT
 
 
 def log_named(name: str) -> str:
-    """The bare name of a log that is kept.
+    """Return the bare name of a kept log.
 
     Raises:
-        BadInput: it is none.
+        BadInput: the name is not that of a log.
     """
     if Path(name).suffix.lower() not in LOGS:
         raise WrongSuffix(f"expected a log of a flight: {', '.join(LOGS)}", place=Path(name).name)
@@ -54,16 +54,16 @@ def log_named(name: str) -> str:
 
 
 def _plain(name: str) -> str:
-    """The bare name of a file as any system takes it: without folders and what cannot be printed, not too long."""
+    """Return the bare name, valid on any system: no folders, printable, limited in length."""
     path = Path("".join(letter for letter in name.replace("\\", "/").rpartition("/")[2] if letter.isprintable()))
     return path.stem.encode()[:LONGEST].decode(errors="ignore") + path.suffix
 
 
 def use_of(file: Path, scenario: str) -> dict[str, Any]:
-    """What a kept file is: a `map`, an `elevation` model, a `log`, a `mission` with the `changes` that take its places.
+    """Return the use of a kept file: a `map`, an `elevation` model, a `log`, or a `mission` with its `changes`.
 
     Raises:
-        BadInput: the mission makes no sense.
+        BadInput: the mission is not valid.
     """
     suffix = file.suffix.lower()
     if suffix in MISSIONS:
@@ -74,10 +74,10 @@ def use_of(file: Path, scenario: str) -> dict[str, Any]:
 
 
 def changes_of(mission: Mission, scenario: str) -> list[Change]:
-    """What makes a scenario have a mission's home, places and fence; obstacles stay where they are on the map.
+    """Return the changes that give a scenario a mission's home, places and fence; obstacles stay in place.
 
     Raises:
-        BadInput: the mission has fewer than two places, or what is on the scenario's map is far from it.
+        BadInput: the mission has fewer than two places, or is far from the scenario's map.
     """
     items = [item for item in mission.items if item.has_position and item.command in PLACES]
     if len(items) > 1 and items[-1].command == Command.NAV_LAND and _same_place(items[-2], items[-1]):
@@ -90,8 +90,8 @@ def changes_of(mission: Mission, scenario: str) -> list[Change]:
     away = apart(home, Geodetic(taken[1], taken[0]))
     if away > REACH and _stays(table):
         raise TooFar(
-            f"it is {away / 1000:.0f} km from the scenario's, expected within {REACH / 1000:g} km",
-            hint="what stands on this map stays where it is: open a new scenario for this mission",
+            f"expected within {REACH / 1000:g} km of the scenario's, not {away / 1000:.0f} km away",
+            hint="the obstacles on this map do not move: open a new scenario for this mission",
             place="home",
         )
     changes: list[Change] = [
@@ -106,7 +106,7 @@ def changes_of(mission: Mission, scenario: str) -> list[Change]:
 
 
 def _stays(table: dict[str, Any]) -> bool:
-    """Whether a scenario has something that does not move with home."""
+    """Return whether a scenario has something that does not move with home."""
     return bool(table.get("obstacles") or table.get("maps")) or table.get("terrain", {}).get("kind", "flat") != "flat"
 
 
@@ -124,7 +124,6 @@ def _same_place(one: Item, other: Item) -> bool:
 
 
 def fences_of(mission: Mission) -> Iterator[dict[str, Any]]:
-    """A mission's geofences as a scenario has them."""
     for fence in mission.fence:
         if isinstance(fence, FencePolygon):
             corners = [[round(lat, 7), round(lon, 7)] for lat, lon in fence.vertices]

@@ -1,4 +1,4 @@
-"""Changes of a scenario's text: what is not changed stays byte for byte as it was, comments and all."""
+"""Change a scenario's text; all other bytes and comments stay."""
 
 from collections.abc import Iterable, MutableMapping
 from typing import Any
@@ -15,31 +15,31 @@ from ipoa_mission.studio.requests import Add, AddCorner, Change, DrawArea, MapAr
 from ipoa_mission.studio.vocabulary import LngLat, Path
 from ipoa_mission.world.frame import Geodetic, LocalFrame, apart
 
-FAR = 20_000.0  # farther than this nothing is left behind [m]
-RINGS = ("footprint", "polygon")  # keys of corners; with `_geodetic` behind they are [latitude, longitude]
+FAR_DISTANCE = 20_000.0  # if home moves farther, everything in metres moves along [m]
+RINGS = ("footprint", "polygon")  # keys of corners; with the suffix `_geodetic` they are [latitude, longitude]
 
 
 def parse_table(text: str) -> tomlkit.TOMLDocument:
-    """A text as a table that can be changed.
+    """Parse a text as a table that keeps its formatting.
 
     Raises:
-        BadInput: it is no TOML.
+        BadInput: it is not TOML.
     """
     try:
         return tomlkit.parse(text)
     except (TOMLKitError, ValueError, RecursionError) as error:
-        raise WrongFormat(f"the scenario's text is not TOML: {error}", hint="mend the text, or undo") from error
+        raise WrongFormat(f"expected TOML: {error}", hint="correct the text, or undo") from error
 
 
 def changed(text: str, changes: Iterable[Change]) -> str:
-    """The text with these changes, one after the other.
+    """Return the text with these changes, in order.
 
     >>> from ipoa_mission.studio.requests import Put
     >>> changed("safety_distance = 2.0  # of the hull\\n", [Put(path=("safety_distance",), value=3.0)])
     'safety_distance = 3.0  # of the hull\\n'
 
     Raises:
-        BadInput: the text is no TOML, or has nothing at a path.
+        BadInput: the text is not TOML, or has nothing at a path.
     """
     document = parse_table(text)
     apply_changes(document, changes)
@@ -47,7 +47,7 @@ def changed(text: str, changes: Iterable[Change]) -> str:
 
 
 def apply_changes(document: MutableMapping[str, Any], changes: Iterable[Change]) -> None:
-    """The same on a table, in place: one that keeps its text, or a plain one.
+    """Apply changes to a table in place, either one that keeps its formatting or a plain one.
 
     Raises:
         BadInput: there is nothing at a path.
@@ -57,11 +57,11 @@ def apply_changes(document: MutableMapping[str, Any], changes: Iterable[Change])
             _apply(document, change)
         except (KeyError, IndexError, TypeError, ValueError, TOMLKitError) as error:
             path = ".".join(map(str, getattr(change, "path", (getattr(change, "to", ""),))))
-            raise BadInput(f"expected something that can be changed there: {error}", place=path) from error
+            raise BadInput(f"expected a value or a table at this path: {error}", place=path) from error
 
 
 def frame_of(table: MutableMapping[str, Any]) -> LocalFrame:
-    """The local frame at the home that a scenario's table names."""
+    """Return the local frame at the home of a scenario's table."""
     home = table["home"]
     place = (home["latitude_deg"], home["longitude_deg"], home.get("altitude_amsl", 0.0))
     return LocalFrame(Geodetic(*map(float, place)))
@@ -118,7 +118,7 @@ def _take(document: Any, path: Path) -> None:
 def _add(document: Any, change: Add) -> None:
     table, frame = dict(change.table), frame_of(document)
     if change.place is not None:
-        table = _placed(table, change.place, frame, _speaks_degrees(document))
+        table = _placed(table, change.place, frame, _uses_degrees(document))
     if change.ring is not None:
         key = "polygon" if change.to == "fence" else "footprint"
         table[key] = [local_of(frame, corner) for corner in change.ring]
@@ -142,8 +142,8 @@ def _as_table(values: dict[str, Any]) -> tomlkit.items.Table:
     return table
 
 
-def _speaks_degrees(document: Any) -> bool:
-    """Whether this scenario has its goal in latitude and longitude; what is added speaks the same."""
+def _uses_degrees(document: Any) -> bool:
+    """Return whether the goal is in latitude and longitude, as added places should be then."""
     return "latitude_deg" in document.get("goal", {})
 
 
@@ -160,7 +160,6 @@ def _placed(table: dict[str, Any], place: LngLat, frame: LocalFrame, in_degrees:
 
 
 def _move(table: Any, local: Move, geodetic: Move | None) -> None:
-    """Move everything in a table that has a place: itself, its corners, its center."""
     for keys, move in ((("east", "north"), local), (("latitude_deg", "longitude_deg"), geodetic)):
         if move is not None and all(key in table for key in keys):
             for key, value in zip(keys, move(*(table[key] for key in keys)), strict=True):
@@ -183,14 +182,14 @@ def _move_ring(ring: Any, move: Move) -> None:
 
 
 def _shift_home(document: MutableMapping[str, Any], change: Shift) -> None:
-    """Home alone moves: what is given in metres from it is written anew, so that it stays where it is on the map.
+    """Move home alone: rewrite places in metres from home, so that they stay on the map.
 
-    If home leaves for another part of the country, what is given in metres from it goes along.
+    Beyond `FAR_DISTANCE` places in metres move along with home.
     """
     old, home = frame_of(document), document["home"]
     for key, n in (("longitude_deg", 0), ("latitude_deg", 1)):
         home[key] = round(float(home[key]) + change.put_down[n] - change.taken[n], DEGREES)
-    if apart(old.home, frame_of(document).home) > FAR:
+    if apart(old.home, frame_of(document).home) > FAR_DISTANCE:
         return
     local, _ = moves_of(old, frame_of(document), np.zeros(2))
     for key in ("start", "goal"):
@@ -203,7 +202,7 @@ def _shift_home(document: MutableMapping[str, Any], change: Shift) -> None:
 
 
 def _shift_boxes(document: Any, local: Move) -> None:
-    """Bounds and a grid of heights are along the axes, and so only moved."""
+    """Move bounds and height grids, which are parallel to the axes."""
     east, north = local(0.0, 0.0)
     bounds = document.get("bounds", {})
     for key, by in (("east", east), ("north", north)):

@@ -1,4 +1,4 @@
-"""What the server tells the page of a flight. Heights are metres above home."""
+"""Define the server's messages on a flight. Heights are metres above home."""
 
 from typing import Literal
 
@@ -6,7 +6,7 @@ from ipoa_mission.studio.vocabulary import InFlight, LngLat, MapLine, Number, Pa
 
 
 class Loaded(PageMessage):
-    """The mission is on a vehicle and was read back equal; what a start must name."""
+    """The mission is on a vehicle and was read back equal. A start must name these values."""
 
     kind: Literal["loaded"] = "loaded"
     revision: int
@@ -20,9 +20,9 @@ class Loaded(PageMessage):
 
 
 class OrderThen(PageMessage):
-    """What an order would do if it were given now; it takes so many seconds, if anybody knows.
+    """The effect of an order if given now, and its duration if known.
 
-    `clear`: None where nobody has looked.
+    `clear`: None if not checked.
     """
 
     what: InFlight
@@ -32,9 +32,9 @@ class OrderThen(PageMessage):
 
 
 class Reserve(PageMessage):
-    """The battery by the vehicle's own word, as shares: `left` now, and `planned` to be left now.
+    """The battery as the vehicle reports it, as shares: `left` now, and `planned` to be left now.
 
-    It lands with `lands`, between `least` and `most`, where `required` must be left; None where nothing is planned.
+    It lands with `lands`, between `least` and `most`, where `required` must be left; None without a forecast.
     """
 
     left: float
@@ -46,9 +46,9 @@ class Reserve(PageMessage):
 
 
 class Seen(PageMessage):
-    """Where the vehicle is, as it says; `expected_s` is when the estimate had the last item that is done.
+    """The vehicle's reported state; `expected_s` is the estimated time of the last item done.
 
-    `held`: it holds its place; `said`: what it has said lately, the last words first; `deviations`: from the forecast.
+    `held`: it holds its position. `said`: its latest messages, newest first. `deviations`: from the forecast.
     """
 
     kind: Literal["seen"] = "seen"
@@ -69,7 +69,7 @@ class Seen(PageMessage):
 
 
 class Landed(PageMessage):
-    """The flight is over; `ordered`: the order of the page by which it landed."""
+    """The flight is over; `ordered`: the page's order by which it landed."""
 
     kind: Literal["landed"] = "landed"
     completed: bool
@@ -81,7 +81,7 @@ class Landed(PageMessage):
 
 
 class State(PageMessage):
-    """What the flight is at, in words; `phase` for what the page offers. `lost_s`: so long the link is lost [s]."""
+    """The flight's phase, in words and for the page's logic. `lost_s`: duration of a lost link [s]."""
 
     kind: Literal["state"] = "state"
     phase: Literal["idle", "uploading", "loaded", "preparing", "flying", "over"]
@@ -90,7 +90,7 @@ class State(PageMessage):
 
 
 class HeardLink(PageMessage):
-    """A link, and who is heard on it; None: nobody, and why."""
+    """A link, and the system heard on it; None with a reason in `words`."""
 
     link: str
     system: int | None
@@ -98,14 +98,12 @@ class HeardLink(PageMessage):
 
 
 class Heard(PageMessage):
-    """What was heard on all links."""
-
     kind: Literal["heard"] = "heard"
     links: tuple[HeardLink, ...]
 
 
 class FlownItem(PageMessage):
-    """An item of a flight in a log: how long since the one before it was to take, and took, and when it was done."""
+    """An item of a logged flight: estimated and flown time since the item before [s], and when it was done [s]."""
 
     seq: int
     estimated_s: float
@@ -114,8 +112,6 @@ class FlownItem(PageMessage):
 
 
 class Replay(PageMessage):
-    """A flight in a log beside the estimate of the mission: where it went, and item by item."""
-
     kind: Literal["replay"] = "replay"
     revision: int
     log: str

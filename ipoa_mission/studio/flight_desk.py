@@ -1,4 +1,4 @@
-"""Flights of a session: the plan goes to the pilot's process, and is started when a page has named it."""
+"""Fly a session's plans: hand a plan to the pilot process, and start it once a page has named it."""
 
 import asyncio
 import shutil
@@ -12,7 +12,7 @@ from ipoa_mission.errors import MissionError
 from ipoa_mission.files import unused
 from ipoa_mission.studio.answers import Trouble
 from ipoa_mission.studio.flight_answers import State
-from ipoa_mission.studio.processes import Died, Process
+from ipoa_mission.studio.processes import Process, ProcessDied
 from ipoa_mission.studio.requests import Order, Start, Upload
 from ipoa_mission.studio.scenario_document import Document
 from ipoa_mission.studio.vocabulary import PageMessage
@@ -22,7 +22,7 @@ PILOT = "ipoa_mission.studio.flight_worker"
 
 
 class FlightDesk:
-    """One flight at a time, on the built-in autopilot or on a vehicle."""
+    """Handle one flight at a time, on the built-in autopilot or on a vehicle."""
 
     def __init__(self, document: Document, tell: Callable[[PageMessage | dict[str, Any]], None]) -> None:
         self._document = document
@@ -31,10 +31,10 @@ class FlightDesk:
         self._task: asyncio.Task[None] | None = None
         self._loaded: dict[str, Any] | None = None
         self._flies = self._is_over = False
-        self._folder = Path(tempfile.mkdtemp(prefix="ipoa-studio-"))  # of this user's alone
+        self._folder = Path(tempfile.mkdtemp(prefix="ipoa-studio-"))  # readable by this user only
 
     def upload(self, request: Upload, hand_over: Callable[[Path], Awaitable[bool]], name: str) -> None:
-        """The first step; `hand_over` has the plan written to a file. Its log has this name.
+        """Upload the plan (first step); `hand_over` writes it to a file. The log gets this name.
 
         Raises:
             MissionError: a flight is under way.
@@ -45,26 +45,28 @@ class FlightDesk:
         self._task = asyncio.create_task(self._fly(request, hand_over, name))
 
     def listen(self, link: str) -> None:
-        """Tell who is heard on the links that there may be.
+        """Report the systems heard on possible links.
 
         Raises:
             MissionError: a flight is under way.
         """
         if self.is_busy:
-            words = "a flight is under way: nothing else is listened to"
+            words = "a flight is under way: no other link can be heard"
             raise MissionError(words, hint="let it end", code="flight-under-way")
         self._task = asyncio.create_task(self._listen(link))
 
     async def start(self, request: Start) -> None:
-        """The second step.
+        """Arm and fly (second step).
 
         Raises:
-            MissionError: nothing is loaded, or not this; or the scenario is another one by now.
+            MissionError: another mission or none is loaded, or the scenario has changed since.
         """
         if self._loaded is None:
             raise MissionError("not started: no mission is loaded", hint="upload first", code="upload-again")
         if self._loaded["revision"] != self._document.revision:
-            raise MissionError("not started: it was changed after the upload", hint="upload again", code="upload-again")
+            raise MissionError(
+                "not started: the document was changed after the upload", hint="upload again", code="upload-again"
+            )
         for what in ("vehicle", "mission", "proof"):
             named, there = getattr(request, what), self._loaded[what]
             if named != there:
@@ -74,10 +76,10 @@ class FlightDesk:
         await self._process.send(request.model_dump(mode="json"))
 
     async def order(self, request: Order) -> None:
-        """Have the vehicle in flight do something else.
+        """Send the vehicle in flight an order.
 
         Raises:
-            MissionError: none flies.
+            MissionError: no vehicle flies.
         """
         if not self._flies:
             words = f"no {WORDS[request.what]}: nothing flies"
@@ -86,17 +88,15 @@ class FlightDesk:
 
     @property
     def is_busy(self) -> bool:
-        """Whether a flight is under way, or is about to be."""
         return self._task is not None and not self._task.done() and not self._is_over
 
     def abandon(self) -> None:
-        """Leave the flight: what is not started is not; a vehicle in the air flies on, unwatched."""
+        """Stop watching: what is not started is not started; a vehicle in the air flies on."""
         if self._task is not None:
             self._task.cancel()
         self._loaded = None
 
     async def close(self) -> None:
-        """End the pilot's process."""
         self.abandon()
         await self._process.close()
         if self._task is not None:
@@ -104,13 +104,13 @@ class FlightDesk:
         shutil.rmtree(self._folder, ignore_errors=True)
 
     async def _listen(self, link: str) -> None:
-        with suppress(Died):
+        with suppress(ProcessDied):
             await self._process.ask({"job": "listen", "link": link}, self._tell)
 
     async def _fly(self, request: Upload, hand_over: Callable[[Path], Awaitable[bool]], name: str) -> None:
         file, document = self._folder / "flight.pickle", self._document
         log = unused(document.path.with_name(f"{name}.tlog"))
-        revision = document.revision  # what is handed over is of this one, whatever is changed meanwhile
+        revision = document.revision  # the file is of this revision, even if the document changes meanwhile
         self._tell(State(phase="uploading", words="getting the plan"))
         if not await hand_over(file):
             self._tell(State(phase="idle", words=""))
@@ -134,13 +134,13 @@ class FlightDesk:
 
         try:
             await self._process.ask(order, hear)
-        except Died:
+        except ProcessDied:
             troubled = True
             self._tell(
                 Trouble(of="flight", message="the pilot's process ended unexpectedly", hint="look at the vehicle")
             )
         except asyncio.CancelledError:
-            self._tell(State(phase="idle", words="the flight was left"))
+            self._tell(State(phase="idle", words="the flight is no longer watched"))
             raise
         finally:
             self._flies = False

@@ -1,6 +1,6 @@
-"""The process that uploads and flies for the studio: `python -m ipoa_mission.studio.flight_worker`.
+"""Upload and fly for the studio: `python -m ipoa_mission.studio.flight_worker`.
 
-Nothing is armed before the page has named vehicle, mission and proof as they are here.
+It arms only after the page has named the same vehicle, mission and proof.
 """
 
 import queue
@@ -23,19 +23,19 @@ from ipoa_mission.studio.harness import Answer, Order, work
 from ipoa_mission.studio.listening import listen
 from ipoa_mission.studio.watch import Watch
 
-LOOK_S = 0.1
+POLL_S = 0.1
 
 
 class FlightWorker:
-    """Flies one mission at a time; `beside` holds what the page says meanwhile."""
+    """Fly one mission at a time; the queue `beside` holds the page's messages meanwhile."""
 
     def __init__(self, beside: "queue.SimpleQueue[Order]") -> None:
         self._beside = beside
 
     def fly(self, order: Order, answer: Answer) -> None:
-        """Upload, wait for the second step, fly, and tell what is seen."""
+        """Upload, wait for the second step, fly, and report."""
         while not self._beside.empty():
-            self._beside.get()  # said of an earlier flight
+            self._beside.get()  # left over from an earlier flight
         handed, log = HandedOver.take(Path(order["file"])), Path(order["log"])
         try:
             self._fly(handed, order, log, answer)
@@ -84,14 +84,14 @@ class FlightWorker:
         answer(State(phase="over", words=words))
 
     def _await_start(self, loaded: Loaded) -> None:
-        """Wait until the page starts this very flight; often, since nothing cancels a thread that waits for ever."""
+        """Wait until the page starts this very flight. Poll, since a thread that waits for ever cannot be cancelled."""
         start: Order | None = None
         while start is None:
             with suppress(queue.Empty):
-                start = self._beside.get(timeout=LOOK_S)
+                start = self._beside.get(timeout=POLL_S)
         for what in ("vehicle", "mission", "proof"):
             if start.get(what) != getattr(loaded, what):
-                words = f"not started: you named {what} {start.get(what)!r}, and it is {getattr(loaded, what)!r}"
+                words = f"not started: {what}: expected {getattr(loaded, what)!r}, not {start.get(what)!r}"
                 raise MissionError(words, hint="upload again", code="upload-again")
 
 
@@ -105,7 +105,7 @@ def _vehicle(order: Order, forecast: Forecast, log: Path) -> Iterator[Vehicle]:
 def _upload(
     forecast: Forecast, vehicle: Vehicle, set_params: bool, tell: Callable[[str], None]
 ) -> tuple[Forecast, tuple[str, ...]]:
-    """The mission on the vehicle, each stage told; the forecast for its parameters, and what the user should know."""
+    """Upload the mission, reporting each stage; return the forecast for its parameters, and remarks."""
 
     @contextmanager
     def stages(stage: Stage) -> Iterator[Progress]:
@@ -120,9 +120,9 @@ def _upload(
 def _flown(
     forecast: Forecast, vehicle: Vehicle, answer: Answer, speedup: float | None, beside: "queue.SimpleQueue[Order]"
 ) -> tuple[FlightRecord, Literal["rtl", "land"] | None]:
-    """The flight from here to its end; the built-in autopilot, which knows no clock, so many times as fast as real.
+    """Fly to the end; the built-in autopilot, which has no clock, runs `speedup` times as fast as real.
 
-    `beside` holds what the page orders; by which of the orders it landed is told, too.
+    `beside` holds the page's orders. Also return the order by which it landed.
     """
 
     watching: list[Watch] = []
@@ -141,7 +141,7 @@ def _flown(
     def remark(words: str) -> None:
         answer(State(phase="preparing", words=words))
 
-    vehicle.conformance.ends_held = False  # the page orders what is next
+    vehicle.conformance.ends_held = False  # the page gives the next order
     record = begin_mission(vehicle, forecast, stages=stages, remark=remark)
     return record, watching[0].obeyed
 

@@ -1,7 +1,7 @@
-"""Who may talk to the studio: the page it gave out, on this machine, with the token of its address; nobody else.
+"""Admit only the page served by this studio, on this machine, with the token of its address.
 
-A stranger's page in the same browser cannot read the token; its requests name its own origin, and a name that it made
-to lead here (DNS rebinding) is not one of ours.
+Another page in the same browser cannot read the token; its requests carry its own origin. A host name that was
+redirected to this machine (DNS rebinding) does not match.
 """
 
 from collections.abc import Callable, Iterable
@@ -10,7 +10,7 @@ from starlette.datastructures import Headers
 from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-#: Scripts, styles, pictures and connections from here only; nothing may frame it, and no form leads elsewhere.
+#: Scripts, styles, images and connections come from this server only; no framing, no forms to elsewhere.
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; font-src 'self'; "
     "connect-src 'self'; worker-src 'self' blob:; manifest-src 'self'; base-uri 'none'; form-action 'none'; "
@@ -19,7 +19,7 @@ POLICY = (
 
 
 def policy_for(origin: str | None) -> str:
-    """The same, and pictures of the one host that the user named."""
+    """Return the policy, extended by images of the tile server that the user named."""
     if origin is None:
         return POLICY
     return POLICY.replace("img-src 'self'", f"img-src 'self' {origin}").replace(
@@ -38,9 +38,9 @@ HEADERS = {
 
 
 class Guard:
-    """In front of an application: refuses strangers, and tells browsers what the page may do.
+    """Wrap an application: refuse foreign requests, and send security headers.
 
-    `knows` says of the first part of an address whether it is a token that was given out.
+    `knows` returns whether the first part of an address is a valid token.
     """
 
     def __init__(self, app: ASGIApp, knows: Callable[[str], bool], hosts: Iterable[str], policy: str) -> None:
@@ -51,7 +51,7 @@ class Guard:
         self._policy = policy
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Let a request pass, or not: 403, and no word of what is here."""
+        """Pass a request on, or answer 403 without any content."""
         if scope["type"] not in ("http", "websocket"):
             return await self._app(scope, receive, send)
         if not self._allowed(scope):

@@ -1,4 +1,4 @@
-"""What the planner's process hands to the pilot's: a mission, its forecast, and a digest by which a start names it."""
+"""Hand a mission, its forecast and a digest from the planner process to the pilot process."""
 
 import hashlib
 import json
@@ -13,7 +13,7 @@ from ipoa_mission.flight.survey_flight import Survey
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.items import Mission
 
-UNKNOWN = "no scenario says what stands there: no clearance was looked at, and none of the ways in which it can end"
+UNKNOWN = "no scenario gives the obstacles: neither clearance nor contingencies were checked"
 
 
 @dataclass(frozen=True)
@@ -26,12 +26,11 @@ class HandedOver:
     remarks: tuple[str, ...] = ()
 
     def write(self, file: Path) -> None:
-        """Into a file in a folder of this user's alone."""
+        """Write to a file in a folder of this user only."""
         file.write_bytes(pickle.dumps(self))
 
     @classmethod
     def take(cls, file: Path) -> "HandedOver":
-        """Out of such a file, which is gone then."""
         handed = pickle.loads(file.read_bytes())
         file.unlink()
         assert isinstance(handed, cls)
@@ -39,18 +38,17 @@ class HandedOver:
 
 
 def planned_over(flight: Flight) -> HandedOver:
-    """A flight that was planned and proved."""
     return HandedOver(flight.name, flight.forecast, proof_digest(flight))
 
 
 def survey_over(survey: Survey, n: int) -> HandedOver:
-    """One flight of a survey; its digest is also of what was proved of all."""
+    """Return flight `n` of a survey; its digest covers the proof of all flights."""
     forecast = survey.flights[n]
     return HandedOver(survey.names[n], forecast, _digest(forecast.mission, [n, survey.summary()]))
 
 
 def mission_over(name: str, forecast: Forecast, warnings: Sequence[Finding]) -> HandedOver:
-    """A mission of a file in which the check found no error, with the parameters by which it was judged."""
+    """Return a mission of a file without errors, with the parameters that were checked."""
     mission, scenario = forecast.mission, forecast.scenario
     told = tuple(finding.message for finding in warnings)
     about = [None if scenario is None else scenario.name, *told, forecast.estimate.total_s]
@@ -59,7 +57,7 @@ def mission_over(name: str, forecast: Forecast, warnings: Sequence[Finding]) -> 
 
 
 def proof_digest(flight: Flight) -> str:
-    """Ten hexadecimal digits of the mission and of what was proved and promised about it."""
+    """Return ten hexadecimal digits of the mission, its proof and its promise."""
     return _digest(flight.mission, flight.summary())
 
 

@@ -1,8 +1,7 @@
-"""How a worker process of the studio lives: it may be slow, be told to stop, or crash, and the server lives on.
+"""Run a worker process of the studio, which may be slow, be cancelled, or crash without the server.
 
-Its standard input and output carry a JSON object a line. A job is `{"id", "job", ...}`; what comes back is
-`{"id", "answer"}`, and at the end `{"id", "done": true}`. `{"cancel": id}` breaks a job off; any other line is for the
-job that is under way.
+Standard input and output carry one JSON object a line. A job is `{"id", "job", ...}`; an answer is `{"id", "answer"}`,
+and the end `{"id", "done": true}`. `{"cancel": id}` cancels a job; any other line goes to the running job.
 """
 
 import _thread
@@ -26,11 +25,11 @@ Subject: TypeAlias = Literal["scenario", "sketch", "plan", "file", "flight"]
 
 
 class JobCancelled(BaseException):
-    """The job is not wanted any more; no library may catch it by `except Exception`."""
+    """The job was cancelled. It is a BaseException, so that no `except Exception` of a library catches it."""
 
 
 class Harness:
-    """Does jobs one after the other, in the main thread; another thread listens for what cancels them."""
+    """Do jobs one after the other in the main thread; another thread reads cancellations."""
 
     def __init__(self, jobs: Mapping[str, tuple[Job, Subject]], tell: Callable[[Order], None]) -> None:
         self._known = jobs
@@ -42,7 +41,7 @@ class Harness:
         self._lock = threading.Lock()
 
     def listen(self, lines: Iterable[str]) -> None:
-        """Take orders until there are no more; then what is under way is not wanted either."""
+        """Read orders until the end of input, then cancel the running job."""
         for line in lines:
             order = json.loads(line)
             if "cancel" in order:
@@ -55,14 +54,13 @@ class Harness:
         self._cancel(self._current)
 
     def run(self) -> None:
-        """Work until there are no more orders."""
         signal.signal(signal.SIGINT, self._interrupted)
         while (order := self._jobs.get()) is not None:
             try:
                 with self._lock:
                     self._current, self._is_cancelled = order["id"], False
                 self._do(order)
-            except (JobCancelled, SystemError):  # what compiled code makes of being interrupted
+            except (JobCancelled, SystemError):  # compiled code raises SystemError when interrupted
                 if not self._is_cancelled:
                     raise
             finally:
@@ -92,9 +90,9 @@ class Harness:
 
 
 def work(make_jobs: Callable[[queue.SimpleQueue[Order]], Mapping[str, tuple[Job, Subject]]]) -> None:
-    """Work for whoever started this process; the jobs are given the lines that are meant for who is at work."""
+    """Work for the parent process; `make_jobs` gets the queue of lines for the running job."""
     channel = os.fdopen(os.dup(sys.stdout.fileno()), "w", encoding="utf-8", newline="\n")
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what a library prints is no answer
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # keep a library's prints out of the answers
     lock = threading.Lock()
 
     def tell(message: Order) -> None:

@@ -1,4 +1,4 @@
-"""What param1 to param7 of an item are, in words with units: ours where they are often used, else MAVLink's."""
+"""Label param1 to param7 of mission items, with units: own labels for common ones, else MAVLink's."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -10,9 +10,9 @@ from ipoa_mission.vehicles.firmware_tables import Firmware
 
 LONGEST = 32  # of a label [letters]
 HOLD, HEADING = ("Stay for", "s"), ("Heading there", "°, empty: its own")
-#: By command, of each param that matters its label and unit; others of these commands are shown if they are not zero.
+#: Label and unit of each param by command; other params of these commands are shown if not zero.
 OURS: Mapping[int, Mapping[int, tuple[str, str]]] = {
-    Command.NAV_WAYPOINT: {1: HOLD, 2: ("Counts as reached within", "m"), 4: HEADING},
+    Command.NAV_WAYPOINT: {1: HOLD, 2: ("Acceptance radius", "m"), 4: HEADING},
     Command.NAV_SPLINE_WAYPOINT: {1: HOLD},
     Command.NAV_ARC_WAYPOINT: {1: ("Turn by", "°")},
     Command.NAV_LOITER_UNLIM: {3: ("Radius", "m"), 4: HEADING},
@@ -23,9 +23,9 @@ OURS: Mapping[int, Mapping[int, tuple[str, str]]] = {
     Command.NAV_TAKEOFF: {4: HEADING},
     Command.NAV_DELAY: {1: ("Wait for", "s")},
     Command.CONDITION_DELAY: {1: ("Wait for", "s")},
-    Command.CONDITION_DISTANCE: {1: ("Until so near", "m")},
+    Command.CONDITION_DISTANCE: {1: ("Until within", "m")},
     Command.CONDITION_YAW: {
-        1: ("Heading", "°"), 2: ("Turn at", "°/s"), 3: ("Way round, 1 or -1", ""), 4: ("Relative", "0 or 1")
+        1: ("Heading", "°"), 2: ("Turn at", "°/s"), 3: ("Direction, 1 or -1", ""), 4: ("Relative", "0 or 1")
     },
     Command.DO_JUMP: {1: ("To item", ""), 2: ("Repeats", "-1: for ever")},
     Command.JUMP_TAG: {1: ("Tag", "")},
@@ -35,7 +35,7 @@ OURS: Mapping[int, Mapping[int, tuple[str, str]]] = {
     Command.DO_SET_RELAY: {1: ("Relay", ""), 2: ("On", "0 or 1")},
     Command.DO_SET_ROI_LOCATION: {},
     Command.DO_MOUNT_CONTROL: {1: ("Pitch", "°"), 2: ("Roll", "°"), 3: ("Yaw", "°")},
-    Command.DO_SET_CAM_TRIGG_DIST: {1: ("A photo every", "m, 0: no more"), 3: ("One at once", "0 or 1")},
+    Command.DO_SET_CAM_TRIGG_DIST: {1: ("A photo every", "m, 0: no more"), 3: ("First at once", "0 or 1")},
     Command.DO_SET_CAM_TRIGG_INTERVAL: {1: ("A photo every", "ms")},
     Command.IMAGE_START_CAPTURE: {2: ("A photo every", "s"), 3: ("Photos", "0: no end")},
     Command.IMAGE_STOP_CAPTURE: {},
@@ -44,14 +44,13 @@ OURS: Mapping[int, Mapping[int, tuple[str, str]]] = {
 
 
 def kinds_of(firmware: Firmware) -> tuple[ItemKind, ...]:
-    """The commands that a firmware takes in a mission, the moving ones first, each with its fields."""
+    """Return a firmware's mission commands, moving ones first, each with its fields."""
     lists = firmware.fence.keys() | firmware.rally.keys()
     taken = sorted((firmware.placed.keys() | firmware.plain.keys()) - lists)
     return tuple(kind_of(command, command in firmware.placed) for command in taken)
 
 
 def kind_of(command: int, placed: bool) -> ItemKind:
-    """One command with its fields."""
     name = "take off" if command == Command.NAV_TAKEOFF else short_name(command)
     return ItemKind(command=command, name=name, placed=placed, fields=tuple(_fields(command, placed)))
 
@@ -71,7 +70,6 @@ def _fields(command: int, placed: bool) -> Iterator[ItemField]:
 
 
 def _shortened(words: str) -> str:
-    """The beginning of a description, to the end of what it says first."""
     first = re.split(r"[.,;:(]", words, maxsplit=1)[0].strip() or words
     if len(first) <= LONGEST:
         return first

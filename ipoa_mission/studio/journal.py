@@ -1,6 +1,6 @@
-"""What was done to a text, kept in a file beside it, so that undo survives a restart and a crash loses nothing.
+"""Keep the edits of a text in a file next to it, for undo after a restart or a crash.
 
-A line is a JSON object: first the text it began with, then a splice an edit, and marks for undo, redo and save.
+Each line is a JSON object: first the initial text, then one splice per edit, and marks for undo, redo and save.
 """
 
 import json
@@ -12,13 +12,13 @@ from typing import Any
 from ipoa_mission.files import write_atomically
 
 SUFFIX = ".studio"
-KEPT = 400  # edits that are kept when a journal is opened
-LONGEST = 20_000_000  # a journal with more bytes begins anew
+EDIT_LIMIT = 400  # edits kept when a journal is opened
+LONGEST = 20_000_000  # [bytes]; a larger journal is rewritten
 
 
 @dataclass(frozen=True)
 class Splice:
-    """At `start` the characters `removed` gave way to `inserted`.
+    """Replace the characters `removed` at `start` by `inserted`.
 
     >>> splice_between("goal = 1", "goal = 2", "goal moved")
     Splice(start=7, removed='1', inserted='2', label='goal moved')
@@ -30,29 +30,25 @@ class Splice:
     label: str
 
     def redone(self, text: str) -> str:
-        """The text after it."""
         return text[: self.start] + self.inserted + text[self.start + len(self.removed) :]
 
     def undone(self, text: str) -> str:
-        """The text before it."""
         return text[: self.start] + self.removed + text[self.start + len(self.inserted) :]
 
 
 def splice_between(before: str, after: str, label: str) -> Splice:
-    """The shortest one that leads from one text to another."""
     start = _alike(before, after)
     end = _alike(before[start:][::-1], after[start:][::-1])
     return Splice(start, before[start : len(before) - end], after[start : len(after) - end], label)
 
 
 def _alike(one: str, other: str) -> int:
-    """How many characters two texts have in common at their begin."""
     return next((n for n, (a, b) in enumerate(zip(one, other, strict=False)) if a != b), min(len(one), len(other)))
 
 
 @dataclass
 class Journal:
-    """The text as it is now, `saved` as it was when last written or read, and the edits; `done` of them count."""
+    """The current text, the text last `saved` or read, and the edits, of which the first `done` are applied."""
 
     path: Path
     text: str
@@ -62,19 +58,19 @@ class Journal:
 
     @classmethod
     def open(cls, path: Path, on_disk: str) -> "Journal":
-        """That of a file with the text `on_disk`: as it was left, or a new one.
+        """Open the journal of a file with the text `on_disk`, or begin one.
 
-        What another program wrote to the file since counts as one more edit, so that nothing of either is lost.
+        Changes by another program become one more edit, so that nothing is lost.
         """
         journal = _replayed(path) or cls(path, on_disk, on_disk)
-        if journal.done > KEPT:
-            journal._begin_anew()
+        if journal.done > EDIT_LIMIT:
+            journal._rewrite()
         if journal.saved != on_disk:
             journal.take_from_disk(on_disk)
         return journal
 
     def write(self, text: str, label: str) -> bool:
-        """Make `text` the text; whether that changed anything."""
+        """Set the text; return whether it changed."""
         if text == self.text:
             return False
         self._splice(splice := splice_between(self.text, text, label))
@@ -82,7 +78,6 @@ class Journal:
         return True
 
     def undo(self) -> bool:
-        """Take the last edit back; whether there was one."""
         if not self.done:
             return False
         self._step(-1)
@@ -90,7 +85,6 @@ class Journal:
         return True
 
     def redo(self) -> bool:
-        """Do the edit again that was taken back last; whether there was one."""
         if self.done == len(self.edits):
             return False
         self._step(1)
@@ -98,23 +92,20 @@ class Journal:
         return True
 
     def mark_saved(self) -> None:
-        """The text is on the disk now."""
         self.saved = self.text
         self._append({"saved": self.done})
 
     def take_from_disk(self, text: str) -> None:
-        """Another program has written this text to the file: it becomes the text, by an edit that can be undone."""
+        """Take a text that another program wrote, as an edit that can be undone."""
         self.write(text, "changed by another program")
         self.mark_saved()
 
     @property
     def undo_label(self) -> str | None:
-        """What undo would take back."""
         return self.edits[self.done - 1].label if self.done else None
 
     @property
     def redo_label(self) -> str | None:
-        """What redo would do again."""
         return self.edits[self.done].label if self.done < len(self.edits) else None
 
     def _splice(self, splice: Splice) -> None:
@@ -133,11 +124,10 @@ class Journal:
             with self.path.open("a", encoding="utf-8", newline="\n") as file:
                 file.write(json.dumps(line, ensure_ascii=False) + "\n")
         else:
-            self._begin_anew()
+            self._rewrite()
 
-    def _begin_anew(self) -> None:
-        """Write the journal whole, with the youngest edits only."""
-        first = max(0, self.done - KEPT)
+    def _rewrite(self) -> None:
+        first = max(0, self.done - EDIT_LIMIT)
         text = self.text
         for splice in reversed(self.edits[first : self.done]):
             text = splice.undone(text)
@@ -148,7 +138,7 @@ class Journal:
 
 
 def _replayed(path: Path) -> Journal | None:
-    """The journal in a file; None where there is none that makes sense. A line that was cut off is the last."""
+    """Return the journal in a file, up to a line cut off; None if it is not valid."""
     lines = _lines(path)
     first = next(lines, None)
     if first is None or "text" not in first:

@@ -1,4 +1,4 @@
-"""An open mission for the page: its items, its map, and what the check finds."""
+"""Show an open mission: its items, its map, and the findings of the check."""
 
 import math
 from collections.abc import Sequence
@@ -22,20 +22,19 @@ from ipoa_mission.studio import answers
 from ipoa_mission.studio.dropped import fences_of
 from ipoa_mission.studio.item_fields import kind_of, kinds_of
 from ipoa_mission.studio.mission_answers import Checked, Flaw, MissionItem, OpenMission
-from ipoa_mission.studio.plan_answers import NOWHERE_NEAR
+from ipoa_mission.studio.plan_answers import UNKNOWN_EXTENT
 from ipoa_mission.studio.view import degree_of, fence_of, on_map, without_folders, world_of
 from ipoa_mission.studio.vocabulary import Number
 from ipoa_mission.vehicles.autopilot import registered
 from ipoa_mission.world.frame import LocalFrame
 
-ROOM = 0.25  # about the mission's places that the map shows, as a share of how far they reach
-LEAST_ROOM = 60.0  # [m]
+MAP_MARGIN = 0.25  # margin of the map around the mission's places, as a share of their extent
+LEAST_MAP_MARGIN = 60.0  # [m]
 
 
 def opened(
     file: MissionFile, forecast: Forecast, revision: int, worlds: Sequence[str], world: str | None
 ) -> OpenMission:
-    """The mission item by item."""
     mission = forecast.given
     firmware = mission.autopilot.firmware(mission.firmware_version)
     kinds = {kind.command: kind for kind in kinds_of(firmware)}
@@ -76,7 +75,7 @@ def _known(value: float) -> Number:
 
 
 def mission_world(forecast: Forecast, revision: int) -> answers.World:
-    """The map of a mission: that of the scenario in which it is judged, with the mission's home; else an empty one."""
+    """Return the map of a mission: of its scenario with the mission's home, else an empty one."""
     mission, scenario = forecast.given, forecast.scenario
     home = mission.home
     here = round(home.longitude_deg, 7), round(home.latitude_deg, 7)
@@ -89,8 +88,8 @@ def mission_world(forecast: Forecast, revision: int) -> answers.World:
         return world.model_copy(update={"spots": (spot,), "bodies": bodies, "fences": fences})
     places = [place[:2] for place in item_places(mission, frame, forecast.ground) if place is not None]
     points = np.array([np.zeros(2), *places])
-    points = points[np.isfinite(points).all(axis=1) & (np.abs(points) < NOWHERE_NEAR / 10).all(axis=1)]
-    room = max(LEAST_ROOM, ROOM * float(np.ptp(points, axis=0).max()))
+    points = points[np.isfinite(points).all(axis=1) & (np.abs(points) < UNKNOWN_EXTENT / 10).all(axis=1)]
+    room = max(LEAST_MAP_MARGIN, MAP_MARGIN * float(np.ptp(points, axis=0).max()))
     low, high = points.min(axis=0) - room, points.max(axis=0) + room
     rim = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
     (west, south), _, (east, north), _ = around = on_map(frame, rim)
@@ -113,7 +112,7 @@ def mission_world(forecast: Forecast, revision: int) -> answers.World:
 
 
 def checked(findings: Sequence[Finding], forecast: Forecast, revision: int) -> tuple[Checked, bool]:
-    """What the check finds, and whether the mission has a flight to be shown."""
+    """Return the findings of the check, and whether the mission has a flight to show."""
     mission, scenario = forecast.given, forecast.scenario
     flaws = tuple(
         Flaw(
@@ -128,11 +127,11 @@ def checked(findings: Sequence[Finding], forecast: Forecast, revision: int) -> t
     if not mission.items:
         why = "it has no item"
     elif refusals(mission):
-        why = "a position or a height makes no sense"
+        why = "a position or a height is not valid"
     elif is_too_long(mission):
         why = "its vehicle holds fewer items"
     elif scenario is not None and scenario.why_elsewhere(mission.home) is not None:
-        why = "it is of another place than the scenario"
+        why = "it is at another place than the scenario"
     else:
         try:
             if not len(forecast.estimate.track.times) > 1:

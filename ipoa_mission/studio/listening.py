@@ -1,4 +1,4 @@
-"""Who is heard on the links that there may be: the usual ports of this machine, and its serial ports."""
+"""Listen for vehicles on this machine's usual ports and serial ports."""
 
 from collections.abc import Iterator
 
@@ -9,13 +9,13 @@ from ipoa_mission.link.discovery import scan
 from ipoa_mission.studio.flight_answers import Heard, HeardLink
 from ipoa_mission.studio.harness import Answer, Order
 
-LISTEN_S = 1.5  # to each link; an autopilot's heart beats once a second
+LISTEN_S = 1.5  # per link; an autopilot's heartbeat comes once a second
 BAUD = 57600
 USUAL = ("udpin:127.0.0.1:14550", "udpin:127.0.0.1:14540", "tcp:127.0.0.1:5760")
 
 
 def listen(order: Order, answer: Answer) -> None:
-    """Listen to all of them, and to the one that the user wrote."""
+    """Listen to all links, and to the one that the user wrote."""
     links = dict.fromkeys([order["link"], *USUAL, *(f"serial:{port}:{BAUD}" for port in serial_ports())])
     answer(Heard(links=tuple(row for link in links if link for row in _heard_on(link))))
 
@@ -32,4 +32,4 @@ def _heard_on(link: str) -> Iterator[HeardLink]:
         words = f"{one.kind}, system {one.system}{', armed' if one.armed else ''}{other}"
         yield HeardLink(link=link, system=one.system, words=words)
     if not found:
-        yield HeardLink(link=link, system=None, words="nobody is heard")
+        yield HeardLink(link=link, system=None, words="no vehicle heard")

@@ -1,4 +1,4 @@
-"""The start page: what was open lately, what lies in this folder, a new scenario from a place, a mission or a log."""
+"""Serve the start page: recent files, files of this folder, and a new scenario."""
 
 import asyncio
 from collections.abc import Callable, Iterable
@@ -24,14 +24,14 @@ from ipoa_mission.studio.window import Window
 
 SCENARIO = ".toml"
 EXAMPLES = ("campus.toml",)
-SHOWN = 40  # files of the folder
-NORTHWARDS = 0.0009  # how far from home a new scenario's first goal is [deg], about 100 m
-#: Opens a file, a mission in the world of a scenario and beside a log: the token of its address.
+FILE_LIMIT = 40  # files of the folder
+GOAL_DISTANCE_DEG = 0.0009  # distance of a new scenario's first goal from home [deg], about 100 m
+#: Opens a file, given a mission's scenario or log, and returns the token of its address.
 OpenAt: TypeAlias = Callable[[Path, Path | None, Path | None], str]
 
 
 class Lobby:
-    """What is told and asked before a file is open; new files go into `folder`, over nothing."""
+    """Serve a page before a file is open; new files go into `folder`, without overwriting."""
 
     def __init__(self, folder: Path, open_file: OpenAt) -> None:
         self._folder, self._open_file = folder, open_file
@@ -39,26 +39,23 @@ class Lobby:
 
     @property
     def folder(self) -> Path:
-        """Where new files go."""
         return self._folder
 
     def join(self, window: Window) -> None:
-        """A window opens: it is told what there is to open."""
         self._windows.add(window)
         window.tell(self._start().model_dump(mode="json"))
 
     def leave(self, window: Window) -> None:
-        """A window closes."""
         self._windows.discard(window)
 
     def tell_all(self, message: PageMessage | dict[str, Any]) -> None:
-        """It has no map: nobody is told of one."""
+        """Do nothing: the start page has no map."""
 
     async def run(self) -> None:
-        """There is nothing to look at."""
+        """Do nothing: the start page watches no file."""
 
     async def handle(self, request: Any, window: Window) -> None:
-        """Open what a window asks for; what cannot be opened is told to it."""
+        """Open the file that a window asks for, or send it the error."""
         try:
             match request:
                 case Open():
@@ -73,21 +70,21 @@ class Lobby:
             window.tell(Trouble(of="file", message=str(error), hint=error.hint).model_dump(mode="json"))
 
     def opened(self, path: Path, world: Path | None = None) -> str:
-        """Open a scenario, a mission, or a log beside the mission in it: the token of its address.
+        """Open a scenario, a mission, or a log with its mission; return the token of its address.
 
         Raises:
             BadInput: it cannot be read.
-            MissionError: nothing in the log was flown, or it does not say which mission.
+            MissionError: the log has no flight, or not its mission.
         """
         if path.suffix.lower() in LOGS:
             return self._open_file(_mission_of(path), world, path)
         return self._open_file(path, world, None)
 
     def take(self, name: str, content: bytes) -> str:
-        """A file that was dropped: kept in the folder, and open at an address beside the page's.
+        """Keep a dropped file in the folder and open it; return its address relative to the page.
 
         Raises:
-            BadInput: no such file can be opened, or it makes no sense.
+            BadInput: the kind of file cannot be opened, or the file is not valid.
         """
         path = keep(name, content, self._folder, (SCENARIO, *MISSIONS, *LOGS))
         return f"../{self.opened(path)}/"
@@ -104,28 +101,31 @@ class Lobby:
         return Beginning(
             folder=str(self._folder),
             recent=_files(path for path in recent if path.is_file()),
-            here=_files(path for path in here[:SHOWN] if path not in recent),
+            here=_files(path for path in here[:FILE_LIMIT] if path not in recent),
             examples=_files(packed(name) for name in EXAMPLES),
         )
 
     def _offered(self, asked: str) -> Path:
-        """A file that the page was told of; an example is copied into the folder first."""
+        """Return a file that was offered to the page; copy an example into the folder first."""
         told = self._start()
         if asked in [one.path for one in told.examples]:
             return keep(Path(asked).name, Path(asked).read_bytes(), self._folder, (SCENARIO,))
         if asked not in [one.path for one in (*told.recent, *told.here)]:
-            raise BadInput("expected a file that the page has told", hint="drop it on the page", place=asked)
+            raise BadInput("expected a file that the page offers", hint="drop it on the page", place=asked)
         return Path(asked)
 
 
 def begin_scenario(target: Path, home: tuple[float, float, float]) -> None:
-    """Write a new scenario with a goal north of home, to be dragged.
+    """Write a new scenario with a goal north of home.
 
     Raises:
-        BadInput: home is no place, or the file cannot be written.
+        BadInput: home is not valid, or the file cannot be written.
     """
     latitude, longitude, altitude = home
-    places = {"home": f"{latitude:.7f}, {longitude:.7f}", "goal": f"{latitude + NORTHWARDS:.7f}, {longitude:.7f}"}
+    places = {
+        "home": f"{latitude:.7f}, {longitude:.7f}",
+        "goal": f"{latitude + GOAL_DISTANCE_DEG:.7f}, {longitude:.7f}",
+    }
     write_atomically(target, new_scenario({**places, "altitude": f"{altitude:.1f}"}, target))
 
 
@@ -142,7 +142,7 @@ def _sort(path: Path) -> str:
 
 
 def _mission_of(log: Path) -> Path:
-    """The mission that was flown in a log, as a file beside it, with the parameters that count."""
+    """Write the mission flown in a log, with its relevant parameters, to a file next to the log."""
     for flight in read_flights(log).flights:
         held = compare_logged(flight, None, {}) if flight.in_mission else None
         if held is not None:
@@ -150,5 +150,5 @@ def _mission_of(log: Path) -> Path:
             target = keep(f"{log.stem}-flown.plan", plan_text(mission).encode(), log.parent, MISSIONS)
             write_mission(mission, target)
             return target
-    words = "it does not say which mission was flown"
-    raise MissionError(words, hint="open the mission, and the log on it", code="log-incomplete", place=log.name)
+    words = "expected the mission that was flown in it"
+    raise MissionError(words, hint="open the mission, then the log", code="log-incomplete", place=log.name)

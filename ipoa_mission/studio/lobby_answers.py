@@ -1,4 +1,4 @@
-"""What the server tells the page of files: those that can be opened, and where one is open."""
+"""Define the server's messages on files to open."""
 
 from typing import Literal
 
@@ -6,8 +6,6 @@ from ipoa_mission.studio.vocabulary import PageMessage
 
 
 class StartFile(PageMessage):
-    """A file that can be opened."""
-
     path: str
     name: str
     folder: str
@@ -15,8 +13,6 @@ class StartFile(PageMessage):
 
 
 class Beginning(PageMessage):
-    """What the start page offers; new files go into the folder."""
-
     kind: Literal["beginning"] = "beginning"
     folder: str
     recent: tuple[StartFile, ...]
@@ -25,7 +21,7 @@ class Beginning(PageMessage):
 
 
 class Elsewhere(PageMessage):
-    """Another file is open, at this address beside the page's own."""
+    """Another file is open at this address, relative to the page's."""
 
     kind: Literal["elsewhere"] = "elsewhere"
     address: str

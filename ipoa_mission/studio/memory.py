@@ -1,7 +1,7 @@
-"""What the studio knows from the last time: the address it had for a file, which files were open, the map tiles.
+"""Remember the address of each file, the recent files, and the map tiles.
 
-One JSON file of this user's, in a folder that nobody else may enter: `$XDG_STATE_HOME/ipoa-mission/studio.json`, else
-below `~/.local/state`; below `%LOCALAPPDATA%` on Windows. Who deletes it loses no more than that.
+The state is one JSON file in a folder of this user only: `$XDG_STATE_HOME/ipoa-mission/studio.json`, else below
+`~/.local/state`; below `%LOCALAPPDATA%` on Windows. It can be deleted at any time.
 """
 
 import json
@@ -13,14 +13,14 @@ from typing import Any
 
 from ipoa_mission.files import write_atomically
 
-KEPT = 20  # files that are remembered
+FILE_LIMIT = 20  # files remembered
 
 
 @dataclass(frozen=True)
 class Opened:
-    """A file that was open, and the port and the token of its page's address; "" is the start page.
+    """A file once open, with the port and the token of its address; "" is the start page.
 
-    `world` and `log`: the scenario and the log beside which a mission was open.
+    `world` and `log`: the scenario and the log that were open with a mission.
     """
 
     path: str
@@ -31,13 +31,11 @@ class Opened:
 
 
 def memory_file() -> Path:
-    """Where it is kept."""
     base = os.environ.get("XDG_STATE_HOME") or os.environ.get("LOCALAPPDATA") or Path.home() / ".local" / "state"
     return Path(base) / "ipoa-mission" / "studio.json"
 
 
 def recent() -> list[Opened]:
-    """The files that were open, the last one first."""
     found = []
     for entry in _read().get("opened", ()):
         try:
@@ -49,26 +47,24 @@ def recent() -> list[Opened]:
 
 
 def address_of(path: Path | None) -> Opened:
-    """The address that this file had, with port 0 and a new token if it had none; None: that of the start page."""
+    """Return a file's last address, else port 0 and a new token; None: the start page."""
     name = "" if path is None else str(path)
     known = next((one for one in recent() if one.path == name), None)
     return known or Opened(name, 0, secrets.token_urlsafe(24))
 
 
 def remember(opened: Opened, port: int) -> None:
-    """That this file is open at a port."""
     others = [asdict(one) for one in recent() if one.path != opened.path]
-    _write({"opened": [asdict(replace(opened, port=port)), *others][:KEPT]})
+    _write({"opened": [asdict(replace(opened, port=port)), *others][:FILE_LIMIT]})
 
 
 def kept_tiles() -> tuple[str, str] | None:
-    """The map tiles of the last time: their source, and whose they are."""
+    """Return the last map tiles: their source and attribution."""
     known = _read().get("tiles")
     return (str(known[0]), str(known[1])) if isinstance(known, list) and len(known) == 2 else None
 
 
 def keep_tiles(tiles: tuple[str, str] | None) -> None:
-    """Remember map tiles, or none."""
     _write({"tiles": tiles})
 
 
@@ -81,7 +77,7 @@ def _read() -> dict[str, Any]:
 
 
 def _write(changes: dict[str, Any]) -> None:
-    """Keep some of it anew; where nothing can be written nothing is remembered."""
+    """Replace some entries; ignore a file that cannot be written."""
     file = memory_file()
     try:
         file.parent.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""What the server tells the page of a mission file that is open."""
+"""Define the server's messages on an open mission file."""
 
 from typing import Literal
 
@@ -6,7 +6,7 @@ from ipoa_mission.studio.vocabulary import LngLat, Number, PageMessage
 
 
 class ItemField(PageMessage):
-    """One of param1 to param7 of a command, in words; `about` is all that MAVLink says of it."""
+    """The label of one of param1 to param7; `about` is MAVLink's full description."""
 
     what: Literal["param1", "param2", "param3", "param4", "param5", "param6", "param7"]
     label: str
@@ -15,7 +15,7 @@ class ItemField(PageMessage):
 
 
 class ItemKind(PageMessage):
-    """A command that the firmware takes in a mission; `placed`: with a latitude, a longitude and a height."""
+    """A command that the firmware takes in a mission; `placed`: with latitude, longitude and height."""
 
     command: int
     name: str
@@ -24,10 +24,10 @@ class ItemKind(PageMessage):
 
 
 class MissionItem(PageMessage):
-    """An item as its file has it: `values` are param1 to param7, None where the autopilot takes its own.
+    """An item as in its file: `values` are param1 to param7, None for the autopilot's default.
 
-    `place` and `up` are of where it lies, if it lies somewhere; `part_of` the first and last item of the survey or scan
-    that it is one of.
+    `place` and `up` are None for an item without a position; `part_of` is the first and last item of its survey or
+    scan.
     """
 
     seq: int
@@ -41,7 +41,7 @@ class MissionItem(PageMessage):
 
 
 class OpenMission(PageMessage):
-    """A mission that is open, item by item; `worlds` are scenarios that it can be judged in, by their paths."""
+    """An open mission; `worlds` are the paths of scenarios to check it in."""
 
     kind: Literal["mission"] = "mission"
     revision: int
@@ -56,7 +56,7 @@ class OpenMission(PageMessage):
 
 
 class Flaw(PageMessage):
-    """What the check found, of an item or of none; an error keeps the mission on the ground."""
+    """A finding of the check, of an item or of none; an error prevents the flight."""
 
     severity: Literal["error", "warning"]
     seq: int | None
@@ -65,7 +65,7 @@ class Flaw(PageMessage):
 
 
 class Checked(PageMessage):
-    """What the check found of an open mission, errors first; `timeless`: why it has no time."""
+    """The findings of the check, errors first; `timeless`: why there is no time estimate."""
 
     kind: Literal["checked"] = "checked"
     revision: int

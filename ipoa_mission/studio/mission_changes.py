@@ -1,4 +1,4 @@
-"""Changes of an open mission's text, item by item; what is not changed stays as the file has it."""
+"""Change an open mission's text item by item; the rest stays as in the file."""
 
 import math
 from collections.abc import Iterable
@@ -18,16 +18,16 @@ from ipoa_mission.studio.vocabulary import LngLat
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_named
 from ipoa_mission.world.frame import Geodetic
 
-HEIGHT = 20.0  # of an item that is put in where none before it has a height [m]
-DIGITS, DEGREES = 2, 7  # decimals of heights and of degrees that are written
+DEFAULT_HEIGHT = 20.0  # of an inserted item if none before it has a height [m]
+DIGITS, DEGREES = 2, 7  # decimals of heights and of degrees in the file
 Placed = TypeVar("Placed", Item, Geodetic)
 
 
 def mission_changed(text: str, path: Path, changes: Iterable[Change], autopilot: str | None = None) -> str:
-    """The text of a mission file with these changes, one after the other.
+    """Return the text of a mission file with these changes, in order.
 
     Raises:
-        BadInput: the text is no mission, a change is of no item, or it cannot be kept whole with it.
+        BadInput: the text is no mission, an item does not exist, or the format cannot hold the change.
     """
     file = parse_mission(path, text, None if autopilot is None else autopilot_named(autopilot))
     mission = file.mission
@@ -56,7 +56,7 @@ def _changed(mission: Mission, change: Change) -> Mission:
         case Put(path=("home", "altitude_amsl")) if isinstance(change.value, int | float):
             return replace(mission, home=replace(mission.home, altitude=float(change.value)))
     words = "expected a change of a mission's items"
-    raise BadInput(words, hint="this is a mission file, no scenario", place=change.op)
+    raise BadInput(words, hint="this is a mission file, not a scenario", place=change.op)
 
 
 def _item(mission: Mission, seq: int) -> Item:
@@ -66,12 +66,11 @@ def _item(mission: Mission, seq: int) -> Item:
 
 
 def _moved(thing: Placed, place: LngLat) -> Placed:
-    """The same at another place of the map."""
     return replace(thing, latitude_deg=round(place[1], DEGREES), longitude_deg=round(place[0], DEGREES))
 
 
 def _put(item: Item, change: PutItem, mission: Mission) -> Item:
-    """The item with one value changed; in another frame it stays as high, where that is known."""
+    """Return the item with one value changed; a change of frame keeps its height if known."""
     value = math.nan if change.value is None else change.value
     if change.what in ("command", "frame"):
         if not (value.is_integer() and 0 <= value <= 65535):
@@ -95,11 +94,11 @@ def _in_frame(item: Item, frame: int, mission: Mission) -> Item:
 
 
 def _new_item(mission: Mission, change: InsertItem) -> Item:
-    """As high as the one before it, and in its frame; without a place of its own where the one before it lies."""
+    """Return an item at the height and in the frame of the one before it."""
     before = [item for item in mission.items[: change.seq - 1] if item.has_position and item.altitude > 0]
-    like = before[-1] if before else Item(Command.NAV_WAYPOINT, Frame.GLOBAL_RELATIVE_ALT, altitude=HEIGHT)
+    like = before[-1] if before else Item(Command.NAV_WAYPOINT, Frame.GLOBAL_RELATIVE_ALT, altitude=DEFAULT_HEIGHT)
     firmware = mission.autopilot.firmware(mission.firmware_version)
-    own = math.nan if firmware.takes_nan is None else 0.0  # what its heading is
+    own = math.nan if firmware.takes_nan is None else 0.0  # its heading
     item = Item(change.command, like.frame, (0.0, 0.0, 0.0, own if change.command in firmware.placed else 0.0))
     if change.command not in firmware.placed or change.command == Command.NAV_RETURN_TO_LAUNCH:
         return _first_values(replace(item, frame=int(Frame.MISSION)), mission)
@@ -111,7 +110,6 @@ def _new_item(mission: Mission, change: InsertItem) -> Item:
 
 
 def _first_values(item: Item, mission: Mission) -> Item:
-    """What some commands must not be without."""
     match item.command:
         case Command.DO_CHANGE_SPEED:
             return replace(item, params=(1.0, mission.cruise_speed or 5.0, -1.0, 0.0))

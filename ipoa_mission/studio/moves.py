@@ -1,4 +1,4 @@
-"""Places of the map as a scenario writes them, and how they are written when they have moved."""
+"""Write places of the map in a scenario, and move them."""
 
 from collections.abc import Callable
 from typing import Any, TypeAlias
@@ -8,19 +8,19 @@ import numpy as np
 from ipoa_mission.studio.vocabulary import LngLat
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 
-DIGITS, DEGREES = 2, 7  # decimals of metres and of degrees that a place is written with
-#: What is written with a place of the map, as [east, north] or [latitude, longitude].
+DIGITS, DEGREES = 2, 7  # decimals of metres and of degrees in the file
+#: Moves [east, north] or [latitude, longitude].
 Move: TypeAlias = Callable[[float, float], tuple[float, float]]
 
 
 def local_of(frame: LocalFrame, place: LngLat) -> list[float]:
-    """East and north of a place of the map, to the centimetre [m]."""
+    """Return east and north of a place of the map, to the centimetre [m]."""
     east, north = frame.local(Geodetic(place[1], place[0], frame.home.altitude))[:2].round(DIGITS).tolist()
     return [east + 0.0, north + 0.0]  # never -0.0
 
 
 def moves_of(old: LocalFrame, new: LocalFrame, step: Any) -> tuple[Move, Move]:
-    """How [east, north] and how [latitude, longitude] move by `step` (2,) [m] into another frame."""
+    """Return how [east, north] and [latitude, longitude] move by `step` (2,) [m] into another frame."""
 
     def local(east: float, north: float) -> tuple[float, float]:
         moved = np.array([float(east) + step[0], float(north) + step[1], 0.0])

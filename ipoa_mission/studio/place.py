@@ -1,4 +1,4 @@
-"""A place as people write it: latitude and longitude, MGRS, or a plus code."""
+"""Parse a place: latitude and longitude, MGRS, or a plus code."""
 
 import re
 
@@ -11,14 +11,14 @@ EXPECTED = "expected degrees (47.3977, 8.5456), MGRS (32TMT6569649438) or a whol
 
 
 def place_of(words: str) -> tuple[float, float]:
-    """Latitude and longitude [deg] of a place as it is written.
+    """Return latitude and longitude [deg] of a written place.
 
     >>> place_of("47.397742, 8.545594"), place_of("47.4 S 8.5 W")
     ((47.397742, 8.545594), (-47.4, -8.5))
 
     Raises:
-        BadInput: it is none of these.
-        MissionError: a library that knows MGRS or plus codes is not installed.
+        BadInput: it is in none of these forms.
+        MissionError: the library for MGRS or plus codes is not installed.
     """
     told = words.strip()
     if found := DEGREES.fullmatch(told):
@@ -31,7 +31,7 @@ def place_of(words: str) -> tuple[float, float]:
         mgrs = imported("mgrs", "MGRS needs the library mgrs", "studio")
         try:
             latitude, longitude = mgrs.MGRS().toLatLon("".join(told.split()).upper())
-        except Exception as error:  # its own, of several classes
+        except Exception as error:  # the library's own classes
             raise BadInput(f"{EXPECTED}, not {told!r}", place="place") from error
         place = (float(latitude), float(longitude))
     elif PLUS.fullmatch(told):

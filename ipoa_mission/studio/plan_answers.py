@@ -1,4 +1,4 @@
-"""What the page shows of a flight as expected, of one that was planned, and of a coarse path."""
+"""Show a forecast, a planned flight, or a coarse path on the page."""
 
 import math
 from collections.abc import Iterator
@@ -31,13 +31,13 @@ from ipoa_mission.world.airspace import Airspace, Bounds
 from ipoa_mission.world.terrain import Flat
 
 SAMPLES = 500  # of the predicted flight
-NEAR, CLOSE = 5, 1.5  # places that are named as near, and how much nearer than required is near enough to be named
-SLOW = 4  # items that are named as slow
-NOWHERE_NEAR = 1e7  # the bounds of a world of which nothing is known [m]
+NEAR_PLACES, NEAR_FACTOR = 5, 1.5  # places listed as near, and up to which multiple of the required clearance
+SLOW_ITEMS = 4  # items listed as slow
+UNKNOWN_EXTENT = 1e7  # bounds of a world without obstacles [m]
 
 
 def sketched(sketch: Sketch, scenario: Scenario, revision: int, number: int | None, took_s: float) -> answers.Sketch:
-    """A coarse path for the map. Its time is the least that the vehicle's limits allow on it, so no estimate."""
+    """Show a coarse path; its time is a lower bound by the vehicle's limits, not an estimate."""
     vehicle, frame = scenario.vehicle, scenario.frame
     points = _sampled(sketch.curve)
     limits = kinematics(vehicle.autopilot, vehicle.autopilot_parameters(), vehicle.cruise_speed)
@@ -58,7 +58,6 @@ def sketched(sketch: Sketch, scenario: Scenario, revision: int, number: int | No
 
 
 def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
-    """A proved flight for the page."""
     plan, scenario = expected(flight.forecast, flight.name, revision, took_s), flight.scenario
     proved = {
         "of": "scenario",
@@ -72,7 +71,7 @@ def planned(flight: Flight, revision: int, took_s: float) -> answers.Plan:
 
 
 def expected(forecast: Forecast, name: str, revision: int, took_s: float) -> answers.Plan:
-    """The flight of a mission as expected; what it keeps only where a scenario says what stands there."""
+    """Show a mission's forecast; its clearance only if a scenario gives the obstacles."""
     scenario, estimate = forecast.scenario, forecast.estimate
     course = course_of(forecast)
     promise = None if scenario is None else forecast.promise_if_known
@@ -114,8 +113,8 @@ def expected(forecast: Forecast, name: str, revision: int, took_s: float) -> ans
 
 
 def course_of(forecast: Forecast) -> seen.Seen:
-    """The samples that the page shows of a predicted flight."""
-    nowhere = Airspace(Bounds((-NOWHERE_NEAR,) * 3, (NOWHERE_NEAR,) * 3), Flat())
+    """Return the samples of a predicted flight that the page shows."""
+    nowhere = Airspace(Bounds((-UNKNOWN_EXTENT,) * 3, (UNKNOWN_EXTENT,) * 3), Flat())
     airspace = nowhere if forecast.scenario is None else forecast.scenario.airspace
     return seen.follow(forecast.estimate.track, airspace, SAMPLES)
 
@@ -138,7 +137,7 @@ def _course(course: seen.Seen, forecast: Forecast) -> answers.Course:
 
 
 def _turns_home(course: seen.Seen, forecast: Forecast) -> int | None:
-    """The sample at which a flight that ends by a return has done all else."""
+    """Return the sample at which a final return begins."""
     items = forecast.estimate.items
     if len(items) < 2:
         return None
@@ -148,7 +147,6 @@ def _turns_home(course: seen.Seen, forecast: Forecast) -> int | None:
 
 
 def _homeward(forecast: Forecast) -> tuple[answers.Homeward, ...]:
-    """Where RTL would lead at moments of the flight."""
     return tuple(
         answers.Homeward(from_s=way["from"], clear=way["clear"], line=line_of(forecast.frame, np.array(way["points"])))
         for way in ways_home(forecast)
@@ -156,7 +154,7 @@ def _homeward(forecast: Forecast) -> tuple[answers.Homeward, ...]:
 
 
 def _stops(forecast: Forecast, course: seen.Seen) -> Iterator[answers.Stop]:
-    """Every item in the order flown; one that a jump leads to again comes again."""
+    """Yield items in the order flown, repeated ones each time."""
     flown, scenario = as_flown(forecast.mission), forecast.scenario
     over = forecast.ground if scenario is None else scenario.airspace.ground
     places = item_places(flown, forecast.frame, over)
@@ -179,7 +177,7 @@ def _stops(forecast: Forecast, course: seen.Seen) -> Iterator[answers.Stop]:
 
 
 def _beside(course: seen.Seen, scenario: Scenario) -> Iterator[answers.Beside]:
-    """What the profile shows below and beside the path, as the report does."""
+    """Yield obstacles below and lateral to the path, as in the report."""
     for body, (begins, ends), look in near_course(course, scenario.airspace, scenario.limits.obstacle_distance):
         base, top = body.bounds[:, 2].round(2).tolist()
         name = without_folders(body.name, scenario)
@@ -187,12 +185,12 @@ def _beside(course: seen.Seen, scenario: Scenario) -> Iterator[answers.Beside]:
 
 
 def _near_things(promise: Promise | None, course: seen.Seen, scenario: Scenario) -> Iterator[answers.Binding]:
-    """Where the flight comes too near to something, and what it comes nearest to, the worst first."""
+    """Yield places too near to the flight, and the nearest, worst first."""
     for danger in seen.dangers(course, scenario):
         yield answers.Binding(what="danger", words=danger.words, at=int(np.argmin(course.apart)))
     limits = () if promise is None else promise.limits
-    for check in sorted(limits, key=lambda kept: kept.slack)[:NEAR]:
-        if promise is not None and math.isfinite(check.kept) and check.slack < CLOSE * check.required + 1.0:
+    for check in sorted(limits, key=lambda kept: kept.slack)[:NEAR_PLACES]:
+        if promise is not None and math.isfinite(check.kept) and check.slack < NEAR_FACTOR * check.required + 1.0:
             at = int(np.argmin(np.linalg.norm(course.points - np.array(check.place), axis=1)))
             part = f", {check.part}, predicted only" if check.part else ""
             words = f"{check.limit}, to {check.to}{part}: {check.words(promise.confidence)}"
@@ -200,9 +198,8 @@ def _near_things(promise: Promise | None, course: seen.Seen, scenario: Scenario)
 
 
 def _slow_items(estimate: Estimate, course: seen.Seen) -> Iterator[answers.Binding]:
-    """Which items something keeps slow: the worst ones, in their order."""
     slow = sorted((item for item in estimate.items if item.reason), key=lambda item: -item.duration_s)
-    for item in sorted(slow[:SLOW], key=lambda item: item.done_s):
+    for item in sorted(slow[:SLOW_ITEMS], key=lambda item: item.done_s):
         words = f"item {item.seq}: {item.reason}, {item.mean_speed:.1f} m/s on average"
         yield answers.Binding(what="slow", words=words, at=course.nearest(item.done_s))
 

@@ -1,4 +1,4 @@
-"""The process that plans for the studio: `python -m ipoa_mission.studio.plan_worker`."""
+"""Plan for the studio in a process of its own: `python -m ipoa_mission.studio.plan_worker`."""
 
 import copy
 import time
@@ -42,11 +42,11 @@ from ipoa_mission.survey.laying import sketch_survey
 from ipoa_mission.vehicles.autopilot import autopilot_named
 
 CHANGES: TypeAdapter[tuple[Change, ...]] = TypeAdapter(tuple[Change, ...])
-TELL_EVERY_S = 0.1  # progress is told no more often
+PROGRESS_INTERVAL_S = 0.1  # least interval of progress messages
 
 
 def look(order: Order, answer: Answer) -> None:
-    """What the map shows of a scenario; its survey's area even where the scenario makes no sense."""
+    """Show a scenario on the map, and a survey's area even of an invalid scenario."""
     table, revision = _table(order["text"], order["path"]), order["revision"]
     try:
         scenario = _scenario(order["text"], order["path"])
@@ -59,7 +59,7 @@ def look(order: Order, answer: Answer) -> None:
 
 
 def sketch(order: Order, answer: Answer) -> None:
-    """A coarse path, of the scenario as it is or as it would be."""
+    """Sketch a coarse path of the scenario, with or without a pending change."""
     begun = time.perf_counter()
     if order["changes"]:
         table = copy.deepcopy(_table(order["text"], order["path"]))
@@ -74,7 +74,7 @@ def sketch(order: Order, answer: Answer) -> None:
 
 
 def _coarse(scenario: Scenario, order: Order, begun: float) -> Sketch | CoarseSurvey:
-    """A first answer at once: a path, or the lines of a survey."""
+    """Return a quick answer: a path, or the lines of a survey."""
     about = order["revision"], order["number"]
     if scenario.survey is None:
         path = sketch_path(scenario)
@@ -84,7 +84,7 @@ def _coarse(scenario: Scenario, order: Order, begun: float) -> Sketch | CoarseSu
 
 
 def judge(order: Order, answer: Answer) -> None:
-    """An open mission: its map, its items, what the check finds, and its flight as expected."""
+    """Show an open mission: its map, items, findings and forecast."""
     begun, revision, path = time.perf_counter(), order["revision"], Path(order["path"])
     file, forecast = _mission(order)
     answer(mission_world(forecast, revision))
@@ -98,17 +98,16 @@ def judge(order: Order, answer: Answer) -> None:
 
 
 def end_mission(order: Order, answer: Answer) -> None:
-    """How the open mission can end before its last item."""
     _, forecast = _mission(order)
     for strip in strips_of(forecast, order["revision"], 0):
         answer(strip)
 
 
 def hand_over_mission(order: Order, answer: Answer) -> None:
-    """The open mission, for the process that flies it.
+    """Write the open mission for the pilot process.
 
     Raises:
-        MissionError: the check finds errors, or it has no time.
+        MissionError: the check finds errors, or there is no time estimate.
     """
     file, forecast = _mission(order)
     warnings = refuse_errors(_findings(file, forecast))
@@ -117,18 +116,17 @@ def hand_over_mission(order: Order, answer: Answer) -> None:
 
 
 class PlanWorker:
-    """Plans flights, and keeps the last one, to write its files or to hand it over."""
+    """Plan flights, and keep the last plan for its files and its flight."""
 
     def __init__(self) -> None:
         self._plan: Flight | Survey | None = None
 
     def plan(self, order: Order, answer: Answer) -> None:
-        """The proved flight."""
         revision, begun, told_at = order["revision"], time.perf_counter(), 0.0
 
         def progress(share: float, words: str) -> None:
             nonlocal told_at
-            if time.perf_counter() - told_at > TELL_EVERY_S:
+            if time.perf_counter() - told_at > PROGRESS_INTERVAL_S:
                 told_at = time.perf_counter()
                 answer(Progress(revision=revision, share=share, words=words))
 
@@ -146,14 +144,13 @@ class PlanWorker:
             answer(refused(error, scenario, revision))
 
     def end(self, order: Order, answer: Answer) -> None:
-        """How the plan's flight can end before its last item, of a survey's the one that is meant."""
+        """Forecast the contingencies of the plan, or of one flight of a survey."""
         plan, n = self._expect_plan(), order["flight"]
         forecast = plan.flights[n] if isinstance(plan, Survey) else plan.forecast
         for strip in strips_of(forecast, order["revision"], n):
             answer(strip)
 
     def write(self, order: Order, answer: Answer) -> None:
-        """The plan's files, its reports among them."""
         plan, folder = self._expect_plan(), Path(order["folder"])
         files = [*plan.write(folder)]
         if isinstance(plan, Survey):
@@ -164,14 +161,13 @@ class PlanWorker:
         answer(Written(files=tuple(file.name for file in files)))
 
     def detach(self, order: Order, answer: Answer) -> None:
-        """The flight's mission as a file of its own, over nothing."""
+        """Write the flight's mission as a file of its own, without overwriting."""
         handed, folder = self._expect_flight(order), Path(order["folder"])
         target = unused(folder / f"{handed.name}-edited.plan")
         write_mission(handed.forecast.mission, target)
         answer(Written(files=(target.name,)))
 
     def hand_over(self, order: Order, answer: Answer) -> None:
-        """The flight, for the process that flies it."""
         self._expect_flight(order).write(Path(order["file"]))
 
     def _expect_plan(self) -> Flight | Survey:
@@ -188,7 +184,6 @@ class PlanWorker:
         return survey_over(plan, n)
 
     def jobs(self, _: object) -> Mapping[str, tuple[Job, Subject]]:
-        """What can be asked."""
         return {
             "look": (look, "scenario"),
             "sketch": (sketch, "sketch"),
@@ -206,7 +201,9 @@ class PlanWorker:
 def _survey(
     scenario: Scenario, order: Order, progress: ShowProgress, answer: Answer
 ) -> tuple[Survey, tuple[Path, ...]]:
-    """The survey without what was flown by some logs, and these; where they make no sense that is told, and all of it.
+    """Plan a survey without the parts flown in some logs; return it with the logs used.
+
+    If the logs are not valid, report that and plan the whole survey.
 
     Raises:
         MissionError: as `plan_survey`.
@@ -236,7 +233,7 @@ def _mission_in(
     world = None if world_text is None else _scenario(world_text, world_path)
     flies = None if autopilot is None else autopilot_named(autopilot)
     if flies is None and world is not None and Path(path).suffix.lower() == ".waypoints":
-        flies = world.vehicle.autopilot  # whom such a file does not say
+        flies = world.vehicle.autopilot  # such a file does not name its autopilot
     file = read_by_items(Path(path), parse_mission(Path(path), text, flies))
     return file, Forecast(file.mission, world)
 

@@ -1,4 +1,4 @@
-"""Processes of ours that work for the server, each asked one thing at a time, and started anew when one dies."""
+"""Run worker processes for the server, one request at a time each; restart one that dies."""
 
 import asyncio
 import json
@@ -11,7 +11,7 @@ Hear: TypeAlias = Callable[[dict[str, Any]], None]
 LINE_LIMIT = 256 * 1024 * 1024  # of an answer [bytes]
 
 
-class Died(Exception):
+class ProcessDied(Exception):
     """The process ended before it had answered."""
 
 
@@ -25,7 +25,7 @@ class Process:
         self._number = 0
 
     async def start(self) -> asyncio.subprocess.Process:
-        """The running process; a new one if the last has died."""
+        """Return the running process; start one if needed."""
         if self._process is None or self._process.returncode is not None:
             self._process = await asyncio.create_subprocess_exec(
                 sys.executable,
@@ -38,10 +38,10 @@ class Process:
         return self._process
 
     async def ask(self, order: dict[str, Any], hear: Hear) -> None:
-        """Have one thing done; `hear` is given every answer. If the task is cancelled the process is told so.
+        """Send a job, and call `hear` with every answer; pass on a cancellation of the task.
 
         Raises:
-            Died: the process ended; the next thing is done by a new one.
+            ProcessDied: the process ended; the next job starts a new one.
         """
         async with self._one_at_a_time:
             process = await self.start()
@@ -56,7 +56,7 @@ class Process:
                     await _send(process, {"cancel": self._number})
                     continue
                 if line is None:
-                    raise Died(self._module)
+                    raise ProcessDied(self._module)
                 if line.get("id") == self._number:
                     if "done" in line:
                         break
@@ -66,12 +66,11 @@ class Process:
                 raise asyncio.CancelledError
 
     async def send(self, order: dict[str, Any]) -> None:
-        """Tell it something beside what it was asked, such as that it may go on."""
+        """Send a message for the running job, such as a start."""
         if self._process is not None:
             await _send(self._process, order)
 
     async def close(self) -> None:
-        """End the process."""
         process, self._process = self._process, None
         if process is not None and process.returncode is None:
             with suppress(ProcessLookupError):
@@ -87,10 +86,9 @@ async def _send(process: asyncio.subprocess.Process, order: dict[str, Any]) -> N
 
 
 async def _line(process: asyncio.subprocess.Process) -> Any:
-    """What it says next; None if it has ended."""
     assert process.stdout is not None
     while text := await process.stdout.readline():
-        if text.startswith(b"{"):  # what a library printed before the process was ours is no answer
+        if text.startswith(b"{"):  # skip what a library printed before the harness ran
             return json.loads(text)
     await process.wait()
     return None

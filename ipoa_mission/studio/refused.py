@@ -1,4 +1,4 @@
-"""A plan that was refused, for the page: short sentences, and a button for each remedy that can be put in numbers."""
+"""Show a refused plan on the page: short sentences, and a button for each remedy in numbers."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any, Literal
@@ -16,15 +16,14 @@ from ipoa_mission.studio.vocabulary import as_on_map
 
 #: Labels of changes that the planner has tried.
 TRIED: Mapping[tuple[str | int, ...], str] = {
-    ("vehicle", "cruise_speed"): "Cruise speed {:g} m/s, which was tried",
-    ("route", "mode"): "Waypoints: {}, which was tried",
-    ("safety", "confidence"): "Confidence {:g}, which was tried",
+    ("vehicle", "cruise_speed"): "Cruise speed {:g} m/s (tried)",
+    ("route", "mode"): "Waypoints: {} (tried)",
+    ("safety", "confidence"): "Confidence {:g} (tried)",
 }
-SPARE = 0.5  # how much more than required a place is put above what is below it [m]
+HEIGHT_MARGIN = 0.5  # added to the required height above an obstacle [m]
 
 
 def refused(error: MissionError, scenario: Scenario, revision: int, of: Literal["plan", "sketch"] = "plan") -> Trouble:
-    """What the page is told of a plan's refusal, or of a first look's."""
     return Trouble(
         of=of,
         message=in_words(without_folders(str(error), scenario)),
@@ -43,7 +42,7 @@ def refused(error: MissionError, scenario: Scenario, revision: int, of: Literal[
 
 
 def misread(error: MissionError, table: Mapping[str, Any], path: str, revision: int) -> Trouble:
-    """What the page is told of a scenario that makes no sense; which file it is, it knows."""
+    """Return the page's message on an invalid scenario, without the file's name."""
     message = as_on_map(str(error).removeprefix(f"{path}: "))
     remedies = tuple(area_remedies(error, table))
     return Trouble(
@@ -70,7 +69,7 @@ def _tried(error: MissionError) -> Iterator[Remedy]:
 
 
 def _unread(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
-    """For what a file holds and nobody read: the user says that it limits no flight."""
+    """Yield a remedy for contents of a file that were not read: the user states that they limit no flight."""
     codes = error.known.get("codes")
     if isinstance(codes, list) and "not-read" in codes:
         put = Put(path=("safety", "ignore"), value=[*scenario.safety.ignore, "not-read"])
@@ -79,7 +78,7 @@ def _unread(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
 
 def _ways_home(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
     changes = {change.field: change.value for change in error.remedies}
-    if ("route", "ending") not in changes or scenario.survey is not None:  # whose flights end over home as it is
+    if ("route", "ending") not in changes or scenario.survey is not None:  # those flights end over home as given
         return
     for field, value in changes.items():
         if field[:2] == ("vehicle", "parameters"):
@@ -100,15 +99,15 @@ def _heights(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
                 found.setdefault((scenario.maps[n].file.name, key, change.value), []).append(put)
     for (file, key, value), changes in found.items():
         what = f"{key.removesuffix('_height')}s of {file}"
-        words = f"{what} are {value:g} m high" if value else f"nothing stands there: no {what}"
+        words = f"{what} are {value:g} m high" if value else f"no obstacle there: no {what}"
         yield Remedy(label=words[0].upper() + words[1:], changes=tuple(changes))
 
 
 def _higher(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
-    """For a place that is too low: above the highest thing there. The next plan says whether that will do."""
+    """Yield a place that is too low raised above the highest obstacle there. The next plan checks it."""
     points = {"start": scenario.start_point, "goal": scenario.goal_point}
     points |= {f"via[{n}]": point for n, point in enumerate(scenario.via_points)}
-    if error.code != "place-blocked" or error.place not in points or scenario.survey is not None:  # has one height
+    if error.code != "place-blocked" or error.place not in points or scenario.survey is not None:
         return
     name, number = error.place.partition("[")[0], list(points).index(error.place) - 2
     point = np.asarray(points[error.place], float)
@@ -118,7 +117,7 @@ def _higher(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
         middle = np.append(point[:2], body.bounds[:, 2].mean())
         if float(body.distance(middle[None, :])[0]) < required:
             tops.append(float(body.bounds[1, 2]))
-    height = round(max(tops) + required + SPARE, 1)
+    height = round(max(tops) + required + HEIGHT_MARGIN, 1)
     if not point[2] < height < airspace.bounds.upper[2]:
         return
     path = (name, number) if name == "via" else (name,)

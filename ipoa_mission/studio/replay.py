@@ -1,4 +1,4 @@
-"""The flight in a log, beside the estimate of the mission that is open."""
+"""Compare the flight in a log with the estimate of the open mission."""
 
 import math
 from functools import lru_cache
@@ -13,26 +13,26 @@ from ipoa_mission.report.compare import compare_flight, flown_track
 from ipoa_mission.studio.flight_answers import FlownItem, Replay
 from ipoa_mission.studio.view import line_of
 
-MOST = 1000  # places of a flown path that a page draws
+PLACE_LIMIT = 1000  # of a flown path on the page
 
 
 def replayed(log: Path, forecast: Forecast, revision: int) -> Replay:
-    """The first flight of the log that was flown in the mission mode, against the forecast.
+    """Compare the log's first flight in the mission mode with the forecast.
 
     Raises:
-        MissionError: there is none, or it has no positions.
+        MissionError: there is no such flight, or it has no positions.
     """
     flown = _flights(str(log))
     flight = next((one for one in flown.flights if one.in_mission), None)
     if flight is None:
-        raise MissionError("nothing in it was flown in the mission mode", code="log-incomplete", place=log.name)
+        raise MissionError("expected a flight in the mission mode", code="log-incomplete", place=log.name)
     forecast = forecast.on(flight.firmware_version)
     record = flight.record(forecast.mission)
     track = flown_track(forecast.mission, record)
     if track is None:
-        raise MissionError("it has no positions", code="log-incomplete", place=log.name)
+        raise MissionError("expected a flight with positions", code="log-incomplete", place=log.name)
     held = compare_flight(forecast.estimate, record)
-    shown = np.unique(np.linspace(0, len(track.times) - 1, min(MOST, len(track.times))).round().astype(int))
+    shown = np.unique(np.linspace(0, len(track.times) - 1, min(PLACE_LIMIT, len(track.times))).round().astype(int))
     several = len(flown.flights) > 1
     return Replay(
         revision=revision,

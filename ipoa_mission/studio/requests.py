@@ -1,4 +1,4 @@
-"""What the page asks of the server, and the changes of a scenario that it asks for."""
+"""Define the page's requests, and its changes of a scenario."""
 
 from typing import Annotated, Any, Literal, TypeAlias
 
@@ -8,7 +8,7 @@ from ipoa_mission.studio.vocabulary import InFlight, Json, LngLat, PageMessage, 
 
 
 class Put(PageMessage):
-    """A value of the scenario by its path, such as `vehicle.cruise_speed`; tables on the way are made."""
+    """Set a value of the scenario by its path, such as `vehicle.cruise_speed`; create tables on the way."""
 
     op: Literal["put"] = "put"
     path: Path
@@ -16,14 +16,12 @@ class Put(PageMessage):
 
 
 class Take(PageMessage):
-    """A value or a table is taken out."""
-
     op: Literal["take"] = "take"
     path: Path
 
 
 class Shift(PageMessage):
-    """What lies at a path is moved as if it were taken at one place of the map and put down at the other."""
+    """Move a thing at a path from one place of the map to another."""
 
     op: Literal["shift"] = "shift"
     path: Path
@@ -32,7 +30,7 @@ class Shift(PageMessage):
 
 
 class Add(PageMessage):
-    """A table joins a list of the scenario, with its place or its corners on the map."""
+    """Add a table to a list of the scenario, with its place or its corners on the map."""
 
     op: Literal["add"] = "add"
     to: Literal["via", "rally", "obstacles", "fence", "maps"]
@@ -43,9 +41,9 @@ class Add(PageMessage):
 
 
 class DrawArea(PageMessage):
-    """An area joins the survey, or is the first of a new one in place of start, goal and via; or a hole, a corridor.
+    """Draw an area, a hole or a corridor of the survey; a first one replaces start, goal and via.
 
-    A hole goes into the area that it begins in; a corridor, whose middle is the `ring`, takes the place of all areas.
+    A hole goes into the area in which it begins; a corridor, with `ring` as its middle line, replaces all areas.
     """
 
     op: Literal["draw_area"] = "draw_area"
@@ -54,21 +52,21 @@ class DrawArea(PageMessage):
 
 
 class OwnArea(PageMessage):
-    """The survey's area is drawn in the scenario itself, no more in a map: polygons as rings, the outer one first."""
+    """Draw the survey's area in the scenario instead of a map: polygons as rings, the outer one first."""
 
     op: Literal["own_area"] = "own_area"
     parts: tuple[tuple[tuple[LngLat, ...], ...], ...]
 
 
 class MapArea(PageMessage):
-    """The survey's area is that of a map which lies beside the scenario; without a survey there is one from now on."""
+    """Take the survey's area from a map file next to the scenario; add a survey if there is none."""
 
     op: Literal["map_area"] = "map_area"
     file: str
 
 
 class PutCorner(PageMessage):
-    """A corner of the survey's area goes elsewhere, by its path."""
+    """Move a corner of the survey's area."""
 
     op: Literal["put_corner"] = "put_corner"
     path: Path
@@ -76,7 +74,7 @@ class PutCorner(PageMessage):
 
 
 class AddCorner(PageMessage):
-    """A corner of the survey's area is put in where its path says, before the one that is there."""
+    """Insert a corner of the survey's area before the one at the path."""
 
     op: Literal["add_corner"] = "add_corner"
     path: Path
@@ -84,7 +82,7 @@ class AddCorner(PageMessage):
 
 
 class PutItem(PageMessage):
-    """One value of a mission's item: its command, frame, param1 to param7; None: the autopilot's own."""
+    """Set one value of a mission item: its command, frame, param1 to param7; None: the autopilot's default."""
 
     op: Literal["put_item"] = "put_item"
     seq: int
@@ -93,15 +91,13 @@ class PutItem(PageMessage):
 
 
 class MoveItem(PageMessage):
-    """An item of a mission is put somewhere else."""
-
     op: Literal["move_item"] = "move_item"
     seq: int
     place: LngLat
 
 
 class InsertItem(PageMessage):
-    """An item that becomes number `seq`, as high as the one before it."""
+    """Insert an item as number `seq`, at the height of the one before it."""
 
     op: Literal["insert_item"] = "insert_item"
     seq: int
@@ -110,14 +106,12 @@ class InsertItem(PageMessage):
 
 
 class TakeItem(PageMessage):
-    """An item is taken out of a mission."""
-
     op: Literal["take_item"] = "take_item"
     seq: int
 
 
 class PlainItems(PageMessage):
-    """The survey or scan that an item is one of becomes plain items."""
+    """Replace the survey or scan of an item by plain items."""
 
     op: Literal["plain_items"] = "plain_items"
     seq: int
@@ -129,7 +123,7 @@ Change: TypeAlias = Annotated[Put | Take | Shift | Add | AreaChange | ItemChange
 
 
 class Edit(PageMessage):
-    """Change the document; `seen` is the revision that the page knew."""
+    """Change the document; `seen` is the page's revision."""
 
     kind: Literal["edit"] = "edit"
     seen: int
@@ -138,15 +132,13 @@ class Edit(PageMessage):
 
 
 class Rewrite(PageMessage):
-    """The scenario's text is another one."""
-
     kind: Literal["rewrite"] = "rewrite"
     seen: int
     text: str
 
 
 class Drag(PageMessage):
-    """How would it be, were it so? The answer goes to this page alone; of several questions the last counts."""
+    """Sketch a change without making it. Only this page gets the answer, and only to the last request."""
 
     kind: Literal["drag"] = "drag"
     number: int
@@ -154,14 +146,14 @@ class Drag(PageMessage):
 
 
 class SaveAs(PageMessage):
-    """Write the mission beside its file, over nothing, as the other format or under another name."""
+    """Write the mission next to its file in the other format or under another name, without overwriting."""
 
     kind: Literal["save_as"] = "save_as"
     suffix: Literal[".plan", ".waypoints"]
 
 
 class Within(PageMessage):
-    """In the world of which scenario a mission is judged, and who flies it; None: of none, whom the file says."""
+    """Set the scenario and autopilot to check a mission with; None: no scenario, the file's autopilot."""
 
     kind: Literal["within"] = "within"
     scenario: str | None
@@ -169,14 +161,14 @@ class Within(PageMessage):
 
 
 class Open(PageMessage):
-    """Open a file that the start page was told of."""
+    """Open a file that the start page offers."""
 
     kind: Literal["open"] = "open"
     path: str
 
 
 class Begin(PageMessage):
-    """A new scenario, home at a place as people write it, so high [m AMSL]."""
+    """Begin a new scenario with home at a written place and altitude [m AMSL]."""
 
     kind: Literal["begin"] = "begin"
     place: str
@@ -184,24 +176,22 @@ class Begin(PageMessage):
 
 
 class Find(PageMessage):
-    """Where on the map is a place, as people write it?"""
-
     kind: Literal["find"] = "find"
     place: str
 
 
 class Rest(PageMessage):
-    """Plan what is left of the survey where these logs beside it say that some was flown; none: all of it again."""
+    """Plan the rest of the survey, without the parts flown in these logs; none: all of it."""
 
     kind: Literal["rest"] = "rest"
     logs: tuple[str, ...]
 
 
 class Do(PageMessage):
-    """Something with no more to it. `take_theirs`: the file as another program has written it.
+    """A request without parameters. `take_theirs`: take the file's text as another program wrote it.
 
-    `detach`: the planned flight, of a survey's the one of this number from 0 on, as a mission file of its own, to be
-    changed item by item.
+    `detach`: write the planned flight, number `flight` of a survey (from 0), as a mission file of its own to edit its
+    items.
     """
 
     kind: Literal["do"] = "do"
@@ -210,11 +200,10 @@ class Do(PageMessage):
 
 
 class Upload(PageMessage):
-    """The first step of a flight: put the mission on a vehicle, and read it back. No link: the built-in one.
+    """Put the mission on a vehicle and read it back (first step). No link: the built-in autopilot.
 
-    `set_params`: give it the parameters that the mission was made for. `flight`: which one of a survey's, from 0 on.
-    `charged`: the user says that a charged battery is in, and that nobody is near the propellers, which on a link is
-    asked for after another one of them was flown.
+    `set_params`: also write the mission's parameters. `flight`: number of a survey's flight, from 0. `charged`: the
+    user confirms a charged battery and that nobody is near the propellers; required on a link after another flight.
     """
 
     kind: Literal["upload"] = "upload"
@@ -227,7 +216,7 @@ class Upload(PageMessage):
 
 
 class Start(PageMessage):
-    """The second step: arm and fly. It names what the page showed, and is refused if that is not what is there."""
+    """Arm and fly (second step). It names the values shown on the page, and is refused if they differ."""
 
     kind: Literal["start"] = "start"
     vehicle: str
@@ -236,14 +225,14 @@ class Start(PageMessage):
 
 
 class Listen(PageMessage):
-    """Who is heard on the links that there may be, and on this one?"""
+    """Listen for vehicles on possible links, and on this one."""
 
     kind: Literal["listen"] = "listen"
     link: str
 
 
 class Order(PageMessage):
-    """Have the vehicle in flight hold its place, go on with its mission, come home, or land where it is."""
+    """Order the vehicle in flight to hold, continue its mission, return, or land in place."""
 
     kind: Literal["order"] = "order"
     what: InFlight

@@ -1,4 +1,4 @@
-"""The file that is being edited, a scenario or a mission: its text, what was done to it, and where it is saved."""
+"""Hold the edited scenario or mission: its text, its edits, and its file."""
 
 import datetime
 from collections.abc import Iterable
@@ -20,13 +20,13 @@ BOM = b"\xef\xbb\xbf"
 
 
 class Stale(MissionError):
-    """Another window, or another program, was quicker."""
+    """Another window or program has made a change since."""
 
 
 class Document:
-    """A scenario or a mission file and what is done to it; `revision` grows with every change.
+    """A scenario or a mission file under edit; `revision` grows with every change.
 
-    `autopilot` is whom a mission is read for, where that is not whom its file says.
+    `autopilot` overrides the autopilot of a mission file.
     """
 
     def __init__(self, path: Path) -> None:
@@ -41,19 +41,18 @@ class Document:
 
     @property
     def text(self) -> str:
-        """The scenario's text as it is now."""
         return self._journal.text
 
     def edit(self, changes: Iterable[Change], label: str, seen: int) -> bool:
-        """Change it; whether that made a difference. `seen` is the revision that the changes are of.
+        """Apply changes made on revision `seen`; return whether the text changed.
 
         Raises:
-            Stale: since then the numbers of things in their lists have changed: who knows which is meant?
-            BadInput: there is nothing at a path, or the text makes no sense.
+            Stale: indices in lists have changed since.
+            BadInput: there is nothing at a path, or the text is not valid.
         """
         changes = tuple(changes)
         if seen < self._numbered_anew:
-            raise Stale(f"{self.path.name} was changed elsewhere meanwhile", hint="look at it, and do it again")
+            raise Stale(f"{self.path.name} was changed elsewhere meanwhile", hint="review it, and repeat the change")
         new = self._mission_with(changes) if self.is_mission else changed(self.text, changes)
         different = self._stepped(self._journal.write(new, label))
         if any(isinstance(change, Take | Add | InsertItem | TakeItem | PlainItems) for change in changes):
@@ -64,31 +63,29 @@ class Document:
         """Replace the text.
 
         Raises:
-            Stale: another window has changed it since this one saw it.
+            Stale: another window has changed it since revision `seen`.
         """
         if seen != self.revision:
             words = f"{self.path.name} was changed elsewhere while its text was edited here"
-            raise Stale(words, hint="copy it, and reload")
+            raise Stale(words, hint="copy your text, and reload")
         return self._renumbered(self._journal.write(text, "text edited"))
 
     def read_for(self, autopilot: str | None) -> None:
-        """Whom a mission is read for; what was found out about it counts no more."""
+        """Set the autopilot of a mission, which makes earlier findings invalid."""
         self.autopilot = autopilot
         self.revision += 1
 
     def undo(self) -> bool:
-        """Take the last change back; whether there was one."""
         return self._renumbered(self._journal.undo())
 
     def redo(self) -> bool:
-        """Do again what was taken back; whether there was something."""
         return self._renumbered(self._journal.redo())
 
     def save(self, over: bool = False) -> None:
         """Write the file, unless it has the text already.
 
         Raises:
-            Stale: another program has changed it; `over` writes all the same.
+            Stale: another program has changed it, and `over` is not set.
             BadInput: it cannot be written.
         """
         if not over and self.path.exists() and self._on_disk() != self._journal.saved:
@@ -101,20 +98,20 @@ class Document:
         self.changed_outside = False
 
     def save_as(self, suffix: str) -> tuple[Path, tuple[str, ...]]:
-        """Write the mission beside its file, over nothing: the file, and in words what its format cannot hold.
+        """Write the mission next to its file, without overwriting; return the file and losses of its format.
 
         Raises:
-            BadInput: this is no mission, or the format cannot hold it.
+            BadInput: this is not a mission, or the format cannot hold it.
         """
         if not self.is_mission:
-            raise BadInput("expected a mission", hint="Mission files writes those of a scenario", place=self.path.name)
+            raise BadInput("expected a mission", hint="a scenario's mission files: Mission files", place=self.path.name)
         file, target = self._mission(), unused(self.path.with_suffix(suffix))
         return target, write_mission(file.mission, target, suffix, file)
 
     def look_at_disk(self) -> bool:
-        """See whether another program has written the file; without changes of ours its text is taken at once.
+        """Check the file for changes by another program; without own changes take its text at once.
 
-        Whether anything is different from before.
+        Return whether the state changed.
         """
         try:
             there = self._on_disk()
@@ -122,7 +119,7 @@ class Document:
             return False
         if there == self._journal.saved:
             return False
-        if there == self.text:  # the same was done there: what a page knows of it counts on
+        if there == self.text:  # the other program made the same edit: the page's revision stays valid
             self._journal.mark_saved()
             self.changed_outside = False
             return True
@@ -138,7 +135,6 @@ class Document:
         return self._renumbered(True)
 
     def as_answer(self) -> answers.Document:
-        """Itself for a page."""
         journal = self._journal
         try:
             table = {} if self.is_mission else _plain(parse_table(self.text).unwrap())

@@ -1,6 +1,6 @@
-"""The JSON schema of all messages, that of scenarios in it: TypeScript's types of the page are made from it.
+"""Print the JSON schema of all messages and of scenarios; the page's TypeScript types are generated from it.
 
-`python -m ipoa_mission.studio.schema` prints it.
+Run `python -m ipoa_mission.studio.schema`.
 """
 
 import json
@@ -15,7 +15,7 @@ from ipoa_mission.studio.requests import Request
 
 
 def schema() -> dict[str, Any]:
-    """Every message by its name, `Answer` and `Request` for one of them, and `Scenario` for the scenario's table."""
+    """Return the schema: each message, the unions `Answer` and `Request`, and `Scenario`."""
     unions = {"Answer": _members(Answer), "Request": _members(Request)}
     kinds = [(kind, "serialization") for members in unions.values() for kind in members]
     _, definitions = models_json_schema([*kinds, (Scenario, "validation")])  # type: ignore[list-item]
@@ -27,7 +27,7 @@ def schema() -> dict[str, Any]:
 
 
 def _plain(node: Any) -> Any:
-    """The same without titles of members, and with tuples as TypeScript's generator reads them."""
+    """Remove titles of members, and write tuples as TypeScript's generator reads them."""
     if isinstance(node, list):
         return [_plain(one) for one in node]
     if not isinstance(node, dict):
@@ -36,7 +36,7 @@ def _plain(node: Any) -> Any:
     if "prefixItems" in node:
         node["items"] = node.pop("prefixItems")
     constant = [name for name, one in node.get("properties", {}).items() if isinstance(one, dict) and "const" in one]
-    if constant:  # what tells one message from another is always there
+    if constant:  # the field that identifies a message is required
         node["required"] = sorted({*node.get("required", []), *constant})
     return node
 

@@ -1,4 +1,4 @@
-"""One document, the windows on it, and the planning that follows every change of it."""
+"""Serve one document to its windows, and plan after every change."""
 
 import asyncio
 from collections.abc import Callable, Coroutine
@@ -13,7 +13,7 @@ from ipoa_mission.studio.dropped import log_named
 from ipoa_mission.studio.flight_desk import FlightDesk
 from ipoa_mission.studio.lobby_answers import Elsewhere
 from ipoa_mission.studio.place import place_of
-from ipoa_mission.studio.processes import Died, Process
+from ipoa_mission.studio.processes import Process, ProcessDied
 from ipoa_mission.studio.relay import Relay
 from ipoa_mission.studio.requests import (
     Do,
@@ -34,26 +34,26 @@ from ipoa_mission.studio.scenario_document import Document
 from ipoa_mission.studio.vocabulary import PageMessage
 from ipoa_mission.studio.window import Window
 
-SETTLED_S = 0.6  # without a change, after which the proved path is planned
-ALONE_S = 120.0  # without a window and without a flight, after which the planners end; they begin anew when one opens
-LOOK_S = 1.0  # how often the file is looked at for what other programs write
-#: Answers that a window is told when it opens.
+SETTLE_TIME_S = 0.6  # time without a change before the proved path is planned
+IDLE_TIME_S = 120.0  # time without a window and a flight before the planners end; a new window restarts them
+FILE_CHECK_S = 1.0  # interval of checks for changes by other programs
+#: Answers sent to a window when it opens.
 KEPT = (
     *("tiles", "area", "world", "mission", "checked", "replay", "sketch", "coarse_survey", "plan", "survey"),
     *("endings", "loaded", "state", "trouble"),
 )
-#: Those that count no more when the file changes.
+#: Answers that are invalid once the file changes.
 FOLLOWS = (
     *("sketch", "coarse_survey", "plan", "survey", "endings", "checked", "replay"),
     *(f"trouble of {what}" for what in ("scenario", "sketch", "plan")),
 )
 PLANNER = "ipoa_mission.studio.plan_worker"
-#: Opens another file, a mission in the world of a scenario: the address of its page, beside this one's.
+#: Opens another file, with a mission's scenario; returns the address relative to this page's.
 OpenFile: TypeAlias = Callable[[Path, Path | None], str]
 
 
 class Session:
-    """What the windows share. All of it happens in one event loop."""
+    """The state shared by the windows of a document. It runs in one event loop."""
 
     def __init__(
         self,
@@ -76,13 +76,11 @@ class Session:
 
     @property
     def folder(self) -> Path:
-        """Where the file lies, and where what is dropped is kept."""
         return self.document.path.parent
 
     # --- windows ------------------------------------------------------------------------------------------------------
 
     def join(self, window: Window) -> None:
-        """A window opens: it is told how things stand."""
         self.windows.add(window)
         window.tell(self.document.as_answer().model_dump(mode="json"))
         for message in self._latest.values():
@@ -91,12 +89,11 @@ class Session:
             self._follow()
 
     def leave(self, window: Window) -> None:
-        """A window closes."""
         self.windows.discard(window)
         self._drags.pop(window, None)
 
     def tell_all(self, message: PageMessage | dict[str, Any]) -> None:
-        """Tell every window; the latest answer of a kind is kept for those that open later."""
+        """Send to every window; keep the latest answer of each kind for later windows."""
         answer = message if isinstance(message, dict) else message.model_dump(mode="json")
         self._relay.hear(answer)
         kind = answer["kind"]
@@ -105,14 +102,14 @@ class Session:
         if kind == "state" and answer["phase"] in ("idle", "over"):
             self._forget("loaded")
         if kind == "survey" and not answer["flown"]:
-            self._flown = ()  # what a log says of another survey counts no more
+            self._flown = ()  # the logs belong to another survey
         for window in self.windows:
             window.tell(answer)
 
     # --- requests -----------------------------------------------------------------------------------------------------
 
     async def handle(self, request: Any, window: Window) -> None:
-        """Do what a window asks; what cannot be done is told to it alone."""
+        """Handle a window's request; only this window gets an error."""
         try:
             match request:
                 case Edit():
@@ -184,7 +181,7 @@ class Session:
                 self._flights.abandon()
 
     def _open_dropped(self, name: str, window: Window) -> None:
-        """Open a mission that lies beside the scenario, in the scenario's world."""
+        """Open a mission next to the scenario, with the scenario's obstacles."""
         path = self.folder / Path(name).name
         if self._open_file is None or path.suffix.lower() not in MISSIONS:
             raise MissionError("expected a mission", place=path.name)
@@ -199,7 +196,7 @@ class Session:
     # --- planning -----------------------------------------------------------------------------------------------------
 
     def _follow(self) -> None:
-        """Look at the scenario as it is now, sketch it, and when it has settled plan it."""
+        """Show the scenario, sketch it, and plan it once it has settled."""
         self._forget(*FOLLOWS)
         self._stop("plan")
         self._stop("endings")
@@ -230,7 +227,7 @@ class Session:
             self._start("endings", self._tell_endings)
 
     def _judged_by(self) -> dict[str, Any]:
-        """In the world of which scenario a mission is judged, and who flies it."""
+        """Return the scenario and autopilot to check a mission with."""
         return {"world": None if self._world is None else str(self._world), "autopilot": self.document.autopilot}
 
     async def _answer_drags(self) -> None:
@@ -242,7 +239,7 @@ class Session:
 
     async def _plan_when_settled(self) -> None:
         await self._thorough.start()
-        await asyncio.sleep(SETTLED_S)
+        await asyncio.sleep(SETTLE_TIME_S)
         await self._plan()
 
     async def _plan(self) -> None:
@@ -253,7 +250,6 @@ class Session:
             self._start("endings", self._tell_endings)
 
     async def _tell_endings(self) -> None:
-        """How what was planned or judged can end, flight by flight: nobody waits for it."""
         if self.document.is_mission:
             await self._ask(self._quick, self._judged_by() | {"job": "end mission"})
             return
@@ -284,7 +280,7 @@ class Session:
         return await self._ask(self._thorough, {"job": "hand over", "file": str(file), "flight": flight})
 
     def _name_of(self, flight: int) -> str:
-        """The plan's name, of a survey that of one flight.
+        """Return the plan's name, or that of one flight of a survey.
 
         Raises:
             MissionError: there is no such flight.
@@ -302,20 +298,20 @@ class Session:
             return
         checked = self._latest.get("checked")
         if checked is None or checked["revision"] != self.document.revision:
-            raise MissionError("the mission as it is now was not checked yet", hint="wait for it", code="not-checked")
+            raise MissionError("the current mission is not checked yet", hint="wait for the check", code="not-checked")
         if checked["timeless"] is not None:
             raise MissionError(f"it cannot be flown: {checked['timeless']}", code="no-time")
 
     def _expect_proved(self) -> None:
         plans = (self._latest.get(kind) for kind in ("plan", "survey"))
         if not any(plan is not None and plan["revision"] == self.document.revision for plan in plans):
-            words = "there is no proved plan of the scenario as it is now"
-            raise MissionError(words, hint="wait for it, or mend it", code="not-planned")
+            words = "there is no proved plan of the current scenario"
+            raise MissionError(words, hint="wait for it, or correct the scenario", code="not-planned")
 
     async def _ask(
         self, process: Process, order: dict[str, Any], tell: Callable[[dict[str, Any]], None] | None = None
     ) -> bool:
-        """Have a worker do something, and tell what it answers; whether there was no trouble."""
+        """Have a worker do a job and send its answers; return whether there was no error."""
         document, kinds = self.document, list[str]()
 
         def hear(answer: dict[str, Any]) -> None:
@@ -325,14 +321,14 @@ class Session:
         order = {"text": document.text, "path": str(document.path), "revision": document.revision} | order
         try:
             await process.ask(order, hear)
-        except Died:
+        except ProcessDied:
             kinds.append("trouble")
             message = "the planner ended unexpectedly; nothing of the scenario is lost"
             self.tell_all(Trouble(of="plan", message=message, hint="plan again", revision=document.revision))
         return "trouble" not in kinds
 
     def _job(self, name: str, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
-        """Begin a piece of work unless it is under way: then it sees by itself that there is more to do."""
+        """Start a task unless it is running; a running one sees new work by itself."""
         if name not in self._jobs or self._jobs[name].done():
             self._jobs[name] = asyncio.create_task(work())
 
@@ -347,13 +343,13 @@ class Session:
     # --- as long as it lives ------------------------------------------------------------------------------------------
 
     async def run(self) -> None:
-        """Look at the file now and then, until cancelled; then end the workers."""
+        """Watch the file until cancelled; then end the workers."""
         alone_s = 0.0
         try:
             while True:
-                await asyncio.sleep(LOOK_S)
-                alone_s = 0.0 if self.windows or self._flights.is_busy else alone_s + LOOK_S
-                if ALONE_S <= alone_s < ALONE_S + LOOK_S:
+                await asyncio.sleep(FILE_CHECK_S)
+                alone_s = 0.0 if self.windows or self._flights.is_busy else alone_s + FILE_CHECK_S
+                if IDLE_TIME_S <= alone_s < IDLE_TIME_S + FILE_CHECK_S:
                     await self._rest()
                 revision = self.document.revision
                 if self.document.look_at_disk():
@@ -367,7 +363,6 @@ class Session:
             await asyncio.gather(*self._jobs.values(), return_exceptions=True)
 
     async def _rest(self) -> None:
-        """End the planners, and forget what they said."""
         for name in self._jobs:
             self._stop(name)
         await asyncio.gather(*self._jobs.values(), return_exceptions=True)
@@ -375,13 +370,12 @@ class Session:
         self._forget(*FOLLOWS, "world", "mission")
 
     def _forget(self, *what: str) -> None:
-        """What counts no more: answers of these kinds, or trouble of something."""
         kept = self._latest.items()
         self._latest = {slot: answer for slot, answer in kept if slot not in what and answer["kind"] not in what}
 
 
 def _slot(answer: dict[str, Any]) -> str:
-    """Of the answers of one slot the latest is kept."""
+    """Return the slot of an answer; only the latest of a slot is kept."""
     match answer["kind"]:
         case "trouble":
             return f"trouble of {answer['of']}"

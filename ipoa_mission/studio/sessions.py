@@ -1,4 +1,4 @@
-"""The files that one program has open, each at a secret address of its own; and the start page, which opens them."""
+"""Hold the open files, each at a secret address, and the start page."""
 
 import asyncio
 import hmac
@@ -15,30 +15,25 @@ from ipoa_mission.studio.window import Window
 
 
 class Host(Protocol):
-    """What a page talks to: a session on a file, or the start page."""
+    """A session on a file, or the start page."""
 
     @property
-    def folder(self) -> Path:
-        """Where files that are dropped on the page are kept."""
+    def folder(self) -> Path: ...
 
-    def join(self, window: Window) -> None:
-        """A window opens."""
+    def join(self, window: Window) -> None: ...
 
-    def leave(self, window: Window) -> None:
-        """A window closes."""
+    def leave(self, window: Window) -> None: ...
 
     def tell_all(self, message: PageMessage | dict[str, Any]) -> None:
-        """Tell every window, also those that open later."""
+        """Send to every window, also to later ones."""
 
-    async def handle(self, request: Any, window: Window) -> None:
-        """Do what a window asks."""
+    async def handle(self, request: Any, window: Window) -> None: ...
 
-    async def run(self) -> None:
-        """Live, until cancelled."""
+    async def run(self) -> None: ...
 
 
 class Sessions:
-    """What is open, by the token of its address. What was open at another time comes back when its page does."""
+    """Hold the open hosts by the token of their address. A page of an earlier run reopens its file."""
 
     def __init__(self, port: int = 0, seed: int = 0) -> None:
         self._port, self._seed = port, seed
@@ -48,20 +43,19 @@ class Sessions:
         self._more = asyncio.Event()
 
     def add(self, token: str, host: Host) -> None:
-        """Something is open at a token."""
         self._hosts[token] = host
         for message in self._told:
             host.tell_all(message)
         self._more.set()
 
     def tell_everyone(self, message: PageMessage) -> None:
-        """Tell the windows of all that is open, and of what will be."""
+        """Send to the windows of all hosts, also to later ones."""
         self._told.append(message)
         for host in self._hosts.values():
             host.tell_all(message)
 
     def open_file(self, path: Path, world: Path | None = None, log: Path | None = None) -> str:
-        """Open a file, a mission in the world of a scenario and beside a log: the token of its address.
+        """Open a file, with a mission's scenario and log; return the token of its address.
 
         Raises:
             BadInput: it cannot be read.
@@ -75,7 +69,7 @@ class Sessions:
         return known.token
 
     def at(self, token: str) -> Host | None:
-        """What is open at a token, or was at another time and is there still."""
+        """Return the host at a token; reopen one of an earlier run if its file still exists."""
         for known, host in self._hosts.items():
             if hmac.compare_digest(known.encode(), token.encode()):
                 return host
@@ -87,7 +81,6 @@ class Sessions:
         return None
 
     async def run(self) -> None:
-        """Have all live that is open, until cancelled."""
         try:
             while True:
                 for token, host in self._hosts.items():

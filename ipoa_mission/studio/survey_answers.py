@@ -1,4 +1,4 @@
-"""What the server tells the page of a survey: its area, and the lines over it with what they see."""
+"""Define the server's messages on a survey: its area, its lines and their coverage."""
 
 from typing import Literal, TypeAlias
 
@@ -9,7 +9,7 @@ Polygons: TypeAlias = tuple[tuple[tuple[LngLat, ...], ...], ...]
 
 
 class AreaRing(PageMessage):
-    """A ring of the area, open, or the middle of a corridor; `path` where the scenario itself draws it."""
+    """An open ring of the area, or the middle line of a corridor; `path` if the scenario draws it."""
 
     name: str
     path: Path | None
@@ -18,9 +18,9 @@ class AreaRing(PageMessage):
 
 
 class SurveyArea(PageMessage):
-    """What a survey is to see, as the file has it, even where that makes no sense yet; no rings without a survey.
+    """The survey's area as in the file, valid or not; no rings without a survey.
 
-    `cameras` are those that are known by name.
+    `cameras` are the names of the known ones.
     """
 
     kind: Literal["area"] = "area"
@@ -30,7 +30,7 @@ class SurveyArea(PageMessage):
 
 
 class SurveyLine(PageMessage):
-    """A line that is flown with the sensor on, in which flight from 0 on, how high its ends, where it takes photos."""
+    """A line flown with the sensor on: its flight (from 0), the heights of its ends, and its photos."""
 
     flight: int
     begin: LngLat
@@ -40,20 +40,17 @@ class SurveyLine(PageMessage):
 
 
 class LeastOverlap(PageMessage):
-    """The smallest share of a photo that another one shows too, and where it is taken."""
-
     share: float
     place: LngLat
 
 
 class SurveyLayout(PageMessage):
-    """Lines, the ways between them, and what they see: `share` of what can be seen, `gaps` where it is not.
+    """Lines, connections and coverage: `share` of the visible area that is seen, and its `gaps`.
 
-    `height` is least and most above the highest ground that is seen, `footprint` what a photo shows across and along
-    the way, or how wide the sensor sees; `trigger` is how far photos are apart at most. `kept_out` is where lines may
-    not lie. `front` and `side` are the smallest overlaps with the next photo, and with those of the next line.
-    `starts` are the places from which flights may begin in place of home. `short` says in words where photos overlap
-    less than was asked. `degrees` is the direction of the longest line.
+    `height`: least and most above the highest ground seen. `footprint`: size of a photo across and along the line, or
+    the sensor's width. `trigger`: largest distance of photos. `kept_out`: no lines here. `front` and `side`: smallest
+    overlaps with the next photo and the next line. `starts`: alternatives to home. `short`: photos with less overlap
+    than required, in words. `degrees`: direction of the longest line.
     """
 
     starts: tuple[LngLat, ...]
@@ -78,10 +75,10 @@ class SurveyLayout(PageMessage):
 
 
 class CoarseSurvey(PageMessage):
-    """Lines as they are laid at once: no flight flies them yet, nothing is proved; never the last word.
+    """Lines before their flights are planned: nothing is proved yet.
 
-    `seconds` is about how long they take, without take-off, the ways there and home, and landing. `number` is that of
-    the drag it answers, or None for the document.
+    `seconds`: approximate duration without take-off, transit and landing. `number` is that of the drag it answers, or
+    None for the document.
     """
 
     kind: Literal["coarse_survey"] = "coarse_survey"

@@ -1,4 +1,4 @@
-"""Buttons for what is wrong with a survey, where it can be put in numbers."""
+"""Suggest remedies in numbers for a refused survey."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -17,11 +17,11 @@ from ipoa_mission.survey.keep_out import SPARE, keep_out, survey_bound
 from ipoa_mission.survey.sight import sight_of
 from ipoa_mission.world.obstacles import Obstacle
 
-ROOM = 5.0  # beyond the survey, in bounds that are widened for it [m]
+MARGIN = 5.0  # margin of widened bounds beyond the survey [m]
 
 
 def survey_remedies(error: MissionError, scenario: Scenario) -> Iterator[Remedy]:
-    """What may help a survey that was refused; the next plan says whether it does."""
+    """Yield remedies for a refused survey; the next plan checks them."""
     if scenario.survey is None or scenario.survey_area is None:
         return
     if error.known.get("limit") == "bounds":
@@ -51,8 +51,8 @@ def _within_bounds(scenario: Scenario) -> Iterator[Remedy]:
     needed = {"east": (west, east), "north": (south, north), "up": (float(ground.min()), float(ground.max()) + height)}
     changes = list[Change]()
     for key, (least, most) in needed.items():
-        if (given := getattr(bounds, key)) is not None and not given[0] <= least - ROOM < most + ROOM <= given[1]:
-            wide = [float(min(given[0], math.floor(least - ROOM))), float(max(given[1], math.ceil(most + ROOM)))]
+        if (given := getattr(bounds, key)) is not None and not given[0] <= least - MARGIN < most + MARGIN <= given[1]:
+            wide = [float(min(given[0], math.floor(least - MARGIN))), float(max(given[1], math.ceil(most + MARGIN)))]
             changes.append(Put(path=("bounds", key), value=wide))
     if changes:
         yield Remedy(label="Bounds that hold the survey", changes=tuple(changes))
@@ -66,7 +66,7 @@ def _at_height(height: float, words: str, scenario: Scenario) -> Remedy:
 
 
 def _over(name: object, scenario: Scenario) -> Iterator[Remedy]:
-    """So high that what is in the way is flown over: one thing, or all that lies in the area."""
+    """Yield a height above one obstacle, or above all in the area."""
     section, area = scenario.survey, scenario.survey_area
     assert section is not None
     assert area is not None
@@ -83,7 +83,7 @@ def _over(name: object, scenario: Scenario) -> Iterator[Remedy]:
 
 
 def _height_over(body: Obstacle, scenario: Scenario) -> float:
-    """How high above the lowest ground round it one must fly to pass over something [m]."""
+    """Return the height of an obstacle's top above the lowest ground around it [m]."""
     (west, south, _), (east, north, top) = body.bounds.tolist()
     ground = scenario.airspace.ground(np.array([[west, south], [west, north], [east, south], [east, north]]))
     clearance = float(scenario.limits.obstacle_distance) + survey_bound(scenario).down
@@ -91,7 +91,7 @@ def _height_over(body: Obstacle, scenario: Scenario) -> float:
 
 
 def area_remedies(error: MissionError, table: Mapping[str, Any]) -> Iterator[Remedy]:
-    """For a ring that lies where none may: it is taken out."""
+    """Yield the removal of a ring at a forbidden place."""
     for change in error.remedies:
         if change.field[:2] == ("survey", "polygon"):
             polygon = table["survey"]["polygon"]

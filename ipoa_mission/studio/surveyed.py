@@ -1,4 +1,4 @@
-"""What the page shows of a survey: its lines at once, and flight by flight when they are planned."""
+"""Show a survey: its lines at once, and its flights when planned."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -23,15 +23,14 @@ from ipoa_mission.survey.survey_plan import SurveyPlan
 from ipoa_mission.survey.tour import Tour
 from ipoa_mission.world.frame import LocalFrame
 
-FINE = 0.1  # of what is drawn, what is finer is left out [m]
-SHOWN_GAP = 0.01  # a gap that is smaller is one of rounding [m^2]
-AROUND = 1.0  # times the spacing beyond the area what is kept out of is drawn
+DRAWING_TOLERANCE = 0.1  # finer detail is not drawn [m]
+SHOWN_GAP = 0.01  # smaller gaps are rounding [m^2]
+ZONE_MARGIN = 1.0  # margin around the area, in line spacings, in which excluded zones are drawn
 
 
 def coarse_survey(
     sketch: SurveySketch, scenario: Scenario, revision: int, number: int | None, took_s: float
 ) -> CoarseSurvey:
-    """Lines that no flight flies yet."""
     sight, ground = sketch.sight, scenario.airspace.ground
     free = sketch.area.without(sketch.keep_out)
     lines = [*laid_lines(sketch.tour, sight, ground)]
@@ -46,7 +45,7 @@ def coarse_survey(
 
 
 def planned_survey(survey: Survey, revision: int, took_s: float, flown: Sequence[Path] = ()) -> answers.PlannedSurvey:
-    """The lines as flights fly them, and each flight as any other plan; `flown` are logs of what is left out."""
+    """Show the flights of a survey and their lines; `flown` are logs of the parts left out."""
     plan, names = survey.plan, survey.names
     parts = []
     for n, flight in enumerate(plan.flights):
@@ -86,7 +85,9 @@ def _layout(
     frame, shape, sight, coverage = scenario.frame, laid.area.shape, laid.sight, laid.coverage
     swaths = [swath for tour in tours for swath in tour.swaths]
     kept_out = (
-        shapely.Polygon() if laid.keep_out is None else laid.keep_out.intersection(shape.buffer(AROUND * sight.spacing))
+        shapely.Polygon()
+        if laid.keep_out is None
+        else laid.keep_out.intersection(shape.buffer(ZONE_MARGIN * sight.spacing))
     )
     longest = max(swaths, key=lambda swath: swath.length)
     east, north = longest.end - longest.begin
@@ -131,7 +132,7 @@ def _lines(scenario: Scenario, sight: Sight, tours: Sequence[Tour]) -> Iterator[
 
 
 def _polygons(scenario: Scenario, shape: Any) -> Polygons:
-    simple = shapely.simplify(shape, FINE)
+    simple = shapely.simplify(shape, DRAWING_TOLERANCE)
     return tuple(_polygon(scenario, part) for part in shapely.get_parts(simple) if part.geom_type == "Polygon")
 
 

@@ -1,6 +1,6 @@
-"""Map tiles under the scenario: of a server that the user names, or of a file; pictures or vector tiles (MVT).
+"""Serve map tiles of a server that the user names, or of a file: images or vector tiles (MVT).
 
-Nothing is asked of anyone who was not named. A server is asked by the page itself; a file is read here.
+No other host is contacted. The page itself loads from a server; this module reads files.
 """
 
 import html
@@ -20,17 +20,17 @@ from ipoa_mission.studio import answers, memory
 Read: TypeAlias = Callable[[int, int, int], bytes | None]
 ORIGIN = re.compile(r"https?://[A-Za-z0-9.-]+(:\d+)?")
 WMTS = {"{TileMatrix}": "{z}", "{TileCol}": "{x}", "{TileRow}": "{y}"}
-VECTOR = ("pbf", "mvt")  # as files name the format, and servers end their addresses
+VECTOR = ("pbf", "mvt")  # suffixes of formats and of servers' addresses
 GZIP = b"\x1f\x8b"
 PICTURES = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg", b"RIFF": "image/webp"}
 NONE = "none"
-DEEPEST, DEEPEST_VECTOR = 22, 14  # those of a server; a page enlarges vector tiles beyond
+DEEPEST, DEEPEST_VECTOR = 22, 14  # of a server; the page enlarges vector tiles beyond
 MBTILES, PMTILES = ".mbtiles", ".pmtiles"
 
 
 @dataclass(frozen=True)
 class TileSource:
-    """Where tiles come from: `shown` for the page, and `origin` of a server, or `read` for what a file has."""
+    """A source of tiles: `shown` for the page; `origin` of a server, or `read` of a file."""
 
     shown: answers.Tiles
     origin: str | None = None
@@ -38,10 +38,10 @@ class TileSource:
 
 
 def chosen_tiles(asked: str | None, attribution: str | None) -> TileSource | None:
-    """What was asked for, remembered for the next time; else what is remembered, if it is still there.
+    """Return the requested tiles and remember them; else the remembered ones, if still there.
 
     Raises:
-        BadInput: what is asked for cannot be had.
+        BadInput: the requested tiles are not available.
     """
     if asked == NONE:
         memory.keep_tiles(None)
@@ -60,10 +60,10 @@ def chosen_tiles(asked: str | None, attribution: str | None) -> TileSource | Non
 
 
 def open_tiles(source: str, attribution: str | None = None) -> TileSource:
-    """The tiles of an address with {z}, {x} and {y} in it, or of an MBTiles or PMTiles file.
+    """Open an address with {z}, {x} and {y}, or an MBTiles or PMTiles file.
 
     Raises:
-        BadInput: it is none of these, or has tiles of another format.
+        BadInput: it is none of these, or its tiles have another format.
     """
     if "://" in source:
         return _of_server(source, attribution)
@@ -75,7 +75,7 @@ def open_tiles(source: str, attribution: str | None = None) -> TileSource:
 
 
 def headers_of(tile: bytes, vector: bool) -> dict[str, str] | None:
-    """What a browser must know of a tile; None if it is no picture where it should be one."""
+    """Return the HTTP headers of a tile; None if it is not the image that it should be."""
     if vector:
         compressed = {"Content-Encoding": "gzip"} if tile.startswith(GZIP) else {}
         return {"Content-Type": "application/vnd.mapbox-vector-tile"} | compressed
@@ -111,7 +111,7 @@ def _of_mbtiles(path: Path, attribution: str | None) -> TileSource:
     about = {str(name): str(value) for name, value in ask("select name, value from metadata")}
     least, most = ask("select min(zoom_level), max(zoom_level) from tiles")[0]
     if least is None:
-        raise NothingThere("expected tiles, but there is none", place=f"--tiles: {path}")
+        raise NothingThere("expected tiles, not an empty file", place=f"--tiles: {path}")
     is_vector = _is_vector(path, about.get("format", ""))
     try:
         layers = _layers(json.loads(about.get("json", "{}"))) if is_vector else ()
@@ -140,7 +140,7 @@ def _of_pmtiles(path: Path, attribution: str | None) -> TileSource:
     is_vector = _is_vector(path, header["tile_type"].name.lower())
     packed = header["tile_compression"].name.lower()
     if is_vector and packed not in ("none", "gzip"):
-        words = f"expected vector tiles that are packed by gzip or not at all, not by {packed}"
+        words = f"expected vector tiles compressed by gzip or not at all, not by {packed}"
         raise WrongFormat(words, place=f"--tiles: {path}")
     told = attribution or str(about.get("attribution") or path.name)
     zooms = header["min_zoom"], header["max_zoom"]
@@ -148,10 +148,10 @@ def _of_pmtiles(path: Path, attribution: str | None) -> TileSource:
 
 
 def _is_vector(path: Path, kind: str) -> bool:
-    """Whether tiles of this format are vector tiles.
+    """Return whether this format is one of vector tiles.
 
     Raises:
-        BadInput: they are no pictures either.
+        BadInput: it is not one of images either.
     """
     if kind.lower() not in ("png", "jpg", "jpeg", "webp", *VECTOR):
         known = "png, jpg, webp, or vector tiles: pbf"

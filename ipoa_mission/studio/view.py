@@ -1,4 +1,4 @@
-"""A scenario as a map shows it: everything in longitude and latitude, heights above home."""
+"""Show a scenario on a map: longitude, latitude, and heights above home."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -22,14 +22,13 @@ from ipoa_mission.studio.edits import frame_of
 from ipoa_mission.studio.vocabulary import LngLat, MapLine, as_on_map
 from ipoa_mission.world.frame import LocalFrame, radii_of_curvature
 
-TERRACES, CELLS = 12, 96  # steps of the ground, and cells along the longer side from which they are drawn
+TERRACE_LEVELS, CELLS = 12, 96  # levels of the ground, and cells along the longer side
 DEGREES = 7
-THIN = 0.75  # half of how wide a line without a height is drawn [m]
-LEVEL = 1e-6  # ground that is exactly at a level is above it [m]
+LINE_HALF_WIDTH = 0.75  # of a line without a height as drawn [m]
+LEVEL_OFFSET = 1e-6  # ground exactly at a level counts as above it [m]
 
 
 def world_of(scenario: Scenario, revision: int) -> World:
-    """All that a map needs of a scenario."""
     airspace, frame = scenario.airspace, scenario.frame
     bounds = airspace.bounds
     corners = np.array([(*bounds.lower[:2], 0.0), (*bounds.upper[:2], 0.0)])
@@ -55,7 +54,7 @@ def world_of(scenario: Scenario, revision: int) -> World:
 
 
 def on_map(frame: LocalFrame, points: NDArray[np.float64]) -> tuple[LngLat, ...]:
-    """Longitude and latitude [deg] of local points (n, 2 or 3)."""
+    """Return longitude and latitude [deg] of local points (n, 2 or 3)."""
     if points.shape[1] == 2:
         points = np.column_stack([points, np.zeros(len(points))])
     latitude, longitude, _ = frame.to_geodetic(points)
@@ -63,26 +62,25 @@ def on_map(frame: LocalFrame, points: NDArray[np.float64]) -> tuple[LngLat, ...]
 
 
 def line_of(frame: LocalFrame, points: Points) -> MapLine:
-    """A path (n, 3) on the map."""
+    """Return a path (n, 3) on the map."""
     return MapLine(points=on_map(frame, points), up=tuple(points[:, 2].round(2).tolist()))
 
 
 def without_folders(words: str, scenario: Scenario) -> str:
-    """The same with the scenario's maps called by their names alone, and numbered things as on the map."""
+    """Replace paths of the scenario's maps by their names, and indices by the map's labels."""
     for section in scenario.maps:
         words = words.replace(str(section.file), section.file.name)
     return as_on_map(words)
 
 
 def degree_of(frame: LocalFrame) -> tuple[float, float]:
-    """Metres of a degree of longitude and of latitude at home."""
     meridian, across = radii_of_curvature(frame.home.latitude_deg)
     shrunk = across * math.cos(math.radians(frame.home.latitude_deg))
     return math.radians(shrunk), math.radians(meridian)
 
 
 def _bodies(scenario: Scenario) -> Iterator[Body]:
-    """Every obstacle; the scenario's own come first in its airspace."""
+    """Yield every obstacle; the scenario's own are first in its airspace."""
     frame = scenario.frame
     for n, body in enumerate(scenario.airspace.obstacles):
         base, top = body.bounds[:, 2].tolist()
@@ -100,8 +98,8 @@ def _bodies(scenario: Scenario) -> Iterator[Body]:
 
 
 def _doubtful(thing: PassedOver, frame: LocalFrame) -> Iterator[Body]:
-    """Something on a map of which nobody knows how high it is: its outline, a line or a point as a thin one."""
-    wide = thing.shape if shapely.get_dimensions(thing.shape) == 2 else thing.shape.buffer(THIN, quad_segs=3)
+    """Yield the outline of a thing of unknown height on a map; a line or a point becomes a thin area."""
+    wide = thing.shape if shapely.get_dimensions(thing.shape) == 2 else thing.shape.buffer(LINE_HALF_WIDTH, quad_segs=3)
     for part in shapely.get_parts(wide):
         rings = tuple(on_map(frame, shapely.get_coordinates(ring)) for ring in (part.exterior, *part.interiors))
         yield Body(name=thing.name, path=None, solid=False, doubt=True, base=0.0, top=0.0, rings=rings)
@@ -121,7 +119,6 @@ def _spots(scenario: Scenario) -> Iterator[Spot]:
 
 
 def fence_of(n: int, fence: FenceSection, frame: LocalFrame) -> Fence:
-    """A geofence on the map."""
     if fence.center is not None and fence.radius is not None:
         circle = shapely.Point(fence.center.east_north(frame)).buffer(fence.radius, quad_segs=16)
         ring = on_map(frame, shapely.get_coordinates(circle.exterior))
@@ -133,21 +130,20 @@ def fence_of(n: int, fence: FenceSection, frame: LocalFrame) -> Fence:
 
 
 def fences_drawn(table: Mapping[str, Any]) -> Iterator[Fence]:
-    """The geofences that a scenario's table draws, whether it makes sense or not."""
-    with suppress(KeyError, TypeError, ValueError, BadInput):  # a reader of the scenario says what is wrong there
+    with suppress(KeyError, TypeError, ValueError, BadInput):  # reading the scenario reports these errors
         frame = frame_of(dict(table))
         for n, fence in enumerate(table.get("fence", ())):
             yield fence_of(n, FenceSection.model_validate(fence), frame)
 
 
 def _terraces(scenario: Scenario) -> Iterator[Terrace]:
-    """The ground as a model of cardboard has it: steps, each drawn where the ground is at least so high."""
+    """Yield the ground as steps, each drawn where the ground is at least at its level."""
     east, north, up = ground_mesh(scenario.airspace, CELLS)
     low, high = float(up.min()), float(up.max())
-    step = round_step(max(high - low, 1.0) / TERRACES)
+    step = round_step(max(high - low, 1.0) / TERRACE_LEVELS)
     maker: Any = contour_generator(east, north, up, fill_type=FillType.OuterOffset)
     for level in np.arange(math.floor(low / step), math.floor(high / step) + 1) * step:
-        polygons, offsets = maker.filled(float(level) - LEVEL, np.inf)
+        polygons, offsets = maker.filled(float(level) - LEVEL_OFFSET, np.inf)
         drawn = [
             tuple(on_map(scenario.frame, points[a:b]) for a, b in pairwise(offset))
             for points, offset in zip(polygons, offsets, strict=True)
@@ -157,7 +153,6 @@ def _terraces(scenario: Scenario) -> Iterator[Terrace]:
 
 
 def _heights(scenario: Scenario) -> Heights:
-    """The ground below the pointer."""
     east, north, up = ground_mesh(scenario.airspace, CELLS)
     ends = np.array([[east[0, 0], north[0, 0]], [east[-1, -1], north[-1, -1]]])
     (west, south), (far, top) = on_map(scenario.frame, ends)

@@ -1,4 +1,4 @@
-"""A flight as the page sees it: where the vehicle is, what each order would do now, what is left of its battery."""
+"""Report a flight to the page: position, the effect of each order now, and the battery."""
 
 import math
 import queue
@@ -25,21 +25,21 @@ from ipoa_mission.studio.vocabulary import InFlight
 from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.world.frame import Geodetic
 
-SEEN_EVERY_S = 0.2  # the vehicle's place is told no more often than this, by its own clock
-THEN_EVERY_S = 1.0  # what an order would do, no more often than this
-AWAY = 10.0  # so far from where it was to be nobody has looked at what an order would do [m]
-SAID = 6  # words of the vehicle that are kept
+POSITION_INTERVAL_S = 0.2  # least interval of positions, by the vehicle's clock
+FORECAST_INTERVAL_S = 1.0  # least interval of forecasts of orders
+FORECAST_DISTANCE = 10.0  # beyond this distance from the planned position, orders are not forecast [m]
+MESSAGE_LIMIT = 6  # messages of the vehicle that are kept
 ORDERED: dict[InFlight, Contingency] = {"hold": Contingency.HOLD, "rtl": Contingency.RTL, "land": Contingency.LAND}
 OBEYED = {"rtl": "it returns, as ordered", "land": "it lands, as ordered"}
-NO_WORLD = "no scenario says what stands here"
-ELSEWHERE = "it is off its planned way: what an order does from here is not forecast"
-NO_MODEL = "nothing is known of how it flies"
+NO_WORLD = "no scenario gives the obstacles here"
+OFF_PATH = "it is off its planned path: orders from here are not forecast"
+NO_MODEL = "the flight has no forecast"
 
 
 class Watch:
-    """Hears a vehicle in flight and tells the page; gives it the orders of the page, which are in `beside`.
+    """Watch a vehicle in flight for the page; send it the page's orders from the queue `beside`.
 
-    `speedup`: the built-in autopilot, which knows no clock, is so many times as fast as real.
+    `speedup`: the built-in autopilot, which has no clock, flies this many times as fast as real.
     """
 
     def __init__(
@@ -60,24 +60,23 @@ class Watch:
         self._budget = None if forecast.scenario is None else budget_of(forecast)
         self._expected = {item.seq - 1: item.done_s for item in forecast.estimate.items}
         self._then: tuple[tuple[OrderThen, ...], Reserve | None] = ((), None)
-        self._then_s, self._told_s = -THEN_EVERY_S, -SEEN_EVERY_S
+        self._then_s, self._told_s = -FORECAST_INTERVAL_S, -POSITION_INTERVAL_S
         self._told: tuple[str, float | None] = ("", None)
-        self._said: deque[str] = deque(maxlen=SAID)
+        self._said: deque[str] = deque(maxlen=MESSAGE_LIMIT)
         self._satellites: int | None = None
         self._wind: tuple[float, float] | None = None
         self._begun: tuple[float, float] | None = None
         self._ordered: Literal["rtl", "land"] | None = None
         self.obeyed: Literal["rtl", "land"] | None = None
-        """The order of the page that the vehicle ends its flight by, if there is one."""
+        """The page's order by which the vehicle ends its flight, if there is one."""
 
     @property
     def is_held(self) -> bool:
-        """Whether it holds its place."""
         vehicle = self._vehicle
         return vehicle.order.is_paused or vehicle.state.custom_mode == vehicle.autopilot.modes.hold
 
     def hear(self, message: Message) -> None:
-        """One message of the vehicle; one that does not say where it is may have to land all the sooner."""
+        """Handle a message of the vehicle; one without a position may still require landing earlier."""
         self.look()
         vehicle = self._vehicle
         match message:
@@ -89,7 +88,7 @@ class Watch:
                 self._wind = round(message.speed, 1), round(message.direction_deg % 360.0)
             case WindVelocity((north, east, _)):
                 self._wind = round(math.hypot(north, east), 1), round(math.degrees(math.atan2(-east, -north)) % 360.0)
-            case Position() if vehicle.state.armed and message.time_s - self._told_s >= SEEN_EVERY_S:
+            case Position() if vehicle.state.armed and message.time_s - self._told_s >= POSITION_INTERVAL_S:
                 self._told_s = message.time_s
                 self._keep_pace(message.time_s)
                 record = vehicle.record()
@@ -97,7 +96,7 @@ class Watch:
                     self._answer(self._seen(message, record))
 
     def look(self, *_: object) -> None:
-        """Give what the page orders, and tell the flight's state: also while the link is lost and nothing is heard."""
+        """Send the page's orders and report the state, also while the link is lost."""
         with suppress(queue.Empty):
             self._order(self._beside.get_nowait()["what"])
         vehicle, absence = self._vehicle, self._vehicle.absence
@@ -112,7 +111,7 @@ class Watch:
             self._answer(State(phase="flying", words=words or Stage.START, lost_s=lost_s))
 
     def _obeyed(self, mode: int | None) -> Literal["rtl", "land"] | None:
-        """The order of the page that ends the flight, once the vehicle was in its mode."""
+        """Return the page's order that ends the flight, once the vehicle was in its mode."""
         modes = self._vehicle.autopilot.modes
         by = {"rtl": modes.returns, "land": modes.lands}
         is_obeyed = self._ordered is not None and (mode in by[self._ordered] or self.obeyed == self._ordered)
@@ -143,21 +142,21 @@ class Watch:
         state = self._vehicle.state
         if not state.in_air:
             return (), None if state.battery_left is None else Reserve(left=state.battery_left)
-        if time_s - self._then_s >= THEN_EVERY_S:
+        if time_s - self._then_s >= FORECAST_INTERVAL_S:
             self._then_s, now = time_s, time_s
             unknown = self._unknown
             if self._endings is not None:
                 place = self._forecast.frame.local(Geodetic(at.latitude_deg, at.longitude_deg, at.altitude))
                 now, aside = self._endings.time_at(place, time_s)
-                is_away = aside > AWAY or (self._vehicle.interrupted and not self.is_held)
-                unknown = ELSEWHERE if is_away else ""
+                is_away = aside > FORECAST_DISTANCE or (self._vehicle.interrupted and not self.is_held)
+                unknown = OFF_PATH if is_away else ""
             self._then = tuple(self._each_order(now, unknown, at)), self._reserve(now, bool(unknown))
         return self._then
 
     def _each_order(self, now: float, unknown: str, at: Position) -> Iterator[OrderThen]:
-        """What can be ordered, and what it would do at a time of the forecast, or why that is `unknown`.
+        """Yield each possible order and its effect at a time of the forecast, or why it is `unknown`.
 
-        Hold and land are looked at from where the vehicle is, wherever that is.
+        Hold and land are checked from the vehicle's actual position.
         """
         mode, modes = self._vehicle.state.custom_mode, self._vehicle.autopilot.modes
         done = {"hold": self.is_held, "rtl": mode in modes.returns, "land": mode in modes.lands}
@@ -184,7 +183,7 @@ class Watch:
             )
 
     def _go_on(self, now: float, unknown: str) -> OrderThen:
-        """It goes on as it was planned, if it stands where it was to be."""
+        """Return the effect of continuing as planned, valid at the planned position."""
         left = self._forecast.estimate.total_s - now
         current = self._vehicle.state.current
         item = "" if current is None else f" with item {current.seq + 1 - self._vehicle.autopilot.counts_home}"
@@ -209,7 +208,7 @@ class Watch:
         )
 
     def _order(self, what: InFlight) -> None:
-        """Order it; what becomes of that is told as the vehicle's state."""
+        """Send an order; the vehicle's state reports its result."""
         order, modes = self._vehicle.order, self._vehicle.autopilot.modes
         self._ordered = what if what == "rtl" or what == "land" else None
         match what:

@@ -1,4 +1,4 @@
-"""The studio's web server: the page and its parts under a secret path, and a WebSocket for everything that is said."""
+"""Serve the page under a secret path, and a WebSocket for all messages."""
 
 import asyncio
 import json
@@ -33,7 +33,7 @@ TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".s
 
 
 def application(sessions: Sessions, bundle: Path, host: str, tiles: TileSource | None = None) -> Starlette:
-    """The web application on what is open; `bundle` is the folder of the built page, `host` its "name:port"."""
+    """Return the web application; `bundle` is the folder of the built page, `host` its "name:port"."""
     if tiles is not None:
         sessions.tell_everyone(tiles.shown)
 
@@ -84,7 +84,7 @@ def application(sessions: Sessions, bundle: Path, host: str, tiles: TileSource |
                 try:
                     request = REQUESTS.validate_json(text)
                 except ValidationError as error:
-                    trouble = Trouble(of="edit", message=f"this message makes no sense: {error.error_count()} errors")
+                    trouble = Trouble(of="edit", message=f"expected a valid message: {error.error_count()} errors")
                     window.tell(trouble.model_dump(mode="json"))
                     continue
                 await session.handle(request, window)
@@ -122,13 +122,13 @@ def serve(
     tiles: TileSource | None = None,
     world: Path | None = None,
 ) -> None:
-    """Serve the studio on this machine until Ctrl-C; `tell_address` is told where, when the port is open.
+    """Serve the studio on this machine until Ctrl-C; `tell_address` gets its address once the port is open.
 
-    A file that was open before gets the address that it had, so that its old page comes back; without one it is the
-    start page. A log is held against the mission in it.
+    A known file keeps its address, so that its old page reconnects; without a file the start page opens. A log is
+    opened with its mission.
 
     Raises:
-        BadInput: the file cannot be read, or the port cannot be had.
+        BadInput: the file cannot be read, or the port is not available.
     """
     known = address_of(None if path is None else path.resolve())
     with _listen(port, known.port) as listener:
@@ -146,16 +146,16 @@ def serve(
 
 
 def _listen(asked: int, before: int) -> socket.socket:
-    """A socket of this machine: on the port that is asked for, else on the one of before, else on any that is free.
+    """Return a socket on this machine: at the requested port, else the one before, else any free one.
 
     Raises:
-        BadInput: the port that is asked for cannot be had.
+        BadInput: the requested port is not available.
     """
     if asked:
         try:
             return socket.create_server(("127.0.0.1", asked))
         except OSError as error:
-            words = f"cannot be had: {error.strerror}"
+            words = f"expected a free port: {error.strerror}"
             raise BadInput(words, hint="leave --port out", place=f"--port {asked}") from error
     with suppress(OSError):
         return socket.create_server(("127.0.0.1", before))

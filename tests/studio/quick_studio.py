@@ -8,7 +8,7 @@ from tests.quick_search import put
 
 def hasten(patch: Callable[[str, object], None] = put) -> None:
     """Have the sessions of this process do so; `patch`: `setattr` of a monkeypatch."""
-    for name, value in (("PLANNER", "tests.studio.quick_planner"), ("SETTLED_S", 0.2), ("LOOK_S", 0.2)):
+    for name, value in (("PLANNER", "tests.studio.quick_planner"), ("SETTLE_TIME_S", 0.2), ("FILE_CHECK_S", 0.2)):
         patch(f"ipoa_mission.studio.session.{name}", value)
 
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ipoa_mission.studio.journal import KEPT, Journal, splice_between
+from ipoa_mission.studio.journal import EDIT_LIMIT, Journal, splice_between
 
 
 def reopened(path: Path, on_disk: str) -> Journal:
@@ -78,9 +78,9 @@ def test_a_line_that_was_cut_off_costs_no_more_than_itself(tmp_path: Path, broke
 def test_it_does_not_grow_for_ever(tmp_path: Path) -> None:
     path = tmp_path / "x.studio"
     journal = Journal.open(path, "0")
-    for n in range(1, 2 * KEPT):
+    for n in range(1, 2 * EDIT_LIMIT):
         journal.write(str(n), str(n))
     again = reopened(path, "0")
-    assert again.text == str(2 * KEPT - 1)
-    assert again.done == len(again.edits) == KEPT
-    assert len(path.read_text().splitlines()) == KEPT + 1
+    assert again.text == str(2 * EDIT_LIMIT - 1)
+    assert again.done == len(again.edits) == EDIT_LIMIT
+    assert len(path.read_text().splitlines()) == EDIT_LIMIT + 1

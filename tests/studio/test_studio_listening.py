@@ -23,6 +23,6 @@ def test_each_link_is_told_of(monkeypatch: pytest.MonkeyPatch) -> None:
     listening.listen({"link": "nonsense"}, told.append)  # type: ignore[arg-type]
     rows = {row.link: (row.system, row.words) for row in told[0].links}
     assert list(rows) == ["nonsense", silent, closed]
-    assert rows[silent] == (None, "nobody is heard")
+    assert rows[silent] == (None, "no vehicle heard")
     assert rows[closed][0] is rows["nonsense"][0] is None
     assert "cannot be opened" in rows[closed][1]

@@ -154,7 +154,7 @@ def test_without_a_scenario_it_flies_and_what_is_not_known_is_said(opened: Studi
         talk.say(kind="start", **{what: loaded[what] for what in ("vehicle", "mission", "proof")})
         seen = talk.wait("seen", lambda seen: seen["orders"])
         landed = talk.wait("landed")
-    assert "no scenario says what stands there" in loaded["remarks"][0]
+    assert "no scenario gives the obstacles" in loaded["remarks"][0]
     assert [(one["clear"], one["seconds"]) for one in seen["orders"]] == [(None, None)] * 3
     assert landed["completed"], landed["why_not"]
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from ipoa_mission.studio.flight_desk import FlightDesk
-from ipoa_mission.studio.processes import Died, Process
+from ipoa_mission.studio.processes import Process, ProcessDied
 from ipoa_mission.studio.requests import Upload
 
 WORDS = ("one", "two\n\u2028", "three")
@@ -64,7 +64,7 @@ def test_what_is_not_wanted_any_more_is_broken_off() -> None:
 
 def test_one_that_dies_is_replaced() -> None:
     async def test(process: Process) -> None:
-        with pytest.raises(Died):
+        with pytest.raises(ProcessDied):
             await process.ask({"job": "die"}, lambda answer: None)
         heard: list[dict[str, Any]] = []
         await process.ask({"job": "echo", "words": "again"}, heard.append)

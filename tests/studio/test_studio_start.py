@@ -37,7 +37,7 @@ def test_it_opens_what_lies_there_and_nothing_that_it_did_not_tell(start: Studio
         told = talk.wait("beginning")
         assert [one["name"] for one in told["here"]] == ["sitl.plan"]
         talk.say(kind="open", path="/etc/passwd")
-        assert "expected a file that the page has told" in talk.wait_for_trouble("file")["message"]
+        assert "expected a file that the page offers" in talk.wait_for_trouble("file")["message"]
         talk.say(kind="open", path=told["examples"][0]["path"])
         talk.wait("elsewhere")
         assert (start.scenario / "campus.toml").read_bytes() == (MISSIONS / "campus.toml").read_bytes()
