@@ -1,1 +1,1 @@
-"""The command line; heavy imports happen inside the verbs."""
+"""Define the command line; verbs import heavy modules when they run."""

@@ -1,7 +1,7 @@
-"""The `ipoa-mission` command: its verbs, and how a user's mistake is told.
+"""Run the `ipoa-mission` command, and report the user's errors.
 
-Exit codes: 0 done; 1 not done (refused, collides, unreachable); 2 bad input. Every verb imports what it needs when it
-runs, so that `--help` is quick.
+Exit codes: 0 done; 1 not done (refused, collides, unreachable); 2 bad input. Every verb imports its modules when it
+runs, so that `--help` is fast.
 """
 
 import errno
@@ -40,7 +40,7 @@ app = typer.Typer(
 )
 app.callback(no_args_is_help=True)(verbosity.before_the_verb)
 
-#: The verbs as `--help` shows them.
+#: Verbs by their heading in `--help`.
 VERBS = {
     "Begin here": (flying.demo,),
     "Plan and look": (
@@ -63,7 +63,7 @@ for heading, verbs in VERBS.items():
 
 
 def command() -> Any:
-    """The command line as Click has it; flags that take no value show none in the help."""
+    """Return the command line for Click; flags without a value show none in the help."""
     whole = typer.main.get_command(app)
     for one in (whole, *whole.commands.values()):  # type: ignore[attr-defined]
         helps = one.get_help_option(typer.Context(one))
@@ -74,30 +74,30 @@ def command() -> Any:
 
 
 def _take_shell(words: list[str]) -> None:
-    """Let `--show-completion fish` mean that shell; without a name it is the one from which this was called."""
+    """Let `--show-completion fish` name the shell; without a name use the calling shell."""
     for asked, shell in pairwise(words):
         if asked in ("--show-completion", "--install-completion") and shell in SHELLS:
-            os.environ["_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION"] = "1"  # then Typer takes a name
+            os.environ["_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION"] = "1"  # lets Typer take a name
 
 
 def main() -> None:
-    """Run the command line; a mistake of the user is told in words, without a traceback."""
-    output.speak_anywhere()
+    """Run the command line; report a user's error in words, without a traceback."""
+    output.replace_unencodable()
     _take_shell(sys.argv[1:])
     try:
         command()(prog_name="ipoa-mission")
     except MissionError as error:
-        output.tell_error(error, as_json="--json" in sys.argv[1:])
+        output.print_error(error, as_json="--json" in sys.argv[1:])
         sys.exit(error.exit_code)
     except OSError as error:
         if error.errno != errno.ENOSPC:
             raise
-        output.fall_silent()
-        output.tell_error(MissionError(f"not all could be written: {error.strerror}", code="unwritable"))
+        output.discard_output()
+        output.print_error(MissionError(f"the output is incomplete: {error.strerror}", code="unwritable"))
         sys.exit(MissionError.exit_code)
     except SystemExit as ended:
-        if ended.code == Interrupted.exit_code:  # Typer ends so, without a word
-            output.tell_error(Interrupted("stopped: nothing was done"), as_json="--json" in sys.argv[1:])
+        if ended.code == Interrupted.exit_code:  # Typer ends this way without a message
+            output.print_error(Interrupted("stopped: nothing was done"), as_json="--json" in sys.argv[1:])
         raise
 
 

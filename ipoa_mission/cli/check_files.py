@@ -1,4 +1,4 @@
-"""Mission files checked one after the other: what was found in each, in words and for machines."""
+"""Check mission files in sequence, and report the findings in words and as JSON."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -24,10 +24,10 @@ if TYPE_CHECKING:
 
 
 def missions_in(paths: Iterable[Path]) -> list[Path]:
-    """List the mission files that are named, and those in folders that are, each once.
+    """List the named mission files and those in named folders, each once.
 
     Raises:
-        BadInput: a folder holds none, or a scenario is named.
+        BadInput: a folder contains none, or a scenario is named.
     """
     found: dict[Path, None] = {}
     for path in paths:
@@ -39,8 +39,8 @@ def missions_in(paths: Iterable[Path]) -> list[Path]:
 
 
 @dataclass(frozen=True)
-class How:
-    """By what files are checked: vehicle, world, codes that are left out; `anyway`, any class of vehicle."""
+class CheckOptions:
+    """Options of a check: vehicle, scenario, ignored codes; `anyway` accepts any class of vehicle."""
 
     flown_by: FlownByOptions
     world: "Scenario | None"
@@ -51,7 +51,7 @@ class How:
 
 @dataclass(frozen=True)
 class CheckedFile:
-    """What was found in a file; without a forecast it could not be read."""
+    """The findings in a file; without a forecast the file could not be read."""
 
     file: Path
     findings: tuple[Finding, ...]
@@ -62,16 +62,13 @@ class CheckedFile:
 
     @property
     def errors(self) -> int:
-        """How many of the findings are errors."""
         return sum(finding.severity is Severity.ERROR for finding in self.findings)
 
     @property
     def is_read(self) -> bool:
-        """Whether there was a mission to check."""
         return self.forecast is not None
 
     def as_json(self) -> dict[str, Any]:
-        """The same for machines."""
         from ipoa_mission.flight.flight_summary import findings_as_json
 
         rows, remarks = findings_as_json(self.findings), list(self.remarks)
@@ -93,7 +90,6 @@ class CheckedFile:
         return about | {"firmware": mission.autopilot.facts(mission.firmware_version)}
 
     def lines(self) -> Iterator[str]:
-        """The same in words, without what endings come to."""
         yield from notes(self.remarks)
         if self.forecast is not None and self.forecast.scenario is not None:
             from ipoa_mission.cli.plan_output import wind_words
@@ -109,7 +105,6 @@ class CheckedFile:
             yield from promised(self.promise)
 
     def counts(self) -> str:
-        """How much was found in how many items, for which firmware."""
         if self.forecast is None:
             return f"{self.file}: not checked"
         mission, errors = self.forecast.given, self.errors
@@ -118,7 +113,7 @@ class CheckedFile:
         return f"{self.file}: {what}, {items}"
 
 
-def check_file(file: Path, how: How) -> CheckedFile:
+def check_file(file: Path, how: CheckOptions) -> CheckedFile:
     """Check one mission file.
 
     Raises:
@@ -141,5 +136,5 @@ def check_file(file: Path, how: How) -> CheckedFile:
 
 
 def counted(number: int, what: str) -> str:
-    """A number of things: "1 error", "2 errors"."""
+    """Return a number with its noun: "1 error", "2 errors"."""
     return f"{number} {what}{'' if number == 1 else 's'}"

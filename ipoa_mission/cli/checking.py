@@ -1,4 +1,4 @@
-"""`check` and `estimate`: what a mission file is worth before it flies."""
+"""`check` and `estimate`: check a mission file, and forecast its time."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,7 +16,7 @@ from ipoa_mission.cli.options import (
     ScenarioOption,
     expect_world_of,
 )
-from ipoa_mission.cli.output import notes, picked, tell, tell_json, tell_table
+from ipoa_mission.cli.output import notes, picked, print_json, print_lines, print_table
 from ipoa_mission.errors import BadInput, OptionConflict
 from ipoa_mission.files import write_atomically
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ipoa_mission.forecast.forecast import Forecast
     from ipoa_mission.forecast.timing.estimate import Estimate
 
-SAME_S = 0.05  # times that differ by less are told as one, or nearly so [s]
+EQUAL_TIME_S = 0.05  # smaller differences of times count as equal [s]
 
 
 def check(
@@ -42,23 +42,23 @@ def check(
     anyway: Annotated[bool, typer.Option("--anyway", metavar="", help=ANYWAY)] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Check mission files: their format, the firmware's rules, and with a scenario clearance, bounds and altitude.
+    """Check mission files: format, firmware rules, and with a scenario clearance, bounds and altitude.
 
-    Exit code 1 when something would go wrong in flight, 2 when a file cannot be read.
+    Exit code 1 if the flight would fail, 2 if a file cannot be read.
 
     Example: `ipoa-mission check campus.plan --scenario missions/campus.toml`
     """
     from ipoa_mission.checks.sarif import sarif as sarif_log
     from ipoa_mission.checks.unsafe import unreadable
-    from ipoa_mission.cli.check_files import CheckedFile, How, check_file, counted, missions_in
+    from ipoa_mission.cli.check_files import CheckedFile, CheckOptions, check_file, counted, missions_in
     from ipoa_mission.cli.reading import read_world
 
     if flown_by.air is not None and scenario is None:
         words = "expected with --scenario"
-        raise OptionConflict(words, hint="wind moves a flight nearer to what stands there", place="--wind")
+        raise OptionConflict(words, hint="wind moves a flight nearer to obstacles", place="--wind")
     expect_world_of(endings, scenario)
     paths, is_one = missions_in(files), len(files) == 1 and not files[0].is_dir()
-    how = How(flown_by, read_world(scenario, flown_by.air, ignore), ignore or (), endings, anyway)
+    how = CheckOptions(flown_by, read_world(scenario, flown_by.air, ignore), ignore or (), endings, anyway)
     found, wrong = [], None
     for path in paths:
         try:
@@ -67,24 +67,24 @@ def check(
             wrong = error
             found.append(CheckedFile(path, (unreadable(error),)))
         if not as_json and not (is_one and wrong):
-            tell(*found[-1].lines())
+            print_lines(*found[-1].lines())
             if found[-1].endings is not None:
-                from ipoa_mission.cli.contingency_output import tell_endings
+                from ipoa_mission.cli.contingency_output import print_contingencies
 
-                tell_endings(*found[-1].endings)
-            tell(found[-1].counts())
+                print_contingencies(*found[-1].endings)
+            print_lines(found[-1].counts())
     if sarif is not None:
         write_atomically(sarif, sarif_log({one.file: one.findings for one in found}))
     if is_one and wrong:
         raise wrong
     errors = sum(one.errors for one in found)
     if as_json and is_one:
-        tell_json(found[0].as_json())
+        print_json(found[0].as_json())
     elif as_json:
-        tell_json({"ok": not errors, "files": [{"file": str(one.file)} | one.as_json() for one in found]})
+        print_json({"ok": not errors, "files": [{"file": str(one.file)} | one.as_json() for one in found]})
     elif not is_one:
         warnings = sum(len(one.findings) for one in found) - errors
-        tell(f"{counted(len(found), 'file')}: {counted(errors, 'error')}, {counted(warnings, 'warning')}")
+        print_lines(f"{counted(len(found), 'file')}: {counted(errors, 'error')}, {counted(warnings, 'warning')}")
     if errors:
         raise typer.Exit(BadInput.exit_code if wrong else 1)
 
@@ -96,7 +96,7 @@ def estimate(
     ignore: IgnoreOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Estimate how long a mission will fly, item by item, with QGroundControl's number beside it.
+    """Estimate the flight time of a mission, item by item, next to QGroundControl's estimate.
 
     Time zero: armed, in the mission mode, on the ground.
 
@@ -132,7 +132,7 @@ def estimate(
         firmware = mission.autopilot.facts(mission.firmware_version)
         unread = unread_as_json(() if world is None else world.unread)
         about = {"firmware": firmware, "remarks": list(remarks), "unread": unread}
-        tell_json(estimate_as_json(prediction) | energy | about)
+        print_json(estimate_as_json(prediction) | energy | about)
         return
     items = budget.items if budget else (None,) * len(prediction.items)
     rows = [
@@ -152,11 +152,11 @@ def estimate(
         for item, taken in zip(prediction.items, items, strict=True)
     ]
     columns = ["item", "", "leg\nm", "peak\nm/s", "takes\ns", "done\ns", "±\ns", "missed", "takes\nWh", "left"]
-    columns.append("what keeps it slow")
+    columns.append("slowed by")
     title = f"{file.name} on {mission.autopilot.checked_for(mission.firmware_version)}, from arming"
-    tell_table(title, columns, rows)
-    tell(*notes(remarks))
-    tell(
+    print_table(title, columns, rows)
+    print_lines(*notes(remarks))
+    print_lines(
         *route_in_words(prediction),
         f"estimated {prediction.total_s:.1f} s (between {prediction.low_s:.0f} and {prediction.high_s:.0f})"
         f"{prediction.besides}; "
@@ -166,10 +166,10 @@ def estimate(
 
 
 def remarks_on(given: "Given", forecast: "Forecast") -> tuple[str, ...]:
-    """What the user should know beside the times of a mission: `estimate` and `show` print the same.
+    """Return the remarks on a mission's times, printed by `estimate` and `show`.
 
     Raises:
-        MissionError: the mission has no time.
+        MissionError: the mission has no time estimate.
     """
     from ipoa_mission.checks.firmware_check import check_firmware
     from ipoa_mission.checks.version_check import check_version
@@ -185,15 +185,15 @@ def remarks_on(given: "Given", forecast: "Forecast") -> tuple[str, ...]:
 
 
 def _planned_otherwise(given: "Given", estimate: "Estimate") -> Iterator[str]:
-    """That the file has another time where it was planned, and why that may be."""
-    if given.planned is not None and abs(given.planned[1] - estimate.total_s) > SAME_S:
+    """Explain a difference from the planned time of the file."""
+    if given.planned is not None and abs(given.planned[1] - estimate.total_s) > EQUAL_TIME_S:
         about, planned_s = given.planned
         why = "in its scenario's world and wind (--scenario), with its parameters"
         yield f"{about} has {planned_s:.1f} s for it: {why}"
 
 
 def route_in_words(estimate: "Estimate") -> list[str]:
-    """How the route compares with the lower bound of its time; nothing where there is no route."""
+    """Compare the route with the lower bound of its time; nothing without a route."""
     route = estimate.route
     if not route.seconds > 0:
         return []
@@ -205,7 +205,7 @@ def route_in_words(estimate: "Estimate") -> list[str]:
 
 
 def estimate_as_json(estimate: "Estimate") -> dict[str, Any]:
-    """An estimate for machines; items are numbered as in the file, where home is 0."""
+    """Return an estimate as JSON values; items are numbered as in the file, where home is 0."""
     from ipoa_mission.flight.flight_summary import route_summary
     from ipoa_mission.forecast.timing.qgroundcontrol import COUNTED_TERMS
 
@@ -221,7 +221,7 @@ def estimate_as_json(estimate: "Estimate") -> dict[str, Any]:
 
 
 def _risk(share: float, cost_s: float) -> str:
-    """The risk that a waypoint is missed: "17 %, 11 s"."""
+    """Return the risk of missing a waypoint: "17 %, 11 s"."""
     return f"{100 * share:.0f} %, {cost_s:.0f} s" if share else ""
 
 

@@ -1,4 +1,4 @@
-"""`compare`: flown missions held against their estimates."""
+"""`compare`: compare flown missions with their estimates."""
 
 import math
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ import typer
 from ipoa_mission.centimeters import down
 from ipoa_mission.cli.groups import FlownByOptions
 from ipoa_mission.cli.options import ForceOption, JsonOption, LogSystemOption, ScenarioOption, expect_mission
-from ipoa_mission.cli.output import notes, picked, tell, tell_json, tell_table
+from ipoa_mission.cli.output import notes, picked, print_json, print_lines, print_table
 from ipoa_mission.errors import BadInput, LogUseless, MissionError, OptionConflict
 from ipoa_mission.vehicles.autopilot import Autopilot
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class _Row:
-    """A flight of a log, what it comes to against its estimate, and what it kept of its clearance."""
+    """A logged flight, its comparison with the estimate, and its clearance."""
 
     number: int
     flight: "LoggedFlight"
@@ -54,11 +54,11 @@ def compare(
     force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Hold the log of a flown mission against the estimate, leg by leg; each flight in the log by itself.
+    """Compare the log of a flown mission with the estimate, leg by leg, for each flight in the log.
 
-    Mission, parameters and firmware are the log's own; those given here go before. With a scenario, the flown path is
-    held against its terrain and obstacles. Exit code 1 when a flight did not keep the clearance that is required, or
-    nothing in the log could be held against an estimate or a scenario.
+    Mission, parameters and firmware come from the log, unless given here. With a scenario, the flown path is checked
+    against terrain and obstacles. Exit code 1 if a flight did not keep the required clearance, or nothing in the log
+    could be compared.
 
     Example: `ipoa-mission compare campus.plan campus.tlog`
     """
@@ -82,7 +82,7 @@ def compare(
     own = () if file is None else _read_mission(file, log, flown.autopilot, flown_by.autopilot is None)
     mission, beside = own or (None, ())
     if number is not None and number > len(flown.flights):
-        message = f"expected a number up to {len(flown.flights)}, so many are in {log}"
+        message = f"expected a number up to {len(flown.flights)}, the flights in {log}"
         raise BadInput(message, place=f"--flight {number}")
     numbers = range(1, len(flown.flights) + 1) if number is None else [number]
     if picture is not None and len(numbers) > 1:
@@ -110,11 +110,11 @@ def compare(
     on = f"{flown.autopilot} {flown.version}".strip()
     title = f"{log.name}: {on}" if file is None else f"{file.name} on {flown.autopilot}, as {log.name} has it"
     useless = all(row.held is None and row.clearance is None for row in rows)
-    error = LogUseless(f"{_useless(rows, log)}", hint="compare FILE LOG, with what was flown", place=log)
+    error = LogUseless(f"{_useless(rows, log)}", hint="compare FILE LOG with the flown mission", place=log)
     drawn = [] if picture is None or rows[0].held is None else [str(picture)]
     if not as_json:
-        _tell(rows, title, remarks if beyond is None else [*remarks, beyond])
-        tell(*(f"written: {path}" for path in drawn))
+        _report(rows, title, remarks if beyond is None else [*remarks, beyond])
+        print_lines(*(f"written: {path}" for path in drawn))
     elif not useless:
         flights = [_as_json(row) for row in rows]
         about = {
@@ -124,7 +124,7 @@ def compare(
             "remarks": remarks,
             "written": drawn,
         }
-        tell_json({**next(one for one in flights if one.get("legs") or world), **about, "flights": flights})
+        print_json({**next(one for one in flights if one.get("legs") or world), **about, "flights": flights})
     if useless:
         raise error
     if any(row.clearance is not None and not row.clearance.kept for row in rows):
@@ -132,7 +132,7 @@ def compare(
 
 
 def _read_mission(file: Path, log: Path, autopilot: Autopilot, may_differ: bool) -> tuple["Mission", tuple[str, ...]]:
-    """The mission in a file, for the autopilot of the log; what a plan says of itself may differ if nobody insists."""
+    """Read the mission in a file for the log's autopilot; `may_differ`: whatever a plan's own autopilot is."""
     from ipoa_mission.cli.reading import read_given
 
     states = may_differ and file.suffix.lower() == ".plan"
@@ -146,13 +146,12 @@ def _read_mission(file: Path, log: Path, autopilot: Autopilot, may_differ: bool)
 
 
 def _no_mission(log: Path) -> str:
-    """Why a log does not tell which mission was flown."""
     from ipoa_mission.logs.logged import log_format
 
     written = log_format(log.suffix)
     if written is not None:
         return written.no_mission
-    return "the mission was neither uploaded nor downloaded while this log was written"
+    return "the log holds no upload or download of the mission"
 
 
 def _useless(rows: list[_Row], log: Path) -> str:
@@ -163,7 +162,6 @@ def _useless(rows: list[_Row], log: Path) -> str:
 
 
 def _remarks(rows: list[_Row], log: Path, world: "Scenario | None") -> list[str]:
-    """What of the flights could not be done."""
     several = len(rows) > 1
     remarks = [
         f"{f'flight {row.number}: ' if several else ''}{_no_mission(log)}: it has no estimate"
@@ -192,7 +190,6 @@ def _draw(one: "ComparedFlight", picture: Path, title: str) -> None:
 
 
 def _as_json(row: _Row) -> dict[str, Any]:
-    """A flight for machines; what is not known of it is left out."""
     about: dict[str, Any] = {
         "flight": row.number,
         "armed_s": round(row.flight.armed_s, 3),
@@ -234,19 +231,19 @@ def _held_as_json(one: "ComparedFlight") -> dict[str, Any]:
     }
 
 
-def _tell(rows: list[_Row], title: str, remarks: list[str]) -> None:
+def _report(rows: list[_Row], title: str, remarks: list[str]) -> None:
     several = len(rows) > 1 or rows[0].held is None
     if several:
         columns = ["flight", "armed at\ns", "items", "estimated\ns", "flown\ns", "total", "route", "clearance\nm", ""]
-        tell_table(title, columns, [_cells(row) for row in rows])
+        print_table(title, columns, [_cells(row) for row in rows])
     for row in rows:
         if row.held is not None:
             _tell_held(row.held, f"flight {row.number}" if several else title)
         if row.clearance is not None:
-            tell(f"flight {row.number}: {row.clearance.words()}" if several else row.clearance.words())
+            print_lines(f"flight {row.number}: {row.clearance.words()}" if several else row.clearance.words())
         if several and row.held is not None:
-            tell("")
-    tell(*notes(remarks))
+            print_lines("")
+    print_lines(*notes(remarks))
 
 
 def _tell_held(one: "ComparedFlight", title: str) -> None:
@@ -260,13 +257,13 @@ def _tell_held(one: "ComparedFlight", title: str) -> None:
         )
         for leg in comparison.legs
     ]
-    tell_table(title, ["item", "estimated\ns", "flown\ns", "difference\ns", "done at\ns"], rows)
-    tell(f"estimated {comparison.estimated_total_s:.1f} s, flown {_flown(one)}")
+    print_table(title, ["item", "estimated\ns", "flown\ns", "difference\ns", "done at\ns"], rows)
+    print_lines(f"estimated {comparison.estimated_total_s:.1f} s, flown {_flown(one)}")
     if math.isfinite(comparison.route_error):
-        tell(f"from the first waypoint to the last: {comparison.route_error:+.1%}")
+        print_lines(f"from the first waypoint to the last: {comparison.route_error:+.1%}")
     if one.parameters:
-        tell("parameters: " + ", ".join(f"{name} {value:g}" for name, value in one.parameters.items()))
-    tell(*notes(one.remarks))
+        print_lines("parameters: " + ", ".join(f"{name} {value:g}" for name, value in one.parameters.items()))
+    print_lines(*notes(one.remarks))
 
 
 def _cells(row: _Row) -> tuple[str, ...]:
@@ -288,7 +285,7 @@ def _seconds(value: float) -> str:
 
 def _flown(one: "ComparedFlight") -> str:
     total = one.comparison.flown_total_s
-    return f"{total:.1f} s" if math.isfinite(total) else f"not to its end: {one.record.why_not}"
+    return f"{total:.1f} s" if math.isfinite(total) else f"not completed: {one.record.why_not}"
 
 
 def _known(value: float) -> float | None:

@@ -1,6 +1,6 @@
-"""`--endings`: how each second of a flight can end, and what of a vehicle's parameters decides that.
+"""`--endings`: show the outcome of a contingency from each second of a flight, and the failsafes that cause it.
 
-A table of `check`, bars of `show`.
+`check` prints a table, `show` prints bars.
 """
 
 import math
@@ -9,20 +9,20 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Any
 
-from ipoa_mission.cli.output import picked, tell, tell_table
+from ipoa_mission.cli.output import picked, print_lines, print_table
 from ipoa_mission.forecast.contingencies import ContingencyRow, bars_of
 from ipoa_mission.forecast.grades import Grade
 from ipoa_mission.vehicles.failsafe import Failsafe
 
-CELLS = 50  # characters of a bar
-SIGNS = {Grade.WOULD: "#", Grade.UNKNOWN: "?", Grade.MAY: "+", Grade.CLEAR: "-"}  # the first that is there is drawn
-LEGEND = "- clear  + perhaps not clear  # not clear, at some time in it  ? not known"
+CELLS = 50  # of a bar [characters]
+SIGNS = {Grade.WOULD: "#", Grade.UNKNOWN: "?", Grade.MAY: "+", Grade.CLEAR: "-"}  # the first one present is drawn
+LEGEND = "- clear  + possibly not clear  # not clear at some time  ? unknown"
 CELL = {Grade.CLEAR: "yes", Grade.MAY: "perhaps", Grade.WOULD: "NO", Grade.UNKNOWN: "?"}
-NO_ENDINGS = "endings: nothing is known of them, as of the flight"
+NO_ENDINGS = "endings: unknown, because the flight is unknown"
 
 
 def endings_as_json(rows: tuple[ContingencyRow, ...], failsafes: tuple[Failsafe, ...]) -> dict[str, Any]:
-    """Both for machines: metres, seconds from arming, watt hours; what nobody knows is null."""
+    """Return both as JSON values: metres, seconds from arming, watt hours; unknown values are null."""
     if not rows:
         return {"endings": None, "failsafes": None}
     return {"endings": [_row(row) for row in rows], "failsafes": [_failsafe(one) for one in failsafes]}
@@ -57,42 +57,41 @@ def _failsafe(failsafe: Failsafe) -> dict[str, Any]:
     }
 
 
-def tell_endings(rows: tuple[ContingencyRow, ...], failsafes: tuple[Failsafe, ...]) -> None:
-    """Both as tables."""
+def print_contingencies(rows: tuple[ContingencyRow, ...], failsafes: tuple[Failsafe, ...]) -> None:
     if not rows:
-        tell(NO_ENDINGS)
+        print_lines(NO_ENDINGS)
         return
     columns = ["ending", "from\ns", "to\ns", "clear", "least\nm", "required\nm", "to", "leads to"]
     columns += ["takes\ns", "takes\nWh"]
-    tell_table("how this flight can end, seconds from arming", columns, [_cells(row) for row in rows])
+    print_table("contingencies, seconds from arming", columns, [_cells(row) for row in rows])
     causes = ["cause", "parameter", "ending"]
     decided = [(one.cause, _setting(one), str(one.route)) for one in failsafes]
     if decided:
-        tell_table("what ends it, by the parameters of the mission and the firmware's defaults", causes, decided)
+        print_table("failsafes, by the mission's parameters and the firmware's defaults", causes, decided)
     many, grades = len(rows), Counter(row.grade for row in rows)
     told = [f"{grades[grade]} of {many} stretches are {grade}" for grade in tuple(Grade)[1:] if grades[grade]]
-    tell("; ".join(told) or "every ending is clear")
+    print_lines("; ".join(told) or "every ending is clear")
 
 
-def tell_strip(rows: tuple[ContingencyRow, ...]) -> None:
-    """A bar of each ending over the time in the air, and in words what is not clear."""
+def print_strip(rows: tuple[ContingencyRow, ...]) -> None:
+    """Print a bar of each contingency over the time in the air, and what is not clear."""
     if not rows:
-        tell(NO_ENDINGS)
+        print_lines(NO_ENDINGS)
         return
     begin, end = rows[0].from_s, rows[-1].to_s
     each = (end - begin) / CELLS
-    tell("", f"how this flight can end, {begin:.1f} to {end:.1f} s after arming; each character is {each:.1f} s", "")
+    print_lines("", f"contingencies, {begin:.1f} to {end:.1f} s after arming; each character is {each:.1f} s", "")
     bars = bars_of(rows)
     widest = max(len(bar.contingency) for bar in bars)
     for bar in bars:
-        tell(f"{bar.contingency:{widest}}  {bar_of(bar.rows)}  {bar.leads}")
-    tell("", LEGEND)
+        print_lines(f"{bar.contingency:{widest}}  {bar_of(bar.rows)}  {bar.leads}")
+    print_lines("", LEGEND)
     unclear = [str(row) for row in rows if not row.clear]
-    tell(*(unclear or ["every ending is clear"]))
+    print_lines(*(unclear or ["every ending is clear"]))
 
 
 def bar_of(rows: Sequence[ContingencyRow]) -> str:
-    """One ending as characters, each for as much of its time: of the rows that it has a part in, the worst.
+    """Return one contingency as characters of equal time, each showing its worst row.
 
     >>> from ipoa_mission.vehicles.contingency import Contingency
     >>> clear = ContingencyRow(Contingency.LAND, 0.0, 24.5, Grade.CLEAR, 3.0, 2.5, "mast", "here")

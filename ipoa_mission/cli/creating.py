@@ -1,4 +1,4 @@
-"""`new`: a first scenario from a few answers, or from a map."""
+"""`new`: write a first scenario from a few answers, or from a map."""
 
 import shlex
 from collections.abc import Mapping
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ipoa_mission.cli.options import ForceOption, JsonOption
-from ipoa_mission.cli.output import notes, tell, tell_json
+from ipoa_mission.cli.output import notes, print_json, print_lines
 from ipoa_mission.cli.overwriting import expect_free
 from ipoa_mission.errors import BadInput, WrongSuffix
 from ipoa_mission.files import write_atomically
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ipoa_mission.scenario.new import Question
 
 BACK = "back"
-UNKNOWN_ALTITUDE = "home's altitude is taken as 0 m: --answer altitude=METRES, or --elevation FILE"
+UNKNOWN_ALTITUDE = "home's altitude is set to 0 m: give --answer altitude=METRES, or --elevation FILE"
 
 
 def new(
@@ -35,7 +35,7 @@ def new(
     ] = None,
     answer: GivenOption = None,
     yes: Annotated[
-        bool, typer.Option("--yes", "-y", metavar="", help="Ask nothing: take what the map and the defaults say.")
+        bool, typer.Option("--yes", "-y", metavar="", help="Ask nothing: use the map and the defaults.")
     ] = False,
     force: ForceOption = False,
     as_json: JsonOption = False,
@@ -73,20 +73,20 @@ def new(
     remarks += taken_heights(answers, buildings)
     write_atomically(target, new_scenario(answers, target, buildings, elevation))
     if as_json:
-        tell_json({"written": str(target), "answers": answers, "remarks": remarks})
+        print_json({"written": str(target), "answers": answers, "remarks": remarks})
     else:
-        tell(f"written: {target}", *notes(remarks), f"plan it: ipoa-mission plan {shlex.quote(str(target))}")
+        print_lines(f"written: {target}", *notes(remarks), f"plan it: ipoa-mission plan {shlex.quote(str(target))}")
 
 
 def _ask_all(
     given: Mapping[str, str], suggested: Mapping[str, str], buildings: Path | None, elevation: Path | None
 ) -> dict[str, str]:
-    """Ask what is not given, from question to question; the answer `back` asks the one before again."""
+    """Ask for the missing answers in order; the answer `back` returns to the question before."""
     from ipoa_mission.scenario.new import QUESTIONS, questions_about, suggest_altitude
 
     answers = dict(given)
     asked = [question for question in (*QUESTIONS, *questions_about(buildings)) if question.key not in given]
-    typer.echo(f"Enter takes the answer in brackets; {BACK} asks the question before again.", err=True)
+    typer.echo(f"Enter takes the answer in brackets; {BACK} returns to the question before.", err=True)
     number = 0
     while number < len(asked):
         question = asked[number]
@@ -101,7 +101,7 @@ def _ask_all(
 
 
 def _ask(question: "Question", others: Mapping[str, str], suggested: str | None) -> str:
-    """Ask until an answer will do, or is `back`; Enter takes what is suggested."""
+    """Ask until the answer is valid or `back`; Enter takes the suggestion."""
     from ipoa_mission.scenario.new import check_goal
 
     words, shown = f"{question.words} ({question.form})", suggested is not None

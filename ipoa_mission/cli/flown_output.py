@@ -1,4 +1,4 @@
-"""What is outcome of a flight that was flown: to machines, and to people in a table."""
+"""Print the result of a flight, as JSON or in a table."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -7,7 +7,7 @@ from typing import Any
 from ipoa_mission.centimeters import down
 from ipoa_mission.cli.checking import estimate_as_json, route_in_words
 from ipoa_mission.cli.mission_source import Job
-from ipoa_mission.cli.output import notes, tell, tell_json, tell_table
+from ipoa_mission.cli.output import notes, print_json, print_lines, print_table
 from ipoa_mission.flight.flight_summary import passed_over_as_json
 from ipoa_mission.forecast.energy_budget import ReserveNow
 from ipoa_mission.forecast.timing.estimate import Estimate
@@ -15,11 +15,11 @@ from ipoa_mission.link.logbook import FlightRecord
 from ipoa_mission.mission.commands import command_name
 from ipoa_mission.unread import unread_as_json
 
-NEXT_STEPS = {"resume": "goes on with its mission", "rtl": "brings it home"}
+NEXT_STEPS = {"resume": "continues its mission", "rtl": "returns it home"}
 
 
 def flight_as_json(estimate: Estimate, record: FlightRecord, reserves: Sequence[ReserveNow] = ()) -> dict[str, Any]:
-    """Estimate and flight for machines; items are numbered as in the file, where home is 0."""
+    """Return estimate and flight as JSON values; items are numbered as in the file, where home is 0."""
     return {
         "completed": record.completed,
         "armed": record.armed,
@@ -35,7 +35,7 @@ def flight_as_json(estimate: Estimate, record: FlightRecord, reserves: Sequence[
 
 
 def next_steps(link: str | None, system: int | None, record: FlightRecord) -> str:
-    """Say what can be ordered to a vehicle that deviated and was left in the air; else nothing."""
+    """Name the possible orders to a vehicle that deviated and was left in the air."""
     if link is None or not (record.deviations and record.in_air):
         return ""
     to = f"--link {link}" + (f" --system {system}" if system else "")
@@ -43,10 +43,10 @@ def next_steps(link: str | None, system: int | None, record: FlightRecord) -> st
     return f"{', '.join(orders)}; a pilot can take it over"
 
 
-def tell_flown_as_json(
+def print_flown_json(
     job: Job, record: FlightRecord, remarks: tuple[str, ...], written: Sequence[Path], hint: str = ""
 ) -> None:
-    """Print all that is known of the flight, for machines; `remarks` are those that came with the flight."""
+    """Print the flight as JSON; `remarks` came with the flight."""
     all_remarks = list(dict.fromkeys((*job.remarks, *remarks)))
     outcome: dict[str, Any] = {"remarks": all_remarks, "written": [str(path) for path in written]}
     if job.flight is not None:
@@ -54,7 +54,7 @@ def tell_flown_as_json(
         outcome["unread"] = unread_as_json(job.flight.scenario.unread)
     told = flight_as_json(job.estimate, record, job.reserves)
     failure = {"error": record.failure} | ({"hint": hint} if hint else {}) if record.failure else {}
-    tell_json(told | outcome | failure, indent=None if record.deviations else 2)  # events are lines before it
+    print_json(told | outcome | failure, indent=None if record.deviations else 2)  # events are single lines before it
 
 
 def _reserve_as_json(now: ReserveNow) -> dict[str, Any]:
@@ -68,13 +68,13 @@ def _reserve_as_json(now: ReserveNow) -> dict[str, Any]:
     }
 
 
-def tell_flown(job: Job, record: FlightRecord, remarks: tuple[str, ...], written: Sequence[Path]) -> None:
-    """Print the flight beside its estimate; `remarks` are those that came with the flight."""
-    before = () if job.flight else job.remarks  # those of a plan have been outcome with it
-    tell(*notes(tuple(dict.fromkeys((*before, *remarks)))), *(() if record.completed else record.messages))
+def print_flown(job: Job, record: FlightRecord, remarks: tuple[str, ...], written: Sequence[Path]) -> None:
+    """Print the flight next to its estimate; `remarks` came with the flight."""
+    before = () if job.flight else job.remarks  # a plan's remarks were printed with it
+    print_lines(*notes(tuple(dict.fromkeys((*before, *remarks)))), *(() if record.completed else record.messages))
     columns = ["item", "command", "estimated\ns", "flown\ns", "difference\ns"]
-    tell_table(f"{job.name} on {job.mission.autopilot}: when each item was done", columns, _legs(job.estimate, record))
-    tell(
+    print_table(f"{job.name} on {job.mission.autopilot}: when each item was done", columns, _legs(job.estimate, record))
+    print_lines(
         *([] if job.flight else route_in_words(job.estimate)),
         f"estimated {job.estimate.total_s:.1f} s{job.estimate.besides}, flown {record.total_s:.1f} s{_of_plan(job)}",
         f"written: {', '.join(map(str, written))}",
@@ -83,7 +83,7 @@ def tell_flown(job: Job, record: FlightRecord, remarks: tuple[str, ...], written
 
 
 def _of_plan(job: Job) -> str:
-    """What is told of a flight that was just planned: the clearance that flights keep, and what others would say."""
+    """Return a planned flight's clearance and other estimates."""
     if job.flight is None:
         return ""
     promise, kept = job.flight.promise, job.flight.promise.clearance

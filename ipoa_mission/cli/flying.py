@@ -1,4 +1,4 @@
-"""`fly` and `demo`: a mission in the air, on a real vehicle or on the built-in autopilot."""
+"""`fly` and `demo`: fly a mission on a real vehicle or on the built-in autopilot."""
 
 import sys
 from dataclasses import replace
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ipoa_mission.cli.groups import FaultOptions, FlightOptions, FlownByOptions, LinkOptions, SearchOptions
-from ipoa_mission.cli.interrupting import left_behind
+from ipoa_mission.cli.interrupting import reporting_interrupt
 from ipoa_mission.cli.options import (
     NAMES,
     ForceOption,
@@ -54,17 +54,17 @@ def fly(
     force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Fly a mission from upload to landing, and hold the flown time against the estimate.
+    """Fly a mission from upload to landing, and compare the flown time with the estimate.
 
     A scenario is planned first and its mission files are written. Without `--link` the built-in autopilot flies it, as
-    fast as it goes. With `--link` a vehicle on the ground is waited for until it is ready, armed, started at its first
-    item, and watched: position and progress are compared with the forecast, and a vehicle that deviates is ordered to
-    hold (`--on-deviation`). Every frame goes to the log. Exit code 0: it landed and was disarmed where its mission
-    ends, as it was forecast; after an RTL that may be a rally point.
+    fast as possible. With `--link` the vehicle must be on the ground; it is armed when ready, started at its first
+    item, and watched. Position and progress are compared with the forecast; a vehicle that deviates is ordered to hold
+    (`--on-deviation`). Every frame goes to the log. Exit code 0: it landed and was disarmed at the forecast end of its
+    mission; after an RTL that may be a rally point.
 
     Example: `ipoa-mission fly missions/campus.toml --out out --report`
     """
-    from ipoa_mission.cli.flown_output import next_steps, tell_flown, tell_flown_as_json
+    from ipoa_mission.cli.flown_output import next_steps, print_flown, print_flown_json
     from ipoa_mission.cli.mission_source import adapt_scenario, plan, planned, read_job
     from ipoa_mission.cli.overwriting import expect_log, expect_plans
     from ipoa_mission.cli.surveying import EACH_BY_ITSELF, expect_flyable, fly_survey, plan_here, write_survey
@@ -115,11 +115,11 @@ def fly(
         written.insert(0, page)
     hint = next_steps(link, on_link.system, record)
     if as_json:
-        tell_flown_as_json(job, record, remarks, [*planned_files, *written], hint)
+        print_flown_json(job, record, remarks, [*planned_files, *written], hint)
         if record.failure:
             print(f"error: {shown(record.failure)}", file=sys.stderr)
     else:
-        tell_flown(job, record, remarks, written)
+        print_flown(job, record, remarks, written)
     if hint:
         print(f"hint: {hint}", file=sys.stderr)
     if record.failure:
@@ -127,10 +127,9 @@ def fly(
 
 
 def _fly_here(job: "Job", log: Path, *, seed: int, faults: "Faults") -> "Piloted":
-    """A flight on the built-in autopilot."""
     from ipoa_mission.simulator.fly import fly_forecast
 
-    with left_behind(f"the flight was broken off; {log} has it so far"), progress_bar("flying") as bar:
+    with reporting_interrupt(f"the flight was stopped; {log} has the part flown"), progress_bar("flying") as bar:
         record = fly_forecast(job.forecast, seed, faults, log, flying=bar)
     return job, _where_it_landed(job, record), record
 
@@ -145,22 +144,22 @@ def _fly_there(
     on_link: LinkOptions,
     as_json: bool,
 ) -> "Piloted":
-    """A flight on a vehicle; the job as this vehicle's firmware flies it."""
+    """Fly on a vehicle; return the job with this vehicle's firmware."""
     from ipoa_mission.cli.mission_source import read_job
-    from ipoa_mission.cli.real_flight import begun_with, fly_there, no_flight_yet, tell_deviation
+    from ipoa_mission.cli.real_flight import begun_with, fly_there, no_flight_yet, print_deviation
 
     begin = on_vehicle.begin
-    begun_with(job, begin)  # or there is no such item: that is told before anybody is called
+    begun_with(job, begin)  # raises for an unknown item before connecting
     with no_flight_yet(), connect_to(on_vehicle.link or "", on_link, log) as there:
         if not states_firmware(source, flown_by.autopilot):
             job = read_job(source, flown_by, there.autopilot)
         there.conformance.on_deviation = on_vehicle.on_deviation
         if as_json:
-            there.conformance.tell = tell_deviation
-        on_link.system = there.system  # whoever else is heard by then, a survey's next flight is this vehicle's
+            there.conformance.tell = print_deviation
+        on_link.system = there.system  # a survey's next flight is this vehicle's, whatever else is heard by then
         job = begun_with(replace(job, forecast=job.forecast.on(there.firmware_version())), begin)
         remarks, record = fly_there(job, there, begin - 1, on_link.anyway, on_vehicle.set_params)
-    left = ("nobody watches the vehicle any more", there.absence.meanwhile)
+    left = ("the vehicle is no longer watched", there.absence.meanwhile)
     unwatched = ["; ".join(filter(None, left))] if record.armed else []
     return job, (*remarks, *unwatched, *_where_it_landed(job, record)), record
 
@@ -172,14 +171,13 @@ def _where_it_landed(job: "Job", record: "FlightRecord") -> tuple[str, ...]:
 
 
 def _expect_no_plan(source: Path, options: dict[str, object]) -> None:
-    """That what only a scenario can be told to do was not asked of a mission file."""
     for option, value in options.items():
         if value:
             raise OptionConflict(f"expected a scenario, not {source}", hint="a mission is flown as it is", place=option)
 
 
 def _expect_together(on_vehicle: FlightOptions, faults: "Faults") -> None:
-    """That a vehicle's options came with a link, and the built-in autopilot's without."""
+    """Refuse a vehicle's options without a link, and the built-in autopilot's with one."""
     if on_vehicle.link is None and on_vehicle != FlightOptions():
         words = "--from, --set-params, --on-deviation: expected with --link"
         raise OptionConflict(
@@ -194,20 +192,20 @@ def _expect_together(on_vehicle: FlightOptions, faults: "Faults") -> None:
 
 
 def _write(flight: "Flight", folder: Path, as_json: bool, routes: bool) -> list[Path]:
-    from ipoa_mission.cli.plan_output import tell_planned
+    from ipoa_mission.cli.plan_output import print_planned
 
     written = [*flight.write(folder)]
     if not as_json:
-        tell_planned(flight, written, routes)
+        print_planned(flight, written, routes)
     return written
 
 
 def demo(
     out: OutOption = Path("demo"), seed: SeedOption = 0, force: ForceOption = False, as_json: JsonOption = False
 ) -> None:
-    """Plan a flight over a campus, write its files, upload it to the built-in autopilot, fly it, report.
+    """Plan a flight over a campus, write its files, fly it on the built-in autopilot, and report.
 
-    The files go to the folder `demo`: campus.plan for QGroundControl, campus.html for a browser. It is
+    The files go to the folder `demo`: campus.plan for QGroundControl, campus.html for a browser. It equals
     `ipoa-mission fly campus --out demo --report`.
 
     Example: `ipoa-mission demo`

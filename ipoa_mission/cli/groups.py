@@ -1,4 +1,4 @@
-"""Options that go together, as one value: a verb takes the group, and Typer is shown each option of it."""
+"""Group options that belong together into one value of a verb; Typer sees each option."""
 
 import inspect
 from collections.abc import Callable
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 def grouped(verb: Callable[..., None]) -> Callable[..., None]:
-    """The verb as Typer calls it: each parameter that is a group is taken option by option."""
+    """Return the verb with each parameter group expanded into its options."""
     parameters: list[inspect.Parameter] = []
     groups: dict[str, Any] = {}
     for parameter in inspect.signature(verb).parameters.values():
@@ -59,8 +59,6 @@ def grouped(verb: Callable[..., None]) -> Callable[..., None]:
 
 @dataclass
 class SearchOptions:
-    """How a path is sought."""
-
     seed: SeedOption = 0
     optimizer: Annotated[
         str | None,
@@ -68,18 +66,16 @@ class SearchOptions:
             "--optimizer",
             metavar="NAME",
             autocompletion=optimizers_like,
-            help="Search by this: ipoa, poa, adaptive-pelican, or one that is installed.",
+            help="Search algorithm: ipoa, poa, adaptive-pelican, or an installed one.",
         ),
     ] = None
     routes: Annotated[
-        bool, typer.Option("--routes", metavar="", help="Show the other ways to choose waypoints, and their times.")
+        bool, typer.Option("--routes", metavar="", help="Show the other modes of choosing waypoints, and their times.")
     ] = False
 
 
 @dataclass
 class FlownByOptions:
-    """What flies a mission, and in what wind."""
-
     autopilot: AutopilotOption = None
     firmware_version: FirmwareVersionOption = None
     unmeasured_version: UnmeasuredVersionOption = False
@@ -95,37 +91,33 @@ class FlownByOptions:
     ] = None
     vehicle: Annotated[
         Path | None,
-        typer.Option("--vehicle", metavar="FILE", help="A vehicle that `learn` has written: drag, lag, delays, power."),
+        typer.Option("--vehicle", metavar="FILE", help="A vehicle file written by `learn`: drag, lag, delays, power."),
     ] = None
 
     @cached_property
     def parameters(self) -> dict[str, float]:
-        """By name; BadInput as `read_parameter_options`."""
+        """Return parameters by name; raise BadInput as `read_parameter_options`."""
         return read_parameter_options(self.param, self.param_file)
 
     @cached_property
     def version(self) -> "Version | None":
-        """Of the firmware, if one was given; BadInput where it is none."""
+        """Return the given firmware version; raise BadInput if it is not valid."""
         from ipoa_mission.vehicles.version import Version
 
         return None if self.firmware_version is None else Version.parsed(self.firmware_version)
 
     @cached_property
     def air(self) -> "Wind | None":
-        """The wind, if one was given; BadInput as `read_wind_option`."""
+        """Return the given wind; raise BadInput as `read_wind_option`."""
         return read_wind_option(self.wind)
 
 
 @dataclass
 class LinkOptions:
-    """How a vehicle is spoken to."""
-
     system: SystemOption = None
     log: Annotated[
         Path | None,
-        link_option(
-            "--log", metavar="FILE", help="Where every frame goes (.tlog); left out, beside the mission's files."
-        ),
+        link_option("--log", metavar="FILE", help="Log of every frame (.tlog); default: next to the mission's files."),
     ] = None
     key: KeyOption = None
     timeout: Annotated[
@@ -134,11 +126,11 @@ class LinkOptions:
             "--timeout",
             metavar="S",
             min=1.0,
-            help="Give up if it is not done within so many seconds, also in flight: nobody watches the vehicle then. "
-            "Left out, an hour until a flight begins.",
+            help="Give up after this time [s], also in flight: the vehicle is no longer watched then. "
+            "Default: one hour until a flight begins.",
         ),
     ] = None
-    backend: Annotated[Backend, link_option("--backend", help="Who speaks MAVLink for us.")] = Backend.BUILTIN
+    backend: Annotated[Backend, link_option("--backend", help="MAVLink implementation.")] = Backend.BUILTIN
     anyway: Annotated[
         bool,
         link_option(
@@ -149,21 +141,19 @@ class LinkOptions:
     ] = False
 
     def written(self, usual_log: Path | None) -> list[str]:
-        """The file with every frame, if there is one; MAVSDK keeps none."""
+        """Return the log's path, if there is one; MAVSDK writes none."""
         log = self.log or usual_log
         return [] if self.backend is Backend.MAVSDK or log is None else [str(log)]
 
 
 @dataclass
 class FlightOptions:
-    """Choose how a real vehicle is flown."""
-
     link: Annotated[
         str | None,
         link_option(
             "--link",
             metavar="URL",
-            help="A real vehicle, like udpin:127.0.0.1:14550; left out, the built-in autopilot.",
+            help="A real vehicle, like udpin:127.0.0.1:14550; default: the built-in autopilot.",
         ),
     ] = None
     begin: Annotated[
@@ -172,7 +162,7 @@ class FlightOptions:
             "--from",
             metavar="N",
             min=1,
-            help="Begin at item N instead of the first, as `show` numbers it; the way there is checked.",
+            help="Begin at item N instead of the first, as `show` numbers it; the path there is checked.",
         ),
     ] = 1
     set_params: Annotated[
@@ -180,35 +170,30 @@ class FlightOptions:
         link_option(
             "--set-params",
             metavar="",
-            help="Write the scenario's parameters, and those of --param, that the vehicle has otherwise.",
+            help="Write parameters of the scenario and --param that differ on the vehicle.",
         ),
     ] = False
     on_deviation: Annotated[
         OnDeviation,
         link_option(
             "--on-deviation",
-            help="What the vehicle is ordered, once, when its flight deviates from the forecast.",
+            help="Order sent once if the flight deviates from the forecast.",
         ),
     ] = OnDeviation.HOLD
 
 
 @dataclass
 class FaultOptions:
-    """What a bad link does."""
-
-    loss: Annotated[
-        float, bad_link_option("--loss", metavar="SHARE", min=0, max=1, help="Of frames that get lost.")
-    ] = 0.0
+    loss: Annotated[float, bad_link_option("--loss", metavar="SHARE", min=0, max=1, help="Share of lost frames.")] = 0.0
     duplicate: Annotated[
-        float, bad_link_option("--duplicate", metavar="SHARE", min=0, max=1, help="Of frames that come twice.")
+        float, bad_link_option("--duplicate", metavar="SHARE", min=0, max=1, help="Share of duplicated frames.")
     ] = 0.0
-    delay: Annotated[float, bad_link_option("--delay", metavar="S", min=0, help="Seconds that a frame takes.")] = 0.0
+    delay: Annotated[float, bad_link_option("--delay", metavar="S", min=0, help="Delay of a frame [s].")] = 0.0
     reorder: Annotated[
-        float, bad_link_option("--reorder", metavar="SHARE", min=0, max=1, help="Of frames held back.")
+        float, bad_link_option("--reorder", metavar="SHARE", min=0, max=1, help="Share of reordered frames.")
     ] = 0.0
 
     def faults(self) -> "Faults":
-        """The same for the simulator."""
         from ipoa_mission.simulator.faults import Faults
 
         return Faults(self.loss, self.duplicate, self.delay, self.reorder)

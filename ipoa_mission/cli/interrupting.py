@@ -1,4 +1,4 @@
-"""Ctrl-C: the command ends quietly, with exit code 130, and says what state it leaves things in."""
+"""Handle Ctrl-C: end with exit code 130 and report the state left behind."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -7,14 +7,14 @@ from ipoa_mission.errors import MissionError
 
 
 class Interrupted(MissionError):
-    """The user took it back; the message says what is left behind."""
+    """The user interrupted; the message reports the state left behind."""
 
     exit_code = 130
 
 
 @contextmanager
-def left_behind(words: str, hint: str | None = None) -> Iterator[None]:
-    """Whoever presses Ctrl-C in here is told `words`, or what the link knows better."""
+def reporting_interrupt(words: str, hint: str | None = None) -> Iterator[None]:
+    """On Ctrl-C raise `words`, or a more exact message of the link."""
     try:
         yield
     except KeyboardInterrupt:

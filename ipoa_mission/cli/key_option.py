@@ -1,8 +1,7 @@
-"""Who signs what we say: a key in a file, or a passphrase in the environment, which is never printed.
+"""Sign MAVLink with a key from a file, or from a passphrase in the environment, which is never printed.
 
-A key is 64 hexadecimal digits, 32 bytes that are no text, or a passphrase without the line end behind it: the same in a
-file and in the environment. A signature's timestamps must only grow, from one run to the next: the last is kept in the
-user's folder for state.
+A key is 64 hexadecimal digits, 32 binary bytes, or a passphrase without its line end, in a file as in the environment.
+Timestamps of signatures must grow from run to run; the last one is kept in the user's state folder.
 """
 
 import os
@@ -19,10 +18,12 @@ PASSPHRASE = "IPOA_MISSION_PASSPHRASE"
 
 
 def signer_of(key: Path | None, role: str = "station") -> "Signer | None":
-    """Who signs: the key in a file, else the passphrase in the environment, else nobody. Each role has its timestamps.
+    """Return a signer by the key file, else by the environment's passphrase, else None.
+
+    Each role has its own timestamps.
 
     Raises:
-        BadInput: the key cannot be read, or the folder for state not be made.
+        BadInput: the key cannot be read, or the state folder cannot be created.
     """
     words = os.environ.get(PASSPHRASE)
     if key is None and not words:
@@ -34,13 +35,12 @@ def signer_of(key: Path | None, role: str = "station") -> "Signer | None":
     try:
         folder.mkdir(parents=True, exist_ok=True, mode=0o700)
     except OSError as error:
-        message = f"cannot be made: {error.strerror}"
-        raise Unwritable(message, hint="it keeps the timestamps of signing", place=folder) from error
+        message = f"cannot be created: {error.strerror}"
+        raise Unwritable(message, hint="it holds the timestamps of signatures", place=folder) from error
     return persistent_signer(secret, folder / f"signing-{role}.timestamp")
 
 
 def state_folder() -> Path:
-    """Where the user's system wants programs to keep what is neither settings nor documents."""
     if sys.platform == "win32":
         return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local") / "ipoa-mission"
     if sys.platform == "darwin":

@@ -1,4 +1,4 @@
-"""`learn`: what sets a vehicle apart, from the logs of its flights."""
+"""`learn`: identify a vehicle's parameters from its flight logs."""
 
 from collections.abc import Iterator
 from functools import partial
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ipoa_mission.cli.options import ForceOption, JsonOption, LogSystemOption
-from ipoa_mission.cli.output import notes, tell, tell_json, tell_table
+from ipoa_mission.cli.output import notes, print_json, print_lines, print_table
 from ipoa_mission.errors import BadInput, LogUseless, MissionError, OptionConflict
 from ipoa_mission.files import MISSIONS
 
@@ -21,19 +21,17 @@ if TYPE_CHECKING:
 def learn(
     files: Annotated[
         list[Path],
-        typer.Argument(metavar="[FILE] LOG...", help="Logs; before each its mission, where the log does not have it."),
+        typer.Argument(metavar="[FILE] LOG...", help="Logs, each after its mission if the log does not contain it."),
     ],
-    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="The vehicle that is written.")] = Path(
-        "vehicle.toml"
-    ),
+    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="Vehicle file to write.")] = Path("vehicle.toml"),
     system: LogSystemOption = None,
     force: ForceOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Learn a vehicle from its flights: drag, lag, delays on the ground, hover power, with intervals of nine in ten.
+    """Learn a vehicle from its flights: drag, lag, ground delays, hover power, with 90 % intervals.
 
-    What the flights do not tell is left as the simulated vehicle has it. Each flight is timed by what the others tell;
-    where that is no better only the hover power is written, or nothing, exit code 1. Logs with attitudes tell the drag
+    Values that the flights do not determine stay as simulated. Each flight is timed with the values of the others;
+    without an improvement only the hover power is written, or nothing, exit code 1. Logs with attitudes give the drag
     at any speed and in wind; without them fly in little wind, and near the top speed.
 
     Example: `ipoa-mission learn monday.bin tuesday.bin --out vehicle.toml`
@@ -56,11 +54,11 @@ def learn(
     before, after = median_errors(judged)
     if len(flights) == 1:
         if vehicle.hover_power is None:
-            left_out(flights)  # which says what is missing
+            left_out(flights)  # raises if one flight is not enough
         vehicle = vehicle.with_numbers(dict.fromkeys(PRIOR_DEVIATIONS))
-        remarks.append("one flight tells its vehicle's power; its times are judged by others, and need them")
+        remarks.append("one flight gives the hover power; times need two flights or more")
     elif before > 0 and not after < before:
-        words = f"the flights left out are timed no better by what the others tell: {after:.1%} off, not {before:.1%}"
+        words = f"the learned values do not improve other flights' times: error {after:.1%}, not below {before:.1%}"
         if vehicle.hover_power is None:
             raise MissionError(words, hint="the estimate is as good without a vehicle file", code="option-conflict")
         vehicle = vehicle.with_numbers(dict.fromkeys(PRIOR_DEVIATIONS))
@@ -70,22 +68,22 @@ def learn(
     if as_json:
         told = {"energy_error": energy and round(energy, 5), "remarks": remarks, "written": str(out)}
         why = {name: _reasons(name, flights) for name, learned in asdict(vehicle).items() if learned is None}
-        tell_json(_as_json(vehicle, judged, (before, after)) | {"not_told": why} | told)
+        print_json(_as_json(vehicle, judged, (before, after)) | {"not_told": why} | told)
         return
     columns = ["flight", "flown\ns", "estimated\ns", "with the\nvehicle s", "measured\nWh", "estimated\nWh"]
     if judged:
-        tell_table("each flight by what the others tell", columns, [_row(one) for one in judged])
-    tell(*_words(vehicle, flights))
+        print_table("each flight with the values of the others", columns, [_row(one) for one in judged])
+    print_lines(*_words(vehicle, flights))
     if before > 0:
-        tell(f"median error of a flight {after:.1%}, {before:.1%} without")
+        print_lines(f"median error of a flight {after:.1%}, {before:.1%} without")
     if energy is not None:
-        tell(f"median error of its energy {energy:.1%}")
-    tell(*notes(remarks))
-    tell(f"written: {out}")
+        print_lines(f"median error of its energy {energy:.1%}")
+    print_lines(*notes(remarks))
+    print_lines(f"written: {out}")
 
 
 def _gathered(files: list[Path], system: int | None) -> tuple[list["Evidence"], list[str], str]:
-    """All flights that can be learned from, remarks, and the firmware's version."""
+    """Return all usable flights, remarks, and the firmware's version."""
     from ipoa_mission.logs.learn.evidence import flights_in
     from ipoa_mission.mission.mission_io import read_mission
 
@@ -105,7 +103,7 @@ def _gathered(files: list[Path], system: int | None) -> tuple[list["Evidence"], 
         if usable:
             kinds.add((autopilot.name, version))
     if not flights:
-        raise LogUseless("; ".join(remarks) or "no flight to learn from")
+        raise LogUseless("; ".join(remarks) or "expected a flight to learn from")
     if len({autopilot for autopilot, _ in kinds}) > 1:
         flown = " and ".join(f"{autopilot} {version}".strip() for autopilot, version in sorted(kinds))
         raise BadInput(f"expected logs of one vehicle, not of {flown}", code="other-autopilot")
@@ -118,7 +116,7 @@ def _row(one: "LeftOut") -> tuple[str, ...]:
 
 
 def _reasons(name: str, flights: list["Evidence"]) -> list[str]:
-    """Why flights do not tell a number of the vehicle, each reason once."""
+    """Return the reasons why flights do not determine a value, each once."""
     told = (flight.witness.reasons.get(name) for flight in flights)
     return [reason for reason in dict.fromkeys(told) if reason]
 
@@ -129,7 +127,7 @@ def _words(vehicle: "LearnedVehicle", flights: list["Evidence"]) -> Iterator[str
     for name in NUMBERS:
         learned = getattr(vehicle, name)
         if learned is None:
-            yield "; ".join([f"{name}: as the simulated vehicle, or not told", *_reasons(name, flights)])
+            yield "; ".join([f"{name}: as simulated, or undetermined", *_reasons(name, flights)])
         else:
             yield f"{name}: {learned.value:.3g} ({learned.low:.3g} to {learned.high:.3g}), {UNITS[name]}"
 

@@ -1,4 +1,4 @@
-"""The verbs for a vehicle at the other end of a link: its mission, and what it does with it."""
+"""Verbs for a vehicle on a link: its mission, and orders in flight."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ipoa_mission.cli.groups import FlownByOptions, LinkOptions
-from ipoa_mission.cli.interrupting import left_behind
+from ipoa_mission.cli.interrupting import reporting_interrupt
 from ipoa_mission.cli.options import (
     AutopilotOption,
     FileArgument,
@@ -16,7 +16,7 @@ from ipoa_mission.cli.options import (
     LinkOption,
     UnmeasuredVersionOption,
 )
-from ipoa_mission.cli.output import notes, progress_bar, tell, tell_json
+from ipoa_mission.cli.output import notes, print_json, print_lines, progress_bar
 from ipoa_mission.cli.overwriting import expect_free
 from ipoa_mission.cli.vehicles import connect_to, stages_shown, states_firmware
 from ipoa_mission.errors import WrongSuffix
@@ -34,10 +34,10 @@ def upload(
     unmeasured_version: UnmeasuredVersionOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Put a mission on a vehicle, read it back and compare every item; fence and rally points go with it.
+    """Put a mission, its fence and rally points on a vehicle, read them back and compare every item.
 
-    First it is checked as this vehicle's firmware would meet it, and the vehicle's home is held against the mission's;
-    then its parameters against those that the mission was made for (NAME.params).
+    It is first checked for this vehicle's firmware, and the vehicle's home and parameters are compared with the
+    mission's (NAME.params).
 
     Example: `ipoa-mission upload campus.plan --link udpin:127.0.0.1:14550`
     """
@@ -59,7 +59,7 @@ def upload(
     counts = {"items": len(mission.items), "fence": len(mission.fence), "rally": len(mission.rally)}
     words = [f"{_counted(counts)} on {_name(vehicle)}, read back and equal", *notes(remarks)]
     about = counts | {"remarks": list(remarks), "written": on_link.written(usual)}
-    _tell(as_json, vehicle, about, words)
+    _report(as_json, vehicle, about, words)
 
 
 def download(
@@ -80,7 +80,7 @@ def download(
     expect_free([file], force, ask=not as_json)
     usual = file.with_name(f"{file.stem}-download.tlog")
     with (
-        left_behind("nothing was written"),
+        reporting_interrupt("nothing was written"),
         connect_to(link, on_link, usual, reading=True) as vehicle,
         progress_bar("download") as show,
     ):
@@ -88,48 +88,48 @@ def download(
     remarks, log = write_mission(mission, file), on_link.written(usual)
     counts = {"items": len(mission.items), "fence": len(mission.fence), "rally": len(mission.rally)}
     words = [f"{len(mission.items)} items written to {file}", *notes(remarks)]
-    _tell(as_json, vehicle, counts | {"written": [str(file), *log], "remarks": list(remarks)}, words, log)
+    _report(as_json, vehicle, counts | {"written": [str(file), *log], "remarks": list(remarks)}, words, log)
 
 
 def clear(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> None:
-    """Have a vehicle forget its mission, fence and rally points.
+    """Delete a vehicle's mission, fence and rally points.
 
     Example: `ipoa-mission clear --link udpin:127.0.0.1:14550`
     """
     from ipoa_mission.link.messages import MissionType
 
     with (
-        left_behind("the vehicle may have forgotten some of its lists", hint="the same command goes on"),
+        reporting_interrupt("some of the vehicle's lists may be deleted", hint="repeat the command"),
         connect_to(link, on_link, None) as vehicle,
     ):
         vehicle.clear(MissionType.ALL)
     about = {"cleared": ["mission", "fence", "rally"], "written": on_link.written(None)}
-    _tell(as_json, vehicle, about, [f"{_name(vehicle)} has no mission, fence or rally points now"])
+    _report(as_json, vehicle, about, [f"{_name(vehicle)} has no mission, fence or rally points now"])
 
 
 def set_current(
-    item: Annotated[int, typer.Argument(metavar="N", min=1, help="The item to go on with, as `show` numbers it.")],
+    item: Annotated[int, typer.Argument(metavar="N", min=1, help="The next item, as `show` numbers it.")],
     link: LinkOption,
     on_link: LinkOptions,
     as_json: JsonOption = False,
 ) -> None:
-    """Have a vehicle go on with another item of its mission; one that flies no mission has it as its next.
+    """Set the current item of a vehicle's mission, in flight or on the ground.
 
     Items are numbered as in a file, where home is 0 and the first item is 1.
 
     Example: `ipoa-mission set-current 4 --link udpin:127.0.0.1:14550`
     """
-    with connect_to(link, on_link, None) as vehicle, left_behind("the vehicle may go on with either item"):
+    with connect_to(link, on_link, None) as vehicle, reporting_interrupt("the vehicle may continue with either item"):
         vehicle.set_current(item - 1)
     state = vehicle.state
     goes_on = bool(state.armed) and vehicle.mode == vehicle.autopilot.modes.name(vehicle.autopilot.modes.mission)
     about = {"current": item, "goes_on": goes_on, "mode": vehicle.mode, "armed": state.armed}
-    words = f"{_name(vehicle)} goes on with item {item}" if goes_on else f"item {item} is the next one; {state}"
-    _tell(as_json, vehicle, about | {"written": on_link.written(None)}, [words])
+    words = f"{_name(vehicle)} continues with item {item}" if goes_on else f"item {item} is the next one; {state}"
+    _report(as_json, vehicle, about | {"written": on_link.written(None)}, [words])
 
 
 def pause(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> None:
-    """Have a flying vehicle stop and hold its place; `resume` or `rtl` ends that.
+    """Order a flying vehicle to hold its position; `resume` or `rtl` ends the hold.
 
     Example: `ipoa-mission pause --link udpin:127.0.0.1:14550`
     """
@@ -137,7 +137,7 @@ def pause(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -
 
 
 def resume(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> None:
-    """Have a flying vehicle go on with its mission where it left it.
+    """Order a flying vehicle to continue its mission at the interrupted item.
 
     Example: `ipoa-mission resume --link udpin:127.0.0.1:14550`
     """
@@ -145,7 +145,7 @@ def resume(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) 
 
 
 def rtl(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> None:
-    """Have a flying vehicle come home and land, as its own parameters say: no obstacle is known to it on that way.
+    """Order a flying vehicle to return and land by its own parameters, which know no obstacles.
 
     Example: `ipoa-mission rtl --link udpin:127.0.0.1:14550`
     """
@@ -154,10 +154,10 @@ def rtl(link: LinkOption, on_link: LinkOptions, as_json: JsonOption = False) -> 
 
 def scan(
     link: LinkOption,
-    seconds: Annotated[float, typer.Option("--seconds", metavar="S", min=0.1, help="How long to listen.")] = 3.0,
+    seconds: Annotated[float, typer.Option("--seconds", metavar="S", min=0.1, help="Time to listen [s].")] = 3.0,
     as_json: JsonOption = False,
 ) -> None:
-    """Name the autopilots that are heard on a link, and what they are: plane, multicopter, rover; which version.
+    """List the autopilots heard on a link: class of vehicle and version.
 
     Example: `ipoa-mission scan --link udpin:127.0.0.1:14550`
     """
@@ -182,22 +182,21 @@ def scan(
             for one in found
         ]
     if not rows:
-        words = f"nobody is heard within {seconds:g} s"
-        raise NoAnswer(words, hint="is the autopilot running, and does it send there?", code="not-heard", place=link)
+        words = f"no autopilot heard within {seconds:g} s"
+        raise NoAnswer(words, hint="check that the autopilot runs and sends to this link", code="not-heard", place=link)
     if as_json:
-        tell_json(rows)
+        print_json(rows)
     else:
-        tell(*(_in_words(row) for row in rows))
+        print_lines(*(_in_words(row) for row in rows))
 
 
 def _order(
     link: str, on_link: LinkOptions, as_json: bool, verb: str, done: str, order: "Callable[[Vehicle], None]"
 ) -> None:
-    """Give a flying vehicle an order, and say what it does now."""
-    with connect_to(link, on_link, None) as vehicle, left_behind("the vehicle may have heard it"):
+    with connect_to(link, on_link, None) as vehicle, reporting_interrupt("the vehicle may have received the order"):
         order(vehicle)
     about = {"does": done, "mode": vehicle.mode, "written": on_link.written(None)}
-    _tell(as_json, vehicle, about, [f"{_name(vehicle)} {done}, in {vehicle.mode}"])
+    _report(as_json, vehicle, about, [f"{_name(vehicle)} {done}, in {vehicle.mode}"])
 
 
 def _counted(counts: dict[str, int]) -> str:
@@ -213,21 +212,21 @@ def _name(vehicle: "Vehicle") -> str:
     return f"vehicle {vehicle.system} ({vehicle.autopilot}{f' {version}' if version else ''})"
 
 
-def _tell(
+def _report(
     as_json: bool, vehicle: "Vehicle", about: dict[str, Any], words: list[str], log: list[str] | None = None
 ) -> None:
-    """What became of it: to machines with the vehicle, or in words and the files written (`log`, where not all are)."""
+    """Print the result, as JSON with the vehicle, or in words with the files written (`log`: some of them)."""
     if as_json:
         version = vehicle.version_heard
         who = {"system": vehicle.system, "autopilot": str(vehicle.autopilot)}
-        tell_json(who | {"firmware_version": str(version) if version else None} | about)
+        print_json(who | {"firmware_version": str(version) if version else None} | about)
     else:
-        tell(*words, *(f"written: {path}" for path in (about["written"] if log is None else log)))
+        print_lines(*words, *(f"written: {path}" for path in (about["written"] if log is None else log)))
 
 
 def _in_words(row: Mapping[str, object]) -> str:
     armed = ", armed" if row["armed"] else ""
-    contested = ", and another vehicle with the same system id" if row["contested"] else ""
-    other = "" if row["flown"] else ": nothing is changed on it"
+    contested = ", and another vehicle has the same system id" if row["contested"] else ""
+    other = "" if row["flown"] else ": nothing was changed on it"
     version = f" {row['firmware_version']}" if row["firmware_version"] else ""
     return f"system {row['system']}: {row['kind']}{version}{armed}{contested}{other}"

@@ -1,4 +1,4 @@
-"""What the command line was given to fly: a scenario that was planned here, or a mission file."""
+"""Read what the command line flies: a scenario planned here, or a mission file."""
 
 import logging
 from dataclasses import dataclass, field
@@ -9,7 +9,7 @@ from ipoa_mission.checks.check import check
 from ipoa_mission.checks.positions import refuse_unsound
 from ipoa_mission.checks.unsafe import refuse_errors
 from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
-from ipoa_mission.cli.interrupting import left_behind
+from ipoa_mission.cli.interrupting import reporting_interrupt
 from ipoa_mission.cli.output import progress_bar
 from ipoa_mission.cli.reading import read_given
 from ipoa_mission.flight.flight import Flight, plan_flight, plan_for_batteries
@@ -28,10 +28,9 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Job:
-    """A mission ready to fly; `remarks` are what its user should know, `flight` is where it was planned here.
+    """A mission ready to fly; `remarks` are for the user, `flight` is its plan if planned here.
 
-    `begun` is the forecast where it begins with another item than the first; `reserves` becomes what its battery had in
-    flight.
+    `begun` is the forecast from another item than the first; `reserves` records the battery in flight.
     """
 
     name: str
@@ -43,20 +42,19 @@ class Job:
 
     @property
     def mission(self) -> Mission:
-        """What is flown."""
         return self.forecast.mission
 
     @property
     def estimate(self) -> Estimate:
-        """How long that takes, from the item with which it begins."""
+        """Return the estimate from the item with which the flight begins."""
         return (self.begun or self.forecast).estimate
 
 
 def read_job(source: Path, flown_by: FlownByOptions, autopilot: Autopilot | None = None) -> Job:
-    """A job from a mission file; `autopilot` flies it where nobody says another.
+    """Read a job from a mission file; `autopilot` is the default.
 
     Raises:
-        BadInput: the file is wrong.
+        BadInput: the file is not valid.
         Unsafe: the mission fails a check.
     """
     given = read_given(source, flown_by, autopilot)
@@ -70,24 +68,22 @@ def read_job(source: Path, flown_by: FlownByOptions, autopilot: Autopilot | None
 
 
 def planned(flight: Flight) -> Job:
-    """The job of a flight that was planned here."""
     return Job(flight.name, flight.forecast, flight.remarks, flight)
 
 
 def plan(scenario: Scenario, seed: int, wind: Wind | None = None) -> Flight:
-    """`plan_flight` with a bar that shows how far it is."""
-    with left_behind("nothing was written"), progress_bar("planning") as show:
+    """Run `plan_flight` with a progress bar."""
+    with reporting_interrupt("nothing was written"), progress_bar("planning") as show:
         return plan_flight(scenario, wind=wind, seed=seed, progress=show)
 
 
 def plan_parts(scenario: Scenario, seed: int, wind: Wind | None = None) -> tuple[Flight, tuple[Forecast, ...]]:
-    """`plan_for_batteries` with the same bar."""
-    with left_behind("nothing was written"), progress_bar("planning") as show:
+    """Run `plan_for_batteries` with a progress bar."""
+    with reporting_interrupt("nothing was written"), progress_bar("planning") as show:
         return plan_for_batteries(scenario, wind=wind, seed=seed, progress=show)
 
 
 def adapt_scenario(scenario: Scenario, search: SearchOptions, flown_by: FlownByOptions) -> Scenario:
-    """The scenario with what the command line says in its place."""
     optimizer, autopilot, vehicle = search.optimizer, flown_by.autopilot, flown_by.vehicle
     changes: dict[str, Any] = {}
     if optimizer is not None and optimizer != scenario.optimizer.name:

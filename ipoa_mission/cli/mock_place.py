@@ -1,4 +1,4 @@
-"""Where and in what world the built-in autopilot of `mock` stands."""
+"""Return the position and scenario of the built-in autopilot of `mock`."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,8 +14,8 @@ ZURICH = (47.397742, 8.545594, 488.0)
 
 
 @dataclass(frozen=True)
-class Stands:
-    """Who stands where, in what world."""
+class MockSetup:
+    """The autopilot, its position and its scenario."""
 
     autopilot: Autopilot
     home: Geodetic
@@ -23,13 +23,13 @@ class Stands:
     conditions: Conditions = USUAL
 
 
-def stands(
+def mock_setup(
     scenario: Path | None,
     home: tuple[float, float, float] | None,
     autopilot: Autopilot | None,
     parameters: Mapping[str, float],
-) -> Stands:
-    """What the scenario says, with what was given beside it in its place.
+) -> MockSetup:
+    """Return the scenario's values, replaced by given options.
 
     Raises:
         BadInput: naming the option or the place in the scenario.
@@ -37,13 +37,13 @@ def stands(
     if home is not None and not (-90 <= home[0] <= 90 and -180 <= home[1] <= 180):
         raise BadInput(f"expected latitude and longitude in degrees, not {home[0]} {home[1]}", place="--home")
     if scenario is None:
-        return Stands(autopilot or default_autopilot(), Geodetic(*(home or ZURICH)), parameters)
+        return MockSetup(autopilot or default_autopilot(), Geodetic(*(home or ZURICH)), parameters)
     if home is not None:
-        raise OptionConflict("expected no --scenario beside it, which says where its home is", place="--home")
+        raise OptionConflict("expected without --scenario, which defines home", place="--home")
     world = read_scenario(scenario)
     flies = autopilot or world.vehicle.autopilot
     own = world.vehicle if flies is world.vehicle.autopilot else None
     values = flies.book.overridden(world.vehicle.parameters, parameters) if own else parameters
     about = (own.learned, own.version) if own else ()
     conditions = Conditions(world.wind.air(), world.ground, *about)
-    return Stands(flies, world.home.geodetic(), values, conditions)
+    return MockSetup(flies, world.home.geodetic(), values, conditions)

@@ -1,4 +1,4 @@
-"""`mock`: the built-in autopilot behind a port, for any ground station."""
+"""`mock`: run the built-in autopilot on a port, for any ground station."""
 
 from dataclasses import dataclass, replace
 from typing import Annotated
@@ -18,39 +18,39 @@ from ipoa_mission.cli.options import (
     link_option,
     read_parameter_options,
 )
-from ipoa_mission.cli.output import tell, tell_json
+from ipoa_mission.cli.output import print_json, print_lines
 from ipoa_mission.vehicles.autopilot import Autopilot
 
 
 @dataclass
-class StandsOptions:
-    """Who stands where, in what world."""
+class MockOptions:
+    """Options of the autopilot, its position and its scenario."""
 
     autopilot: Annotated[
-        Autopilot | None, autopilot_option(help="Whom to answer as; left out, the scenario's, or px4.")
+        Autopilot | None, autopilot_option(help="Autopilot to simulate; default: the scenario's, or px4.")
     ] = None
     scenario: ScenarioOption = None
     home: Annotated[
         tuple[float, float, float] | None,
-        typer.Option("--home", metavar="LAT LON ALT", help="Where it stands: degrees, and metres AMSL."),
+        typer.Option("--home", metavar="LAT LON ALT", help="Its position: degrees, and metres AMSL."),
     ] = None
     firmware_version: Annotated[
         str | None,
-        typer.Option("--firmware-version", metavar="X.Y", help="Of which version; left out, the newest measured one."),
+        typer.Option("--firmware-version", metavar="X.Y", help="Firmware version; default: the newest measured one."),
     ] = None
     param: ParameterOption = None
     param_file: ParameterFileOption = None
     nak_at: Annotated[
         int | None,
         bad_link_option(
-            "--nak-at", metavar="N", min=0, help="Refuse item N as it is sent: from 0, which on ArduPilot is home."
+            "--nak-at", metavar="N", min=0, help="Refuse item N of the protocol: from 0, which on ArduPilot is home."
         ),
     ] = None
 
 
 def mock(
     worse: FaultOptions,
-    one: StandsOptions,
+    one: MockOptions,
     link: Annotated[
         str, link_option("--link", metavar="URL", help="udpin or udpout, tcpin; loopback unless you name another host.")
     ] = "udpin:127.0.0.1:14540",
@@ -59,20 +59,20 @@ def mock(
     ] = 1.0,
     system: SystemOption = None,
     key: KeyOption = None,
-    seed: Annotated[int, bad_link_option("--seed", metavar="N", min=0, help="Same seed, same losses.")] = 0,
+    seed: Annotated[int, bad_link_option("--seed", metavar="N", min=0, help="Seed of the losses.")] = 0,
     as_json: JsonOption = False,
 ) -> None:
-    """Be an autopilot: answer and fly as PX4 or as ArduPilot until Ctrl-C, for any ground station.
+    """Simulate an autopilot: answer and fly as PX4 or ArduPilot until Ctrl-C, for any ground station.
 
-    However fast it is, it goes at real speed while a list is under way or it stands armed, and says no more than 2000
-    messages a second, which a busy ground station still reads.
+    While a list is transferred or it waits armed, it runs at real speed. It sends at most 2000 messages a second, the
+    limit of a busy ground station.
 
-    With `--json` one line says who is where, before anybody is answered.
+    With `--json` one line gives its address before the first answer.
 
     Example: `ipoa-mission mock --scenario campus --link tcpin:127.0.0.1:5760 --speedup 10`
     """
     from ipoa_mission.cli.key_option import signer_of
-    from ipoa_mission.cli.mock_place import stands
+    from ipoa_mission.cli.mock_place import mock_setup
     from ipoa_mission.link.address import parse_address
     from ipoa_mission.simulator.built_in_autopilot import BuiltInAutopilot as Mock
     from ipoa_mission.simulator.mock_server import serve
@@ -81,7 +81,7 @@ def mock(
 
     address = parse_address(link)
     given = read_parameter_options(one.param, one.param_file)
-    there = stands(one.scenario, one.home, one.autopilot, given)
+    there = mock_setup(one.scenario, one.home, one.autopilot, given)
     expect_own(there.parameters, there.autopilot)
     if one.firmware_version is not None:
         named = there.autopilot.tables.expect(Version.parsed(one.firmware_version))
@@ -103,12 +103,12 @@ def mock(
     }
     is_told = False
 
-    def tell_once() -> bool:
+    def print_once() -> bool:
         nonlocal is_told
         if not is_told and as_json:
-            tell_json(about, indent=None)
+            print_json(about, indent=None)
         elif not is_told:
-            tell(f"{there.autopilot} {version} at {address}, {speedup:g} times as fast as real; Ctrl-C ends it")
+            print_lines(f"{there.autopilot} {version} at {address}, {speedup:g} times as fast as real; Ctrl-C ends it")
         is_told = True
         return False
 
@@ -128,7 +128,7 @@ def mock(
             system or 1,
             seed,
             signer,
-            until=tell_once,  # first asked when the link is open
+            until=print_once,  # called first when the link is open
         )
     except KeyboardInterrupt:
         return

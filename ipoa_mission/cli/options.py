@@ -1,4 +1,4 @@
-"""Options that several verbs share, each said once."""
+"""Define options that several verbs share."""
 
 import math
 from enum import StrEnum
@@ -17,35 +17,33 @@ from ipoa_mission.vehicles.parameters import SINGLE_MAX
 if TYPE_CHECKING:
     from ipoa_mission.wind import Wind
 
-#: Scenarios that are packed with the program, to be planned by their name.
+#: Packed scenarios, planned by their names.
 NAMES = ("campus",)
-ANYWAY = "Do it although a check fails: mission, home, firmware, class of vehicle, another vehicle with its id."
-#: Options that `--help` gathers under a heading.
+ANYWAY = "Continue although a check fails: mission, home, firmware, class of vehicle, another vehicle with its id."
+#: Headings of options in `--help`.
 link_option = partial(typer.Option, rich_help_panel="The link")
-bad_link_option = partial(typer.Option, rich_help_panel="A worse link to the built-in autopilot, to see what happens")
+bad_link_option = partial(typer.Option, rich_help_panel="Faults of the link to the built-in autopilot")
 
 
 class Backend(StrEnum):
-    """Who speaks MAVLink for us."""
-
     BUILTIN = "builtin"
     MAVSDK = "mavsdk"
 
 
 def optimizers_like(beginning: str) -> list[str]:
-    """The optimizers whose names begin so, for a shell that completes."""
+    """Return optimizers by the beginning of their names, for completion in a shell."""
     from ipoa_mission.optimize.registry import optimizer_names
 
     return [name for name in optimizer_names() if name.startswith(beginning)]
 
 
 def or_packed(path: Path) -> Path:
-    """The file that was named; where there is none and the name is one of `NAMES`, the scenario of that name."""
+    """Return the named file; if it does not exist, the packed scenario of that name in `NAMES`."""
     return packed(f"{path}.toml") if str(path) in NAMES and not path.exists() else path
 
 
 def expect_scenario(path: Path) -> Path:
-    """The scenario's file, or one that is packed; BadInput for a mission file."""
+    """Return the path of a scenario, or of a packed one; raise BadInput for a mission file."""
     if path.suffix.lower() in MISSIONS:
         words = "expected a scenario (.toml), not a mission"
         raise WrongSuffix(words, hint=f"fly takes missions: ipoa-mission fly {quote(str(path))}", place=path)
@@ -61,10 +59,9 @@ def expect_mission(path: Path) -> Path:
 
 
 def expect_world_of(endings: bool, scenario: Path | None) -> None:
-    """Raise BadInput where endings are asked for without a scenario."""
     if endings and scenario is None:
         words = "expected with --scenario"
-        raise OptionConflict(words, hint="what an ending keeps depends on what stands there", place="--endings")
+        raise OptionConflict(words, hint="the clearance of an ending depends on the obstacles", place="--endings")
 
 
 ScenarioOrNone: TypeAlias = Annotated[
@@ -72,7 +69,7 @@ ScenarioOrNone: TypeAlias = Annotated[
     typer.Argument(
         metavar="[SCENARIO]",
         callback=lambda path: None if path is None else expect_scenario(path),
-        help="Scenario file (TOML), or `campus`; with --survey it may be left out.",
+        help="Scenario file (TOML), or `campus`; optional with --survey.",
     ),
 ]
 FileArgument: TypeAlias = Annotated[
@@ -84,61 +81,58 @@ ScenarioOption: TypeAlias = Annotated[
         "--scenario",
         metavar="SCENARIO",
         callback=lambda path: None if path is None else or_packed(path),
-        help="The world it flies in: terrain, obstacles, wind, and the vehicle's parameters.",
+        help="Scenario of the flight: terrain, obstacles, wind, and the vehicle's parameters.",
     ),
 ]
 IgnoreOption: TypeAlias = Annotated[
     list[str] | None,
-    typer.Option(
-        "--ignore", metavar="CODE", help="Leave out the findings of a code; not those of a crash. Repeatable."
-    ),
+    typer.Option("--ignore", metavar="CODE", help="Ignore findings of this code, except those of a crash. Repeatable."),
 ]
 EndingsOption: TypeAlias = Annotated[
-    bool, typer.Option("--endings", help="What RTL, LAND and the like would do from every second of the flight.")
+    bool, typer.Option("--endings", help="Forecast RTL, LAND and other contingencies from every second of the flight.")
 ]
 ForceOption: TypeAlias = Annotated[
-    bool, typer.Option("--force", metavar="", help="Write over files that are there, also those not written by a plan.")
+    bool, typer.Option("--force", metavar="", help="Overwrite existing files, also those not written by a plan.")
 ]
 OutOption: TypeAlias = Annotated[
-    Path, typer.Option("--out", metavar="DIR", help="Folder for the files; made if absent.")
+    Path, typer.Option("--out", metavar="DIR", help="Folder for the files, created if absent.")
 ]
 SeedOption: TypeAlias = Annotated[int, typer.Option("--seed", metavar="N", min=0, help="Same seed, same bytes.")]
 
 
 def autopilot_called(name: str) -> Autopilot:
-    """The autopilot of a name on the command line."""
     try:
         return autopilot_named(name)
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
 
 
-#: How an option that names an autopilot is read.
+#: Parser of options that name an autopilot.
 autopilot_option = partial(
     typer.Option, "--autopilot", parser=autopilot_called, metavar="|".join(one.name for one in registered())
 )
 AutopilotOption: TypeAlias = Annotated[
     Autopilot | None,
-    autopilot_option(help="Firmware that flies it; left out, what the file says (.waypoints: by its items)."),
+    autopilot_option(help="Firmware; default: the file's (.waypoints: by its items)."),
 ]
 FirmwareVersionOption: TypeAlias = Annotated[
     str | None,
     typer.Option(
         "--firmware-version",
         metavar="X.Y",
-        help="Version of the firmware, like 1.17; left out, the newest that was measured, on a link the vehicle's own.",
+        help="Firmware version, like 1.17; default: the newest measured one, on a link the vehicle's.",
     ),
 ]
 UnmeasuredVersionOption: TypeAlias = Annotated[
     bool,
     typer.Option(
-        "--unmeasured-version", metavar="", help="Go on although flights of the firmware's version were not measured."
+        "--unmeasured-version", metavar="", help="Continue although the firmware's version was not measured in flights."
     ),
 ]
 ParameterOption: TypeAlias = Annotated[
     list[str] | None,
     typer.Option(
-        "--param", metavar="NAME=VALUE", help="A parameter that the autopilot has, not its default. Repeatable."
+        "--param", metavar="NAME=VALUE", help="A parameter of the autopilot that is not its default. Repeatable."
     ),
 ]
 ParameterFileOption: TypeAlias = Annotated[
@@ -150,11 +144,11 @@ LinkOption: TypeAlias = Annotated[
 ]
 SystemOption: TypeAlias = Annotated[
     int | None,
-    link_option("--system", metavar="N", min=1, max=255, help="The vehicle's system id, if there are several."),
+    link_option("--system", metavar="N", min=1, max=255, help="System id of the vehicle, if there are several."),
 ]
 LogSystemOption: TypeAlias = Annotated[
     int | None,
-    typer.Option("--system", metavar="N", min=1, max=255, help="The vehicle's system id, in a .tlog of several."),
+    typer.Option("--system", metavar="N", min=1, max=255, help="System id of the vehicle, in a .tlog of several."),
 ]
 KeyOption: TypeAlias = Annotated[
     Path | None,
@@ -174,10 +168,10 @@ JsonOption: TypeAlias = Annotated[
 
 
 def read_wind_option(given: str | None) -> "Wind | None":
-    """The wind as it was given: a speed [m/s], an @, and the direction that it comes from [deg]; None: none was.
+    """Return the given wind: a speed [m/s], an @, and the direction that it comes from [deg]; None if absent.
 
     Raises:
-        BadInput: what is not such a pair of numbers.
+        BadInput: it is not such a pair of numbers.
     """
     from ipoa_mission.wind import Wind
 
@@ -189,16 +183,16 @@ def read_wind_option(given: str | None) -> "Wind | None":
         if not (0 <= speed < math.inf and abs(from_deg) <= 360):
             raise ValueError
     except ValueError:
-        words = "expected a speed in m/s and where it blows from, in degrees up to 360, like 6@270"
+        words = "expected a speed [m/s] and the direction it comes from [deg, to 360], like 6@270"
         raise BadInput(words, place=f"--wind {given}") from None
     return Wind(speed, from_deg)
 
 
 def read_parameter_options(given: list[str] | None, file: Path | None) -> dict[str, float]:
-    """Parameters from a file, then those named on the command line, which win.
+    """Return parameters from a file, overridden by those on the command line.
 
     Raises:
-        BadInput: what is not NAME=VALUE with a known name and a number, or a file that cannot be read.
+        BadInput: not NAME=VALUE with a known name and a number, or a file that cannot be read.
     """
     parameters: dict[str, float] = {}
     if file is not None:
@@ -221,7 +215,7 @@ def read_parameter_options(given: list[str] | None, file: Path | None) -> dict[s
 
 
 def _known(name: str) -> str:
-    """The same name, if either firmware's models know it: what else a vehicle has may come from a file."""
+    """Return the name if a firmware's model uses it; other parameters may come from a file."""
     from ipoa_mission.vehicles.known_parameters import expect_known
 
     try:

@@ -1,4 +1,4 @@
-"""What the command line says: results to standard output, progress and errors to standard error."""
+"""Print results to standard output, progress and errors to standard error."""
 
 import io
 import json
@@ -12,56 +12,53 @@ from typing import Any, Literal
 
 from ipoa_mission.errors import MissionError
 
-#: What a terminal obeys instead of showing it: control characters, and those that turn the direction of writing.
+#: Control characters of terminals, and those that change the direction of writing.
 _OBEYED = re.compile(r"[\x00-\x08\x0a-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ufeff]")
-OFF_A_TERMINAL = 80  # characters
-BETWEEN = 2  # columns of a table lie so many characters apart
-FOLDED = 7  # and no column of words is narrower
+DEFAULT_WIDTH = 80  # characters
+COLUMN_GAP = 2  # between columns of a table [characters]
+LEAST_COLUMN = 7  # least width of a column of words [characters]
 
 
 def shown(text: str) -> str:
-    """Words of a vehicle or a file for one line of a terminal: what would be obeyed stands there as in `\\x1b`."""
+    """Return words of a vehicle or a file for one line of a terminal, with control characters as in `\\x1b`."""
     return _OBEYED.sub(lambda match: ascii(match[0])[1:-1], text)
 
 
-def tell(*lines: str) -> None:
-    """Print lines of a result."""
+def print_lines(*lines: str) -> None:
     for line in lines:
         _say(shown(line))
 
 
 def _say(text: str) -> None:
-    """Print to standard output; whoever reads it may have had enough (`| head`), and the job goes on without."""
+    """Print to standard output; ignore a reader that has closed it (`| head`)."""
     try:
         print(text, flush=True)
     except BrokenPipeError:
-        fall_silent()
+        discard_output()
 
 
 def notes(remarks: Iterable[str]) -> list[str]:
-    """Lines for what the user should know beside the result."""
     return [f"note: {remark}" for remark in remarks]
 
 
-def tell_json(result: Any, indent: int | None = 2) -> None:
-    """Print a result for machines at once: JSON, without NaN; without an indent it is one line."""
+def print_json(result: Any, indent: int | None = 2) -> None:
+    """Print a result as JSON at once, without NaN; without an indent in one line."""
     text = json.dumps(result, indent=indent, ensure_ascii=False, allow_nan=False)
     lines = (_OBEYED.sub(lambda match: json.dumps(match[0])[1:-1], line) for line in text.split("\n"))
     _say("\n".join(lines))
 
 
 def picked(thing: object, *names: str, digits: int = 3) -> dict[str, Any]:
-    """Some of a thing's values for machines, by their names; those that are no whole numbers rounded."""
+    """Return some attributes of a thing by their names, with floats rounded."""
     values = {name: getattr(thing, name) for name in names}
     return {name: round(value, digits) if isinstance(value, float) else value for name, value in values.items()}
 
 
-def tell_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...]]) -> None:
-    """Print a table: words to the left, numbers to the right; a column in which nothing stands is left out.
+def print_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...]]) -> None:
+    """Print a table: words to the left, numbers to the right; omit empty columns.
 
-    A line break in the name of a column puts its unit below it. A table is as wide as its terminal, elsewhere as
-    COLUMNS says, or 80 characters; what does not fit is folded, names after all other words. It is wider where only
-    that keeps its numbers whole: a figure that was cut reads as another one.
+    A line break in a column's name puts its unit below it. The width is that of the terminal, else COLUMNS, else 80
+    characters. Long words are folded, names last. Numbers are never cut: the table becomes wider instead.
     """
     from rich.align import Align
     from rich.box import SIMPLE_HEAD
@@ -77,7 +74,7 @@ def tell_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...
     console = Console(highlight=False, width=None if sys.stdout.isatty() else _columns())
 
     def needed(whole: set[int]) -> int:
-        return BETWEEN * len(kept) + sum(widths[i] if i in whole else min(widths[i], FOLDED) for i in kept)
+        return COLUMN_GAP * len(kept) + sum(widths[i] if i in whole else min(widths[i], LEAST_COLUMN) for i in kept)
 
     whole = numbers | names if needed(numbers | names) <= console.width else numbers
     console.width = max(console.width, needed(whole))
@@ -90,23 +87,22 @@ def tell_table(title: str, columns: Sequence[str], rows: Sequence[tuple[str, ...
         table.add_row(*(Text(shown(row[i])) for i in kept))
     with console.capture() as drawn:
         console.print(table)
-    tell(title, "")
+    print_lines(title, "")
     _say("\n".join(line.rstrip() for line in drawn.get().splitlines()) + "\n")
 
 
 def _columns() -> int:
-    """How wide output may be that is no terminal's."""
     told = os.environ.get("COLUMNS", "")
-    return int(told) if told.isdecimal() and 20 <= int(told) <= 1000 else OFF_A_TERMINAL
+    return int(told) if told.isdecimal() and 20 <= int(told) <= 1000 else DEFAULT_WIDTH
 
 
-def tell_error(error: MissionError, as_json: bool = False) -> None:
-    """Print what went wrong, and what may help: to standard error, and for machines as JSON to standard output too."""
+def print_error(error: MissionError, as_json: bool = False) -> None:
+    """Print an error and its hint to standard error, and as JSON to standard output too."""
     from rich.console import Console
     from rich.markup import escape
 
     if as_json:
-        tell_json(error.as_json())
+        print_json(error.as_json())
     console = Console(stderr=True, highlight=False, soft_wrap=True, emoji=False)
     for line in str(error).split("\n"):
         console.print(f"[bold red]error:[/] {escape(shown(line))}")
@@ -117,27 +113,27 @@ def tell_error(error: MissionError, as_json: bool = False) -> None:
         console.print(f"written: {escape(shown(file))}")
 
 
-def speak_anywhere() -> None:
-    """Let no name in a file end a command: what a stream's encoding does not have is written as `?`."""
+def replace_unencodable() -> None:
+    """Replace characters outside a stream's encoding by `?`, so that no name in a file raises an error."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
 
 
-def fall_silent() -> None:
-    """Say nothing more on standard output, where there was no space for it: Python would try again as it ends."""
+def discard_output() -> None:
+    """Stop writing to a full standard output: Python would try again at exit."""
     with Path(os.devnull).open("w") as nowhere:
         os.dup2(nowhere.fileno(), sys.stdout.fileno())
 
 
 @contextmanager
 def progress_bar(words: str, is_waiting: bool = False) -> Iterator[Callable[[float, str], None]]:
-    """A bar with the time gone and left on a terminal; elsewhere nothing, or once what is waited for (`is_waiting`).
+    """Show a progress bar on a terminal; elsewhere nothing, or its first words once (`is_waiting`).
 
-    Call what you get with the fraction done and a few words.
+    Call the result with the fraction done and a few words.
     """
     if not sys.stderr.isatty():
-        yield _said_once(words) if is_waiting else lambda _fraction, _words: None
+        yield _print_once(words) if is_waiting else lambda _fraction, _words: None
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -149,8 +145,8 @@ def progress_bar(words: str, is_waiting: bool = False) -> Iterator[Callable[[flo
         yield lambda fraction, words: progress.update(task, completed=fraction, words=shown(words))
 
 
-def _said_once(task: str) -> Callable[[float, str], None]:
-    """A progress callback that says its first words, and nothing after them."""
+def _print_once(task: str) -> Callable[[float, str], None]:
+    """Return a progress callback that prints only its first words."""
     said: list[str] = []
 
     def say(_fraction: float, words: str) -> None:

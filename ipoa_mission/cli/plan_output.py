@@ -1,9 +1,9 @@
-"""What a planned flight is like, in a few lines for a human."""
+"""Print a planned flight in a few lines."""
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from ipoa_mission.cli.output import tell, tell_table
+from ipoa_mission.cli.output import print_lines, print_table
 from ipoa_mission.flight.flight import Flight
 from ipoa_mission.forecast.deviation.promise import Promise
 from ipoa_mission.forecast.energy_budget import budget_of
@@ -12,17 +12,18 @@ from ipoa_mission.mission.waypoints_file import TAKEOFF_LOST
 from ipoa_mission.wind import Wind
 
 
-def tell_planned(flight: Flight, written: Iterable[Path], routes: bool = False) -> None:
-    """Print what was planned and the files written; with `routes`, the other ways to choose waypoints."""
-    tell(*describe(flight))
+def print_planned(flight: Flight, written: Iterable[Path], routes: bool = False) -> None:
+    """Print the plan and the files written; with `routes`, the other modes of choosing waypoints."""
+    print_lines(*describe(flight))
     if routes:
-        tell_table("start to goal, by how the waypoints are chosen (* is written)", ROUTE_COLUMNS, route_rows(flight))
-        tell(*ROUTE_WORDS, *([PASSED_OVER] if any(option.passed_over for option in flight.options) else []), "")
-    tell(f"written: {', '.join(map(str, written))}", TAKEOFF_LOST)
+        print_table(
+            "start to goal, by the mode of choosing waypoints (* is written)", ROUTE_COLUMNS, route_rows(flight)
+        )
+        print_lines(*ROUTE_WORDS, *([PASSED_OVER] if any(option.passed_over for option in flight.options) else []), "")
+    print_lines(f"written: {', '.join(map(str, written))}", TAKEOFF_LOST)
 
 
 def describe(flight: Flight) -> list[str]:
-    """The plan in a few lines."""
     mission, estimate = flight.mission, flight.estimate
     firmware = mission.autopilot.checked_for(mission.firmware_version)
     lines = [
@@ -37,13 +38,13 @@ def describe(flight: Flight) -> list[str]:
 
 
 def wind_words(wind: Wind) -> list[str]:
-    """The wind in a line; nothing in calm air."""
+    """Return a line on the wind; nothing in calm air."""
     return [f"wind {wind}"] if wind.strongest > 0 else []
 
 
-def tell_parts(whole: Flight, parts: Sequence[Forecast], written: Iterable[Path]) -> None:
-    """Print a flight that is flown with a battery for each part."""
-    tell(*describe(whole))
+def print_parts(whole: Flight, parts: Sequence[Forecast], written: Iterable[Path]) -> None:
+    """Print a flight split into parts, with a battery for each."""
+    print_lines(*describe(whole))
     rows = []
     for number, part in enumerate(parts, 1):
         budget = budget_of(part)
@@ -51,12 +52,12 @@ def tell_parts(whole: Flight, parts: Sequence[Forecast], written: Iterable[Path]
         left = budget.left(budget.used.between)
         share, takes = "" if left is None else f"{left.likely:.0%}", str(budget.used.between)
         rows.append((str(number), str(len(part.mission.items)), f"{part.estimate.total_s:.1f}", takes, share))
-    tell_table(f"{len(parts)} flights, a battery each", ["flight", "items", "takes\ns", "takes\nWh", "left"], rows)
-    tell(f"written: {', '.join(map(str, written))}")
+    print_table(f"{len(parts)} flights, a battery each", ["flight", "items", "takes\ns", "takes\nWh", "left"], rows)
+    print_lines(f"written: {', '.join(map(str, written))}")
 
 
 def promised(promise: Promise | None) -> list[str]:
-    """The clearance that is kept, in a line; nothing where none is known."""
+    """Return a line on the least clearance; nothing if unknown."""
     kept = None if promise is None else promise.clearance
     if promise is None or kept is None:
         return []
@@ -64,17 +65,17 @@ def promised(promise: Promise | None) -> list[str]:
 
 
 ROUTE_COLUMNS = ["", "mode", "waypoints", "takes\ns", "x curve\nat limits", "off the\ncurve, m", "clear", "not written"]
-#: What the columns mean, said below the first table that has them.
+#: Legend of the columns, below the first table that has them.
 ROUTE_WORDS = (
-    "curve: the smooth path that was planned; the waypoints stand for it, and flights cut its corners",
-    "at limits: flown along the curve itself at the vehicle's limits of speed and acceleration",
-    "clear: the clearance is kept by the path that this autopilot is predicted to fly",
+    "curve: the smooth planned path; the waypoints approximate it, and flights cut its corners",
+    "at limits: time along the curve at the vehicle's limits of speed and acceleration",
+    "clear: this autopilot's predicted path keeps the clearance",
 )
-PASSED_OVER = "not written: why, though it would be quicker"
+PASSED_OVER = "not written: reason against a faster mode"
 
 
 def route_rows(flight: Flight) -> list[tuple[str, ...]]:
-    """What each way to choose waypoints would come to, quickest first; the chosen one is marked."""
+    """Return a row for each mode of choosing waypoints, fastest first; the chosen one is marked."""
     return [
         (
             "*" if option.mode == flight.scenario.route.mode else " ",

@@ -1,4 +1,4 @@
-"""`plan` and `schema`: from a scenario file to mission files."""
+"""`plan` and `schema`: write mission files from a scenario."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -7,8 +7,8 @@ import typer
 
 from ipoa_mission.cli.groups import FlownByOptions, SearchOptions
 from ipoa_mission.cli.options import ForceOption, IgnoreOption, JsonOption, OutOption, ReportOption, ScenarioOrNone
-from ipoa_mission.cli.output import tell_json
-from ipoa_mission.cli.surveying import SurveyOptions, plan_here, tell_survey, write_survey
+from ipoa_mission.cli.output import print_json
+from ipoa_mission.cli.surveying import SurveyOptions, plan_here, print_survey, write_survey
 from ipoa_mission.errors import OptionConflict
 
 if TYPE_CHECKING:
@@ -24,7 +24,8 @@ def plan(
     ignore: IgnoreOption = None,
     out: OutOption = Path(),
     split: Annotated[
-        bool, typer.Option("--split", help="If one battery is not enough, write the fewest flights: NAME-1.plan ...")
+        bool,
+        typer.Option("--split", help="Without enough battery, split into the fewest flights: NAME-1.plan ..."),
     ] = False,
     report: ReportOption = False,
     force: ForceOption = False,
@@ -32,10 +33,10 @@ def plan(
 ) -> None:
     """Plan a scenario and write its mission: NAME.plan (QGroundControl), NAME.waypoints, and NAME.json about it.
 
-    NAME is the scenario's. Files of an earlier plan are written over, unless somebody has changed them.
+    NAME is the scenario's. Unchanged files of an earlier plan are overwritten.
 
-    A scenario with a [survey], or `--survey AREA` with or without one, is planned as lines that see the area; where one
-    battery is not enough there are NAME-1.plan, NAME-2.plan and so on. With `--flown LOG` only what is left of it, as
+    A scenario with a [survey], or `--survey AREA` with or without one, is planned as lines that cover the area. If one
+    battery is not enough there are NAME-1.plan, NAME-2.plan and so on. With `--flown LOG` only the rest is planned, as
     NAME-rest.
 
     Example: `ipoa-mission plan missions/campus.toml --out out --seed 7`
@@ -43,7 +44,7 @@ def plan(
     from ipoa_mission.cli.mission_source import adapt_scenario, plan_parts
     from ipoa_mission.cli.mission_source import plan as plan_it
     from ipoa_mission.cli.overwriting import expect_folder, expect_plans
-    from ipoa_mission.cli.plan_output import tell_planned
+    from ipoa_mission.cli.plan_output import print_planned
 
     expect_folder(out)
     air = flown_by.air
@@ -52,13 +53,13 @@ def plan(
         survey = plan_here(adapted, search, flown_by, surveyed.flown_logs)
         written = write_survey(survey, out, report, force, as_json)
         if as_json:
-            tell_json(survey.summary() | {"written": [str(file) for file in written]})
+            print_json(survey.summary() | {"written": [str(file) for file in written]})
         else:
-            tell_survey(survey, written)
+            print_survey(survey, written)
         return
     if surveyed.flown:
         words = "expected a survey"
-        raise OptionConflict(words, hint="what is left of another mission: ipoa-mission fly --from N", place="--flown")
+        raise OptionConflict(words, hint="for the rest of another mission: ipoa-mission fly --from N", place="--flown")
     expect_plans(out, [adapted.name], report, force, ask=not as_json)
     flight, parts = plan_parts(adapted, search.seed, air) if split else (plan_it(adapted, search.seed, air), ())
     if len(parts) > 1:
@@ -69,32 +70,32 @@ def plan(
         files.append(out / f"{flight.name}.html")
         flight.report(files[-1])
     if as_json:
-        tell_json(flight.summary() | {"written": [str(file) for file in files]})
+        print_json(flight.summary() | {"written": [str(file) for file in files]})
     else:
-        tell_planned(flight, files, search.routes)
+        print_planned(flight, files, search.routes)
 
 
 def _write_parts(
     whole: "Flight", parts: "tuple[Forecast, ...]", out: Path, report: bool, force: bool, as_json: bool
 ) -> None:
     from ipoa_mission.cli.overwriting import expect_free
-    from ipoa_mission.cli.plan_output import tell_parts
+    from ipoa_mission.cli.plan_output import print_parts
     from ipoa_mission.flight.flight_parts import names_of, parts_summary, write_parts
 
     expect_free(names_of(whole, parts, out), force, ask=not as_json)
     summary = parts_summary(whole, parts)
     files = write_parts(whole, parts, summary, out, report)
     if as_json:
-        tell_json(summary | {"written": [str(file) for file in files]})
+        print_json(summary | {"written": [str(file) for file in files]})
     else:
-        tell_parts(whole, parts, files)
+        print_parts(whole, parts, files)
 
 
 def schema() -> None:
-    """Print the JSON Schema of scenario files, so that editors complete and check them.
+    """Print the JSON Schema of scenario files, for completion and checks in editors.
 
     Example: `ipoa-mission schema > scenario.schema.json`
     """
     from ipoa_mission.scenario import Scenario
 
-    tell_json(Scenario.model_json_schema())
+    print_json(Scenario.model_json_schema())

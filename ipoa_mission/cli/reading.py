@@ -1,4 +1,4 @@
-"""Mission files that a user named, and what is said of the parameters that lie beside them."""
+"""Read mission files and the parameters next to them."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -20,15 +20,15 @@ if TYPE_CHECKING:
     from ipoa_mission.vehicles.version import Version
     from ipoa_mission.wind import Wind
 
-SHOWN = 6  # parameters in a note
+SHOWN = 6  # parameters in a remark
 
 
 @dataclass(frozen=True)
 class Given:
-    """The mission in a file, on the vehicle that the command line asks for; `findings` are those of reading the file.
+    """The mission in a file, on the requested vehicle; `findings` are those of reading the file.
 
-    `remarks` are for the user: the findings in words, and which parameters lay beside it. `planned`: the NAME.json that
-    was written with it, and the time that this has for it [s].
+    `remarks` are for the user: the findings in words, and parameters found next to it. `planned`: the NAME.json written
+    with it, and its time [s].
     """
 
     mission: Mission
@@ -40,10 +40,10 @@ class Given:
 def read_given(
     file: Path, flown_by: FlownByOptions, autopilot: Autopilot | None = None, world: "Scenario | None" = None
 ) -> Given:
-    """Read a mission file; `autopilot` flies it where nobody says another, a `.waypoints` also that of the `world`.
+    """Read a mission file; `autopilot` is the default, for `.waypoints` also that of the `world`.
 
     Raises:
-        BadInput: the file, or the parameters beside it, cannot be read, or there is no such version.
+        BadInput: the file or the parameters next to it cannot be read, or the version is unknown.
     """
     has_version = _with_version(flown_by.version)
     otherwise = None if world is None else world.vehicle.autopilot
@@ -69,10 +69,10 @@ def read_given(
 
 
 def taken_for(read: "MissionFile") -> tuple[str, ...]:
-    """For which autopilot a file was read that does not say it, and why."""
+    """Return for which autopilot a file without one was read, and why."""
     if read.taken_for is None:
         return ()
-    why = read.taken_for or "nothing says for which autopilot it is"
+    why = read.taken_for or "the file does not name its autopilot"
     return (f"read for {read.mission.autopilot}: {why}; --autopilot {'|'.join(map(str, registered()))} decides",)
 
 
@@ -81,10 +81,10 @@ def _with_version(version: "Version | None") -> list[Autopilot]:
 
 
 def read_world(file: Path | None, wind: "Wind | None" = None, ignore: Iterable[str] | None = None) -> "Scenario | None":
-    """The scenario that a user named, if there is one, in the wind that was given, without the findings of some codes.
+    """Return the named scenario in the given wind, without findings of the ignored codes.
 
     Raises:
-        BadInput: the file cannot be read; a code may not be ignored.
+        BadInput: the file cannot be read, or a code may not be ignored.
     """
     if file is None:
         return None

@@ -1,4 +1,4 @@
-"""A flight on a vehicle at the other end of a link, from the first look at it until it stands again."""
+"""Fly on a vehicle on a link, from the first contact to landing."""
 
 import logging
 import math
@@ -10,7 +10,7 @@ from functools import partial
 from ipoa_mission.checks.start import begun_at
 from ipoa_mission.cli.flown_output import flight_as_json
 from ipoa_mission.cli.mission_source import Job
-from ipoa_mission.cli.output import tell_json
+from ipoa_mission.cli.output import print_json
 from ipoa_mission.cli.vehicles import stages_shown
 from ipoa_mission.errors import MissionError
 from ipoa_mission.flight.procedure import Stage, fly_forecast
@@ -25,14 +25,14 @@ from ipoa_mission.link.vehicle import Vehicle
 from ipoa_mission.progress import Progress
 from ipoa_mission.world.frame import Geodetic
 
-EVERY_S = 1.0  # what an ending would do is told no more often
+FORECAST_INTERVAL_S = 1.0  # least interval of contingency forecasts
 
 log = logging.getLogger(__name__)
 
 
 @contextmanager
 def no_flight_yet() -> Iterator[None]:
-    """What fails in here tells machines that no flight was flown, and of the vehicle what is known, if anything."""
+    """Report errors in here as no flight, with the known data of the vehicle, for JSON output."""
     try:
         yield
     except MissionError as error:
@@ -40,16 +40,16 @@ def no_flight_yet() -> Iterator[None]:
         raise
 
 
-def tell_deviation(deviation: Deviation) -> None:
-    """Print a deviation as it is found, for machines: one line."""
-    tell_json({"event": "deviation"} | deviation.as_json(), indent=None)
+def print_deviation(deviation: Deviation) -> None:
+    """Print a deviation at once, as one line of JSON."""
+    print_json({"event": "deviation"} | deviation.as_json(), indent=None)
 
 
 def begun_with(job: Job, item: int) -> Job:
-    """The job as it is estimated where it begins with another item than the first, as a file numbers them.
+    """Return the job with its estimate from another item than the first, as a file numbers them.
 
     Raises:
-        BadInput: there is no such item, or it has no place to fly to.
+        BadInput: there is no such item, or it has no position.
     """
     begun = Forecast(begun_at(job.mission, item - 1), wind=job.forecast.wind)
     if item == 1:
@@ -61,12 +61,12 @@ def begun_with(job: Job, item: int) -> Job:
 def fly_there(
     job: Job, vehicle: Vehicle, first: int, anyway: bool, set_params: bool
 ) -> tuple[tuple[str, ...], FlightRecord]:
-    """Upload, make ready, arm, start, watch: what the user should know, and the flight.
+    """Upload, prepare, arm, start, watch; return remarks and the flight.
 
-    `first`: index of the item to begin with; `anyway`: what fails a check is said, and done all the same.
+    `first`: index of the first item; `anyway`: report failed checks and continue.
 
     Raises:
-        MissionError: it did not come to a flight, or the vehicle was lost; `known` has what is known of it.
+        MissionError: there was no flight, or the vehicle was lost; `known` has its data.
     """
     remarks, known = list[str](), list[ContingenciesNow]()
     try:
@@ -91,10 +91,9 @@ def fly_there(
 def _with_endings(
     forecast: Forecast, vehicle: Vehicle, reserves: list[ReserveNow], known: list[ContingenciesNow], stage: Stage
 ) -> Iterator[Progress]:
-    """The stages as they are shown, and in flight what an ending would do at this second, as far as it is known.
+    """Yield stages with a display, and in flight the contingencies of this second if known.
 
-    What is known of the reserve is kept. The endings are worked out before the arming: a vehicle in the air may miss
-    its ground station meanwhile.
+    Record the reserve. Contingencies are computed before arming: a vehicle in the air may miss its ground station.
     """
     with stages_shown(stage) as show:
         told = None
@@ -102,15 +101,15 @@ def _with_endings(
             with suppress(MissionError):
                 known.append(ContingenciesNow(forecast))
         if stage is Stage.FLIGHT and known:
-            told = ToldEndings(forecast, vehicle, show, reserves, known[0])
+            told = ContingencyDisplay(forecast, vehicle, show, reserves, known[0])
             vehicle.overhearing = told.hear
         yield show if told is None else told.show
 
 
-class ToldEndings:
-    """Tells what an ending would do now, as the vehicle says where it is, and what is left of the reserve.
+class ContingencyDisplay:
+    """Show contingencies by the vehicle's position, and its battery's reserve.
 
-    Of the reserve a line is added to `reserves` whenever another share of the battery is left.
+    Append to `reserves` whenever the battery's share changes.
     """
 
     def __init__(
@@ -126,13 +125,11 @@ class ToldEndings:
         self._budget, self._reserves = budget_of(forecast), reserves
 
     def show(self, share: float, words: str) -> None:
-        """What is done."""
         self._done, self._words = share, words
         self._show(share, words)
 
     def hear(self, message: Message) -> None:
-        """One message of the vehicle."""
-        if not isinstance(message, Position) or message.time_s - self._told_s < EVERY_S:
+        if not isinstance(message, Position) or message.time_s - self._told_s < FORECAST_INTERVAL_S:
             return
         path = self._vehicle.record().path
         if path and self._vehicle.state.in_air:
@@ -143,7 +140,7 @@ class ToldEndings:
             self._show(self._done, f"{self._words}  now: {'; '.join(words)}")
 
     def _reserve(self, time: float) -> Iterator[ReserveNow]:
-        """Where a battery is known, and the vehicle says what is left of it."""
+        """Yield the reserve if the battery is modeled and reported."""
         left = self._vehicle.state.battery_left
         if self._budget is None or left is None:
             return

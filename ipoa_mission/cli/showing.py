@@ -1,4 +1,4 @@
-"""`show` and `export`: a mission file for the eye, and for other programs."""
+"""`show` and `export`: print a mission file, or write it for other programs."""
 
 import sys
 from enum import StrEnum
@@ -18,7 +18,7 @@ from ipoa_mission.cli.options import (
     ScenarioOption,
     expect_world_of,
 )
-from ipoa_mission.cli.output import notes, tell, tell_json, tell_table
+from ipoa_mission.cli.output import notes, print_json, print_lines, print_table
 from ipoa_mission.errors import OptionConflict, WrongSuffix
 from ipoa_mission.files import MISSIONS, write_atomically
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 class Form(StrEnum):
-    """What a mission can be exported as: suffixes without their dots."""
+    """Formats of an export: suffixes without their dots."""
 
     KML = "kml"
     GEOJSON = "geojson"
@@ -45,7 +45,7 @@ def show(
     endings: EndingsOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Print a mission as a table: leg length, heading, climb, height, and when each item will be done.
+    """Print a mission as a table: leg length, heading, climb, height, and the time of each item.
 
     Example: `ipoa-mission show campus.plan --scenario missions/campus.toml`
     """
@@ -63,7 +63,7 @@ def show(
     expect_world_of(endings, scenario)
     if endings and as_json:
         words = "expected without --json"
-        raise OptionConflict(words, hint="`check --endings --json` has them for machines", place="--endings")
+        raise OptionConflict(words, hint="use `check --endings --json`", place="--endings")
     world = read_world(scenario, flown_by.air, ignore)
     refuse_unread(world)
     given = read_given(file, flown_by, world=world)
@@ -73,7 +73,7 @@ def show(
     done: dict[int, float] = {}
     flown = 0.0
     energy: list[str] = []
-    total = "no time: a position or height makes no sense"
+    total = "no time: a position or height is not valid"
     try:
         if not errors:
             timed = forecast.estimate
@@ -91,7 +91,7 @@ def show(
     if as_json:
         items = [asdict(row) | {"done_s": done.get(row.seq)} for row in rows]
         unread = unread_as_json(() if world is None else world.unread)
-        tell_json({"items": items, "remarks": list(remarks), "unread": unread})
+        print_json({"items": items, "remarks": list(remarks), "unread": unread})
         return
     cells = [
         (
@@ -110,23 +110,25 @@ def show(
     home = mission.home
     place = f"home {home.latitude_deg:.6f}, {home.longitude_deg:.6f}, {home.altitude:.1f} m AMSL"
     columns = ["item", "command", "leg\nm", "hdg\n°", "climb\nm", "height\nm", "above\nground", "done\ns", ""]
-    tell(f"{file.name}: {len(mission.items)} items for {mission.autopilot.checked_for(mission.firmware_version)}")
-    tell_table(place, columns, cells)
+    print_lines(
+        f"{file.name}: {len(mission.items)} items for {mission.autopilot.checked_for(mission.firmware_version)}"
+    )
+    print_table(place, columns, cells)
     climbs = [row.climb for row in rows if row.climb is not None]
     up, down = sum(c for c in climbs if c > 0), -sum(c for c in climbs if c < 0)
     length = sum(row.length for row in rows if row.length is not None)
     once = f"{length:.0f} m, {up:.0f} m up and {down:.0f} m down"
     if any(row.passes > 1 for row in rows):
-        tell("passes: the leg is that of the first, the time that of the last")
+        print_lines("passes: leg of the first pass, time of the last")
         once += " once through" + (f", {flown:.0f} m flown in all passes" if flown else "")
-    tell(f"{once}; {total}", *energy, *notes(remarks))
+    print_lines(f"{once}; {total}", *energy, *notes(remarks))
     if endings:
         from ipoa_mission.checks.sound import promise_if_flown
-        from ipoa_mission.cli.contingency_output import tell_strip
+        from ipoa_mission.cli.contingency_output import print_strip
         from ipoa_mission.forecast.contingencies import Contingencies
 
         is_flown = promise_if_flown(forecast) is not None
-        tell_strip(forecast.cached(Contingencies).all_rows(timed=False) if is_flown else ())
+        print_strip(forecast.cached(Contingencies).all_rows(timed=False) if is_flown else ())
 
 
 def _detail(row: "Row") -> str:
@@ -144,9 +146,7 @@ def export(
             help="File to write: .kml, .geojson, .csv, .gpx, .plan or .waypoints; - is standard output.",
         ),
     ],
-    form: Annotated[
-        Form | None, typer.Option("--format", help="What to write; left out, what TARGET's suffix says.")
-    ] = None,
+    form: Annotated[Form | None, typer.Option("--format", help="Format; default: by TARGET's suffix.")] = None,
     scenario: ScenarioOption = None,
     autopilot: AutopilotOption = None,
     force: ForceOption = False,
@@ -184,6 +184,6 @@ def export(
     else:
         write_atomically(target, forecast_text(forecast, suffix, target.stem))
     if as_json:
-        tell_json({"written": str(target), "remarks": list(remarks)})
+        print_json({"written": str(target), "remarks": list(remarks)})
     else:
-        tell(f"written: {target}", *notes(remarks))
+        print_lines(f"written: {target}", *notes(remarks))

@@ -1,4 +1,4 @@
-"""Surveys on the command line: an area without a scenario, what was planned in a few lines, and its flights flown."""
+"""Plan surveys on the command line, with or without a scenario, print them, and fly them."""
 
 import sys
 from dataclasses import dataclass
@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from ipoa_mission.cli.groups import FlownByOptions, LinkOptions, SearchOptions
-from ipoa_mission.cli.interrupting import left_behind
+from ipoa_mission.cli.interrupting import reporting_interrupt
 from ipoa_mission.cli.options import LogSystemOption
-from ipoa_mission.cli.output import notes, progress_bar, tell, tell_json, tell_table
+from ipoa_mission.cli.output import notes, print_json, print_lines, print_table, progress_bar
 from ipoa_mission.errors import NothingThere, OptionConflict
 
 if TYPE_CHECKING:
@@ -21,37 +21,35 @@ if TYPE_CHECKING:
     from ipoa_mission.link.logbook import FlightRecord
     from ipoa_mission.scenario import Scenario
 
-#: The job as it was flown, what the user should know of it, and the flight.
+#: The job as flown, remarks, and the flight.
 Piloted: TypeAlias = "tuple[Job, tuple[str, ...], FlightRecord]"
-#: Flies a job, every frame into a log.
+#: Flies a job, with every frame in a log.
 Pilot: TypeAlias = "Callable[[Job, Path], Piloted]"
-OPTION = Path("--survey")  # what errors of a survey without a scenario begin with
+OPTION = Path("--survey")  # beginning of errors about a survey without a scenario
 EACH_BY_ITSELF = "plan first, then fly the flights one by one: ipoa-mission fly NAME-1.plan --link URL"
 
 
 @dataclass
 class SurveyOptions:
-    """A survey in place of a flight to a goal."""
+    """Options of a survey, which replaces start, goal and via."""
 
     survey: Annotated[
         Path | None,
-        typer.Option("--survey", metavar="AREA", help="See all of the area in this map (GeoJSON, KML) from above."),
+        typer.Option("--survey", metavar="AREA", help="Survey the whole area in this map (GeoJSON, KML)."),
     ] = None
     height: Annotated[
         float | None, typer.Option("--height", metavar="M", help="Height of a survey above the ground; default 40.")
     ] = None
     line_spacing: Annotated[
         float | None,
-        typer.Option("--line-spacing", metavar="M", help="Between its lines; default 20, or by the camera."),
+        typer.Option("--line-spacing", metavar="M", help="Spacing of the lines; default 20, or by the camera."),
     ] = None
     width: Annotated[
-        float | None, typer.Option("--width", metavar="M", help="Of a corridor along the lines in this map.")
+        float | None, typer.Option("--width", metavar="M", help="Width of a corridor along the lines in this map.")
     ] = None
-    camera: Annotated[
-        str | None, typer.Option("--camera", metavar="NAME", help="The camera that takes its photos.")
-    ] = None
+    camera: Annotated[str | None, typer.Option("--camera", metavar="NAME", help="Camera of the photos.")] = None
     gsd: Annotated[
-        float | None, typer.Option("--gsd", metavar="CM", help="How wide a pixel may be, in place of the height.")
+        float | None, typer.Option("--gsd", metavar="CM", help="Ground sampling distance, instead of the height.")
     ] = None
 
     flown: Annotated[
@@ -59,25 +57,24 @@ class SurveyOptions:
         typer.Option(
             "--flown",
             metavar="LOG",
-            help="What is in this log (.tlog, .bin, .ulg) of the survey was flown; plan the rest.",
+            help="Plan the rest of the survey, without the part flown in this log (.tlog, .bin, .ulg).",
         ),
     ] = None
     system: LogSystemOption = None
 
     @property
     def flown_logs(self) -> "list[Flown]":
-        """The logs of what was flown, of the vehicle that was asked for."""
         if self.system is not None and not self.flown:
             raise OptionConflict("expected with --flown", place="--system")
         return [log if self.system is None else (log, self.system) for log in self.flown or ()]
 
     def scenario(self, path: Path | None) -> "Scenario":
-        """The scenario in a file, with this survey in place of start, goal and via if one is asked for.
+        """Return the scenario in a file, with this survey instead of start, goal and via.
 
-        Without a file home is where the area's outline begins.
+        Without a file, home is at the beginning of the area's outline.
 
         Raises:
-            BadInput: there is neither scenario nor survey, or what is wrong in them.
+            BadInput: there is neither scenario nor survey, or one of them is not valid.
         """
         from ipoa_mission.scenario.scenario_file import read_scenario, read_table, scenario_of
         from ipoa_mission.scenario.survey_section import USUAL_HEIGHT, USUAL_SPACING
@@ -112,7 +109,7 @@ class SurveyOptions:
 
 
 def _home_beside(area: Path) -> dict[str, float]:
-    """Home where the outline of the first area of a map begins."""
+    """Return home at the beginning of the outline of a map's first area."""
     import shapely
 
     from ipoa_mission.maps.map_reader import read_features
@@ -122,33 +119,31 @@ def _home_beside(area: Path) -> dict[str, float]:
         if len(corners):
             longitude, latitude = corners[0].tolist()
             return {"latitude_deg": latitude, "longitude_deg": longitude}
-    raise NothingThere("expected an area, but there is none", place=area)
+    raise NothingThere("expected an area, not a map without one", place=area)
 
 
 def plan_here(
     scenario: "Scenario", search: SearchOptions, flown_by: FlownByOptions, flown: "Sequence[Flown]" = ()
 ) -> "Survey":
-    """`plan_survey` with a bar that shows how far it is; of what is `flown` by these logs, the rest."""
+    """Run `plan_survey` with a progress bar, without the parts `flown`."""
     from ipoa_mission.flight.survey_flight import plan_survey
 
-    with left_behind("nothing was written"), progress_bar("planning") as show:
+    with reporting_interrupt("nothing was written"), progress_bar("planning") as show:
         return plan_survey(scenario=scenario, wind=flown_by.air, seed=search.seed, flown=flown, progress=show)
 
 
-def tell_survey(survey: "Survey", written: list[Path]) -> None:
-    """Print what is seen, by which flights, and the files written."""
+def print_survey(survey: "Survey", written: list[Path]) -> None:
     lines, rows = describe(survey), flight_rows(survey)
     columns = ["file", "lines", "photos", "items", "takes\ns", "energy\nWh", "least clearance\nm"]
     if survey.plan.section.starts is not None:
         columns.append("from")
         rows = [(*row, begins_at(survey, n)) for n, row in enumerate(rows)]
-    tell(*lines)
-    tell_table("flights, in this order", columns, rows)
-    tell(f"written: {', '.join(map(str, written))}")
+    print_lines(*lines)
+    print_table("flights, in this order", columns, rows)
+    print_lines(f"written: {', '.join(map(str, written))}")
 
 
 def describe(survey: "Survey") -> list[str]:
-    """The survey in a few lines."""
     from ipoa_mission.centimeters import down
     from ipoa_mission.cli.plan_output import wind_words
 
@@ -178,7 +173,6 @@ def describe(survey: "Survey") -> list[str]:
 
 
 def flight_rows(survey: "Survey") -> list[tuple[str, ...]]:
-    """What each flight comes to."""
     from ipoa_mission.centimeters import down
 
     rows = list[tuple[str, ...]]()
@@ -200,12 +194,11 @@ def flight_rows(survey: "Survey") -> list[tuple[str, ...]]:
 
 
 def begins_at(survey: "Survey", n: int) -> str:
-    """Where a flight of a survey takes off and lands."""
     return "east {:.0f}, north {:.0f} m".format(*survey.plan.begin_of(survey.plan.flights[n]))
 
 
 def write_survey(survey: "Survey", out: Path, report: bool, force: bool, as_json: bool) -> list[Path]:
-    """Write its files, unless others are in the way; raises BadInput where they are."""
+    """Write the survey's files; raise BadInput if others exist."""
     from ipoa_mission.cli.overwriting import expect_plans
 
     expect_plans(out, dict.fromkeys((survey.name, *survey.names)), report, force, ask=not as_json)
@@ -213,7 +206,7 @@ def write_survey(survey: "Survey", out: Path, report: bool, force: bool, as_json
 
 
 def expect_flyable(survey: "Survey", log: Path | None, is_on_link: bool) -> None:
-    """That each flight has a log of its own, and on a vehicle that somebody can say when its battery is changed.
+    """Check that each flight has its own log, and on a link that a terminal can confirm a battery change.
 
     Raises:
         BadInput: there are several flights, and one log for all, or no terminal.
@@ -221,9 +214,9 @@ def expect_flyable(survey: "Survey", log: Path | None, is_on_link: bool) -> None
     count = len(survey.names)
     if count > 1 and log is not None:
         message = f"expected one flight, not {count}"
-        raise OptionConflict(message, hint="left out, each has a log beside its mission", place="--log")
+        raise OptionConflict(message, hint="without --log each has a log next to its mission", place="--log")
     if count > 1 and is_on_link and not sys.stdin.isatty():
-        words = f"--link: expected a terminal, on which to be told that the battery is changed between {count} flights"
+        words = f"--link: expected a terminal to confirm battery changes between {count} flights"
         raise OptionConflict(words, hint=EACH_BY_ITSELF)
 
 
@@ -236,22 +229,21 @@ def fly_survey(
     as_json: bool,
     link: str | None,
 ) -> None:
-    """Have its flights flown, one after the other; `written` are its files.
+    """Fly the survey's flights in sequence; `written` are its files.
 
-    On a vehicle the next one begins when the user says that a charged battery is in. One that was not flown to its end
-    is the last.
+    On a vehicle the user confirms a charged battery before the next flight. Stop after the first incomplete flight.
     """
-    from ipoa_mission.cli.flown_output import flight_as_json, next_steps, tell_flown
+    from ipoa_mission.cli.flown_output import flight_as_json, next_steps, print_flown
     from ipoa_mission.cli.mission_source import Job
     from ipoa_mission.files import unused
     from ipoa_mission.flight.survey_flight import survey_as_json
 
     if not as_json:
-        tell_survey(survey, written)
+        print_survey(survey, written)
     flown, why, hint = list[dict[str, Any]](), "", ""
     for n, (name, forecast) in enumerate(zip(survey.names, survey.flights, strict=True)):
         if n and link is not None and not _is_ready(survey, n):
-            why = f"{name} and what follows it was not flown"
+            why = f"{name} and later flights were not flown"
             break
         usual = out / f"{name}.tlog"
         own = on_link.log or (usual if link is None else unused(usual))
@@ -261,7 +253,7 @@ def fly_survey(
             told = flight_as_json(job.estimate, record, job.reserves)
             flown.append(told | {"file": f"{name}.plan", **({"remarks": list(remarks)} if remarks else {})})
         else:
-            tell_flown(job, record, remarks, [own])
+            print_flown(job, record, remarks, [own])
         if record.failure:
             why = f"{name} was not flown {'to its end' if record.why_not else 'as forecast'}: {record.failure}"
             hint = next_steps(link, on_link.system, record)
@@ -270,17 +262,19 @@ def fly_survey(
         about = survey_as_json(survey.plan, survey.names)
         error = {key: words for key, words in (("error", why), ("hint", hint)) if words}
         result = {"survey": about, "flown": flown, "written": [str(path) for path in written], **error}
-        tell_json(result, indent=None if any("deviations" in one for one in flown) else 2)  # events are lines before it
+        print_json(result, indent=None if any("deviations" in one for one in flown) else 2)  # below lines of events
     if why:
         print(f"error: {why}", *([f"hint: {hint}"] if hint else []), sep="\n", file=sys.stderr)
         raise typer.Exit(1)
 
 
 def _is_ready(survey: "Survey", n: int) -> bool:
-    """Asks whether the vehicle is ready for a flight that follows another; it may have to be brought elsewhere."""
+    """Ask whether the vehicle is ready for the next flight; it may have to be moved."""
     landed, following, home = survey.names[n - 1], survey.names[n], survey.flights[n].mission.home
     is_elsewhere = home != survey.flights[n - 1].mission.home
     place = f"{begins_at(survey, n)} ({home.latitude_deg:.6f}, {home.longitude_deg:.6f})"
-    stands = f"the vehicle stands at {place}, " if is_elsewhere else ""
-    words = f"{landed} has landed. Fly {following}: {stands}a charged battery is in, and nobody is near the propellers?"
+    position = f"the vehicle is at {place}, " if is_elsewhere else ""
+    words = (
+        f"{landed} has landed. Fly {following}: {position}a charged battery is in, and nobody is near the propellers?"
+    )
     return typer.confirm(words, err=True)

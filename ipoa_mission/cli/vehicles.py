@@ -1,4 +1,4 @@
-"""A vehicle at the other end of a link, for the verbs that need one: found, checked against, written to."""
+"""Find a vehicle on a link, check it, and write to it."""
 
 import logging
 import time
@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ipoa_mission.cli.groups import LinkOptions
-from ipoa_mission.cli.interrupting import left_behind
+from ipoa_mission.cli.interrupting import reporting_interrupt
 from ipoa_mission.cli.options import Backend
 from ipoa_mission.cli.output import progress_bar
 from ipoa_mission.cli.overwriting import expect_log
@@ -26,16 +26,16 @@ log = logging.getLogger(__name__)
 
 @contextmanager
 def connect_to(link: str, options: LinkOptions, usual_log: Path | None, reading: bool = False) -> "Iterator[Vehicle]":
-    """With the vehicle on a link. Every frame goes to its log (left out: to `usual_log`), unless MAVSDK speaks for us.
+    """Connect to the vehicle on a link; log every frame (default: `usual_log`), unless MAVSDK is used.
 
-    `reading`: nothing is changed on it, and so any vehicle will do. What breaks off in here names the log that is kept.
+    `reading`: nothing is written, so any vehicle is accepted. Errors in here name the log.
 
-    After `options.timeout` seconds from now it is given up, unless it is in flight by then.
+    After `options.timeout` seconds raise, unless it is in flight by then.
 
     Raises:
         BadInput: no such link, a key that cannot be read, or what MAVSDK cannot do (to sign, to keep a record or time).
-        LinkDown, NoAnswer: there is nobody.
-        NotFlown: it is no multicopter of ArduPilot or PX4.
+        LinkDown, NoAnswer: no vehicle answers.
+        NotFlown: it is not a multicopter of ArduPilot or PX4.
     """
     logs = {file: _written_ns(file) for file in options.written(usual_log)}
     try:
@@ -48,7 +48,6 @@ def connect_to(link: str, options: LinkOptions, usual_log: Path | None, reading:
 
 
 def _written_ns(file: str) -> int | None:
-    """When it was written last, if it is there."""
     try:
         return Path(file).stat().st_mtime_ns
     except OSError:
@@ -66,10 +65,10 @@ def _vehicle_on(link: str, options: LinkOptions, usual_log: Path | None, reading
 
         if signer is not None:
             words = "the mavsdk backend does not sign"
-            raise BadInput(words, hint="leave out --backend", code="backend-cannot", place="--key")
+            raise BadInput(words, hint="omit --backend", code="backend-cannot", place="--key")
         if timeout is not None:
             words = "MAVSDK has timers of its own"
-            raise BadInput(words, hint="leave out --backend", code="backend-cannot", place="--timeout")
+            raise BadInput(words, hint="omit --backend", code="backend-cannot", place="--timeout")
         vehicle: Vehicle = connect_by_mavsdk(link, options.system, options.log, reading)
     else:
         from ipoa_mission.link.connect import connect
@@ -92,7 +91,7 @@ def _vehicle_on(link: str, options: LinkOptions, usual_log: Path | None, reading
 
 @contextmanager
 def stages_shown(stage: "Stage") -> "Iterator[Progress]":
-    """A bar where a stage takes its time; and, where one is broken off, what that has left behind."""
+    """Show a bar for a stage; on an interruption report the state left behind."""
     from ipoa_mission.flight.procedure import Stage
     from ipoa_mission.progress import silent
 
@@ -102,18 +101,21 @@ def stages_shown(stage: "Stage") -> "Iterator[Progress]":
         Stage.UPLOAD: "the mission on the vehicle may be the old or the new one",
         Stage.STORED: str(Stage.STORED),
         Stage.READY: "the vehicle was not armed",
-        Stage.FLIGHT: "nobody watches, and the vehicle flies on",
+        Stage.FLIGHT: "the vehicle flies on, unwatched",
     }
     if stage is Stage.START:
-        with left_behind("see the hint", hint="look at it"), progress_bar("starting", is_waiting=True) as show:
+        with reporting_interrupt("see the hint", hint="look at it"), progress_bar("starting", is_waiting=True) as show:
             yield show
         return
     waits = stage in (Stage.POSITION, Stage.READY)
     is_long = waits or stage in (Stage.UPLOAD, Stage.FLIGHT)
-    with left_behind(left[stage]), progress_bar(stage, is_waiting=waits) if is_long else nullcontext(silent) as show:
+    with (
+        reporting_interrupt(left[stage]),
+        progress_bar(stage, is_waiting=waits) if is_long else nullcontext(silent) as show,
+    ):
         yield show
 
 
 def states_firmware(file: Path, autopilot: Autopilot | None) -> bool:
-    """Whether it is known what a mission file is for: `.waypoints` does not say, and serves whoever is there."""
+    """Return whether a mission file names its firmware; `.waypoints` does not, and fits any vehicle."""
     return autopilot is not None or file.suffix.lower() != ".waypoints"

@@ -1,37 +1,42 @@
-"""What comes before the verb: `-v` lets the package's log be heard on standard error, `--version` names the version."""
+"""Define options before the verb: `-v` logs to standard error, `--version` prints the version."""
 
 import logging
 from typing import Annotated
 
 import typer
 
-from ipoa_mission.cli.output import shown, tell
+from ipoa_mission.cli.output import print_lines, shown
 
 LEVELS = (logging.WARNING, logging.INFO, logging.DEBUG)
 
 
-def tell_version(wanted: bool) -> None:
-    """Print the version and end, if it is wanted."""
+def print_version(wanted: bool) -> None:
     if wanted:
         from importlib.metadata import version
 
-        tell(f"ipoa-mission {version('ipoa-mission')}")
+        print_lines(f"ipoa-mission {version('ipoa-mission')}")
         raise typer.Exit
 
 
 VerboseOption = Annotated[
     int,
     typer.Option(
-        "--verbose", "-v", count=True, metavar="", show_default=False, help="Log what happens; twice: all of it."
+        "--verbose",
+        "-v",
+        count=True,
+        metavar="",
+        show_default=False,
+        help="Log events; twice: all details.",
     ),
 ]
 VersionOption = Annotated[
-    bool, typer.Option("--version", metavar="", is_eager=True, callback=tell_version, help="Print the version and end.")
+    bool,
+    typer.Option("--version", metavar="", is_eager=True, callback=print_version, help="Print the version and end."),
 ]
 
 
 def before_the_verb(verbose: VerboseOption = 0, version: VersionOption = False) -> None:
-    """Plan an obstacle-free flight, write it as a QGroundControl mission, upload it, know how long it will fly.
+    """Plan an obstacle-free flight, write it as a QGroundControl mission, upload it, and forecast its time.
 
     Exit codes: 0 done, 1 not done (refused, collides, unreachable), 2 bad input, 130 stopped by Ctrl-C.
 
@@ -41,7 +46,7 @@ def before_the_verb(verbose: VerboseOption = 0, version: VersionOption = False) 
 
 
 def listen_to_log(level: int) -> None:
-    """Send what the package logs, from this level upwards, to standard error."""
+    """Send log records from this level upwards to standard error."""
     handler = logging.StreamHandler()
     detailed = "%(relativeCreated)6d ms  %(levelname)-7s %(name)s: %(message)s"
     handler.setFormatter(_Plain() if level == logging.WARNING else _Detailed(detailed))
@@ -51,14 +56,14 @@ def listen_to_log(level: int) -> None:
 
 
 class _Plain(logging.Formatter):
-    """`warning: words`, beside the `error:` and `hint:` of the command line."""
+    """Format as `warning: words`, like `error:` and `hint:` of the command line."""
 
     def format(self, record: logging.LogRecord) -> str:
         return shown(f"{record.levelname.lower()}: {record.getMessage()}")
 
 
 class _Detailed(logging.Formatter):
-    """When, where and what."""
+    """Format with time, logger and message."""
 
     def format(self, record: logging.LogRecord) -> str:
         return shown(super().format(record))

@@ -39,8 +39,8 @@ def test_a_deviation_is_a_line_of_json_the_vehicle_holds_and_the_next_steps_are_
     assert result["deviations"] == [event]
     assert (result["completed"], result["armed"], result["in_air"]) == (False, True, True)
     assert result["error"] == f"it holds, because {event['words']}"
-    assert any(remark.startswith("nobody watches the vehicle any more") for remark in result["remarks"])
-    assert result["hint"].startswith(f"`ipoa-mission resume --link {link}` goes on with its mission")
+    assert any(remark.startswith("the vehicle is no longer watched") for remark in result["remarks"])
+    assert result["hint"].startswith(f"`ipoa-mission resume --link {link}` continues its mission")
     assert f"warning: {event['words']}; hold is ordered" in ended.err
     assert f"error: {result['error']}" in ended.err
     assert f"hint: {result['hint']}" in ended.err
@@ -54,7 +54,7 @@ def test_a_survey_whose_flight_is_held_names_the_next_steps(run: Run, autopilot:
     assert ended.code == 1
     result = json.loads(ended.out.splitlines()[-1])
     assert result["error"].startswith("field was not flown to its end: it holds, because ")
-    assert result["hint"].startswith(f"`ipoa-mission resume --link {link}` goes on with its mission")
+    assert result["hint"].startswith(f"`ipoa-mission resume --link {link}` continues its mission")
     assert f"hint: {result['hint']}" in ended.err
 
 

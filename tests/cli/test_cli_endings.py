@@ -64,7 +64,7 @@ def test_a_flight_of_which_nothing_is_known_has_no_bars(run: Run, tmp_path: Path
     plan["mission"]["items"][2]["params"][4] = 95.0  # north of the pole
     (tmp_path / "far.plan").write_text(json.dumps(plan), encoding="utf-8")
     told = run(f"show far.plan --scenario {MISSIONS}/sitl.toml --endings")
-    assert told.out.endswith("endings: nothing is known of them, as of the flight\n")
+    assert told.out.endswith("endings: unknown, because the flight is unknown\n")
 
 
 @pytest.mark.parametrize(

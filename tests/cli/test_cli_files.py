@@ -83,7 +83,7 @@ def test_wind_comes_from_where_it_is_said_to_and_costs_time(run: Run, mission: s
     for wrong in ("6", "6@", "@270", "-6@270", "six@270", "nan@0"):
         ended = run(f"estimate {mission} --wind={wrong}")
         assert (ended.code, ended.out) == (2, "")
-        assert f"--wind {wrong}: expected a speed in m/s and where it blows from" in ended.err
+        assert f"--wind {wrong}: expected a speed [m/s] and the direction it comes from" in ended.err
 
 
 def test_the_table_of_an_estimate_fits_a_hundred_columns(
@@ -182,7 +182,7 @@ def test_a_waypoints_file_is_not_taken_for_an_autopilot_in_silence(run: Run, tmp
     rows += ["2\t0\t3\t16\t0\t0\t0\t0\t47.061\t9.71\t20\t1", "3\t0\t3\t20\t0\t0\t0\t0\t0\t0\t0\t1"]
     plain.write_text("\n".join(["QGC WPL 110", *rows]) + "\n")
     for verb in ("check", "estimate", "show"):
-        assert "nothing says for which autopilot it is; --autopilot px4|ardupilot decides" in run(f"{verb} {plain}").out
+        assert "the file does not name its autopilot; --autopilot px4|ardupilot decides" in run(f"{verb} {plain}").out
     assert "nothing says for which" not in run(f"check {plain} --autopilot px4").out
     assert "for ardupilot 4.6" in run(f"check {plain} --firmware-version 4.6").out
     assert "for px4 1.16" in run(f"check {plain} --firmware-version 1.16").out

@@ -109,7 +109,7 @@ def test_parameters_and_wind_change_what_every_verb_tells(run: Run) -> None:
 
 
 def test_a_wind_from_beyond_the_compass_is_refused(run: Run) -> None:
-    assert "in degrees up to 360" in run(f"show {SITL} --wind 5@720").err
+    assert "[deg, to 360]" in run(f"show {SITL} --wind 5@720").err
 
 
 @pytest.mark.parametrize("form", [*EXPORTS, ".plan", ".waypoints"])
@@ -150,7 +150,7 @@ def test_nothing_is_written_over_without_force(run: Run) -> None:
     assert {path.read_text() for path in (Path("x.kml"), Path("v.plan"), Path("p.svg"))} == {"mine"}
     assert run(f"export {SITL} x.kml --force").code == 0
     Path("same.plan").write_bytes(SITL.read_bytes())
-    assert "there is such a file already" in run("export same.plan same.plan").err
+    assert "the file exists" in run("export same.plan same.plan").err
 
 
 def test_a_plan_writes_over_a_plan_but_over_nobody_elses(run: Run, planned: Planned, tmp_path: Path) -> None:
@@ -166,10 +166,7 @@ def test_a_plan_writes_over_a_plan_but_over_nobody_elses(run: Run, planned: Plan
     for verb in ("plan", "fly"):
         ended = run(f"{verb} {MISSIONS / 'sitl.toml'} --out {tmp_path}")
         assert ended.code == 2
-        assert (
-            ended.err
-            == f"error: {tmp_path / 'sitl.plan'}: there is such a file already\nhint: --force writes over it\n"
-        )
+        assert ended.err == f"error: {tmp_path / 'sitl.plan'}: the file exists\nhint: --force overwrites it\n"
     (tmp_path / "sitl.json").write_text("{}")
     assert tmp_path / "sitl.json" in not_as_written(tmp_path, "sitl")
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission import Autopilot, Geodetic, read_mission, read_scenario
-from ipoa_mission.cli.mock_place import ZURICH, stands
+from ipoa_mission.cli.mock_place import ZURICH, mock_setup
 from ipoa_mission.mission.landing_ground import landing_height
 from ipoa_mission.world.ground import LEVEL
 from tests.refused import refuses
@@ -17,7 +17,7 @@ def test_a_mock_stands_where_the_scenario_takes_off_over_its_ground(tmp_path: Pa
     text = (MISSIONS / "campus.toml").read_text(encoding="utf-8") + "\n[wind]\nspeed = 3.0\nfrom_deg = 270.0\n"
     (tmp_path / "campus.toml").write_text(text)
     here, world = (
-        stands(tmp_path / "campus.toml", None, None, {"LAND_SPEED": 40.0}),
+        mock_setup(tmp_path / "campus.toml", None, None, {"LAND_SPEED": 40.0}),
         read_scenario(MISSIONS / "campus.toml"),
     )
     assert here.autopilot is Autopilot.ARDUPILOT
@@ -30,18 +30,18 @@ def test_a_mock_stands_where_the_scenario_takes_off_over_its_ground(tmp_path: Pa
 
 
 def test_another_autopilot_there_has_none_of_the_parameters() -> None:
-    here = stands(MISSIONS / "campus.toml", None, Autopilot.PX4, {})
+    here = mock_setup(MISSIONS / "campus.toml", None, Autopilot.PX4, {})
     assert (here.autopilot, here.parameters) == (Autopilot.PX4, {})
 
 
 def test_without_a_scenario_it_stands_in_zurich_on_level_ground() -> None:
-    here = stands(None, None, None, {})
+    here = mock_setup(None, None, None, {})
     assert (here.autopilot, here.home, here.conditions.ground) == (Autopilot.PX4, Geodetic(*ZURICH), LEVEL)
-    assert stands(None, (1.0, 2.0, 3.0), None, {}).home == Geodetic(1.0, 2.0, 3.0)
+    assert mock_setup(None, (1.0, 2.0, 3.0), None, {}).home == Geodetic(1.0, 2.0, 3.0)
 
 
 def test_what_contradicts_itself_is_bad_input() -> None:
     with refuses("option-conflict", "--home"):
-        stands(MISSIONS / "campus.toml", (1.0, 2.0, 3.0), None, {})
+        mock_setup(MISSIONS / "campus.toml", (1.0, 2.0, 3.0), None, {})
     with refuses("bad-input", "--home"):
-        stands(None, (95.0, 2.0, 3.0), None, {})
+        mock_setup(None, (95.0, 2.0, 3.0), None, {})

@@ -66,7 +66,7 @@ def test_new_and_export_tell_machines_what_they_wrote(run: Run, mission: Path) -
 
 def test_an_altitude_that_nobody_knows_is_remarked_upon(run: Run) -> None:
     words = "new first.toml --yes --answer 'home=47.3977, 8.5456' --answer 'goal=47.3987, 8.5470'"
-    assert "note: home's altitude is taken as 0 m" in run(words).out
+    assert "note: home's altitude is set to 0 m" in run(words).out
     assert "note" not in run(f"{words} --force --answer altitude=488").out
 
 
@@ -177,7 +177,7 @@ def test_a_full_disk_is_told_in_words(verb: str) -> None:
             text=True,
             check=False,
         )
-    assert (ended.returncode, ended.stderr) == (1, "error: not all could be written: No space left on device\n")
+    assert (ended.returncode, ended.stderr) == (1, "error: the output is incomplete: No space left on device\n")
 
 
 def test_names_that_look_like_markup_are_told_as_they_are(run: Run, mission: Path) -> None:
@@ -215,15 +215,15 @@ def test_ctrl_c_while_measuring_says_that_the_runs_are_kept(run: Run, monkeypatc
     monkeypatch.setattr(reproduce, "reproduce", interrupted)
     ended = run("reproduce table-3 --out kept")
     assert ended.code == 130
-    assert "the runs made so far are kept in kept" in ended.err
+    assert "finished runs are in kept" in ended.err
 
 
 @pytest.mark.parametrize(
     ("words", "told"),
     [
         ("plan {sitl} --seed -1", "Invalid value for '--seed'"),
-        ("plan {sitl} --out {file}", "file: expected a folder, but file is none"),
-        ("plan {sitl} --out {file}/deeper", "file/deeper: expected a folder, but"),
+        ("plan {sitl} --out {file}", "file: expected a folder, not file"),
+        ("plan {sitl} --out {file}/deeper", "file/deeper: expected a folder, not"),
         ("plan {typo}", "typo.toml: "),
         ("plan {file}", "file: "),
         ("fly {mission} --report", "--report: expected a scenario"),
@@ -298,9 +298,9 @@ OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u202e]")
 def test_control_characters_of_a_result_a_table_an_error_and_the_log_are_shown(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    output.tell(WICKED, "\ta tab")
-    output.tell_table(WICKED, ["words", "n"], [(WICKED, "1")])
-    output.tell_error(MissionError(f"the vehicle says {WICKED}", hint=WICKED))
+    output.print_lines(WICKED, "\ta tab")
+    output.print_table(WICKED, ["words", "n"], [(WICKED, "1")])
+    output.print_error(MissionError(f"the vehicle says {WICKED}", hint=WICKED))
     for level in (logging.WARNING, logging.DEBUG):
         listen_to_log(level)
         logging.getLogger("ipoa_mission.link").warning("%s", WICKED)
@@ -312,7 +312,7 @@ def test_control_characters_of_a_result_a_table_an_error_and_the_log_are_shown(
 
 
 def test_control_characters_in_json_are_escaped_and_read_back_the_same(capsys: pytest.CaptureFixture[str]) -> None:
-    output.tell_json({"name": WICKED, "town": "Zürich"})
+    output.print_json({"name": WICKED, "town": "Zürich"})
     said = capsys.readouterr().out
     assert not OBEYED.search(said)
     assert "Zürich" in said
@@ -353,7 +353,7 @@ def test_no_figure_of_a_table_is_cut_however_narrow_the_terminal(
 ) -> None:
     monkeypatch.setenv("COLUMNS", str(columns))
     row = ("12", "NAV_RETURN_TO_LAUNCH", "1234.5", "321", "+123.4", "6543.2", "leg of the first of three passes")
-    output.tell_table("", ["item", "command", "leg\nm", "hdg\n°", "climb\nm", "done\ns", ""], [row])
+    output.print_table("", ["item", "command", "leg\nm", "hdg\n°", "climb\nm", "done\ns", ""], [row])
     words = capsys.readouterr().out.split()
     assert set(row) - {row[1], row[-1]} <= set(words)
     assert row[1] in words or columns < 80  # a name is folded where it must be

@@ -153,7 +153,7 @@ def test_on_a_vehicle_its_next_flight_begins_when_the_battery_is_changed(
     assert [one["file"] for one in outcome["flown"]] == ["field-1.plan", "field-2.plan"]
     assert all(one["completed"] for one in outcome["flown"])
     assert "field-1 has landed. Fly field-2" in told.err
-    assert (told.code, outcome["error"]) == (1, "field-3 and what follows it was not flown")
+    assert (told.code, outcome["error"]) == (1, "field-3 and later flights were not flown")
     assert (tmp_path / "out" / "field-2.tlog").is_file()
 
 
@@ -167,7 +167,7 @@ def test_a_flight_from_another_place_waits_until_the_vehicle_is_there(
         told = run(f"fly {tmp_path}/field.toml --out {tmp_path}/out --link {link}")
     words = " ".join(told.err.split())
     assert told.code == 1
-    assert "field-1 has landed. Fly field-2: the vehicle stands at east 20, north 80 m (47.398" in words
+    assert "field-1 has landed. Fly field-2: the vehicle is at east 20, north 80 m (47.398" in words
     assert "the vehicle is 82.5 m from the mission's home, and nearer to another of the survey's start" in words
     assert "bring it to 47.398420, 8.545865" in words
     assert "survey.starts[1]: no flight begins there" in " ".join(told.out.split())

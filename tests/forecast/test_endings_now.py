@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from ipoa_mission import Forecast, read_mission, read_scenario
-from ipoa_mission.cli.real_flight import ToldEndings
+from ipoa_mission.cli.real_flight import ContingencyDisplay
 from ipoa_mission.flight.preflight import expect_charge
 from ipoa_mission.forecast.contingencies import Contingencies
 from ipoa_mission.forecast.contingencies_now import ContingenciesNow
@@ -101,7 +101,9 @@ def test_the_command_line_tells_it_beside_what_is_done(forecast: Forecast) -> No
     there = forecast.frame.geodetic(contingencies.stops().at(np.array([time]))[0][0])
     record = SimpleNamespace(path=[SimpleNamespace(time_s=time)])
     vehicle: Any = SimpleNamespace(record=lambda: record, state=SimpleNamespace(in_air=True, battery_left=None))
-    teller = ToldEndings(forecast, vehicle, lambda _, words: told.append(words), reserves, ContingenciesNow(forecast))
+    teller = ContingencyDisplay(
+        forecast, vehicle, lambda _, words: told.append(words), reserves, ContingenciesNow(forecast)
+    )
     teller.show(0.5, "item 3 of 6")
     at = (there.latitude_deg, there.longitude_deg, there.altitude, 20.0)
     for later, left in ((0.0, None), (0.4, 0.8), (1.2, 0.8), (2.4, 0.8), (3.6, 0.2)):  # by the vehicle's clock

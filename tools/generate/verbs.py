@@ -25,7 +25,7 @@ Made from the code by `python -m tools.generate.verbs`; a test holds it against 
 FLAGS = """\
 ## Flags
 
-A flag means the same in every verb that takes it; the few that stand here twice say otherwise.
+A flag means the same in every verb that takes it; the few that are listed twice differ.
 
 | flag | value | meaning | left out | verbs |
 |---|---|---|---|---|
