@@ -31,7 +31,7 @@ from ipoa_mission.forecast.energy_budget import Budget, budget_of, refusal_of
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.timing.estimate import Estimate
 from ipoa_mission.forecast.timing.qgroundcontrol import COUNTED_TERMS
-from ipoa_mission.mission.about_file import KEY
+from ipoa_mission.mission.about_file import LANDING_GROUND_KEY
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import landing_height
 from ipoa_mission.mission.waypoints_file import left_out
@@ -150,7 +150,7 @@ class Flight:
             "limits": limits_as_json(self.proof),
             "control_points": [[rounded(value) for value in point] for point in plan.curve.control],
             "items": len(self.mission.items),
-            **({} if ground is None else {KEY: ground}),
+            **({} if ground is None else {LANDING_GROUND_KEY: ground}),
             "estimate": {
                 "total_s": rounded(estimate.total_s),
                 "qgroundcontrol_s": rounded(estimate.qgroundcontrol_s),

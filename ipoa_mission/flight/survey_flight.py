@@ -18,7 +18,7 @@ from ipoa_mission.flight.flight_summary import clearance_as_json, findings_as_js
 from ipoa_mission.flight.written import as_text, write_files
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points
-from ipoa_mission.mission.about_file import KEY
+from ipoa_mission.mission.about_file import LANDING_GROUND_KEY
 from ipoa_mission.mission.landing_ground import landing_height
 from ipoa_mission.mission.waypoints_file import left_out
 from ipoa_mission.progress import Progress, silent
@@ -213,7 +213,7 @@ def _about(forecast: Forecast) -> dict[str, Any]:
         "firmware": mission.autopilot.facts(mission.firmware_version),
         "clearance": clearance_as_json(forecast.promise),
         "items": len(mission.items),
-        **({} if ground is None else {KEY: ground}),
+        **({} if ground is None else {LANDING_GROUND_KEY: ground}),
         "estimate": {
             "total_s": rounded(forecast.estimate.total_s),
             "qgroundcontrol_s": rounded(forecast.estimate.qgroundcontrol_s),

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.link.wire import GLOBAL_FRAMES, INT32_MAX, LOCAL_SCALE, coordinate, degrees
-from ipoa_mission.mission.commands import SAME_FRAME, Frame
+from ipoa_mission.mission.commands import PLAIN_FRAME, Frame
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import Difference, compare
 from ipoa_mission.vehicles.autopilot import Autopilot
@@ -44,7 +44,7 @@ _SCALES = np.full(256, float(LOCAL_SCALE))
 _SCALES[[*GLOBAL_FRAMES]] = 1e7
 _SCALES[Frame.MISSION] = 1.0
 _PLAIN = np.arange(256, dtype=np.uint8)
-_PLAIN[[*SAME_FRAME]] = [*SAME_FRAME.values()]
+_PLAIN[[*PLAIN_FRAME]] = [*PLAIN_FRAME.values()]
 
 #: Items by seq, as a PAYLOAD array of shape (items,).
 Payloads = NDArray[np.void]

@@ -10,11 +10,11 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.link import messages as m
 from ipoa_mission.link import telemetry_wire
 from ipoa_mission.link.message_layout import Fields, MessageLayout, Value, plain
-from ipoa_mission.mission.commands import SAME_FRAME, Frame
+from ipoa_mission.mission.commands import PLAIN_FRAME, Frame
 from ipoa_mission.mission.items import Item
 
 INT32_MAX = 2**31 - 1  # "no value" in an integer coordinate
-GLOBAL_FRAMES = frozenset({*SAME_FRAME, *SAME_FRAME.values()})
+GLOBAL_FRAMES = frozenset({*PLAIN_FRAME, *PLAIN_FRAME.values()})
 LOCAL_SCALE = 10_000  # metres in local frames
 
 

@@ -9,8 +9,8 @@ from typing import NamedTuple
 from ipoa_mission.errors import BadInput
 from ipoa_mission.files import read_text
 
-KEY = "landing_ground_m"
-LARGEST = 10_000_000  # bytes; a larger NAME.json is a map of somebody else
+LANDING_GROUND_KEY = "landing_ground_m"
+LARGEST_SIZE = 10_000_000  # bytes; a larger NAME.json is a map of somebody else
 
 
 def digest(text: str) -> str:
@@ -23,7 +23,7 @@ def written_with(about: Path) -> dict[str, str]:
     return _digests(_read(about))
 
 
-class Told(NamedTuple):
+class MissionRecord(NamedTuple):
     """Hold NAME.json's data on a mission file.
 
     Attributes:
@@ -37,27 +37,27 @@ class Told(NamedTuple):
     autopilot: str | None = None
 
 
-def told_beside(path: Path, text: str) -> Told:
+def mission_record(path: Path, text: str) -> MissionRecord:
     """Return the data of the NAME.json next to the mission at `path`, if its digest matches `text`.
 
     A part of a split flight is described in one NAME.json for all parts, which knows only the last landing.
     """
     own = path.with_suffix(".json")
     for about in (own, path.with_name(f"{path.stem.rpartition('-')[0]}.json")):
-        told = _read(about)
-        if not told or _digests(told).get(path.name) != digest(text):
+        record = _read(about)
+        if not record or _digests(record).get(path.name) != digest(text):
             continue
-        height, flights, whole = told.get(KEY), told.get("flights"), told.get("estimate")
+        height, flights, whole = record.get(LANDING_GROUND_KEY), record.get("flights"), record.get("estimate")
         parts = [one for one in flights if isinstance(one, dict)] if isinstance(flights, list) else []
         times = [one.get("time_s") for one in parts if one.get("file") == path.with_suffix(".plan").name]
         times += [whole.get("total_s")] if isinstance(whole, dict) and not parts else []
         time_s = next(map(_finite, times), None)
         planned = None if time_s is None else (about.name, time_s)
-        firmware = told.get("firmware")
+        firmware = record.get("firmware")
         autopilot = firmware.get("autopilot") if isinstance(firmware, dict) else None
         named = autopilot if isinstance(autopilot, str) else None
-        return Told(_finite(height) if about == own else None, planned, named)
-    return Told()
+        return MissionRecord(_finite(height) if about == own else None, planned, named)
+    return MissionRecord()
 
 
 def _finite(value: object) -> float | None:
@@ -66,12 +66,12 @@ def _finite(value: object) -> float | None:
 
 def _read(about: Path) -> dict[str, object]:
     try:
-        told = json.loads(read_text(about)) if about.is_file() and about.stat().st_size < LARGEST else {}
+        record = json.loads(read_text(about)) if about.is_file() and about.stat().st_size < LARGEST_SIZE else {}
     except (BadInput, OSError, ValueError, RecursionError):
         return {}
-    return told if isinstance(told, dict) else {}
+    return record if isinstance(record, dict) else {}
 
 
-def _digests(told: dict[str, object]) -> dict[str, str]:
-    digests = told.get("sha256")
+def _digests(record: dict[str, object]) -> dict[str, str]:
+    digests = record.get("sha256")
     return digests if isinstance(digests, dict) else {}

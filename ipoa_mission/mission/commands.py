@@ -132,7 +132,7 @@ class Frame(IntEnum):
 
 
 #: Frames that equal an `_INT` frame.
-SAME_FRAME: Mapping[int, int] = {
+PLAIN_FRAME: Mapping[int, int] = {
     Frame.GLOBAL_INT: Frame.GLOBAL,
     Frame.GLOBAL_RELATIVE_ALT_INT: Frame.GLOBAL_RELATIVE_ALT,
     Frame.GLOBAL_TERRAIN_ALT_INT: Frame.GLOBAL_TERRAIN_ALT,
@@ -141,7 +141,7 @@ SAME_FRAME: Mapping[int, int] = {
 
 def plain_frame(frame: int) -> int:
     """Return the frame without `_INT`, for comparison."""
-    return int(SAME_FRAME.get(frame, frame))
+    return int(PLAIN_FRAME.get(frame, frame))
 
 
 #: Commands whose latitude and longitude the vehicle flies to; TAKEOFF and LAND at (0, 0) mean "here".
@@ -151,7 +151,7 @@ FLOWN_TO = frozenset({
     Command.NAV_TAKEOFF, Command.NAV_ARC_WAYPOINT,
 })  # fmt: skip
 #: Commands whose altitude 0 is valid: take-off and landing.
-TO_THE_GROUND = frozenset({Command.NAV_TAKEOFF, Command.NAV_LAND})
+TAKEOFF_AND_LAND = frozenset({Command.NAV_TAKEOFF, Command.NAV_LAND})
 TAKEOFFS = frozenset({Command.NAV_TAKEOFF, Command.NAV_VTOL_TAKEOFF})
 #: NAV commands that may precede a take-off.
 MAY_PRECEDE_TAKEOFF = frozenset({Command.NAV_DELAY})
@@ -162,5 +162,5 @@ WAYPOINTS = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Comman
 HOLDING = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME})
 LAST_NAV = 95  # MAV_CMD_NAV_LAST: higher numbers do not move the vehicle
 #: Higher numbers that move the vehicle.
-ALSO_MOVE = frozenset({Command.NAV_SET_YAW_SPEED, Command.NAV_SCRIPT_TIME, Command.NAV_ATTITUDE_TIME})
+MOVING_AFTER_LAST_NAV = frozenset({Command.NAV_SET_YAW_SPEED, Command.NAV_SCRIPT_TIME, Command.NAV_ATTITUDE_TIME})
 JUMPS = frozenset({Command.DO_JUMP, Command.DO_JUMP_TAG})

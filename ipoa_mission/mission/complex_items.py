@@ -26,13 +26,13 @@ class Written:
     of: ComplexItem | None = None
 
 
-def complex_item(items: Sequence[Item], told: Any) -> ComplexItem:
+def complex_item(items: Sequence[Item], document: Any) -> ComplexItem:
     """Return a complex item from its JSON object, without its list of items."""
-    kept = dict(told)
-    lists = isinstance(kept.get(TRANSECTS), dict) and ITEMS in kept[TRANSECTS]
-    if lists:
+    kept = dict(document)
+    has_items = isinstance(kept.get(TRANSECTS), dict) and ITEMS in kept[TRANSECTS]
+    if has_items:
         kept[TRANSECTS] = {key: value for key, value in kept[TRANSECTS].items() if key != ITEMS}
-    return ComplexItem(tuple(items), json.dumps(kept, sort_keys=True), lists)
+    return ComplexItem(tuple(items), json.dumps(kept, sort_keys=True), has_items)
 
 
 def complex_items_in(parts: Sequence[Node | None], items: Sequence[Item]) -> tuple[ComplexItem, ...]:
@@ -66,10 +66,10 @@ def _is_here(one: ComplexItem, items: Sequence[Item], first: int, targets: set[i
 
 def as_document(one: ComplexItem, number: int, simple: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """Return its JSON object for a file; `simple` are its items as SimpleItems, the first is mission item `number`."""
-    told: dict[str, Any] = json.loads(one.told)
-    if one.lists:
+    document: dict[str, Any] = json.loads(one.json_text)
+    if one.has_items:
         own = ("autoContinue", "command", "frame", "params", "type")
-        told[TRANSECTS][ITEMS] = [
+        document[TRANSECTS][ITEMS] = [
             {key: item[key] for key in own} | {"doJumpId": number + n} for n, item in enumerate(simple)
         ]
-    return told
+    return document

@@ -6,7 +6,7 @@ Home is not an item here. `stored_mission` adds it at sequence 0 for ArduPilot, 
 import math
 from dataclasses import dataclass, field, replace
 
-from ipoa_mission.mission.commands import FLOWN_TO, TO_THE_GROUND, Command, Frame, plain_frame
+from ipoa_mission.mission.commands import FLOWN_TO, TAKEOFF_AND_LAND, Command, Frame, plain_frame
 from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot
 from ipoa_mission.vehicles.known_parameters import expect_own
 from ipoa_mission.vehicles.learned import LearnedVehicle
@@ -62,7 +62,7 @@ class Item:
 
     def is_as_high_as_now(self, autopilot: Autopilot) -> bool:
         """Return whether altitude 0 means the current height to the autopilot, in any frame."""
-        is_flown_to = self.command in FLOWN_TO - TO_THE_GROUND and self.frame != Frame.MISSION
+        is_flown_to = self.command in FLOWN_TO - TAKEOFF_AND_LAND and self.frame != Frame.MISSION
         return autopilot.guidance.zero_is_here and is_flown_to and self.altitude == 0.0
 
     @property
@@ -133,13 +133,13 @@ class ComplexItem:
 
     Attributes:
         items: in a row.
-        told: JSON of the `.plan` without its list of items.
-        lists: whether the JSON has such a list.
+        json_text: JSON of the `.plan` without its list of items.
+        has_items: whether the JSON has such a list.
     """
 
     items: tuple[Item, ...]
-    told: str
-    lists: bool
+    json_text: str
+    has_items: bool
 
 
 @dataclass(frozen=True)

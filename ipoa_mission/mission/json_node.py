@@ -15,7 +15,7 @@ from ipoa_mission.files import why_no_json
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.geometry import Points
 
-FARTHEST = 100_000.0  # upper limit of any length in a document [m]
+LONGEST_LENGTH = 100_000.0  # upper limit of any length in a document [m]
 
 
 @dataclass(frozen=True)
@@ -84,8 +84,8 @@ class Node:
     def length(self) -> float:
         """Return a length [m] of at most `LONGEST_LENGTH`."""
         length = self.number("metres")
-        if abs(length) > FARTHEST:
-            raise self.wrong(f"metres, {FARTHEST:.0f} at most")
+        if abs(length) > LONGEST_LENGTH:
+            raise self.wrong(f"metres, {LONGEST_LENGTH:.0f} at most")
         return length
 
     def degrees(self, limit: int = 180) -> float:

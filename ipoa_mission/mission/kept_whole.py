@@ -14,7 +14,7 @@ from ipoa_mission.mission.mission_io import mission_text, parse_mission
 
 Table: TypeAlias = dict[str, Any]
 NUMBER = "doJumpId"
-ANEW = (NUMBER, "AMSLAltAboveTerrain", "Altitude", "AltitudeMode")  # of a changed item
+CHANGED_KEYS = (NUMBER, "AMSLAltAboveTerrain", "Altitude", "AltitudeMode")  # of a changed item
 
 
 def text_with(mission: Mission, file: MissionFile, path: Path) -> str:
@@ -41,7 +41,7 @@ def text_with(mission: Mission, file: MissionFile, path: Path) -> str:
 
 
 def _merged(source: Table, old: Table, new: Table) -> Table:
-    """Return `new` with the source's differences from `old`, our text of the unchanged mission, where they still apply."""
+    """Return `new` with differences of `source` from `old`, our text of the unchanged mission, where still valid."""
     merged: Table = dict(new)
     for key, value in source.items():
         if key == "items" and isinstance(value, list) and key in old and key in new:
@@ -57,7 +57,7 @@ def _merged_items(source: list[Table], old: list[Table], new: list[Table]) -> It
     if len(source) != len(old):
         yield from new
         return
-    same = SequenceMatcher(None, list(map(_told, old)), list(map(_told, new)), autojunk=False)
+    same = SequenceMatcher(None, list(map(_comparable, old)), list(map(_comparable, new)), autojunk=False)
     for kind, first, last, begin, end in same.get_opcodes():
         paired = kind == "equal" or (kind == "replace" and last - first == end - begin)
         for n, item in enumerate(new[begin:end]):
@@ -65,11 +65,11 @@ def _merged_items(source: list[Table], old: list[Table], new: list[Table]) -> It
             if kind == "equal" and item.get("type") == "SimpleItem" and item["command"] != Command.DO_JUMP:
                 yield {**was, **({NUMBER: item[NUMBER]} if NUMBER in was else {})}
             elif paired and item.get("type") == was.get("type") == "SimpleItem" and "coordinate" not in was:
-                anew = (*ANEW, "params") if item["command"] == Command.DO_JUMP else ANEW
-                yield _merged(was, before, item) | {key: item[key] for key in anew if key in item}
+                changed = (*CHANGED_KEYS, "params") if item["command"] == Command.DO_JUMP else CHANGED_KEYS
+                yield _merged(was, before, item) | {key: item[key] for key in changed if key in item}
             else:
                 yield item
 
 
-def _told(item: Table) -> str:
+def _comparable(item: Table) -> str:
     return json.dumps({key: value for key, value in item.items() if key != NUMBER}, sort_keys=True)

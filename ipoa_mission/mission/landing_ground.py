@@ -15,15 +15,15 @@ SAME_PLACE = 0.1  # [m]
 
 def landing_height(mission: Mission) -> float | None:
     """Return the height of the landing ground above home [m]; None without a landing or without data."""
-    told = mission.landing_ground
-    place = None if told is None else landing_place(mission)
-    if told is None or place is None:
+    known = mission.landing_ground
+    place = None if known is None else landing_place(mission)
+    if known is None or place is None:
         return None
-    away = math.dist(place, _local(mission, told.latitude_deg, told.longitude_deg))
-    return told.altitude if away <= SAME_PLACE else None
+    away = math.dist(place, _local(mission, known.latitude_deg, known.longitude_deg))
+    return known.altitude if away <= SAME_PLACE else None
 
 
-def told_in_plan(mission: Mission) -> dict[str, float]:
+def landing_ground_entry(mission: Mission) -> dict[str, float]:
     """Return the landing place and ground height for a `.plan`; empty where the ground is level."""
     height, place = landing_height(mission), landing_place(mission)
     if not height or place is None:

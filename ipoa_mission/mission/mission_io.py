@@ -6,11 +6,16 @@ from pathlib import Path
 from ipoa_mission.errors import BadInput, WrongFormat, WrongSuffix
 from ipoa_mission.files import MISSIONS, read_text
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.mission.about_file import told_beside
+from ipoa_mission.mission.about_file import mission_record
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.landing_ground import landing_height, landing_on
 from ipoa_mission.mission.mission_file import MissionFile
-from ipoa_mission.mission.parameter_file import ParameterFile, beside, read_parameter_file, write_with_parameters
+from ipoa_mission.mission.parameter_file import (
+    ParameterFile,
+    parameter_path,
+    read_parameter_file,
+    write_with_parameters,
+)
 from ipoa_mission.mission.plan_file import parse_plan, plan_text
 from ipoa_mission.mission.waypoints_file import FIRST_LINE, lost_in_waypoints, parse_waypoints, waypoints_text
 from ipoa_mission.mission.whose_waypoints import only_taker
@@ -77,12 +82,12 @@ def parse_mission(
     Raises:
         BadInput: as `read_mission_file`.
     """
-    lying = beside(path)
+    lying = parameter_path(path)
     of_vehicle = read_parameter_file(lying) if lying.is_file() else ParameterFile({})
     parameters = of_vehicle.parameters
     theirs = firmware_of(parameters)
-    told = told_beside(path, text)
-    file = _parsed(path, text, autopilot, theirs or _named(told.autopilot) or otherwise)
+    record = mission_record(path, text)
+    file = _parsed(path, text, autopilot, theirs or _named(record.autopilot) or otherwise)
     if theirs not in (None, autopilot) and autopilot is not None:
         foreign = f"{lying}: parameters of {theirs}, not of {autopilot}: none of them is used"
         warned = Finding("file-parameters", Severity.WARNING, None, foreign, f"name {autopilot}'s by --param-file")
@@ -90,10 +95,10 @@ def parse_mission(
     odd = (Finding("file-parameters", Severity.WARNING, None, thing.words) for thing in of_vehicle.unread)
     file = replace(file, findings=(*file.findings, *odd))
     mission = file.mission
-    if told.landing_height is not None and landing_height(mission) is None:
-        mission = landing_on(mission, told.landing_height)
+    if record.landing_height is not None and landing_height(mission) is None:
+        mission = landing_on(mission, record.landing_height)
     try:
-        return replace(file, mission=mission.with_parameters(parameters), planned=told.planned)
+        return replace(file, mission=mission.with_parameters(parameters), planned=record.planned)
     except BadInput as error:
         raise error.at(lying) from error
 

@@ -25,8 +25,8 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,15}", re.ASCII)  # MAVLink's param_id
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?|[-+]?nan", re.ASCII | re.IGNORECASE)
 AUTOPILOT = "1"  # MAV_COMP_ID_AUTOPILOT1
 WHOLE, FLOATS = range(1, 9), (9, 10)  # MAV_PARAM_TYPE
-UNUSUAL = 25.0  # ratio to the default that suggests another unit
-A_WHOLE_LIST = 100  # unknown parameters from which on the file is a vehicle's complete list
+UNUSUAL_RATIO = 25.0  # ratio to the default that suggests another unit
+COMPLETE_LIST_SIZE = 100  # unknown parameters from which on the file is a vehicle's complete list
 SEPARATOR = re.compile(r"[,\s]+")
 
 
@@ -76,18 +76,18 @@ def read_parameter_file(path: str | Path) -> ParameterFile:
     return ParameterFile(parameters, gathered(_unread(Path(path).name, text, rows, owner)))
 
 
-def beside(path: Path) -> Path:
+def parameter_path(path: Path) -> Path:
     """Return the path of a mission's parameter file."""
     return path.with_suffix(".params")
 
 
-def parameters_beside(mission: Mission, path: Path) -> dict[Path, str]:
+def parameter_file(mission: Mission, path: Path) -> dict[Path, str]:
     """Return path and text of the mission's parameter file; empty without parameters.
 
     Raises:
         BadInput: the mission has parameters, and a file that is not ours has their name.
     """
-    target = beside(path)
+    target = parameter_path(path)
     if not mission.parameters:
         return {}
     if target.exists() and not _is_ours(target):
@@ -110,9 +110,9 @@ def write_with_parameters(mission: Mission, contents: Mapping[Path, str]) -> Non
         BadInput: a file cannot be written, or a file that is not ours has the parameters' name.
     """
     path = next(iter(contents))
-    write_together({**contents, **parameters_beside(mission, path)})
-    if not mission.parameters and _is_ours(beside(path)):
-        beside(path).unlink()
+    write_together({**contents, **parameter_file(mission, path)})
+    if not mission.parameters and _is_ours(parameter_path(path)):
+        parameter_path(path).unlink()
 
 
 def _is_ours(target: Path) -> bool:
@@ -167,7 +167,7 @@ def _unread(file: str, text: str, rows: list[_Row], owner: _Owner | None) -> Ite
     known = known_names()
     others = [row for name, row in taken.items() if name not in known]
     flies = firmware_of(taken)
-    if len(others) < A_WHOLE_LIST:
+    if len(others) < COMPLETE_LIST_SIZE:
         yield from (Unread(file, "parameters that no model uses", f"line {row.line}", row.name) for row in others)
     elif flies is not None:
         there = flies.book.by_old_names(dict.fromkeys(taken, 0.0))
@@ -192,7 +192,7 @@ def _of_book(file: str, taken: Mapping[str, _Row], autopilot: Autopilot) -> Iter
         usual = abs(book.moving.get(old, 0.0))
         for row, factor in ((newer, unit), (older, 1.0)):
             times = abs(row.value) * factor / usual if row and usual and unit != 1.0 else 0.0
-            if row and times and not 1 / UNUSUAL < times < UNUSUAL:
+            if row and times and not 1 / UNUSUAL_RATIO < times < UNUSUAL_RATIO:
                 what = f"the unit of {row.name}, taken as documented: {times:.3g} times the default"
                 yield Unread(file, what, f"line {row.line}", f"{row.value:g}")
     speeds = (book.meanings.get(what, "") for what in ("cruise speed", "climb speed", "descent speed"))

@@ -14,11 +14,11 @@ from typing import Any
 
 from ipoa_mission.errors import BadInput
 from ipoa_mission.finding import Finding, Severity
-from ipoa_mission.mission.commands import FLOWN_TO, SAME_FRAME, Command, Frame, command_name
+from ipoa_mission.mission.commands import FLOWN_TO, PLAIN_FRAME, Command, Frame, command_name
 from ipoa_mission.mission.complex_items import as_document, complex_items_in, entries
 from ipoa_mission.mission.items import FenceCircle, FencePolygon, Item, Mission
 from ipoa_mission.mission.json_node import Node, parse_document
-from ipoa_mission.mission.landing_ground import told_in_plan
+from ipoa_mission.mission.landing_ground import landing_ground_entry
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.parameter_file import write_with_parameters
 from ipoa_mission.mission.plan_keys import findings_of_keys
@@ -121,7 +121,7 @@ def _plan(mission: Mission) -> dict[str, Any]:
     circles = [_circle(part) for part in mission.fence if isinstance(part, FenceCircle)]
     polygons = [_polygon(part) for part in mission.fence if isinstance(part, FencePolygon)]
     return {
-        **({LANDING_GROUND: ground} if (ground := told_in_plan(mission)) else {}),
+        **({LANDING_GROUND: ground} if (ground := landing_ground_entry(mission)) else {}),
         "fileType": "Plan",
         "geoFence": {"circles": circles, "polygons": polygons, "version": 2},
         "groundStation": "QGroundControl",
@@ -333,7 +333,7 @@ def _check_altitude(node: Node, frame: int, param7: float) -> None:
     mode, altitude = node.get("AltitudeMode"), node.get("Altitude")
     if mode is not None and mode.value is not None and frame != Frame.MISSION:
         of_mode = FRAME_OF_MODE.get(mode.whole("a number from 0 to 5", 0, 5))
-        if of_mode is not None and SAME_FRAME.get(frame, frame) != of_mode:
+        if of_mode is not None and PLAIN_FRAME.get(frame, frame) != of_mode:
             means = (
                 f"QGroundControl flies by it in frame {of_mode:d}, everyone else by the item's own, which is {frame}"
             )

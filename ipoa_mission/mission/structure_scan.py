@@ -16,9 +16,9 @@ from ipoa_mission.mission.json_node import Node
 from ipoa_mission.world.frame import Geodetic
 from ipoa_mission.world.spherical_plane import SphericalPlane
 
-LAYERS_MOST = 200
-LOOK_ASIDE = 90.0  # camera yaw relative to the direction of the next waypoint [deg]
-LEAST_SIDE = 1e-3  # shortest side of the round [m]
+MOST_LAYERS = 200
+LATERAL_YAW = 90.0  # camera yaw relative to the direction of the next waypoint [deg]
+SHORTEST_SIDE = 1e-3  # shortest side of the round [m]
 
 
 def lay_out(node: Node) -> tuple[list[Item], float]:
@@ -40,15 +40,15 @@ def lay_out(node: Node) -> tuple[list[Item], float]:
     if height <= 0:
         raise layer.wrong("more than 0 m, the height of a layer")
     top, bottom = (node[name].length() for name in ("StructureHeight", "ScanBottomAlt"))
-    if not (ratio := (top - bottom) / height) <= LAYERS_MOST:
-        raise node["StructureHeight"].wrong(f"a structure of at most {LAYERS_MOST} layers")
+    if not (ratio := (top - bottom) / height) <= MOST_LAYERS:
+        raise node["StructureHeight"].wrong(f"a structure of at most {MOST_LAYERS} layers")
     layers = max(math.ceil(ratio), 1)
     descends = node["StartFromTop"].flag()
     first = top - height / 2 if descends else bottom + height / 2
     entrance, pitch = node["EntranceAltitude"].length(), node["GimbalPitch"].number("degrees")
     spacing = camera["AdjustedFootprintSide"].length()
     places = _round(node["polygon"], camera["DistanceToSurface"].length())
-    aim = Item(Command.DO_SET_ROI_WPNEXT_OFFSET, Frame.MISSION, (0.0, 0.0, 0.0, 0.0), pitch, 0.0, LOOK_ASIDE)
+    aim = Item(Command.DO_SET_ROI_WPNEXT_OFFSET, Frame.MISSION, (0.0, 0.0, 0.0, 0.0), pitch, 0.0, LATERAL_YAW)
     items = [waypoint(places[0], entrance), aim]
     for n in range(layers):
         up = first + n * (-height if descends else height)
@@ -70,12 +70,12 @@ def _round(polygon: Node, distance: float) -> list[Geodetic]:
         plane = plane[::-1]
     forth = np.roll(plane, -1, axis=0) - plane
     sides = np.linalg.norm(forth, axis=1)
-    if not (sides > LEAST_SIDE).all() or _area(plane) == 0:
+    if not (sides > SHORTEST_SIDE).all() or _area(plane) == 0:
         raise polygon.wrong("a polygon with an area and distinct corners")
     forth /= sides[:, None]
     found = np.array([_corner(plane[n], forth[n - 1], forth[n], distance) for n in range(len(plane))])
     ahead = ((np.roll(found, -1, axis=0) - found) * forth).sum(axis=1)
-    if not (np.isfinite(found).all() and (ahead > LEAST_SIDE).all() and Polygon(found).is_valid):
+    if not (np.isfinite(found).all() and (ahead > SHORTEST_SIDE).all() and Polygon(found).is_valid):
         words = f"expected a round with room for each side at {distance:g} m from the structure"
         raise BadInput(
             words, hint="give the structure fewer corners, or scan it from a shorter distance", place=polygon.where

@@ -24,7 +24,7 @@ from ipoa_mission.world.frame import Geodetic
 
 SUFFIX, FIRST_LINE = ".waypoints", "QGC WPL 110"
 TAKEOFF_LOST = "QGroundControl 4.4 loses the take-off of a .waypoints file: open the .plan there"
-HOMEWARDS = ": its RTL flies home, by another way, time and energy"
+RALLY_LOSS = ": its RTL flies home, by another way, time and energy"
 NO_COMMAND = 0  # of a home that Mission Planner does not know
 OTHER_LISTS = frozenset({*POLYGON, *CIRCLE, Command.NAV_FENCE_RETURN_POINT, Command.NAV_RALLY_POINT})
 PARAMS = ("param1", "param2", "param3", "param4")
@@ -78,7 +78,7 @@ def left_out(mission: Mission) -> tuple[str, ...]:
     """Describe the parts of a mission that a `.waypoints` file cannot hold."""
     parts = (
         ("the geofence cannot be held by a .waypoints file", mission.fence),
-        (f"the rally points cannot be held by a .waypoints file{HOMEWARDS}", mission.rally),
+        (f"the rally points cannot be held by a .waypoints file{RALLY_LOSS}", mission.rally),
     )
     return tuple(words for words, what in parts if what)
 

@@ -59,15 +59,15 @@ class BuiltInAutopilot(Commander):
             seed: of the sensors' errors.
             conditions: wind, ground, vehicle and firmware version.
         """
-        habits = mock_profile(family, conditions.version)
+        profile = mock_profile(family, conditions.version)
         self.table = ParameterServer(family, parameters or {}, conditions.version)
         flight = SimulatedFlight(family, home, self.table.values, conditions, seed=seed)
-        transfers = MissionService(habits, lambda: flight.home, self._say, self._listed, nak_at)
-        super().__init__(habits, flight, transfers, self.table.values, 0.0 if cold else -math.inf)
-        takes_file = habits.autopilot.protocol_profile.takes_mission_file and nak_at is None
-        limit = habits.limits[MissionType.MISSION]
+        transfers = MissionService(profile, lambda: flight.home, self._say, self._listed, nak_at)
+        super().__init__(profile, flight, transfers, self.table.values, 0.0 if cold else -math.inf)
+        takes_file = profile.autopilot.protocol_profile.takes_mission_file and nak_at is None
+        limit = profile.limits[MissionType.MISSION]
         self._files = FileService(takes_file, limit, transfers.listed, transfers.replace)
-        self._schedule = streams.Schedule(habits.streams, habits.fixed_streams)
+        self._schedule = streams.Schedule(profile.streams, profile.fixed_streams)
         self._commands = _commands(self)
 
     # --- interface ------------------------------------------------------------------------------------------------
@@ -77,7 +77,7 @@ class BuiltInAutopilot(Commander):
         self.tick(now)
         self._schedule.hear(source)
         if self.transfers.receive(message, source, now):
-            self._tell_changes()
+            self._report_changes()
             return
         values = self.table.answers(message)
         if values is not None:
@@ -92,8 +92,8 @@ class BuiltInAutopilot(Commander):
             case m.SetMode(_, custom_mode):
                 self._set_mode(custom_mode)
             case m.SetCurrent(seq):
-                if not self._go_to(seq) and self.habits.no_item_text:
-                    self._text(CRITICAL, self.habits.no_item_text)
+                if not self._go_to(seq) and self.profile.no_item_text:
+                    self._text(CRITICAL, self.profile.no_item_text)
             case m.RequestDataStream(group, rate, start) if start in (0, 1):
                 self._schedule.set_rate(self._group(group), rate if start else 0, now, source)
             case m.Ping():
@@ -103,7 +103,7 @@ class BuiltInAutopilot(Commander):
             case m.FileTransfer():
                 for answer in self._files.answers(message, source):
                     self._say(answer, source)
-        self._tell_changes()
+        self._report_changes()
 
     def transfers_with(self, client: Target) -> bool:
         """Return whether a transfer of a list or a file with `client` is in progress."""
@@ -112,12 +112,12 @@ class BuiltInAutopilot(Commander):
     def tick(self, now: float) -> None:
         """Advance the flight, the transfers and the streams to `now`."""
         self._now = max(self._now, now)
-        self.transfers.booted = self._age >= self.habits.start_up.listens_s
+        self.transfers.booted = self._age >= self.profile.start_up.listens_s
         self.flight.advance(self._now)
         self._notice_disarming()
         self._notice_height()
         self.transfers.tick(self._now)
-        self._tell_changes()
+        self._report_changes()
         for name in self._schedule.due(self._now):
             if (message := self._stream(name)) is not None:
                 self._say(message, EVERYONE)
@@ -146,8 +146,8 @@ class BuiltInAutopilot(Commander):
             return
         items = self.transfers.listed(MissionType.MISSION)[self._first :]
         self._unflyable = None
-        if self.habits.autopilot.protocol_profile.judges_later and items:
-            self._unflyable = infeasibility(self.habits.firmware, items, self.flight.home, self.table.values)
+        if self.profile.autopilot.protocol_profile.judges_later and items:
+            self._unflyable = infeasibility(self.profile.firmware, items, self.flight.home, self.table.values)
         if self._unflyable:
             self._text(CRITICAL, f"{self._unflyable.words}\t")  # the tab: an event says the same
             number, arguments = mission_event(self._unflyable.event, *self._unflyable.values)
@@ -169,36 +169,36 @@ class BuiltInAutopilot(Commander):
         acks: list[Message] = [m.CommandAck(number, result)]
         if number == VehicleCommand.SET_MESSAGE_INTERVAL:
             accepted = self._schedule.set_interval(whole(params[0]), params[1], self._now, source)
-            acks = [m.CommandAck(number, ACCEPTED if accepted else self.habits.no_such_stream)]
+            acks = [m.CommandAck(number, ACCEPTED if accepted else self.profile.no_such_stream)]
         elif number == VehicleCommand.GET_MESSAGE_INTERVAL:
             interval = self._schedule.interval_us(whole(params[0]), source)
-            told_us, heard = self.habits.no_such_interval if interval is None else (interval, int(ACCEPTED))
-            self._say(m.MessageInterval(whole(params[0]) & 0xFFFF, told_us), source)
+            reported_us, heard = self.profile.no_such_interval if interval is None else (interval, int(ACCEPTED))
+            self._say(m.MessageInterval(whole(params[0]) & 0xFFFF, reported_us), source)
             acks = [m.CommandAck(number, heard)]
-        elif number == VehicleCommand.DO_SET_MODE and self.habits.mode_acks > 1:
+        elif number == VehicleCommand.DO_SET_MODE and self.profile.mode_acks > 1:
             acks = [m.CommandAck(number, ACCEPTED), *acks]
-        for message in (*acks, *answers) if self.habits.acks_first else (*answers, *acks):
+        for message in (*acks, *answers) if self.profile.acks_first else (*answers, *acks):
             self._say(message, source)
         self._outbox += words
 
     def _group(self, number: int) -> frozenset[str]:
         """Return the messages of a MAV_DATA_STREAM; 0 is all."""
-        groups = self.habits.stream_groups
+        groups = self.profile.stream_groups
         return frozenset[str]().union(*groups.values()) if number == 0 else groups.get(number, frozenset())
 
     def _asked_for(self, number: int) -> Message | None:
-        if number == PROTOCOL_VERSION and self.habits.protocol is not None:
-            return telemetry.ProtocolVersion(*self.habits.protocol)
+        if number == PROTOCOL_VERSION and self.profile.protocol is not None:
+            return telemetry.ProtocolVersion(*self.profile.protocol)
         if number == AUTOPILOT_VERSION:
-            return telemetry.AutopilotVersion(self.habits.capabilities, self.habits.version.number, uid=1)
+            return telemetry.AutopilotVersion(self.profile.capabilities, self.profile.version.number, uid=1)
         return self._stream(message_name(number) or "")
 
-    def can_tell(self, number: float) -> CommandResult:
+    def request_message(self, number: float) -> CommandResult:
         """Answer command 512 (REQUEST_MESSAGE)."""
         name = message_name(whole(number))
-        is_told = name == "AUTOPILOT_VERSION" or name in streams.KNOWN
-        is_told = is_told or (name == "PROTOCOL_VERSION" and self.habits.protocol is not None)
-        return ACCEPTED if is_told else CommandResult(self.habits.no_such_message)
+        is_known = name == "AUTOPILOT_VERSION" or name in streams.KNOWN_MESSAGES
+        is_known = is_known or (name == "PROTOCOL_VERSION" and self.profile.protocol is not None)
+        return ACCEPTED if is_known else CommandResult(self.profile.no_such_message)
 
 
 def _commands(autopilot: BuiltInAutopilot) -> Mapping[int, Callable[[Sequence[float]], CommandResult]]:
@@ -210,7 +210,7 @@ def _commands(autopilot: BuiltInAutopilot) -> Mapping[int, Callable[[Sequence[fl
         VehicleCommand.DO_SET_MODE: autopilot.set_mode,
         Command.DO_PAUSE_CONTINUE: lambda p: autopilot.pause(p[0]),
         VehicleCommand.DO_REPOSITION: autopilot.reposition,
-        Command.DO_FENCE_ENABLE: lambda p: ACCEPTED if autopilot.habits.switches_fence else UNSUPPORTED,
+        Command.DO_FENCE_ENABLE: lambda p: ACCEPTED if autopilot.profile.switches_fence else UNSUPPORTED,
         VehicleCommand.DO_SET_MISSION_CURRENT: autopilot.jump_to,
         VehicleCommand.PREFLIGHT_REBOOT_SHUTDOWN: lambda p: autopilot.reboot(p[0]),
         VehicleCommand.MISSION_START: autopilot.start_mission,
@@ -219,9 +219,9 @@ def _commands(autopilot: BuiltInAutopilot) -> Mapping[int, Callable[[Sequence[fl
         VehicleCommand.GET_HOME_POSITION: lambda p: ACCEPTED,
         VehicleCommand.GET_MESSAGE_INTERVAL: lambda p: ACCEPTED,
         VehicleCommand.SET_MESSAGE_INTERVAL: lambda p: ACCEPTED,
-        VehicleCommand.REQUEST_MESSAGE: lambda p: autopilot.can_tell(p[0]),
+        VehicleCommand.REQUEST_MESSAGE: lambda p: autopilot.request_message(p[0]),
         VehicleCommand.REQUEST_PROTOCOL_VERSION: lambda p: (
-            UNSUPPORTED if autopilot.habits.protocol is None else ACCEPTED
+            UNSUPPORTED if autopilot.profile.protocol is None else ACCEPTED
         ),
         VehicleCommand.REQUEST_AUTOPILOT_CAPABILITIES: lambda p: ACCEPTED,
     }

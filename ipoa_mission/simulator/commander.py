@@ -27,14 +27,14 @@ class Commander(Reporting):
             return self._disarm()
         if self.flight.armed:
             return ACCEPTED
-        refused = CommandResult(self.habits.refused_arming)
-        if hinders := self._hinders():
-            self._text(CRITICAL, f"Arm: {hinders}" if self.habits.tells_prearm else f"Arming denied: {hinders}\t")
+        refused = CommandResult(self.profile.refused_arming)
+        if reason := self._arming_refusal():
+            self._text(CRITICAL, f"Arm: {reason}" if self.profile.reports_prearm else f"Arming denied: {reason}\t")
             return refused
-        if self.mode not in self.habits.armable_modes and not self._arms_in_auto():
-            self._text(CRITICAL, f"Arm: {self.habits.autopilot.modes.name(self.mode)} mode not armable")
+        if self.mode not in self.profile.armable_modes and not self._arms_in_auto():
+            self._text(CRITICAL, f"Arm: {self.profile.autopilot.modes.name(self.mode)} mode not armable")
             return refused
-        self._arm(self.habits.arm_words[0])
+        self._arm(self.profile.arm_texts[0])
         return ACCEPTED
 
     def _arms_in_auto(self) -> bool:
@@ -44,18 +44,18 @@ class Commander(Reporting):
         self.flight.arm()
         self._armed_s = self._now
         self._text(INFO, words)
-        if not self.habits.runs_on_ground and self.mode == self._mission_mode:
+        if not self.profile.runs_on_ground and self.mode == self._mission_mode:
             self._start()
-        elif self.mode == self.habits.takeoff_mode:
+        elif self.mode == self.profile.takeoff_mode:
             self._begin_rising()
 
     def _disarm(self) -> CommandResult:
         if not self.flight.landed:
-            if not self.habits.tells_prearm:
+            if not self.profile.reports_prearm:
                 self._text(CRITICAL, "Disarming denied: not landed\t")
-            return CommandResult(self.habits.refused_arming)
+            return CommandResult(self.profile.refused_arming)
         if self.flight.armed:
-            self._stop_motors(self.habits.arm_words[1])
+            self._stop_motors(self.profile.arm_texts[1])
         return ACCEPTED
 
     def _notice_disarming(self) -> None:
@@ -63,33 +63,33 @@ class Commander(Reporting):
         if self._armed_s is None:
             return
         if not self.flight.armed:
-            if self.habits.words_of_flight and self.flight.mission_state is MissionState.COMPLETE:
+            if self.profile.flight_texts and self.flight.mission_state is MissionState.COMPLETE:
                 self._text(INFO, "Mission finished, landed\t")
-            self._stop_motors(self.habits.arm_words[2])
-        elif self._will_stop_motors and self._parameters[self.habits.disarm_delay] <= self._now - self._armed_s:
-            self._stop_motors(self.habits.arm_words[3])
+            self._stop_motors(self.profile.arm_texts[2])
+        elif self._will_stop_motors and self._parameters[self.profile.disarm_delay] <= self._now - self._armed_s:
+            self._stop_motors(self.profile.arm_texts[3])
 
     @property
     def _will_stop_motors(self) -> bool:
         """Return whether it is armed on the ground, where the disarm delay applies."""
-        return self._is_standing() and self._parameters[self.habits.disarm_delay] > 0.0
+        return self._is_standing() and self._parameters[self.profile.disarm_delay] > 0.0
 
     def _notice_height(self) -> None:
         """Hold once PX4 has reached its take-off altitude."""
         flight = self.flight
-        if self.mode == self.habits.takeoff_mode and flight.armed and not (flight.landed or flight.rising):
-            self._idle_mode = self.habits.modes[FlightMode.HOLD]
+        if self.mode == self.profile.takeoff_mode and flight.armed and not (flight.landed or flight.rising):
+            self._idle_mode = self.profile.modes[FlightMode.HOLD]
 
     def _stop_motors(self, words: str) -> None:
         mode = self._told_mode
         self.flight.disarm()
         self._armed_s = None
         self._text(INFO, words)
-        returned = mode in (self.habits.modes[FlightMode.RETURN], self.habits.modes[FlightMode.LAND])
-        self._idle_mode = self._mode_before if returned and self.habits.restores_mode else mode
+        returned = mode in (self.profile.modes[FlightMode.RETURN], self.profile.modes[FlightMode.LAND])
+        self._idle_mode = self._mode_before if returned and self.profile.restores_mode else mode
         self.flight.hold()
-        if self.habits.runs_on_ground:
-            self._tell_changes()
+        if self.profile.runs_on_ground:
+            self._report_changes()
             self.flight.rewind()
             self._has_begun = self._runs = False
             if self.mode == self._mission_mode:
@@ -104,7 +104,7 @@ class Commander(Reporting):
     def _start(self) -> None:
         takes_off = self.flight.landed
         self.flight.start()
-        if self.habits.runs_on_ground:
+        if self.profile.runs_on_ground:
             self._run()
             return
         self._text(INFO, "Executing Mission\t")
@@ -116,13 +116,13 @@ class Commander(Reporting):
 
     def start_mission(self, params: Sequence[float]) -> CommandResult:
         """Execute command 300: fly the mission; PX4 starts at the given item and arms by itself."""
-        if self.habits.mission_arms:
+        if self.profile.mission_arms:
             if not self._flown:
                 self._text(CRITICAL, "Mission start denied! No valid mission\t")
                 return DENIED
             if not self.flight.armed:
                 self._idle_mode = self._mission_mode
-                if self._hinders():
+                if self._arming_refusal():
                     return DENIED
             self._go_to(whole(params[0]))
             self._idle_mode = self._mission_mode
@@ -149,20 +149,20 @@ class Commander(Reporting):
     def set_mode(self, params: Sequence[float]) -> CommandResult:
         """Execute command 176: `params` hold PX4's main and sub mode, or ArduPilot's mode number."""
         main, sub = whole(params[1]), whole(params[2])
-        return self._set_mode(self.habits.autopilot.modes.ordered(main, sub))
+        return self._set_mode(self.profile.autopilot.modes.ordered(main, sub))
 
     def _set_mode(self, custom_mode: int) -> CommandResult:
-        if custom_mode not in self.habits.autopilot.modes.names:
-            if self.habits.no_such_mode_text:
-                self._text(WARNING, f"{self.habits.no_such_mode_text} {custom_mode}")
+        if custom_mode not in self.profile.autopilot.modes.names:
+            if self.profile.no_such_mode_text:
+                self._text(WARNING, f"{self.profile.no_such_mode_text} {custom_mode}")
             return FAILED
         if custom_mode == self.mode:
             return ACCEPTED
         if self.flight.armed and (refused := self._refuses_mode(custom_mode)) is not None:
             return refused
-        if custom_mode == self.habits.takeoff_mode:
+        if custom_mode == self.profile.takeoff_mode:
             return self._rise(math.nan)
-        modes = {number: mode for mode, number in self.habits.modes.items()}
+        modes = {number: mode for mode, number in self.profile.modes.items()}
         mode = modes.get(custom_mode, FlightMode.HOLD)
         if mode is FlightMode.RETURN or mode is FlightMode.LAND:
             self._mode_before = self.mode
@@ -170,7 +170,7 @@ class Commander(Reporting):
         if not self.flight.armed or self.flight.landed or mode is FlightMode.HOLD:
             self._idle_mode = custom_mode
             self.flight.hold()
-            if mode is FlightMode.MISSION and self.habits.runs_on_ground:
+            if mode is FlightMode.MISSION and self.profile.runs_on_ground:
                 self._run()  # on the ground only MISSION_START goes on from here
             elif mode is FlightMode.MISSION and self.flight.armed:
                 self._start()
@@ -184,19 +184,19 @@ class Commander(Reporting):
 
     def _refuses_mode(self, custom_mode: int) -> CommandResult | None:
         """Return an armed vehicle's refusal of a mode that it cannot fly; None if it can."""
-        name = self.habits.autopilot.modes.name(custom_mode)
+        name = self.profile.autopilot.modes.name(custom_mode)
         is_mission = custom_mode == self._mission_mode
-        if not self.habits.doubts_modes:
+        if not self.profile.refuses_modes:
             if not is_mission or self._flown:
                 return None
             self._text(CRITICAL, "Switching to Mission is currently not available\t")
             return CommandResult.TEMPORARILY_REJECTED
-        if custom_mode in self.habits.placed_modes and self._age < self.habits.start_up.position_s:
+        if custom_mode in self.profile.placed_modes and self._age < self.profile.start_up.position_s:
             self._text(WARNING, f"Mode change to {name} failed: requires position")
             return FAILED
         if not is_mission:
             return None
-        lacks = self.habits.missing_takeoff_text
+        lacks = self.profile.missing_takeoff_text
         if not self._flown or (lacks and self.flight.landed and not self._has_takeoff_first()):
             if self._flown:
                 self._text(CRITICAL, lacks or "")
@@ -211,28 +211,28 @@ class Commander(Reporting):
         if restart:
             self.flight.rewind()
         self.flight.set_current(index)
-        if self.habits.runs_on_ground:
+        if self.profile.runs_on_ground:
             self._has_begun = True
             self._runs = self._runs or restart
         self._say(self._current(), EVERYONE)
         self._told_current = index
-        if self.habits.runs_on_ground and self._runs:
+        if self.profile.runs_on_ground and self._runs:
             self._say_begun()
         return True
 
     def jump_to(self, params: Sequence[float]) -> CommandResult:
         """Execute command 224: set the current item."""
-        if not self.habits.knows_command_224:
+        if not self.profile.knows_command_224:
             return UNSUPPORTED
         return ACCEPTED if self._go_to(whole(params[0]), params[1] == 1.0) else DENIED
 
     def obey(self, mode: FlightMode) -> CommandResult:
         """Execute a command to return, land or hold."""
-        return self._set_mode(self.habits.modes[mode])
+        return self._set_mode(self.profile.modes[mode])
 
     def pause(self, goes_on: float) -> CommandResult:
         """Execute command 193, which only ArduPilot takes: stay in AUTO, and stop on the way to a waypoint."""
-        if not self.habits.autopilot.protocol_profile.pauses_in_mission:
+        if not self.profile.autopilot.protocol_profile.pauses_in_mission:
             return UNSUPPORTED
         if goes_on >= 0.5:
             if self.mode != self._mission_mode or self.flight.mission_state is not MissionState.PAUSED:
@@ -248,7 +248,7 @@ class Commander(Reporting):
 
     def climb(self, height: float) -> CommandResult:
         """Execute command 22: ArduPilot climbs in GUIDED to a height above home, PX4 in take-off mode to one AMSL."""
-        if self.habits.takeoff_mode is not None:
+        if self.profile.takeoff_mode is not None:
             return self._rise(height)
         if self.mode != GUIDED or not self._is_standing() or not 0.0 < height < math.inf:
             return FAILED
@@ -258,7 +258,7 @@ class Commander(Reporting):
     def _rise(self, altitude: float) -> CommandResult:
         """Change to PX4's take-off mode, which climbs when armed."""
         self.flight.hold()
-        self._idle_mode = self.habits.takeoff_mode or 0
+        self._idle_mode = self.profile.takeoff_mode or 0
         self._rise_to = altitude
         if self.flight.armed:
             self._begin_rising()
@@ -278,7 +278,7 @@ class Commander(Reporting):
 
     def reposition(self, params: Sequence[float]) -> CommandResult:
         """Execute command 192, which only PX4 takes: hold, and in flight go there; altitude AMSL in every frame."""
-        if not self.habits.repositions or whole(params[1]) != MAV_DO_REPOSITION_CHANGE_MODE:
+        if not self.profile.repositions or whole(params[1]) != MAV_DO_REPOSITION_CHANGE_MODE:
             return UNSUPPORTED
         self.obey(FlightMode.HOLD)
         if self.flight.armed and not self.flight.landed:
@@ -287,20 +287,20 @@ class Commander(Reporting):
 
     def check(self) -> CommandResult:
         """Execute command 401: report why arming is refused; PX4 reports it by events."""
-        if self.habits.tells_prearm and (hinders := self._hinders()):
-            self._text(CRITICAL, f"PreArm: {hinders}")
+        if self.profile.reports_prearm and (reason := self._arming_refusal()):
+            self._text(CRITICAL, f"PreArm: {reason}")
         return ACCEPTED
 
     def reboot(self, how: float) -> CommandResult:
         """Execute command 246: ArduPilot restarts unless armed; PX4 in simulation does not."""
-        if not self.habits.reboots:
+        if not self.profile.reboots:
             return DENIED if how else ACCEPTED
         if how != 1.0:
             return UNSUPPORTED
         if self.flight.armed:
             return FAILED
         self._powered_s = self._now
-        self._idle_mode = self.habits.first_mode
+        self._idle_mode = self.profile.first_mode
         self._has_begun = self._runs = False
         self.flight.rewind()
         return ACCEPTED

@@ -28,7 +28,7 @@ from ipoa_mission.link.messages import (
     Text,
     WritePartialList,
 )
-from ipoa_mission.mission.commands import SAME_FRAME
+from ipoa_mission.mission.commands import PLAIN_FRAME
 from ipoa_mission.mission.fence_items import fence_from_wire
 from ipoa_mission.mission.items import Item
 from ipoa_mission.mission.stored_mission import home_item
@@ -37,7 +37,7 @@ from ipoa_mission.simulator.mock_profile import Answer, MockProfile
 from ipoa_mission.simulator.store import Store
 from ipoa_mission.world.frame import Geodetic
 
-INT_FRAMES = {int(plain): int(whole) for whole, plain in SAME_FRAME.items()}
+INT_FRAMES = {int(plain): int(whole) for whole, plain in PLAIN_FRAME.items()}
 KINDS = (MissionType.MISSION, MissionType.FENCE, MissionType.RALLY)
 MOST_READERS = 16
 #: Results of items whose `current` makes them a command, for a vehicle that is not in guided mode: 2 ("go there
@@ -310,7 +310,7 @@ class MissionService:
     def list_id(self, kind: int) -> int:
         """Return the number that PX4 reports for a stored list."""
         items = self.stores[MissionType(kind)].items
-        if not items or not self._habits.tells_list_id:
+        if not items or not self._habits.reports_list_id:
             return 0
         if self._named.get(kind, ((), 0))[0] is not items:
             self._named[kind] = items, zlib.crc32(repr(items).encode())

@@ -17,7 +17,7 @@ from ipoa_mission.vehicles.firmware_tables import Firmware as Tables
 from ipoa_mission.vehicles.version import Version
 
 #: MAV_PROTOCOL_CAPABILITY: mission and parameters as floats, MISSION_INT, COMMAND_INT, MAVLink 2, fence, rally.
-SPOKEN = 1 | 2 | 4 | 8 | 8192 | 16384 | 32768
+CAPABILITIES = 1 | 2 | 4 | 8 | 8192 | 16384 | 32768
 BYTEWISE, FTP = 16, 32
 
 
@@ -73,15 +73,15 @@ class MockProfile:
     stored_text: Mapping[int, str] = field(default_factory=dict)  # text after a list is stored
     flags_kept: frozenset[int]  # lists whose autocontinue reads back as 1, else 0
     int_frames: bool = False  # frames read back with `_INT`
-    tells_list_id: bool = False  # MISSION_ACK and MISSION_CURRENT carry the list's id
+    reports_list_id: bool = False  # MISSION_ACK and MISSION_CURRENT carry the list's id
     no_total: int  # MISSION_CURRENT.total without a mission
     missing_takeoff_text: str | None = None  # text at the start of a mission without take-off on the ground
     no_item_text: str | None = None  # text after MISSION_SET_CURRENT of a missing item
     runs_on_ground: bool = False  # in mission mode the mission advances on the ground, too
-    words_of_flight: bool = False  # texts report start, climb height and landing
+    flight_texts: bool = False  # texts report start, climb height and landing
     restores_mode: bool = False  # after return or landing the earlier mode comes back
     no_such_mode_text: str | None = None
-    doubts_modes: bool = False  # an armed vehicle refuses a mode that it cannot fly, with the reason
+    refuses_modes: bool = False  # an armed vehicle refuses a mode that it cannot fly, with the reason
     repositions: bool = False  # takes DO_REPOSITION
     reboots: bool = False
     switches_fence: bool = False  # takes DO_FENCE_ENABLE as a command
@@ -92,10 +92,10 @@ class MockProfile:
     armable_modes: frozenset[int]
     takeoff_mode: int | None = None  # mode of the take-off command, left at the top
     mission_arms: bool = False  # MISSION_START arms
-    tells_prearm: bool = False  # SYS_STATUS reports the pre-arm check, texts report its failures
+    reports_prearm: bool = False  # SYS_STATUS reports the pre-arm check, texts report its failures
     prearm_every_s: float = 0.0  # interval of the checks: their reported result may be this old [s]
     refused_arming: int  # COMMAND_ACK of a refused arming, or disarming in flight
-    arm_words: tuple[str, str, str, str]  # armed, disarmed by command, by landing, by timeout
+    arm_texts: tuple[str, str, str, str]  # armed, disarmed by command, by landing, by timeout
     disarm_delay: str  # parameter of the time until it disarms on the ground [s]
     mode_acks: int = 1  # COMMAND_ACKs of one DO_SET_MODE
     acks_first: bool = False  # COMMAND_ACK precedes the requested message

@@ -13,10 +13,10 @@ from ipoa_mission.simulator.station import Station
 
 PERFECT = Faults()
 LONGEST_WAIT_S = 0.1
-MOST_LATE_S = 1.0  # greatest lag of the autopilot's clock
+GREATEST_LAG_S = 1.0  # greatest lag of the autopilot's clock
 MOST_FRAMES_HZ = 2000.0  # to one peer: more overrun a ground station's socket while it is busy
 MOST_AT_ONCE = 100  # frames; Linux keeps 277 small ones by default in an unread socket
-WORTH_A_WORD_S = 10.0
+REPORTED_LAG_S = 10.0
 log = logging.getLogger(__name__)
 MOST_PIPES = 32
 
@@ -113,10 +113,10 @@ class Server:
         self._real_s = now
         self._unread = max(self._unread - passed_s * MOST_FRAMES_HZ, 0.0)
         self._virtual_s += passed_s * hurry
-        late_s = self._virtual_s - self._station.deadline - MOST_LATE_S
+        late_s = self._virtual_s - self._station.deadline - GREATEST_LAG_S
         if late_s > 0:
             self._virtual_s -= late_s
-            if self._lost_s <= WORTH_A_WORD_S < self._lost_s + late_s:
+            if self._lost_s <= REPORTED_LAG_S < self._lost_s + late_s:
                 log.warning("the machine is too slow for speed %g: the clock is slowed", self._speedup)
             self._lost_s += late_s
 

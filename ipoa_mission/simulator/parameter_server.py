@@ -18,9 +18,9 @@ class ParameterServer:
         self._autopilot = autopilot
         set_up = autopilot.book.set_up
         self._types = {**autopilot.book.types, **{name: kind for name, (_, kind) in set_up.items()}}
-        told = {name: value for name, (value, _) in set_up.items()}
+        declared = {name: value for name, (value, _) in set_up.items()}
         own = {**autopilot.book.moving, **autopilot.defaults_of(version)}
-        self.values = {**told, **own, **autopilot.book.others, **given}
+        self.values = {**declared, **own, **autopilot.book.others, **given}
 
     def answers(self, message: Message) -> list[ParamValue] | None:
         """Return the reply to a message of the parameter protocol; None for other messages."""

@@ -40,7 +40,7 @@ _NAMES: Mapping[int, str] = {
     Command.JUMP_TAG: "Tag",
 }
 #: Items whose end is reported as text: places flown to.
-SAID_WHEN_REACHED = WAYPOINTS | {Command.NAV_LOITER_TIME, Command.NAV_LOITER_TURNS, Command.NAV_LOITER_TO_ALT}
+REPORTED_WHEN_REACHED = WAYPOINTS | {Command.NAV_LOITER_TIME, Command.NAV_LOITER_TURNS, Command.NAV_LOITER_TO_ALT}
 
 
 def begun(seq: int, command: int) -> str:
@@ -58,14 +58,14 @@ class Reporting:
 
     def __init__(
         self,
-        habits: MockProfile,
+        profile: MockProfile,
         flight: SimulatedFlight,
         transfers: MissionService,
         parameters: Parameters,
         powered_s: float,
     ) -> None:
         """Create a vehicle that was powered up at `powered_s` [s]."""
-        self.habits = habits
+        self.profile = profile
         self.flight = flight
         self.transfers = transfers
         self._parameters = parameters
@@ -74,12 +74,12 @@ class Reporting:
         self._powered_s = powered_s
         self._told_reached = 0
         self._last_reached = m.Reached(0), 0  # and its remaining repeats
-        self._told_mode = habits.first_mode
+        self._told_mode = profile.first_mode
         self._told_current = -1
         self._unflyable: Infeasible | None = None
         self._flown: tuple[Item, ...] = ()  # items of the flight: without home, and only a complete mission
-        self._idle_mode = habits.first_mode  # mode without a command
-        self._mode_before = habits.first_mode  # PX4: mode before a return or landing
+        self._idle_mode = profile.first_mode  # mode without a command
+        self._mode_before = profile.first_mode  # PX4: mode before a return or landing
         self._armed_s: float | None = None
         self._checked = -math.inf, False  # time and result of the last pre-arm check
         self._rise_to = math.nan  # PX4: take-off altitude AMSL; NaN: from its parameter
@@ -91,34 +91,34 @@ class Reporting:
 
     @property
     def mode(self) -> int:
-        return self._idle_mode if self.flight.mode is FlightMode.HOLD else self.habits.modes[self.flight.mode]
+        return self._idle_mode if self.flight.mode is FlightMode.HOLD else self.profile.modes[self.flight.mode]
 
     @property
     def _mission_mode(self) -> int:
-        return self.habits.modes[FlightMode.MISSION]
+        return self.profile.modes[FlightMode.MISSION]
 
     @property
     def _first(self) -> int:
-        return self.habits.autopilot.counts_home
+        return self.profile.autopilot.counts_home
 
-    def _hinders(self) -> str:
+    def _arming_refusal(self) -> str:
         """Return why it cannot be armed in its present mode; empty if it can."""
-        start_up = self.habits.start_up
+        start_up = self.profile.start_up
         if self._age < start_up.steady_s:
             return start_up.unsteady
-        if self._age < start_up.position_s and self.mode in self.habits.placed_modes:
+        if self._age < start_up.position_s and self.mode in self.profile.placed_modes:
             return start_up.unplaced
         if self.mode == self._mission_mode and not self._flown:
             return start_up.no_mission
-        if not self.habits.tells_prearm and self.mode not in self.habits.armable_modes:
+        if not self.profile.reports_prearm and self.mode not in self.profile.armable_modes:
             return start_up.unsteady
         return ""
 
     def _passed_checks(self) -> bool:
         """Return the result of the last pre-arm check, which may precede the last change of mode."""
         checked_s, _ = self._checked
-        if self._now - checked_s >= self.habits.prearm_every_s:
-            self._checked = self._now, not self._hinders()
+        if self._now - checked_s >= self.profile.prearm_every_s:
+            self._checked = self._now, not self._arming_refusal()
         return self._checked[1]
 
     def _is_standing(self) -> bool:
@@ -129,7 +129,7 @@ class Reporting:
     def _delays(self) -> bool:
         """Return whether an ArduCopter is in a delay item."""
         at = self.flight.current
-        return self.habits.runs_on_ground and at < len(self._flown) and self._flown[at].command == Command.NAV_DELAY
+        return self.profile.runs_on_ground and at < len(self._flown) and self._flown[at].command == Command.NAV_DELAY
 
     # --- unrequested messages ---------------------------------------------------------------------------------------
 
@@ -146,15 +146,15 @@ class Reporting:
             case "HEARTBEAT":
                 return self._heartbeat()
             case "SYS_STATUS":
-                return streams.status(self._passed_checks(), self.habits.tells_prearm)
+                return streams.status(self._passed_checks(), self.profile.reports_prearm)
             case "MISSION_CURRENT":
                 self._repeat_reached()
                 return self._current()
             case "TIMESYNC":
                 return m.TimeSync(0, round(self._now * 1e9))
-            case "GLOBAL_POSITION_INT" if self._age < self.habits.start_up.origin_s:
-                return telemetry.Position(self._now, 0.0, 0.0, 0.0, 0.0) if self.habits.tells_prearm else None
-            case "HOME_POSITION" | "GPS_GLOBAL_ORIGIN" if self._age < self.habits.start_up.origin_s:
+            case "GLOBAL_POSITION_INT" if self._age < self.profile.start_up.origin_s:
+                return telemetry.Position(self._now, 0.0, 0.0, 0.0, 0.0) if self.profile.reports_prearm else None
+            case "HOME_POSITION" | "GPS_GLOBAL_ORIGIN" if self._age < self.profile.start_up.origin_s:
                 return None
             case _:
                 return streams.FROM_FLIGHT[name](self.flight, self._now)
@@ -169,29 +169,29 @@ class Reporting:
         armed = m.ARMED_FLAG if self.flight.armed else 0
         state = STATE_STANDBY
         if not self.transfers.booted:
-            state = STATE_BOOT if self.habits.tells_prearm else STATE_UNINIT
-        elif self.flight.armed and not (self.habits.tells_prearm and self.flight.landed):
+            state = STATE_BOOT if self.profile.reports_prearm else STATE_UNINIT
+        elif self.flight.armed and not (self.profile.reports_prearm and self.flight.landed):
             state = STATE_ACTIVE
-        elif not self.habits.tells_prearm and not self.flight.armed and self._hinders():
+        elif not self.profile.reports_prearm and not self.flight.armed and self._arming_refusal():
             state = STATE_UNINIT
         return m.Heartbeat(
-            QUADROTOR, self.habits.autopilot.mav_autopilot, self.habits.base_mode | armed, self.mode, state
+            QUADROTOR, self.profile.autopilot.mav_autopilot, self.profile.base_mode | armed, self.mode, state
         )
 
     def _current(self) -> m.Current:
         total = len(self.transfers.stores[MissionType.MISSION].items) - self._first
         if total <= 0:
             mode = MISSION_SUSPENDED if self._first == 0 else 0
-            return m.Current(0, self.habits.no_total, int(MissionState.NO_MISSION), mode)
+            return m.Current(0, self.profile.no_total, int(MissionState.NO_MISSION), mode)
         number = self.transfers.list_id(MissionType.MISSION)
-        if self.habits.runs_on_ground:
+        if self.profile.runs_on_ground:
             seq, state = (self.flight.current + 1 if self._has_begun else 0), MissionState.NOT_STARTED
             if self._runs or self.flight.mode is FlightMode.MISSION:
                 state = MissionState.ACTIVE
             if self.flight.armed and self.flight.mission_state is MissionState.COMPLETE:
                 state = MissionState.COMPLETE
             return m.Current(seq, total, int(state), int(self.mode == self._mission_mode), number)
-        active = self.mode in self.habits.placed_modes - {self.habits.modes[FlightMode.HOLD]}
+        active = self.mode in self.profile.placed_modes - {self.profile.modes[FlightMode.HOLD]}
         state = MissionState.ACTIVE if active else MissionState.NOT_STARTED
         if self._unflyable:
             state = MissionState.NO_MISSION
@@ -202,36 +202,36 @@ class Reporting:
         mode = MISSION_ACTIVE if active else MISSION_SUSPENDED
         return m.Current(self.flight.current, total, int(state), mode, number)
 
-    def _tell_changes(self) -> None:
+    def _report_changes(self) -> None:
         """Send what this firmware does not leave to its streams: an item reached, another current item or mode."""
         reached = self.flight.reached
         if len(reached) < self._told_reached:
             self._told_reached = 0
         fresh = reached[self._told_reached :]
-        if fresh and self._now < fresh[-1].time_s + self.habits.reached_slot_s:
+        if fresh and self._now < fresh[-1].time_s + self.profile.reached_slot_s:
             return  # another may follow and hide it
         self._told_reached += len(fresh)
         for n, one in enumerate(fresh):
-            soon = one.time_s + self.habits.reached_slot_s
+            soon = one.time_s + self.profile.reached_slot_s
             if one.announced and not any(later.time_s < soon for later in fresh[n + 1 :]):
-                self._last_reached = m.Reached(one.index + self._first), self.habits.reached_repeats
+                self._last_reached = m.Reached(one.index + self._first), self.profile.reached_repeats
                 self._say(self._last_reached[0], EVERYONE)
-            if self.habits.runs_on_ground:
+            if self.profile.runs_on_ground:
                 self._say_item(one.index)
-        if fresh and self.flight.mode is FlightMode.MISSION and self.habits.runs_on_ground:
+        if fresh and self.flight.mode is FlightMode.MISSION and self.profile.runs_on_ground:
             self._say_begun()
-        elif not self.habits.runs_on_ground and self.flight.current != self._told_current and self._flown:
+        elif not self.profile.runs_on_ground and self.flight.current != self._told_current and self._flown:
             self._say(self._current(), EVERYONE)
         self._told_current = self.flight.current
         if self.mode != self._told_mode:
             self._told_mode = self.mode
-            if self.habits.heartbeat_on_change:
+            if self.profile.heartbeat_on_change:
                 self._say(self._heartbeat(), EVERYONE)
 
     def _say_item(self, index: int) -> None:
         """Send ArduPilot's text for a finished item."""
         command = self._flown[index].command
-        if command in SAID_WHEN_REACHED:
+        if command in REPORTED_WHEN_REACHED:
             self._text(INFO, f"Reached command #{index + 1}")
         elif command > LAST_NAV:
             self._text(INFO, begun(index + 1, command))

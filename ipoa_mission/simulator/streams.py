@@ -55,7 +55,7 @@ class Schedule:
     def set_interval(self, number: int, interval_us: float, now: float, listener: Target) -> bool:
         """Execute command 511: -1 stops a stream, 0 restores its default; return whether the stream exists."""
         name = message_name(number)
-        if name is None or name not in KNOWN or name in self._fixed or math.isnan(interval_us):
+        if name is None or name not in KNOWN_MESSAGES or name in self._fixed or math.isnan(interval_us):
             return False
         self.hear(listener)
         wishes = self._wishes[listener]
@@ -84,7 +84,7 @@ class Schedule:
     def interval_us(self, number: int, listener: Target) -> int | None:
         """Return the answer to command 510 [us]; -1: the stream is off; None: no such stream."""
         name = message_name(number)
-        if name is None or name not in KNOWN:
+        if name is None or name not in KNOWN_MESSAGES:
             return None
         interval = self._interval(name, listener)
         return -1 if math.isinf(interval) else round(interval * 1e6)
@@ -152,14 +152,14 @@ FROM_FLIGHT: Mapping[str, Callable[[SimulatedFlight, float], Message]] = {
 }
 
 
-def status(is_ready: bool, tells_prearm: bool) -> SystemStatus:
+def status(is_ready: bool, reports_prearm: bool) -> SystemStatus:
     """Return SYS_STATUS with healthy sensors; a passed pre-arm check is healthy, on PX4 without being present."""
-    bits = SENSORS | (PREARM if tells_prearm else 0)
+    bits = SENSORS | (PREARM if reports_prearm else 0)
     return SystemStatus(bits, bits, SENSORS | (PREARM if is_ready else 0))
 
 
 #: Messages available as a stream or on request.
-KNOWN = frozenset({"HEARTBEAT", "SYS_STATUS", "MISSION_CURRENT", "TIMESYNC", *FROM_FLIGHT})
+KNOWN_MESSAGES = frozenset({"HEARTBEAT", "SYS_STATUS", "MISSION_CURRENT", "TIMESYNC", *FROM_FLIGHT})
 
 
 def _half_turn(angle: float) -> float:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import ipoa_mission as api
 from ipoa_mission.flight.landed import landed_elsewhere
-from ipoa_mission.mission.about_file import KEY, digest
+from ipoa_mission.mission.about_file import LANDING_GROUND_KEY, digest
 from ipoa_mission.mission.items import land, takeoff, waypoint
 from ipoa_mission.mission.landing_ground import known_ground, landing_height, landing_on
 from ipoa_mission.mission.plan_file import LANDING_GROUND, plan_text
@@ -24,7 +24,7 @@ def test_a_file_is_read_over_the_ground_that_was_written_beside_it(tmp_path: Pat
     text, path, about = waypoints_text(uphill), tmp_path / "hill.waypoints", tmp_path / "hill.json"
     path.write_text(text, encoding="utf-8")
     assert landing_height(api.read_mission(path, MISSION.autopilot)) is None
-    about.write_text(json.dumps({KEY: 8.5, "sha256": {path.name: digest(text)}}), encoding="utf-8")
+    about.write_text(json.dumps({LANDING_GROUND_KEY: 8.5, "sha256": {path.name: digest(text)}}), encoding="utf-8")
     again = api.read_mission(path, MISSION.autopilot)
     assert landing_height(again) == 8.5
     assert known_ground(again).at(0.0, 0.0) == 0.0

@@ -41,8 +41,8 @@ class Booting(BuiltInAutopilot):
     def __init__(self, autopilot: Autopilot, hinders: str = "", placed_s: float = 0.0) -> None:
         super().__init__(autopilot, HOME, cold=True)
         self.armings_s: list[float] = []
-        start_up = replace(self.habits.start_up, steady_s=5.0, position_s=placed_s or PLACED_S[autopilot])
-        self.habits = replace(self.habits, start_up=replace(start_up, unplaced=hinders or start_up.unplaced))
+        start_up = replace(self.profile.start_up, steady_s=5.0, position_s=placed_s or PLACED_S[autopilot])
+        self.profile = replace(self.profile, start_up=replace(start_up, unplaced=hinders or start_up.unplaced))
 
     def receive(self, message: Message, source: Target, now: float) -> None:
         if isinstance(message, CommandLong) and message.command == Command.COMPONENT_ARM_DISARM:
@@ -127,7 +127,7 @@ def test_what_waiting_does_not_mend_ends_at_once_with_the_vehicle_s_reason(autop
         with pytest.raises((NotReady, CommandRefused)) as refused:
             fly_mission(vehicle, suited(vehicle, MISSION))
         assert hinders in str(refused.value)
-        assert vehicle.line.now() < booting.habits.start_up.origin_s + 40.0
+        assert vehicle.line.now() < booting.profile.start_up.origin_s + 40.0
     assert len(booting.armings_s) <= 1
 
 

@@ -184,7 +184,7 @@ def test_a_scan_finds_every_vehicle_on_the_link() -> None:
 def test_a_scan_asks_for_versions_and_does_not_wait_for_the_silent() -> None:
     line = flock(1, 2, 3)
     one, two, three = (station.autopilot for station in far_end(line)._stations)
-    two.can_tell = lambda number: CommandResult.UNSUPPORTED  # knows the older order alone
+    two.request_message = lambda number: CommandResult.UNSUPPORTED  # knows the older order alone
     receive = three.receive
     three.receive = lambda message, *rest: None if isinstance(message, CommandLong) else receive(message, *rest)
     found = [one.system for one in scan(line)]

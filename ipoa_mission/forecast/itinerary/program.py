@@ -17,11 +17,11 @@ import numpy as np
 from ipoa_mission.forecast.itinerary.jump_targets import jump_target, repeats
 from ipoa_mission.geometry import Points
 from ipoa_mission.mission.commands import (
-    ALSO_MOVE,
     FLOWN_TO,
     JUMPS,
     LAST_NAV,
-    TO_THE_GROUND,
+    MOVING_AFTER_LAST_NAV,
+    TAKEOFF_AND_LAND,
     WAYPOINTS,
     Command,
     Frame,
@@ -57,7 +57,7 @@ def as_flown(mission: Mission) -> Mission:
     for item in mission.items:
         if item.is_as_high_as_now(mission.autopilot):
             item = replace(item, altitude=altitude, frame=frame)
-        if item.is_here(mission.autopilot) and item.command not in TO_THE_GROUND | {Command.NAV_PAYLOAD_PLACE}:
+        if item.is_here(mission.autopilot) and item.command not in TAKEOFF_AND_LAND | {Command.NAV_PAYLOAD_PLACE}:
             item = replace(item, latitude_deg=latitude, longitude_deg=longitude)
         items.append(item)
         if item.has_position and item.command != Command.NAV_TAKEOFF:  # that climbs in place
@@ -99,7 +99,7 @@ def next_navigated(
     if autopilot.guidance.stops_to_hold and not is_passed(items[n]):
         return None
     for index in range(n + 1, len(items)) if later is None else later:
-        if items[index].command <= LAST_NAV or items[index].command in ALSO_MOVE:
+        if items[index].command <= LAST_NAV or items[index].command in MOVING_AFTER_LAST_NAV:
             return index
     return None
 
@@ -244,7 +244,7 @@ class Program:
         return ahead if wrong else None
 
     def _moves(self, index: int) -> bool:
-        return self.items[index].command <= LAST_NAV or self.items[index].command in ALSO_MOVE
+        return self.items[index].command <= LAST_NAV or self.items[index].command in MOVING_AFTER_LAST_NAV
 
     def ahead(self, index: int) -> Iterator[int]:
         """Return the items after `index`, at most as many as the mission has."""

@@ -3,8 +3,8 @@
 from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.messages import CommandResult, MissionType, Result
 from ipoa_mission.simulator.mock_profile import (
+    CAPABILITIES,
     FTP,
-    SPOKEN,
     Answer,
     MockProfile,
     StartUp,
@@ -38,7 +38,7 @@ MOCK_PROFILE = MockProfile(
     missing_takeoff_text="Auto: Missing Takeoff Cmd",
     runs_on_ground=True,
     no_such_mode_text="No such mode",
-    doubts_modes=True,
+    refuses_modes=True,
     reboots=True,
     switches_fence=True,
     start_up=StartUp(
@@ -48,10 +48,10 @@ MOCK_PROFILE = MockProfile(
     first_mode=0,
     placed_modes=frozenset({3, 4, 5, 6, 7, 16, 17, 21, 27}),
     armable_modes=frozenset({0, 1, 2, 4, 5, 16}),
-    tells_prearm=True,
+    reports_prearm=True,
     prearm_every_s=1.0,
     refused_arming=CommandResult.FAILED,
-    arm_words=("Arming motors", "Disarming motors", "Disarming motors", "Disarming motors"),
+    arm_texts=("Arming motors", "Disarming motors", "Disarming motors", "Disarming motors"),
     disarm_delay="DISARM_DELAY",
     acks_first=True,
     heartbeat_on_change=True,
@@ -60,7 +60,7 @@ MOCK_PROFILE = MockProfile(
     no_such_message=CommandResult.FAILED,
     no_such_interval=(0, CommandResult.FAILED),
     base_mode=81,
-    capabilities=SPOKEN | FTP,
+    capabilities=CAPABILITIES | FTP,
     stream_groups={
         2: frozenset({"SYS_STATUS", "MISSION_CURRENT", "GPS_RAW_INT"}),
         6: frozenset({"GLOBAL_POSITION_INT", "LOCAL_POSITION_NED"}),

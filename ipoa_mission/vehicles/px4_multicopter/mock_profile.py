@@ -2,7 +2,7 @@
 
 from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.messages import CommandResult, MissionType
-from ipoa_mission.simulator.mock_profile import BYTEWISE, SPOKEN, Answer, MockProfile, StartUp, asks_every
+from ipoa_mission.simulator.mock_profile import BYTEWISE, CAPABILITIES, Answer, MockProfile, StartUp, asks_every
 from ipoa_mission.simulator.situation import FlightMode
 from ipoa_mission.vehicles.modes import mode_number
 from ipoa_mission.vehicles.px4_multicopter.vehicle import PX4_MULTICOPTER
@@ -25,10 +25,10 @@ MOCK_PROFILE = MockProfile(
     clears_all=True,
     flags_kept=frozenset({MissionType.MISSION, MissionType.RALLY}),
     int_frames=True,
-    tells_list_id=True,
+    reports_list_id=True,
     no_total=65535,
     no_item_text="WPM: WP CURR CMD: Not in list\t",
-    words_of_flight=True,
+    flight_texts=True,
     restores_mode=True,
     repositions=True,
     start_up=StartUp(0.5, 1.0, 1.5, 1.5, *(3 * ("Resolve system health failures first",))),
@@ -44,7 +44,7 @@ MOCK_PROFILE = MockProfile(
     takeoff_mode=mode_number(4, 2),
     mission_arms=True,
     refused_arming=CommandResult.TEMPORARILY_REJECTED,
-    arm_words=(
+    arm_texts=(
         "Armed by external command\t",
         "Disarmed by external command\t",
         "Disarmed by landing\t",
@@ -71,6 +71,6 @@ MOCK_PROFILE = MockProfile(
     no_such_message=CommandResult.DENIED,
     no_such_interval=(-1, CommandResult.ACCEPTED),
     base_mode=29,
-    capabilities=SPOKEN | BYTEWISE,
+    capabilities=CAPABILITIES | BYTEWISE,
     protocol=(200, 100, 203),
 )
