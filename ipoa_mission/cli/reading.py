@@ -11,7 +11,7 @@ from ipoa_mission.finding import Finding
 from ipoa_mission.logs.learn.vehicle_file import read_vehicle
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.mission.mission_io import read_by_items, read_mission_file
-from ipoa_mission.mission.parameter_file import beside
+from ipoa_mission.mission.parameter_file import parameter_path
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def read_given(
     if mission.parameters:
         some = ", ".join(f"{name} {value:g}" for name, value in [*mission.parameters.items()][:SHOWN])
         more = len(mission.parameters) - SHOWN
-        remarks += (f"parameters from {beside(file)}: {some}{f' and {more} more' if more > 0 else ''}",)
+        remarks += (f"parameters from {parameter_path(file)}: {some}{f' and {more} more' if more > 0 else ''}",)
     if flown_by.vehicle is not None:
         mission = replace(mission, vehicle=read_vehicle(flown_by.vehicle, mission.autopilot))
     return Given(mission.with_parameters(flown_by.parameters), read.findings, remarks, read.planned)

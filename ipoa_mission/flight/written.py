@@ -9,7 +9,7 @@ from ipoa_mission.errors import BadInput
 from ipoa_mission.files import MISSIONS, read_text
 from ipoa_mission.mission.about_file import digest, written_with
 from ipoa_mission.mission.items import Mission
-from ipoa_mission.mission.parameter_file import beside, write_with_parameters
+from ipoa_mission.mission.parameter_file import parameter_path, write_with_parameters
 from ipoa_mission.mission.plan_file import plan_text
 from ipoa_mission.mission.waypoints_file import waypoints_text
 
@@ -32,7 +32,7 @@ def write_files(
     if about is not None:
         contents[folder / f"{name}.json"] = as_text({**about, "sha256": digests})
     write_with_parameters(mission, contents)
-    return (*contents, *([beside(plan)] if mission.parameters else [])), digests
+    return (*contents, *([parameter_path(plan)] if mission.parameters else [])), digests
 
 
 def as_text(contents: Mapping[str, Any]) -> str:

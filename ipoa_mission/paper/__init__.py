@@ -1,1 +1,1 @@
-"""Whether the paper is right."""
+"""Reproduce the tables and figures of the paper on IPOA."""

@@ -1,4 +1,4 @@
-"""What trials are run on: a cost, a box, and what else is measured of what was found."""
+"""Define an optimization problem for trials: a cost, a box, and further measures of an optimum."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,13 +6,13 @@ from typing import TypeAlias
 
 from ipoa_mission.optimize.search import Box, Candidates, Costs, Optimum
 
-#: Named measures of an optimum: a number, or the numbers of a vector.
+#: Named measures of an optimum: numbers or vectors.
 Measures: TypeAlias = dict[str, float | list[float]]
 
 
 @dataclass(frozen=True)
 class Problem:
-    """What is minimized, (n, D) -> (n,), inside which box, and the further measures of what was found."""
+    """Define a cost (n, D) -> (n,) to minimize, its box, and further measures of an optimum."""
 
     cost: Callable[[Candidates], Costs]
     box: Box

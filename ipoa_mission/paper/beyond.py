@@ -1,4 +1,4 @@
-"""What the paper lacks: equal budgets, each strategy off, other readings, and rivals from libraries.
+"""Make tables that the paper lacks: equal budgets, ablation, other readings, rivals from libraries.
 
 On CEC2022 and on the maps; each table is a pure function of rows of runs.
 """
@@ -16,13 +16,13 @@ from ipoa_mission.paper.markdown_table import Table, number
 from ipoa_mission.paper.paper_maps import MAPS
 from ipoa_mission.paper.rows import TrialRow, mean_evaluations, results, runs_of, settings_text
 from ipoa_mission.paper.series import ABLATION, BEYOND, EQUAL
-from ipoa_mission.paper.statistics import Samples, against, counted, places, ranking, told_apart
+from ipoa_mission.paper.statistics import Samples, against, compare_pairs, count_signs, places, ranking
 
 OURS = BEYOND[0]
 
 
 def table_equal(rows: Sequence[TrialRow]) -> Table:
-    """The six at the same number of evaluations: what is left of the places when nobody is given more."""
+    """Compare the six algorithms at an equal number of evaluations."""
     settings = {name: settings_text(**wanted) for name, wanted in EQUAL.items()}
 
     def of(name: str, function: str) -> NDArray[np.float64]:
@@ -30,7 +30,7 @@ def table_equal(rows: Sequence[TrialRow]) -> Table:
 
     means = np.array([[of(name, f).mean() for name in EQUAL] for f in FUNCTIONS])
     scores = [mean_log_error(rows, name, settings[name]) for name in EQUAL]
-    signs = _each_told_apart(of, "ipoa", [name for name in EQUAL if name != "ipoa"], FUNCTIONS)
+    signs = _compare_each(of, "ipoa", [name for name in EQUAL if name != "ipoa"], FUNCTIONS)
     return Table(
         f"The six at equal budget: mean error (place), CEC2022, D = 20, 90,060 evaluations, {runs_of(rows)} runs.",
         ["", *(name.upper() for name in EQUAL)],
@@ -46,7 +46,7 @@ def table_equal(rows: Sequence[TrialRow]) -> Table:
 
 
 def table_ablation(rows: Sequence[TrialRow]) -> Table:
-    """IPOA on CEC2022 with each strategy off and each other reading, one at a time."""
+    """Compare IPOA on CEC2022 with each strategy off and each other reading, one at a time."""
     return _ablation(
         rows,
         f"Ablation and readings: IPOA on CEC2022, D = 20, {runs_of(rows)} runs.",
@@ -55,14 +55,14 @@ def table_ablation(rows: Sequence[TrialRow]) -> Table:
             "mean log10 error": lambda settings: f"{mean_log_error(rows, 'ipoa', settings):.2f}",
             "off the print": lambda settings: f"{off_the_print(rows, settings):.2f}",
         },
-        "Better, same, worse: functions on which the rank-sum test with Holm's correction over the twelve says so "
+        "Better, same, worse: number of functions by the rank-sum test with Holm's correction over the twelve "
         "at 0.05. Off the print: mean of |ln(our mean error / the printed one)|; 0 is a perfect match. "
         "The twelve columns are mean errors.",
     )
 
 
 def table_maps_ablation(rows: Sequence[TrialRow]) -> Table:
-    """The same on the maps, by cost."""
+    """Compare IPOA's cost on the maps with each strategy off and each other reading, one at a time."""
     return _ablation(
         rows,
         f"Ablation and readings on the maps: mean cost of IPOA, {runs_of(rows)} runs, absolute coordinates.",
@@ -71,7 +71,7 @@ def table_maps_ablation(rows: Sequence[TrialRow]) -> Table:
             "mean cost": lambda settings: f"{mean_over_maps(rows, 'ipoa', settings=settings):.1f}",
             "collision-free": lambda settings: f"{mean_over_maps(rows, 'ipoa', 'feasible', settings):.0%}",
         },
-        "Better, same, worse: maps on which the rank-sum test with Holm's correction over the seven says so at 0.05.",
+        "Better, same, worse: number of maps by the rank-sum test with Holm's correction over the seven at 0.05.",
     )
 
 
@@ -82,34 +82,34 @@ def _ablation(
     columns: Mapping[str, Callable[[str], str]],
     note: str,
 ) -> Table:
-    """A line for each setting of IPOA: the columns, how it compares with the default, and its mean on each case."""
+    """Make a line for each setting of IPOA: columns, comparison with the default, and mean on each case."""
     first = [results(rows, case, "ipoa") for case in cases]
     lines = []
     for label, wanted in ABLATION.items():
         settings = settings_text(**wanted)
         ours = [results(rows, case, "ipoa", settings=settings) for case in cases]
-        compared = counted(told_apart(list(zip(ours, first, strict=True)))) if wanted else "-"
+        compared = count_signs(compare_pairs(list(zip(ours, first, strict=True)))) if wanted else "-"
         measured = [of(settings) for of in columns.values()]
         lines.append([label, *measured, compared, *(number(costs.mean()) for costs in ours)])
     return Table(caption, ["", *columns, "better / same / worse than the first", *cases], lines, [note])
 
 
 def table_beyond(paper: Sequence[TrialRow], rivals: Sequence[TrialRow]) -> Table:
-    """Mean error of the rivals beyond the paper, beside the paper's six."""
+    """Compare the mean errors of the rivals beyond the paper and the paper's six."""
     everyone = [*rivals, *paper]
     return _rivals(
         everyone,
         ["Beyond the paper: CEC2022, D = 20.", ""],
         FUNCTIONS,
         ("mean log10", lambda name: f"**{mean_log_error(everyone, name):.2f}**"),
-        f"Mean error (place), {runs_of(rivals)} runs; the last line is log10 of it, errors below 1e-8 counted as "
-        f"1e-8, averaged over the functions. The first {len(BEYOND)} spent 90,060 evaluations a run, the paper's "
-        "six what N = 30 and T = 1000 gives them.",
+        f"Mean error (place), {runs_of(rivals)} runs; the last line is log10 of it, averaged over the functions; "
+        f"errors below 1e-8 count as 1e-8. The first {len(BEYOND)} spent 90,060 evaluations a run. The "
+        "paper's six have N = 30 and T = 1000.",
     )
 
 
 def table_maps_beyond(paper: Sequence[TrialRow], rivals: Sequence[TrialRow]) -> Table:
-    """Mean cost on each map: rivals beyond the paper beside the paper's six."""
+    """Compare the mean costs on the maps of the rivals beyond the paper and the paper's six."""
     everyone = [*rivals, *paper]
     words = f"Beyond the paper, on the maps: mean cost (place), {runs_of(rivals)} runs, absolute coordinates."
     share = ("collision-free", lambda name: f"{mean_over_maps(everyone, name, 'feasible'):.0%}")
@@ -123,14 +123,14 @@ def _rivals(
     last: tuple[str, Callable[[str], str]],
     *notes: str,
 ) -> Table:
-    """Means of everyone on each case, with their places, under a caption and a corner; the last line is of each."""
+    """Make a table of means and places on each case; `heading`: caption and corner; `last`: label and cells."""
     names = [*BEYOND, *published.ALGORITHMS]
     means = np.array([[results(rows, case, name).mean() for name in names] for case in cases])
 
     def of(name: str, case: str) -> NDArray[np.float64]:
         return np.maximum(results(rows, case, name), FLOOR)
 
-    signs = _each_told_apart(of, OURS, (*BEYOND[1:], "ipoa"), cases)
+    signs = _compare_each(of, OURS, (*BEYOND[1:], "ipoa"), cases)
     (caption, corner), (label, words) = heading, last
     return Table(
         caption,
@@ -144,17 +144,17 @@ def _rivals(
     )
 
 
-def _each_told_apart(
+def _compare_each(
     of: Callable[[str, str], Samples], ours: str, rivals: Sequence[str], cases: Sequence[str]
 ) -> dict[str, list[str]]:
-    """As `against`, but Holm's correction is over the cases of one rival."""
+    """Compare as `against`, but with Holm's correction over the cases of one rival."""
     return {rival: against(of, ours, [rival], cases)[rival] for rival in rivals}
 
 
 def _sentence(ours: str, signs: dict[str, list[str]], over: str) -> str:
     return (
-        f"{ours} better / not told apart / worse (rank-sum, Holm over the {over}, 0.05): "
-        + "; ".join(f"than {rival} {counted(outcomes)}" for rival, outcomes in signs.items())
+        f"{ours} better / no difference / worse (rank-sum, Holm over the {over}, 0.05): "
+        + "; ".join(f"than {rival} {count_signs(outcomes)}" for rival, outcomes in signs.items())
         + "."
     )
 

@@ -1,7 +1,7 @@
-"""Table 8: the flight over the campus, planned as the paper plans, flown by the built-in autopilot, and estimated.
+"""Reproduce Table 8: plan the campus flight by the paper's method, fly it on the built-in autopilot, and estimate it.
 
-The paper flies on RflySim over a model of Dalian University that is not published; `missions/paper/campus.toml` is a
-campus of our own with start and goal as far apart, at the same 15 m/s, in straight legs between waypoints.
+The paper flies on RflySim over an unpublished model of Dalian University. `missions/paper/campus.toml` is another
+campus with the same distance from start to goal, at the same 15 m/s, in straight legs between waypoints.
 """
 
 import numpy as np
@@ -24,7 +24,7 @@ from ipoa_mission.simulator.fly import fly
 
 
 def campus_scenario() -> Scenario:
-    """The campus, to be planned by the paper's method: absolute coordinates, cost over nodes, no polish.
+    """Return the campus with the paper's method: absolute coordinates, cost over nodes, no polish.
 
     Raises:
         BadInput: the package was installed without the scenario.
@@ -39,10 +39,10 @@ def campus_scenario() -> Scenario:
 
 
 def campus_problem(case: str, dimension: int) -> Problem:
-    """The planning problem of Table 8; what is found is flown and estimated if it touches nothing.
+    """Return the planning problem of Table 8; a path that touches nothing is flown and estimated.
 
     Raises:
-        BadInput: the case is not "campus", or the dimension is not three an inner control point.
+        BadInput: the case is not "campus", or the dimension is not 3 times the number of inner control points.
     """
     if case != "campus":
         raise UnknownName(f"expected campus, not {case!r}", place="case")
@@ -62,10 +62,10 @@ def campus_problem(case: str, dimension: int) -> Problem:
 
 
 def flown(curve: Spline, scenario: Scenario, optimum: Optimum) -> Measures:
-    """How long the path takes from its first waypoint to its last [s], flown (`time`) and estimated beforehand.
+    """Return the time from the first waypoint to the last [s], flown (`time`) and estimated.
 
-    The safety distance is not asked of the legs between waypoints, for the search kept it at its nodes only; where even
-    so no choice of waypoints is clear, `flyable` is 0 and there are no times.
+    The legs need no safety distance, which the search kept at its nodes only.
+    If no choice of waypoints is clear, `flyable` is 0 and there are no times.
     """
     close = scenario.model_copy(update={"safety_distance": 0.0})
     plan = Plan(curve, curve_cost(curve, close), prove_curve(curve, close), "", 0, optimum.evaluations, optimum.history)
@@ -87,6 +87,6 @@ def flown(curve: Spline, scenario: Scenario, optimum: Optimum) -> Measures:
 
 
 def _waypoints(mission: Mission) -> tuple[int, int]:
-    """Index of the item that begins the path (the last before it: take-off or speed) and of its last waypoint."""
+    """Return the index of the item before the first waypoint (take-off or speed), and of the last waypoint."""
     route = [k for k, item in enumerate(mission.items) if item.command == Command.NAV_WAYPOINT]
     return route[0] - 1, route[-1]

@@ -1,6 +1,6 @@
-"""The CEC2022 test suite (the paper's Table 1), by `minionpy`: the organizers' C code, bit for bit.
+"""Provide the CEC2022 test suite (the paper's Table 1) by `minionpy`, which wraps the organizers' C code.
 
-`opfunu` 1.0.4 is wrong on eleven of the twelve functions; results made with it cannot be compared with any of these.
+`opfunu` 1.0.4 is wrong on eleven of the twelve functions: do not compare its results with these.
 """
 
 import numpy as np
@@ -16,10 +16,10 @@ DIMENSIONS = (10, 20)
 
 
 def cec2022(function: str, dimension: int) -> Problem:
-    """The error of `function` ("f1" to "f12"), that is its cost less the cost at its optimum, in its box.
+    """Return the error of `function` ("f1" to "f12") in its box: its cost minus the cost at its optimum.
 
     Raises:
-        BadInput: there is no such function, or none of that dimension.
+        BadInput: the function or its dimension does not exist.
         MissionError: minionpy is not installed.
     """
     if function not in FUNCTIONS:

@@ -1,4 +1,4 @@
-"""Where runs are executed: local processes, or a Dask cluster; both by the face of `concurrent.futures`."""
+"""Open an executor of runs: local processes or a Dask cluster, by the interface of `concurrent.futures`."""
 
 import signal
 from collections.abc import Iterator
@@ -11,13 +11,13 @@ from ipoa_mission.errors import BadInput, MissionError, imported
 
 @contextmanager
 def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> Iterator[Executor]:
-    """An executor: `jobs` processes of this machine, or, with the `address` of a scheduler, its workers.
+    """Open an executor of `jobs` local processes, or of the workers of the scheduler at `address`.
 
-    A cluster that does not answer within `patience_s` is none.
+    `patience_s` limits the wait for the cluster [s].
 
     Raises:
         BadInput: fewer than one job, or an address that Dask does not take.
-        MissionError: Dask distributed is not installed, nobody answers at `address`, or whoever ran trials was lost.
+        MissionError: Dask distributed is not installed, `address` does not answer, or a worker was lost.
     """
     if jobs < 1:
         raise BadInput(f"expected at least 1, not {jobs}", place="jobs")
@@ -28,7 +28,7 @@ def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> I
         except BrokenProcessPool as error:
             raise MissionError(
                 "a process that ran trials was killed",
-                hint="by lack of memory, perhaps; the same command goes on",
+                hint="perhaps by lack of memory; the same command continues",
                 code="cluster-lost",
             ) from error
         return
@@ -44,7 +44,7 @@ def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> I
     except OSError as error:
         raise MissionError(
             f"no Dask scheduler answers at {address}",
-            hint="start one with: dask scheduler, and workers beside it",
+            hint="start one with: dask scheduler, and its workers",
             code="cluster-lost",
         ) from error
     try:
@@ -52,9 +52,9 @@ def open_executor(jobs: int, address: str | None, patience_s: float = 10.0) -> I
             yield pool
     except (CancelledError, distributed.KilledWorker) as error:
         words = f"the cluster at {address} was lost while it ran trials"
-        raise MissionError(words, hint="the same command goes on where it stopped", code="cluster-lost") from error
+        raise MissionError(words, hint="the same command continues where it stopped", code="cluster-lost") from error
 
 
 def _leave_ctrl_c_to_the_parent() -> None:
-    """A terminal sends it to all; whoever writes the rows decides what is still to be done."""
+    """Ignore Ctrl-C, which a terminal sends to all processes; the parent stops the work."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)

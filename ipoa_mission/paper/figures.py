@@ -1,4 +1,4 @@
-"""Figures 3, 5 and 7 to 11 of the paper, drawn as SVG text: each a pure function of rows of runs, or of nothing.
+"""Draw Figures 3, 5 and 7 to 11 of the paper as SVG text: each a pure function of rows of runs, or of nothing.
 
 The same rows give the same bytes: no date, and identifiers hashed from a fixed salt.
 """
@@ -18,7 +18,7 @@ from ipoa_mission.planning.spline import Spline
 from ipoa_mission.report import palette
 from ipoa_mission.scenario import Scenario
 
-#: One color each, told apart by the color-blind.
+#: One color each, distinct with color blindness.
 COLORS = {
     "ipoa": palette.VERMILLION,
     "dbo": palette.BLUE,
@@ -31,7 +31,7 @@ COLORS = {
 
 
 def figure_3() -> str:
-    """Iterates of the chaotic map, eq. (18), and how they are distributed."""
+    """Draw the iterates of the chaotic map, eq. (18), and their distribution."""
     z = iterate_chaotic_map(0.7, 300, 1, np.random.default_rng(3))[:, 0]
     figure, (left, right) = panels_of(1, 2, 9, 3.2)
     left.plot(np.arange(1, 301), z, ".", ms=3, color=COLORS["ipoa"])
@@ -42,7 +42,7 @@ def figure_3() -> str:
 
 
 def figure_5() -> str:
-    """Densities of the t distribution at both ends of eq. (29), of Cauchy and of Gauss."""
+    """Draw the densities of the t distribution at both ends of eq. (29), of Cauchy and of Gauss."""
     from scipy import stats
 
     x = np.linspace(-5, 5, 501)
@@ -57,7 +57,7 @@ def figure_5() -> str:
 
 
 def figure_7(rows: Sequence[TrialRow]) -> str:
-    """Convergence at D = 20: the best cost known, averaged over the runs, by the share of the evaluations spent."""
+    """Draw the convergence at D = 20: best cost so far, mean over the runs, by the share of the evaluations."""
     figure, panels = panels_of(3, 4, 14, 9)
     for axes, function, optimum in zip(panels, FUNCTIONS, OPTIMA, strict=True):
         for name in ALGORITHMS:
@@ -76,7 +76,7 @@ def figure_7(rows: Sequence[TrialRow]) -> str:
 
 
 def figure_8(rows: Sequence[TrialRow]) -> str:
-    """Box plots of the cost at D = 10."""
+    """Draw box plots of the cost at D = 10."""
     figure, panels = panels_of(3, 4, 14, 9)
     for axes, function, optimum in zip(panels, FUNCTIONS, OPTIMA, strict=True):
         samples = [results(rows, function, name) + optimum for name in ALGORITHMS]
@@ -95,7 +95,7 @@ def figure_8(rows: Sequence[TrialRow]) -> str:
 
 
 def panels_of(down: int, across: int, width: float, height: float) -> tuple[Any, Sequence[Any]]:
-    """A figure of so many inches and its axes, row by row; made without pyplot, so that nothing is global."""
+    """Return a figure of `width` by `height` inches and its axes, row by row; without pyplot, nothing is global."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(width, height), layout="constrained")
@@ -103,13 +103,13 @@ def panels_of(down: int, across: int, width: float, height: float) -> tuple[Any,
 
 
 def legend_of_all(figure: Any, axes: Any) -> None:
-    """One legend for all panels, above them, of the lines that `axes` has."""
+    """Draw one legend above all panels, with the lines of `axes`."""
     handles, labels = axes.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=len(labels), frameon=False)
 
 
 def _plain_log_ticks(axes: Any) -> None:
-    """60, 200, 1000 beside a logarithmic axis, and powers only where they are shorter."""
+    """Label a logarithmic axis with 60, 200, 1000; with powers only where they are shorter."""
     from matplotlib.ticker import LogFormatter
 
     axes.yaxis.set_major_formatter(LogFormatter())
@@ -118,7 +118,7 @@ def _plain_log_ticks(axes: Any) -> None:
 
 
 def draw_svg(figure: Any) -> str:
-    """The figure as SVG text."""
+    """Return the figure as SVG text."""
     import matplotlib as mpl
 
     text = io.StringIO()
@@ -128,7 +128,7 @@ def draw_svg(figure: Any) -> str:
 
 
 def paths_on_maps(rows: Sequence[TrialRow], scenarios: dict[str, Scenario]) -> str:
-    """For each map, from above and from the front, the path of each algorithm: of its runs the one that costs least."""
+    """Draw each map from above and from the front with the cheapest path of each algorithm."""
     figure, panels = panels_of(len(scenarios), 2, 11, 4.6 * len(scenarios))
     for (case, scenario), above, front in zip(scenarios.items(), panels[::2], panels[1::2], strict=True):
         _draw_world(above, front, scenario)
@@ -149,7 +149,7 @@ def paths_on_maps(rows: Sequence[TrialRow], scenarios: dict[str, Scenario]) -> s
 
 
 def _draw_world(above: Any, front: Any, scenario: Scenario) -> None:
-    """Height of the ground and ground plans of the obstacles; from the south, outlines over the highest ground."""
+    """Draw ground heights and obstacle plans; from the south, outlines over the highest ground."""
     bounds = scenario.airspace.bounds
     east = np.linspace(bounds.lower[0], bounds.upper[0], 121)
     north = np.linspace(bounds.lower[1], bounds.upper[1], 121)

@@ -1,4 +1,4 @@
-"""Tables 3 and 4 of the paper, and the print held against itself: each a pure function of rows of runs."""
+"""Make Tables 3 and 4 of the paper, and tests of the printed values: each a pure function of rows of runs."""
 
 from collections.abc import Callable, Sequence
 
@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 
 from ipoa_mission.paper import published
 from ipoa_mission.paper.cec2022 import FUNCTIONS, OPTIMA
-from ipoa_mission.paper.markdown_table import Table, beside_print, factor, number
+from ipoa_mission.paper.markdown_table import Table, factor, number, ours_and_print
 from ipoa_mission.paper.rows import TrialRow, mean_evaluations, results, runs_of
 from ipoa_mission.paper.statistics import against, holm, places, rank_sum, ranking
 
-FLOOR = 1e-8  # errors below it count as it, as the CEC competitions have it
+FLOOR = 1e-8  # smaller errors count as this, as in the CEC competitions
 _METRICS: dict[str, Callable[[NDArray[np.float64]], float]] = {
     "best": lambda costs: float(costs.min()),
     "mean": lambda costs: float(costs.mean()),
@@ -20,13 +20,13 @@ _METRICS: dict[str, Callable[[NDArray[np.float64]], float]] = {
 
 
 def mean_log_error(rows: Sequence[TrialRow], algorithm: str, settings: str = "{}") -> float:
-    """log10 of the mean error, averaged over the twelve functions: how near the optimum a method comes."""
+    """Return log10 of the mean error, averaged over the twelve functions."""
     means = [max(results(rows, function, algorithm, settings=settings).mean(), FLOOR) for function in FUNCTIONS]
     return float(np.mean(np.log10(means)))
 
 
 def off_the_print(rows: Sequence[TrialRow], settings: str) -> float:
-    """Mean of |ln(IPOA's mean error / the printed one)| over the functions: 0 is a match, 0.69 a factor of two."""
+    """Return the mean over functions of |ln(IPOA's mean error / the printed one)|: 0 is a match, 0.69 a factor of 2."""
     ratios = [
         results(rows, f, "ipoa", settings=settings).mean() / (published.TABLE_3[f]["mean"][0] - optimum)
         for f, optimum in zip(FUNCTIONS, OPTIMA, strict=True)
@@ -35,7 +35,7 @@ def off_the_print(rows: Sequence[TrialRow], settings: str) -> float:
 
 
 def table_3(rows: Sequence[TrialRow]) -> Table:
-    """Best, mean and SD on CEC2022 at D = 20: ours and its place, the printed value and its place, their ratio."""
+    """Compare best, mean and SD on CEC2022 at D = 20 with the printed values: value, place, ratio."""
     lines, firsts, printed_firsts = [], 0, 0
     for function, optimum in zip(FUNCTIONS, OPTIMA, strict=True):
         costs = [results(rows, function, name) + optimum for name in published.ALGORITHMS]
@@ -43,7 +43,7 @@ def table_3(rows: Sequence[TrialRow]) -> Table:
             ours, theirs = [of(sample) for sample in costs], published.TABLE_3[function][metric]
             least = 0.0 if metric == "sd" else optimum
             ratios = (factor(o - least, t - least) for o, t in zip(ours, theirs, strict=True))
-            cells = beside_print(ours, theirs, (number, number))
+            cells = ours_and_print(ours, theirs, (number, number))
             firsts, printed_firsts = firsts + (places(ours)[0] == 1), printed_firsts + (places(theirs)[0] == 1)
             lines.append([function, metric, *(" · ".join(both) for both in zip(cells, ratios, strict=True))])
     means = np.array([[results(rows, f, name).mean() for name in published.ALGORITHMS] for f in FUNCTIONS])
@@ -51,7 +51,7 @@ def table_3(rows: Sequence[TrialRow]) -> Table:
     printed_means = np.array([published.TABLE_3[f]["mean"] for f in FUNCTIONS])
     return Table(
         f"Table 3. CEC2022, D = 20, {runs_of(rows)} runs. Each cell: ours (place) · printed (place) · "
-        "the ratio of the two, of what lies above the optimum (of SD, as it is).",
+        "ratio of the errors (of SD itself).",
         ["", "", *(name.upper() for name in published.ALGORITHMS)],
         lines,
         [
@@ -60,7 +60,7 @@ def table_3(rows: Sequence[TrialRow]) -> Table:
             f"Printed: {ranking(published.ALGORITHMS, printed_means)}.",
             f"The printed SD of POA on f7, {published.TABLE_3['f7']['sd'][2]}, is impossible: thirty numbers cannot "
             "have an SD above √30 times their mean less their least, here "
-            f"{widest:.0f}. The print's own place for it, 4, suits 28.35.",
+            f"{widest:.0f}. The place printed for it, 4, matches 28.35.",
             "Mean evaluations of a run: "
             + ", ".join(f"{name.upper()} {mean_evaluations(rows, name):,.0f}" for name in published.ALGORITHMS)
             + ". MPOA is inferred, see its module.",
@@ -69,7 +69,7 @@ def table_3(rows: Sequence[TrialRow]) -> Table:
 
 
 def table_4(rows: Sequence[TrialRow]) -> Table:
-    """Rank-sum tests of IPOA against each rival: ours, corrected by Holm over all sixty, and the printed p."""
+    """Compare p of rank-sum tests of IPOA against each rival, corrected by Holm over all sixty, with the printed p."""
     rivals = published.RIVALS_OF_TABLE_4
     raw = [rank_sum(results(rows, f, "ipoa"), results(rows, f, rival)) for rival in rivals for f in FUNCTIONS]
     compared = against(lambda name, f: results(rows, f, name), "ipoa", rivals, FUNCTIONS)
@@ -79,25 +79,25 @@ def table_4(rows: Sequence[TrialRow]) -> Table:
     printed = [p for outcomes in published.TABLE_4.values() for p in outcomes]
     return Table(
         f"Table 4. Wilcoxon rank-sum, IPOA against each, {runs_of(rows)} runs. Each cell: our p, with Holm's "
-        "correction over all sixty (+ IPOA better, - worse, = not told apart at 0.05) · printed p.",
+        "correction over all sixty (+ IPOA better, - worse, = no difference at 0.05) · printed p.",
         ["", *(name.upper() for name in rivals)],
         [
             [f, *(f"{cell} · {p:.2g}" for cell, p in zip(row, published.TABLE_4[f], strict=True))]
             for f, row in zip(FUNCTIONS, zip(*columns, strict=True), strict=True)
         ],
         [
-            f"IPOA is better in {signs.count('+')}, worse in {signs.count('-')} and not told apart in "
-            f"{signs.count('=')} of {len(signs)}.",
+            f"IPOA is better in {signs.count('+')} and worse in {signs.count('-')} of {len(signs)}; "
+            f"{signs.count('=')} show no difference.",
             f"Printed p values below 0.05 (uncorrected): {sum(p < 0.05 for p in printed)} of {len(printed)}.",
         ],
     )
 
 
 def contradictions() -> Table:
-    """Where the printed Table 4 cannot belong to the printed Table 3: far means, and yet a large p.
+    """List pairs whose printed Tables 3 and 4 contradict: distant means, but a large p.
 
-    No number of a sample of n lies more than sqrt(n - 1) standard deviations above its mean (Samuelson): where even
-    that is below the rival's best, all of IPOA's results are below all of the rival's, and p is 3.02e-11.
+    No number of a sample of n is more than sqrt(n - 1) standard deviations above its mean (Samuelson).
+    If that bound is below the rival's best, all of IPOA's results are below all of the rival's: p is 3.02e-11.
     """
     lines = []
     for function in FUNCTIONS:
@@ -120,8 +120,8 @@ def contradictions() -> Table:
                     ]
                 )
     return Table(
-        "The print against itself: pairs whose printed means lie more than six standard errors apart, "
-        "and whose printed p says that they cannot be told apart.",
+        "Contradictions in print: the printed means differ by more than six standard errors, "
+        "but the printed p shows no difference.",
         [
             "",
             "rival",
@@ -133,14 +133,14 @@ def contradictions() -> Table:
         ],
         lines,
         [
-            "No number of a sample of thirty lies more than √29 standard deviations above its mean. Where the last "
-            "column has <, every one of IPOA's results was below every one of the rival's, and p can only be 3.0e-11."
+            "No number of a sample of thirty is more than √29 standard deviations above its mean. With < in the last "
+            "column all of IPOA's results were below all of the rival's, and p can only be 3.0e-11."
         ],
     )
 
 
 def dimension_of_the_print(rows_20: Sequence[TrialRow], rows_10: Sequence[TrialRow]) -> Table:
-    """To which dimension the printed means lie nearer, function by function, over the six algorithms."""
+    """Compare the printed means with both dimensions, function by function, over the six algorithms."""
     lines = []
     for function, optimum in zip(FUNCTIONS, OPTIMA, strict=True):
         printed = np.array(published.TABLE_3[function]["mean"]) - optimum

@@ -1,6 +1,6 @@
-"""Tables 5 to 8 of the paper, and what its text draws from them: each a pure function of rows of runs.
+"""Make Tables 5 to 8 of the paper and the averages in its text: each a pure function of rows of runs.
 
-The paper does not publish its maps, so no number can agree; what can be compared is who is shorter, by how much.
+The paper's maps are not published: only ranks and ratios between algorithms compare, no absolute numbers.
 """
 
 from collections.abc import Sequence
@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.paper import published
-from ipoa_mission.paper.markdown_table import Table, beside_print, number, per_cent
+from ipoa_mission.paper.markdown_table import Table, number, ours_and_print, per_cent
 from ipoa_mission.paper.paper_maps import MAPS, WEIGHTS
 from ipoa_mission.paper.rows import TrialRow, results, runs_of
-from ipoa_mission.paper.statistics import against, counted, places, ranking
+from ipoa_mission.paper.statistics import against, count_signs, places, ranking
 
 _MEASURES = {"distance": "Distance [m]", "iterations": "Iterations", "turn": "Turn [°]", "dis_obs": "Dis-obs [m]"}
 
@@ -24,18 +24,18 @@ def mean_over_maps(
     settings: str = "{}",
     cases: Sequence[str] = MAPS,
 ) -> float:
-    """Mean over the maps of the mean over the runs, of the cost or of a measure."""
+    """Return the mean over the maps of the mean over the runs, of the cost or of a measure."""
     return float(np.mean([results(rows, case, algorithm, measure, settings).mean() for case in cases]))
 
 
 def table_5(rows: Sequence[TrialRow]) -> Table:
-    """Best, mean and SD of the cost under three sets of weights, ours and printed, each with its place."""
+    """Compare best, mean and SD of the cost under three sets of weights, ours and printed, each with its place."""
     lines = []
     for experiment, weights in WEIGHTS.items():
         costs = [results(rows, f"map-8-1/{experiment}", name) for name in published.ALGORITHMS]
         for metric, of in (("best", np.min), ("mean", np.mean), ("sd", lambda c: np.std(c, ddof=min(1, len(c) - 1)))):
             ours, theirs = [float(of(c)) for c in costs], published.TABLE_5[experiment][metric]
-            cells = beside_print(ours, theirs, (number, number))
+            cells = ours_and_print(ours, theirs, (number, number))
             lines.append([" / ".join(f"{w:g}" for w in weights), metric, *cells])
     return Table(
         f"Table 5. Cost by weights (length / turning / clearance), map-8-1, {runs_of(rows)} runs. "
@@ -44,18 +44,18 @@ def table_5(rows: Sequence[TrialRow]) -> Table:
         lines,
         [
             "The scales differ: the paper's costs follow from no reading of its eq. (10) and are not reproduced. "
-            "Compare places. A path that collides costs a thousand and more on top."
+            "Compare places. A collision adds a thousand or more to the cost."
         ],
     )
 
 
 def table_6(rows: Sequence[TrialRow]) -> Table:
-    """Length, iterations to convergence, turn and distance to obstacles on the five maps with eight obstacles."""
+    """Compare length, iterations, turn and distance to obstacles on the five maps with eight obstacles."""
     return _flights("Table 6", rows, {k: (f"map-8-{k}", printed) for k, printed in published.TABLE_6.items()})
 
 
 def table_7(rows: Sequence[TrialRow]) -> Table:
-    """The same on the maps with six and ten obstacles."""
+    """Compare length, iterations, turn and distance to obstacles on the maps with six and ten obstacles."""
     return _flights("Table 7", rows, {k: (f"map-{k}-1", printed) for k, printed in published.TABLE_7.items()})
 
 
@@ -64,7 +64,7 @@ def _flights(title: str, rows: Sequence[TrialRow], maps: dict[int, tuple[str, di
     for case, printed in maps.values():
         for measure, label in _MEASURES.items():
             ours = [float(results(rows, case, name, measure).mean()) for name in published.ALGORITHMS]
-            lines.append([case, label, *beside_print(ours, printed[measure], ("{:.1f}".format, "{:g}".format))])
+            lines.append([case, label, *ours_and_print(ours, printed[measure], ("{:.1f}".format, "{:g}".format))])
         feasible = [results(rows, case, name, "feasible").mean() for name in published.ALGORITHMS]
         lines.append([case, "collision-free", *(f"{share:.0%}" for share in feasible)])
     cases = [case for case, _ in maps.values()]
@@ -83,7 +83,7 @@ def _flights(title: str, rows: Sequence[TrialRow], maps: dict[int, tuple[str, di
         return results(rows, case, name, "distance")
 
     signs = against(lengths, "ipoa", published.ALGORITHMS[1:], cases)
-    comparison = "; ".join(f"{rival.upper()} {counted(outcomes)}" for rival, outcomes in signs.items())
+    comparison = "; ".join(f"{rival.upper()} {count_signs(outcomes)}" for rival, outcomes in signs.items())
     means = np.array([[lengths(name, case).mean() for name in published.ALGORITHMS] for case in cases])
     return Table(
         f"{title}. Means of {runs_of(rows)} runs on our seeded maps. "
@@ -92,22 +92,21 @@ def _flights(title: str, rows: Sequence[TrialRow], maps: dict[int, tuple[str, di
         lines,
         [
             f"Length of IPOA's paths against each: {gains}.",
-            f"Told to be shorter / not told apart / longer on the maps (rank-sum, Holm over {len(cases)} maps and five "
+            f"Shorter / no difference / longer on the maps (rank-sum, Holm over {len(cases)} maps and five "
             f"rivals, 0.05): {comparison}.",
             *([f"Mean rank by length: {ranking(published.ALGORITHMS, means)}."] if len(cases) > 2 else []),
-            "Distance is the smooth curve's length. Iterations: when, of a thousand, the best cost was within 1 % of "
-            "its last. Turn: mean angle between adjacent legs of the control points, the nodes that the algorithms "
-            f"vary (over the hundred nodes of the smooth curve it is {min(smooth):.0f}° to {max(smooth):.0f}°, which "
-            "cannot be what the paper means). "
-            "Dis-obs: mean distance from the hull to the nearest obstacle at those hundred nodes; the paper counts "
-            "less as better, and so do these places. Collision-free: share of the runs whose smooth curve, proved and "
-            "not sampled, touches nothing; the paper does not say how many of its paths do.",
+            "Distance is the smooth curve's length. Iterations: the first, of a thousand, with the best cost within "
+            "1 % of its last. Turn: mean angle between adjacent legs of the control points, which the algorithms "
+            f"vary. Over the hundred nodes of the smooth curve it is {min(smooth):.0f}° to {max(smooth):.0f}°, which "
+            "contradicts the paper. Dis-obs: mean distance from the hull to the nearest obstacle at those hundred "
+            "nodes; less is better, as in the paper. Collision-free: share of the runs whose smooth curve is proved to "
+            "touch nothing; the paper does not give it.",
         ],
     )
 
 
 def table_8(rows: Sequence[TrialRow]) -> Table:
-    """The campus: length, turn, distance to obstacles and flight time, ours and printed, each with its place."""
+    """Compare length, turn, distance to obstacles and flight time on the campus, ours and printed, with places."""
     measured = {row.trial.algorithm for row in rows}
     names = [*published.ALGORITHMS, *sorted(measured.difference(published.ALGORITHMS))]
     lines = []
@@ -140,7 +139,7 @@ def table_8(rows: Sequence[TrialRow]) -> Table:
         [
             "A path that touches a building is not flown; times are means of those flown. Clearance is negative inside "
             "something. Time is from the first "
-            "waypoint to the last, by the built-in ArduPilot with its own limits of acceleration and jerk; the paper's "
+            "waypoint to the last, by the built-in ArduPilot with its limits of acceleration and jerk. The paper's "
             "times are little more than length over 15 m/s."
         ],
     )
@@ -152,7 +151,7 @@ def _known(rows: Sequence[TrialRow], algorithm: str, measure: str) -> list[float
 
 
 def table_improvements() -> Table:
-    """The improvements that the text claims, beside those that follow from its own tables."""
+    """Compare the improvements claimed in the text with those of its own tables."""
     lines = []
     for where, claims in published.IMPROVEMENTS.items():
         for rival, claimed in claims.items():
@@ -165,8 +164,8 @@ def table_improvements() -> Table:
                 cells.append(f"{measure} {claim:.2f} % · {follows:.2f} %{mark}")
             lines.append([where, rival.upper(), *cells])
     return Table(
-        "Improvements of IPOA that the text claims · that follow from its tables (mean over the maps); "
-        "**!** where they differ by a tenth or more.",
+        "Improvements of IPOA: claimed in the text · computed from its tables (mean over the maps). "
+        "**!** marks a difference of a tenth or more.",
         ["", "on", "", "", "", ""],
         lines,
     )

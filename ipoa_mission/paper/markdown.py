@@ -1,17 +1,17 @@
-"""Markdown with lines of an even length."""
+"""Fill Markdown paragraphs to an even line length."""
 
 import re
 import textwrap
 
 WIDTH = 120  # columns
-_KEPT = ("|", "#", "!")  # tables, headings and pictures stay as they are
+_KEPT = ("|", "#", "!")  # tables, headings and pictures are not filled
 _GLUED = "\N{NO-BREAK SPACE}"
 
 
 def filled(text: str) -> str:
-    """The same text, its paragraphs and list items filled to `WIDTH`; blank lines are where they were.
+    r"""Return the text with paragraphs and list items filled to `WIDTH`; blank lines stay.
 
-    >>> print(filled("* one\\n  and\\n* two"), end="")
+    >>> print(filled("* one\n  and\n* two"), end="")
     * one and
     * two
     """

@@ -1,4 +1,4 @@
-"""A table of text, and how it is written as Markdown and as CSV."""
+"""Hold a table of text, and write it as Markdown or CSV."""
 
 import csv
 import io
@@ -11,7 +11,7 @@ from ipoa_mission.paper.statistics import places
 
 @dataclass(frozen=True)
 class Table:
-    """A caption, a heading, rows of cells, and what a reader must know to read them."""
+    """Hold a caption, a heading, rows of cells, and notes."""
 
     caption: str
     heading: Sequence[str]
@@ -19,7 +19,7 @@ class Table:
     notes: Sequence[str] = field(default=())
 
     def markdown(self) -> str:
-        """The table in Markdown, its caption before it and its notes after it."""
+        """Return the table in Markdown, between its caption and its notes."""
         lines = [f"**{self.caption}**", "", _line(self.heading), _line(["---"] * len(self.heading))]
         lines += [_line(row) for row in self.rows]
         for note in self.notes:
@@ -27,7 +27,7 @@ class Table:
         return filled("\n".join(lines))
 
     def csv(self) -> str:
-        """The cells as CSV."""
+        """Return the cells as CSV."""
         text = io.StringIO()
         csv.writer(text, lineterminator="\n").writerows([self.heading, *self.rows])
         return text.getvalue()
@@ -38,24 +38,26 @@ def _line(cells: Sequence[str]) -> str:
 
 
 def number(value: float) -> str:
-    """Five digits that matter: 8676.7, 22.82, 0.00041, 1.2e-09."""
+    """Format a number with five significant digits: 8676.7, 22.82, 0.00041, 1.2e-09."""
     if value == 0 or 1e-4 <= abs(value) < 1e7:
         digits = 2 if abs(value) >= 1 or value == 0 else 5
         return f"{value:,.{digits if abs(value) < 10000 else 0}f}"
     return f"{value:.1e}"
 
 
-def beside_print(ours: Sequence[float], printed: Sequence[float], forms: Sequence[Callable[[float], str]]) -> list[str]:
-    """Cells "ours (place) · printed (place)"; `forms` write our numbers and the printed ones."""
+def ours_and_print(
+    ours: Sequence[float], printed: Sequence[float], forms: Sequence[Callable[[float], str]]
+) -> list[str]:
+    """Return cells "ours (place) · printed (place)"; `forms` format our numbers and the printed ones."""
     columns = zip(ours, places(ours), printed, places(printed), strict=True)
     return [f"{forms[0](o)} ({p}) · {forms[1](t)} ({q})" for o, p, t, q in columns]
 
 
 def per_cent(ours: float, theirs: float) -> str:
-    """How much ours is above (+) or below (-) theirs."""
+    """Format the difference of `ours` from `theirs` in percent."""
     return f"{(ours / theirs - 1) * 100:+.0f} %" if theirs else "-"
 
 
 def factor(ours: float, theirs: float) -> str:
-    """How many times theirs ours is: ×0.71."""
+    """Format the ratio of `ours` to `theirs`: ×0.71."""
     return f"×{ours / theirs:.2g}" if theirs else "-"

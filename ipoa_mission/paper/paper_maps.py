@@ -1,7 +1,7 @@
-"""The random maps of the paper's Tables 5 to 7, seeded, for it does not publish its own; and paths planned on them.
+"""Plan paths on seeded random maps in place of the unpublished maps of the paper's Tables 5 to 7.
 
-A map is a scenario like any other, in `missions/paper/`. Paths are sought as the paper seeks them: control points in
-absolute coordinates, its cost summed over nodes, one search and no polish.
+A map is a scenario in `missions/paper/`. Paths are planned by the paper's method: control points in absolute
+coordinates, cost summed over nodes, one search and no polish.
 """
 
 import numpy as np
@@ -16,21 +16,21 @@ from ipoa_mission.planning.proof import TOUCHING, prove_curve
 from ipoa_mission.planning.spline import Spline
 from ipoa_mission.scenario import Scenario, read_scenario
 
-#: The five of Table 6, the two of Table 7, each by how many obstacles it has.
+#: Five maps of Table 6 and two of Table 7, named by their number of obstacles.
 MAPS = ("map-8-1", "map-8-2", "map-8-3", "map-8-4", "map-8-5", "map-6-1", "map-10-1")
-#: The weights of Table 5's three experiments; the other tables have the first.
+#: Weights of Table 5's three experiments; the other tables use the first.
 WEIGHTS = {1: (0.7, 0.15, 0.15), 2: (0.15, 0.7, 0.15), 3: (0.15, 0.15, 0.7)}
-#: Inner control points; the paper does not say how many it has.
+#: Inner control points; the paper does not give their number.
 INNER = 8
-#: A search has converged when its best cost is within this share of what it ends with.
+#: A search has converged when its best cost is within this share of its final cost.
 CONVERGED = 0.01
 
 
 def map_problem(case: str, dimension: int) -> Problem:
-    """The planning problem on a map: `case` is its name, or name and experiment of Table 5, "map-8-1/2".
+    """Return the planning problem on a map: `case` is its name, or name and experiment of Table 5, "map-8-1/2".
 
     Raises:
-        BadInput: there is no such map, no such experiment, or the dimension is not three an inner control point.
+        BadInput: no such map or experiment, or the dimension is not 3 times the number of inner control points.
     """
     if dimension != 3 * INNER:
         raise BadInput(f"expected {3 * INNER}, not {dimension}", place="dimension")
@@ -38,21 +38,23 @@ def map_problem(case: str, dimension: int) -> Problem:
 
 
 def map_scenario(case: str) -> Scenario:
-    """The scenario of a map, with the weights of the experiment if `case` names one.
+    """Return the scenario of a map, with the weights of the experiment if `case` names one.
 
     Raises:
-        BadInput: there is no such map, or no such experiment.
+        BadInput: there is no such map or experiment.
     """
     name, _, experiment = case.partition("/")
     weights = {str(number): omega for number, omega in WEIGHTS.items()}.get(experiment or "1")
     if name not in MAPS or weights is None:
-        raise UnknownName(f"expected one of {', '.join(MAPS)}, perhaps with /1, /2 or /3, not {case!r}", place="case")
+        raise UnknownName(
+            f"expected one of {', '.join(MAPS)}, with or without /1, /2 or /3, not {case!r}", place="case"
+        )
     scenario = paper_scenario(name)
     return scenario.model_copy(update={"cost": scenario.cost.model_copy(update={"omega": weights})})
 
 
 def paper_scenario(name: str) -> Scenario:
-    """One of `missions/paper/`.
+    """Return a scenario of `missions/paper/`.
 
     Raises:
         BadInput: the package was installed without it.
@@ -61,7 +63,7 @@ def paper_scenario(name: str) -> Scenario:
 
 
 def path_problem(scenario: Scenario) -> Problem:
-    """The search for a path as the paper has it, in absolute coordinates."""
+    """Return the paper's search for a path, in absolute coordinates."""
     guide = np.vstack([scenario.start_point, scenario.goal_point])
     encoding = encode("absolute", guide, scenario.planning.control_points, 0.0, scenario)
 
@@ -72,14 +74,14 @@ def path_problem(scenario: Scenario) -> Problem:
 
 
 def measures_of(curve: Spline, scenario: Scenario) -> Measures:
-    """The paper's measures of a path (Table A2), and whether it could be flown at all.
+    """Return the paper's measures of a path (Table A2), and whether it can be flown.
 
-    `distance` is the curve's length. `turn` is the mean turning angle between adjacent legs of the control points:
-    these are the nodes that the algorithms vary; over the hundred nodes of the smooth curve it would be a degree or
-    two, which no reading of the tables allows. `dis_obs` is the mean distance of those hundred nodes' hull to the
-    nearest obstacle. `clearance` is the least distance of the hull to anything, proved along the whole curve: the
-    search looks at nodes only, and keeps the safety distance only there. `feasible`: it touches nothing and leaves no
-    bound.
+    `distance`: length of the curve [m].
+    `turn`: mean turning angle between adjacent legs of the control points, the nodes that the algorithms vary. Over the
+    hundred nodes of the smooth curve it is a degree or two, which contradicts the tables.
+    `dis_obs`: mean distance of the hull at those hundred nodes to the nearest obstacle [m].
+    `clearance`: least distance of the hull to anything, proved along the whole curve [m]; the search checks nodes only.
+    `feasible`: the path touches nothing and leaves no bound.
     """
     nodes = curve.points(np.linspace(0.0, 1.0, scenario.planning.samples))
     hull = scenario.airspace.obstacle_distance(nodes) - scenario.vehicle.radius
@@ -100,6 +102,6 @@ def measures_of(curve: Spline, scenario: Scenario) -> Measures:
 
 
 def iterations_to_converge(optimum: Optimum) -> float:
-    """The iteration, of a thousand, at which the best cost was within 1 % of what the search ended with."""
+    """Return the iteration, of a thousand, from which the best cost is within 1 % of the final one."""
     first = int(np.argmax(optimum.history <= optimum.cost + CONVERGED * abs(optimum.cost)))
     return float(round(optimum.evaluations[first] / optimum.evaluations[-1] * 1000, 1))

@@ -1,7 +1,6 @@
-"""Optimizers of other libraries, as rivals beyond the paper.
+"""Run optimizers of other libraries as rivals beyond the paper.
 
-They call the cost themselves, so their evaluations are counted where they call: `Counted` sees every candidate, and
-what is tried after the budget is spent does not count, whatever the library does with it.
+They call the cost themselves: `Counted` counts the candidates and ignores those after the budget.
 """
 
 from collections.abc import Callable
@@ -15,7 +14,7 @@ from ipoa_mission.optimize.search import Box, Candidates, Costs, Optimum
 
 
 class Counted:
-    """A cost function that counts, and remembers the best of the first `budget` candidates."""
+    """Count the calls of a cost function, and keep the best of the first `budget` candidates."""
 
     def __init__(self, cost: Callable[[Candidates], Costs], box: Box, budget: int) -> None:
         self._cost, self._budget = cost, budget
@@ -25,7 +24,7 @@ class Counted:
         self._history: list[float] = []
 
     def __call__(self, candidates: Candidates) -> Costs:
-        """Costs (n,) of `candidates` (n, D); infinite ones for those beyond the budget."""
+        """Return the costs (n,) of `candidates` (n, D); infinite beyond the budget."""
         costs = np.full(len(candidates), np.inf)
         counted = max(min(len(candidates), self._budget - self.spent), 0)
         if counted:
@@ -39,7 +38,7 @@ class Counted:
         return costs
 
     def optimum(self) -> Optimum:
-        """What was found, in the form that `minimize` returns."""
+        """Return the result in the form of `minimize`."""
         return Optimum(self.best_x, self.best, np.array(self._evaluations), np.array(self._history))
 
 
@@ -49,7 +48,7 @@ Rival = Callable[[Callable[[Candidates], Costs], Box, int, np.random.Generator],
 def _by_minionpy(
     name: str, cost: Callable[[Candidates], Costs], box: Box, budget: int, rng: np.random.Generator
 ) -> Optimum:
-    """`minionpy`'s optimizer called `name` with its own defaults."""
+    """Minimize by `minionpy`'s optimizer `name` with its own defaults."""
     algorithms = imported("minionpy.algorithms", f"{name} needs minionpy, which is not installed", "paper")
     counted = Counted(cost, box, budget)
 
@@ -64,7 +63,7 @@ def _by_minionpy(
 
 
 def _by_scipy(cost: Callable[[Candidates], Costs], box: Box, budget: int, rng: np.random.Generator) -> Optimum:
-    """scipy's differential evolution with its own settings but a population of 5 D, without the polish at the end."""
+    """Minimize by scipy's differential evolution with its defaults, a population of 5 D, and no polish."""
     from scipy.optimize import differential_evolution
 
     counted = Counted(cost, box, budget)

@@ -1,4 +1,4 @@
-"""The paper's tables and figures by name: measure what is missing, then tell what was measured."""
+"""Measure the missing runs, and write the paper's tables and figures by name."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -32,14 +32,14 @@ from ipoa_mission.progress import Progress, silent
 
 @dataclass(frozen=True)
 class Artifact:
-    """A table or figure: the series it needs, and how it is made of their rows (a table, or SVG text)."""
+    """Define a table or figure: the series it needs, and the function that makes it of their rows."""
 
     needs: Sequence[Series]
     make: Callable[[Rows], Table | str]
 
 
 def _of(make: Callable[..., Table | str], *needs: Series) -> Artifact:
-    """An item that is made of the rows of these series, one after the other."""
+    """Return an item made of the rows of these series, in order."""
     return Artifact(needs, lambda rows: make(*(rows[series.name] for series in needs)))
 
 
@@ -75,12 +75,12 @@ ITEMS: dict[str, Artifact] = {
 def reproduce(
     what: str, runs: int | None, out: Path, jobs: int, executor: str | None, progress: Progress = silent
 ) -> list[Path]:
-    """Measure and write one of `ITEMS`, or "all" of them and a page that shows them; returns the files written.
+    """Measure and write one of `ITEMS`, or "all" with a page that shows them; return the files written.
 
-    Runs are kept in `out`/rows, one CSV file a series, and not repeated. Tables are written to `out` as Markdown and
-    CSV, figures as SVG, the page as README.md. `runs` is how many of
-    each (None: as many as the paper). `jobs` processes run them, or the workers of the Dask scheduler at `executor`.
-    `progress` is told after each run.
+    Runs are stored in `out`/rows, one CSV file a series, and not repeated. Tables are written to `out` as Markdown and
+    CSV, figures as SVG, the page as README.md. `runs` is the number of runs of each (None: as in the paper).
+    They run in `jobs` processes, or on the workers of the Dask scheduler at `executor`. `progress` is called after each
+    run.
 
     Raises:
         BadInput: `what`, `runs`, `jobs` or `executor` is wrong.
@@ -110,7 +110,7 @@ def reproduce(
 def _measure(
     series: Mapping[str, Series], runs: int | None, out: Path, jobs: int, address: str | None, progress: Progress
 ) -> Rows:
-    """The rows of every series, measured if they are not in `out` yet."""
+    """Return the rows of every series; measure those that `out` lacks."""
     if not series:
         return {}
     rows = {}

@@ -1,4 +1,4 @@
-"""The page of all tables and figures: `page.md`, its places filled."""
+"""Fill the page of all tables and figures, `page.md`."""
 
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
@@ -9,9 +9,9 @@ from ipoa_mission.paper.rows import Rows, runs_of
 
 
 def page(made: Mapping[str, Table | str], sources: Mapping[str, Sequence[str]], rows: Rows) -> str:
-    """The page in Markdown, for the folder of the figures and rows; tables are set in it, figures are linked.
+    """Return the page in Markdown, for the folder of the figures and rows, with tables inline and figures linked.
 
-    `sources` names the series that each table or figure is made of.
+    `sources` names the series of each table or figure.
     """
     shown = {name: _shown(name, item, sources[name]) for name, item in made.items()}
     words = files("ipoa_mission.paper").joinpath("page.md").read_text(encoding="utf-8")

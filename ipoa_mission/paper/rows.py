@@ -1,7 +1,6 @@
-"""A run as a row of a CSV file: what was run, what came of it, and how it is written and read.
+"""Read and write runs as rows of a CSV file.
 
-Rows are appended one whole line at a time, by one process; a last line that was cut off is no row, and is cleared away
-before the next.
+One process appends whole lines. An incomplete last line is ignored, and removed before the next row.
 """
 
 import csv
@@ -23,10 +22,10 @@ from ipoa_mission.paper.benchmark_problem import Measures
 
 @dataclass(frozen=True)
 class Trial:
-    """One run of one algorithm on one problem; the run's number is its seed, the same for all algorithms.
+    """Define one run of one algorithm on one problem; the run's number is its seed, the same for all algorithms.
 
-    `settings` is JSON with sorted keys, "{}" for defaults. `budget` ends the run; 0 lets the algorithm's own number of
-    iterations end it.
+    `settings` is JSON with sorted keys, "{}" for defaults. `budget`: number of evaluations; 0: the algorithm ends after
+    its own number of iterations.
     """
 
     problem: str
@@ -40,7 +39,7 @@ class Trial:
 
 @dataclass(frozen=True)
 class TrialRow:
-    """A trial and what came of it. `history` is the best cost at `CHECKPOINTS`; `measures` is what else was asked."""
+    """Hold a trial and its result: `history` is the best cost at `CHECKPOINTS`, `measures` are further results."""
 
     trial: Trial
     cost: float
@@ -57,16 +56,16 @@ Rows: TypeAlias = Mapping[str, Sequence[TrialRow]]
 
 
 def runs_of(rows: Sequence[TrialRow]) -> int:
-    """How many runs of each the rows hold."""
+    """Return the number of runs of each trial in the rows."""
     return 1 + max(row.trial.run for row in rows)
 
 
 def results(
     rows: Sequence[TrialRow], case: str, algorithm: str, measure: str | None = None, settings: str = "{}"
 ) -> NDArray[np.float64]:
-    """The cost of every run on a case, or one of its measures, in the order of the runs, (runs,).
+    """Return the cost of every run on a case, or one of its measures, in the order of the runs, (runs,).
 
-    On CEC2022 the optimum is taken off: costs are errors.
+    On CEC2022 costs are errors: the optimum is subtracted.
     """
     values = [
         (row.trial.run, row.cost if measure is None else row.measures[measure])
@@ -77,12 +76,12 @@ def results(
 
 
 def mean_evaluations(rows: Sequence[TrialRow], algorithm: str) -> float:
-    """How many evaluations a run of it spent."""
+    """Return the mean number of evaluations of a run."""
     return float(np.mean([row.evaluations for row in rows if row.trial.algorithm == algorithm]))
 
 
 def settings_text(**settings: object) -> str:
-    """Settings as a trial carries them."""
+    """Return settings as JSON for a trial."""
     return json.dumps(settings, sort_keys=True)
 
 
@@ -90,7 +89,7 @@ _COLUMNS = [f.name for f in fields(Trial)] + [f.name for f in fields(TrialRow) i
 
 
 def read_rows(path: Path) -> list[TrialRow]:
-    """All rows of a file of runs; none if it is not there. A last line that was cut off is no row.
+    """Read all rows of a file of runs; none if it does not exist. An incomplete last line is ignored.
 
     Raises:
         BadInput: the file is not a file of runs; the message names the line.
@@ -118,7 +117,7 @@ def _rows(path: Path, lines: Sequence[str]) -> Iterator[TrialRow]:
 
 
 def line_of(row: TrialRow) -> str:
-    """The row as a line of the file."""
+    """Return the row as a line of the file."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerow(
         [
@@ -136,7 +135,7 @@ def line_of(row: TrialRow) -> str:
 
 
 def open_to_append(path: Path) -> io.TextIOWrapper:
-    """`path` opened for appending by nobody else, with its heading, and without a last line that was cut off.
+    """Open `path` for appending by this process alone, with its heading and without an incomplete last line.
 
     Raises:
         MissionError: another process has it open.
@@ -153,7 +152,7 @@ def open_to_append(path: Path) -> io.TextIOWrapper:
 
 
 def _claim(file: io.TextIOWrapper, path: Path) -> None:
-    """Lock the file until it is closed. Windows has no such lock: there it is up to the user."""
+    """Lock the file until it is closed; not on Windows, which has no such lock."""
     if sys.platform == "win32":
         return
     import fcntl
@@ -163,5 +162,5 @@ def _claim(file: io.TextIOWrapper, path: Path) -> None:
     except BlockingIOError as error:
         file.close()
         words = "another process is adding runs to it"
-        hint = "wait until it is done, or keep these elsewhere: --out"
+        hint = "wait for its end, or write elsewhere: --out"
         raise MissionError(words, hint=hint, code="in-use", place=path) from error

@@ -1,8 +1,7 @@
-"""Measuring: each trial is run once, wherever; a run whose row is there already is not repeated.
+"""Measure trials: run each once, and skip those with a row.
 
-A trial says what to run; `run_trial` is a pure function of it (but for the seconds), so it does not matter which
-process or which machine runs it, nor in which order. The rows are written here: a series that was interrupted goes on
-where it stopped.
+`run_trial` is a pure function of its trial (except for the seconds), so process, machine and order do not matter.
+Rows are written here; an interrupted series continues where it stopped.
 """
 
 import json
@@ -27,23 +26,23 @@ from ipoa_mission.paper.peers import RIVALS
 from ipoa_mission.paper.rows import Trial, TrialRow, line_of, open_to_append, read_rows
 from ipoa_mission.progress import Progress, count, silent
 
-#: Where along a run its best cost is kept: shares of the evaluations it spent.
+#: Shares of a run's evaluations at which its best cost is stored.
 CHECKPOINTS = np.linspace(0, 1, 26)
 
 
-#: Each makes a problem of a trial's case and dimension.
+#: Functions that return the problem of a trial's case and dimension.
 PROBLEMS: dict[str, Callable[[str, int], Problem]] = {"cec2022": cec2022, "map": map_problem, "campus": campus_problem}
 
 
 def run_trial(trial: Trial) -> TrialRow:
-    """Run `trial` and say what came of it.
+    """Run `trial` and return its result.
 
     Raises:
         BadInput: no such problem, algorithm or setting.
     """
     if trial.problem not in PROBLEMS:
         raise UnknownName(f"expected {' or '.join(PROBLEMS)}, not {trial.problem!r}", place="problem")
-    with threadpool_limits(1, "blas"):  # runs are spread over processes, and on two threads sums end in other digits
+    with threadpool_limits(1, "blas"):  # runs are spread over processes; two threads sum in another order
         return _run(trial)
 
 
@@ -72,10 +71,9 @@ def _run(trial: Trial) -> TrialRow:
 def measure(
     trials: Iterable[Trial], path: Path, executor: Executor, progress: Progress = silent, what: str = ""
 ) -> list[TrialRow]:
-    """Run what `path` does not hold yet, append it there, and return the rows of all `trials`, in their order.
+    """Run the trials that `path` lacks, append them there, and return the rows of all `trials`, in their order.
 
-    `progress` is told at the start and after each run how many of `what` are done. Whatever ends it early, what waits
-    is cancelled.
+    `progress` receives the number of `what` done, at the start and after each run. An early end cancels what waits.
 
     Raises:
         BadInput: `path` is not a file of runs, or a trial cannot be run.
@@ -87,7 +85,7 @@ def measure(
         count(progress, len(wanted), len(wanted), what)
         return [row_of[trial] for trial in wanted]
     with open_to_append(path) as file:
-        row_of = {row.trial: row for row in read_rows(path)}  # now that nobody else adds to them
+        row_of = {row.trial: row for row in read_rows(path)}  # read again under the lock
         missing = [trial for trial in wanted if trial not in row_of]
         done = len(wanted) - len(missing)
         count(progress, done, len(wanted), what)
@@ -107,13 +105,13 @@ def measure(
 
 
 def _at_checkpoints(optimum: Optimum) -> tuple[float, ...]:
-    """The best cost known when a share of all evaluations had been spent; before the first batch, its best."""
+    """Return the best cost after each share of the evaluations; before the end of the first batch, its best."""
     spent = np.searchsorted(optimum.evaluations, CHECKPOINTS * optimum.evaluations[-1], side="right") - 1
     return tuple(float(h) for h in optimum.history[np.maximum(spent, 0)])
 
 
 def _versions() -> str:
-    """What the last digits of a run depend on: the packages, and for which processor NumPy's BLAS computes."""
+    """Return what determines the last digits of a run: package versions, and the processor kernels of NumPy's BLAS."""
 
     def of(package: str) -> str:
         try:

@@ -1,4 +1,4 @@
-"""Which runs each table and figure needs, and the file that keeps them; several share one."""
+"""Define the runs that each table and figure needs, by file."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,10 +11,10 @@ from ipoa_mission.paper.rows import Trial, settings_text
 #: Evaluations of IPOA at N = 30 and T = 1000 with all strategies: the budget of every rival beyond the paper.
 BUDGET = 90_060
 
-#: What is compared beyond the paper: the libraries' optimizers, and the variant of ours.
+#: Algorithms beyond the paper: libraries' optimizers, and our own variant.
 BEYOND = ("adaptive-pelican", "rcmaes", "lshade", "de")
 
-#: Iterations with which each of the paper's six comes to spend `BUDGET` evaluations at N = 30.
+#: Iterations at which each of the paper's six spends `BUDGET` evaluations at N = 30.
 EQUAL: dict[str, dict[str, object]] = {
     "ipoa": {"iterations": 1000},
     "dbo": {"iterations": 3001},
@@ -26,7 +26,7 @@ EQUAL: dict[str, dict[str, object]] = {
 
 #: IPOA's settings in the ablation: each strategy off, and each other reading, one at a time.
 ABLATION: dict[str, dict[str, object]] = {
-    "IPOA as it stands here": {},
+    "IPOA as implemented here": {},
     "without chaotic and refracted start": {"chaotic_start": False},
     "without inertia weight": {"inertia": False},
     "without Levy flight": {"levy": False},
@@ -40,7 +40,7 @@ ABLATION: dict[str, dict[str, object]] = {
     "prey is the best": {"prey": "best"},
     "t mutation of the best only": {"mutated": "best"},
     "t mutation around each pelican": {"mutated": "own"},
-    "nearest to the print known: omega = exp(t/T) - 1, prey best, t around each": {
+    "nearest known to the print: omega = exp(t/T) - 1, prey best, t around each": {
         "weight": "exp(t/T)-1",
         "prey": "best",
         "mutated": "own",
@@ -53,14 +53,14 @@ ABLATION: dict[str, dict[str, object]] = {
 
 @dataclass(frozen=True)
 class Series:
-    """Runs that belong together: the name of their file, how many of each the paper makes, and the first of each."""
+    """Define runs of one file: its name, the paper's number of runs, and the first run of each trial."""
 
     name: str
     runs: int
     firsts: Sequence[Trial]
 
     def trials(self, runs: int | None) -> list[Trial]:
-        """All trials for `runs` runs of each (the paper's number by default), one round after the other."""
+        """Return all trials for `runs` runs of each (by default the paper's number), one round after the other."""
         return [
             Trial(t.problem, t.case, t.dimension, t.algorithm, t.settings, t.budget, run)
             for run in range(self.runs if runs is None else runs)
@@ -97,7 +97,7 @@ MAPS_PAPER = Series("maps", 10, _maps([*WEIGHTED, *MAPS], [(name, {}) for name i
 MAPS_BEYOND = Series("maps-beyond", 10, _maps(MAPS, [(name, {}) for name in BEYOND], BUDGET))
 MAPS_ABLATION = Series("maps-ablation", 10, _maps(MAPS, [("ipoa", settings) for settings in ABLATION.values()]))
 
-#: The six on the campus, and the variant of ours beside them.
+#: The paper's six on the campus, and our variant.
 CAMPUS = Series(
     "campus", 20, [Trial("campus", "campus", 3 * INNER, name, "{}", 0, 0) for name in (*ALGORITHMS, BEYOND[0])]
 )

@@ -7,12 +7,12 @@ from hypothesis import strategies as st
 
 from ipoa_mission.paper.statistics import (
     Friedman,
+    compare_pairs,
     friedman,
     holm,
     places,
     post_hoc,
     rank_sum,
-    told_apart,
 )
 
 
@@ -82,7 +82,7 @@ def test_after_friedman_the_control_is_compared_as_in_demsars_example() -> None:
 
 def test_the_sign_says_who_is_lower_and_only_where_it_is_told() -> None:
     low, high, alike = np.arange(30.0), np.arange(40.0, 70.0), np.arange(0.5, 30.5)
-    assert told_apart([(low, high), (high, low), (low, alike)]) == ["+", "-", "="]
+    assert compare_pairs([(low, high), (high, low), (low, alike)]) == ["+", "-", "="]
 
 
 def test_places_share_the_better_one() -> None:

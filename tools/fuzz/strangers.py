@@ -189,7 +189,7 @@ class World:
 
     def _look(self) -> None:
         held = self.mock.transfers.listed(MissionType.MISSION)
-        if compare(self.sent, held, self.mock.habits.autopilot) is None:
+        if compare(self.sent, held, self.mock.profile.autopilot) is None:
             self.changed_s, self.was_told = None, False
             self.ours_is = self.mock.transfers.list_id(MissionType.MISSION)
         elif self.changed_s is None:

@@ -1,1 +1,1 @@
-"""The algorithms that the paper compares IPOA with, registered as optimizers by entry points."""
+"""Implement the algorithms that the paper compares IPOA with; entry points register them as optimizers."""

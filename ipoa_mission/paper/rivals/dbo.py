@@ -1,8 +1,8 @@
 """DBO, the dung beetle optimizer (Xue and Shen, The Journal of Supercomputing 2023, 79, 7305), after its authors' code.
 
 Of thirty beetles six roll balls, six are brood balls, seven forage and eleven steal; each remembers its best place
-and moves from there. The bounds x (1 - R) and x (1 + R) change sides where x is negative, and clipping then leaves the
-upper one: so it is in the authors' code, and so it is here. Costs N + N T evaluations.
+and moves from there. The bounds x (1 - R) and x (1 + R) swap where x is negative. Then clipping returns the upper one,
+as in the authors' code. Costs N + N T evaluations.
 """
 
 from dataclasses import dataclass
@@ -16,23 +16,23 @@ from ipoa_mission.optimize.settings import Amount, Between, Count, Fraction
 
 @dataclass(frozen=True)
 class DBO:
-    """Beetles with four trades; k, b and S as the paper's Table 2 sets them (the authors' code: b = 0.3, S = 0.5)."""
+    """Search by beetles with four roles; k, b and S as in the paper's Table 2 (the authors' code: b = 0.3, S = 0.5)."""
 
     population: Annotated[int, Between(10)] = 30
     iterations: Count = 1000
     deflection: Amount = 0.1  # k
     rolling: Amount = 0.1  # b
     stealing: Amount = 0.3  # S
-    obstacle: Fraction = 0.1  # how often a roller meets one and dances, as the authors have it
+    obstacle: Fraction = 0.1  # probability that a roller meets an obstacle and dances, from the authors
 
     def search(self, box: Box, rng: np.random.Generator) -> Search:
         """Yield N candidates, then the rollers and the other beetles of each iteration."""
         n = self.population
-        rollers, broods, foragers = round(n * 6 / 30), round(n * 12 / 30), round(n * 19 / 30)  # where each trade ends
-        x = box.sample(n, rng)  # where the beetles are, and what it costs
+        rollers, broods, foragers = round(n * 6 / 30), round(n * 12 / 30), round(n * 19 / 30)  # last index of each role
+        x = box.sample(n, rng)  # positions and costs
         f = yield x
-        home, home_cost = x, f  # the best place of each
-        before = home  # its best place an iteration ago
+        home, home_cost = x, f  # best position of each
+        before = home  # best position one iteration ago
         for t in range(1, self.iterations + 1):
             best = home[home_cost.argmin()]
             worst = x[f.argmax()]

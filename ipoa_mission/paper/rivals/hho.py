@@ -1,8 +1,8 @@
 """HHO, Harris hawks optimization (Heidari et al., Future Gener. Comput. Syst. 2019, 97, 849), as its authors code it.
 
-A hawk that does not dive goes wherever its rule sends it, better or not; only the best position ever found, the rabbit,
-is kept. Costs N + N T evaluations and one more for every dive that has to be repeated with a Levy step (a hawk whose
-cost is known is not evaluated again, as the authors' code does).
+A hawk that does not dive moves even to a worse position; only the best position found, the rabbit, is kept.
+Costs N + N T evaluations, and one for every dive repeated with a Levy step. Known costs are not evaluated again, as in
+the authors' code.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from ipoa_mission.optimize.settings import Count, Members
 
 @dataclass(frozen=True)
 class HHO:
-    """Hawks perch while the rabbit has energy and besiege it when it tires; E0 and J are random (Table 2)."""
+    """Search by hawks that perch while the rabbit has energy and besiege it later; E0 and J are random (Table 2)."""
 
     population: Members = 30
     iterations: Count = 1000
@@ -39,7 +39,7 @@ class HHO:
             other = x[rng.integers(n, size=n)]
             perch = np.where(
                 q < 0.5,
-                other - r1 * np.abs(other - 2 * r2 * x),  # beside a family member
+                other - r1 * np.abs(other - 2 * r2 * x),  # close to a family member
                 rabbit - mean - r3 * (box.lower + r4 * span),  # on a tall tree
             )
             # Besieging, hard by their eq. (6) or soft by (4)
@@ -48,7 +48,7 @@ class HHO:
                 rabbit - energy * np.abs(rabbit - x),
                 rabbit - x - energy * np.abs(jump * rabbit - x),
             )
-            # Diving, their eqs. (7) and (12), and again with a Levy step, (8) and (13), where that was no better
+            # Diving, their eqs. (7) and (12), and repeated with a Levy step, (8) and (13), if that was no better
             dive = rabbit - energy * np.abs(jump * rabbit - np.where(hard, mean, x))  # Y
             diving = ~perching & (q < 0.5)
             trial = box.clip(np.where(perching, perch, np.where(diving, dive, besiege)))

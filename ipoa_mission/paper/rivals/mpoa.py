@@ -1,8 +1,8 @@
-"""MPOA, a modified pelican algorithm (the paper's reference [43]). INFERRED: its formulas were not at hand.
+"""MPOA, a modified pelican algorithm (the paper's reference [43]). INFERRED: its formulas were not available.
 
-The paper gives two of its constants (Table 2: freedom parameter a = 1, proportion of vigilantes SD = 0.2) and says
-that it mutates by a Cauchy distribution. So this is POA, then a Cauchy mutation x + x C(0, a), then the sparrows' alarm
-for a share SD, each accepted greedily. Results under this name are results of this inference. Costs N + T N (3 + SD).
+The paper gives two constants (Table 2: freedom parameter a = 1, proportion of vigilantes SD = 0.2) and the mutation's
+distribution, Cauchy. So this is POA, then a Cauchy mutation x + x C(0, a), then the sparrows' alarm for a share SD,
+each accepted greedily. Costs N + T N (3 + SD).
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from ipoa_mission.paper.rivals.ssa import flee
 
 @dataclass(frozen=True)
 class MPOA:
-    """POA with a Cauchy mutation and vigilant members."""
+    """Search by POA with a Cauchy mutation and vigilant members."""
 
     population: Members = 30
     iterations: Count = 1000

@@ -1,8 +1,8 @@
 """SSA, the sparrow search algorithm (Xue and Shen, Systems Science & Control Engineering 2020, 8, 22).
 
-The sparrows are sorted by cost: finders first, then followers; some of either take alarm. A new place is kept when it
-is better. With the paper's share of finders (0.7) the authors' rule for "starving" followers, the worse half of all
-sparrows, would hold for every follower; here it is the worse half of the followers. Costs N + T N (1 + SD).
+The sparrows are sorted by cost: finders first, then followers; some of either are alarmed. A new place is kept if it is
+better. The authors' "starving" followers are the worse half of all sparrows. With the paper's share of finders (0.7)
+that is every follower, so here it is the worse half of the followers. Costs N + T N (1 + SD).
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from ipoa_mission.optimize.settings import Count, Fraction, Members
 
 @dataclass(frozen=True)
 class SSA:
-    """Finders search, followers go where the best finder is or elsewhere, the alarmed flee; constants of Table 2."""
+    """Search by finders, followers of the best finder, and alarmed members that flee; constants of Table 2."""
 
     population: Members = 30
     iterations: Count = 1000
@@ -66,7 +66,7 @@ class SSA:
 
 
 def flee(x: Candidates, f: Costs, alarmed: NDArray[np.intp], rng: np.random.Generator) -> Candidates:
-    """Where the `alarmed` members go: beside the best one, or, if they are the best, away from the worst, (m, D)."""
+    """Return places (m, D) of the `alarmed` members: close to the best one, or for the best one away from the worst."""
     here, cost = x[alarmed], f[alarmed, None]
     best, worst = x[f.argmin()], x[f.argmax()]
     m, d = here.shape
