@@ -14,7 +14,6 @@ LARGEST_SIZE = 10_000_000  # bytes; a larger NAME.json is a map of somebody else
 
 
 def digest(text: str) -> str:
-    """Return the digest of a file as NAME.json holds it."""
     return sha256(text.encode()).hexdigest()
 
 

@@ -140,7 +140,6 @@ PLAIN_FRAME: Mapping[int, int] = {
 
 
 def plain_frame(frame: int) -> int:
-    """Return the frame without `_INT`, for comparison."""
     return int(PLAIN_FRAME.get(frame, frame))
 
 

@@ -18,7 +18,6 @@ CIRCLE = {Command.NAV_FENCE_CIRCLE_INCLUSION: True, Command.NAV_FENCE_CIRCLE_EXC
 
 
 def fence_to_wire(fence: Sequence[FencePolygon | FenceCircle]) -> tuple[Item, ...]:
-    """Return the items of a geofence, in its order."""
     return tuple(item for part in fence for item in _fence_part(part))
 
 

@@ -36,11 +36,9 @@ class Node:
         return f"{self.file}: {self.place}" if self.place else self.file
 
     def wrong(self, expected: str, hint: str | None = None) -> BadInput:
-        """Return an error with the expected and the actual value."""
         return BadInput(f"expected {expected}, not {_said(self.value)}", hint, place=self.where)
 
     def note(self, message: str, severity: Severity = Severity.WARNING) -> None:
-        """Add a finding about this value."""
         self.findings.append(Finding("file", severity, None, f"{self.place}: {message}" if self.place else message))
 
     def __getitem__(self, key: str) -> "Node":
@@ -51,7 +49,6 @@ class Node:
         return child
 
     def get(self, key: str) -> "Node | None":
-        """Return the value of a key, None if it is missing."""
         if not isinstance(self.value, dict):
             raise self.wrong("an object")
         place = f"{self.place}.{key}" if self.place else key
@@ -66,7 +63,6 @@ class Node:
         return [Node(self.file, f"{self.place}[{i}]", value, self.findings) for i, value in enumerate(self.value)]
 
     def number(self, expected: str = "a number") -> float:
-        """Return a finite number."""
         if isinstance(self.value, bool) or not isinstance(self.value, int | float):
             raise self.wrong(expected)
         try:
@@ -113,13 +109,11 @@ class Node:
         return int(value)
 
     def flag(self) -> bool:
-        """Return true or false."""
         if not isinstance(self.value, bool):
             raise self.wrong("true or false")
         return self.value
 
     def text(self, expected: str = "a text") -> str:
-        """Return a string."""
         if not isinstance(self.value, str):
             raise self.wrong(expected)
         return self.value

@@ -39,7 +39,6 @@ def known_ground(mission: Mission) -> Ground:
 
 
 def landing_on(mission: Mission, height: float) -> Mission:
-    """Set the height of the landing ground above home [m]."""
     place = landing_place(mission)
     if place is None:
         return mission

@@ -77,7 +77,6 @@ def read_parameter_file(path: str | Path) -> ParameterFile:
 
 
 def parameter_path(path: Path) -> Path:
-    """Return the path of a mission's parameter file."""
     return path.with_suffix(".params")
 
 
@@ -183,7 +182,6 @@ def _unread(file: str, text: str, rows: list[_Row], owner: _Owner | None) -> Ite
 
 
 def _of_book(file: str, taken: Mapping[str, _Row], autopilot: Autopilot) -> Iterator[Unread]:
-    """Report old names with a value other than the new name's, and values that suggest another unit."""
     book = autopilot.book
     for name, (old, unit) in book.renamed.items():
         newer, older = taken.get(name), taken.get(old)

@@ -143,7 +143,6 @@ def _written(items: Sequence[Item], mission: Mission) -> Iterator[dict[str, Any]
 
 
 def _check(number: int, item: Item, count: int) -> None:
-    """Refuse an item that every reader refuses."""
     where = f"item {number} ({command_name(item.command)})"
     if _has_altitude(item) and not math.isfinite(item.altitude):
         raise BadInput(f"expected an altitude, not {item.altitude}", code="altitude-missing", place=where)

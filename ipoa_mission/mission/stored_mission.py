@@ -141,7 +141,6 @@ def _is_home(item: Item) -> bool:
 
 
 def _single(value: float) -> float:
-    """Return the number in single precision; infinite beyond its range."""
     with np.errstate(over="ignore"):
         return float(np.float32(value))
 

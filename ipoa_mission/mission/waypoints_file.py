@@ -180,8 +180,6 @@ def _number(value: float, least_digits: int = 6) -> str:
 
 
 class _Line:
-    """Hold the fields of one line, by name."""
-
     def __init__(self, path: Path, number: int, fields: list[str]) -> None:
         self.number, self.where = number, f"{path}: line {number}"
         if len(fields) != len(FIELDS):
@@ -205,14 +203,12 @@ class _Line:
         return value
 
     def whole(self, name: str, most: int) -> int:
-        """Return a whole number from 0 to `most`."""
         value = self.value(name)
         if not (value.is_integer() and 0 <= value <= most):
             raise self.wrong(name, f"a whole number from 0 to {most}")
         return int(value)
 
     def wrong(self, name: str, expected: str) -> BadInput:
-        """Return an error with the expected and the actual value of a field."""
         return BadInput(f'expected {expected}, not "{self.fields[name][:40]}"', place=f"{self.where}: {name}")
 
 

@@ -87,6 +87,5 @@ def flown(curve: Spline, scenario: Scenario, optimum: Optimum) -> Measures:
 
 
 def _waypoints(mission: Mission) -> tuple[int, int]:
-    """Return the index of the item before the first waypoint (take-off or speed), and of the last waypoint."""
     route = [k for k, item in enumerate(mission.items) if item.command == Command.NAV_WAYPOINT]
     return route[0] - 1, route[-1]

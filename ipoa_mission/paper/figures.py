@@ -76,7 +76,6 @@ def figure_7(rows: Sequence[TrialRow]) -> str:
 
 
 def figure_8(rows: Sequence[TrialRow]) -> str:
-    """Draw box plots of the cost at D = 10."""
     figure, panels = panels_of(3, 4, 14, 9)
     for axes, function, optimum in zip(panels, FUNCTIONS, OPTIMA, strict=True):
         samples = [results(rows, function, name) + optimum for name in ALGORITHMS]
@@ -118,7 +117,6 @@ def _plain_log_ticks(axes: Any) -> None:
 
 
 def draw_svg(figure: Any) -> str:
-    """Return the figure as SVG text."""
     import matplotlib as mpl
 
     text = io.StringIO()

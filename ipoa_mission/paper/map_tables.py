@@ -24,7 +24,6 @@ def mean_over_maps(
     settings: str = "{}",
     cases: Sequence[str] = MAPS,
 ) -> float:
-    """Return the mean over the maps of the mean over the runs, of the cost or of a measure."""
     return float(np.mean([results(rows, case, algorithm, measure, settings).mean() for case in cases]))
 
 

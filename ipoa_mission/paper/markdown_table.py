@@ -19,7 +19,6 @@ class Table:
     notes: Sequence[str] = field(default=())
 
     def markdown(self) -> str:
-        """Return the table in Markdown, between its caption and its notes."""
         lines = [f"**{self.caption}**", "", _line(self.heading), _line(["---"] * len(self.heading))]
         lines += [_line(row) for row in self.rows]
         for note in self.notes:
@@ -27,7 +26,6 @@ class Table:
         return filled("\n".join(lines))
 
     def csv(self) -> str:
-        """Return the cells as CSV."""
         text = io.StringIO()
         csv.writer(text, lineterminator="\n").writerows([self.heading, *self.rows])
         return text.getvalue()
@@ -54,10 +52,8 @@ def ours_and_print(
 
 
 def per_cent(ours: float, theirs: float) -> str:
-    """Format the difference of `ours` from `theirs` in percent."""
     return f"{(ours / theirs - 1) * 100:+.0f} %" if theirs else "-"
 
 
 def factor(ours: float, theirs: float) -> str:
-    """Format the ratio of `ours` to `theirs`: ×0.71."""
     return f"×{ours / theirs:.2g}" if theirs else "-"

@@ -38,7 +38,6 @@ class Counted:
         return costs
 
     def optimum(self) -> Optimum:
-        """Return the result in the form of `minimize`."""
         return Optimum(self.best_x, self.best, np.array(self._evaluations), np.array(self._history))
 
 
@@ -48,7 +47,6 @@ Rival = Callable[[Callable[[Candidates], Costs], Box, int, np.random.Generator],
 def _by_minionpy(
     name: str, cost: Callable[[Candidates], Costs], box: Box, budget: int, rng: np.random.Generator
 ) -> Optimum:
-    """Minimize by `minionpy`'s optimizer `name` with its own defaults."""
     algorithms = imported("minionpy.algorithms", f"{name} needs minionpy, which is not installed", "paper")
     counted = Counted(cost, box, budget)
 

@@ -39,7 +39,6 @@ class Artifact:
 
 
 def _of(make: Callable[..., Table | str], *needs: Series) -> Artifact:
-    """Return an item made of the rows of these series, in order."""
     return Artifact(needs, lambda rows: make(*(rows[series.name] for series in needs)))
 
 

@@ -56,7 +56,6 @@ Rows: TypeAlias = Mapping[str, Sequence[TrialRow]]
 
 
 def runs_of(rows: Sequence[TrialRow]) -> int:
-    """Return the number of runs of each trial in the rows."""
     return 1 + max(row.trial.run for row in rows)
 
 
@@ -76,12 +75,10 @@ def results(
 
 
 def mean_evaluations(rows: Sequence[TrialRow], algorithm: str) -> float:
-    """Return the mean number of evaluations of a run."""
     return float(np.mean([row.evaluations for row in rows if row.trial.algorithm == algorithm]))
 
 
 def settings_text(**settings: object) -> str:
-    """Return settings as JSON for a trial."""
     return json.dumps(settings, sort_keys=True)
 
 
@@ -117,7 +114,6 @@ def _rows(path: Path, lines: Sequence[str]) -> Iterator[TrialRow]:
 
 
 def line_of(row: TrialRow) -> str:
-    """Return the row as a line of the file."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerow(
         [

@@ -52,12 +52,10 @@ def against(
 
 
 def count_signs(signs: Sequence[str]) -> str:
-    """Count the signs + / = / -."""
     return " / ".join(str(signs.count(sign)) for sign in "+=-")
 
 
 def _is_lower(a: Samples, b: Samples) -> bool:
-    """Return whether a number of `a` is more often below one of `b` than above it."""
     return bool(scipy.stats.mannwhitneyu(a, b).statistic < len(a) * len(b) / 2)
 
 

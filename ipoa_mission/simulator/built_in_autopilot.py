@@ -36,7 +36,7 @@ OLD_REQUESTS: Mapping[int, int] = {
 
 
 class BuiltInAutopilot(Commander):
-    """One simulated vehicle, without I/O."""
+    """Simulate one vehicle, without I/O."""
 
     def __init__(
         self,
@@ -73,7 +73,6 @@ class BuiltInAutopilot(Commander):
     # --- interface ------------------------------------------------------------------------------------------------
 
     def receive(self, message: Message, source: Target, now: float) -> None:
-        """Process a message from `source`."""
         self.tick(now)
         self._schedule.hear(source)
         if self.transfers.receive(message, source, now):
@@ -106,7 +105,7 @@ class BuiltInAutopilot(Commander):
         self._report_changes()
 
     def transfers_with(self, client: Target) -> bool:
-        """Return whether a transfer of a list or a file with `client` is in progress."""
+        """Return whether a list or a file is in transfer with `client`."""
         return self.transfers.is_under_way(client) or self._files.is_open(client)
 
     def tick(self, now: float) -> None:
@@ -139,7 +138,6 @@ class BuiltInAutopilot(Commander):
         return self.transfers.deadline < math.inf or self._will_stop_motors
 
     def _listed(self, kind: int) -> None:
-        """Load a list that has been replaced or cleared."""
         if kind == MissionType.RALLY:
             self.flight.know_rally(tuple(self.transfers.listed(MissionType.RALLY)))
         if kind != MissionType.MISSION:
@@ -194,7 +192,6 @@ class BuiltInAutopilot(Commander):
         return self._stream(message_name(number) or "")
 
     def request_message(self, number: float) -> CommandResult:
-        """Answer command 512 (REQUEST_MESSAGE)."""
         name = message_name(whole(number))
         is_known = name == "AUTOPILOT_VERSION" or name in streams.KNOWN_MESSAGES
         is_known = is_known or (name == "PROTOCOL_VERSION" and self.profile.protocol is not None)
@@ -202,7 +199,6 @@ class BuiltInAutopilot(Commander):
 
 
 def _commands(autopilot: BuiltInAutopilot) -> Mapping[int, Callable[[Sequence[float]], CommandResult]]:
-    """Return the handler of each MAV_CMD; any other is UNSUPPORTED."""
     return {
         Command.NAV_RETURN_TO_LAUNCH: lambda p: autopilot.obey(FlightMode.RETURN),
         Command.NAV_LAND: lambda p: autopilot.obey(FlightMode.LAND),

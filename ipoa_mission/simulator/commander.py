@@ -75,7 +75,6 @@ class Commander(Reporting):
         return self._is_standing() and self._parameters[self.profile.disarm_delay] > 0.0
 
     def _notice_height(self) -> None:
-        """Hold once PX4 has reached its take-off altitude."""
         flight = self.flight
         if self.mode == self.profile.takeoff_mode and flight.armed and not (flight.landed or flight.rising):
             self._idle_mode = self.profile.modes[FlightMode.HOLD]
@@ -221,13 +220,11 @@ class Commander(Reporting):
         return True
 
     def jump_to(self, params: Sequence[float]) -> CommandResult:
-        """Execute command 224: set the current item."""
         if not self.profile.knows_command_224:
             return UNSUPPORTED
         return ACCEPTED if self._go_to(whole(params[0]), params[1] == 1.0) else DENIED
 
     def obey(self, mode: FlightMode) -> CommandResult:
-        """Execute a command to return, land or hold."""
         return self._set_mode(self.profile.modes[mode])
 
     def pause(self, goes_on: float) -> CommandResult:

@@ -57,7 +57,6 @@ class FileService:
         return [answer.pack() for answer in session.last]
 
     def is_open(self, client: Target) -> bool:
-        """Return whether `client` has a file open."""
         session = self._sessions.get(client)
         return session is not None and (session.reading is not None or session.writing is not None)
 

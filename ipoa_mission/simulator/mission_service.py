@@ -47,8 +47,6 @@ ORDERS: Mapping[int, int] = {2: Result.ERROR, 3: Result.ACCEPTED}
 
 @dataclass
 class Incoming:
-    """Hold the state of an upload."""
-
     client: Target
     kind: int
     count: int
@@ -106,7 +104,6 @@ class MissionService:
         return True
 
     def tick(self, now: float) -> None:
-        """Repeat requests, or give up, when their time has come."""
         for incoming in [*self._incoming.values()]:
             self._drive(incoming, now, lambda one: one.exchange.tick(now))
         for reader, exchange in [*self._readers.items()]:
@@ -119,14 +116,12 @@ class MissionService:
 
     @property
     def deadline(self) -> float:
-        """Return when `tick` is next needed."""
         if not self._incoming and not self._readers:
             return math.inf
         uploads = [one.exchange.deadline for one in self._incoming.values()]
         return min((*uploads, *(reader.deadline for reader in self._readers.values())), default=math.inf)
 
     def is_under_way(self, client: Target) -> bool:
-        """Return whether a transfer with `client` is in progress."""
         return any(one.client == client for one in self._incoming.values()) or any(
             reader == client for reader, _ in self._readers
         )

@@ -1,6 +1,6 @@
 """Describe the measured behavior of ArduCopter 4.7 and PX4 1.17 in the mission service, as data.
 
-`vehicles.firmware` defines what each version takes and stores, `vehicles.refusal` why it refuses an item.
+`vehicles.firmware_tables` defines what each version takes and stores, `vehicles.refusal` why it refuses an item.
 """
 
 from collections.abc import Mapping
@@ -49,8 +49,8 @@ class MockProfile:
     """Describe one firmware's behavior; a default means that it lacks the feature."""
 
     autopilot: Autopilot
-    protocol_profile: RequestStyle  # form of its requests
-    patience: Patience  # times of repeats and of giving up
+    protocol_profile: RequestStyle  # request form
+    patience: Patience  # times of repeats and giving up
     timeout_result: int | None = None  # MISSION_ACK after a timeout
     timeout_text: str
     truncating: frozenset[int] = frozenset()  # lists whose old items are dropped at COUNT
@@ -114,12 +114,10 @@ class MockProfile:
 
     @property
     def firmware(self) -> Tables:
-        """Return the tables of what it takes and stores."""
         return self.autopilot.firmware(self.version)
 
     @property
     def limits(self) -> Mapping[int, int]:
-        """Return the capacity of each list."""
         facts = self.firmware
         return {
             MissionType.MISSION: facts.max_items,

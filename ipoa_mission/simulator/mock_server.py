@@ -69,12 +69,10 @@ class Server:
         self._outward: dict[Peer | None, BadPipe] = {}
 
     def run(self, until: Callable[[], bool]) -> None:
-        """Serve until `until` returns true."""
         while not until():
             self.step()
 
     def step(self) -> None:
-        """Wait for bytes or the next deadline, and process them."""
         hurry = self._hurry
         due = self._real_s + max(self._station.deadline - self._virtual_s, 0.0) / hurry
         rested = self._real_s + (self._unread - MOST_AT_ONCE) / MOST_FRAMES_HZ if self._is_ahead else math.inf

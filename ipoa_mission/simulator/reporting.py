@@ -127,7 +127,6 @@ class Reporting:
         return self.flight.mode is FlightMode.HOLD or self._delays()
 
     def _delays(self) -> bool:
-        """Return whether an ArduCopter is in a delay item."""
         at = self.flight.current
         return self.profile.runs_on_ground and at < len(self._flown) and self._flown[at].command == Command.NAV_DELAY
 
@@ -229,7 +228,6 @@ class Reporting:
                 self._say(self._heartbeat(), EVERYONE)
 
     def _say_item(self, index: int) -> None:
-        """Send ArduPilot's text for a finished item."""
         command = self._flown[index].command
         if command in REPORTED_WHEN_REACHED:
             self._text(INFO, f"Reached command #{index + 1}")

@@ -43,8 +43,7 @@ class Pilot(Protocol):
     def go_to(self, east: float, north: float, up: float, speed: float) -> None:
         """Fly to a place and hold there; NaN: the present target, height or default speed."""
 
-    def step(self) -> None:
-        """Advance by `STEP_S`."""
+    def step(self) -> None: ...
 
 
 @dataclass(frozen=True)
@@ -106,12 +105,10 @@ class SimulatedFlight:
 
     @property
     def current(self) -> int:
-        """Return the index of the current item."""
         return self._now.current
 
     @property
     def reached(self) -> tuple[ItemDone, ...]:
-        """Return the items done so far, in order."""
         return tuple(self._now.reached)
 
     @property
@@ -202,7 +199,6 @@ class SimulatedFlight:
         self._enter(FlightMode.MISSION)
 
     def hold(self) -> None:
-        """Stop and hold position."""
         if self._now.mission is MissionState.ACTIVE:
             self._now.mission = MissionState.PAUSED
         self._enter(FlightMode.HOLD)

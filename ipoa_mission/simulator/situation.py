@@ -65,7 +65,6 @@ class Situation:
         return HOME if n is None else self.rally[n]
 
     def done(self, index: int, announced: bool = True) -> None:
-        """Note that an item is done."""
         self.reached.append(ItemDone(index, self.time_s, announced))
 
     def come_to(self, behind: int, change_speed: Callable[[Item], None]) -> Item | None:

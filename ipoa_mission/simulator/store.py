@@ -16,7 +16,6 @@ class Store:
         self.items: tuple[Item, ...] = ()
 
     def begin(self, count: int) -> None:
-        """Start a transfer of `count` items."""
         self._incoming = []
         if self._truncating:
             self.items = self.items[:count]
@@ -35,7 +34,6 @@ class Store:
         return self.items if self._truncating else tuple(self._incoming)
 
     def commit(self) -> None:
-        """End a complete transfer."""
         if not self._truncating:
             self.items = tuple(self._incoming)
         self._incoming = []

@@ -46,7 +46,6 @@ class Schedule:
         self._due = dict.fromkeys(usual, 0.0)
 
     def hear(self, listener: Target) -> None:
-        """Register a listener."""
         if listener not in self._wishes:
             while len(self._wishes) >= MOST_LISTENERS:
                 del self._wishes[next(iter(self._wishes))]
@@ -90,7 +89,6 @@ class Schedule:
         return -1 if math.isinf(interval) else round(interval * 1e6)
 
     def due(self, now: float) -> list[str]:
-        """Return the streams due by now, each once."""
         names = [name for name, when in self._due.items() if when <= now]
         for name in names:
             self._due[name] = max(self._due[name] + self._intervals[name], now + self._intervals[name] / 2)
@@ -98,7 +96,6 @@ class Schedule:
 
     @property
     def deadline(self) -> float:
-        """Return when the next stream is due."""
         return min(self._due.values())
 
     def _interval(self, name: str, listener: Target) -> float:
@@ -107,7 +104,6 @@ class Schedule:
 
 
 def position(flight: SimulatedFlight, now: float) -> Position:
-    """Return the flight's GLOBAL_POSITION_INT."""
     at, (east, north, up) = flight.position, flight.velocity
     return Position(
         now,
