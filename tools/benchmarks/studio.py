@@ -100,7 +100,6 @@ class Planner:
         return dict(answer["answer"])
 
     def processor_s(self) -> float:
-        """Processor time of the process so far."""
         fields = Path(f"/proc/{self._process.pid}/stat").read_text().rsplit(")", 1)[1].split()
         return (int(fields[11]) + int(fields[12])) / 100
 

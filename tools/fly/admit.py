@@ -71,8 +71,6 @@ class Task:
 
 @dataclass(frozen=True)
 class Work:
-    """What each flight is flown with."""
-
     autopilot: Autopilot
     out: Path
     seed: int
@@ -236,7 +234,6 @@ def _line(row: Row) -> str:
 
 
 def version_on(given: argparse.Namespace, autopilot: Autopilot, simulator: Simulator) -> Version | None:
-    """Which version a simulator says that it has."""
     home = read_scenario(shipped()[0]).frame.home
     start = given.start and simulator.words(given.start, home)
     link = link_of(given.sitl, autopilot, given.instance)

@@ -57,7 +57,6 @@ class Flown:
 
 
 def is_flown(folder: Path) -> bool:
-    """Whether a folder has a flight that came to its end."""
     return any((folder / name).exists() for name in ("flight.json", "fly.json", "times.json"))
 
 

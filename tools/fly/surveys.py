@@ -160,7 +160,6 @@ def photos_in(log: Path) -> int:
 
 
 def rows_of(path: Path) -> Iterator[Row]:
-    """Those of a run before, if there was one."""
     if path.exists():
         with path.open(encoding="utf-8", newline="") as lines:
             for line in csv.DictReader(lines):

@@ -42,7 +42,6 @@ class Run:
 
 
 def read_rows(path: Path) -> list[Run]:
-    """The runs so far."""
     if not path.exists():
         return []
     with path.open(newline="") as file:
