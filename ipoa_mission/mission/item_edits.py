@@ -46,7 +46,11 @@ def without_item(mission: Mission, seq: int) -> Mission:
         leads_here = item.command == Command.DO_JUMP and item.params[0] == seq
         of_tag = item.command == Command.DO_JUMP_TAG and mission.items[seq - 1].command == Command.JUMP_TAG
         if number != seq and (leads_here or (of_tag and item.params[0] == mission.items[seq - 1].params[0])):
-            raise BadInput(f"item {number} jumps to it", hint=f"change item {number} first", place=f"item {seq}")
+            raise BadInput(
+                f"expected no jump to it, but item {number} has one",
+                hint=f"change item {number} first",
+                place=f"item {seq}",
+            )
     items = [_jumping(one, lambda target: target - (target > seq)) for one in mission.items]
     scanned = tuple((first - (first >= seq), height) for first, height in mission.scanned)
     return replace(mission, items=(*items[: seq - 1], *items[seq:]), scanned=scanned)
@@ -83,10 +87,9 @@ def _expect_alone(mission: Mission, seq: int) -> None:
 
 
 def _one_of(seq: int, of: range) -> BadInput:
-    words = f"item {seq} is one of a survey or scan of QGroundControl's (items {of.start} to {of.stop - 1})"
     return BadInput(
-        f"{words}: with it changed that would no longer be one",
-        hint="make plain items of it first",
+        f"expected an item outside QGroundControl's surveys and scans, not item {seq} of {of.start} to {of.stop - 1}",
+        hint="make plain items of the survey or scan first",
         code="complex-item",
     )
 

@@ -82,15 +82,17 @@ def parse_mission(
     Raises:
         BadInput: as `read_mission_file`.
     """
-    lying = parameter_path(path)
-    of_vehicle = read_parameter_file(lying) if lying.is_file() else ParameterFile({})
+    parameters_file = parameter_path(path)
+    of_vehicle = read_parameter_file(parameters_file) if parameters_file.is_file() else ParameterFile({})
     parameters = of_vehicle.parameters
     theirs = firmware_of(parameters)
     record = mission_record(path, text)
     file = _parsed(path, text, autopilot, theirs or _named(record.autopilot) or otherwise)
     if theirs not in (None, autopilot) and autopilot is not None:
-        foreign = f"{lying}: parameters of {theirs}, not of {autopilot}: none of them is used"
-        warned = Finding("file-parameters", Severity.WARNING, None, foreign, f"name {autopilot}'s by --param-file")
+        foreign = f"{parameters_file}: expected parameters of {autopilot}, not of {theirs}: they are ignored"
+        warned = Finding(
+            "file-parameters", Severity.WARNING, None, foreign, f"give those of {autopilot} by --param-file"
+        )
         file, parameters = replace(file, findings=(*file.findings, warned)), {}
     odd = (Finding("file-parameters", Severity.WARNING, None, thing.words) for thing in of_vehicle.unread)
     file = replace(file, findings=(*file.findings, *odd))
@@ -100,7 +102,7 @@ def parse_mission(
     try:
         return replace(file, mission=mission.with_parameters(parameters), planned=record.planned)
     except BadInput as error:
-        raise error.at(lying) from error
+        raise error.at(parameters_file) from error
 
 
 def read_by_items(path: Path, file: MissionFile) -> MissionFile:
@@ -114,13 +116,13 @@ def _named(name: str | None) -> Autopilot | None:
     return next((one for one in registered() if one.name == name), None)
 
 
-def _parsed(path: Path, text: str, autopilot: Autopilot | None, beside_it: Autopilot | None) -> MissionFile:
+def _parsed(path: Path, text: str, autopilot: Autopilot | None, named: Autopilot | None) -> MissionFile:
     beginning = text.lstrip()[: len(FIRST_LINE)]
     if beginning.startswith("{") or (path.suffix.lower() == ".plan" and not beginning.startswith("QGC WPL")):
         return parse_plan(path, text, autopilot)
     if beginning.startswith("QGC WPL") or path.suffix.lower() == ".waypoints":
-        if (said := autopilot or beside_it) is not None:
-            return parse_waypoints(path, text, said)
+        if (chosen := autopilot or named) is not None:
+            return parse_waypoints(path, text, chosen)
         return replace(parse_waypoints(path, text, default_autopilot()), taken_for="")
     raise WrongFormat(f"expected a .plan file, or a .waypoints file that begins with {FIRST_LINE}", place=path)
 

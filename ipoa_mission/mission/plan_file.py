@@ -333,20 +333,18 @@ def _check_altitude(node: Node, frame: int, param7: float) -> None:
     if mode is not None and mode.value is not None and frame != Frame.MISSION:
         of_mode = FRAME_OF_MODE.get(mode.whole("a number from 0 to 5", 0, 5))
         if of_mode is not None and PLAIN_FRAME.get(frame, frame) != of_mode:
-            means = (
-                f"QGroundControl flies by it in frame {of_mode:d}, everyone else by the item's own, which is {frame}"
-            )
+            means = f"QGroundControl flies in frame {of_mode:d}, other software in the item's frame {frame}"
             mode.note(means, Severity.ERROR)
         if mode.value == CALCULATED_ABOVE_TERRAIN:
             altitude = node.get("AMSLAltAboveTerrain")
             if altitude is None or altitude.value is None:
-                words = "QGroundControl flies above its own terrain, everyone else at params[6] AMSL"
+                words = "QGroundControl flies above its own terrain, other software at params[6] AMSL"
                 mode.note(f"without an AMSLAltAboveTerrain, {words}")
     if altitude is None or altitude.value is None:
         return
     if not abs(altitude.number("an altitude in metres") - param7) <= 0.01:
         sent = json.dumps(_tidy(param7))
-        message = f"QGroundControl flies {altitude.value:g} m, everyone else params[6], which is {sent}"
+        message = f"QGroundControl flies {altitude.value:g} m, other software params[6], which is {sent}"
         altitude.note(message, Severity.ERROR)
 
 

@@ -140,7 +140,7 @@ def _check(number: int, item: Item) -> None:
     if item.frame in (Frame.GLOBAL_TERRAIN_ALT, Frame.GLOBAL_TERRAIN_ALT_INT):
         raise BadInput(
             "expected an altitude above home or AMSL, not above terrain: "
-            "ground stations would read it as AMSL in a .waypoints file",
+            "ground stations read it as AMSL in a .waypoints file",
             hint="write a .plan file",
             code="frame-not-written",
             place=where,
@@ -148,13 +148,13 @@ def _check(number: int, item: Item) -> None:
     if item.command in OTHER_LISTS:
         raise BadInput(
             "expected a mission item, not one of a fence or of rally points: "
-            "a .waypoints file with it would be read as such a list",
+            "readers take a .waypoints file with it as such a list",
             hint="write a .plan file",
             code="not-a-mission-item",
             place=where,
         )
     if not all(map(math.isfinite, (item.latitude_deg, item.longitude_deg, item.altitude))):
-        words = f"expected a finite position, not one with {item.altitude} for an altitude"
+        words = f"expected a finite position, not one with altitude {item.altitude}"
         raise BadInput(words, code="position-missing", place=where)
 
 

@@ -117,7 +117,7 @@ TAKEN = [
         Autopilot.ARDUPILOT,
         "file-home",
     ),
-    (f"{PX4_TESTS}/vtol_mission_with_land_start.plan", None, "QGroundControl flies 15 m, everyone else params[6]"),
+    (f"{PX4_TESTS}/vtol_mission_with_land_start.plan", None, "QGroundControl flies 15 m, other software params[6]"),
 ]
 
 

@@ -102,7 +102,7 @@ def test_parameters_of_the_other_firmware_do_not_keep_a_mission_from_being_check
     write_mission(read_mission(mission).with_parameters({"RTL_RETURN_ALT": 40.0}), "x.plan")
     checked = run("check x.plan --autopilot ardupilot")
     assert checked.code == 0
-    assert "x.params: parameters of px4, not of ardupilot: none of them is used [file-parameters]" in checked.out
+    assert "x.params: expected parameters of ardupilot, not of px4: they are ignored [file-parameters]" in checked.out
 
 
 def test_the_api_refuses_what_no_model_knows(mission: Path) -> None:

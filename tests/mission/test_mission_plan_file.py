@@ -231,12 +231,12 @@ def test_each_format_is_read_by_a_path_or_its_name(tmp_path: Path) -> None:
     assert read_parameters(str(parameters)) == read_parameters(parameters) == {"MPC_XY_CRUISE": 8.0}
 
 
-ALTITUDE = "Altitude: QGroundControl flies 30 m, everyone else params[6], which is 40"
-BY_TERRAIN = "AMSLAltAboveTerrain: QGroundControl flies 95 m, everyone else params[6], which is 30"
-BY_FRAME = "AltitudeMode: QGroundControl flies by it in frame {}, everyone else by the item's own, which is {}"
+ALTITUDE = "Altitude: QGroundControl flies 30 m, other software params[6], which is 40"
+BY_TERRAIN = "AMSLAltAboveTerrain: QGroundControl flies 95 m, other software params[6], which is 30"
+BY_FRAME = "AltitudeMode: QGroundControl flies in frame {}, other software in the item's frame {}"
 WITHOUT = (
     "AltitudeMode: without an AMSLAltAboveTerrain, QGroundControl flies above its own terrain, "
-    "everyone else at params[6] AMSL"
+    "other software at params[6] AMSL"
 )
 
 
