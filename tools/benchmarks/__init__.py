@@ -1,1 +1,1 @@
-"""How quick and how good: each measures, and keeps rows or prints tables that the documents show."""
+"""Benchmarks of speed and quality, which store rows or print tables for the docs."""

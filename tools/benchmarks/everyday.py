@@ -1,9 +1,9 @@
-"""What everyday scenarios come to: planned or refused, in what CPU time, and how near the predicted path comes.
+"""Plan everyday scenarios: refusals, CPU time, and least distance of the predicted path.
 
     python -m tools.benchmarks.everyday [--kinds lawn,forest] [--numbers 0-3] [--autopilot px4] [--out rows.csv]
 
-Every scene has a way that is wide enough by construction: a refusal is wrong. What is written is measured by shapely,
-on the scenario's own numbers, not by the package's world.
+Every scene has a passage that is wide enough by construction: a refusal is wrong. Shapely measures the distances from
+the scenario's own numbers, without the package's world.
 """
 
 import csv
@@ -25,15 +25,15 @@ from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tools import command_line
 
 HOME = {"latitude_deg": 46.9232, "longitude_deg": 10.5127, "altitude_amsl": 1050.0}
-EARTH_RADIUS = 6.371e6  # far away the ground lies lower than a plane at home [m]
-STEP = 0.1  # at which a predicted path is measured [m]
+EARTH_RADIUS = 6.371e6  # the ground is below a plane at home by the Earth's curvature [m]
+STEP = 0.1  # sampling of a predicted path [m]
 Table = dict[str, Any]
 
 
 def _scatter(
     rng: np.random.Generator, many: int, area: tuple[float, float, float, float], apart: float, keep: list[Table]
 ) -> list[tuple[float, float]]:
-    """Places in an area (west, south, east, north), so far from each other and from the places to keep clear [m]."""
+    """Return places in an area (west, south, east, north), `apart` from each other and from the places `keep` [m]."""
     west, south, east, north = area
     clear = [(place["east"], place["north"]) for place in keep]
     chosen: list[tuple[float, float]] = []
@@ -72,7 +72,7 @@ def _box(name: str, spot: tuple[float, float], size: tuple[float, float, float],
 
 
 def _village(rng: np.random.Generator) -> Table:
-    """Houses along the way between two gardens, some trees: in 150 to 400 m."""
+    """Fly between two gardens past houses and some trees, 150 to 400 m."""
     long = float(rng.uniform(150, 400))
     start, goal = {"east": 0.0, "north": 0.0, "up": 9.0}, {"east": long, "north": float(rng.uniform(-60, 60)), "up": 9}
     area = (10.0, -90.0, long - 10.0, 90.0)
@@ -100,7 +100,7 @@ def _village(rng: np.random.Generator) -> Table:
 
 
 def _downtown(rng: np.random.Generator) -> Table:
-    """Towers on a grid of streets, a flight from corner to corner below their roofs."""
+    """Fly from corner to corner of a street grid, below the roofs of towers."""
     blocks, pitch = int(rng.integers(4, 7)), 46.0
     towers = [
         _box(
@@ -123,7 +123,7 @@ def _downtown(rng: np.random.Generator) -> Table:
 
 
 def _forest(rng: np.random.Generator) -> Table:
-    """Trees that are higher than one may fly, ten and more metres apart."""
+    """Fly among trees above the ceiling, ten and more meters apart."""
     goal = {"east": 130.0, "north": float(rng.uniform(-20, 20)), "up": 7.0}
     start = {"east": 0.0, "north": 0.0, "up": 6.0}
     spots = _scatter(rng, 70, (8.0, -50.0, 122.0, 50.0), 10.5, [start, goal])
@@ -139,7 +139,7 @@ def _forest(rng: np.random.Generator) -> Table:
 
 
 def _yard(rng: np.random.Generator) -> Table:
-    """Out of one walled yard through its gate and into another's."""
+    """Fly from one walled yard into another, through their gates."""
     gate, walls = float(rng.uniform(9.0, 13.0)), list[Table]()
     for name, east, side in (("a", 0.0, 1), ("b", 90.0, -1)):
         north = 0.0 if name == "a" else float(rng.uniform(-30, 30))
@@ -163,7 +163,7 @@ def _yard(rng: np.random.Generator) -> Table:
 
 
 def _lawn(rng: np.random.Generator) -> Table:
-    """A lawn among trees flown over to and fro: 12 or 14 via points."""
+    """Fly to and fro over a lawn among trees by 12 or 14 via points."""
     lanes = int(rng.choice([6, 7]))
     via = [
         {"east": east, "north": 10.0 + 15 * lane, "up": 6.0}
@@ -186,7 +186,7 @@ def _lawn(rng: np.random.Generator) -> Table:
 
 
 def _long(rng: np.random.Generator) -> Table:
-    """Three to eight kilometres with halls and masts about the straight line."""
+    """Fly three to eight kilometers with halls and masts along the straight line."""
     far, turn = float(rng.uniform(3000, 8000)), float(rng.uniform(0, 2 * math.pi))
     ahead = np.array([math.cos(turn), math.sin(turn)])
     aside, halls = np.array([-ahead[1], ahead[0]]), list[Table]()
@@ -219,14 +219,14 @@ KINDS: dict[str, Callable[[np.random.Generator], Table]] = {
 
 
 def table_of(kind: str, number: int, autopilot: Autopilot) -> Table:
-    """The scenario `number` of a kind as a file has it; the same for both autopilots."""
+    """Return scenario `number` of a kind as a table; the same for both autopilots."""
     table = KINDS[kind](np.random.default_rng([2026, 11, list(KINDS).index(kind), number]))
     table["vehicle"]["autopilot"] = str(autopilot)
     return {"name": f"{kind}{number}", "home": HOME, **table}
 
 
 def measured(path: Points, table: Table) -> float:
-    """The least distance of a path (n, 3) to the boxes and cylinders of a scenario's table, sampled [m]."""
+    """Return the least distance of a path (n, 3) to the boxes and cylinders of a scenario's table, sampled [m]."""
     along = arc_lengths(path)
     stops = np.union1d(along, np.arange(0.0, along[-1], STEP))
     spots = np.column_stack([np.interp(stops, along, axis) for axis in path.T])
@@ -248,12 +248,13 @@ def measured(path: Points, table: Table) -> float:
 
 
 def way_of(flight: Flight) -> Points:
-    """The predicted path from the end of the take-off to the last waypoint, (n, 3)."""
+    """Return the predicted path from the end of the take-off to the last waypoint, (n, 3)."""
     predicted = flight.promise.flight
     return predicted.pieces.part(*predicted.way).points
 
 
 def row_of(kind: str, number: int, autopilot: Autopilot) -> Table:
+    """Return the results of a scene."""
     table = table_of(kind, number, autopilot)
     scenario = Scenario.model_validate(table)
     required, begin = scenario.limits.obstacle_distance, time.process_time()
@@ -275,7 +276,7 @@ FIELDS = ["scene", "autopilot", "cpu_s", "required", "kept", "on_way", "measured
 
 
 def _write(rows: list[Table], out: Path) -> None:
-    """All rows so far: what is stopped keeps what it has."""
+    """Write all rows so far, so that an interrupted run keeps them."""
     out.parent.mkdir(parents=True, exist_ok=True)
     with out.open("w", newline="") as file:
         writer = csv.DictWriter(file, FIELDS)
@@ -284,7 +285,7 @@ def _write(rows: list[Table], out: Path) -> None:
 
 
 def main() -> None:
-    """Plan the scenes that are asked for and tell of each, then of each kind the median CPU time and the refusals."""
+    """Plan the scenes and report each, then per kind the median CPU time and the refusals."""
     parser = command_line(__doc__)
     parser.add_argument("--kinds", default=",".join(KINDS))
     parser.add_argument("--numbers", default="0-3")

@@ -1,10 +1,10 @@
-"""What each release measured, in a CSV that grows: docs/history.csv, and a picture of it.
+"""Measure each release: append to docs/history.csv, and plot it.
 
     taskset -c 0 python -m tools.benchmarks.history             measure every shipped scenario, append, plot
     python -m tools.benchmarks.history --plot history.svg       plot what is there, no more
 
-A row is one measure of one scenario by one version: the cost of its path, the flight's estimated time, and seconds of
-CPU to plan it and to estimate it anew. Costs and times are the same on any machine, seconds of CPU are not.
+A row is one measure of one scenario by one version: path cost, estimated flight time, CPU seconds of planning and of
+estimating. Costs and times are the same on any machine, CPU seconds are not.
 """
 
 import csv
@@ -26,8 +26,6 @@ HISTORY = REPOSITORY / "docs" / "history.csv"
 
 @dataclass(frozen=True)
 class Row:
-    """One measure."""
-
     version: str
     date: str
     scenario: str
@@ -36,7 +34,7 @@ class Row:
 
 
 def measured(path: Path, version: str, date: str) -> Iterator[Row]:
-    """The measures of one scenario."""
+    """Yield the measures of one scenario."""
     scenario = api.read_scenario(path)
     begun = time.process_time()
     flight = api.plan_flight(scenario)
@@ -52,7 +50,6 @@ def measured(path: Path, version: str, date: str) -> Iterator[Row]:
 
 
 def append(rows: Iterator[Row], path: Path) -> None:
-    """Add rows to the file, which begins with the names of the columns."""
     is_new = not path.exists()
     with path.open("a", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
@@ -64,13 +61,14 @@ def append(rows: Iterator[Row], path: Path) -> None:
 
 
 def read(path: Path) -> list[Row]:
+    """Read the rows of the file, in its order."""
     with path.open(encoding="utf-8", newline="") as file:
         next(rows := csv.reader(file))
         return [Row(version, date, scenario, measure, float(value)) for version, date, scenario, measure, value in rows]
 
 
 def plotted(rows: list[Row]) -> "Figure":
-    """A panel a measure, a line a scenario, versions from left to right, each value over the first."""
+    """Plot a panel a measure, a line a scenario, versions from left to right, each value relative to the first."""
     import matplotlib
     from matplotlib.figure import Figure
 
@@ -100,7 +98,7 @@ def main() -> None:
     wanted = parser.parse_args()
     if wanted.plot is None:
         date = datetime.now(UTC).date().isoformat()
-        api.plan_flight(api.read_scenario(wanted.scenarios[0]))  # compiles what is compiled
+        api.plan_flight(api.read_scenario(wanted.scenarios[0]))  # compile before measuring
         append((row for path in wanted.scenarios for row in measured(path, wanted.version, date)), wanted.rows)
     api.write_picture(plotted(read(wanted.rows)), wanted.plot or wanted.rows.with_suffix(".svg"))
 

@@ -1,4 +1,4 @@
-"""Upload one mission over bad radios with our client, MAVSDK and MAVProxy, side by side, to the built-in autopilot.
+"""Upload a mission over bad radios by our client, MAVSDK and MAVProxy to the built-in autopilot.
 
     python -m tools.benchmarks.link                        what the rows of docs/link/uploads.csv still lack
     python -m tools.benchmarks.link --table                the tables of docs/lab/link.md, from those rows
@@ -6,14 +6,13 @@
     python -m tools.benchmarks.link --clean --runs 20      client beside client over a perfect link, to a server in C
     python -m tools.benchmarks.link --runs 5 --loss 0 30 --rows new.csv
 
-Each upload has an autopilot, a UDP socket and a radio of its own, in real time. Several run at once, for they mostly
-wait; those over a perfect link run alone. A run is exact when the client says "done" within its time limit AND the
-autopilot holds every item to the last 1e-7 degree; those that are off by one such unit are "near"; anything else that
-was called done is false. Times are from the order to upload until the client has the final MISSION_ACK; ours is given
-a second time with reading back and comparing, which the others leave out. Bytes are those of mission messages, both
-ways, until the vehicle's first MISSION_ACK. Every client has a process of its own (over a perfect link a
-new one for each upload); connecting is not counted. Rows are written as they come, and a rerun goes on where the last
-one stopped.
+Each upload has its own autopilot, UDP socket and radio, in real time. Several run at once, because they mostly wait;
+those over a perfect link run alone. A run is exact if the client reports success within its time limit and the
+autopilot holds every item to the last 1e-7 degree. Runs off by one such unit are "near"; other reported successes are
+false. Times are from the upload's start to the final MISSION_ACK at the client; ours also until reading back and
+comparing, which the others omit. Bytes are those of mission messages, both ways, until the vehicle's first MISSION_ACK.
+Every client has its own process (over a perfect link a new one for each upload); connecting is not counted. A rerun
+continues after the last row.
 """
 
 import importlib.util
@@ -31,7 +30,7 @@ ROWS = REPOSITORY / "docs" / "link" / "uploads.csv"
 
 
 def main() -> None:
-    """Run what is missing, or print the table."""
+    """Run the missing uploads, or print the tables."""
     parser = command_line(__doc__)
     parser.add_argument("--runs", type=int, default=50)
     parser.add_argument("--mavproxy-runs", type=int, default=10)

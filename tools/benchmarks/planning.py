@@ -1,13 +1,13 @@
-"""Our planner beside OMPL's and mealpy's, and how far each is from a reference optimum; docs/lab/planning.md tells it.
+"""Compare our planner with OMPL's and mealpy's by a reference optimum (docs/lab/planning.md).
 
     taskset -c 0 python -m tools.benchmarks.planning --mealpy PYTHON     everything; takes half an hour of CPU
     taskset -c 0 python -m tools.benchmarks.planning --quick --rows rows.csv
     taskset -c 0 python -m tools.benchmarks.planning --parts planner     this measured again, the other rows stay
     python -m tools.benchmarks.planning --parts                          tables and pictures from the rows, no more
 
-Rows are kept in docs/planning/rows.csv; the tables of docs/lab/planning.md and the pictures beside the rows are made of
-them and from nothing else (with other `--rows`, tables are printed). Needs: pip install ompl cma; for the column of
-mealpy an interpreter of its own that has it, for it holds NumPy back. Times are seconds of CPU unless it says wall.
+Rows are in docs/planning/rows.csv. The tables of docs/lab/planning.md and the pictures next to the rows are made from
+them alone (with other `--rows`, tables are printed). Needs: pip install ompl cma; mealpy needs an interpreter of its
+own, because it requires an older NumPy. Times are CPU seconds unless marked as wall.
 """
 
 import os

@@ -1,10 +1,10 @@
-"""Whether flights keep what was promised: random scenes, planned and flown on the built-in autopilot many times.
+"""Test whether flights keep their promised clearance: plan random scenes, and fly each many times.
 
     python -m tools.benchmarks.promise [--scenes 50] [--flights 20] [--autopilot px4]
 
-Each scene is planned at the scenario's confidence, and flown with as many seeds, by the vehicle's true place from the
-end of its take-off to its last waypoint. For 50, 90 and 99 % it counts the flights that came nearer to an obstacle than
-was to be kept, and asks by a binomial test whether more did than may.
+Each scene is planned at the scenario's confidence, and flown on the built-in autopilot. The vehicle's true position
+counts from the end of the take-off to the last waypoint. For 50, 90 and 99 % a binomial test compares the number of
+flights below the promised clearance with the number allowed.
 """
 
 import numpy as np
@@ -27,7 +27,7 @@ LOOK_S = 0.1
 
 
 def scene(number: int, autopilot: Autopilot) -> Scenario:
-    """Nine to sixteen masts and boxes in 160 x 120 m, and a way through them."""
+    """Return nine to sixteen masts and boxes in 160 x 120 m, and a path through them."""
     rng = np.random.default_rng([2026, number])
     obstacles = []
     for n in range(int(rng.integers(9, 17))):
@@ -53,7 +53,7 @@ def scene(number: int, autopilot: Autopilot) -> Scenario:
 
 
 def flown(mission: Mission, seed: int) -> Points:
-    """Places (n, 3) [m] from the end of the take-off to the last waypoint."""
+    """Return places (n, 3) [m] from the end of the take-off to the last waypoint."""
     vehicle = SimulatedFlight(mission.autopilot, mission.home, mission.parameters, seed=seed)
     vehicle.load(mission.items)
     vehicle.arm()
@@ -67,13 +67,14 @@ def flown(mission: Mission, seed: int) -> Points:
 
 
 def kept_at(flight: Flight, level: float) -> float:
-    """What so many flights are to keep to an obstacle on the way [m]."""
+    """Return the clearance [m] that a share `level` of flights must keep."""
     safety = flight.scenario.safety.model_copy(update={"confidence": level})
     promise = Forecast(flight.mission, flight.scenario.model_copy(update={"safety": safety})).promise
     return min((one.kept for one in promise.limits if one.limit == "obstacles" and one.on_the_way), default=np.inf)
 
 
 def main() -> None:
+    """Print the results."""
     parser = command_line(__doc__)
     parser.add_argument("--scenes", type=int, default=50)
     parser.add_argument("--flights", type=int, default=20)

@@ -1,13 +1,12 @@
-"""The first minute: what is installed, what the first plan costs, and the verbs, beside `import numpy`.
+"""Measure size of the installation, first plan and CPU time of the verbs, relative to `import numpy`.
 
     python -m tools.benchmarks.startup [FOLDER ...] [--runs 5]
 
-For each folder (a checkout of this project; this one if none is given) the package is installed into a fresh
-environment and used from an empty folder. The table has a column for each: megabytes of its packages (without pip and
-setuptools), and seconds of CPU of the whole process tree, system calls included, with how many times `import numpy`
-that is in the same environment. First plans are made once, with nothing compiled on the machine; of the others the
-least of the runs is told, taken in turns: the rest is the load of the machine. `upload` is to the built-in autopilot,
-which is not counted. How many items a second a link takes: `python -m tools.benchmarks.link --clean`.
+For each folder (a checkout; this one by default) the package is installed into a fresh environment and used from an
+empty folder. Each has a table column: megabytes of its packages (without pip and setuptools), and CPU seconds of the
+whole process tree with system calls, also as multiples of `import numpy` in the same environment. First plans are made
+once, with nothing compiled. Of the others the least of alternating runs is reported. `upload` is to the built-in
+autopilot, whose time is not counted. For items a second: `python -m tools.benchmarks.link --clean`.
 """
 
 import os
@@ -24,12 +23,12 @@ from pathlib import Path
 from tools import REPOSITORY, command_line
 
 SCENARIOS, MISSIONS = ("campus", "sitl"), REPOSITORY / "missions"
-#: A machine of its own: nothing compiled before, and no settings of this one.
+#: Environment of a fresh machine: nothing compiled, no settings.
 CLEAN = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "NUMBA", "IPOA"))}
 
 
 class Installed:
-    """A checkout installed into an environment of its own."""
+    """Install a checkout into its own environment."""
 
     def __init__(self, checkout: Path, there: Path) -> None:
         self._bin, self._empty = there / "environment" / "bin", there / "empty"
@@ -39,25 +38,27 @@ class Installed:
         (self._packages,) = (there / "environment" / "lib").glob("python*/site-packages")
 
     def megabytes(self) -> float:
-        """What is installed, without pip and setuptools [MB]."""
+        """Return the size without pip and setuptools [MB]."""
         kept = [path for path in self._packages.iterdir() if not path.name.startswith(("pip", "setuptools", "pkg_res"))]
         sizes = subprocess.run(["du", "-sck", *kept], capture_output=True, text=True, check=True).stdout
         return int(sizes.splitlines()[-1].split()[0]) / 1024
 
     def numpy_s(self) -> float:
+        """Return the CPU time of `import numpy` [s]."""
         return self._cpu_s(self._bin / "python", "-c", "import numpy")
 
     def verb_s(self, *words: str) -> float:
+        """Return the CPU time of a verb [s]."""
         return self._cpu_s(self._bin / "ipoa-mission", *words)
 
     def forget(self) -> None:
-        """Throw away what numba has compiled."""
+        """Delete numba's compiled code."""
         for path in self._packages.glob("ipoa_mission/**/__pycache__/*.nb[ic]"):
             path.unlink()
 
     @contextmanager
     def autopilot(self) -> Iterator[str]:
-        """The address of a built-in autopilot."""
+        """Yield the address of a built-in autopilot."""
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
             free.bind(("127.0.0.1", 0))
             place = f"127.0.0.1:{free.getsockname()[1]}"
@@ -78,7 +79,7 @@ class Installed:
 
 
 def measure(installed: Sequence[Installed], runs: int) -> dict[str, list[float]]:
-    """CPU of everything, one number for each environment [s]."""
+    """Return all CPU times, one number for each environment [s]."""
     numbers: dict[str, list[float]] = {}
 
     def note(name: str, times: int, *words: str) -> None:

@@ -1,10 +1,10 @@
-"""How soon the studio answers a hand that drags.
+"""Measure the studio's response time while a point is dragged.
 
     python -m tools.benchmarks.studio [--drags 100]
 
-Answers: the goal is dragged in small steps, as the page asks it of the planner's process: over the campus, and over a
-town of 500 buildings in a GeoJSON map. Told are the times from question to answer (median and 95th percentile, [ms])
-and the processor's part of them, which does not depend on what else the machine does.
+The goal is dragged in small steps through the planner's process, as by the page: on the campus, and in a town of 500
+buildings in a GeoJSON map. Reports the time from request to answer (median and 95th percentile [ms]) and its CPU part,
+which does not depend on other load.
 """
 
 import json
@@ -30,7 +30,7 @@ APART = 24.0  # of the buildings of a town [m]
 
 
 def town(buildings: int, folder: Path) -> Path:
-    """A scenario of so many buildings on a grid of streets, in a map beside it."""
+    """Write a scenario of `buildings` on a street grid, with its map."""
     rng, side = np.random.default_rng(buildings), int(np.ceil(np.sqrt(buildings)))
     frame, features = LocalFrame(HOME), []
     for n in range(buildings):
@@ -75,7 +75,7 @@ file = "town.geojson"
 
 
 class Planner:
-    """The studio's planner process, asked as the server asks it."""
+    """Run the studio's planner process as the server does."""
 
     def __init__(self, scenario: Path) -> None:
         self._scenario = scenario
@@ -87,7 +87,6 @@ class Planner:
         )
 
     def ask(self, **order: Any) -> dict[str, Any]:
-        """One answer."""
         stdin, stdout = self._process.stdin, self._process.stdout
         assert stdin is not None
         assert stdout is not None
@@ -100,17 +99,17 @@ class Planner:
         return dict(answer["answer"])
 
     def processor_s(self) -> float:
+        """Return the CPU time of the process [s]."""
         fields = Path(f"/proc/{self._process.pid}/stat").read_text().rsplit(")", 1)[1].split()
         return (int(fields[11]) + int(fields[12])) / 100
 
     def close(self) -> None:
-        """End the process."""
         self._process.terminate()
         self._process.wait()
 
 
 def drags(scenario: Path, count: int) -> Iterator[tuple[float, float, bool]]:
-    """Seconds to each answer, those of them that the processor was at work, and whether the path held."""
+    """Yield time to each answer [s], its CPU time [s], and whether the path was kept."""
     planner = Planner(scenario)
     world = planner.ask(job="look")
     places = {spot["name"]: spot["place"] for spot in world["spots"]}
@@ -118,7 +117,7 @@ def drags(scenario: Path, count: int) -> Iterator[tuple[float, float, bool]]:
     planner.ask(job="sketch", number=None, changes=[])
     put_down = np.array(places["goal"])
     for n in range(count):
-        put_down = put_down + rng.normal(0.0, 1.0, 2) * 1e-5  # about a metre a step
+        put_down = put_down + rng.normal(0.0, 1.0, 2) * 1e-5  # about a meter a step
         change = {"op": "shift", "path": ["goal"], "taken": places["goal"], "put_down": put_down.tolist()}
         begun, busy = time.perf_counter(), planner.processor_s()
         answer = planner.ask(job="sketch", number=n, changes=[change])

@@ -1,1 +1,1 @@
-"""What flies on real autopilots, and trims their logs."""
+"""Fly on simulators of real autopilots, and trim their logs."""

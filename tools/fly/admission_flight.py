@@ -1,7 +1,7 @@
-"""One flight of an admission: planned, flown on a simulator, watched for a fly-away, and held against its forecast.
+"""Plan and fly one flight of an admission on a simulator, stop a fly-away, and compare it with its forecast.
 
-The folder of a flight, SCENE-AUTOPILOT__N, has what `tools.fly.flown` reads of one that was completed (`mission.plan`,
-`track.csv`, `times.json`), and `outcome.json` of every one that was begun.
+The folder of a completed flight, SCENE-AUTOPILOT__N, has the input of `tools.fly.flown` (`mission.plan`, `track.csv`,
+`times.json`). Every flight begun has `outcome.json`.
 """
 
 import json
@@ -38,8 +38,8 @@ from tools.fly.flown import in_frame
 from tools.fly.judge import plan_digits
 from tools.fly.simulators import connected, load, newest_log, set_up, simulation
 
-AWAY = 50.0  # who is farther from the whole predicted path than this flies away [m]
-LATE, LATE_S = 1.5, 60.0  # who flies longer than that many times the end of the interval and so many seconds is late
+AWAY = 50.0  # distance from the whole predicted path of a fly-away [m]
+LATE, LATE_S = 1.5, 60.0  # limits of the flight time: factor on the end of the interval, and seconds more
 LEVEL = 0.99
 COMPLETED, FLEW_AWAY, NOT_COMPLETED = "completed", "fly-away", "not completed"
 REFUSED, NOT_FLOWN = "refused", "not flown"
@@ -47,8 +47,10 @@ REFUSED, NOT_FLOWN = "refused", "not flown"
 
 @dataclass(frozen=True)
 class Simulator:
-    """How a simulator is started and reached; `start` and `logs` have {instance}, {folder} and the home's {latitude},
-    {longitude} and {altitude}. Without `start` one that runs is flown on.
+    """Define the commands of a simulator.
+
+    `start` and `logs` may contain {instance}, {folder} and the home's {latitude}, {longitude} and {altitude}. Without
+    `start` a running simulator is used.
     """
 
     link: str
@@ -58,7 +60,7 @@ class Simulator:
     logs: str | None = None
 
     def words(self, command: str, home: Geodetic) -> str:
-        """A command, or a folder, with its fields filled in."""
+        """Fill in the fields of a command or folder."""
         return command.format(
             instance=self.instance,
             folder=self.folder,
@@ -69,17 +71,18 @@ class Simulator:
 
     @property
     def folder(self) -> Path:
-        """Where it may keep its files; empty before every flight."""
+        """Return the folder of its files, emptied before every flight."""
         return self.work / f"instance{self.instance}"
 
 
 @dataclass(frozen=True)
 class Row:
-    """A flight: times from arming [s], distances on the way from take-off to the last waypoint [m].
+    """Record a flight: times from arming [s], distances from take-off to the last waypoint [m].
 
-    `surplus` is what was truly kept more than required, `over_promise` more than 99 % of flights keep; `required`,
-    `kept_99`, `least` and `to` are of the limit with the least `over_promise`. `astray` is the farthest that it was
-    from its predicted path; `truth` is where the track is from: the simulator's log, or the vehicle's own position.
+    `surplus`: clearance flown above the requirement; `over_promise`: above the clearance that 99 % of flights keep.
+    `required`, `kept_99`, `least` and `to` belong to the limit with the least `over_promise`.
+    `astray`: greatest distance from the predicted path.
+    `truth`: source of the track, the simulator's log or the vehicle's own position.
     """
 
     scene: str
@@ -108,12 +111,12 @@ class Row:
 
     @property
     def route_off(self) -> float:
-        """By which share of the flown time the estimate to the last waypoint is too long."""
+        """Return the relative error of the estimate to the last waypoint."""
         return self.estimated_route_s / self.flown_route_s - 1.0
 
 
 class Broken(Exception):
-    """A flight is not watched any longer: it flies away, or will not end."""
+    """Raised to stop a flight that flies away or does not end."""
 
     def __init__(self, outcome: str, why: str) -> None:
         super().__init__(why)
@@ -121,20 +124,19 @@ class Broken(Exception):
 
 
 class Watch:
-    """Hears a vehicle in flight, and ends a flight that leaves its predicted path or does not end."""
+    """Watch a flight, and stop it if it leaves its predicted path or does not end."""
 
     def __init__(self, vehicle: Vehicle, forecast: Forecast) -> None:
         estimate = forecast.estimate
         self._vehicle, self._frame = vehicle, forecast.frame
         points = estimate.track.points
-        self._way = np.vstack([points, points[-1] * (1.0, 1.0, 0.0)])  # its simulator's ground is level
-        level = Forecast(landing_on(forecast.given, 0.0)).estimate  # so is the ground that it lands on
+        self._way = np.vstack([points, points[-1] * (1.0, 1.0, 0.0)])  # the simulator's ground is level
+        level = Forecast(landing_on(forecast.given, 0.0)).estimate  # also at the landing
         self._ends_s = LATE * level.high_s + LATE_S
         self._armed_s = math.nan
         self.astray = 0.0
 
     def hear(self, message: Message) -> None:
-        """A message of the vehicle."""
         if not isinstance(message, Position) or not self._vehicle.state.armed:
             return
         if math.isnan(self._armed_s):
@@ -151,7 +153,7 @@ class Watch:
 
 
 def beside(way: Points, place: Points) -> float:
-    """How far a place (3,) is from a polyline (n, 3) [m]."""
+    """Return the distance of a place (3,) from a polyline (n, 3) [m]."""
     start, along = way[:-1], np.diff(way, axis=0)
     squared = np.maximum(np.sum(along**2, axis=1), 1e-9)
     share = np.clip(np.sum((place - start) * along, axis=1) / squared, 0.0, 1.0)
@@ -159,7 +161,7 @@ def beside(way: Points, place: Points) -> float:
 
 
 def planned(path: Path, autopilot: Autopilot, version: Version | None) -> tuple[Scenario, Mission]:
-    """The scenario as it is flown, and the mission for it; PX4's own simulator has no wind.
+    """Return a scenario and its mission for flying; PX4's own simulator has no wind.
 
     Raises:
         MissionError: it is refused.
@@ -174,10 +176,10 @@ def planned(path: Path, autopilot: Autopilot, version: Version | None) -> tuple[
 
 
 def fly(scenario: Scenario, mission: Mission, simulator: Simulator, folder: Path) -> None:
-    """Fly a mission, and keep in the folder what became of it.
+    """Fly a mission, and store its results in the folder.
 
     Raises:
-        MissionError, OSError: it did not come to a flight.
+        MissionError, OSError: the flight did not begin.
     """
     folder.mkdir(parents=True, exist_ok=True)
     write_plan(mission, folder / "mission.plan")
@@ -203,14 +205,14 @@ def fly(scenario: Scenario, mission: Mission, simulator: Simulator, folder: Path
                 vehicle.return_to_launch()
                 vehicle.watch()
         version = vehicle.firmware_version()
-        time.sleep(0.5)  # the log's last lines are written
+        time.sleep(0.5)  # wait for the log's last lines
     logs = Path(simulator.words(simulator.logs or "{folder}", home))
     track, truth = _track(logs, began, record, home)
     _write(folder, record, track, outcome=outcome, why=why, version=str(version), truth=truth, astray=watch.astray)
 
 
 def _track(logs: Path, began: float, record: FlightRecord, home: Geodetic) -> tuple[Points, str]:
-    """Seconds from arming, latitude, longitude, height above the ground at home, (n, 4); and where they are from."""
+    """Return seconds from arming, latitude, longitude, height above home (n, 4), and their source."""
     try:
         log = newest_log(logs)
         if log.stat().st_mtime >= began:
@@ -235,7 +237,7 @@ def _write(folder: Path, record: FlightRecord, track: Points, **outcome: Any) ->
 
 
 def judged(folder: Path, scenario: Scenario) -> Row:
-    """A flight that was begun, against the forecast of its version."""
+    """Compare a flight with the forecast of its version."""
     stem, number = folder.name.split("__")
     name, autopilot = stem.rsplit("-", 1)
     told: dict[str, Any] = json.loads((folder / "outcome.json").read_text(encoding="utf-8"))
@@ -272,7 +274,7 @@ def _confident(scenario: Scenario) -> Scenario:
 
 
 def _on_the_way(folder: Path, mission: Mission, done: list[float], is_completed: bool) -> Points:
-    """Places (n, 3) [m] from the end of the take-off to the last waypoint, or to where it was broken off."""
+    """Return places (n, 3) [m] from the end of the take-off to the last waypoint, or to the abort."""
     rows = np.loadtxt(folder / "track.csv", delimiter=",", skiprows=1, ndmin=2)
     track = in_frame(rows + np.array([0.0, 0.0, 0.0, mission.home.altitude]), mission)
     ends = done[-2] if is_completed else np.inf
@@ -280,7 +282,7 @@ def _on_the_way(folder: Path, mission: Mission, done: list[float], is_completed:
 
 
 def _with_distances(row: Row, way: Points, forecast: Forecast) -> Row:
-    """What it truly kept of obstacles and ground, against what is required and promised on the way."""
+    """Add the true clearances, the requirements and the promises."""
     air = forecast.world.airspace
     found = {"obstacles": air.obstacle_clearance(way), "ground": air.terrain_clearance(way)}
     held = [kept for kept in forecast.promise.limits if kept.on_the_way and kept.limit in found]

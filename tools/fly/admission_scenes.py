@@ -1,7 +1,7 @@
-"""The scenes of an admission: the shipped scenarios, then random ones of every kind, slow, fast and as they come.
+"""List the scenes of an admission: shipped scenarios, then random ones of every kind at low, high and usual speed.
 
-A random scene follows from a seed and its number alone; towns, crests, slopes, terraces, steep flights and lawns take
-turns. Where one kind is at its end the next begins, and the speed changes when all had their turn.
+A random scene depends on seed and number alone. Towns, crests, slopes, terraces, steep flights and lawns alternate.
+The speed changes after each round of kinds.
 """
 
 import random
@@ -23,7 +23,7 @@ SLOW, FAST = (2.0, 4.0), (9.0, 14.0)  # cruise speeds [m/s]
 
 
 def crest(rng: random.Random) -> Course:
-    """Over a ridge with wires or a mast on it, and down on its other side."""
+    """Fly over a ridge with wires or a mast, and down its other side."""
     tall, far = rng.uniform(25, 70), rng.uniform(160, 260)
     ridge = {"height": tall, "east": far, "north": 0.0, "a": rng.uniform(60, 110), "b": 400.0}
     over = rng.uniform(16, 28)
@@ -35,7 +35,7 @@ def crest(rng: random.Random) -> Course:
 
 
 def slope(rng: random.Random) -> Course:
-    """Up the side of a mountain between trees, or along it and down again."""
+    """Fly up a mountain between trees, or along it and down."""
     tall, far = rng.uniform(50, 110), rng.uniform(220, 320)
     mountain = {"height": tall, "east": far, "north": 40.0, "a": 150.0, "b": 170.0}
     trees = [courses.mast(n, rng.uniform(40, far), rng.uniform(-90, 90), rng.uniform(2, 4), 18.0) for n in range(14)]
@@ -45,7 +45,7 @@ def slope(rng: random.Random) -> Course:
 
 
 def terrace(rng: random.Random) -> Course:
-    """Over roofs that rise like stairs, a waypoint above each, and down on the other side."""
+    """Fly over rising roofs, a waypoint above each, and down on the other side."""
     roofs, via, east = [], [], 35.0
     heights = sorted(rng.uniform(6, 40) for _ in range(rng.randint(3, 5)))
     down = heights[-2::-1] if rng.random() < 0.5 else []
@@ -59,7 +59,7 @@ def terrace(rng: random.Random) -> Course:
 
 
 def steep(rng: random.Random) -> Course:
-    """Climbs and descents much steeper than level legs are long, between towers."""
+    """Climb and descend steeply between towers."""
     via, towers, east = [], [], 0.0
     for n in range(rng.randint(2, 4)):
         east += rng.uniform(45, 80)
@@ -96,7 +96,7 @@ def _flight(
 
 
 def _course(make: Callable[[random.Random, int], Course], least: int, most: int) -> Callable[[random.Random], Course]:
-    """One of `courses`, as short as one flight of many may be, with the default confidence."""
+    """Return one of `courses` in a short form, with the default confidence."""
     return lambda rng: make(rng, rng.randint(least, most)) | {"safety_distance": 1.5, "safety": {}}
 
 
@@ -121,12 +121,10 @@ KINDS: dict[str, Callable[[random.Random], Course]] = {
 
 
 def scene_name(number: int, seed: int) -> str:
-    """Of the random scene of a number."""
     return f"{list(KINDS)[number % len(KINDS)]}{seed}x{number:03d}"
 
 
 def scene(number: int, seed: int, autopilot: Autopilot) -> Course:
-    """The random scene of a number."""
     rng = random.Random(f"{seed}-{number}")
     course = list(KINDS.values())[number % len(KINDS)](rng)
     speeds = (None, SLOW, FAST)[number // len(KINDS) % 3]
@@ -137,17 +135,17 @@ def scene(number: int, seed: int, autopilot: Autopilot) -> Course:
 
 
 def written(number: int, seed: int, autopilot: Autopilot, path: Path) -> Path:
+    """Write the file of a random scene."""
     path.write_text(as_toml(scene(number, seed, autopilot)), encoding="utf-8")
     return path
 
 
 def shipped() -> list[Path]:
-    """The scenarios that come with the package."""
     return sorted(MISSIONS.glob("*.toml"))
 
 
 def as_flown_by(path: Path, autopilot: Autopilot) -> Scenario:
-    """A scenario for an autopilot: of another one's it leaves the parameters out."""
+    """Return a scenario for an autopilot, without the parameters of another one."""
     scenario = read_scenario(path)
     if scenario.vehicle.autopilot is autopilot:
         return scenario

@@ -1,16 +1,16 @@
-"""Fly the admission set on a simulator of a real autopilot, and say whether its version counts as measured.
+r"""Fly the admission set on a simulator of a real autopilot, and judge whether its version counts as measured.
 
-    python -m tools.fly.admit --autopilot px4 --sitl udpin:127.0.0.1:14540 --out DIR \\
+    python -m tools.fly.admit --autopilot px4 --sitl udpin:127.0.0.1:14540 --out DIR \
         --start "COMMAND {instance} {latitude} {longitude} {altitude}" --logs "FOLDER/{instance}" --jobs 2
 
-The set: the shipped scenarios, those of `--scenarios`, and random ones of `--seed` until there are `--count`; one that
-is refused is left out, and counted. `--start` starts a simulator for each flight, and it is stopped afterwards; without
-it a simulator that runs is flown on, which must stand at each scenario's home. The link of instance N is that of
-`--sitl`, its port N (PX4) or 10 N (ArduPilot) higher. The true track comes from the newest log in `--logs` (default
-`{folder}`, a folder for each instance that `--start` may name too), else from the vehicle's own position.
+The set: shipped scenarios, those of `--scenarios`, and random ones of `--seed` up to `--count`. Refused ones are left
+out and counted. `--start` starts a simulator for each flight and stops it afterwards. Without it a running simulator
+is used, which must be at each scenario's home. Instance N has the port of `--sitl` plus N (PX4) or 10 N (ArduPilot).
+The true track is from the newest log in `--logs` (default `{folder}`, a folder for each instance, also for `--start`),
+else from the vehicle's own position.
 
-DIR/admission.csv has a line a flight, and a folder for each. What it has is not flown again; `--judge` holds the
-recorded flights against today's forecast, and flies nothing. Exit code 0: measured; 1: not.
+DIR/admission.csv has a line a flight; each has a folder, and is not flown again. `--judge` compares recorded flights
+with today's forecast without flying. Exit code 0: measured; 1: not.
 """
 
 import argparse
@@ -51,17 +51,17 @@ from tools.fly.admission_flight import (
 from tools.fly.admission_scenes import as_flown_by, scene_name, shipped, written
 from tools.fly.simulators import connected, simulation
 
-KEPT_BY = 0.98  # of the flights must keep what 99 % are to keep
+KEPT_BY = 0.98  # share of the flights that must keep the 99 % clearance
 ROUTE_MEDIAN, ROUTE_WORST = 0.015, 0.06  # error of the time to the last waypoint
 ROUNDING = 0.005  # [m]
 PORT_STEP = {Autopilot.PX4: 1, Autopilot.ARDUPILOT: 10}
 FLOWN = (COMPLETED, FLEW_AWAY, NOT_COMPLETED)
-PLANS_S = 300  # who plans longer is refused [s]
+PLANS_S = 300  # limit of the planning time [s]
 
 
 @dataclass(frozen=True)
 class Task:
-    """One flight that is to be flown: of a scenario's file, or of the random scene of a number."""
+    """Define a flight by a scenario's file or the number of a random scene."""
 
     name: str
     flight: int
@@ -71,6 +71,8 @@ class Task:
 
 @dataclass(frozen=True)
 class Work:
+    """Hold the settings of all flights."""
+
     autopilot: Autopilot
     out: Path
     seed: int
@@ -78,11 +80,9 @@ class Work:
     simulator: Simulator
 
     def folder(self, task: Task) -> Path:
-        """Of one flight."""
         return self.out / f"{task.name}-{self.autopilot}__{task.flight}"
 
     def scenario_file(self, task: Task) -> Path:
-        """Of one flight; a random scene's is made."""
         if task.path is not None:
             return task.path
         folder = self.folder(task)
@@ -103,7 +103,7 @@ def _too_long(*_: object) -> None:
 
 
 def one_flight(task: Task, work: Work) -> Row:
-    """Plan, fly and judge, on the simulator of this process."""
+    """Plan, fly and judge on the simulator of this process."""
     simulator = replace(work.simulator, instance=_own[0], link=link_of(work.simulator.link, work.autopilot, _own[0]))
     row = Row(task.name, str(work.autopilot), task.flight, str(work.version), NOT_FLOWN)
     folder = work.folder(task)
@@ -123,18 +123,18 @@ def one_flight(task: Task, work: Work) -> Row:
 
 
 def link_of(link: str, autopilot: Autopilot, instance: int) -> str:
-    """The link of an instance: its port is so much higher than the first one's."""
+    """Return the link of an instance, with its own port."""
     return re.sub(r"\d+$", lambda port: str(int(port[0]) + PORT_STEP[autopilot] * instance), link)
 
 
 def scenario_files(given: argparse.Namespace) -> dict[str, Path]:
-    """The scenarios that are no random scenes, by name."""
+    """Return the scenarios from files, by name."""
     folders = ((sorted(one.glob("*.toml")) if one.is_dir() else [one]) for one in given.scenarios)
     return {path.stem: path for path in chain(shipped(), *folders)}
 
 
 def tasks(given: argparse.Namespace, rows: list[Row]) -> Iterator[Task | None]:
-    """What is to be flown, in order; None where nothing more is, unless one under way is refused.
+    """Yield the flights in order; None while only a refusal could add one.
 
     `rows` grows meanwhile.
     """
@@ -153,7 +153,7 @@ def tasks(given: argparse.Namespace, rows: list[Row]) -> Iterator[Task | None]:
 
 
 def fly_all(given: argparse.Namespace, work: Work, rows: list[Row], path: Path) -> None:
-    """Fly what the file does not have yet, so many at a time."""
+    """Fly what the file lacks, several flights at a time."""
     instances = multiprocessing.Manager().Queue()
     for instance in range(given.jobs):
         instances.put(given.instance + instance)
@@ -173,7 +173,6 @@ def fly_all(given: argparse.Namespace, work: Work, rows: list[Row], path: Path) 
 
 
 def words(row: Row) -> str:
-    """A flight in a line."""
     if row.outcome != COMPLETED:
         kept = "" if math.isnan(row.surplus) else f"; {row.surplus:+.2f} m to what is required"
         return f"{row.scene} {row.flight}: {row.outcome}: {row.why}{kept}"
@@ -185,7 +184,7 @@ def words(row: Row) -> str:
 
 
 def verdict(rows: list[Row], asked: int) -> tuple[bool, list[str]]:
-    """Whether the version is measured, and what was found."""
+    """Return whether the version is measured, and the reasons."""
     flown = [row for row in rows if row.outcome in FLOWN]
     completed = [row for row in flown if row.outcome == COMPLETED]
     near = [row for row in flown if row.surplus < -ROUNDING]
@@ -212,7 +211,7 @@ def verdict(rows: list[Row], asked: int) -> tuple[bool, list[str]]:
 
 
 def read_rows(path: Path) -> list[Row]:
-    """Those of a run before, if there was one, without what did not come to a flight."""
+    """Return the rows of an earlier run, without flights that did not begin."""
     if not path.exists():
         return []
     kinds = get_type_hints(Row)
@@ -222,7 +221,7 @@ def read_rows(path: Path) -> list[Row]:
 
 
 def write_rows(path: Path, rows: list[Row]) -> None:
-    """All of them, in the order of their names."""
+    """Write all rows, ordered by name."""
     lines = [",".join(field.name for field in fields(Row))]
     lines += [_line(row) for row in sorted(rows, key=lambda row: (row.scene, row.flight))]
     write_atomically(path, "\n".join(lines) + "\n")
@@ -234,6 +233,7 @@ def _line(row: Row) -> str:
 
 
 def version_on(given: argparse.Namespace, autopilot: Autopilot, simulator: Simulator) -> Version | None:
+    """Return the version that a simulator reports."""
     home = read_scenario(shipped()[0]).frame.home
     start = given.start and simulator.words(given.start, home)
     link = link_of(given.sitl, autopilot, given.instance)
@@ -244,7 +244,7 @@ def version_on(given: argparse.Namespace, autopilot: Autopilot, simulator: Simul
 
 
 def judge_again(given: argparse.Namespace, autopilot: Autopilot, rows: list[Row]) -> list[Row]:
-    """Recorded flights against today's forecast."""
+    """Compare recorded flights with today's forecast."""
     named, new = scenario_files(given), list[Row]()
     for row in rows:
         folder = given.out / f"{row.scene}-{row.autopilot}__{row.flight}"

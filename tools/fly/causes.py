@@ -1,4 +1,4 @@
-"""What makes a simulated vehicle's failsafes act in flight, each by the cause's name in `Autopilot.failsafes`."""
+"""Trigger the failsafes of a simulated vehicle in flight, by the cause's name in `Autopilot.failsafes`."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -8,11 +8,11 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 
 @dataclass(frozen=True)
 class Trigger:
-    """A cause, parameters `before` the flight, and what makes it act: parameters, a command, silence, or sticks.
+    """Define a cause, parameters `before` the flight, and its trigger: parameters, a command, silence, or sticks.
 
-    `silent`: the ground station says nothing more. `sticks`: they are moved until then, by MAVLink. `fails`: unit, type
-    and number of MAV_CMD_INJECT_FAILURE. `traffic`: an aircraft is told of, on its way to the vehicle. `over_terrain`:
-    the mission's waypoints count from the ground below them.
+    `silent`: the ground station stops sending. `sticks`: they are moved by MAVLink until then. `fails`: unit, type and
+    number of MAV_CMD_INJECT_FAILURE. `traffic`: reports an aircraft on a collision course. `over_terrain`: waypoint
+    heights are above terrain.
     """
 
     cause: str
@@ -36,7 +36,7 @@ NO_GPS = {"SIM_GPS1_ENABLE": 0.0}
 CHARGE = {"BATT_LOW_VOLT": 0.0, "BATT_CRT_VOLT": 0.0}
 HIGH = {"FENCE_TYPE": 8.0, "FENCE_ENABLE": 1.0, "FENCE_ALT_MIN": -90.0, "FENCE_MARGIN": 0.5}
 SEES = {"ADSB_TYPE": 1, "AVD_ENABLE": 1, "AVD_F_RCVRY": 0}
-#: A range finder stands for the terrain data, and then sees no farther than that.
+#: A range finder replaces the terrain data, and then sees no farther than that.
 FINDER = {"RNGFND1_TYPE": 100, "RNGFND1_ORIENT": 25, "RNGFND1_MAX": 300.0, "TERRAIN_ENABLE": 0}
 CHUTE = {"CHUTE_ENABLED": 1, "CHUTE_TYPE": 10, "SERVO9_FUNCTION": 27, "CHUTE_ALT_MIN": 2, "CHUTE_CRT_SINK": 3.0}
 DRAG = {"EK3_DRAG_BCOEF_X": 20.0, "EK3_DRAG_BCOEF_Y": 20.0, "EK3_DRAG_MCOEF": 0.2, "FS_DR_TIMEOUT": 60}
@@ -70,12 +70,14 @@ COPTER = (
     Trigger("fence breached", {**FENCED, "FENCE_ACTION": 4}, LOW),
     Trigger("fence breached", {**FENCED, "FENCE_ACTION": 0}, LOW),
     Trigger("fence breached", {**ROUND, "FENCE_ACTION": 1}, {"FENCE_RADIUS": 30.0}),
-    Trigger("position lost (EKF)", {"FS_DR_ENABLE": 2, "FS_DR_TIMEOUT": 60}, NO_GPS),  # its EKF reckons no wind here
+    Trigger(
+        "position lost (EKF)", {"FS_DR_ENABLE": 2, "FS_DR_TIMEOUT": 60}, NO_GPS
+    ),  # its EKF does not estimate wind here
     Trigger("position lost (EKF)", {"FS_DR_ENABLE": 1, "FS_DR_TIMEOUT": 60}, NO_GPS),
     Trigger("position lost (EKF)", {"FS_DR_ENABLE": 0, "FS_EKF_ACTION": 1}, NO_GPS),
     Trigger("position lost (EKF)", {"FS_DR_ENABLE": 0, "FS_EKF_ACTION": 3}, NO_GPS),
     Trigger("position lost (EKF)", {"FS_DR_ENABLE": 0, "FS_EKF_ACTION": 2}, NO_GPS),
-    Trigger("radio control lost", {"FS_THR_ENABLE": 3}, {"SIM_RC_FAIL": 2.0}),  # a low throttle
+    Trigger("radio control lost", {"FS_THR_ENABLE": 3}, {"SIM_RC_FAIL": 2.0}),  # low throttle
     Trigger("radio control lost", {"FS_THR_ENABLE": 1}, {"SIM_RC_FAIL": 2.0}),
     Trigger("low battery", {**CHARGE, "BATT_LOW_MAH": 1.0, "BATT_FS_LOW_ACT": 2}, {"BATT_LOW_MAH": 30000.0}),
     Trigger("low battery", {**CHARGE, "BATT_LOW_MAH": 1.0, "BATT_FS_LOW_ACT": 1}, {"BATT_LOW_MAH": 30000.0}),

@@ -1,11 +1,10 @@
-"""Courses to be flown on real autopilots: long ones with many near passes, short ones of every kind, and ones to be
-broken off among towns, yards, masts and hills.
+"""Make courses for real autopilots: long ones past many obstacles, short ones of every kind, and ones to be aborted.
 
     python -m tools.fly.courses DIR --kind long|short|returns
 
-Every course is made from its number alone, so that the same flights can be had again; each is a scenario for one
-autopilot, NAME-px4.toml and NAME-ardupilot.toml, which differ in nothing else (but that PX4 knows no splines, and that
-its own simulator has no wind). Those to be broken off are made twice: as they are, and with a return that is planned.
+A course depends on its number alone. Each is a scenario for each autopilot, NAME-px4.toml and NAME-ardupilot.toml.
+They differ only in PX4's missing splines and in its simulator's missing wind. Courses to be aborted are made twice:
+with and without a planned return.
 """
 
 import math
@@ -23,7 +22,7 @@ Course = dict[str, Any]
 
 
 def slalom(rng: random.Random, count: int) -> Course:
-    """Past masts in a line, on the left of one and the right of the next."""
+    """Fly past masts in a line, alternately on the left and the right."""
     spacing, radius, beside = rng.uniform(55, 90), rng.uniform(2, 6), rng.uniform(4.5, 7)
     masts, via = [], []
     for n in range(count):
@@ -34,7 +33,7 @@ def slalom(rng: random.Random, count: int) -> Course:
 
 
 def lawn(rng: random.Random, count: int) -> Course:
-    """To and fro between rows of trees."""
+    """Fly to and fro between rows of trees."""
     row, long, tall = rng.uniform(15, 19), rng.uniform(110, 170), rng.uniform(14, 22)
     trees, via = [], []
     for n in range(count):
@@ -47,7 +46,7 @@ def lawn(rng: random.Random, count: int) -> Course:
 
 
 def perimeters(rng: random.Random, count: int) -> Course:
-    """Round one block after the other, near its walls."""
+    """Fly round blocks, close to their walls."""
     blocks, via, east = [], [], 45.0
     for n in range(count):
         wide, deep, beside, up = rng.uniform(30, 55), rng.uniform(25, 45), rng.uniform(4.5, 6.5), rng.uniform(10, 18)
@@ -60,7 +59,7 @@ def perimeters(rng: random.Random, count: int) -> Course:
 
 
 def hurdles(rng: random.Random, count: int) -> Course:
-    """Over low walls and under their height again."""
+    """Fly over low walls, descending between them."""
     walls, via, east = [], [], 30.0
     for n in range(count):
         tall = rng.uniform(8, 20)
@@ -73,7 +72,7 @@ def hurdles(rng: random.Random, count: int) -> Course:
 
 
 def gates(rng: random.Random, count: int) -> Course:
-    """Through the gaps of walls, each elsewhere."""
+    """Fly through gaps of walls at different places."""
     walls, via, east = [], [], 20.0
     for n in range(count):
         gap, north = rng.uniform(11, 14), rng.uniform(-18, 18)
@@ -92,7 +91,7 @@ LONG: tuple[tuple[Callable[[random.Random, int], Course], int], ...] = (
 
 
 def free(rng: random.Random, kind: int) -> Course:
-    """A short flight past two or three obstacles, every `kind` of ending, waypoints, height and ground in turn."""
+    """Fly past two or three obstacles; ending, waypoints, height and ground change with `kind`."""
     span, turn = rng.uniform(90, 320), rng.uniform(-math.pi, math.pi)
     goal = (span * math.cos(turn), span * math.sin(turn), (5.0, 9.0, 14.0, 22.0, 31.0)[kind % 5])
     course = _course([goal], [], rng.uniform(4, 12))
@@ -102,7 +101,7 @@ def free(rng: random.Random, kind: int) -> Course:
         place = (goal[0] * share + rng.uniform(-8, 8), goal[1] * share + rng.uniform(-8, 8))
         course["obstacles"].append(mast(n, *place, rng.uniform(3, 9), 60.0))
     course["route"]["ending"] = "rtl" if kind % 4 in (1, 3) else "land"
-    if kind % 4 == 3:  # a return to a rally point beside the goal
+    if kind % 4 == 3:  # a return to a rally point near the goal
         course["rally"] = [{"east": goal[0] + 25.0, "north": goal[1] - 20.0, "up": rng.choice((10.0, 25.0))}]
         if kind % 8 == 7:
             course["rally"].append({"east": goal[0] / 2, "north": goal[1] / 2 + 30.0, "up": 20.0})
@@ -118,7 +117,7 @@ SHORT = 40
 
 
 def town(rng: random.Random, count: int) -> Course:
-    """Along the streets of a grid of blocks, below most of their roofs."""
+    """Fly along a street grid, below most of the roofs."""
     block, street = rng.uniform(28, 36), rng.uniform(18, 22)
     pitch, up = block + street, rng.uniform(14, 20)
     blocks = [
@@ -134,7 +133,7 @@ def town(rng: random.Random, count: int) -> Course:
 
 
 def yard(rng: random.Random, count: int) -> Course:
-    """Between stacks, cranes and balloons that stand anywhere."""
+    """Fly between stacks, cranes and balloons at random places."""
     via = [(35.0 * (n + 1), rng.uniform(-30, 30), rng.uniform(10, 24)) for n in range(count)]
     things: list[Course] = []
     while len(things) < 4 * count:
@@ -162,12 +161,12 @@ LOTS = 3 * len(BROKEN_OFF)
 
 
 def kind_of(number: int) -> tuple[Callable[[random.Random, int], Course], int]:
-    """Which kind of course to be broken off; after two lots others are in wind, by rally points and over hills."""
+    """Return the kind of a course to be aborted; from the third round on some have wind, rally points or hills."""
     return BROKEN_OFF[(number + number // (2 * len(BROKEN_OFF))) % len(BROKEN_OFF)]
 
 
 def broken_off(number: int) -> Course:
-    """One of a third with rally points, of a third with wind, of a third on a slope; with the default confidence."""
+    """Return a course to be aborted; a third each with rally points, wind and a slope; default confidence."""
     make, count = kind_of(number)
     rng = random.Random(3000 + number)
     course = make(rng, count) | {"safety_distance": 1.5, "safety": {}}
@@ -195,6 +194,7 @@ def box(n: int, east: float, north: float, width: float, depth: float, height: f
 
 
 def _course(places: list[Place], obstacles: list[Course], speed: float) -> Course:
+    """Return a course from above home through the places."""
     *via, goal = ({"east": x, "north": y, "up": z} for x, y, z in places)
     course = {
         "safety_distance": 1.0,
@@ -210,13 +210,11 @@ def _course(places: list[Place], obstacles: list[Course], speed: float) -> Cours
 
 
 def long_courses() -> dict[str, Course]:
-    """By name."""
     made = enumerate(LONG)
     return {f"long{n:02d}_{kind.__name__}": kind(random.Random(1000 + n), count) for n, (kind, count) in made}
 
 
 def short_courses() -> dict[str, Course]:
-    """By name."""
     courses = {f"short{n:02d}": free(random.Random(2000 + n), n) for n in range(SHORT)}
     for n, course in enumerate(courses.values()):
         if n % 3 == 0:
@@ -227,7 +225,7 @@ def short_courses() -> dict[str, Course]:
 
 
 def returning_courses() -> dict[str, Course]:
-    """By name; `n` is before those whose return is planned."""
+    """Return the courses by name; `n` precedes those with a planned return."""
     courses = {f"ret{n:02d}_{kind_of(n)[0].__name__}": broken_off(n) for n in range(LOTS)}
     planned = {f"n{name}": one | {"safety": {"returns": "planned"}} for name, one in courses.items()}
     return courses | planned
@@ -237,7 +235,6 @@ MAKERS = {"long": long_courses, "short": short_courses, "returns": returning_cou
 
 
 def as_toml(course: Course) -> str:
-    """A scenario's text."""
     plain = {key: value for key, value in course.items() if not isinstance(value, dict | list)}
     lines = [f"{key} = {_value(value)}" for key, value in plain.items()]
     for key, value in course.items():

@@ -1,6 +1,6 @@
-"""A flight that was broken off, out of a simulator's own log: where the vehicle truly was, in which modes, until when.
+"""Read an aborted flight from a simulator's log: true positions, modes, end.
 
-Kept as two small files a flight, so that it can be judged anew without the log: `flight.json` and `track.csv`.
+A flight is stored as `flight.json` and `track.csv`, to judge it again without the log.
 """
 
 import json
@@ -18,23 +18,23 @@ from ipoa_mission.vehicles.arducopter.dataflash import read_records
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tools.fly.flown import ARMED_STATE, TRUE_PLACE
 
-#: What a mode does, by ArduPilot's number, and by PX4's nav_state.
+#: Action of a mode, by ArduPilot's number and by PX4's nav_state.
 COPTER_DOES = {
     **{3: "mission", 6: "rtl", 9: "land", 21: "smart_rtl", 17: "hold", 5: "loiter", 2: "alt_hold", 27: "land_start"},
     19: "aside",  # AVOID_ADSB
 }
 PX4_DOES = {3: "mission", 4: "hold", 5: "rtl", 18: "land", 12: "land", 13: "terminate", 17: "take-off"}
 TRACK_EVERY = 0.1  # [s]
-STANDS = 0.03  # who is no higher than where he is at last stands there [m]
-STOPPED_UP = 2.0  # whose motors stop so high has not landed [m]
+STANDS = 0.03  # tolerance of the final height on the ground [m]
+STOPPED_UP = 2.0  # height of a motor stop that is no landing [m]
 CRASHED = "Crash: Disarming"
 
 
 @dataclass(frozen=True)
 class EndedFlight:
-    """Seconds from arming; the true track (n, 4): time, east, north, up of where it stood when it was armed [m].
+    """Hold seconds from arming and the true track (n, 4): time, east, north, up of the place of arming [m].
 
-    `modes`: when it began to do what, the mission first; `ended_s`: disarmed, NaN where it was not.
+    `modes`: begin of each action, the mission first; `ended_s`: disarming, NaN without one.
     """
 
     modes: tuple[tuple[float, str], ...]
@@ -43,13 +43,13 @@ class EndedFlight:
     texts: tuple[tuple[float, str], ...]
 
     def touched(self) -> float:
-        """When it stood on the ground for good; NaN where it was not disarmed."""
+        """Return the time of the final touchdown; NaN if it was not disarmed."""
         track = self.track[self.track[:, 0] <= self.ended_s]
         above = np.flatnonzero(track[:, 3] > track[-1, 3] + STANDS) if len(track) else np.array([], int)
         return float(track[above[-1] + 1, 0]) if len(above) else math.nan
 
     def left_mission(self) -> float:
-        """When it left its mission; NaN where it did not."""
+        """Return when it left its mission; NaN if it did not."""
         seen = False
         for time, does in self.modes:
             if seen and does not in ("mission", "take-off"):
@@ -58,7 +58,7 @@ class EndedFlight:
         return math.nan
 
     def did(self) -> tuple[str, ...]:
-        """What it did after its mission, each thing once in its order; last that its motors stopped in the air."""
+        """Return the actions after its mission, each once in order; last a motor stop in the air."""
         left = self.left_mission()
         until = math.inf if math.isnan(self.ended_s) else self.ended_s
         did = [does for time, does in self.modes if left <= time < until - 0.05]
@@ -66,24 +66,22 @@ class EndedFlight:
 
     @property
     def stopped(self) -> bool:
-        """Whether its motors were stopped before it had landed."""
+        """Return whether the motors stopped before the landing."""
         if math.isnan(self.ended_s):
             return False
         return self.place(self.ended_s)[2] > STOPPED_UP or any(words.startswith(CRASHED) for _, words in self.texts)
 
     def place(self, time: float) -> Points:
-        """Where it truly was (3,) [m]."""
+        """Return the true position (3,) [m]."""
         return np.array([np.interp(time, self.track[:, 0], self.track[:, axis]) for axis in (1, 2, 3)])
 
     def write(self, folder: Path) -> None:
-        """Keep it."""
         told = {"modes": self.modes, "ended_s": None if np.isnan(self.ended_s) else self.ended_s, "texts": self.texts}
         (folder / "flight.json").write_text(json.dumps(told, indent=1), encoding="utf-8")
         np.savetxt(folder / "track.csv", self.track, fmt="%.2f", delimiter=",", header="s,east,north,up", comments="")
 
     @classmethod
     def read(cls, folder: Path) -> "EndedFlight":
-        """What `write` kept."""
         told: dict[str, Any] = json.loads((folder / "flight.json").read_text(encoding="utf-8"))
         track = np.loadtxt(folder / "track.csv", delimiter=",", skiprows=1, ndmin=2)
         ended = math.nan if told["ended_s"] is None else told["ended_s"]
@@ -91,7 +89,7 @@ class EndedFlight:
 
 
 def flight_from(log: Path, home: Geodetic) -> EndedFlight:
-    """Out of a log of one flight; places count from `home`, heights from where it stood."""
+    """Read the log of one flight; places count from `home`, heights from the place of arming."""
     return _of_px4(log, home) if log.suffix == ".ulg" else _of_copter(log, home)
 
 

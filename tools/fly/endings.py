@@ -1,12 +1,12 @@
-"""Break off missions on a simulated autopilot at random seconds, by order or by a failsafe, and keep how they ended.
+"""Abort missions on a simulated autopilot at random seconds, by command or failsafe, and store how they end.
 
-    python -m tools.fly.endings FOLDER --autopilot ardupilot --out DIR --seed 1 --count 60 \
-        --start "COMMAND {latitude} {longitude} {altitude} {folder}" --link tcp:127.0.0.1:5760 [--failsafes 6]
+    python -m tools.fly.endings FOLDER --autopilot ardupilot --out DIR --seed 1 --count 60 --link tcp:127.0.0.1:5760
+        --start "COMMAND {latitude} {longitude} {altitude} {folder}" --work DIR [--failsafes 6]
 
-FOLDER has scenarios, NAME.toml, and their planned missions, NAME.plan; `{folder}` is where the simulator keeps its
-logs, `{parameters}` a file of NAME,VALUE that it may begin with. What is ordered, on which mission and when follows
-from the seed alone. A simulator is started for every order, and stopped again. DIR/N-MISSION-ENDING gets `order.json`,
-`flight.json` and `track.csv` (`ended_flight`), which `tools.fly.endings_judge` holds against the forecast.
+FOLDER has scenarios, NAME.toml, and their planned missions, NAME.plan. `{folder}` is the simulator's log folder,
+`{parameters}` a file of NAME,VALUE for its start. Order, mission and time depend on the seed alone. Each order gets its
+own simulator. DIR/N-MISSION-ENDING gets `order.json`, `flight.json` and `track.csv` (`ended_flight`), the input of
+`tools.fly.endings_judge`.
 """
 
 import argparse
@@ -42,17 +42,17 @@ from tools.fly.ended_flight import flight_from
 from tools.fly.simulators import connected, load, newest_log, set_up, simulation
 
 WEIGHTS = {Contingency.RTL: 5, Contingency.LAND: 3, Contingency.SMART_RTL: 2, Contingency.HOLD: 2}
-HOLDS_S = 20.0  # a hold is watched for so long
+HOLDS_S = 20.0  # watch time of a hold
 PATIENCE_S = 500.0  # after the order, by the vehicle's clock
-UNHEARD_S = 90.0  # a silence, or a failsafe that does nothing, is waited for so long
+UNHEARD_S = 90.0  # limit of the wait for an effect of silence or a failsafe
 INT32, REAL32 = 6, 9  # MAV_PARAM_TYPE
 INJECT_FAILURE = 420  # MAV_CMD_INJECT_FAILURE
-TRAFFIC_S = 20.0  # so long an aircraft is told of, by the vehicle's clock
+TRAFFIC_S = 20.0  # duration of the traffic reports, by the vehicle's clock
 
 
 @dataclass(frozen=True)
 class Order:
-    """What happens to a mission after `second` s; of a failsafe its number in `TRIGGERS`."""
+    """Define an event of a mission at `second` s; of a failsafe with its number in `TRIGGERS`."""
 
     number: int
     mission: str
@@ -62,17 +62,16 @@ class Order:
 
     @property
     def name(self) -> str:
-        """Of its folder."""
         what = self.contingency if self.trigger is None else f"failsafe{self.trigger}"
         return f"{self.number:04d}-{self.mission}-{what}"
 
 
 class Over(Exception):
-    """Enough was seen of a flight that does not end by itself."""
+    """Raised after enough of a flight that does not end by itself."""
 
 
 def orders(spans: dict[str, tuple[float, float]], autopilot: Autopilot, given: argparse.Namespace) -> Iterator[Order]:
-    """By the seed: to each mission as many as to any other."""
+    """Yield orders by the seed, evenly over the missions."""
     flown = dict(WEIGHTS) if "SMART_RTL" in autopilot.modes.names.values() else WEIGHTS | {Contingency.SMART_RTL: 0}
     names = sorted(spans)
     for number in _numbers(given, len(TRIGGERS[autopilot])):
@@ -83,12 +82,12 @@ def orders(spans: dict[str, tuple[float, float]], autopilot: Autopilot, given: a
         fails = given.failsafes > 0 and number % given.failsafes == given.failsafes - 1
         trigger = number // given.failsafes % len(TRIGGERS[autopilot]) if fails else None
         if trigger is not None and TRIGGERS[autopilot][trigger].silent:
-            second = round(begin, 1)  # it takes a minute to be noticed
+            second = round(begin, 1)  # detection takes a minute
         yield Order(number, mission, second, "" if fails else str(contingency), trigger)
 
 
 def _numbers(given: argparse.Namespace, failsafes: int) -> Iterator[int]:
-    """Of the orders: one after the other, or those of the failsafes that are asked for."""
+    """Yield the numbers of the orders: in sequence, or those of the given failsafes."""
     if not given.triggers:
         yield from range(given.first, given.first + given.count)
         return
@@ -99,7 +98,7 @@ def _numbers(given: argparse.Namespace, failsafes: int) -> Iterator[int]:
 
 
 class Breaker:
-    """Hears all that a vehicle says, and at one second of its flight orders what is to be ordered."""
+    """Process all messages of a vehicle, and send an order at one second of its flight."""
 
     def __init__(self, vehicle: Vehicle, order: Order, trigger: Trigger | None) -> None:
         self.vehicle, self.order, self.trigger = vehicle, order, trigger
@@ -107,7 +106,6 @@ class Breaker:
         self.wall_s = 0.0
 
     def hear(self, message: Message) -> None:
-        """A message of the vehicle."""
         self.clock = max(self.clock, getattr(message, "time_s", 0.0) or 0.0)
         is_armed = isinstance(message, Heartbeat) and message.armed
         arming = isinstance(message, CommandAck) and message.command == Command.COMPONENT_ARM_DISARM
@@ -166,7 +164,7 @@ class Breaker:
         return common.MAVLink_manual_control_message(self.vehicle.system, 0, 0, 500, 0, 0)
 
     def _traffic(self) -> Any:
-        """An aircraft north of the vehicle, as high as it, on its way south."""
+        """Return an aircraft north of the vehicle, at its height, flying south."""
         from pymavlink.dialects.v20 import common
 
         place = self.vehicle.state.position
@@ -181,7 +179,7 @@ class Breaker:
 
 
 def began_with(trigger: Trigger | None, path: Path) -> Path:
-    """A file of what has to be set before the simulator starts, as a receiver that it is to have."""
+    """Write the parameters for the simulator's start, such as those of a receiver."""
     path.parent.mkdir(parents=True, exist_ok=True)
     lines = (f"{name},{value:g}\n" for name, value in (trigger.before if trigger else {}).items())
     path.write_text("".join(lines), encoding="utf-8")
@@ -189,7 +187,7 @@ def began_with(trigger: Trigger | None, path: Path) -> Path:
 
 
 def over_terrain(forecast: Forecast) -> Forecast:
-    """The same, its waypoints counted from the ground below them."""
+    """Return the forecast with waypoints at heights above terrain."""
     mission = forecast.given
     items = tuple(
         replace(item, frame=Frame.GLOBAL_TERRAIN_ALT) if item.command in FLOWN_TO - {Command.NAV_TAKEOFF} else item
@@ -199,7 +197,7 @@ def over_terrain(forecast: Forecast) -> Forecast:
 
 
 def fly(order: Order, forecast: Forecast, given: argparse.Namespace) -> dict[str, Any]:
-    """One flight; what was ordered, and what the vehicle is."""
+    """Fly one flight; return the order and the vehicle's data."""
     folder = given.work / "sim"
     shutil.rmtree(folder, ignore_errors=True)
     home = forecast.mission.home

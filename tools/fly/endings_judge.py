@@ -1,10 +1,10 @@
-"""Hold missions that were broken off (`tools.fly.endings`) against what was forecast of every second of them.
+"""Compare aborted missions (`tools.fly.endings`) with their forecasts.
 
     python -m tools.fly.endings_judge MISSIONS OUT [--csv FILE]
 
-What was flown is judged by the simulator's true position and by a geometry of shapely's, from the order to when the
-motors stopped. The simulators' ground is level, as high as home: times are forecast over such ground, and what sinks
-below a scenario's higher one is not looked at any more. One line an order; a summary on the standard output.
+Flights are judged by the simulator's true position and shapely's geometry, from the order to the motor stop. The
+simulators' ground is level at home's height, so times are forecast over such ground. Points below a scenario's higher
+ground are ignored. Writes one line an order, and a summary to standard output.
 """
 
 import csv
@@ -41,15 +41,15 @@ from tools.fly.ended_flight import EndedFlight
 
 Between = tuple[float, float, float]  # at the earliest, in the mean, at the latest [s]
 NOT_TOLD: Between = (math.nan,) * 3
-STEP = 0.15  # between the points at which a flight is looked at [m]
-AROUND_S = 12.0  # so many seconds from where it is by the clock, the forecast is searched for its place
-LONG_ENOUGH = 10.0  # shares are counted of longer endings only [s]
+STEP = 0.15  # between checked points of a flight [m]
+AROUND_S = 12.0  # search window of the forecast about the time of the clock
+LONG_ENOUGH = 10.0  # shorter endings do not count in shares [s]
 BOTH_AT_ONCE = "where the voltage falls through both at once"
-#: What a vehicle does that is none of the endings, by the words that its failsafe has for it.
+#: Actions that are no endings, by the text of their failsafe.
 HAS_NO_ENDING = {"ALT_HOLD": "alt_hold", "LOITER": "loiter", "flies aside": "aside"}
 FAR_OUTSIDE, FAR_M = "100 m outside it lands", 100.0
-NOTICED_S = 15.0  # longer than a failsafe takes to act [s]
-SILENCE_S = 75.0  # longer than it takes to notice that a ground station is silent [s]
+NOTICED_S = 15.0  # longest reaction time of a failsafe [s]
+SILENCE_S = 75.0  # longest detection time of a silent ground station [s]
 STAGES: Mapping[int, FlightStage] = {
     Command.NAV_TAKEOFF: FlightStage.TAKEOFF,
     Command.NAV_LAND: FlightStage.LANDING,
@@ -59,11 +59,11 @@ STAGES: Mapping[int, FlightStage] = {
 
 @dataclass(frozen=True)
 class Judged:
-    """An order: what was forecast of its second, and what was flown. Metres, seconds; NaN where there is none.
+    """Compare an order's forecast with its flight. Meters, seconds; NaN for missing values.
 
-    `stage` of its mission; `planned`: "returns" where all its returns were to be planned, nothing where they were not.
-    `grade`: how sure it was that the ending keeps what is required. `touched_s`: until it stood on the ground for good;
-    `flown_s`, until it was disarmed; `touch_low_s` ...: as that was forecast.
+    `stage` of its mission; `planned`: "returns" if all its returns are planned, else empty.
+    `grade`: confidence that the ending keeps the requirement. `touched_s`: time to the final touchdown; `flown_s`: to
+    disarming; `touch_low_s` ...: forecasts of it.
     """
 
     number: int
@@ -98,9 +98,9 @@ class Judged:
 
 
 def distances(points: Points, scenario: Scenario) -> tuple[float, str]:
-    """The least distance of points (n, 3) to the scenario's obstacles, less than 0 inside, and to which.
+    """Return the least distance of points (n, 3) to the scenario's obstacles, negative inside, and the obstacle.
 
-    Points below the scenario's ground, to which only the simulator's lower one lets it sink, do not count.
+    Points below the scenario's ground do not count: only the simulator's lower ground allows them.
     """
     points = points[points[:, 2] >= np.minimum(scenario.airspace.ground(points), points[:1, 2])]
     found = [(float(_to(one, points).min()), str(one.name)) for one in scenario.airspace.obstacles]
@@ -124,7 +124,7 @@ def _to(one: Any, points: Points) -> Any:
 
 
 def dense(track: Points) -> Points:
-    """Points (n, 3) along a track (m, 4), no two of them farther apart than `STEP`."""
+    """Return points (n, 3) along a track (m, 4), at most `STEP` apart."""
     pieces = [track[:1, 1:]]
     for one, other in zip(track[:-1, 1:], track[1:, 1:], strict=True):
         count = max(1, math.ceil(float(np.linalg.norm(other - one)) / STEP))
@@ -133,10 +133,10 @@ def dense(track: Points) -> Points:
 
 
 class Foretold:
-    """What was forecast of one mission."""
+    """Hold the forecast of one mission."""
 
     def __init__(self, path: Path, others: Mapping[str, float]) -> None:
-        """`others`: parameters that were changed for an order."""
+        """Read a mission; `others`: parameters changed by an order."""
         self.name, self.scenario = path.stem, read_scenario(path.with_suffix(".toml"))
         autopilot = self.scenario.vehicle.autopilot
         mission = read_mission(path, autopilot).with_parameters(others)
@@ -146,20 +146,21 @@ class Foretold:
 
     @property
     def planned(self) -> str:
-        """Whether its returns were, and by what."""
+        """Return how its returns were planned; empty if they were not."""
         return "returns" if self.scenario.safety.returns == "planned" else ""
 
     def stage(self, time: float) -> FlightStage:
-        """What its mission was forecast to be doing."""
+        """Return the forecast stage of the mission at a time."""
         mission, stops = self.endings.mission, self.endings.stops()
         command = mission.items[int(stops.seqs_at(np.array([time]))[0]) - 1].command
         return STAGES.get(command, FlightStage.ROUTE)
 
     def row(self, contingency: Contingency, time: float) -> ContingencyRow:
+        """Return the forecast of a contingency at a time."""
         return self.endings.at(contingency, float(np.clip(time, *self.endings.in_air)), timed=False)
 
     def timed(self, contingency: Contingency, time: float) -> tuple[Between, Between]:
-        """How long the ending was to last from that time, over level ground, and until it touched the ground."""
+        """Return the forecast durations of the ending over level ground, and until touchdown."""
         forecast = self.endings.forecast
         model = forecast.mission.autopilot.part(FlightModel)
         order = Abort(float(np.clip(time, *self.endings.in_air)), contingency)
@@ -174,6 +175,7 @@ class Foretold:
         return (low, mean, high), (first, touched, last)
 
     def time_at(self, place: Points, time: float) -> float:
+        """Return the forecast time at a place."""
         times = self.endings.stops().times
         near = np.abs(times - time) <= AROUND_S
         if not near.any():
@@ -182,13 +184,13 @@ class Foretold:
 
 
 def asked(order: Mapping[str, Any], away: float, mission: Mission, stage: FlightStage) -> tuple[str, str]:
-    """Which ending was to follow an order that was given so far `away` from home [m], and what brought it about."""
+    """Return the ending expected after an order `away` from home [m], and its cause."""
     if order["trigger"] is None:
         return order["ending"], ""
     before: Mapping[str, float] = order["before"]
     said = mission.autopilot.failsafes({**mission.parameters, **before}, mission.firmware_version)
     route = next(one for one in said if one.cause == order["cause"]).at(stage)
-    if BOTH_AT_ONCE in route.words:  # so it was made to fall
+    if BOTH_AT_ONCE in route.words:  # it was made to fall
         said = mission.autopilot.failsafes({**mission.parameters, **before, "BATT_LOW_VOLT": 0.0})
         route = next(one for one in said if one.cause == order["cause"]).at(stage)
     contingency = str(route.contingency)
@@ -205,7 +207,6 @@ def asked(order: Mapping[str, Any], away: float, mission: Mission, stage: Flight
 
 
 def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> Judged:
-    """One order."""
     mission = foretold.endings.mission
     left = flight.left_mission()
     second = left if not math.isnan(left) else float(order["ordered_s"])
@@ -262,7 +263,7 @@ def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> 
 
 
 def changed(order: Mapping[str, Any], autopilot: Autopilot) -> dict[str, float]:
-    """What an order changes of the vehicle's own fence, by which ArduPilot returns lower."""
+    """Return an order's changes of the vehicle's own fence, which lowers ArduPilot's return."""
     if order["trigger"] is None:
         return {}
     told = {**order["before"], **TRIGGERS[autopilot][order["trigger"]].then}
@@ -270,7 +271,7 @@ def changed(order: Mapping[str, Any], autopilot: Autopilot) -> dict[str, float]:
 
 
 def spoiled(order: Mapping[str, Any], flight: EndedFlight) -> str:
-    """Why a flight says nothing; nothing where it does."""
+    """Return why a flight cannot be judged; empty if it can."""
     ordered, left = float(order["ordered_s"]), flight.left_mission()
     if not math.isfinite(ordered) or left < ordered - 0.5:
         return "left its mission before the order: the simulation was stalled, and its sensors timed out"
@@ -285,7 +286,6 @@ def spoiled(order: Mapping[str, Any], flight: EndedFlight) -> str:
 
 
 def rounded(row: Judged) -> dict[str, Any]:
-    """A line of the table."""
     told = asdict(row)
     return {name: round(value, 2) if isinstance(value, float) else value for name, value in told.items()}
 
@@ -319,7 +319,7 @@ def main() -> None:
 
 
 def summary(judged: list[Judged]) -> Iterator[str]:
-    """Counts, and the shares by which times were off."""
+    """Yield counts, and the relative errors of times."""
     known = [one for one in judged if math.isfinite(one.least) and one.to != "the ground"]
     nearer = [one for one in known if one.flown_least < one.required]
     alarms = [one for one in known if not one.clear]
@@ -347,7 +347,7 @@ def summary(judged: list[Judged]) -> Iterator[str]:
 
 
 def _times(name: str, seconds: Points) -> Iterator[str]:
-    """By how much forecasts were off, and within their intervals: rows of flown, low, expected, high (n, 4) [s]."""
+    """Yield errors of forecasts, and shares within their intervals: rows of flown, low, expected, high (n, 4) [s]."""
     flown, low, expected, high = (known := seconds[np.isfinite(seconds).all(axis=1)]).T
     off = (expected / flown - 1.0)[flown > LONG_ENOUGH]
     if len(off):

@@ -1,11 +1,13 @@
-"""Flights that were recorded, with the mission that each flew: where the vehicle truly was, and when items were done.
+"""Read recorded flights with their missions: true positions, and times of items.
 
-A folder is named SCENARIO-AUTOPILOT or SCENARIO_CONDITION-AUTOPILOT (anything before a `_` that begins with `r` and
-anything after `__` left out). It has the mission and either what `fly --json` printed (`fly.json`) with the simulated
-vehicle's own log (`log.BIN`, `log.ulg`), or `flight.json` (autopilot, `item_done_s`) with `truth.csv`, or `trace.csv`
-where the true position was not recorded; or `track.csv` (the true position, heights from the ground) with `times.json`
-and SCENARIO-AUTOPILOT.plan and .toml. A flight that was repeated may leave its mission to the first one. `wind.json`
-has the fields of a `Wind`.
+A folder is named SCENARIO-AUTOPILOT or SCENARIO_CONDITION-AUTOPILOT (a part before `_` that begins with `r`, and
+parts after `__`, are ignored). It has the mission and one of these:
+
+* the output of `fly --json` (`fly.json`) with the simulated vehicle's log (`log.BIN`, `log.ulg`);
+* `flight.json` (autopilot, `item_done_s`) with `truth.csv`, or `trace.csv` without true positions;
+* `track.csv` (true positions, heights above ground) with `times.json` and SCENARIO-AUTOPILOT.plan and .toml.
+
+A repeated flight may use the mission of the first one. `wind.json` has the fields of a `Wind`.
 """
 
 import json
@@ -34,9 +36,9 @@ TRUE_PLACE = "vehicle_global_position_groundtruth"
 
 @dataclass(frozen=True)
 class Flown:
-    """A flight: times and places (n, 4) from arming; when its take-off and its last waypoint were done [s].
+    """Hold times and places (n, 4) from arming, and the end of the take-off and of the last waypoint [s].
 
-    `estimated_s` and `flown_s` are from arming to disarming; NaN where they were not recorded.
+    `estimated_s` and `flown_s` are from arming to disarming; NaN if not recorded.
     """
 
     name: str
@@ -51,12 +53,13 @@ class Flown:
 
     @property
     def on_the_way(self) -> Points:
-        """Places (n, 3) [m] from the end of the take-off to the last waypoint."""
+        """Return places (n, 3) [m] from the end of the take-off to the last waypoint."""
         times = self.track[:, 0]
         return np.asarray(self.track[(times >= self.begin) & (times <= self.end), 1:])
 
 
 def is_flown(folder: Path) -> bool:
+    """Return whether a folder has a completed flight."""
     return any((folder / name).exists() for name in ("flight.json", "fly.json", "times.json"))
 
 
@@ -102,20 +105,20 @@ def _from_csv(folder: Path, mission: Mission) -> Points:
 
 
 def _from_log(folder: Path, mission: Mission) -> Points:
-    """The simulator's own position, its heights from where the vehicle stood when the log begins."""
+    """Return the simulator's own position, with heights from the vehicle's place at the log's begin."""
     rows = _ulog(folder / "log.ulg") if (folder / "log.ulg").exists() else _dataflash(folder / "log.BIN")
     rows[:, 3] += mission.home.altitude - rows[0, 3]
     return in_frame(rows, mission)
 
 
 def in_frame(rows: Points, mission: Mission) -> Points:
-    """Seconds, and east, north, up of a mission's home, of rows of seconds, latitude, longitude, altitude AMSL."""
+    """Return seconds, and east, north, up of home, from rows of seconds, latitude, longitude, altitude AMSL."""
     places = LocalFrame(mission.home).to_local(rows[:, 1], rows[:, 2], rows[:, 3])
     return np.column_stack([rows[:, 0], places])
 
 
 def _dataflash(path: Path) -> Points:
-    """Seconds since arming, where the log begins; latitude, longitude, altitude, (n, 4), of an ArduPilot simulation."""
+    """Read an ArduPilot simulation: seconds since arming, latitude, longitude, altitude, (n, 4)."""
     rows = [tuple(record[name] for name in PLACE) for _, record in read_records(path, frozenset({"SIM"}))]
     table = np.array(rows, dtype=float)
     table[:, 0] = (table[:, 0] - table[0, 0]) / 1e6
@@ -123,7 +126,7 @@ def _dataflash(path: Path) -> Points:
 
 
 def _ulog(path: Path) -> Points:
-    """The same of a PX4 simulation."""
+    """Read a PX4 simulation, in the form of `_dataflash`."""
     log: Any = import_module("pyulog").ULog(str(path), [TRUE_PLACE, "vehicle_status"])
     topics = {topic.name: topic.data for topic in log.data_list}
     status, place = topics["vehicle_status"], topics[TRUE_PLACE]

@@ -1,9 +1,9 @@
-"""Judge flights on a simulated autopilot: a line a flight, and the table of them that docs/lab/flown.md has.
+"""Judge flights on a simulated autopilot: one line a flight, and the table of docs/lab/flown.md.
 
     python -m tools.fly.judge --rows FILE [--scenarios DIR... --flights DIR]
 
-With `--flights`, every folder in DIR that `tools.fly.flown` can read is held against its mission and scenario, and the
-lines are written to the CSV file; without, the file is as it was judged before. The table goes to standard output.
+With `--flights` every folder in DIR that `tools.fly.flown` can read is compared with its mission and scenario, and its
+line is written to the CSV file. Without it the lines stay. The table goes to standard output.
 """
 
 import csv
@@ -32,9 +32,9 @@ NAMES = {Autopilot.ARDUPILOT: "ArduCopter", Autopilot.PX4: "PX4"}
 
 @dataclass(frozen=True)
 class Row:
-    """A flight: times from arming to disarming [s], distances to obstacles [m] over the whole of it.
+    """Record a flight: times from arming to disarming [s], least distances to obstacles [m].
 
-    `plan` are the first digits of its mission's SHA-256, `least_on_the_way` is between take-off and last waypoint.
+    `plan`: first digits of its mission's SHA-256; `least_on_the_way`: between take-off and last waypoint.
     """
 
     scenario: str
@@ -53,7 +53,7 @@ class Row:
 
 
 def judge(folders: list[Path], scenarios: list[Path]) -> Iterator[Row]:
-    """Each flight against its scenario; what a mission promises is worked out once."""
+    """Compare each flight with its scenario; promises are computed once a mission."""
     promises: dict[tuple[str, str], list[Kept]] = {}
     for folder in folders:
         flight = read_flown(folder, {})
@@ -81,12 +81,12 @@ def judge(folders: list[Path], scenarios: list[Path]) -> Iterator[Row]:
 
 
 def plan_digits(path: Path) -> str:
-    """The first twelve digits of a mission file's SHA-256."""
+    """Return the first twelve digits of a mission file's SHA-256."""
     return hashlib.sha256(path.read_bytes()).hexdigest()[:12]
 
 
 def scenario_of(flight: Flown, folders: list[Path]) -> Scenario:
-    """The scenario of a flight, for its autopilot and in its wind."""
+    """Return the scenario of a flight, for its autopilot and in its wind."""
     names = (f"{flight.name}.toml", f"{flight.name.rsplit('_', 1)[0]}.toml")
     path = next(path for name in names for folder in folders if (path := folder / name).exists())
     scenario = read_scenario(path).in_wind(flight.wind)
@@ -95,7 +95,7 @@ def scenario_of(flight: Flown, folders: list[Path]) -> Scenario:
 
 
 def _promised(flight: Flown, scenario: Scenario, level: float) -> Kept:
-    """What so many flights are to keep of the obstacles, on the part of the flight that keeps the least."""
+    """Return the clearance that a share `level` of flights keeps, at the part of the flight with the least."""
     safety = scenario.safety.model_copy(update={"confidence": level})
     mission = flight.mission.assuming(scenario.vehicle.autopilot_parameters())
     promise = Forecast(mission, scenario.model_copy(update={"safety": safety})).promise
@@ -103,7 +103,7 @@ def _promised(flight: Flown, scenario: Scenario, level: float) -> Kept:
 
 
 def table(rows: list[Row]) -> Iterator[str]:
-    """A line a scenario and autopilot, as Markdown."""
+    """Yield a Markdown line for each scenario and autopilot."""
     columns = (*COLUMNS, *LEAST)
     yield f"| {' | '.join(columns)} |"
     yield f"|{'---|' * len(columns)}"
@@ -125,6 +125,7 @@ def table(rows: list[Row]) -> Iterator[str]:
 
 
 def read_rows(path: Path) -> list[Row]:
+    """Return the lines of an earlier file."""
     kinds = get_type_hints(Row)
     with path.open(encoding="utf-8", newline="") as lines:
         return [Row(**{name: kinds[name](value) for name, value in line.items()}) for line in csv.DictReader(lines)]
@@ -150,7 +151,7 @@ def main() -> None:
 
 
 def _kept(rows: list[Row]) -> tuple[list[float], list[float]]:
-    """What 90 and 99 % of flights were to keep, for each flight [m]."""
+    """Return the clearances that 90 and 99 % of flights must keep, for each flight [m]."""
     return [row.kept_90 for row in rows], [row.kept_99 for row in rows]
 
 

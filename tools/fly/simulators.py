@@ -1,4 +1,4 @@
-"""Simulators of real autopilots: started and stopped for a flight, waited for, set up, and where their logs are."""
+"""Start, set up and stop simulators of real autopilots, and find their logs."""
 
 import os
 import shlex
@@ -21,13 +21,13 @@ from ipoa_mission.wind import Wind
 
 BOOTS_S = 60.0
 TRANSFERS = 5
-EVERYWHERE = 1.0  # SIM_WIND_T: as strong near the ground
+EVERYWHERE = 1.0  # SIM_WIND_T: full wind near the ground
 LOGS = ("*.BIN", "*.bin", "*.ulg")
 
 
 @contextmanager
 def simulation(words: str, folder: Path) -> Iterator[None]:
-    """A simulator while it is used, its own words beside its logs."""
+    """Run a simulator, its output next to its logs."""
     folder.mkdir(parents=True, exist_ok=True)
     with (folder.parent / f"{folder.name}.out").open("w") as out:
         running = subprocess.Popen(shlex.split(words), start_new_session=True, stdout=out, stderr=out)
@@ -44,7 +44,7 @@ def simulation(words: str, folder: Path) -> Iterator[None]:
 
 
 def connected(link: str) -> Vehicle:
-    """A simulator that has just been started is waited for."""
+    """Wait for a simulator that was just started."""
     until = time.monotonic() + BOOTS_S
     while True:
         try:
@@ -56,7 +56,7 @@ def connected(link: str) -> Vehicle:
 
 
 def set_up(vehicle: Vehicle, wind: Wind) -> None:
-    """Wait until it knows where it is; give the simulation its wind, and have its log tell when it was armed."""
+    """Wait for its position, set its wind, and log its arming time."""
     while not ((at := vehicle.home()) and at.latitude_deg):
         time.sleep(0.2)
     if vehicle.autopilot is Autopilot.PX4:
@@ -67,7 +67,7 @@ def set_up(vehicle: Vehicle, wind: Wind) -> None:
 
 
 def load(vehicle: Vehicle, forecast: Forecast, anyway: bool = False) -> None:
-    """Upload it; a simulator many times as fast as real may give up a transfer in between."""
+    """Upload a mission; a simulator much faster than real time may give up a transfer."""
     for _ in range(TRANSFERS - 1):
         with suppress(MissionRefused, NoAnswer):
             load_mission(vehicle, forecast, set_params=True, anyway=anyway)
@@ -76,6 +76,6 @@ def load(vehicle: Vehicle, forecast: Forecast, anyway: bool = False) -> None:
 
 
 def newest_log(folder: Path) -> Path:
-    """The log of the last flight of a simulator that keeps its logs in a folder, or in folders within."""
+    """Return the log of the last flight in a simulator's folder or its subfolders."""
     logs = [log for kind in LOGS for log in folder.rglob(kind)]
     return max(logs, key=lambda log: log.stat().st_mtime)

@@ -1,11 +1,11 @@
-"""Fly surveys on a simulated autopilot: how long they take, and whether its log has as many photos as were counted.
+r"""Fly surveys on a simulated autopilot, and compare flight time and number of photos with the forecast.
 
-    python -m tools.fly.surveys --autopilot ardupilot --link tcp:127.0.0.1:5760 --work DIR --rows FILE \\
+    python -m tools.fly.surveys --autopilot ardupilot --link tcp:127.0.0.1:5760 --work DIR --rows FILE \
         --start "env AC_DIR={folder} ac.sh 0 20 {latitude} {longitude} {altitude}" [--numbers 0 1 ...]
 
-A survey has a number; its area, holes, obstacles, camera and speed are drawn by that, and its wind where the simulation
-has one. Lines are added to FILE; surveys that it has are not flown again. The simulation is started with a camera:
-ArduPilot with CAM1_TYPE = 1 among its parameters, PX4 with TRIG_MODE = 4 and TRIG_INTERFACE = 3.
+A survey's number determines its area, holes, obstacles, camera and speed, and its wind if the simulation has one. Lines
+are added to FILE; its surveys are not flown again. The simulation needs a camera: ArduPilot with CAM1_TYPE = 1, PX4
+with TRIG_MODE = 4 and TRIG_INTERFACE = 3.
 """
 
 import argparse
@@ -36,17 +36,17 @@ from tools.fly.simulators import connected, newest_log, set_up, simulation
 COUNT = 20
 HOME = {"latitude_deg": 47.397742, "longitude_deg": 8.545594, "altitude_amsl": 488.0}
 KINDS = ("field", "hole", "concave", "tower", "corridor")
-AROUND, LATE = 3.0, 0.03  # when a flight passes a place: so far from when it was expected to [s], and of that
-WINDY = 4  # one of so many
-PHOTO = "camera_trigger"  # PX4's topic, a message a photo
+AROUND, LATE = 3.0, 0.03  # tolerance of the time at a place: seconds, and share of the expected time
+WINDY = 4  # every fourth has wind
+PHOTO = "camera_trigger"  # PX4's topic, one message a photo
 
 
 @dataclass(frozen=True)
 class Row:
-    """A flight from arming to disarming [s]; photos as they were counted, and in the vehicle's log.
+    """Record a flight from arming to disarming [s], with its photos as forecast and in the vehicle's log.
 
-    `seen` and `outside_m`: of what can be seen the share that lies within half a spacing of the way along the lines,
-    and how far that leaves the area, as expected and by the simulator's true track.
+    `seen`: share of the visible area within half a spacing of the path along the lines. `outside_m`: distance of that
+    path from the area. Both as forecast and by the simulator's true track.
     """
 
     survey: int
@@ -66,12 +66,12 @@ class Row:
 
     @property
     def off(self) -> float:
-        """Share of the flown time by which the estimate is too long."""
+        """Return the relative error of the estimated time."""
         return self.estimated_s / self.flown_s - 1
 
 
 def surveyed(number: int, autopilot: Autopilot) -> dict[str, Any]:
-    """The scenario of a survey's number."""
+    """Return the scenario of a survey's number."""
     rng = np.random.default_rng(number)
     kind = KINDS[number % len(KINDS)]
     wide, deep = rng.uniform(60.0, 110.0, 2).round().tolist()
@@ -114,7 +114,7 @@ def _wind(rng: np.random.Generator) -> dict[str, float]:
 
 
 def flown(survey: Survey, given: argparse.Namespace) -> tuple[FlightRecord, Path]:
-    """One flight, and the vehicle's log."""
+    """Fly it, and return the record and the vehicle's log."""
     (forecast,) = survey.flights
     folder, home = given.work / survey.name, forecast.mission.home
     words = given.start.format(
@@ -123,12 +123,12 @@ def flown(survey: Survey, given: argparse.Namespace) -> tuple[FlightRecord, Path
     with simulation(words, folder), connected(given.link) as vehicle:
         set_up(vehicle, forecast.wind)
         record = fly_forecast(vehicle, forecast, set_params=True, anyway=False)
-        time.sleep(1.0)  # the log's last lines are written
+        time.sleep(1.0)  # wait for the log's last lines
     return record, newest_log(folder)
 
 
 def seen_by(survey: Survey, log: Path) -> tuple[AsFlown, AsFlown]:
-    """What the only flight of a survey sees as expected, and by its true track; no more than a spacing wide."""
+    """Return the view of a survey's only flight as forecast and by its true track, at most a spacing wide."""
     plan, (forecast,) = survey.plan, survey.flights
     expected, ends = expected_lines(forecast, plan.tour, plan.scenario.frame)
     flight = flight_from(log, forecast.mission.home)
@@ -149,17 +149,18 @@ def seen_by(survey: Survey, log: Path) -> tuple[AsFlown, AsFlown]:
 
 
 def photos_in(log: Path) -> int:
-    """How many photos a vehicle took by its own log."""
+    """Count the photos in the vehicle's log."""
     if log.suffix == ".BIN":
         return sum(1 for _ in read_records(log, frozenset({"CAM"})))
     read: Any = import_module("pyulog").ULog(str(log), [PHOTO, "vehicle_status"])
     topics = {topic.name: topic.data for topic in read.data_list}
     status = topics["vehicle_status"]
     armed = status["timestamp"][np.argmax(status["arming_state"] == ARMED_STATE)]
-    return int((topics[PHOTO]["timestamp"] > armed).sum())  # its driver tells of one when it starts
+    return int((topics[PHOTO]["timestamp"] > armed).sum())  # its driver reports one at its start
 
 
 def rows_of(path: Path) -> Iterator[Row]:
+    """Yield the rows of an earlier run."""
     if path.exists():
         with path.open(encoding="utf-8", newline="") as lines:
             for line in csv.DictReader(lines):

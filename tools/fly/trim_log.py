@@ -1,10 +1,9 @@
-"""Cuts a real log down to what `compare` and `learn` read of it, so that it can be kept with the tests.
+"""Cut a real log down to the input of `compare` and `learn`, for the tests.
 
     python -m tools.fly.trim_log LOG TRIMMED [--every S]
 
-Positions, attitudes and batteries (but those of a .tlog) are thinned out to one every S seconds of the vehicle's clock
-(default 0.5), everything that tells of arming,
-modes, items, words, home, version and the models' parameters stays as it is, byte for byte.
+Positions, attitudes and batteries (except those of a .tlog) are thinned out to one every S seconds of the vehicle's
+clock (default 0.5). Arming, modes, items, texts, home, version and the models' parameters stay, byte for byte.
 """
 
 import struct
@@ -147,7 +146,7 @@ def trim_ulog(path: Path, every: float) -> Iterator[bytes]:
 
 
 def is_kept(body: bytes) -> bool:
-    """Whether this information or parameter of a .ulg is of use."""
+    """Return whether this information or parameter of a .ulg is used."""
     name = body[1 : 1 + body[0]].decode().split()[-1]
     return name in PARAMETERS or name in {"sys_name", "ver_sw_release"}
 

@@ -1,1 +1,1 @@
-"""Spoiled input for as long as one likes."""
+"""Fuzz the readers and the link with damaged input, for any time."""

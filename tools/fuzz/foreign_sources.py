@@ -1,4 +1,4 @@
-"""Good maps and logs to be spoiled, and what becomes of a spoiled one."""
+"""Provide valid maps and logs to damage, and probe damaged ones."""
 
 import io
 import json
@@ -140,7 +140,7 @@ SCAN_PLAN = {
 
 
 def sources() -> list[tuple[str, bytes]]:
-    """Suffix and contents of a good file of each kind."""
+    """Return suffix and content of a valid file of each kind."""
     archive = io.BytesIO()
     with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as kmz:
         kmz.writestr("doc.kml", KML)
@@ -154,7 +154,7 @@ def sources() -> list[tuple[str, bytes]]:
 
 
 def _tables() -> list[tuple[str, bytes]]:
-    """What GDAL writes of a polygon: the main file of a shapefile, FlatGeobuf, GeoPackage."""
+    """Return a polygon as GDAL writes it: shapefile (main file), FlatGeobuf, GeoPackage."""
     shape = np.array([shapely.to_wkb(shapely.Polygon(RING))], dtype=object)
     height = [np.array([12.0])]
     tables = []
@@ -167,7 +167,7 @@ def _tables() -> list[tuple[str, bytes]]:
 
 
 def probe_foreign(path: Path) -> str:
-    """What became of one map or log: `refused` or `read`.
+    """Read one map or log: `refused` or `read`.
 
     Raises:
         AssertionError: a refusal does not begin with the file.

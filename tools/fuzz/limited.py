@@ -1,4 +1,4 @@
-"""Runs a function in a process of its own, with a limit of its processor time and of its memory."""
+"""Run a function in its own process, with limits of CPU time and memory."""
 
 import contextlib
 import os
@@ -12,15 +12,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-ADDRESSES = 4 << 30  # bytes that a process may ask for; what it really uses is counted apart
-WAITS = 10  # times the processor time that a run may take by the clock
+ADDRESSES = 4 << 30  # address space of a process [bytes]; its real use is counted apart
+WAITS = 10  # wall time limit, in units of the CPU time limit
 
 
 @dataclass(frozen=True)
 class Ended:
-    """How a run ended: its exit code, what it said, and what it took [s of the processor, MB beside what was there].
+    """Describe the end of a run: exit code, output, CPU time [s] and additional memory [MB].
 
-    `killed` says by which limit, if by any.
+    `killed` names the limit, if any.
     """
 
     code: int
@@ -32,9 +32,9 @@ class Ended:
 
 
 def run_limited(act: Callable[[], None], seconds: float) -> Ended:
-    """Call `act` in a copy of this process, its standard streams kept, for so long [s of the processor] at most.
+    """Call `act` in a fork of this process with its output captured, for `seconds` of CPU at most.
 
-    The copy has all that is imported by now, so that a run costs no more than itself.
+    The fork has all modules imported already.
     """
     with tempfile.TemporaryDirectory() as folder:
         out, err, before = (Path(folder) / name for name in ("out", "err", "before"))
@@ -56,7 +56,7 @@ def run_limited(act: Callable[[], None], seconds: float) -> Ended:
 
 
 def _most_memory() -> int:
-    """The most that this process has had by now [kB]; a copy begins with what it is a copy of."""
+    """Return the peak memory of this process [kB]; a fork begins with its parent's."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 

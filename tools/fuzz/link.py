@@ -1,11 +1,11 @@
-"""Throws garbage at both ends of the link until the time is up.
+"""Send garbage to both ends of the link until the time is up.
 
     python -m tools.fuzz.link --seconds 600 --seed 1
 
-At the built-in autopilots: bytes, torn and spoiled frames, and whole frames of every MAVLink message with absurd
-fields, in floods, before and in flight. They must not raise, must not grow, and, when they have a key, must not let a
-stranger arm them or change a list. At the client's conversations: random messages of the mission service. They must
-end with a result or a `MissionError`. At the reader of logs: spoiled logs. The first that breaks this is shown.
+Built-in autopilots get bytes, torn and damaged frames, and whole frames of every MAVLink message with absurd fields, in
+floods, before and in flight. They must not raise or grow, and with a key they must not let a stranger arm them or
+change a list. The client's conversations get random messages of the mission service, and must end with a result or a
+`MissionError`. The reader of logs gets damaged logs. The first failure is shown.
 """
 
 import contextlib
@@ -59,7 +59,7 @@ ABSURD = [0.0, 1.0, -1.0, math.nan, math.inf, -math.inf, 1e38, 2.0, 3.0, 4.0, 33
 
 
 def frame(chance: random.Random, voice: dialect.MAVLink, system: int) -> bytes:
-    """A whole frame, its fields random or absurd, often addressed to the vehicle."""
+    """Return a whole frame with random or absurd fields, often addressed to the vehicle."""
     kind = chance.choice(MISSION_KINDS if chance.random() < 0.7 else KINDS)
     payload = bytearray(chance.randbytes(kind.unpacker.size))
     if chance.random() < 0.7:
@@ -85,13 +85,12 @@ def frame(chance: random.Random, voice: dialect.MAVLink, system: int) -> bytes:
 
 
 def spoil(chance: random.Random, data: bytes) -> bytes:
-    """The bytes with a place cut, doubled or overwritten."""
+    """Return the bytes with one place cut, doubled or overwritten."""
     at = chance.randrange(len(data) + 1)
     return chance.choice([data[:at], data[at:] + data, data[:at] + chance.randbytes(3) + data[at + 3 :]])
 
 
 def absurd_item(chance: random.Random) -> Item:
-    """An item as only a fuzzer writes it."""
     params = tuple(chance.choice(ABSURD) for _ in range(4))
     command = chance.choice([16, 17, 19, 20, 21, 22, 82, 93, 177, 178, 18])
     place = (chance.choice([47.4, 0.0, 95.0, -200.0, 47.40001]), chance.choice([8.5, 0.0, 200.0]))
@@ -99,6 +98,7 @@ def absurd_item(chance: random.Random) -> Item:
 
 
 def fly_something_absurd(chance: random.Random) -> None:
+    """Fly an absurd mission for some minutes."""
     family = chance.choice(list(registered()))
     mock, now, client = Mock(family, HOME), 1.0, Target(245, 190)
     items = [*ITEMS[: chance.randrange(3)], *(absurd_item(chance) for _ in range(chance.randrange(1, 5)))]
@@ -125,7 +125,7 @@ def fly_something_absurd(chance: random.Random) -> None:
 
 
 def storm_an_autopilot(chance: random.Random) -> None:
-    """A second or more in the life of a vehicle under fire."""
+    """Send garbage to a vehicle for a second or more."""
     signed = chance.random() < 0.3
     family = chance.choice(list(registered()))
     mock = Mock(family, HOME)
@@ -148,7 +148,7 @@ def storm_an_autopilot(chance: random.Random) -> None:
 
 
 def random_message(chance: random.Random) -> m.Message:
-    """Something that a vehicle might say in a mission conversation, or a file or parameter one."""
+    """Return a message of a mission, file or parameter conversation."""
     small = chance.choice([0, 0, 1, 2, 3, 65535])
     kind = chance.choice([0, 0, 0, 1, 255])
     return chance.choice(
@@ -171,7 +171,7 @@ def random_message(chance: random.Random) -> m.Message:
 
 
 def mislead_a_client(chance: random.Random) -> None:
-    """A conversation with a vehicle that says anything at all."""
+    """Hold a conversation with a vehicle that answers at random."""
     family = chance.choice(list(registered()))
     job = Upload(ITEMS, family)
     departure = Departure(VehicleState(family), 1, 1)
@@ -207,6 +207,7 @@ def mislead_a_client(chance: random.Random) -> None:
 
 
 def spoil_a_log(chance: random.Random) -> None:
+    """Read a damaged log."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "a.tlog"
         codec = Codec(1, 1)
@@ -219,7 +220,7 @@ def spoil_a_log(chance: random.Random) -> None:
 
 
 def tear_a_stream(chance: random.Random) -> None:
-    """Frames and garbage, cut anywhere."""
+    """Read frames and garbage, cut anywhere."""
     voice, judge = dialect.MAVLink(None, 1, 1), Codec(245, 190)
     data = b"".join(
         frame(chance, voice, 245) if chance.random() < 0.6 else chance.randbytes(chance.randrange(40))
@@ -239,7 +240,7 @@ TARGETS = (fly_something_absurd, storm_an_autopilot, mislead_a_client, spoil_a_l
 
 
 def main() -> int:
-    """Fuzz until the time is up; 1 if something broke."""
+    """Fuzz until the time is up; return 1 after a failure."""
     parser = command_line(__doc__)
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--seed", type=int, default=0)

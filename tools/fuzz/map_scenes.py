@@ -1,4 +1,4 @@
-"""Small maps in every format, and changes to them: other wrapping, other key, other unit, a part dropped, a cut."""
+"""Write small maps in every format, and change them: other wrapping, key or unit, a part dropped, a cut."""
 
 import json
 import random
@@ -13,23 +13,23 @@ import pyogrio
 import shapely
 
 Place = list[float]
-Row = tuple[dict[str, Any], dict[str, Any]]  # geometry and properties, as GeoJSON has them
-DEGREE = 76.05e3, 111.18e3  # metres in a degree at 47 north
+Row = tuple[dict[str, Any], dict[str, Any]]  # geometry and properties, as in GeoJSON
+DEGREE = 76.05e3, 111.18e3  # meters in a degree at 47 north
 
 
 def at(east: float, north: float) -> Place:
-    """A position near 47 N, 8 E."""
+    """Return a position near 47 N, 8 E."""
     return [round(8.0 + east / DEGREE[0], 8), round(47.0 + north / DEGREE[1], 8)]
 
 
 def square(east: float, north: float, side: float) -> list[Place]:
-    """A closed ring, to the left."""
+    """Return a closed ring, counter-clockwise."""
     corners = [(0, 0), (1, 0), (1, 1), (0, 1), (0, 0)]
     return [at(east + side * x, north + side * y) for x, y in corners]
 
 
 def scene(chance: random.Random) -> list[Row]:
-    """Some things that stand, 80 m apart."""
+    """Return some obstacles, 80 m apart."""
     rows: list[Row] = []
     for n in range(chance.randint(2, 5)):
         east, side = 80.0 * n, chance.uniform(8, 30)
@@ -58,11 +58,11 @@ def scene(chance: random.Random) -> list[Row]:
     return rows
 
 
-# --- changes of a row: each is the same thing otherwise, or less of it
+# --- changes of a row: the same object in another form, or less of it
 
 
 def wrap(row: Row, chance: random.Random) -> None:
-    """Write the geometry otherwise."""
+    """Write the geometry in another form."""
     shape, _ = row
     for ring in _rings(shape):
         if chance.random() < 0.5:
@@ -99,7 +99,7 @@ OTHER_KEYS = {
 
 
 def rename(row: Row, chance: random.Random) -> None:
-    """Name a key as other maps do."""
+    """Replace a key by one of other maps."""
     _, tags = row
     if known := [key for key in tags if key in OTHER_KEYS]:
         key = chance.choice(known)
@@ -117,7 +117,7 @@ SPELLINGS: list[Callable[[float], str]] = [
 
 
 def respell(row: Row, chance: random.Random) -> None:
-    """Write a length in another unit, or as mappers do."""
+    """Write a length in another unit or spelling."""
     _, tags = row
     if known := [key for key in LENGTHS if key in tags]:
         key = chance.choice(known)
@@ -136,7 +136,7 @@ def pack(row: Row, chance: random.Random) -> None:
 
 
 def drop(row: Row, chance: random.Random) -> None:
-    """Leave a tag or the geometry out, or make a value of it say nothing."""
+    """Remove a tag or the geometry, or make a value empty."""
     shape, tags = row
     if chance.random() < 0.2:
         shape.clear()
@@ -159,11 +159,12 @@ def _rings(shape: dict[str, Any]) -> list[Any]:
 
 
 def geojson(rows: list[Row]) -> str:
+    """Write one collection."""
     return json.dumps({"type": "FeatureCollection", "features": [_feature(row) for row in rows]})
 
 
 def lines(rows: list[Row]) -> str:
-    """One feature a line."""
+    """Write one feature a line."""
     return "".join(json.dumps(_feature(row)) + "\n" for row in rows)
 
 
@@ -172,7 +173,7 @@ def _feature(row: Row) -> dict[str, Any]:
 
 
 def _simple(rows: list[Row]) -> Iterator[tuple[int, list[Place], dict[str, Any]]]:
-    """Nodes and ways of the rows that OpenStreetMap has as such; None stands for a geometry that it has not."""
+    """Yield the nodes and ways of the rows; None replaces a geometry that OpenStreetMap does not have."""
     for number, (shape, tags) in enumerate(rows, 1):
         for part in _parts(shape):
             places = part["coordinates"]
@@ -195,7 +196,7 @@ def _texts(tags: dict[str, Any]) -> dict[str, str]:
 
 
 def overpass(rows: list[Row]) -> str:
-    """Overpass's JSON by `out geom`."""
+    """Write Overpass's JSON by `out geom`."""
     elements: list[dict[str, Any]] = []
     for number, places, tags in _simple(rows):
         where = [{"lon": place[0], "lat": place[1]} for place in places]
@@ -205,7 +206,7 @@ def overpass(rows: list[Row]) -> str:
 
 
 def osm(rows: list[Row]) -> str:
-    """OpenStreetMap's XML; the nodes of a way are by their positions."""
+    """Write OpenStreetMap's XML; a way refers to nodes by position."""
     nodes, ways = dict[str, str](), list[str]()
     for number, places, tags in _simple(rows):
         inside = "".join(f"<tag k={quoteattr(key)} v={quoteattr(value)}/>" for key, value in _texts(tags).items())
@@ -221,7 +222,7 @@ def osm(rows: list[Row]) -> str:
 
 
 def kml(rows: list[Row]) -> str:
-    """Polygons, rings and lines of a KML, by chance of their place: for zones."""
+    """Write polygons, rings and lines of a KML at random places, for zones."""
     marks = []
     for number, places, _ in _simple(rows):
         text = " ".join(",".join(map(str, place)) for place in places)
@@ -239,7 +240,7 @@ DRIVERS = {".shp": "ESRI Shapefile", ".fgb": "FlatGeobuf", ".gpkg": "GPKG"}
 
 
 def write(rows: list[Row], path: Path) -> None:
-    """Write a map in the format of its suffix; to a table go the polygons alone."""
+    """Write a map in the format of its suffix; a table gets the polygons alone."""
     if path.suffix in TEXTS:
         path.write_text(TEXTS[path.suffix](deepcopy(rows)), encoding="utf-8")
         return

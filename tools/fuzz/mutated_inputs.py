@@ -1,6 +1,6 @@
-"""No quiet loss: a changed mission, log, terrain or parameter file says the same, or more, or the change is named.
+"""Test that no change of a mission, log, terrain or parameter file is lost without a message.
 
-`python -m tools.fuzz.mutated_inputs --count 10000` tries so many changes; exit code 1 when one is lost without a word.
+`python -m tools.fuzz.mutated_inputs --count 10000` tries 10000 changes; exit code 1 after a silent loss.
 """
 
 import argparse
@@ -16,7 +16,7 @@ from tools.fuzz import mutated_terrain as terrain
 from tools.fuzz.outcome import Outcome, Reading, judge
 
 Change = Callable[[random.Random, Path], tuple[str, str | bytes, str | bytes]]
-#: By suffix: how a file is changed and read, and how often it is tried.
+#: By suffix: change, reader, and relative frequency.
 KINDS: dict[str, tuple[Change, Callable[[Path], Reading], int]] = {
     ".plan": (missions.changed_plan, missions.read_mission_text, 4),
     ".waypoints": (missions.changed_list, missions.read_mission_text, 2),
@@ -31,7 +31,7 @@ KINDS: dict[str, tuple[Change, Callable[[Path], Reading], int]] = {
 
 
 def tries(count: int, seed: int, kinds: tuple[str, ...] = ()) -> Iterator[tuple[str, str, Outcome, str]]:
-    """The reader, the change, what became of it, and the changed file, so many times."""
+    """Yield the reader, the change, its outcome, and the changed file, `count` times."""
     chance = random.Random(seed)
     suffixes = [suffix for suffix, (*_, often) in KINDS.items() for _ in range(often) if not kinds or suffix in kinds]
     with tempfile.TemporaryDirectory() as folder:
@@ -47,7 +47,7 @@ def tries(count: int, seed: int, kinds: tuple[str, ...] = ()) -> Iterator[tuple[
 
 
 def main() -> int:
-    """Try, print what was lost, and count by reader."""
+    """Try, print the losses, and count by reader."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=10_000)
     parser.add_argument("--seed", type=int, default=1)

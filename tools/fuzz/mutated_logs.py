@@ -1,4 +1,4 @@
-"""Change logs of flights: cut, holes, blocks that are spoiled, doubled or moved, fields renamed, records lost."""
+"""Change flight logs: cuts, holes, damaged, doubled or moved blocks, renamed fields, lost records."""
 
 import random
 from functools import cache
@@ -42,7 +42,7 @@ RENAMED = {
 
 
 class Flown:
-    """Flights as they are compared: when each item was done, where the vehicle was, by which mission and parameters."""
+    """Compare flights: times of items, positions, mission and parameters."""
 
     def __init__(self, flights: tuple[LoggedFlight, ...]) -> None:
         self.flights = [_told(flight) for flight in flights]
@@ -68,7 +68,7 @@ def _told(flight: LoggedFlight) -> dict[str, Any]:
 
 
 def _alike(one: dict[str, Any], other: dict[str, Any]) -> bool:
-    """Whether two flights are the same: times to 0.5 s, places to about 3 m."""
+    """Return whether two flights agree: times to 0.5 s, places to about 3 m."""
     same = all(one[key] == other[key] for key in ("mission", "parameters", "in mission", "done"))
     same = same and one["items"].keys() == other["items"].keys() and abs(one["total"] - other["total"]) < 0.5
     same = same and all(abs(one["items"][seq] - time) < 0.5 for seq, time in other["items"].items())
@@ -83,10 +83,10 @@ def _alike(one: dict[str, Any], other: dict[str, Any]) -> bool:
 
 
 def read_log(path: Path) -> Reading:
-    """All flights of a log, and what is said of it."""
+    """Return all flights of a log, and the remarks on it."""
     log = read_flights(path)
     unknown = [f"flight {n}: no mission" for n, one in enumerate(log.flights) if one.in_mission and one.mission is None]
-    return Reading(Flown(log.flights), frozenset([*log.remarks, *unknown]))  # `compare` and `learn` say the latter
+    return Reading(Flown(log.flights), frozenset([*log.remarks, *unknown]))  # `compare` and `learn` report the latter
 
 
 @cache
@@ -102,7 +102,7 @@ def _records(name: str) -> list[bytes]:
 def _changed(suffix: str, chance: random.Random) -> tuple[str, bytes, bytes]:
     name = chance.choice(SOURCES[suffix])
     data = _bytes(name)
-    # a .bin and a .ulg have no checksums: one wrong byte of a value cannot be seen
+    # .bin and .ulg have no checksums: one wrong byte of a value is not detectable
     at, size = chance.randrange(8, len(data)), chance.choice([1, 16, 200, 2000] if suffix == ".tlog" else [200, 2000])
     change = chance.choice(["cut", "hole", "zeros", "noise", "double", "late", "records", "rename", "again"])
     match change:
@@ -127,12 +127,12 @@ def _changed(suffix: str, chance: random.Random) -> tuple[str, bytes, bytes]:
 
 
 def _other_records(name: str, chance: random.Random) -> bytes:
-    """A `.tlog` of which whole records are lost, doubled or moved, or to which another vehicle's are added."""
+    """Return a `.tlog` with records lost, doubled, moved, or added from another vehicle."""
     records = list(_records(name))
     at, count = chance.randrange(1, len(records) - 1), chance.choice([1, 3, 20])
     match chance.randrange(4):
         case 0:
-            del records[at : min(at + count, len(records) - 1)]  # not the end: nobody can know that there were more
+            del records[at : min(at + count, len(records) - 1)]  # not the end, whose loss is not detectable
         case 1:
             records[at:at] = records[at : at + count]
         case 2:
@@ -144,15 +144,15 @@ def _other_records(name: str, chance: random.Random) -> bytes:
 
 
 def changed_tlog(chance: random.Random, _: Path) -> tuple[str, bytes, bytes]:
-    """What was changed, a log of a ground station, and the changed one."""
+    """Return the change, a ground station's log, and the changed one."""
     return _changed(".tlog", chance)
 
 
 def changed_dataflash(chance: random.Random, _: Path) -> tuple[str, bytes, bytes]:
-    """The same of ArduPilot's log."""
+    """Return the change, ArduPilot's log, and the changed one."""
     return _changed(".bin", chance)
 
 
 def changed_ulog(chance: random.Random, _: Path) -> tuple[str, bytes, bytes]:
-    """The same of PX4's log."""
+    """Return the change, PX4's log, and the changed one."""
     return _changed(".ulg", chance)

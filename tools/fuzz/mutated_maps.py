@@ -1,6 +1,6 @@
-"""No quiet loss: a changed map stands in the way at least as much as the one it was, or the change is named.
+"""Test that a changed map keeps its obstacles, or that the reader reports the change.
 
-`python -m tools.fuzz.mutated_maps --count 10000` tries so many changes; exit code 1 when one is lost without a word.
+`python -m tools.fuzz.mutated_maps --count 10000` tries 10000 changes; exit code 1 after a silent loss.
 """
 
 import argparse
@@ -29,12 +29,12 @@ from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tools.fuzz.map_scenes import CHANGES, DRIVERS, TEXTS, Row, pack, scene, write
 
 FRAME = LocalFrame(Geodetic(47.0, 8.0, 400.0))
-NEAR = 0.06  # positions are rounded, and units too [m]
-SAMPLES = 12  # places looked at in each thing
+NEAR = 0.06  # rounding of positions and units [m]
+SAMPLES = 12  # places checked in each obstacle
 
 
 class Reading:
-    """What became of a file: what stands, and what is said."""
+    """Hold obstacles and remarks of a file."""
 
     def __init__(self, path: Path) -> None:
         self.standing, self.doubts, self.words = list[Standing](), list[PassedOver](), set[str]()
@@ -61,7 +61,7 @@ class Reading:
         self.anywhere = any(thing.may_limit for thing in unread)
 
     def holds(self, place: NDArray[np.float64]) -> bool:
-        """Whether a place, local and above the ground, is in something that stands, or may."""
+        """Return whether a place, local and above the ground, is in a certain or possible obstacle."""
         point = shapely.Point(place[:2])
         return (
             self.anywhere
@@ -74,7 +74,7 @@ class Reading:
         )
 
     def places(self, chance: random.Random) -> Iterator[NDArray[np.float64]]:
-        """Places in what stands, most of them near its top and its edge."""
+        """Yield places in obstacles, most of them near top and edge."""
         for thing in self.standing:
             body = thing.shape.buffer(thing.reach * 0.999) if thing.reach else thing.shape.buffer(-NEAR)
             corners = shapely.get_coordinates(body)
@@ -90,9 +90,9 @@ class Reading:
 
 
 def lost(rows: list[Row], changed: list[Row], path: Path, cut: float | None, chance: random.Random) -> str | None:
-    """What was lost without a word by a change; None where nothing was."""
+    """Return the silent loss by a change; None without one."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # GDAL's, of the names that it cuts
+        warnings.simplefilter("ignore")  # GDAL's, about names that it cuts
         write(rows, path)
         before = Reading(path)
         write(changed, path)
@@ -100,7 +100,7 @@ def lost(rows: list[Row], changed: list[Row], path: Path, cut: float | None, cha
         data = path.read_bytes()
         part = data[: int(len(data) * cut)]
         if path.suffix == ".geojsonl" and part.rstrip().endswith(b"}}"):
-            return None  # whole lines: nobody can know that there were more
+            return None  # whole lines: their loss is not detectable
         path.write_bytes(part)
     after = Reading(path)
     if after.words - before.words:
@@ -112,9 +112,9 @@ def lost(rows: list[Row], changed: list[Row], path: Path, cut: float | None, cha
 
 
 def tries(count: int, seed: int) -> Iterator[tuple[str, str | None]]:
-    """What was changed, and what that lost without a word, so many times."""
+    """Yield changes and their silent losses, `count` times."""
     chance = random.Random(seed)
-    suffixes = [*TEXTS] * 30 + [*DRIVERS]  # GDAL takes most of a second for a table
+    suffixes = [*TEXTS] * 30 + [*DRIVERS]  # a table takes GDAL most of a second
     with tempfile.TemporaryDirectory() as folder:
         tried = 0
         for n in itertools.count():
@@ -141,7 +141,7 @@ def tries(count: int, seed: int) -> Iterator[tuple[str, str | None]]:
             if suffix in (".json", ".osm", ".kml") and not all(
                 shape and any(map(bool, tags.values())) for shape, tags in changed
             ):
-                continue  # which is nothing there
+                continue  # which is no object there
             if suffix in DRIVERS and any("Polygon" not in shape.get("type", "") for shape, _ in changed):
                 continue
             name = change.__name__
@@ -155,7 +155,7 @@ def tries(count: int, seed: int) -> Iterator[tuple[str, str | None]]:
 
 
 def main() -> int:
-    """Try, count by kind, and print what was lost."""
+    """Try, count by kind, and print the losses."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=10_000)
     parser.add_argument("--seed", type=int, default=1)

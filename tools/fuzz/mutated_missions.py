@@ -48,11 +48,12 @@ NEWER = {"WPNAV_SPEED": "WP_SPD", "WPNAV_SPEED_UP": "WP_SPD_UP", "RTL_ALT": "RTL
 
 
 def place(chance: random.Random) -> list[float]:
+    """Return a place near home."""
     return [HOME[0] + round(chance.uniform(-0.002, 0.002), 7), HOME[1] + round(chance.uniform(-0.003, 0.003), 7)]
 
 
 def plan(chance: random.Random) -> dict[str, Any]:
-    """A valid plan with a fence and rally points."""
+    """Return a valid plan with a fence and rally points."""
     items = [_item(22, [*HOME[:2], 20.0])]
     items += [_item(16, [*place(chance), float(chance.randint(20, 60))]) for _ in range(chance.randint(2, 5))]
     if chance.random() < 0.4:
@@ -89,15 +90,16 @@ def _item(command: int, numbers: list[float], frame: int = 3) -> dict[str, Any]:
 
 
 def objects(node: Any) -> list[dict[str, Any]]:
+    """Return all objects of a document."""
     inner = node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
     return [*([node] if isinstance(node, dict) else []), *(one for value in inner for one in objects(value))]
 
 
-# --- changes of a plan: each writes the same otherwise, or less of it
+# --- changes of a plan: the same in another form, or less of it
 
 
 def rename(document: dict[str, Any], chance: random.Random) -> None:
-    """Spell a key otherwise."""
+    """Spell a key differently."""
     of = chance.choice([one for one in objects(document) if one])
     key = chance.choice(list(of))
     others = [*OTHER_KEYS.get(key, []), key.lower(), key.upper(), f"{key}s", f"_{key}"]
@@ -108,6 +110,7 @@ def rename(document: dict[str, Any], chance: random.Random) -> None:
 
 
 def drop(document: dict[str, Any], chance: random.Random) -> None:
+    """Remove a key."""
     of = chance.choice([one for one in objects(document) if one])
     del of[chance.choice(list(of))]
 
@@ -174,7 +177,7 @@ def convert(document: dict[str, Any], chance: random.Random) -> None:
 
 
 def double(document: dict[str, Any], chance: random.Random) -> None:
-    """Write an item, or a part of the fence, twice."""
+    """Write an item or a part of the fence twice."""
     lists = [document["mission"]["items"], document[FENCE]["polygons"]]
     chosen = chance.choice(lists)
     at = chance.randrange(len(chosen))
@@ -182,7 +185,7 @@ def double(document: dict[str, Any], chance: random.Random) -> None:
 
 
 def lose(document: dict[str, Any], chance: random.Random) -> None:
-    """Leave out an item, not the last: nobody can know that there were more."""
+    """Remove an item, but not the last, whose loss is not detectable."""
     items = document["mission"]["items"]
     del items[chance.randrange(len(items) - 1)]
 
@@ -193,7 +196,7 @@ PLAN_CHANGES: list[Callable[[dict[str, Any], random.Random], None]] = [
 
 
 def changed_plan(chance: random.Random, _: Path) -> tuple[str, str, str]:
-    """What was changed, the text of a plan, and that of the changed one."""
+    """Return the change, a plan's text, and the changed text."""
     before = plan(chance)
     text, after = json.dumps(before, indent=1), deepcopy(before)
     if chance.random() < 0.1:
@@ -215,7 +218,7 @@ def changed_plan(chance: random.Random, _: Path) -> tuple[str, str, str]:
 
 
 def changed_list(chance: random.Random, _: Path) -> tuple[str, str, str]:
-    """The same of a `.waypoints` file."""
+    """Return the change, a `.waypoints` file's text, and the changed text."""
     items = plan(chance)["mission"]["items"]
     rows = [[0, 1, 0, 16, 0, 0, 0, 0, *HOME, 1]]
     rows += [
@@ -256,13 +259,13 @@ def changed_list(chance: random.Random, _: Path) -> tuple[str, str, str]:
 
 
 def torn(text: str, chance: random.Random) -> str:
-    """The beginning of a text that ends inside a line: of whole lines nobody can know that there were more."""
+    """Return the beginning of a text that ends inside a line: the loss of whole lines is not detectable."""
     part = text[: chance.randrange(1, len(text) - 1)]
     return part.rstrip("\n")[:-1] if part.endswith("\n") or text[len(part)] == "\n" else part
 
 
 def changed_parameters(chance: random.Random, _: Path) -> tuple[str, str, str]:
-    """The same of a parameter file, as Mission Planner, MAVProxy and QGroundControl write it."""
+    """Return the change, a parameter file of Mission Planner, MAVProxy or QGroundControl, and the changed one."""
     values = PARAMETERS[chance.choice([*PARAMETERS])]
     style = chance.choice(["{},{}", "{:16} {}", "1\t1\t{}\t{}\t9"])
     lines = [style.format(name, f"{value:.6f}") for name, value in values.items()]
@@ -316,13 +319,13 @@ def changed_parameters(chance: random.Random, _: Path) -> tuple[str, str, str]:
 
 
 def read_mission_text(path: Path) -> Reading:
-    """What a mission file says: places to the millimetre."""
+    """Read a mission file, with places to the millimeter."""
     file = read_mission_file(path)
     return Reading(_told(file.mission), frozenset(map(str, file.findings)))
 
 
 def _told(mission: Mission) -> dict[str, Any]:
-    """All that is flown: heights above home; of speeds only items tell."""
+    """Return all that is flown: heights above home; speeds from items only."""
     items = [
         (item.command, [f"{p:.6g}" for p in item.params], item.autocontinue, f"{item.latitude_deg:.8f}",
          f"{item.longitude_deg:.8f}", f"{mission.altitude_above_home(item):.3f}")
@@ -337,12 +340,12 @@ def _told(mission: Mission) -> dict[str, Any]:
 
 
 def _open(ring: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
-    """A ring without its first vertex at the end."""
+    """Return a ring without its repeated vertex."""
     return tuple(ring[:-1] if ring[0] == ring[-1] else ring)
 
 
 def read_parameter_text(path: Path) -> Reading:
-    """What a parameter file says, by the names and units that are the oldest."""
+    """Read a parameter file, by the oldest names and units."""
     read = read_parameter_file(path)
     flies = firmware_of(read.parameters)
     values = read.parameters if flies is None else flies.book.by_old_names(read.parameters)

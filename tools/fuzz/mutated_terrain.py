@@ -17,10 +17,10 @@ from tools.fuzz.outcome import Reading
 HOME = Geodetic(47.5, 8.5, 500.0)
 AREA = (-300.0, -250.0), (300.0, 250.0)
 SPOTS = np.random.default_rng(5).uniform(AREA[0], AREA[1], (400, 2))
-NEAR = 0.5  # posts of another system lie elsewhere between the same heights [m]
+NEAR = 0.5  # tolerance: the posts of another system are at other places [m]
 SIZE = 60
 PIXELS = {"EPSG:4326": 1 / 3600, "EPSG:32632": 25.0, "EPSG:2056": 25.0, "EPSG:3857": 40.0, "EPSG:4258": 1 / 3600}
-#: Systems with heights: the horizontal part, and how a height above the sea is written.
+#: Systems with heights: the horizontal part, and the conversion of a height above sea level.
 DATUMS: dict[str, tuple[str, float, float]] = {
     "EPSG:4326+5773": ("EPSG:4326", 1.0, 0.0), "EPSG:4326+3855": ("EPSG:4326", 1.0, 0.0),
     "EPSG:2056+5728": ("EPSG:2056", 1.0, 0.0), "EPSG:4326+8228": ("EPSG:4326", 1 / 0.3048, 0.0),
@@ -35,7 +35,7 @@ Field = NDArray[np.float64]
 
 
 class Ground:
-    """Heights at the spots, the same as others where all are near."""
+    """Hold heights at the test places; equal if all differ little."""
 
     def __init__(self, heights: Field) -> None:
         self.heights = heights
@@ -47,8 +47,8 @@ class Ground:
 
 
 def read_model(path: Path) -> Reading:
-    """The ground round home; what the reader says of its spacing and of home is no word on a change."""
-    if path.suffix == ".hgt":  # whose name says where it is
+    """Read the ground about home; remarks on spacing and home do not count."""
+    if path.suffix == ".hgt":  # whose name is its place
         path = path.replace(path.with_name("N47E008.hgt"))
     elif path.suffix == ".asc":
         path.with_suffix(".prj").write_text(rasterio.CRS.from_epsg(4326).to_wkt())
@@ -63,7 +63,7 @@ def _hills(latitude: Field, longitude: Field, slope: float) -> Field:
 
 
 def _model(path: Path, slope: float, system: str = "EPSG:4326", **how: Any) -> bytes:
-    """A model as bytes; `factor` and `offset` write a height otherwise, `fill` makes a hole."""
+    """Return a model as bytes; `factor` and `offset` convert heights, `fill` makes a hole."""
     flat, factor, offset = DATUMS.get(system, (system, 1.0, 0.0))
     pixel = PIXELS[flat]
     there = Transformer.from_crs("EPSG:4326", flat, always_xy=True)
@@ -101,7 +101,7 @@ def _model(path: Path, slope: float, system: str = "EPSG:4326", **how: Any) -> b
 
 
 def changed_tiff(chance: random.Random, folder: Path) -> tuple[str, bytes, bytes]:
-    """What was changed, a GeoTIFF, and the changed one."""
+    """Return the change, a GeoTIFF, and the changed one."""
     path, slope = folder / "model.tif", chance.uniform(-0.02, 0.02)
     before = _model(path, slope)
     change = chance.choice(
@@ -145,7 +145,7 @@ def changed_tiff(chance: random.Random, folder: Path) -> tuple[str, bytes, bytes
 
 
 def spoiled(data: bytes, change: str, chance: random.Random) -> bytes:
-    """The beginning of a file, or all of it with some of its bytes overwritten."""
+    """Return the beginning of a file, or the file with some bytes overwritten."""
     if change == "cut":
         return data[: chance.randrange(len(data))]
     at = chance.randrange(len(data))
@@ -156,13 +156,13 @@ def spoiled(data: bytes, change: str, chance: random.Random) -> bytes:
 
 @cache
 def _tile() -> NDArray[np.int16]:
-    """A tile of SRTM, every 3 seconds."""
+    """Return a tile of SRTM, every 3 seconds."""
     latitude, longitude = np.meshgrid(48 - np.arange(1201) / 1200, 8 + np.arange(1201) / 1200, indexing="ij")
     return np.clip(_hills(latitude, longitude, 0.01), 400, 600).astype(">i2")
 
 
 def changed_tile(chance: random.Random, _: Path) -> tuple[str, bytes, bytes]:
-    """The same of a tile of SRTM (`.hgt`)."""
+    """Return the change, a tile of SRTM (`.hgt`), and the changed one."""
     tile = _tile()
     change = chance.choice(["cut", "block", "hole", "lose", "order"])
     match change:
@@ -184,7 +184,7 @@ def changed_tile(chance: random.Random, _: Path) -> tuple[str, bytes, bytes]:
 
 
 def changed_grid(chance: random.Random, folder: Path) -> tuple[str, str, str]:
-    """The same of an ESRI ASCII grid."""
+    """Return the change, an ESRI ASCII grid, and the changed one."""
     _model(folder / "model.asc", chance.uniform(-0.02, 0.02), driver="AAIGrid", dtype="float32", nodata=-9999)
     before = (folder / "model.asc").read_text()
     lines = before.splitlines()
@@ -203,7 +203,7 @@ def changed_grid(chance: random.Random, folder: Path) -> tuple[str, str, str]:
             lines[:head] = chance.sample(lines[:head], head)
         case "reorder":
             lines[head:] = lines[head:][::-1]
-            return "upside down", before, before  # of which nothing tells
+            return "upside down", before, before  # not detectable
         case "drop":
             del lines[chance.randrange(head)]
         case "double":

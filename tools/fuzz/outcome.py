@@ -1,4 +1,4 @@
-"""Judge what became of a changed file: the same reading, a more cautious one, a change that is named, or a loss."""
+"""Judge a changed file: same reading, a more cautious one, a reported change, or a loss."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,9 +12,9 @@ Outcome = Literal["same", "more cautious", "named", "lost"]
 
 @dataclass(frozen=True)
 class Reading:
-    """What a file says, and in which words the reader names what it did not take.
+    """Hold the content of a file, and the reader's remarks on what it did not take.
 
-    `covers(before, after)` says whether `after` stands in the way as much; where it is None that is not asked.
+    `covers(before, after)` returns whether `after` obstructs at least as much; None: not applicable.
     """
 
     said: Any

@@ -1,10 +1,10 @@
-"""Feeds spoiled missions, maps and logs to the readers, and what they accept to all that follows, for some time.
+"""Feed damaged missions, maps and logs to the readers, and use what they accept.
 
     python -m tools.fuzz.readers --seconds 600 --seed 1
 
-Every file must be read or refused with `BadInput` that begins with its name; what was read must be checked, shown,
-exported, written, read again and put on the wire without anything but a `MissionError`. Maps become obstacles and
-zones, logs flights. A file may take 5 s of the processor. The first that breaks this is kept and the traceback shown.
+Every file must be read, or refused with a `BadInput` that begins with its name. A mission that was read is checked,
+shown, exported, written, read again and put on the wire without any error but `MissionError`. Maps become obstacles and
+zones, logs flights. A file may take 5 s of CPU. The first failure is kept and its traceback shown.
 """
 
 import json
@@ -30,7 +30,7 @@ from tools import REPOSITORY, command_line
 from tools.fuzz.foreign_sources import probe_foreign
 from tools.fuzz.foreign_sources import sources as sources_of_others
 
-LONGEST = 5.0  # that a file may take of the processor [s]
+LONGEST = 5.0  # CPU limit of a file [s]
 TESTS = REPOSITORY / "tests"
 GOOD = sorted((TESTS / "mission" / "files").iterdir())
 BAD = sorted((TESTS / "broken").glob("*.[pw]*"))
@@ -50,7 +50,7 @@ TOKENS = [
 
 
 def spoil_bytes(data: bytes, rng: np.random.Generator) -> bytes:
-    """The bytes with one to four places cut, doubled, overwritten or filled with something nasty."""
+    """Return the bytes with one to four places cut, doubled, overwritten or filled with special bytes."""
     for _ in range(rng.integers(1, 5)):
         a, b = sorted(int(n) for n in rng.integers(0, len(data) + 1, 2))
         b = min(b, a + int(rng.integers(1, 80)))
@@ -67,7 +67,7 @@ def spoil_bytes(data: bytes, rng: np.random.Generator) -> bytes:
 
 
 def spoil_json(data: bytes, rng: np.random.Generator) -> bytes:
-    """The document with one to three of its values replaced, taken away or doubled."""
+    """Return the document with one to three values replaced, removed or doubled."""
     try:
         document = json.loads(data)
     except (ValueError, RecursionError):
@@ -87,7 +87,7 @@ def spoil_json(data: bytes, rng: np.random.Generator) -> bytes:
 
 
 def spoil_fields(data: bytes, rng: np.random.Generator) -> bytes:
-    """The lines with one to three of their fields replaced."""
+    """Return the lines with one to three fields replaced."""
     lines = [line.split(b"\t") for line in data.split(b"\n")]
     for _ in range(rng.integers(1, 3)):
         line = lines[rng.integers(len(lines))]
@@ -102,7 +102,7 @@ def _value(rng: np.random.Generator) -> Any:
 
 
 def _places(node: Any) -> Any:
-    """(parent, key) of every value."""
+    """Yield (parent, key) of every value."""
     pairs = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
     for key, value in list(pairs):
         yield node, key
@@ -113,7 +113,7 @@ SPOIL: list[Callable[[bytes, np.random.Generator], bytes]] = [spoil_bytes, spoil
 
 
 def probe(path: Path) -> str:
-    """What became of one file: `refused` or `read`. Raises AssertionError, or whatever went wrong."""
+    """Read one file: `refused` or `read`. Raises AssertionError, or the reader's fault."""
     try:
         mission = read_mission(path)
     except BadInput as error:
@@ -125,7 +125,7 @@ def probe(path: Path) -> str:
 
 
 def use(mission: Mission, folder: Path) -> None:
-    """All that follows a mission that was read."""
+    """Use a mission in every way."""
     check_mission(mission)
     wire = to_wire(mission)
     stored = as_stored(wire, mission.autopilot)
@@ -140,7 +140,7 @@ def use(mission: Mission, folder: Path) -> None:
 
 
 def _done(write: Callable[[Mission, Path], object], mission: Mission, path: Path) -> bool:
-    """Whether the mission was written; a refusal in words is as good."""
+    """Return whether the mission was written; a refusal with a message is valid."""
     try:
         write(mission, path)
     except MissionError:
@@ -149,7 +149,7 @@ def _done(write: Callable[[Mission, Path], object], mission: Mission, path: Path
 
 
 def fuzz(seconds: float, seed: int, folder: Path) -> Counter[str]:
-    """Probe spoiled files for so many seconds; the count of what became of them."""
+    """Probe damaged files for `seconds`; count the outcomes."""
     rng = np.random.default_rng(seed)
     sources = [(path.suffix, path.read_bytes()) for path in (*GOOD * (4 * len(BAD) // len(GOOD)), *BAD)]
     foreign = sources_of_others()

@@ -1,8 +1,7 @@
-"""Random schedules under strangers: uploads while others, some with our own ids, transfer lists of theirs.
+"""Run random schedules of uploads while other stations, some with our ids, transfer their lists.
 
-Everything is in virtual time and behind one address, so nobody can tell who said what but by the ids. Each schedule
-ends in one of these: the vehicle holds what was sent; a clear error; what was sent was replaced so late that the news
-could not have arrived; a false success; no end.
+All is in virtual time and behind one address: only ids identify a sender. A schedule ends with the sent list on the
+vehicle, a clear error, a replacement too late to be known, a false success, or no end.
 
     python -m tools.fuzz.strangers --count 10000 --seed 0
 """
@@ -37,12 +36,12 @@ from tools import command_line
 HOME = Geodetic(47.4, 8.5, 400.0)
 US = Target(245, 190)
 OTHERS = (US, US, Target(254, 190), Target(255, 190), Target(245, 191))
-LONGEST_S = 1800.0  # of virtual time
-TOLD_AGAIN_S = 1.2  # within this time a vehicle speaks of its mission again
+LONGEST_S = 1800.0  # virtual time
+TOLD_AGAIN_S = 1.2  # interval at which a vehicle reports its mission
 
 
 class Contingency(StrEnum):
-    """What became of an upload."""
+    """Name the outcomes of an upload."""
 
     EXACT = "exact"
     ERROR = "clear error"
@@ -52,7 +51,7 @@ class Contingency(StrEnum):
 
 
 def wire_list(autopilot: Autopilot, count: int, shift: int) -> tuple[Item, ...]:
-    """A list as it goes over the wire; another `shift` makes another list."""
+    """Return a list for the wire; another `shift` makes another list."""
     places = [Geodetic(47.4 + 1e-4 * n, 8.5 + 1e-5 * shift) for n in range(1, count - 1)]
     items = (takeoff(HOME, 20.0), *(waypoint(place, 30.0) for place in places), return_to_launch())
     return to_wire(Mission(HOME, items, autopilot))
@@ -60,7 +59,7 @@ def wire_list(autopilot: Autopilot, count: int, shift: int) -> tuple[Item, ...]:
 
 @dataclass(frozen=True)
 class Radio:
-    """What becomes of messages: chances, and seconds one way."""
+    """Define probabilities of faults, and one-way delays [s]."""
 
     loss: float
     double: float
@@ -69,7 +68,7 @@ class Radio:
 
     @property
     def news_s(self) -> float:
-        """How long news of the vehicle may be under way."""
+        """Return the longest delay of a report of the vehicle [s]."""
         return self.delay_s + self.late_s + TOLD_AGAIN_S
 
 
@@ -78,7 +77,7 @@ ABOARD = Radio(0.0, 0.0, 0.001, 0.0)
 
 @dataclass
 class Speaker:
-    """One end of a link, its dialogue, and when it begins and is cut off [s]."""
+    """Hold one end of a link, its dialogue, its start and its cut-off [s]."""
 
     name: Target
     radio: Radio
@@ -90,9 +89,9 @@ class Speaker:
 
 @dataclass
 class World:
-    """A vehicle and all who speak with it; `changed_s`: since when it does not hold `sent`.
+    """Hold a vehicle and its stations; `changed_s`: time since which it does not hold `sent`.
 
-    `was_told`: since then we have heard the vehicle name another list, by its id.
+    `was_told`: since then the vehicle has reported another list's id.
     """
 
     chance: random.Random
@@ -101,12 +100,12 @@ class World:
     now: float = 0.0
     changed_s: float | None = None
     was_told: bool = False
-    ours_is: int = 0  # the id under which the vehicle keeps it
+    ours_is: int = 0  # id of the list on the vehicle
     _air: list[tuple[float, int, Target | None, Speaker, Message]] = field(default_factory=list)
     _count: int = 0
 
     def run(self, ours: Speaker, others: list[Speaker]) -> None:
-        """Live until our dialogue is over; raises what it raises."""
+        """Run until our dialogue ends; raise its error."""
         speakers = [ours, *others]
         while ours.exchange is None or not ours.exchange.finished:
             self._advance(speakers)
@@ -197,7 +196,7 @@ class World:
 
 
 def radio_of(chance: random.Random) -> Radio:
-    """A radio: every other one is poor."""
+    """Return a radio; every second one is poor."""
     poor = chance.random() < 0.5
     return Radio(
         loss=chance.uniform(0.0, 0.3) if poor else 0.0,
@@ -208,9 +207,9 @@ def radio_of(chance: random.Random) -> Radio:
 
 
 def stranger(chance: random.Random, autopilot: Autopilot, ours: int, radio: Radio) -> Speaker:
-    """Somebody who sends a list, perhaps as long as ours, or clears or reads it, and perhaps does not end it.
+    """Return a station that sends, clears or reads a list, and may not finish.
 
-    Their radio is ours, or a better one: a computer aboard is done between two answers to us.
+    Its radio is ours or a better one, as on a companion computer.
     """
     theirs = wire_list(autopilot, chance.choice([ours, ours, chance.randrange(3, 9)]), chance.randrange(1, 50))
     kind = MissionType.MISSION
@@ -230,12 +229,12 @@ def stranger(chance: random.Random, autopilot: Autopilot, ours: int, radio: Radi
 
 
 def _numbers(autopilot: Autopilot, first: int) -> Iterator[int] | None:
-    """Of questions for a checksum, where the autopilot makes one."""
+    """Yield numbers of requests for a checksum, if the autopilot computes one."""
     return counting(first, 2) if autopilot.protocol_profile.takes_mission_file else None
 
 
 def schedule(seed: int) -> tuple[Contingency, str]:
-    """How the upload of this schedule ends, and in which words."""
+    """Return the outcome of the upload of this schedule, and its message."""
     chance = random.Random(seed)
     autopilot, count = chance.choice(list(registered())), chance.randrange(3, 9)
     radio = radio_of(chance)
@@ -260,7 +259,7 @@ def schedule(seed: int) -> tuple[Contingency, str]:
 
 
 def main() -> int:
-    """Run schedules and count how they end; 1 if one ended in a false success, or never."""
+    """Run schedules and count their outcomes; return 1 after a false success or no end."""
     parser = command_line(__doc__)
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=0)

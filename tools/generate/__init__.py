@@ -1,1 +1,1 @@
-"""What makes files of the repository: maps, tables, references, pictures."""
+"""Generate files of the repository: maps, tables, references, pictures."""

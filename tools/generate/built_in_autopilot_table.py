@@ -1,4 +1,4 @@
-"""Fly every recorded mission on the built-in autopilot: prints docs/lab/built-in-autopilot.md's table, or writes it.
+"""Fly every recorded mission on the built-in autopilot, and print or write the table of docs/lab/built-in-autopilot.md.
 
 python -m tools.generate.built_in_autopilot_table            print
 python -m tools.generate.built_in_autopilot_table --write    put it between that page's markers
@@ -19,7 +19,7 @@ SEEDS = {Autopilot.ARDUPILOT: range(1), Autopilot.PX4: range(8)}  # ArduCopter's
 
 
 def row(flight: Recorded) -> tuple[str, float]:
-    """A flight's line of the table, and by which share its flown time is off."""
+    """Return a flight's table line, and the relative error of its time."""
     flown = [fly_here(flight, seed) for seed in SEEDS[flight.mission.autopilot]]
     spans = np.array([done[flight.last] - done[flight.first] for done, _ in flown])
     contingency = float(np.mean([end - done[flight.last] for done, end in flown]))
@@ -38,12 +38,12 @@ def row(flight: Recorded) -> tuple[str, float]:
 
 
 def spread(spans: np.ndarray) -> str:
-    """Mean, and standard deviation where there are several."""
+    """Return the mean, and the standard deviation of several values."""
     return f"{spans.mean():.1f}" + (f" ± {spans.std(ddof=1):.1f} ({len(spans)})" if len(spans) > 1 else "")
 
 
 def table(autopilot: Autopilot) -> str:
-    """All flights of one autopilot in Markdown, and what they come to."""
+    """Return all flights of one autopilot in Markdown, and their summary."""
     flights = read_flights(autopilot)
     rows = [row(flight) for flight in flights]
     errors = np.abs([100 * error for _, error in rows])

@@ -1,4 +1,4 @@
-"""What ArduCopter takes and keeps of a mission, read in its source (AP_Mission)."""
+"""Read ArduCopter's source (AP_Mission): which mission items it takes, and what it stores of them."""
 
 import re
 from collections.abc import Mapping
@@ -7,12 +7,12 @@ from typing import Any
 from tools.generate.sources import Source, body, cases, listed, preprocessed
 
 CODE, HEADER = "libraries/AP_Mission/AP_Mission.cpp", "libraries/AP_Mission/AP_Mission.h"
-FALSE = "APM_BUILD_ArduPlane"  # everything else is built in by default
+FALSE = "APM_BUILD_ArduPlane"  # all else is built in by default
 _DECODE, _ENCODE = "AP_Mission::mavlink_int_to_mission_cmd(", "AP_Mission::mission_cmd_to_mavlink_int("
 _FRAMES = (0, 2, 3, 5, 6, 10, 11)
 SLOTS = {"param1": 1, "param2": 2, "param3": 3, "param4": 4, "x": 5, "y": 6, "z": 7}
 
-#: What goes through more than one assignment, read by hand; the code that was read is known by its words.
+#: Code with several assignments, read by hand: letters, and the words that identify the code.
 BY_HAND: Mapping[str, tuple[str, str]] = {
     "NAV_LOITER_UNLIM": ("--w-", "fabsf loiter_ccw"),
     "NAV_LOITER_TURNS": ("t-rb", "256 type_specific_bits HIGHBYTE LOWBYTE loiter_ccw loiter_xtrack"),
@@ -27,7 +27,7 @@ BY_HAND: Mapping[str, tuple[str, str]] = {
 
 
 def facts(source: Source) -> dict[str, Any]:
-    """The table of one commit: rows of a read-back for commands with a place and without, frames, where NaN may be."""
+    """Return the table of one commit: read-back of commands with and without a place, frames, NaN params."""
     text = preprocessed(source.text(CODE), FALSE)
     types = _types(preprocessed(source.text(HEADER), FALSE))
     decode, encode = (_by_command(body(text, name)) for name in (_DECODE, _ENCODE))
@@ -46,7 +46,7 @@ def facts(source: Source) -> dict[str, Any]:
 
 
 def _by_command(function: str) -> dict[str, str]:
-    """The code of each command of the first switch."""
+    """Return the code of each command of the first switch."""
     found: dict[str, str] = {}
     for labels, code in cases(body(function, "switch (cmd.id)")):
         for label in labels:
@@ -56,7 +56,7 @@ def _by_command(function: str) -> dict[str, str]:
 
 
 def _types(header: str) -> dict[str, str]:
-    """Type of each member of the command's content, as `content.jump.target`; `p1` too."""
+    """Return the type of each member of the command's content, as `content.jump.target`; `p1` too."""
     structs = {
         name: {field: kind for kind, field in re.findall(r"(\w+)\s+(\w+);", fields)}
         for name, fields in re.findall(r"struct PACKED (\w+) \{(.*?)\};", header, re.DOTALL)
@@ -68,10 +68,10 @@ def _types(header: str) -> dict[str, str]:
 
 
 def _row(name: str, decode: str, encode: str, types: Mapping[str, str]) -> str:
-    """Seven letters of what a read-back gives.
+    """Return seven letters of a read-back.
 
     Raises:
-        SystemExit: the code is not of the kind that can be read, or not what was read by hand.
+        SystemExit: the code is unknown, or differs from the code read by hand.
     """
     if name in BY_HAND:
         by_hand, words = BY_HAND[name]
@@ -95,7 +95,7 @@ def _letter(kind: str, kept: str) -> str:
 
 
 def _nan(function: str) -> dict[str, str]:
-    """Which of param1 to param4 may be NaN, by command."""
+    """Return the params of each command that may be NaN."""
     taken: dict[str, str] = {}
     for labels, code in cases(body(function, "switch (packet.command)")):
         bits = listed(int(bit) + 1 for bit in re.findall(r"1 << (\d)", code))

@@ -1,4 +1,4 @@
-"""Write docs/failsafes.md: what each vehicle does when something fails, by its parameters.
+"""Write docs/failsafes.md: the action of each vehicle's failsafes, by its parameters.
 
 python -m tools.generate.failsafes
 """
@@ -44,7 +44,6 @@ NOTES = {
 
 
 def page() -> str:
-    """The text of the page."""
     return "\n".join((HEAD, *(_of(one) for one in registered() if one.failsafe_rules)))
 
 

@@ -20,7 +20,6 @@ Made from the code by `python -m tools.generate.findings`. `check` prints the co
 
 
 def page() -> str:
-    """The text of the page."""
     rows = (f"| `{code}` | {one.means} | {one.do} | {'' if one.crash else 'yes'} |" for code, one in RULES.items())
     return HEAD + "\n".join(rows) + "\n"
 

@@ -1,4 +1,4 @@
-"""Read what each version of ArduCopter and PX4 takes in a mission, out of their sources.
+"""Read the sources of a version of ArduCopter or PX4: which mission items it takes.
 
 python -m tools.generate.firmware_tables FIRMWARE VERSION GIT REF           print the table of one version
 python -m tools.generate.firmware_tables FIRMWARE VERSION GIT REF --write   put it into the package's tables
@@ -21,7 +21,7 @@ READERS = {Autopilot.ARDUPILOT: copter_source.facts, Autopilot.PX4: px4_source.f
 
 
 def table(autopilot: Autopilot, source: Source) -> dict[str, Any]:
-    """One version's facts as the package holds them: rows of a read-back, each with the commands that it is of."""
+    """Return the table of one version: rows of a read-back, each with its commands."""
     facts = READERS[autopilot](source)
     for part in ("placed", "plain", "nan", "used"):
         if part in facts:
@@ -30,7 +30,7 @@ def table(autopilot: Autopilot, source: Source) -> dict[str, Any]:
 
 
 def _by_row(rows: Mapping[str, str]) -> dict[str, str]:
-    """The commands of each row, in the order of their numbers."""
+    """Return the commands of each row, ordered by number."""
     named = sorted(rows, key=lambda name: int(name) if name.isdigit() else Command[name])
     return {row: " ".join(name for name in named if rows[name] == row) for row in sorted(set(rows.values()))}
 

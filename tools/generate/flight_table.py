@@ -1,4 +1,4 @@
-"""Hold the estimates against the recorded flights: prints the table of docs/lab/flight-time.md, or writes it there.
+"""Compare estimates with recorded flights, and print or write the table of docs/lab/flight-time.md.
 
 python -m tools.generate.flight_table            print
 python -m tools.generate.flight_table --write    put the table between the two markers of docs/lab/flight-time.md
@@ -27,7 +27,7 @@ NAMES = {Autopilot.ARDUPILOT: "ArduCopter 4.7", Autopilot.PX4: "PX4 1.17"}
 
 @dataclass(frozen=True)
 class Row:
-    """One flight and its estimate: times [s] over the judged span, the take-off and the ending; the path's miss [m]."""
+    """Hold times of a flight and its estimate [s] over the judged span, take-off and ending; and the path error [m]."""
 
     flight: Recorded
     flown: float
@@ -40,12 +40,12 @@ class Row:
 
     @property
     def error(self) -> float:
-        """Of the estimate, as a share of what was flown."""
+        """Return the relative error of the estimate."""
         return self.estimated / self.flown - 1
 
 
 def compare(flight: Recorded) -> Row:
-    """Estimate the mission of a flight and hold the two together."""
+    """Estimate the mission of a flight, and compare the two."""
     found = estimate(flight.mission, flight.parameters, flight.wind, fast=True)
     done = {item.seq: item.done_s for item in found.items}
     main = flight.runs[0]
@@ -66,7 +66,7 @@ def _quoted(mission: Mission, items: int) -> float:
 
 
 def _miss(flight: Recorded, found: Estimate) -> float:
-    """How far the flown places lie beside the predicted path, level, in 95 of 100 cases [m]."""
+    """Return the 95th percentile of the lateral distance from the predicted path [m]."""
     trace, done = flight.trace, {item.seq: item.done_s for item in found.items}
     inside = (trace[:, 0] > flight.runs[0][flight.first]) & (trace[:, 0] < flight.runs[0][flight.last])
     flown = LocalFrame(flight.mission.home).to_local(trace[inside, 1], trace[inside, 2], flight.mission.home.altitude)
@@ -86,7 +86,7 @@ def _beside(places: Points, path: Points) -> np.ndarray:
 
 
 def _kept(flight: Recorded, found: Estimate) -> float:
-    """The share of the times flown that lie in the interval of the estimate."""
+    """Return the share of flown times within the estimate's interval."""
     inside = [
         item.low_s <= run[item.seq] <= item.high_s for item in found.items for run in flight.runs if item.seq in run
     ]
@@ -94,7 +94,7 @@ def _kept(flight: Recorded, found: Estimate) -> float:
 
 
 def table(rows: list[Row]) -> str:
-    """The rows of one autopilot in Markdown, and what they come to."""
+    """Return the rows of one autopilot in Markdown, and their summary."""
     lines = [
         "| flight | flown, s | estimated, s | error | QGroundControl | take-off | RTL or LAND | path |",
         "|---|--:|--:|--:|--:|--:|--:|--:|",
@@ -126,7 +126,7 @@ def table(rows: list[Row]) -> str:
 
 
 def wind_table(autopilot: Autopilot) -> str:
-    """The flights in wind in Markdown, with what the estimate is off by and would be without the wind."""
+    """Return the flights in wind in Markdown, with the estimate's error with and without the wind."""
     lines = [
         "| flight | wind | flown, s | estimated, s | error | without wind | RTL or LAND |",
         "|---|---|--:|--:|--:|--:|--:|",
@@ -155,7 +155,7 @@ def wind_table(autopilot: Autopilot) -> str:
 
 
 def landing_table() -> str:
-    """Take-off and landing of the flights that were armed as `fly` arms, in Markdown."""
+    """Return take-off and landing of flights armed as by `fly`, in Markdown."""
     lines = [
         "| flight | take-off flown, s | estimated, s | error | LAND flown, s | estimated, s | error |",
         "|---|--:|--:|--:|--:|--:|--:|",

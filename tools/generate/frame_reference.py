@@ -1,4 +1,4 @@
-"""Writes tests/reference/enu.csv: geodetic positions and their east, north, up by pymap3d, which is not PROJ.
+"""Write tests/reference/enu.csv: geodetic positions with east, north, up by pymap3d, which is independent of PROJ.
 
 python -m tools.generate.frame_reference
 """

@@ -1,4 +1,4 @@
-"""Make the maps of missions/oldtown.toml: a small town that does not exist, in the forms that real maps come in.
+"""Make the maps of missions/oldtown.toml: an invented small town in the formats of real maps.
 
     python -m tools.generate.oldtown_maps
 
@@ -35,7 +35,7 @@ def main() -> None:
 
 
 def houses(rng: np.random.Generator) -> list[dict[str, Any]]:
-    """Rows of houses along bent lanes: some with a height, some with storeys, some with neither."""
+    """Return rows of houses along bent lanes: some with height, some with levels, some with neither."""
     found = []
     for row in range(6):
         for column in range(9):
@@ -58,7 +58,7 @@ def houses(rng: np.random.Generator) -> list[dict[str, Any]]:
 
 
 def landmarks() -> list[dict[str, Any]]:
-    """A town hall round a courtyard, a church with its tower, an arch over a lane, a mast, and a ring drawn wrongly."""
+    """Return a town hall with a courtyard, a church, an arch over a lane, a mast, and an invalid ring."""
     hall = polygon([(195, 125), (235, 125), (235, 165), (195, 165)], [(207, 137), (223, 137), (223, 153), (207, 153)])
     church = {
         "type": "MultiPolygon",
@@ -77,7 +77,7 @@ def landmarks() -> list[dict[str, Any]]:
 
 
 def trees(rng: np.random.Generator) -> list[dict[str, Any]]:
-    """Trees on the market square and by the river."""
+    """Return trees on the market square and by the river."""
     places = [(205 + 12 * i, 178.0) for i in range(3)] + [(20 + 45.0 * i, 345 + rng.uniform(-5, 5)) for i in range(6)]
     return [
         feature(point(east, north), {"@id": f"node/{900 + i}", "natural": "tree", "diameter_crown": "6"})
@@ -86,7 +86,7 @@ def trees(rng: np.random.Generator) -> list[dict[str, Any]]:
 
 
 def write_model() -> None:
-    """A valley with a hill, posts every 20 m in UTM zone 32 N, whole decimetres, one hole far from the town."""
+    """Write a valley with a hill, posts every 20 m in UTM zone 32 N, whole decimeters, one hole far from the town."""
     there = Transformer.from_crs("EPSG:4326", "EPSG:32632", always_xy=True)
     x, y = there.transform(HOME.longitude_deg, HOME.latitude_deg)
     left, top, size = round(x, -1) - 400.0, round(y, -1) + 800.0, 60

@@ -17,7 +17,7 @@ HEAD = """\
 
 
 def paper_map(name: str) -> dict[str, Any]:
-    """The scenario of a map, as its file has it: 100 x 100 x 350 m, six peaks, obstacles drawn from the map's seed."""
+    """Return the scenario of a map: 100 x 100 x 350 m, six peaks, obstacles drawn from its seed."""
     obstacles, number = map(int, name.removeprefix("map-").split("-"))
     rng = np.random.default_rng([2024, obstacles, number])
     surface = {"a": 0.1, "b": 0.3, "c": -0.9, "d": 0.5, "e": 0.5, "f": 0.5, "g": 0.3, "base": -5.0}
@@ -44,7 +44,7 @@ def _peak(rng: np.random.Generator) -> dict[str, float]:
 
 
 def _obstacle(rng: np.random.Generator, k: int) -> dict[str, Any]:
-    """Masts and balloons by turns; half of them stand in the way."""
+    """Return alternately a mast and a balloon; half of them are near the straight line."""
     east, north = aside(rng, 15.0) if k % 4 > 1 else in_the_way(rng)
     if k % 2:
         shape = _to_a_tenth(east=east, north=north, radius=rng.uniform(3, 6), height=rng.uniform(40, 120))
@@ -58,7 +58,7 @@ def _to_a_tenth(**lengths: float) -> dict[str, float]:
 
 
 def aside(rng: np.random.Generator, least: float) -> tuple[float, float]:
-    """A place on the map at least `least` metres from start and goal."""
+    """Return a place at least `least` meters from start and goal."""
     while True:
         east, north = rng.uniform(8, 92, 2)
         if min(np.hypot(east - 5, north - 5), np.hypot(east - 95, north - 95)) >= least:
@@ -66,7 +66,7 @@ def aside(rng: np.random.Generator, least: float) -> tuple[float, float]:
 
 
 def in_the_way(rng: np.random.Generator) -> tuple[float, float]:
-    """A place within ten metres of the straight way: half of the obstacles stand there, lest a map be an empty one."""
+    """Return a place within ten meters of the straight line, where half of the obstacles are."""
     along, aside = rng.uniform(25, 75), rng.uniform(-7, 7)
     return float(along + aside), float(along - aside)
 

@@ -1,8 +1,8 @@
-"""Plan three maps under each profile, and bring docs/lab/profiles.md and docs/profiles.svg up to date.
+"""Plan three maps under each profile, and update docs/lab/profiles.md and docs/profiles.svg.
 
     python -m tools.generate.profiles [--seeds 2] [--show]
 
-Of several seeds the plan of least cost counts. `--show` prints the tables and writes nothing.
+The cheapest plan of several seeds counts. `--show` prints the tables and writes nothing.
 """
 
 import re
@@ -31,7 +31,7 @@ HEAD = "| profile | length | turns | climb changes | climbed | least clearance |
 
 @dataclass(frozen=True)
 class Flight:
-    """A plan under one profile, and what flying it takes."""
+    """Hold a plan under one profile, with time and energy."""
 
     path: Points
     row: str
@@ -60,12 +60,12 @@ def main() -> None:
 
 
 def compared(found: dict[str, dict[str, "Flight"]]) -> list[str]:
-    """Length, time and energy of each profile on every map."""
+    """Return length, time and energy of each profile on every map."""
     return [f"| {name} | " + " | ".join(found[map_][name].summary for map_ in MAPS) + " |" for name in found[MAPS[0]]]
 
 
 def under(map_: str, profile: str | None) -> Scenario:
-    """The scenario with a profile; its own weights and distances give way, the airframe is the same for all."""
+    """Return the scenario with a profile in place of its weights and distances, for the same airframe."""
     path = REPOSITORY / "missions" / f"{map_}.toml"
     table = tomllib.loads(read_text(path))
     table.pop("safety_distance", None)
@@ -78,7 +78,7 @@ def under(map_: str, profile: str | None) -> Scenario:
 
 
 def attempt(scenario: Scenario, seed: int) -> Plan | None:
-    """The plan of one seed, or None if it found no way."""
+    """Return the plan of one seed, or None without a path."""
     try:
         return plan_path(scenario, seed=seed)
     except NoPath:

@@ -1,4 +1,4 @@
-"""What PX4 takes and keeps of a mission, read in its source (mavlink_mission), and which params 1.18 refuses."""
+"""Read PX4's source (mavlink_mission): which mission items it takes and stores, and which params 1.18 refuses."""
 
 import re
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ FRAMES = (0, 2, 3, 5, 6)
 
 
 def facts(source: Source) -> dict[str, Any]:
-    """The table of one commit: rows of a read-back, frames, modes of ROI, what is never flown, and used params."""
+    """Return the table of one commit: read-back, frames, ROI modes, commands never flown, used params."""
     text, own = source.text(CODE), numbers(source.text(NAMES))
     parse, answer = (body(text, f"MavlinkMissionManager::{name}(") for name in _FUNCTIONS)
     placed, plain = (_taken(code, own) for code in _switches(parse, "mavlink_mission_item->command"))
@@ -38,26 +38,26 @@ def facts(source: Source) -> dict[str, Any]:
 
 
 _FUNCTIONS = ("parse_mavlink_mission_item", "format_mavlink_mission_item")
-_HANDLER = "MavlinkMissionManager::handle_mission_item_both("  # names what belongs into another list
+_HANDLER = "MavlinkMissionManager::handle_mission_item_both("  # lists the commands of other lists
 
 
 def _switches(function: str, on: str) -> list[str]:
-    """The switches on this, in their order."""
+    """Return the switches on `on`, in order."""
     return [block(function, match.end() - 1) for match in re.finditer(rf"switch \({re.escape(on)}\) \{{", function)]
 
 
 def _taken(switch: str, own: Mapping[str, int]) -> dict[str, str]:
-    """The code of each command, by MAVLink's name of it."""
+    """Return the code of each command, by MAVLink's name."""
     return {_name(label, own): code for labels, code in cases(switch) for label in labels if label != "default"}
 
 
 def _name(label: str, own: Mapping[str, int]) -> str:
-    """MAVLink's name of a command that PX4 calls by that, or by a name of its own."""
+    """Return MAVLink's name of a command that PX4 calls `label`, or by its own name."""
     return command_name(own[label]) if label in own else label.removeprefix("MAV_CMD_")
 
 
 def _placed_row(code: str, answer: str) -> str:
-    """Seven letters for a command with a place: of each param what its member is, if a download tells of it."""
+    """Return seven letters for a command with a place: the member of each param, if a download reports it."""
     row = ["-"] * 4
     for member, value in re.findall(r"mission_item->(\w+)\s*=\s*([^;]+);", code):
         slot = re.search(r"mavlink_mission_item->param(\d)", value)
@@ -71,12 +71,12 @@ _LETTERS = {"yaw": "y", "land_precision": "w"}
 
 
 def _renamed(plain: Mapping[str, str]) -> dict[str, str]:
-    """Commands without a place that are kept under another's number."""
+    """Return commands without a place that are stored under another number."""
     return {"CONDITION_DELAY": "NAV_DELAY"} if "NAV_CMD_DELAY" in plain.get("CONDITION_DELAY", "") else {}
 
 
 def _used(text: str) -> dict[str, dict[str, str]]:
-    """Which of param1 to param7 may hold something on a multicopter, by the command; nothing where any may."""
+    """Return the usable params of each command on a multicopter; empty if all are."""
     if not text:
         return {}
     masks = {int(command): int(mask, 16) for command, mask in re.findall(r"\{\s*(\d+),\s*(0x\w\w),", text)}

@@ -17,13 +17,11 @@ its parameters, errors and example here; in a checkout use `help(ipoa_mission.NA
 
 
 def page() -> str:
-    """The text of the page."""
     public = ((name, getattr(ipoa_mission, name)) for name in ipoa_mission.__all__)
     return HEAD + "\n".join(f"::: {one.__module__}.{name}" for name, one in public) + "\n"
 
 
 def main() -> None:
-    """Write the page."""
     command_line(__doc__).parse_args()
     PAGE.write_text(page(), encoding="utf-8")
     print(f"written: {PAGE}")

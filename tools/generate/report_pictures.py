@@ -1,4 +1,4 @@
-"""The pictures of docs/report.md: plan the campus, report on it, fly it, compare; nothing in them is drawn by hand.
+"""Make the pictures of docs/report.md: plan the campus, report on it, fly it, compare.
 
     python -m tools.generate.report_pictures
 
@@ -51,7 +51,7 @@ def main() -> None:
 
 
 def photograph(page: Path) -> None:
-    """The page on a desk, its first two screens, and on a telephone, in three columns."""
+    """Take screenshots of the page on a desktop (two screens) and on a telephone, in three columns."""
     with sync_playwright() as play:
         browser = play.chromium.launch(
             executable_path=os.environ.get("IPOA_MISSION_CHROMIUM", "/usr/bin/chromium"), args=["--no-sandbox"]
@@ -69,7 +69,7 @@ def photograph(page: Path) -> None:
 
 
 def columns(tall: Image.Image, count: int) -> Image.Image:
-    """A tall picture cut into columns side by side."""
+    """Cut a tall picture into columns."""
     height = math.ceil(tall.height / count)
     sheet = Image.new("RGB", (count * (tall.width + 20) - 20, height), "white")
     for n in range(count):
@@ -79,13 +79,13 @@ def columns(tall: Image.Image, count: int) -> Image.Image:
 
 
 def save(picture: Image.Image, name: str) -> None:
-    """As small as PNG goes without losing a color."""
+    """Save as a small PNG without loss of colors."""
     picture.convert("RGB").save(PICTURES / name, optimize=True)
     print(f"{PICTURES / name}: {(PICTURES / name).stat().st_size // 1024} kB")
 
 
 def compare() -> None:
-    """ArduCopter's flight of the corners, against the estimate."""
+    """Compare ArduCopter's flight of the corners with the estimate."""
     facts = json.loads((FLIGHT / "flight.json").read_text())
     mission = read_mission(FLIGHT / "mission.waypoints", autopilot_named(facts["autopilot"]))
     predicted = estimate(mission, facts["params"])

@@ -1,9 +1,9 @@
-"""Bring docs/scenario.md up to date: its tables of keys are made from the models that read a scenario.
+"""Update the tables of keys in docs/scenario.md from the models that read a scenario.
 
     python -m tools.generate.scenario_reference
 
-A table stands between `<!-- keys of NAME -->` and `<!-- end -->`, NAME being a table of the schema; all else in the
-file is written by hand and stays.
+A table is between `<!-- keys of NAME -->` and `<!-- end -->`, NAME is a table of the schema. All else in the file is
+written by hand and stays.
 """
 
 import json
@@ -24,7 +24,7 @@ def main() -> None:
 
 
 def refreshed(text: str) -> str:
-    """The document with every table of keys as the schema has it now."""
+    """Return the document with every table of keys updated."""
     schema = Scenario.model_json_schema()
     tables = {"Scenario": schema, **schema["$defs"]}
     return TABLE.sub(lambda found: f"{found[1]}{table_of_keys(tables[found[2]], tables)}{found[3]}", text)
@@ -41,12 +41,12 @@ def table_of_keys(section: dict[str, Any], tables: dict[str, Any]) -> str:
 
 
 def what_it_is(said: dict[str, Any], tables: dict[str, Any]) -> str:
-    """The meaning of a key that has none of its own: that of the table it holds, or that it tells tables apart."""
+    """Return the meaning of a key without its own: that of its table, or that it distinguishes tables."""
     return str(tables[said["$ref"].rsplit("/", 1)[-1]]["description"]) if "$ref" in said else "Says which table it is."
 
 
 def value(said: dict[str, Any], tables: dict[str, Any]) -> str:
-    """What may stand there, in words."""
+    """Describe the values of a key."""
     match said:
         case {"$ref": str(ref)}:
             target = tables[ref.rsplit("/", 1)[-1]]

@@ -1,4 +1,4 @@
-"""C++ of a firmware out of a git directory, cut into what the tables need: functions, switches, cases, structs."""
+"""Parse C++ of a firmware in a git directory: functions, switches, cases, structs."""
 
 import re
 import subprocess
@@ -11,27 +11,27 @@ _COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 
 @dataclass(frozen=True)
 class Source:
-    """One commit of a firmware's repository."""
+    """Read one commit of a firmware's repository."""
 
     git: Path
     ref: str
 
     def text(self, path: str) -> str:
-        """A file of that commit, without its comments; empty where there is none."""
+        """Return a file of that commit without its comments; empty if it does not exist."""
         done = subprocess.run(
             ["git", "-C", str(self.git), "show", f"{self.ref}:{path}"], capture_output=True, text=True, check=False
         )
         return _COMMENT.sub("", done.stdout)
 
     def about(self) -> dict[str, str]:
-        """Which commit it is, and of what day."""
+        """Return commit and date."""
         command = ["git", "-C", str(self.git), "log", "-1", "--format=%H %cs", self.ref]
         commit, date = subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
         return {"commit": commit, "date": date}
 
 
 def preprocessed(text: str, false: str) -> str:
-    """The text as a build has it in which every `#if` holds but those whose condition matches `false`."""
+    """Return the text of a build in which every `#if` holds except those whose condition matches `false`."""
     kept, open_ = [], [True]
     for line in text.splitlines():
         word = line.strip()
@@ -48,7 +48,7 @@ def preprocessed(text: str, false: str) -> str:
 
 
 def body(text: str, name: str) -> str:
-    """What stands between the braces of the function, or of the struct, that begins with these words.
+    """Return the text between the braces of the function or struct that begins with `name`.
 
     Raises:
         SystemExit: there is none.
@@ -60,7 +60,7 @@ def body(text: str, name: str) -> str:
 
 
 def block(text: str, at: int) -> str:
-    """What stands between the brace at `at` and its counterpart."""
+    """Return the text between the brace at `at` and its counterpart."""
     depth = 0
     for end in range(at, len(text)):
         depth += {"{": 1, "}": -1}.get(text[end], 0)
@@ -70,7 +70,7 @@ def block(text: str, at: int) -> str:
 
 
 def cases(switch: str) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Labels of a switch that share their code, and the code; `default` is a label."""
+    """Yield labels of a switch that share their code, and the code; `default` is a label."""
     labels: list[str] = []
     parts = re.split(r"\b(?:case\s+([\w. ]+?)|(default))\s*:(?!:)", switch)
     for case, default, code in zip(parts[1::3], parts[2::3], parts[3::3], strict=True):
@@ -81,12 +81,12 @@ def cases(switch: str) -> Iterator[tuple[tuple[str, ...], str]]:
 
 
 def numbers(text: str) -> Mapping[str, int]:
-    """The members of an enum that have a number."""
+    """Return the members of an enum with a number."""
     return {name: int(number) for name, number in re.findall(r"(\w+)\s*=\s*(\d+)", text)}
 
 
 def listed(numbers: Iterable[int]) -> str:
-    """Numbers as the tables hold them.
+    """Format numbers as in the tables.
 
     >>> listed((1, 4))
     '1 4'

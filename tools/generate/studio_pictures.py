@@ -1,9 +1,9 @@
-"""The pictures of docs/studio.md, and how long its ten tasks take: a script clicks through them on the campus.
+"""Make the pictures of docs/studio.md, and time its ten tasks by a script that clicks on the campus.
 
     python -m tools.generate.studio_pictures out/
 
-Needs playwright and Chromium, which draws by software. Told are, task by task, the clicks, and the seconds from the
-first click to the scenario that has the change; a hand takes longer, by its own slowness.
+Needs playwright and Chromium, which renders by software. Reports for each task the clicks, and the seconds from the
+first click to the changed scenario; a user needs more.
 """
 
 import os
@@ -29,7 +29,7 @@ SOFTWARE = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enab
 
 @contextmanager
 def studio(scenario: Path | None, folder: Path, *options: str) -> Iterator[str]:
-    """The address of a studio on a scenario, or of its start page; what it remembers it keeps in `folder`."""
+    """Yield the address of a studio on a scenario, or of its start page; `folder` holds its state."""
     command = [sys.executable, "-m", "ipoa_mission", "studio", *([] if scenario is None else [str(scenario)])]
     environment = os.environ | {"XDG_STATE_HOME": str(folder / "state"), "PYTHONPATH": str(Path.cwd())}
     with subprocess.Popen(
@@ -43,7 +43,7 @@ def studio(scenario: Path | None, folder: Path, *options: str) -> Iterator[str]:
 
 
 class Hands:
-    """Clicks on a page, counted, and the time they take."""
+    """Click on a page, and count clicks and time."""
 
     def __init__(self, page: Any) -> None:
         self.page = page
@@ -55,7 +55,7 @@ class Hands:
         self.page.get_by_role("button", name=name, exact=True).click()
 
     def point(self, east: float, north: float) -> None:
-        """Click the map, so many metres from home."""
+        """Click the map, at meters from home."""
         self.clicks += 1
         self.page.mouse.click(*self.place(east, north))
 
@@ -69,7 +69,7 @@ class Hands:
         self.page.mouse.up()
 
     def write(self, label: str, value: str) -> None:
-        """Write into a field, which is one click and some keys."""
+        """Write into a field: one click and some keys."""
         self.clicks += 1
         field = self.page.get_by_label(label)
         field.fill(value)
@@ -81,7 +81,7 @@ class Hands:
         self.page.locator("summary", has_text=panel).click()
 
     def place(self, east: float, north: float) -> tuple[float, float]:
-        """Where on the screen a place of the map is."""
+        """Return the screen position of a place on the map."""
         script = """([east, north]) => {
             const home = map.getContainer().getBoundingClientRect();
             const narrow = Math.cos(39.101 * Math.PI / 180) * 111320;
@@ -92,17 +92,16 @@ class Hands:
         return x, y
 
     def text(self) -> str:
-        """The scenario's text."""
         return str(self.page.locator("textarea").input_value())
 
     def until(self, meant: Callable[[], bool]) -> None:
-        """Wait for something to be so."""
+        """Wait for a condition."""
         while not meant():
             self.page.wait_for_timeout(20)
 
 
 def tasks(hands: Hands) -> dict[str, tuple[Callable[[], None], Callable[[], bool]]]:
-    """What is done, and when it is done, by what the docs call it."""
+    """Return the actions and the end condition of each task, by its name in the docs."""
 
     def drawn(tool: str) -> None:
         hands.press(tool)
@@ -149,7 +148,7 @@ def proved(page: Any) -> None:
 
 
 def picture(page: Any, file: Path, **how: Any) -> None:
-    """Save how a page looks when its map is drawn and stands still."""
+    """Save a screenshot after the map is drawn."""
     page.wait_for_timeout(300)
     while not page.evaluate("map.loaded() && !map.isMoving()"):
         page.wait_for_timeout(100)

@@ -1,9 +1,9 @@
-"""Run every command of docs/tutorial.md, and of the README, in a folder of its own; write its output where it stands.
+"""Run every command of docs/tutorial.md and of the README in an empty folder, and update the output shown.
 
     python -m tools.generate.tutorial
 
-Output that stands there as a whole is replaced as a whole. Where `...` stands for lines that are left out, each of the
-others is found again by its words and gets its numbers anew; one that is not printed any more has to be mended by hand.
+Output shown in full is replaced. Where `...` replaces lines, each remaining line is found by its words, and its numbers
+are updated; a line no longer printed must be corrected by hand.
 """
 
 import os
@@ -27,14 +27,14 @@ LEFT_OUT = "..."
 
 @dataclass(frozen=True)
 class Step:
-    """A command, and the lines of output that stand below it."""
+    """Hold a command, and the lines of output below it."""
 
     command: str
     shown: tuple[str, ...]
 
 
 def steps(text: str) -> list[Step]:
-    """The commands of the `console` blocks, in order."""
+    """Return the commands of the `console` blocks, in order."""
     found: list[Step] = []
     for block in re.findall(r"^```console\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
         for part in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
@@ -47,9 +47,9 @@ def steps(text: str) -> list[Step]:
 
 
 def run(commands: list[str], folder: Path, programs: Path = Path(sys.executable).parent) -> list[list[str]]:
-    """What each command prints, run by one shell in `folder`, with `missions` beside it; the port is a free one.
+    """Return the output of each command, run by one shell in `folder` next to `missions`, with a free port.
 
-    `ipoa-mission` is looked for in `programs` first.
+    `ipoa-mission` is searched in `programs` first.
     """
     (folder / "missions").symlink_to(REPOSITORY / "missions")
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
@@ -77,17 +77,17 @@ def run(commands: list[str], folder: Path, programs: Path = Path(sys.executable)
 
 
 def words(line: str) -> str:
-    """A line without its numbers and the width of its columns."""
+    """Return a line without its numbers and column widths."""
     return re.sub(r"[\s─▇]+", " ", NUMBER.sub("#", line)).strip()
 
 
 def numbers(line: str) -> list[float]:
-    """The numbers of a line."""
+    """Return the numbers of a line."""
     return [float(number) for number in NUMBER.findall(line)]
 
 
 def matched(step: Step, printed: list[str]) -> list[tuple[str, str]]:
-    """Each line that stands below a command, with the line that was printed.
+    """Return each line below a command with the line printed.
 
     Raises:
         LookupError: a line is not printed, or not in this order.
@@ -111,14 +111,14 @@ def matched(step: Step, printed: list[str]) -> list[tuple[str, str]]:
 
 
 def main() -> None:
-    """Write the pages anew."""
+    """Update the pages."""
     command_line(__doc__).parse_args()
     for page in (README, TUTORIAL):
         write(page)
 
 
 def write(page: Path) -> None:
-    """Write a page anew."""
+    """Update a page."""
     text = page.read_text(encoding="utf-8")
     with tempfile.TemporaryDirectory() as folder:
         tutorial = steps(text)

@@ -1,4 +1,4 @@
-"""Write docs/verbs.md: every verb with its arguments and options, and which verb takes which flag.
+"""Write docs/verbs.md: every verb with its arguments and options, and the verbs of each option.
 
 python -m tools.generate.verbs
 """
@@ -34,7 +34,7 @@ A flag means the same in every verb that takes it; the few that are listed twice
 
 @dataclass(frozen=True)
 class Flag:
-    """An argument or option of a verb."""
+    """Hold an argument or option of a verb."""
 
     name: str
     value: str
@@ -44,7 +44,7 @@ class Flag:
 
 
 def flags(verb: Callable[..., None]) -> tuple[Flag, ...]:
-    """What a verb takes, in the order of its help."""
+    """Return the options of a verb, in the order of its help."""
     given = signature(grouped(verb)).parameters.values()
     return tuple(_flag(one.annotation, one.default) for one in given)
 
@@ -71,7 +71,7 @@ def _shown(default: Any) -> str:
 
 
 def rows() -> dict[Flag, list[str]]:
-    """Every option as it is told, with the verbs that take it, by name."""
+    """Return every option with the names of its verbs."""
     found: dict[Flag, list[str]] = {}
     for name, verb in by_name().items():
         for flag in flags(verb):
@@ -81,12 +81,11 @@ def rows() -> dict[Flag, list[str]]:
 
 
 def by_name() -> dict[str, Callable[..., None]]:
-    """The verbs by what they are called on the command line."""
+    """Return the verbs by their names on the command line."""
     return {verb.__name__.replace("_", "-"): verb for verbs in VERBS.values() for verb in verbs}
 
 
 def page() -> str:
-    """The text of the page."""
     parts = [HEAD]
     names = {verb: name for name, verb in by_name().items()}
     for heading, verbs in VERBS.items():
@@ -103,7 +102,7 @@ def page() -> str:
 
 
 def _about(docstring: str) -> str:
-    """The docstring without its indent, the example as code."""
+    """Return the docstring without indent, its example as code."""
     lines = [line.removeprefix("    ") for line in docstring.strip().splitlines()]
     words = "\n".join(line for line in lines if not line.startswith("Example: "))
     examples = [line.removeprefix("Example: ").strip("`") for line in lines if line.startswith("Example: ")]
@@ -111,7 +110,6 @@ def _about(docstring: str) -> str:
 
 
 def main() -> None:
-    """Write the page."""
     command_line(__doc__).parse_args()
     PAGE.write_text(page(), encoding="utf-8")
     print(f"written: {PAGE}")

@@ -1,1 +1,1 @@
-"""Makes the machine code that a wheel carries: `python -m tools.machine_code FOLDER` (see `ipoa_mission.compiled`)."""
+"""Compile the machine code of a wheel: `python -m tools.machine_code FOLDER` (see `ipoa_mission.compiled`)."""

@@ -2,9 +2,9 @@
 
     python -m tools.machine_code FOLDER [CPU ...]
 
-`CPU`: which of `ipoa_mission.compiled.library.CPUS`, one library each. Each is made in two processes side by side, in
-which numba is told to compile for it. What an editable install has made of the same sources, in the same way, is
-copied; so is what lies in the folder `IPOA_MISSION_MADE`, where that is set, and what was compiled is then left there.
+`CPU` is one of `ipoa_mission.compiled.library.CPUS`, with one library each. Two processes compile each library at the
+same time. A library that an editable install made from the same sources is copied, as is one in the folder
+`IPOA_MISSION_MADE`, if set; new libraries are stored there.
 """
 
 import gc
@@ -27,12 +27,12 @@ from tools import command_line
 from tools.machine_code.linking import link
 
 HERE = PACKAGE / "compiled"
-PARTS = 2  # of the kernels, compiled side by side
-KEPT = "IPOA_MISSION_MADE"  # a folder, for those who build often, each time from a fresh copy of the sources
+PARTS = 2  # of the kernels, compiled at the same time
+KEPT = "IPOA_MISSION_MADE"  # a cache folder for frequent builds from fresh copies of the sources
 
 
 def make(folder: Path, cpu: str) -> None:
-    """Write the library for one CPU, and the index; each part of the kernels is compiled in a process of its own.
+    """Write the library for one CPU and the index, each part of the kernels in its own process.
 
     Raises:
         SystemExit: a source was changed meanwhile.
@@ -54,7 +54,7 @@ def make(folder: Path, cpu: str) -> None:
 
 
 def _write_index(folder: Path, made: dict[str, Any]) -> None:
-    """Write an index; libraries of the same sources that it does not name are kept in it."""
+    """Write an index, and keep its other libraries of the same sources."""
     path = folder / INDEX
     before = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
     if all(before.get(key) == made.get(key) for key in ("sources", "made_by")):
@@ -63,11 +63,11 @@ def _write_index(folder: Path, made: dict[str, Any]) -> None:
 
 
 def make_part(folder: Path, cpu: str, part: int) -> None:
-    """Write the object file of a part of the kernels, and what belongs into the index of it."""
-    gc.disable()  # numba makes millions of small objects that live on: to count them took a quarter of the time
+    """Write the object file of a part of the kernels, and its index."""
+    gc.disable()  # numba makes millions of long-lived small objects: collection takes a quarter of the time
     import numba
 
-    numba.njit = partial(numba.njit, no_cpython_wrapper=True, no_cfunc_wrapper=True)  # Python calls the library only
+    numba.njit = partial(numba.njit, no_cpython_wrapper=True, no_cfunc_wrapper=True)  # only Python calls the library
     from tools.machine_code import kernels
     from tools.machine_code.compile import compiled
 
@@ -77,7 +77,7 @@ def make_part(folder: Path, cpu: str, part: int) -> None:
 
 
 def makers_digest() -> str:
-    """A hash of what compiles."""
+    """Return a hash of the compiler sources."""
     digest = hashlib.sha256(f"{platform.python_version()} {version('numba')} {version('llvmlite')}".encode())
     for path in sorted(Path(__file__).parent.glob("*.py")):
         digest.update(path.read_bytes())
@@ -85,7 +85,7 @@ def makers_digest() -> str:
 
 
 def copy_made(folder: Path, cpu: str) -> bool:
-    """Copy the library and the index from where they are as they would be made; whether they are there."""
+    """Copy the library and the index if they are cached; return whether they are."""
     return any(_copy_from(here, folder, cpu) for here in (HERE, *_kept()))
 
 
@@ -107,7 +107,7 @@ def _copy_from(here: Path, folder: Path, cpu: str) -> bool:
 
 
 def _copy(library: Path, made: dict[str, Any], folder: Path) -> None:
-    """Copy a library, and what its index says of it."""
+    """Copy a library and its index."""
     there = folder / library.name
     if not there.exists() or not library.samefile(there):
         shutil.copy(library, folder)

@@ -1,7 +1,7 @@
-"""What hatchling asks when it builds: machine code for a wheel, and the studio's page for a wheel and an sdist.
+"""Hook into hatchling's build: machine code for a wheel, and the studio's page for a wheel and an sdist.
 
-Both are also left beside the sources, where git does not see them: a clone runs from its own folder then, and the next
-build of the same sources takes them from there.
+Both also stay next to the sources, ignored by git: a clone runs from its own folder, and the next build of the same
+sources takes them from there.
 """
 
 import os
@@ -17,18 +17,18 @@ from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-#: What the kernels' modules import, besides numba.
+#: Imports of the kernels' modules, in addition to numba.
 NEEDED = ("numpy", "pyproj", "shapely")
 NUMBA = "numba>=0.60"
 WEB = Path("ipoa_mission", "studio", "web")
-NO_PAGE = "IPOA_MISSION_NO_PAGE"  # set to anything: the studio's page is not built
+NO_PAGE = "IPOA_MISSION_NO_PAGE"  # if set, the studio's page is not built
 
 
 class Built(BuildHookInterface):  # type: ignore[misc]
-    """Compiles the kernels and bundles the page once, for everyone who installs what is built."""
+    """Compile the kernels and bundle the page once for all installs of the build."""
 
     def dependencies(self) -> list[str]:
-        """What compiles: numba, what the kernels import, `ziglang` where there is no C compiler."""
+        """Return the build requirements: numba, the kernels' imports, `ziglang` without a C compiler."""
         if self.target_name == "sdist":
             return []
         here = [name for name in self.metadata.core.dependencies if name.startswith(NEEDED)]
@@ -36,7 +36,7 @@ class Built(BuildHookInterface):  # type: ignore[misc]
         return [*here, NUMBA, *linker]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """A wheel gets libraries and page, an editable install both beside its sources; an sdist what git knows."""
+        """Add libraries and page to a wheel or, for an editable install, to its sources; an sdist has git's files."""
         self._build_page()
         if self.target_name == "sdist":
             self._leave_out_untracked()
@@ -47,7 +47,7 @@ class Built(BuildHookInterface):  # type: ignore[misc]
             build_data["dependencies"].append(NUMBA)
         for file in Path(self._made.name).iterdir():
             beside = Path(self.root, "ipoa_mission", "compiled", file.name)
-            with suppress(OSError):  # a folder in which nobody may write
+            with suppress(OSError):  # read-only folder
                 shutil.copy(file, beside)
             if version != "editable":
                 build_data["force_include"][str(file)] = f"ipoa_mission/compiled/{file.name}"
@@ -57,13 +57,13 @@ class Built(BuildHookInterface):  # type: ignore[misc]
             build_data["tag"] = f"py3-none-{system}"
 
     def _compile(self, folder: Path) -> bool:
-        """Make the libraries and their index; whether that could be done here."""
+        """Make the libraries and their index; return whether this was possible."""
         path = os.pathsep.join([self.root, *filter(None, [os.environ.get("PYTHONPATH")])])
         cpus = os.environ.get("IPOA_MISSION_CPUS", "").split()
         command = [sys.executable, "-m", "tools.machine_code", str(folder), *cpus]
         try:
             subprocess.run(command, check=True, cwd=self.root, env=os.environ | {"PYTHONPATH": path})
-        except subprocess.CalledProcessError:  # as where this system's linker does not know what the kernels call
+        except subprocess.CalledProcessError:  # e.g. this system's linker does not know what the kernels call
             self.app.display_warning("no machine code could be made here: numba will compile at the first plan")
             for part in folder.glob("kernels*"):
                 part.unlink()
@@ -71,7 +71,7 @@ class Built(BuildHookInterface):  # type: ignore[misc]
         return True
 
     def _build_page(self) -> None:
-        """Bundle the page, unless that of these sources is there; without npm what is built has none, and says so."""
+        """Bundle the page unless it is up to date; without npm the build has no page, and says so."""
         sys.path.insert(0, self.root)
         from ipoa_mission.errors import MissionError
         from ipoa_mission.studio import bundle
@@ -85,7 +85,6 @@ class Built(BuildHookInterface):  # type: ignore[misc]
             self.app.display_warning(f"without the studio's page, which is built when it is first opened: {error}")
 
     def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
-        """Clean up."""
         if self.target_name == "wheel":
             self._made.cleanup()
 

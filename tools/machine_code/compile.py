@@ -1,4 +1,4 @@
-"""From kernels to an object file: numba compiles them, LLVM makes an object of them."""
+"""Compile kernels to an object file by numba and LLVM."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -10,7 +10,7 @@ from numba import types
 from ipoa_mission.compiled.native import Type, words
 from tools.machine_code.kernels import Kernel
 
-#: What numba's compiled code calls. Memory: numba's `MemInfo` (count of references, destructor, its argument, the
+#: Functions for numba's compiled code. Memory: numba's `MemInfo` (count of references, destructor, its argument, the
 #: address, the size) before the data, in one piece of the C library's memory. Reshaping without a copy: strides of a
 #: contiguous array that becomes one-dimensional.
 RUNTIME = """
@@ -67,7 +67,7 @@ define void @release(i8* %memory) {
 
 
 def type_of(kind: Any) -> Type:
-    """A numba type as `ipoa_mission.compiled.native` has it."""
+    """Return the numba type of a type of `ipoa_mission.compiled.native`."""
     if isinstance(kind, types.Boolean):
         return "bool"
     if kind == types.int64:
@@ -83,9 +83,9 @@ def type_of(kind: Any) -> Type:
 
 
 def compiled(kernels: Iterable[Kernel], cpu: str, shown: tuple[str, ...]) -> tuple[bytes, dict[str, list[Any]]]:
-    """An object file of kernels for a CPU, and the types of each one's arguments and result.
+    """Return an object file of kernels for a CPU, and the types of each one's arguments and result.
 
-    The object shows the kernels, and what of `RUNTIME` is named in `shown`.
+    The object exports the kernels, and the functions of `RUNTIME` named in `shown`.
     """
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
@@ -123,9 +123,9 @@ def compiled(kernels: Iterable[Kernel], cpu: str, shown: tuple[str, ...]) -> tup
 
 
 def entrance(name: str, kernel: Any, returned: int) -> str:
-    """A function that calls a kernel with the words of a row; it returns so many words, then what it says of an error.
+    """Return the source of a function that calls a kernel with a row of words; it returns words and the error.
 
-    Through ctypes a call with a hundred arguments takes longer than many a kernel.
+    A call through ctypes with a hundred arguments takes longer than many kernels.
     """
     types, lines = [str(argument.type) for argument in kernel.arguments], []
     values = [f"{types[0]} %r0", f"{types[1]} %r1"]

@@ -1,4 +1,4 @@
-"""The kernels that are compiled, and an example of the arguments of each, for their types."""
+"""List the kernels to compile, with example arguments for their types."""
 
 import importlib
 from collections.abc import Iterator
@@ -37,7 +37,7 @@ MODULES = {
 
 
 class Kernel(NamedTuple):
-    """Under which name it is looked up, what numba has made of it, and arguments that it takes."""
+    """Hold a kernel's name, its numba function, and example arguments."""
 
     name: str
     dispatcher: Any
@@ -45,7 +45,7 @@ class Kernel(NamedTuple):
 
 
 def part(number: int) -> list[Kernel]:
-    """Those that fly and order surveys, or all others, which share most of what they call: each is half of the work."""
+    """Return the kernels of flying and surveying, or all others: each is half of the work."""
     flying = ("ipoa_mission.survey.", "ipoa_mission.vehicles.")
     return [kernel for kernel in kernels() if kernel.name.startswith(flying) == (number == 1)]
 
@@ -55,7 +55,7 @@ def _numbers(dimensions: int, kind: type = np.float64) -> Any:
 
 
 def kernels() -> Iterator[Kernel]:
-    """All of them, not yet compiled."""
+    """Yield all kernels, not yet compiled."""
     raster = Raster(0.0, 0.0, 1.0, 2, 2)
     lists, kinds = (_numbers(1, np.int32),) * 2, _numbers(1, np.int8)
     low_zones = _numbers(2)

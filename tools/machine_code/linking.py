@@ -1,4 +1,4 @@
-"""From object files to one library, by a C compiler: this machine's, or else that of the package `ziglang`."""
+"""Link object files to a library by a C compiler: this machine's, or that of the package `ziglang`."""
 
 import importlib.util
 import shutil
@@ -10,7 +10,7 @@ from pathlib import Path
 
 
 def link(objects: Sequence[bytes], library: Path) -> None:
-    """Write a shared library of object files; what they call must be in them or in the C library.
+    """Write a shared library of object files, which call only each other and the C library.
 
     Raises:
         subprocess.CalledProcessError: it cannot be linked.
@@ -26,7 +26,7 @@ def link(objects: Sequence[bytes], library: Path) -> None:
 
 
 def linker() -> list[str]:
-    """The C compiler of this machine, or that of the package `ziglang`."""
+    """Return the C compiler of this machine, or that of the package `ziglang`."""
     here = next((name for name in ("cc", "gcc", "clang") if shutil.which(name)), None)
     if here is None and importlib.util.find_spec("ziglang"):
         return [sys.executable, "-m", "ziglang", "cc"]

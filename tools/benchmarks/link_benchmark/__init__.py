@@ -1,1 +1,1 @@
-"""The parts of `tools/benchmarks/link.py`: vehicle, clients and their processes, rows, measuring and telling."""
+"""Parts of `tools/benchmarks/link.py`: vehicle, clients and their processes, rows, measurement and tables."""

@@ -1,4 +1,4 @@
-"""The clients: each gives one mission to a vehicle at a UDP port. Run as a module: a process that does so often."""
+"""Upload a mission by each client to a vehicle at a UDP port; run as a module: one client process."""
 
 import json
 import os
@@ -23,11 +23,11 @@ LIMIT_S = 240.0
 
 
 class NotConnected(Exception):
-    """The client did not get as far as an upload."""
+    """Raised if the client does not connect."""
 
 
 def ours(port: str, sent: Mission, fast: bool = False) -> tuple[bool, float, float | None]:
-    """Our client's upload, in the process of the client; `fast`: ArduPilot's mission file."""
+    """Upload by our client, in the client's process; `fast`: as ArduPilot's mission file."""
     acknowledged: list[float] = []
 
     def note(share: float, words: str) -> None:
@@ -47,12 +47,12 @@ def ours(port: str, sent: Mission, fast: bool = False) -> tuple[bool, float, flo
 
 
 def by_file(port: str, sent: Mission) -> tuple[bool, float, float | None]:
-    """Our client's fast path; its time is that of the last piece written, its bytes those of reading back, too."""
+    """Upload by our fast path: its time ends with the last piece written, its bytes include reading back."""
     return ours(port, sent, fast=True)
 
 
 def mavsdk(port: str, sent: Mission) -> tuple[bool, float, float | None]:
-    """MAVSDK's own upload, in the process of the client."""
+    """Upload by MAVSDK, in the client's process."""
     mavsdk_backend.PRESENCE_S = 60.0
     with mavsdk_backend.connect(f"udpout:127.0.0.1:{port}") as here:
         assert isinstance(here, mavsdk_backend.MavsdkVehicle)
@@ -66,7 +66,7 @@ def mavsdk(port: str, sent: Mission) -> tuple[bool, float, float | None]:
 
 
 def mavproxy(port: int, sent: Mission) -> tuple[bool, float, float | None]:
-    """The same by MAVProxy, in a process of its own, from a file with seven decimals."""
+    """Upload by MAVProxy, in a process of its own, from a file with seven decimals."""
     rows = ["QGC WPL 110"]
     wire = to_wire(sent)
     for seq, item in enumerate(wire):

@@ -1,4 +1,4 @@
-"""Uploads, one and many: over bad radios, and as one file."""
+"""Measure uploads over bad radios, and as one file."""
 
 import statistics
 import sys
@@ -26,7 +26,7 @@ ITEMS = 20
 
 
 def run(cell: Cell, seed: int, workers: Workers) -> Run:
-    """One upload; a client that did not find the vehicle gets another chance."""
+    """Run one upload, again if the client did not find the vehicle."""
     for _ in range(4):
         try:
             return attempt(cell, seed, workers)
@@ -36,10 +36,10 @@ def run(cell: Cell, seed: int, workers: Workers) -> Run:
 
 
 def attempt(cell: Cell, seed: int, workers: Workers) -> Run:
-    """One upload, if the client connects.
+    """Run one upload.
 
     Raises:
-        NotConnected: it does not.
+        NotConnected: the client does not connect.
     """
     sent = mission(cell.autopilot, ITEMS)
     faults = Faults(loss=cell.loss_percent / 100, delay_s=cell.delay_ms / 1000)
@@ -55,7 +55,7 @@ def attempt(cell: Cell, seed: int, workers: Workers) -> Run:
 
 
 def is_near(sent: tuple[Item, ...], held: tuple[Item, ...]) -> bool:
-    """Whether every item is there, at most one unit of 1e-7 degree off."""
+    """Return whether every item is there, at most one unit of 1e-7 degree off."""
     return len(sent) == len(held) and all(
         one.command == other.command
         and abs(one.latitude_deg - other.latitude_deg) < 1.6e-7
@@ -65,7 +65,7 @@ def is_near(sent: tuple[Item, ...], held: tuple[Item, ...]) -> bool:
 
 
 def complete(cell: Cell, runs: int, at_once: int, path: Path) -> None:
-    """Make the runs of a cell that are not in the file yet."""
+    """Make the runs of a cell that the file lacks."""
     there = {one.seed for one in read_rows(path) if one.cell == cell}
     missing = [seed for seed in range(runs) if seed not in there]
     is_perfect = not (cell.delay_ms or cell.loss_percent)
@@ -77,7 +77,7 @@ def complete(cell: Cell, runs: int, at_once: int, path: Path) -> None:
 
 
 def fast_path(delay_ms: float, loss: float, runs: int) -> str:
-    """A row of the table of ArduPilot's fast path: 100 items, verified, on a virtual clock; all must be exact."""
+    """Return a table row of ArduPilot's fast path: 100 items, verified, on a virtual clock; all must be exact."""
     sent = to_wire(mission(Autopilot.ARDUPILOT, 100))
     medians = []
     for fast in (False, True):

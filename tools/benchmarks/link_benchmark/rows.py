@@ -1,4 +1,4 @@
-"""Rows of docs/link/uploads.csv: one upload each."""
+"""Read and write docs/link/uploads.csv, one upload a row."""
 
 import csv
 from dataclasses import asdict, dataclass, fields
@@ -11,7 +11,7 @@ CLIENTS = ("ours", "by-file", "mavsdk", "mavproxy")
 
 @dataclass(frozen=True)
 class Cell:
-    """One client with one autopilot over one radio."""
+    """Define one client with one autopilot over one radio."""
 
     autopilot: Autopilot
     delay_ms: float  # one way
@@ -21,7 +21,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Run:
-    """One upload: what the client said, what the autopilot holds, and what it took. A row of the file."""
+    """Record an upload: the client's result, the autopilot's items, time and bytes."""
 
     autopilot: str
     delay_ms: float
@@ -30,18 +30,18 @@ class Run:
     seed: int
     said: bool
     exact: bool
-    near: bool  # exact but for one unit of 1e-7 degree
+    near: bool  # off by one unit of 1e-7 degree
     seconds: float
     verified_s: float | None
     bytes: int
 
     @property
     def cell(self) -> Cell:
-        """Which cell of the table it belongs to."""
         return Cell(autopilot_named(self.autopilot), self.delay_ms, self.loss_percent, self.client)
 
 
 def read_rows(path: Path) -> list[Run]:
+    """Return the runs of the file."""
     if not path.exists():
         return []
     with path.open(newline="") as file:
@@ -64,7 +64,6 @@ def read_rows(path: Path) -> list[Run]:
 
 
 def add_row(path: Path, done: Run) -> None:
-    """Write one run behind the others."""
     path.parent.mkdir(parents=True, exist_ok=True)
     is_new = not path.exists()
     with path.open("a", newline="") as file:

@@ -1,4 +1,4 @@
-"""Clean uploads, client beside client: items a second and CPU an item, against a server that does not limit them."""
+"""Compare clients on a perfect link: items a second and CPU an item, with a server that does not limit them."""
 
 import json
 import shutil
@@ -22,7 +22,7 @@ SOURCE = Path(__file__).with_name("mission_server.c")
 def speed(
     autopilot: Autopilot, runs: int, items: int = 500, names: Sequence[str] = tuple(speed_clients.CLIENTS)
 ) -> str:
-    """Rows of the table, a client each: the best and the median of so many uploads, one client after the other."""
+    """Return table rows, one a client: best and median of `runs` uploads."""
     took: dict[str, list[list[list[float]]]] = {name: [] for name in names}
     with ExitStack() as stack:
         serve = stack.enter_context(_servers(autopilot))
@@ -61,7 +61,7 @@ def _once(client: "subprocess.Popen[str]") -> list[list[float]]:
 
 @contextmanager
 def _servers(autopilot: Autopilot) -> Iterator[Callable[[], AbstractContextManager[int]]]:
-    """What starts a vehicle and gives its port: the one in C where there is a compiler, else the built-in autopilot."""
+    """Yield a function that starts a vehicle and returns its port: in C if there is a compiler, else built in."""
     compiler = shutil.which("cc") or shutil.which("gcc")
     with tempfile.TemporaryDirectory() as folder:
         program = Path(folder) / "mission_server"

@@ -1,4 +1,4 @@
-"""Clients that upload one mission again and again over a perfect link. Run as a module: one client in its process."""
+"""Upload a mission repeatedly over a perfect link; run as a module: one client process."""
 
 import contextlib
 import json
@@ -20,13 +20,13 @@ from ipoa_mission.mission.stored_mission import to_wire
 from ipoa_mission.vehicles.autopilot import autopilot_named
 from tools.benchmarks.link_benchmark.vehicle import mission
 
-#: Uploads a list; calls its argument when the final Ack is there, and returns when the list was read back.
+#: Uploads a list: calls its argument at the final Ack, and returns after the list was read back.
 Upload = Callable[[Callable[[], None]], object]
 
 
 def ours(port: int, items: Sequence[Item]) -> Upload:
-    """Our client: read back, compared."""
-    upload_module.VERDICT_S = 0.0  # how long one listens for PX4's verdict says nothing of speed
+    """Upload by our client: read back, compared."""
+    upload_module.VERDICT_S = 0.0  # the wait for PX4's verdict is no matter of speed
     here = link_connect.connect(f"udpout:127.0.0.1:{port}", fast=False)
 
     def upload(acknowledged: Callable[[], None]) -> None:
@@ -36,7 +36,7 @@ def ours(port: int, items: Sequence[Item]) -> Upload:
 
 
 def mavsdk(port: int, items: Sequence[Item]) -> Upload:
-    """MAVSDK's upload and its download, which are not compared."""
+    """Upload and download by MAVSDK, not compared."""
     mavsdk_backend.PRESENCE_S = 60.0
     here = mavsdk_backend.connect(f"udpout:127.0.0.1:{port}")
     rows = [here._spell(seq, item, 0) for seq, item in enumerate(items)]
@@ -50,7 +50,7 @@ def mavsdk(port: int, items: Sequence[Item]) -> Upload:
 
 
 def pymavlink(port: int, items: Sequence[Item]) -> Upload:
-    """The loop of pymavlink's examples, upload and download, without repeats, not compared."""
+    """Upload and download by the loop of pymavlink's examples, without repeats, not compared."""
     from pymavlink import mavutil
 
     link = mavutil.mavlink_connection(f"udpout:127.0.0.1:{port}", source_system=255)
@@ -85,7 +85,7 @@ def pymavlink(port: int, items: Sequence[Item]) -> Upload:
 
 
 def pump(port: int, items: Sequence[Item]) -> Upload:
-    """The least that Python can do: frames packed once, one receive and one send an item, no check, no repeat."""
+    """Upload by the least work in Python: frames packed once, one receive and one send an item, no check, no repeat."""
     link = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     link.connect(("127.0.0.1", port))
     link.settimeout(5.0)

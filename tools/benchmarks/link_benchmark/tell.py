@@ -1,4 +1,4 @@
-"""The tables of docs/lab/link.md, from rows."""
+"""Make the tables of docs/lab/link.md from rows."""
 
 import statistics
 
@@ -8,7 +8,7 @@ from tools.benchmarks.link_benchmark.rows import CLIENTS, Cell, Run
 
 
 def told(runs: list[Run]) -> str:
-    """A cell of the table: exact of all (near ones, false ones), median seconds, items a second, bytes an item."""
+    """Return a cell: exact of all (near ones, false ones), median seconds, items a second, bytes an item."""
     if not runs:
         return ""
     good = [one for one in runs if one.said and one.near]
@@ -27,7 +27,7 @@ def told(runs: list[Run]) -> str:
 
 
 def table(rows: list[Run], autopilot: Autopilot) -> str:
-    """The rows of one autopilot in Markdown: a line for each radio, a column for each client."""
+    """Return the rows of one autopilot in Markdown: a line for each radio, a column for each client."""
     mine = [one for one in rows if one.autopilot == str(autopilot)]
     clients = [client for client in CLIENTS if any(one.client == client for one in mine)]
     lines = [f"| delay, ms | loss, % | {' | '.join(clients)} |", "|---" * (2 + len(clients)) + "|"]

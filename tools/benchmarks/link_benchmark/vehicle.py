@@ -1,4 +1,4 @@
-"""The vehicle that is uploaded to, behind a bad radio, and the mission that it gets."""
+"""Simulate the target vehicle behind a bad radio, and make its mission."""
 
 import threading
 from collections.abc import Iterator
@@ -20,20 +20,18 @@ MISSION_MESSAGES = frozenset({39, 40, 43, 44, 47, 51, 73, 110})
 
 
 class CountingChannel(UdpChannel):
-    """Counts the bytes of mission messages."""
+    """Count the bytes of mission messages."""
 
     counted = 0
     ended = False
 
     def receive(self, until: float) -> list[tuple[bytes, Peer]]:
-        """Count what comes in."""
         got = super().receive(until)
         for data, _ in got:
             self._count(data)
         return got
 
     def send(self, data: bytes, peer: Peer | None) -> None:
-        """Count what goes out."""
         self._count(data)
         self.ended = self.ended or data[7:10] == b"\x2f\0\0"  # MISSION_ACK
         super().send(data, peer)
@@ -45,7 +43,7 @@ class CountingChannel(UdpChannel):
 
 
 def mission(autopilot: Autopilot, items: int) -> Mission:
-    """A mission of so many items whose coordinates need every digit, and whose params every client's file can hold."""
+    """Return a mission of `items` whose coordinates need every digit, and whose params every client's file can hold."""
     legs = [waypoint(Geodetic(47.4 + 0.000123457 * n, 8.5 - 0.000098763 * n), 30.0) for n in range(1, items - 1)]
     every = (takeoff(HOME, 20.0), *legs, return_to_launch())
     return Mission(HOME, tuple(replace(item, params=(0.0,) * 4) for item in every), autopilot)
@@ -53,7 +51,7 @@ def mission(autopilot: Autopilot, items: int) -> Mission:
 
 @contextmanager
 def vehicle(autopilot: Autopilot, faults: Faults, seed: int) -> Iterator[tuple[Mock, CountingChannel]]:
-    """A built-in autopilot behind a bad radio."""
+    """Yield a built-in autopilot behind a bad radio."""
     channel = CountingChannel(parse_address("udpin:127.0.0.1:0"))
     mock = Mock(autopilot, HOME)
     server = Server(channel, Station(mock), 1.0, faults, seed)

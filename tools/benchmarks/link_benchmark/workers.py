@@ -1,4 +1,4 @@
-"""Clients in processes of their own."""
+"""Run clients in their own processes."""
 
 import json
 import subprocess
@@ -12,7 +12,7 @@ from tools.benchmarks.link_benchmark.clients import LIMIT_S, NotConnected
 
 
 class Worker:
-    """A client in a process of its own that makes one upload after the other."""
+    """Run a client in its own process, one upload after the other."""
 
     def __init__(self, client: str) -> None:
         command = [sys.executable, "-m", clients.__name__, client]
@@ -21,10 +21,10 @@ class Worker:
         )
 
     def upload(self, port: int, sent: Mission) -> tuple[bool, float, float | None]:
-        """Said, seconds to the Ack, seconds till verified.
+        """Return success, seconds to the Ack, seconds until verified.
 
         Raises:
-            NotConnected: it did not get that far; the worker has ended.
+            NotConnected: the client did not connect; the worker has ended.
         """
         pipe = self._process.stdin, self._process.stderr
         assert pipe[0] is not None
@@ -47,13 +47,12 @@ class Worker:
         raise NotConnected("".join(words)[-500:])
 
     def close(self) -> None:
-        """End the process."""
         with self._process:
             self._process.kill()
 
 
 class Workers:
-    """A worker for each thread, used again and again, or a new one for each upload."""
+    """Use one worker a thread again, or a new one for each upload."""
 
     def __init__(self, client: str, is_reused: bool) -> None:
         self._client = client
@@ -62,7 +61,6 @@ class Workers:
         self._all: list[Worker] = []
 
     def upload(self, port: int, sent: Mission) -> tuple[bool, float, float | None]:
-        """See `Worker`."""
         worker = getattr(self._mine, "worker", None) or Worker(self._client)
         self._mine.worker = worker
         self._all.append(worker)
@@ -77,6 +75,5 @@ class Workers:
                 self._mine.worker = None
 
     def close(self) -> None:
-        """End them all."""
         for worker in self._all:
             worker.close()

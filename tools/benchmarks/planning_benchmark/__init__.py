@@ -1,1 +1,1 @@
-"""The parts of `tools/benchmarks/planning.py`: its maps, its rivals, the reference, measuring and telling."""
+"""Parts of `tools/benchmarks/planning.py`: maps, rivals, reference, measurement and tables."""

@@ -1,4 +1,4 @@
-"""The seeded maps of the benchmark, as scenarios; the same name is always the same map.
+"""Make the seeded maps of the benchmark; a name is always the same map.
 
     spheres-8-1 ... spheres-8-5, spheres-6-1, spheres-10-1      100 x 100 x 350 m, six peaks, balloons near the ground
     cylinders-8-1 ... cylinders-10-1                             the same with masts that stand on the ground
@@ -7,7 +7,7 @@
     field-N-1                                                    N masts, one on every 900 square metres
     side-100-S                                                   a hundred masts on S x S m
 
-Half of the obstacles of a paper-like map stand within ten metres of the straight way, lest it be an easy one. Names
+Half of the obstacles of a paper-like map are within ten meters of the straight line, so that it is not easy. Names
 with other numbers are maps of the same kind with other seeds.
 """
 
@@ -29,7 +29,7 @@ HOME = {"latitude_deg": 38.87, "longitude_deg": 121.53, "altitude_amsl": 60.0}
 
 
 def benchmark_map(name: str) -> Scenario:
-    """The map of this name: kind, number of obstacles, and its own number."""
+    """Return the map of a name: kind, number of obstacles, and number of the map."""
     kind, count, number = name.split("-")
     rng = np.random.default_rng([sum(map(ord, kind)), int(count), int(number)])
     match kind:
@@ -49,12 +49,12 @@ def benchmark_map(name: str) -> Scenario:
 
 
 def weighing(scenario: Scenario, omega: tuple[float, float, float]) -> Scenario:
-    """The scenario with other weights of length, turning and threat."""
+    """Return the scenario with other weights of length, turning and threat."""
     return scenario.model_copy(update={"cost": scenario.cost.model_copy(update={"omega": omega})})
 
 
 def paper_like(kind: str, count: int, rng: np.random.Generator) -> Table:
-    """The paper's size, landform and number of obstacles; it does not publish its own maps."""
+    """Make a map with the paper's size, landform and number of obstacles."""
     peaks = []
     for _ in range(6):
         east, north = aside(rng, 25.0)
@@ -81,7 +81,7 @@ def paper_like(kind: str, count: int, rng: np.random.Generator) -> Table:
 
 
 def block(count: int, rng: np.random.Generator) -> Table:
-    """Turned houses on a street grid, some with roofs that can be flown over."""
+    """Make a street grid of turned houses; some roofs are below the ceiling."""
     columns = int(np.ceil(np.sqrt(count * 1.2)))
     rows = int(np.ceil(count / columns))
     obstacles = []
@@ -102,7 +102,7 @@ def block(count: int, rng: np.random.Generator) -> Table:
 
 
 def city(count: int, rng: np.random.Generator) -> Table:
-    """Buildings scattered over two kilometres, larger than those of the block, and further apart."""
+    """Scatter buildings over two kilometers, larger and farther apart than in a block."""
     obstacles: list[Table] = []
     while len(obstacles) < count:
         east, north = rng.uniform(0, 2000, 2)
@@ -127,7 +127,7 @@ def city(count: int, rng: np.random.Generator) -> Table:
 
 
 def field(count: int, side: float, rng: np.random.Generator) -> Table:
-    """Masts at random on a square of that side [m]."""
+    """Scatter masts on a square of `side` [m]."""
     places = rng.uniform(0, side, (count, 2))
     obstacles = [
         {"kind": "cylinder", "east": east, "north": north, "radius": rng.uniform(2, 6), "height": rng.uniform(30, 90)}
@@ -137,7 +137,7 @@ def field(count: int, side: float, rng: np.random.Generator) -> Table:
 
 
 def _town(obstacles: list[Table], east: float, north: float, margin: float, ceiling: float) -> Table:
-    """A flight from corner to corner below a ceiling, on flat ground."""
+    """Fly from corner to corner below a ceiling, on flat ground."""
     return {
         "safety_distance": 2.0,
         "start": {"east": -margin / 1.5, "north": -margin / 1.5, "up": 15.0},

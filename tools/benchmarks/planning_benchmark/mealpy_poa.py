@@ -1,7 +1,7 @@
-"""mealpy's POA on one map, its cost as a user writes it in NumPy; run by an interpreter that has mealpy, not by ours.
+"""Run mealpy's POA on one map in an interpreter with mealpy, its cost written in NumPy as by a user.
 
-Reads the map as JSON from standard input, writes the best candidate, its cost, and the seconds of CPU. Nothing of
-ours is imported. Spheres and cylinders only, the paper's terrain; control points in absolute coordinates.
+Reads the map as JSON from standard input, writes the best candidate, its cost, and CPU seconds. Imports nothing of
+this package. Spheres and cylinders only, the paper's terrain; control points in absolute coordinates.
 """
 
 import json

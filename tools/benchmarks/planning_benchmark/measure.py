@@ -1,4 +1,4 @@
-"""Measuring: each part is a generator of rows, made one after the other in one process on one core."""
+"""Generate the rows of each part, one after the other in one process on one core."""
 
 import itertools
 import time
@@ -17,28 +17,28 @@ from tools.benchmarks.planning_benchmark.maps import FIELDS, MAPS, SIDES, benchm
 from tools.benchmarks.planning_benchmark.metaheuristics import mealpy_poa, search
 from tools.benchmarks.planning_benchmark.rows import Row, today
 
-SECONDS = (1.0, 5.0)  # that OMPL is given
+SECONDS = (1.0, 5.0)  # times given to OMPL
 CONTROL_POINTS = (4, 6, 8, 12, 16, 24, 32)
 LENGTH_ONLY = (1.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
 class Work:
-    """What is to be measured, and how much of it."""
+    """Define the maps and the effort of a measurement."""
 
     maps: tuple[str, ...]
     seeds: int
     starts: int  # of the reference's searches
-    mealpy: str  # an interpreter that has mealpy; empty for none
+    mealpy: str  # an interpreter with mealpy; empty: none
 
 
 def planner(work: Work) -> Iterator[Row]:
-    """Our planner, the first run of all not counted."""
+    """Measure our planner after a first run that is not counted."""
     yield from _planned(work, "planner", work.maps)
 
 
 def printed(work: Work) -> Iterator[Row]:
-    """IPOA and POA as printed, and mealpy's POA, on the maps of the paper's size."""
+    """Measure IPOA and POA as printed, and mealpy's POA, on the maps of the paper's size."""
     maps = [name for name in work.maps if name.startswith(("spheres", "cylinders"))]
     row = partial(Row, "printed", versions=_versions("numba"), date=today())
     for name in ("ipoa", "poa"):
@@ -57,7 +57,7 @@ def printed(work: Work) -> Iterator[Row]:
 
 
 def ompl(work: Work) -> Iterator[Row]:
-    """Each of OMPL's planners, and what it has after each time."""
+    """Measure each of OMPL's planners after each time."""
     from tools.benchmarks.planning_benchmark.ompl_peers import PLANNERS, best_paths
 
     row = partial(Row, "ompl", versions=_versions("ompl"), date=today())
@@ -72,19 +72,19 @@ def ompl(work: Work) -> Iterator[Row]:
 
 
 def reference(work: Work) -> Iterator[Row]:
-    """The reference optimum; it may begin from what the planner and OMPL find, too."""
+    """Search the reference optimum, also from the results of the planner and OMPL."""
     yield from _referred(work, "reference", work.maps)
 
 
 def length(work: Work) -> Iterator[Row]:
-    """The planner where only length counts, and the reference for it."""
+    """Measure the planner with length as the only cost, and the reference for it."""
     maps = tuple(f"{name}/length" for name in work.maps)
     yield from _planned(work, "length", maps)
     yield from _referred(work, "length", maps)
 
 
 def scaling(work: Work) -> Iterator[Row]:
-    """The planner on fields of masts: more of them, more control points, the same number on a larger map."""
+    """Measure the planner on fields of masts: more masts, more control points, larger maps."""
     yield from _planned(work, "obstacles", tuple(f"field-{n}-1" for n in FIELDS))
     yield from _planned(work, "map size", tuple(f"side-100-{side}" for side in SIDES))
     yield from _planned(work, "control points", tuple(f"cylinders-8-2/{n}" for n in CONTROL_POINTS))
@@ -123,7 +123,7 @@ def _referred(work: Work, part: str, maps: tuple[str, ...]) -> Iterator[Row]:
 
 
 def _scenario(name: str) -> Scenario:
-    """A map, or one under other conditions: "cylinders-8-2/length" or, with that many control points, ".../16"."""
+    """Return a map, or one under other conditions: "cylinders-8-2/length", or ".../16" with 16 control points."""
     name, _, condition = name.partition("/")
     scenario = benchmark_map(name)
     if condition == "length":

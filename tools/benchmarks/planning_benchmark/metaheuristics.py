@@ -1,6 +1,6 @@
-"""IPOA and POA as the paper prints them, and mealpy's POA beside them: one long search in absolute coordinates.
+"""Measure IPOA and POA as printed, and mealpy's POA: one long search in absolute coordinates.
 
-mealpy is run by an interpreter of its own. Its best candidate is costed by our kernel too, and must agree.
+mealpy runs in its own interpreter. Our kernel checks the cost of its best candidate.
 """
 
 import json
@@ -25,7 +25,7 @@ AGREE = 0.01  # relative: our kernel has the terrain on a fine grid
 
 
 def search(name: str, scenario: Scenario, seed: int) -> tuple[Spline, float, int]:
-    """The curve that the optimizer finds as printed, the seconds of CPU and the number of evaluations."""
+    """Return the curve of the printed optimizer, CPU seconds and number of evaluations."""
     problem = prepare(scenario)
     encoding = encode("absolute", scenario.places, scenario.planning.control_points, 0.0, scenario)
     optimizer = build_optimizer(name, {"population": POPULATION, "iterations": ITERATIONS})
@@ -35,10 +35,10 @@ def search(name: str, scenario: Scenario, seed: int) -> tuple[Spline, float, int
 
 
 def mealpy_poa(scenario: Scenario, interpreter: str, iterations: int = ITERATIONS) -> tuple[Spline, float, int]:
-    """The same for mealpy's POA.
+    """Return the curve of mealpy's POA, CPU seconds and number of evaluations.
 
     Raises:
-        MissionError: mealpy cannot be run, or its user's cost is not ours.
+        MissionError: mealpy cannot be run, or its cost differs from ours.
     """
     problem = prepare(scenario)
     script = Path(__file__).with_name("mealpy_poa.py")

@@ -1,9 +1,9 @@
-"""OMPL's planners on a scenario, given the seconds of CPU that they are given.
+"""Run OMPL's planners on a scenario within given CPU seconds.
 
-What keeps a state from being valid is what keeps our planner: obstacles, inflated; ground, ceiling and bounds. A leg
-is checked in one compiled call, every tenth of a metre, so that Python costs OMPL little. They minimize length, and
-inflation is how a margin is asked of them: obstacles are inflated by the distance at which the threat ends, or, where
-nothing was found so, by the distance that is required. Climb limits are none of theirs.
+States are invalid by our planner's conditions: inflated obstacles, ground, ceiling and bounds. One compiled call checks
+a leg every tenth of a meter, so Python costs OMPL little. The planners minimize length. Their margin comes from
+inflation: obstacles grow by the distance at which the threat ends, or without a result by the required distance.
+They have no climb limits.
 """
 
 import time
@@ -27,16 +27,16 @@ PLANNERS = {
     "AORRTC": geometric.AORRTC,
     "FMT*": geometric.FMT,
 }
-STEP = 0.1  # between the places at which a leg is looked at [m]
-MARGIN = 0.01  # more than required: they look at places, the proof at everything [m]
-ROUNDS, SHORTCUTS = 3, 500  # of smoothing, which is not taken off the time allowed
-FIRST_SAMPLES = 500  # of FMT*, doubled as long as there is time
+STEP = 0.1  # between checked places of a leg [m]
+MARGIN = 0.01  # above the requirement: they check places, the proof checks the whole path [m]
+ROUNDS, SHORTCUTS = 3, 500  # of smoothing, in addition to the time allowed
+FIRST_SAMPLES = 500  # of FMT*, doubled while time is left
 
 util.setLogLevel(util.LogLevel.LOG_NONE)
 
 
 def best_paths(name: str, scenario: Scenario, seconds: Sequence[float]) -> list[tuple[float, Points] | None]:
-    """The cheapest safe polyline (n, 3) with its cost, or None, when each of these times [s of CPU] was spent."""
+    """Return the cheapest safe polyline (n, 3) with its cost, or None, after each of the times [s of CPU]."""
     problem = prepare(scenario)
     found: list[tuple[float, Points] | None] = []
     for inflation in (problem.rules.d_safe + problem.rules.radius, problem.rules.clearance):
@@ -47,7 +47,7 @@ def best_paths(name: str, scenario: Scenario, seconds: Sequence[float]) -> list[
 
 
 def polyline_cost(points: Points, scenario: Scenario) -> float:
-    """The composite cost of a polyline, its corners and all: nodes every few centimetres, as for a curve."""
+    """Return the composite cost of a polyline with its corners: nodes every few centimeters, as for a curve."""
     legs = np.linalg.norm(np.diff(points, axis=0), axis=1)
     traveled = np.concatenate([[0.0], np.cumsum(legs)])
     at = np.union1d(traveled, np.linspace(0.0, traveled[-1], int(np.clip(traveled[-1] / COST_STEP, 1000, 8000))))
@@ -58,7 +58,7 @@ def polyline_cost(points: Points, scenario: Scenario) -> float:
 def _after_each(
     name: str, space: Any, scenario: Scenario, seconds: Sequence[float]
 ) -> Iterator[tuple[float, Points] | None]:
-    """The best so far after each time; an anytime planner goes on where it was, FMT* begins anew with more samples."""
+    """Yield the best result after each time; anytime planners continue, FMT* restarts with more samples."""
     planner, samples, best = _ready(PLANNERS[name](space), space, scenario), FIRST_SAMPLES, None
     for spent, until in zip((0.0, *seconds), seconds, strict=False):
         deadline = time.process_time() + until - spent
@@ -91,7 +91,7 @@ def _ready(planner: Any, space: Any, scenario: Scenario) -> Any:
 
 
 def _smoothed(problem: Any, space: Any) -> Iterator[Points]:
-    """What a planner found: as it is, shortcut, shortcut more, and smoothed to a spline."""
+    """Yield a planner's path as found, shortcut, shortcut more, and smoothed to a spline."""
     if not problem.hasExactSolution():
         return
     path = geometric.PathGeometric(problem.getSolutionPath())

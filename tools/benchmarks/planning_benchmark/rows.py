@@ -1,4 +1,4 @@
-"""What was measured, as rows of one CSV file; a new row takes the place of the one with the same name."""
+"""Store measurements as rows of a CSV file; a new row replaces the one with its key."""
 
 import csv
 import datetime
@@ -12,10 +12,10 @@ from ipoa_mission.files import read_text, write_atomically
 
 @dataclass(frozen=True)
 class Row:
-    """One run: what was measured, on which map, by which method, with which setting and seed.
+    """Record one run: part, map, method, setting and seed.
 
-    `cost` and `length_m` are those of the path found, empty if none was; `safe`: proved to keep every limit; `cpu_s`
-    after warm-up.
+    `cost` and `length_m` are those of the path, empty without one; `safe`: proved to keep every limit; `cpu_s` after
+    warm-up.
     """
 
     part: str
@@ -32,7 +32,6 @@ class Row:
 
     @property
     def key(self) -> tuple[str, str, str, str, int]:
-        """What tells it from other rows."""
         return self.part, self.map, self.method, self.setting, self.seed
 
 
@@ -41,12 +40,11 @@ def today() -> str:
 
 
 def read_rows(path: Path) -> list[Row]:
-    """The rows of a file; none if there is no file."""
+    """Return the rows of a file; none if it does not exist."""
     return list(_parse(read_text(path))) if path.exists() else []
 
 
 def add_row(path: Path, row: Row) -> None:
-    """Put a row into the file, in place of the one with its key."""
     rows = {old.key: old for old in read_rows(path)} | {row.key: row}
     out = io.StringIO()
     writer = csv.DictWriter(out, [field.name for field in fields(Row)], lineterminator="\n")

@@ -1,4 +1,4 @@
-"""Telling: tables in Markdown and pictures, each a pure function of the rows."""
+"""Make tables in Markdown and pictures, each a pure function of the rows."""
 
 from collections.abc import Callable, Sequence
 
@@ -11,10 +11,11 @@ from ipoa_mission.report.plots import STYLE
 from tools.benchmarks.planning_benchmark.maps import MAPS, benchmark_map
 from tools.benchmarks.planning_benchmark.rows import Row
 
-COMPARED = ("planner", "ompl", "printed", "reference")  # parts in which the same cost is sought on the same maps
+COMPARED = ("planner", "ompl", "printed", "reference")  # parts with the same cost on the same maps
 
 
 def tables(rows: Sequence[Row]) -> dict[str, str]:
+    """Return each table under its title."""
     told = {
         "methods": methods(rows),
         "maps": each_map(rows),
@@ -26,7 +27,7 @@ def tables(rows: Sequence[Row]) -> dict[str, str]:
 
 
 def methods(rows: Sequence[Row]) -> str:
-    """Cost over the reference, and CPU time, of every method on all maps that it was run on."""
+    """Compare cost over the reference, and CPU time, of every method on all its maps."""
     best, lines = least(rows), []
     for method, setting in _methods(rows):
         runs = [
@@ -50,7 +51,7 @@ def methods(rows: Sequence[Row]) -> str:
 
 
 def each_map(rows: Sequence[Row]) -> str:
-    """Map by map: the reference, our planner, and OMPL's best after each time."""
+    """Compare by map: the reference, our planner, and OMPL's best after each time."""
     best, lines = least(rows), []
     for map_ in dict.fromkeys([*MAPS, *(row.map for row in rows if row.part == "planner")]):
         ours = [row for row in rows if (row.part, row.map) == ("planner", map_)]
@@ -70,7 +71,7 @@ def each_map(rows: Sequence[Row]) -> str:
 
 
 def speed(rows: Sequence[Row]) -> str:
-    """IPOA and POA as printed, and mealpy's."""
+    """Compare IPOA and POA as printed with mealpy's POA."""
     lines = []
     slow = [row.cpu_s for row in rows if row.method == "mealpy poa"]
     for method in ("ipoa", "poa", "mealpy poa"):
@@ -83,7 +84,7 @@ def speed(rows: Sequence[Row]) -> str:
 
 
 def lengths(rows: Sequence[Row]) -> str:
-    """Length where only length counts."""
+    """Compare lengths where only length counts."""
     rows = [row for row in rows if row.part == "length"]
     lines = []
     for map_ in dict.fromkeys(row.map for row in rows):
@@ -97,6 +98,7 @@ def lengths(rows: Sequence[Row]) -> str:
 
 
 def versions(rows: Sequence[Row]) -> str:
+    """List the versions and dates of the rows."""
     lines = [
         (part, " ".join(sorted({row.date for row in rows if row.part == part})), made)
         for part, made in dict.fromkeys((row.part, row.versions) for row in rows)
@@ -105,7 +107,7 @@ def versions(rows: Sequence[Row]) -> str:
 
 
 def least(rows: Sequence[Row]) -> dict[str, float]:
-    """The cost of the best safe path that any method found on each map for which a reference was sought."""
+    """Return the cost of the best safe path of any method on each map with a reference."""
     best = {row.map: np.inf for row in rows if row.part == "reference"}
     for row in rows:
         if row.map in best and row.part in COMPARED and row.safe and row.cost is not None:
@@ -114,7 +116,7 @@ def least(rows: Sequence[Row]) -> dict[str, float]:
 
 
 def pictures(rows: Sequence[Row]) -> dict[str, Figure]:
-    """The curves of scaling: detour's cost and CPU time against obstacles, map size and control points."""
+    """Plot the detour's cost and CPU time against obstacles, map size and control points."""
     numbers: dict[str, Callable[[Row], float]] = {
         "obstacles": lambda row: float(row.map.split("-")[1]),
         "map size": lambda row: float(row.map.split("-")[2]),
