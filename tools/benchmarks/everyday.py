@@ -254,7 +254,6 @@ def way_of(flight: Flight) -> Points:
 
 
 def row_of(kind: str, number: int, autopilot: Autopilot) -> Table:
-    """Return the results of a scene."""
     table = table_of(kind, number, autopilot)
     scenario = Scenario.model_validate(table)
     required, begin = scenario.limits.obstacle_distance, time.process_time()

@@ -61,7 +61,6 @@ def append(rows: Iterator[Row], path: Path) -> None:
 
 
 def read(path: Path) -> list[Row]:
-    """Read the rows of the file, in its order."""
     with path.open(encoding="utf-8", newline="") as file:
         next(rows := csv.reader(file))
         return [Row(version, date, scenario, measure, float(value)) for version, date, scenario, measure, value in rows]

@@ -74,7 +74,6 @@ def kept_at(flight: Flight, level: float) -> float:
 
 
 def main() -> None:
-    """Print the results."""
     parser = command_line(__doc__)
     parser.add_argument("--scenes", type=int, default=50)
     parser.add_argument("--flights", type=int, default=20)

@@ -44,11 +44,9 @@ class Installed:
         return int(sizes.splitlines()[-1].split()[0]) / 1024
 
     def numpy_s(self) -> float:
-        """Return the CPU time of `import numpy` [s]."""
         return self._cpu_s(self._bin / "python", "-c", "import numpy")
 
     def verb_s(self, *words: str) -> float:
-        """Return the CPU time of a verb [s]."""
         return self._cpu_s(self._bin / "ipoa-mission", *words)
 
     def forget(self) -> None:

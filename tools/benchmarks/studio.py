@@ -99,7 +99,6 @@ class Planner:
         return dict(answer["answer"])
 
     def processor_s(self) -> float:
-        """Return the CPU time of the process [s]."""
         fields = Path(f"/proc/{self._process.pid}/stat").read_text().rsplit(")", 1)[1].split()
         return (int(fields[11]) + int(fields[12])) / 100
 

@@ -135,7 +135,6 @@ def scene(number: int, seed: int, autopilot: Autopilot) -> Course:
 
 
 def written(number: int, seed: int, autopilot: Autopilot, path: Path) -> Path:
-    """Write the file of a random scene."""
     path.write_text(as_toml(scene(number, seed, autopilot)), encoding="utf-8")
     return path
 

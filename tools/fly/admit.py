@@ -71,8 +71,6 @@ class Task:
 
 @dataclass(frozen=True)
 class Work:
-    """Hold the settings of all flights."""
-
     autopilot: Autopilot
     out: Path
     seed: int
@@ -233,7 +231,6 @@ def _line(row: Row) -> str:
 
 
 def version_on(given: argparse.Namespace, autopilot: Autopilot, simulator: Simulator) -> Version | None:
-    """Return the version that a simulator reports."""
     home = read_scenario(shipped()[0]).frame.home
     start = given.start and simulator.words(given.start, home)
     link = link_of(given.sitl, autopilot, given.instance)

@@ -194,7 +194,6 @@ def box(n: int, east: float, north: float, width: float, depth: float, height: f
 
 
 def _course(places: list[Place], obstacles: list[Course], speed: float) -> Course:
-    """Return a course from above home through the places."""
     *via, goal = ({"east": x, "north": y, "up": z} for x, y, z in places)
     course = {
         "safety_distance": 1.0,

@@ -156,7 +156,6 @@ class Foretold:
         return STAGES.get(command, FlightStage.ROUTE)
 
     def row(self, contingency: Contingency, time: float) -> ContingencyRow:
-        """Return the forecast of a contingency at a time."""
         return self.endings.at(contingency, float(np.clip(time, *self.endings.in_air)), timed=False)
 
     def timed(self, contingency: Contingency, time: float) -> tuple[Between, Between]:
@@ -175,7 +174,6 @@ class Foretold:
         return (low, mean, high), (first, touched, last)
 
     def time_at(self, place: Points, time: float) -> float:
-        """Return the forecast time at a place."""
         times = self.endings.stops().times
         near = np.abs(times - time) <= AROUND_S
         if not near.any():

@@ -59,7 +59,6 @@ class Flown:
 
 
 def is_flown(folder: Path) -> bool:
-    """Return whether a folder has a completed flight."""
     return any((folder / name).exists() for name in ("flight.json", "fly.json", "times.json"))
 
 

@@ -125,7 +125,6 @@ def table(rows: list[Row]) -> Iterator[str]:
 
 
 def read_rows(path: Path) -> list[Row]:
-    """Return the lines of an earlier file."""
     kinds = get_type_hints(Row)
     with path.open(encoding="utf-8", newline="") as lines:
         return [Row(**{name: kinds[name](value) for name, value in line.items()}) for line in csv.DictReader(lines)]

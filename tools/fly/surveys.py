@@ -160,7 +160,6 @@ def photos_in(log: Path) -> int:
 
 
 def rows_of(path: Path) -> Iterator[Row]:
-    """Yield the rows of an earlier run."""
     if path.exists():
         with path.open(encoding="utf-8", newline="") as lines:
             for line in csv.DictReader(lines):

@@ -98,7 +98,6 @@ def absurd_item(chance: random.Random) -> Item:
 
 
 def fly_something_absurd(chance: random.Random) -> None:
-    """Fly an absurd mission for some minutes."""
     family = chance.choice(list(registered()))
     mock, now, client = Mock(family, HOME), 1.0, Target(245, 190)
     items = [*ITEMS[: chance.randrange(3)], *(absurd_item(chance) for _ in range(chance.randrange(1, 5)))]
@@ -207,7 +206,6 @@ def mislead_a_client(chance: random.Random) -> None:
 
 
 def spoil_a_log(chance: random.Random) -> None:
-    """Read a damaged log."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "a.tlog"
         codec = Codec(1, 1)

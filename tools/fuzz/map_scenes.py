@@ -159,7 +159,6 @@ def _rings(shape: dict[str, Any]) -> list[Any]:
 
 
 def geojson(rows: list[Row]) -> str:
-    """Write one collection."""
     return json.dumps({"type": "FeatureCollection", "features": [_feature(row) for row in rows]})
 
 

@@ -48,7 +48,6 @@ NEWER = {"WPNAV_SPEED": "WP_SPD", "WPNAV_SPEED_UP": "WP_SPD_UP", "RTL_ALT": "RTL
 
 
 def place(chance: random.Random) -> list[float]:
-    """Return a place near home."""
     return [HOME[0] + round(chance.uniform(-0.002, 0.002), 7), HOME[1] + round(chance.uniform(-0.003, 0.003), 7)]
 
 
@@ -90,7 +89,6 @@ def _item(command: int, numbers: list[float], frame: int = 3) -> dict[str, Any]:
 
 
 def objects(node: Any) -> list[dict[str, Any]]:
-    """Return all objects of a document."""
     inner = node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
     return [*([node] if isinstance(node, dict) else []), *(one for value in inner for one in objects(value))]
 
@@ -110,7 +108,6 @@ def rename(document: dict[str, Any], chance: random.Random) -> None:
 
 
 def drop(document: dict[str, Any], chance: random.Random) -> None:
-    """Remove a key."""
     of = chance.choice([one for one in objects(document) if one])
     del of[chance.choice(list(of))]
 

@@ -41,7 +41,6 @@ class Run:
 
 
 def read_rows(path: Path) -> list[Run]:
-    """Return the runs of the file."""
     if not path.exists():
         return []
     with path.open(newline="") as file:

@@ -15,7 +15,6 @@ COMPARED = ("planner", "ompl", "printed", "reference")  # parts with the same co
 
 
 def tables(rows: Sequence[Row]) -> dict[str, str]:
-    """Return each table under its title."""
     told = {
         "methods": methods(rows),
         "maps": each_map(rows),
@@ -98,7 +97,6 @@ def lengths(rows: Sequence[Row]) -> str:
 
 
 def versions(rows: Sequence[Row]) -> str:
-    """List the versions and dates of the rows."""
     lines = [
         (part, " ".join(sorted({row.date for row in rows if row.part == part})), made)
         for part, made in dict.fromkeys((row.part, row.versions) for row in rows)
