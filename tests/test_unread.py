@@ -1,6 +1,6 @@
 """What readers do not take is counted by kind, and an error where it may limit the flight."""
 
-from ipoa_mission.checks.unread_check import IGNORE, check_unread
+from ipoa_mission.checks.unread_check import IGNORE_HINT, check_unread
 from ipoa_mission.finding import Severity
 from ipoa_mission.unread import Unread, gathered, unread_as_json
 
@@ -21,5 +21,5 @@ def test_only_what_may_limit_the_flight_is_an_error() -> None:
     """Its remedy is the hint."""
     (finding,) = check_unread([*TAGS, LINK])
     assert (finding.code, finding.severity) == ("not-read", Severity.ERROR)
-    assert finding.hint == f"save what it shows; {IGNORE}"
+    assert finding.hint == f"save what it shows; {IGNORE_HINT}"
     assert finding.message == "zones.kml: not read: NetworkLink: Placemark[0]"

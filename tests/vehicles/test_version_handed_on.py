@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from ipoa_mission.cli.mock_place import stands
+from ipoa_mission.cli.mock_place import mock_setup
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.mission.mission_io import read_mission
 from ipoa_mission.simulator.conditions import Conditions
@@ -48,5 +48,5 @@ def test_the_built_in_autopilot_of_a_scenario_is_of_its_version(tmp_path: Path) 
     text = (MISSIONS / "sitl.toml").read_text(encoding="utf-8")
     path = tmp_path / "sitl.toml"
     path.write_text(text.replace("[vehicle]\n", '[vehicle]\nfirmware_version = "1.17"\n'), encoding="utf-8")
-    assert stands(path, None, None, {}).conditions.version == Version(1, 17)
-    assert stands(path, None, Autopilot.ARDUPILOT, {}).conditions.version is None
+    assert mock_setup(path, None, None, {}).conditions.version == Version(1, 17)
+    assert mock_setup(path, None, Autopilot.ARDUPILOT, {}).conditions.version is None

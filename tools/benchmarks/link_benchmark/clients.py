@@ -56,7 +56,7 @@ def mavsdk(port: str, sent: Mission) -> tuple[bool, float, float | None]:
     mavsdk_backend.PRESENCE_S = 60.0
     with mavsdk_backend.connect(f"udpout:127.0.0.1:{port}") as here:
         assert isinstance(here, mavsdk_backend.MavsdkVehicle)
-        rows = [here._spell(seq, item, 0) for seq, item in enumerate(to_wire(sent))]
+        rows = [here._mavsdk_item(seq, item, 0) for seq, item in enumerate(to_wire(sent))]
         begun = time.monotonic()
         try:
             here._raw.upload_mission(rows)

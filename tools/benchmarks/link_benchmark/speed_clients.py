@@ -39,7 +39,7 @@ def mavsdk(port: int, items: Sequence[Item]) -> Upload:
     """Upload and download by MAVSDK, not compared."""
     mavsdk_backend.PRESENCE_S = 60.0
     here = mavsdk_backend.connect(f"udpout:127.0.0.1:{port}")
-    rows = [here._spell(seq, item, 0) for seq, item in enumerate(items)]
+    rows = [here._mavsdk_item(seq, item, 0) for seq, item in enumerate(items)]
 
     def upload(acknowledged: Callable[[], None]) -> None:
         here._raw.upload_mission(rows)

@@ -1,9 +1,10 @@
-"""Search a reference optimum with much more time than a planner has.
+"""A reference optimum: the best of everything that is known to find good paths, given far more time than a planner has.
 
-Starts are the straight line, paths through lattices finer than the planner's, and paths through lattices with perturbed
-prices, which use other passages. From each, CMA-ES searches sine modes of several numbers of control points; its result
-is polished. Of the best few, CMA-ES varies every control point once more on the exact cost. Then they are polished with
-two and four times the control points and almost no smoothing of the cost. Only proved paths count.
+Starts are the straight line, the ways through lattices finer than the planner's, and the ways through lattices whose
+prices were shaken, which lead through other passages. Round each CMA-ES searches sine modes of several numbers of
+control points; what it finds is polished. Of the best few CMA-ES varies every control point once more, on the exact
+cost and not on the smooth one, and they are polished anew with twice and four times the control points and hardly
+anything rounded off. Only proved paths count.
 """
 
 import warnings
@@ -27,16 +28,16 @@ with warnings.catch_warnings():
     import cma
 
 INNER = (6, 8, 12, 18)
-SHAKEN = 0.25  # standard deviation of the logarithm of a perturbed price
-APART = 0.02  # share of the length: closer starts count as one
+SHAKEN = 0.25  # standard deviation of the logarithm of a shaken price
+APART = 0.02  # of the length: starts that are nearer to each other than this are one
 KEPT = 4
-#: Stages after the planner's polish, with almost no smoothing of the cost.
-CLOSER = SHARPEST._replace(reach=0.01, wall=3e-5, stiffness=1e6)
-SHARP = (HARDEST, SHARPEST, CLOSER, CLOSER._replace(reach=0.003, wall=3e-6))
+#: Stages that go on where the planner's polish ends: hardly anything is rounded off.
+CLOSER = STAGE_6._replace(reach=0.01, wall=3e-5, stiffness=1e6)
+SHARP = (STAGE_5, STAGE_6, CLOSER, CLOSER._replace(reach=0.003, wall=3e-6))
 
 
 def reference(scenario: Scenario, seed: int, starts: int, given: list[Points]) -> tuple[float, Candidate]:
-    """Return the best proved path of `starts` searches and of the polished polylines `given`, with its cost."""
+    """The best proved path of `starts` searches, and of the polylines given, polished; its cost and itself."""
     rng = np.random.default_rng(seed)
     close = scenario.planning.model_copy(update={"samples": max(scenario.planning.samples, 200)})
     problem = prepare(scenario.model_copy(update={"planning": close}))
@@ -53,7 +54,7 @@ def reference(scenario: Scenario, seed: int, starts: int, given: list[Points]) -
 
 
 def _guides(problem: PreparedProblem, count: int, rng: np.random.Generator) -> Iterator[Points]:
-    """Yield polylines from start to goal: straight, through lattices, and at perturbed prices."""
+    """Polylines from start to goal: the straight one, lattice ways, and lattice ways at shaken prices."""
     yield problem.task.places
     known: list[Points] = []
     lattices = [lay(problem, fineness) for fineness in (1.0, 1.5)]
@@ -77,9 +78,9 @@ def _search(problem: PreparedProblem, guide: Points, inner: int, rng: np.random.
     return [polish(each, problem) for each in (candidate, sought)]
 
 
-def _finish(trail: Candidate, problem: PreparedProblem, rng: np.random.Generator) -> tuple[float, Candidate]:
-    """Polish, double the control points twice, vary each once; return the best proved curve."""
-    found = [settle(trail, problem)[0]]
+def _finish(candidate: Candidate, problem: PreparedProblem, rng: np.random.Generator) -> tuple[float, Candidate]:
+    """Settled, sharpened and twice doubled, every control point varied once; the best proved curve on the way."""
+    found = [settle(candidate, problem)[0]]
     found.append(_vary(found[0], problem, rng))
     for start in found[:2]:
         sharp = start
@@ -102,7 +103,7 @@ def _vary(candidate: Candidate, problem: PreparedProblem, rng: np.random.Generat
 def _cma(
     cost: Callable[[Candidates], Costs], encoding: Encoding, sigma: float, evaluations: int, rng: np.random.Generator
 ) -> np.ndarray:
-    """Return the best candidate of CMA-ES from the origin; `sigma` is a share of the box's width."""
+    """The best candidate that CMA-ES finds from the origin; `sigma` is a share of the width of the box."""
     width = encoding.box.upper - encoding.box.lower
     options = {"verbose": -9, "maxfevals": evaluations, "seed": int(rng.integers(1, 2**31)), "tolfun": 1e-4}
     if len(width) > 60:
@@ -129,7 +130,7 @@ def _distinct(candidates: list[Candidate]) -> list[Candidate]:
 
 
 def _gap(a: Points, b: Points) -> float:
-    """Return the greatest distance between points at the same share of two polylines."""
+    """The greatest distance between points at the same share of two polylines."""
     return float(np.linalg.norm(_even(a) - _even(b), axis=1).max())
 
 
