@@ -6,12 +6,12 @@ from collections.abc import Iterator, Sequence
 from ipoa_mission.checks.jump_check import check_jumps
 from ipoa_mission.checks.numbered_finding import Numbered, numbered
 from ipoa_mission.checks.positions import out_of_range
-from ipoa_mission.checks.waiting import check_waiting
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.commands import (
     ENDINGS,
     FLOWN_TO,
     HOLDING,
+    LAST_NAV,
     MAY_PRECEDE_TAKEOFF,
     TAKEOFFS,
     Command,
@@ -214,3 +214,18 @@ def _ending(mission: Mission) -> Iterator[Finding]:
     flown = _flown(mission)
     if flown and flown[-1].item.command not in ENDINGS | {Command.NAV_LOITER_UNLIM}:
         yield flown[-1].warning("ends-in-the-air", "the mission ends in the air, and the vehicle stays there")
+
+
+def check_waiting(mission: Mission) -> Iterator[Finding]:
+    last = max((at.seq for at in numbered(mission) if at.item.command <= LAST_NAV), default=0)
+    for at in numbered(mission):
+        if at.item.command == Command.NAV_LOITER_UNLIM and at.seq < last:
+            words = "stays here until an operator ends it: the time and the clearance of its flights are unknown"
+            yield at.warning("waits-for-someone", words)
+        if until := at.item.clock:
+            if mission.autopilot.guidance.waits_until_clock:
+                words = f"waits until {until}, which may be up to a day: the forecast time leaves it out"
+                yield at.warning("waits-until-clock", words)
+            elif any(value > 0 for value in at.item.params[1:]):
+                words = f"{mission.autopilot.model} has no delay until {until}, and does not wait"
+                yield at.warning("waits-until-clock", words)

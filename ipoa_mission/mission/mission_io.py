@@ -1,5 +1,7 @@
 """Read mission files by content, and write them by suffix."""
 
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,7 +9,8 @@ from ipoa_mission.errors import BadInput, WrongFormat, WrongSuffix
 from ipoa_mission.files import MISSIONS, read_text
 from ipoa_mission.finding import Finding, Severity
 from ipoa_mission.mission.about_file import mission_record
-from ipoa_mission.mission.items import Mission
+from ipoa_mission.mission.commands import TAKEOFFS, command_name
+from ipoa_mission.mission.items import Item, Mission
 from ipoa_mission.mission.landing_ground import landing_height, landing_on
 from ipoa_mission.mission.mission_file import MissionFile
 from ipoa_mission.mission.parameter_file import (
@@ -18,7 +21,6 @@ from ipoa_mission.mission.parameter_file import (
 )
 from ipoa_mission.mission.plan_file import parse_plan, plan_text
 from ipoa_mission.mission.waypoints_file import FIRST_LINE, lost_in_waypoints, parse_waypoints, waypoints_text
-from ipoa_mission.mission.whose_waypoints import only_taker
 from ipoa_mission.vehicles.autopilot import Autopilot, default_autopilot, registered
 from ipoa_mission.vehicles.known_parameters import firmware_of
 
@@ -167,3 +169,28 @@ def mission_text(mission: Mission, suffix: str, read_from: MissionFile | None = 
     if read_from is not None and read_from.suffix == suffix and read_from.still_holds(mission):
         return read_from.source
     return plan_text(mission) if suffix == ".plan" else waypoints_text(mission)
+
+
+def only_taker(items: Sequence[Item]) -> tuple[Autopilot, str] | None:
+    """Find the one autopilot that takes all items, and why no other does; None if none or several do."""
+    against = {one: next(_unlike(items, one), None) for one in registered()}
+    takers = [one for one, why in against.items() if why is None]
+    if len(takers) != 1:
+        return None
+    return takers[0], next(why for why in against.values() if why is not None)
+
+
+def _unlike(items: Sequence[Item], autopilot: Autopilot) -> Iterator[str]:
+    """Yield differences from a mission for this autopilot."""
+    own = autopilot.firmware()
+    for seq, item in enumerate(items, start=1):
+        at, placed = f"item {seq} ({command_name(item.command)})", item.command in own.placed
+        if not own.takes(item.command):
+            yield f"{at}: {own.name} does not take it"
+        elif placed and item.frame not in own.frames:
+            yield f"{at}: {own.name} does not take frame {item.frame}"
+        elif item.command in TAKEOFFS and (item.latitude_deg, item.longitude_deg) == (0.0, 0.0):
+            if not item.is_here(autopilot):
+                yield f"{at}: {own.name} would take off to latitude 0, longitude 0"
+        elif any(map(math.isnan, item.params)) and not own.nan_holds:
+            yield f"{at}: files for {own.name} hold no NaN"
