@@ -7,7 +7,6 @@ modules derive their own errors next to the code that raises them.
 import json
 import re
 from collections.abc import Mapping
-from copy import copy
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, Self
@@ -85,13 +84,18 @@ class MissionError(Exception):
 
     def at(self, place: object = None, hint: str | None = None) -> Self:
         """Return the error with an outer place in front of its own, and another hint if given."""
-        other = copy(self)
+        other = self._copied()
         other.place = ": ".join(str(one) for one in (place, self.place) if one is not None) or None
         other.hint = hint or self.hint
         return other
 
+    def _copied(self) -> Self:
+        other = type(self).__new__(type(self), *self.args)
+        other.__dict__.update(self.__dict__)
+        return other
+
     def followed_by(self, *lines: str) -> Self:
-        other = copy(self)
+        other = self._copied()
         other.args = ("\n".join([self.args[0], *lines]),)
         return other
 

@@ -128,7 +128,7 @@ def _other_list(path: Path, text: str, items: list[Item], autopilot: Autopilot) 
     try:
         fence, rally = ((), rally_from_wire(items)) if is_rally else (fence_from_wire(items), ())
     except MissionError as error:
-        raise error.at(path) from None
+        raise BadInput(error.args[0], error.hint, code=error.code, place=f"{path}: {error.place}") from None
     return MissionFile(Mission(home, (), autopilot, fence=fence, rally=rally), (finding,), text, SUFFIX)
 
 

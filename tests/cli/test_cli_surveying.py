@@ -75,7 +75,7 @@ def test_what_is_wrong_with_it_is_bad_input(run: Run, tmp_path: Path) -> None:
         ("plan", "expected a scenario, or an area"),
         (f"plan {tmp_path}/field.toml --height 30", "--height: expected with --survey"),
         (f"plan {MISSIONS}/sitl.toml --flown a.tlog", "--flown: expected a survey"),
-        (f"plan {tmp_path}/field.toml", "survey.camera: expected the name of a camera"),
+        (f"plan {tmp_path}/field.toml", "survey.camera: expected the name of a known camera"),
         (f"plan --survey {tmp_path}/no.geojson", "no.geojson"),
         (f"plan --survey {tmp_path}/area.geojson --height 0", "survey.height_above_ground: expected a number greater"),
         (f"plan --survey {tmp_path}/area.geojson --gsd 2", "survey: gsd_cm: expected with a camera"),

@@ -113,7 +113,7 @@ def test_learn_takes_one_flight_for_its_power_alone(tmp_path: Path) -> None:
     out = tmp_path / "vehicle.toml"
     done = CliRunner().invoke(app, ["learn", str(LOG), "--out", str(out)])
     assert done.exit_code == 0, done.output
-    assert "one flight tells its vehicle's power" in " ".join(done.output.split())
+    assert "one flight gives the hover power" in " ".join(done.output.split())
     vehicle = read_vehicle(out)
     assert vehicle.drag is None
     assert vehicle.hover_power is not None

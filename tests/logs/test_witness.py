@@ -141,5 +141,5 @@ def test_where_times_get_no_better_only_the_power_is_written(tmp_path: Path, mon
     monkeypatch.setattr("ipoa_mission.logs.learn.judge.fit", lambda *_: vehicle)
     out = tmp_path / "vehicle.toml"
     done = CliRunner().invoke(app, ["learn", *map(str, LOGS), "--out", str(out)])
-    assert "timed no better" in done.output
+    assert "do not improve other flights' times" in done.output
     assert (read_vehicle(out).drag, read_vehicle(out).hover_power) == (None, vehicle.hover_power)

@@ -114,5 +114,5 @@ def test_the_far_part_of_a_wide_map_is_counted(write_map: WriteMap, frame: Local
 def test_every_building_of_overtures_utrecht_stands(samples: Path) -> None:
     found = find(samples / "bertt+overture" / "buildings.geojson", LocalFrame(Geodetic(52.1, 5.12)))
     assert not found.passed_over
-    assert found.remarks == ("3739 buildings without a height, given 8 m",)
+    assert found.remarks == ("3739 buildings without a height, given 20 m",)
     assert all(shapely.is_valid(s.shape) for s in found.standing)

@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from ipoa_mission.paper.markdown import filled
-from ipoa_mission.paper.reproduce import ITEMS
-from ipoa_mission.paper.reproduction_page import page
+from ipoa_mission.paper.reproduce import ITEMS, page
 from ipoa_mission.paper.rows import TrialRow, read_rows
 
 FOLDER = Path(__file__).parents[2] / "docs" / "reproduction"

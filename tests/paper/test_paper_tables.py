@@ -11,8 +11,7 @@ from ipoa_mission.paper import figures, function_tables, map_tables
 from ipoa_mission.paper.cec2022 import FUNCTIONS
 from ipoa_mission.paper.markdown_table import Table, number
 from ipoa_mission.paper.published import TABLE_3
-from ipoa_mission.paper.reproduce import ITEMS, Artifact, reproduce
-from ipoa_mission.paper.reproduction_page import page
+from ipoa_mission.paper.reproduce import ITEMS, Artifact, page, reproduce
 from ipoa_mission.paper.rows import Trial, TrialRow, settings_text
 from ipoa_mission.paper.runs import CHECKPOINTS
 from ipoa_mission.paper.series import CEC_D20, MAPS_PAPER, Series
