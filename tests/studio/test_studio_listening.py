@@ -4,7 +4,7 @@ import socket
 
 import pytest
 
-from ipoa_mission.studio import listening
+from ipoa_mission.studio import flight_worker
 from ipoa_mission.studio.flight_answers import Heard
 
 
@@ -16,11 +16,11 @@ def free_port() -> int:
 
 def test_each_link_is_told_of(monkeypatch: pytest.MonkeyPatch) -> None:
     silent, closed = f"udpin:127.0.0.1:{free_port()}", f"tcp:127.0.0.1:{free_port()}"
-    monkeypatch.setattr(listening, "USUAL", (silent, closed))
-    monkeypatch.setattr(listening, "LISTEN_S", 0.02)
-    monkeypatch.setattr(listening, "serial_ports", lambda: ())
+    monkeypatch.setattr(flight_worker, "USUAL", (silent, closed))
+    monkeypatch.setattr(flight_worker, "LISTEN_S", 0.02)
+    monkeypatch.setattr(flight_worker, "serial_ports", lambda: ())
     told: list[Heard] = []
-    listening.listen({"link": "nonsense"}, told.append)  # type: ignore[arg-type]
+    flight_worker.listen({"link": "nonsense"}, told.append)
     rows = {row.link: (row.system, row.words) for row in told[0].links}
     assert list(rows) == ["nonsense", silent, closed]
     assert rows[silent] == (None, "no vehicle heard")
