@@ -20,7 +20,7 @@ def test_each_link_is_told_of(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(flight_worker, "LISTEN_S", 0.02)
     monkeypatch.setattr(flight_worker, "serial_ports", lambda: ())
     told: list[Heard] = []
-    flight_worker.listen({"link": "nonsense"}, told.append)
+    flight_worker.listen({"link": "nonsense"}, told.append)  # type: ignore[arg-type]
     rows = {row.link: (row.system, row.words) for row in told[0].links}
     assert list(rows) == ["nonsense", silent, closed]
     assert rows[silent] == (None, "no vehicle heard")
