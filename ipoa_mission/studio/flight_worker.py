@@ -25,6 +25,9 @@ from ipoa_mission.studio.harness import Answer, Order, work
 from ipoa_mission.studio.watch import Watch
 
 POLL_S = 0.1
+LISTEN_S = 1.5  # per link; an autopilot's heartbeat comes once a second
+BAUD = 57600
+USUAL = ("udpin:127.0.0.1:14550", "udpin:127.0.0.1:14540", "tcp:127.0.0.1:5760")
 
 
 class FlightWorker:
@@ -147,15 +150,6 @@ def _flown(
     return record, watching[0].obeyed
 
 
-if __name__ == "__main__":
-    work(lambda beside: {"fly": (FlightWorker(beside).fly, "flight"), "listen": (listen, "flight")})
-
-
-LISTEN_S = 1.5  # per link; an autopilot's heartbeat comes once a second
-BAUD = 57600
-USUAL = ("udpin:127.0.0.1:14550", "udpin:127.0.0.1:14540", "tcp:127.0.0.1:5760")
-
-
 def listen(order: Order, answer: Answer) -> None:
     """Listen to all links, and to the one that the user wrote."""
     links = dict.fromkeys([order["link"], *USUAL, *(f"serial:{port}:{BAUD}" for port in serial_ports())])
@@ -175,3 +169,7 @@ def _heard_on(link: str) -> Iterator[HeardLink]:
         yield HeardLink(link=link, system=one.system, words=words)
     if not found:
         yield HeardLink(link=link, system=None, words="no vehicle heard")
+
+
+if __name__ == "__main__":
+    work(lambda beside: {"fly": (FlightWorker(beside).fly, "flight"), "listen": (listen, "flight")})
