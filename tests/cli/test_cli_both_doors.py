@@ -21,7 +21,7 @@ OTHERS = sorted(path.stem for path in MISSIONS.glob("*.toml") if path.stem != "s
 #: A slower vehicle than the autopilot's defaults make, so that whoever forgets it is found out.
 SLOW = {
     "ardupilot": "WPNAV_ACCEL = 120\nWP_JERK = 0.6\nLAND_SPEED = 30\nRTL_ALT_M = 22.5",
-    "px4": "MPC_ACC_HOR = 1.5\nMPC_JERK_AUTO = 2.5\nMPC_LAND_SPEED = 0.4",
+    "px4": "MPC_ACC_HOR = 2.4\nMPC_JERK_AUTO = 3.5\nMPC_LAND_SPEED = 0.4",
 }
 #: NAME.json knows how high the ground is where a mission lands, not how it slopes beside it [s].
 SLOPE_S = 0.2

@@ -16,6 +16,7 @@ from ipoa_mission.simulator.fly import fly
 from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.world.frame import Geodetic, LocalFrame
 from tests.examples import some
+from tests.recorded_flights import FLOWN_ON
 
 HOME = Geodetic(47.397742, 8.545594, 488.0)
 BLIND = {"SIH_DISTSNSR_OVR": 20_000.0}
@@ -36,7 +37,8 @@ FLOWN = [
 def mission(autopilot: Autopilot, ground: float, parameters: dict[str, float]) -> Mission:
     there = LocalFrame(HOME).geodetic(np.array([0.0, 60.0, 0.0]))
     items = (takeoff(HOME, 20.0), waypoint(there, 25.0), land(there))
-    return landing_on(Mission(HOME, items, autopilot, parameters=parameters), ground)
+    version = FLOWN_ON[autopilot]
+    return landing_on(Mission(HOME, items, autopilot, parameters=parameters, firmware_version=version), ground)
 
 
 @pytest.mark.parametrize(("autopilot", "parameters", "ground", "flown", "near"), some(4, FLOWN))

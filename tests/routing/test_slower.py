@@ -45,6 +45,8 @@ def bend(autopilot: Autopilot) -> tuple[dict[str, Any], Route]:
         "route": {"ending": "land", "mode": "spline" if spline else "corridor"},
         "obstacles": [body],
     }
+    if autopilot is Autopilot.PX4:
+        scene["vehicle"]["firmware_version"] = "1.17"  # type: ignore[index]
     return scene, Route(np.array([(*place, 10.0) for place in places]), spline=spline)
 
 

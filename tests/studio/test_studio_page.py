@@ -302,7 +302,7 @@ def test_a_mission_is_dropped_opened_and_changed_item_by_item(own_page: Any, add
     own_page.locator("summary", has_text="Fly it").click()
     own_page.get_by_label("Speed-up").fill("8")
     own_page.get_by_role("button", name="Upload").click()
-    own_page.get_by_text("no clearance was looked at").wait_for()
+    own_page.get_by_text("neither clearance nor contingencies were checked").wait_for()
     own_page.get_by_role("button", name="Arm and start …").click()
     own_page.get_by_role("dialog").locator("input").fill("sitl")
     own_page.get_by_role("dialog").get_by_role("button", name="Arm and start").click()
