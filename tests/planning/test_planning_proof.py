@@ -96,6 +96,7 @@ def test_each_limit_has_its_words(scenario: Make, points: list[Place], tables: d
     proof = prove(np.array(points, float), scenario(obstacles=[ball], **tables))
     assert not proof.holds
     assert proof.words().startswith(words)
+    assert proof.worst.about == {"limit": proof.worst.limit, "near": proof.worst.nearest.what}
 
 
 def test_a_low_start_may_be_left_but_not_be_hugged(scenario: Make) -> None:

@@ -88,8 +88,7 @@ def _remarks(gathered: _Gathered, torn: Counter[str]) -> Iterator[str]:
     if count := torn.pop(BYTES, 0):
         yield f"{count} bytes of the log are not whole records: it is damaged or truncated"
     for kind, count in sorted(torn.items()):
-        if count:
-            yield f"{count} records {kind} do not have ArduPilot's layout and are not read"
+        yield f"{count} records {kind} do not have ArduPilot's layout and are not read"
     for kinds, lacks in NEEDED.items():
         if not gathered.kinds & set(kinds.split()):
             yield f"the log has no records {kinds.replace(' ', ' or ')}: {lacks}"

@@ -1,11 +1,16 @@
 """What a log lost is said: where it is cut or spoiled, what the numbers of messages leave out, jumps in flight."""
 
+import struct
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
-from ipoa_mission.logs.flight_log import read_flights
+from ipoa_mission.logs.flight_log import LoggedFlight, read_flights
+from ipoa_mission.vehicles.arducopter import dataflash
+from ipoa_mission.vehicles.px4_multicopter import log as px4_log
 
 LOGS = Path(__file__).parents[1] / "logs"
 Spoil = Callable[[bytes], bytes]
@@ -46,3 +51,26 @@ def test_a_position_that_is_spoiled_is_said(tmp_path: Path) -> None:
     path = tmp_path / "spoiled.bin"
     path.write_bytes(data[:at] + bytes(4) + data[at + 4 :])
     assert any("positions jump" in remark for remark in read_flights(path).remarks)
+
+
+def test_a_ulog_with_corruption_or_dropouts_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "a.ulg"
+    path.write_bytes(bytes(px4_log.HEADER))
+    told = SimpleNamespace(
+        file_corruption=True, dropouts=[SimpleNamespace(duration=1500)] * 2, initial_parameters={"A": 1.0}
+    )
+    remarks = list(px4_log._remarks(path, told, {"mission_result", "home_position", *px4_log.POSITIONS}))
+    assert remarks[:2] == ["the log is damaged", "PX4 lost log data 2 times, 3.0 s in all"]
+
+
+def test_records_of_another_layout_are_counted(tmp_path: Path) -> None:
+    path, torn = tmp_path / "a.bin", Counter[str]()
+    path.write_bytes(struct.pack("<2sBBB4s16s64s", b"\xa3\x95", 128, 129, 10, b"GPS", b"BI", b"Status,TimeUS"))
+    assert list(dataflash.read_records(path, frozenset({"GPS"}), torn)) == []
+    assert torn["GPS"] == 1
+
+
+def test_a_version_that_cannot_be_read_is_none() -> None:
+    flight = LoggedFlight.__new__(LoggedFlight)
+    object.__setattr__(flight, "version", "nonsense")
+    assert flight.firmware_version is None
