@@ -306,7 +306,7 @@ def test_a_mission_is_dropped_opened_and_changed_item_by_item(own_page: Any, add
     own_page.get_by_role("button", name="Arm and start …").click()
     own_page.get_by_role("dialog").locator("input").fill("sitl")
     own_page.get_by_role("dialog").get_by_role("button", name="Arm and start").click()
-    own_page.get_by_role("button", name="Hold").click()
+    own_page.get_by_role("button", name="Hold", exact=True).click()
     own_page.get_by_role("button", name="Go on").click()
     own_page.get_by_text("✓ Landed").wait_for()
 
