@@ -135,6 +135,6 @@ def _lands_on(forecast: Forecast) -> Iterator[str]:
         seconds = lasts[~(assessments.clear[1:] & assessments.clear[:-1])].sum()
         others = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
         yield (
-            f"LAND where the vehicle is may, in {seconds:.0f} of {whole:.0f} s in the air, end "
+            f"LAND in place may, in {seconds:.0f} of {whole:.0f} s in the air, end "
             f"on or too near {', '.join(names[:NAMED])}{others} (`check --endings` says when)"
         )
