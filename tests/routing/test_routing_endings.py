@@ -84,7 +84,7 @@ def test_among_towers_every_return_keeps_its_distance_by_another_geometry(autopi
     )
     assert kept_by_dense_sampling(flight) >= flight.scenario.limits.obstacle_distance
     lands = [row for row in Contingencies(flight.forecast).rows(Contingency.LAND, timed=False) if not row.clear]
-    told = [remark for remark in flight.remarks if remark.startswith("a failsafe that lands")]
+    told = [remark for remark in flight.remarks if remark.startswith("LAND in place may")]
     assert len(told) == bool(lands)
     assert all(row.to in told[0] or "more" in told[0] for row in lands)
 
