@@ -66,8 +66,8 @@ def test_who_lands_by_choice_flies_round_what_it_would_come_down_on(autopilot: A
     landing, returning = (plan_flight(one, seed=0) for one in (asked, over_a_roof(autopilot, RETURNS[str(autopilot)])))
     assert least_of_landings(landing) >= asked.limits.obstacle_distance > least_of_landings(returning)
     assert "land-too-near" not in codes(landing, asked)
-    assert not any("a failsafe that lands" in remark for remark in landing.remarks)
-    assert any("a failsafe that lands" in remark for remark in returning.remarks)
+    assert not any("LAND in place may" in remark for remark in landing.remarks)
+    assert any("LAND in place may" in remark for remark in returning.remarks)
 
 
 @pytest.mark.parametrize(
