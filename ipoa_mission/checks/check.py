@@ -1,4 +1,4 @@
-"""Report what is wrong with a mission before it flies; repair nothing.
+"""Find the errors and risks of a mission before it flies; repair nothing.
 
 Autopilots accept positions at (0, 0), altitudes that are no number and missions that they cannot fly.
 """
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 def check_mission(
     mission: Mission, scenario: "Scenario | None" = None, ignore: Iterable[str] = ()
 ) -> tuple[Finding, ...]:
-    """Report what is wrong with a mission for its autopilot and, with a scenario, in the scenario's world.
+    """Return the findings on a mission for its autopilot and, with a scenario, in the scenario's world.
 
     The scenario's parameters apply where the mission sets none. A leg is checked if the positions at both of its ends
     are sound.
@@ -55,7 +55,7 @@ def check_mission(
 
 
 def check(forecast: "Forecast", ignore: Iterable[str] = (), read: Iterable[Finding] = ()) -> tuple[Finding, ...]:
-    """Report what is wrong with a mission that has a forecast; `read` has the findings of reading its file."""
+    """Return the findings on a mission that has a forecast; `read` has the findings of reading its file."""
     mission, scenario = forecast.given, forecast.scenario
     ignored = expect_ignorable(ignore) | (frozenset() if scenario is None else scenario.safety.ignored)
     positions = tuple(check_positions(mission))

@@ -41,7 +41,9 @@ def njit(**options: Any) -> Any:
         except RuntimeError:  # no writable cache folder
             return numba.njit(**options | {"cache": False})(function)
         if options.get("cache"):  # numba would check the time of one file only, without its imports
-            kernel._cache._cache_file._source_stamp = _digest()
+            index = kernel._cache._cache_file
+            # numba unpickles the index of its own version only, and other sources may have other module names
+            index._version, index._source_stamp = f"{numba.__version__} {_digest()}", _digest()
         return kernel
 
     return decorated

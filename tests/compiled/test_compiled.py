@@ -3,13 +3,15 @@
 import ast
 import json
 import os
+import pickle
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
-from ipoa_mission.compiled import called_by, library
+from ipoa_mission.compiled import called_by, library, njit
 from ipoa_mission.vehicles.arducopter.dynamics.steps import fly_leg
 from ipoa_mission.vehicles.px4_multicopter.dynamics.flight import fly
 from tools import REPOSITORY
@@ -128,3 +130,16 @@ def test_a_library_of_another_index_is_none(tmp_path: Path, monkeypatch: pytest.
         index["libraries"] = {file.name: digest}
         (tmp_path / library.INDEX).write_text(json.dumps(index))
         assert (library.load(tmp_path) is not None) is is_loaded
+
+
+def test_a_cache_of_other_module_names_is_compiled_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Numba would unpickle its index before it sees that the sources have changed."""
+    numba = pytest.importorskip("numba")
+    (tmp_path / "renamed_kernel.py").write_text("def more(x):\n    return x + 1\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr("ipoa_mission.compiled.shipped", lambda: None)
+    kernel = njit(cache=True)(import_module("renamed_kernel").more)
+    index = Path(kernel._cache._cache_file._index_path)
+    index.parent.mkdir(parents=True, exist_ok=True)
+    index.write_bytes(pickle.dumps(numba.__version__) + b"cgone_module\nKernel\n.")
+    assert kernel(2) == 3

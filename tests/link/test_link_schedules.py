@@ -17,7 +17,7 @@ from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from tests.examples import examples
 from tests.link_pair import HOME, Air, Fate, Vehicle, items_of
 from tools.fuzz import strangers
-from tools.fuzz.strangers import Contingency
+from tools.fuzz.strangers import Outcome
 
 DELAYS_S = (0.0, 0.01, 0.05, 0.3, 0.9, 0.3, 2.5)
 FATES = [Fate(copies, delay_s) for copies in (1, 0, 1, 1, 1, 2, 1, 0) for delay_s in DELAYS_S]
@@ -125,13 +125,13 @@ def test_an_upload_among_strangers_is_exact_or_an_error(first: int) -> None:
     """Others, some with our own ids, send lists of theirs; `python -m tools.fuzz.strangers` runs many more."""
     ended = [strangers.schedule(seed) for seed in range(first, first + 15)]
     endings = Counter(ending for ending, _ in ended)
-    assert endings[Contingency.FALSE] == 0
-    assert endings[Contingency.HANG] == 0
-    assert endings[Contingency.EXACT] >= 3
-    assert endings[Contingency.ERROR] >= 1
+    assert endings[Outcome.FALSE] == 0
+    assert endings[Outcome.HANG] == 0
+    assert endings[Outcome.EXACT] >= 3
+    assert endings[Outcome.ERROR] >= 1
 
 
 def test_the_judge_of_schedules_knows_a_false_success(monkeypatch: pytest.MonkeyPatch) -> None:
     """An uploader that believes the Ack, and neither reads back nor listens on."""
     monkeypatch.setattr(strangers, "upload", lambda job: offer(job.items, job.kind))
-    assert any(strangers.schedule(seed)[0] is Contingency.FALSE for seed in range(30, 60))
+    assert any(strangers.schedule(seed)[0] is Outcome.FALSE for seed in range(30, 60))

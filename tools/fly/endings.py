@@ -57,12 +57,12 @@ class Order:
     number: int
     mission: str
     second: float
-    contingency: str
+    ending: str
     trigger: int | None = None
 
     @property
     def name(self) -> str:
-        what = self.contingency if self.trigger is None else f"failsafe{self.trigger}"
+        what = self.ending if self.trigger is None else f"failsafe{self.trigger}"
         return f"{self.number:04d}-{self.mission}-{what}"
 
 
@@ -77,13 +77,13 @@ def orders(spans: dict[str, tuple[float, float]], autopilot: Autopilot, given: a
     for number in _numbers(given, len(TRIGGERS[autopilot])):
         chance = random.Random(f"{given.seed}-{number}")
         begin, end = spans[mission := names[number % len(names)]]
-        contingency = given.contingency or chance.choices(list(flown), list(flown.values()))[0]
+        ending = given.ending or chance.choices(list(flown), list(flown.values()))[0]
         second = round(chance.uniform(begin, end), 1)
         fails = given.failsafes > 0 and number % given.failsafes == given.failsafes - 1
         trigger = number // given.failsafes % len(TRIGGERS[autopilot]) if fails else None
         if trigger is not None and TRIGGERS[autopilot][trigger].silent:
             second = round(begin, 1)  # detection takes a minute
-        yield Order(number, mission, second, "" if fails else str(contingency), trigger)
+        yield Order(number, mission, second, "" if fails else str(ending), trigger)
 
 
 def _numbers(given: argparse.Namespace, failsafes: int) -> Iterator[int]:
@@ -125,7 +125,7 @@ class Breaker:
     def _patience(self) -> float:
         holding = self.vehicle.state.custom_mode == self.vehicle.autopilot.modes.hold
         flying_on = self.vehicle.state.custom_mode == self.vehicle.autopilot.modes.mission
-        if self.order.contingency == Contingency.HOLD:
+        if self.order.ending == Contingency.HOLD:
             return HOLDS_S
         if flying_on or (holding and self.trigger is not None):
             return UNHEARD_S + HOLDS_S
@@ -140,7 +140,7 @@ class Breaker:
                 Contingency.LAND: min(modes.lands),
                 Contingency.HOLD: modes.hold,
                 Contingency.SMART_RTL: own.get("SMART_RTL", 0),
-            }[Contingency(self.order.contingency)]
+            }[Contingency(self.order.ending)]
             numbers = (1.0, *map(float, modes.numbers(mode)), 0.0, 0.0, 0.0, 0.0, 0.0)[:7]
             self._say(CommandLong(VehicleCommand.DO_SET_MODE, numbers))  # type: ignore[arg-type]
             return
@@ -245,7 +245,7 @@ def main(arguments: list[str]) -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--count", type=int, default=10)
-    parser.add_argument("--ending", choices=[str(contingency) for contingency in WEIGHTS], help="order this one only")
+    parser.add_argument("--ending", choices=[str(ending) for ending in WEIGHTS], help="order this one only")
     parser.add_argument("--triggers", type=int, nargs="*", help="these of its failsafes only, `--count` times each")
     parser.add_argument("--failsafes", type=int, default=0, help="every so many orders it is a failsafe")
     given = parser.parse_args(arguments)

@@ -70,7 +70,7 @@ class Judged:
     autopilot: str
     version: str
     mission: str
-    contingency: str
+    ending: str
     trigger: str
     second: float
     did: str
@@ -155,15 +155,15 @@ class Foretold:
         command = mission.items[int(stops.seqs_at(np.array([time]))[0]) - 1].command
         return STAGES.get(command, FlightStage.ROUTE)
 
-    def row(self, contingency: Contingency, time: float) -> ContingencyRow:
-        return self.endings.at(contingency, float(np.clip(time, *self.endings.in_air)), timed=False)
+    def row(self, ending: Contingency, time: float) -> ContingencyRow:
+        return self.endings.at(ending, float(np.clip(time, *self.endings.in_air)), timed=False)
 
-    def timed(self, contingency: Contingency, time: float) -> tuple[Between, Between]:
+    def timed(self, ending: Contingency, time: float) -> tuple[Between, Between]:
         """Return the forecast durations of the ending over level ground, and until touchdown."""
         forecast = self.endings.forecast
         model = forecast.mission.autopilot.part(FlightModel)
-        order = Abort(float(np.clip(time, *self.endings.in_air)), contingency)
-        if contingency not in (Contingency.RTL, Contingency.LAND):
+        order = Abort(float(np.clip(time, *self.endings.in_air)), ending)
+        if ending not in (Contingency.RTL, Contingency.LAND):
             return NOT_TOLD, NOT_TOLD
         try:
             found = model.broken_off(self.over_level_ground, forecast.mission, forecast.wind, None, order)
@@ -191,17 +191,15 @@ def asked(order: Mapping[str, Any], away: float, mission: Mission, stage: Flight
     if BOTH_AT_ONCE in route.words:  # it was made to fall
         said = mission.autopilot.failsafes({**mission.parameters, **before, "BATT_LOW_VOLT": 0.0})
         route = next(one for one in said if one.cause == order["cause"]).at(stage)
-    contingency = str(route.contingency)
-    if contingency == Contingency.LAND_START:  # none of these missions has one
-        contingency = str(route.otherwise[0])
-    if contingency == Contingency.UNKNOWN:
-        contingency = next(
-            (does for words, does in HAS_NO_ENDING.items() if route.words.startswith(words)), contingency
-        )
+    ending = str(route.contingency)
+    if ending == Contingency.LAND_START:  # none of these missions has one
+        ending = str(route.otherwise[0])
+    if ending == Contingency.UNKNOWN:
+        ending = next((does for words, does in HAS_NO_ENDING.items() if route.words.startswith(words)), ending)
     radius = TRIGGERS[mission.autopilot][order["trigger"]].then.get("FENCE_RADIUS", math.inf)
     if FAR_OUTSIDE in route.words and away - radius > FAR_M:
-        contingency = str(Contingency.LAND)
-    return contingency, f"{order['cause']} ({', '.join(f'{name} {value:g}' for name, value in before.items())})"
+        ending = str(Contingency.LAND)
+    return ending, f"{order['cause']} ({', '.join(f'{name} {value:g}' for name, value in before.items())})"
 
 
 def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> Judged:
@@ -210,7 +208,7 @@ def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> 
     second = left if not math.isnan(left) else float(order["ordered_s"])
     ended = flight.track[-1, 0] if math.isnan(flight.ended_s) else flight.ended_s
     stage = foretold.stage(second)
-    contingency, trigger = asked(order, float(np.hypot(*flight.place(second)[:2])), mission, stage)
+    ending, trigger = asked(order, float(np.hypot(*flight.place(second)[:2])), mission, stage)
     after = flight.track[(flight.track[:, 0] >= second) & (flight.track[:, 0] <= ended)]
     least, to = distances(dense(after), foretold.scenario)
     judged = Judged(
@@ -218,7 +216,7 @@ def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> 
         autopilot=str(mission.autopilot),
         version=order["version"],
         mission=order["mission"],
-        contingency=contingency,
+        ending=ending,
         trigger=trigger,
         second=second,
         did=" ".join(flight.did()),
@@ -229,12 +227,12 @@ def judge(order: Mapping[str, Any], flight: EndedFlight, foretold: Foretold) -> 
         stage=str(stage),
         planned=foretold.planned,
     )
-    if contingency not in (Contingency.RTL, Contingency.LAND, Contingency.SMART_RTL, Contingency.HOLD):
+    if ending not in (Contingency.RTL, Contingency.LAND, Contingency.SMART_RTL, Contingency.HOLD):
         return judged
     kind, place, stops = (
-        Contingency(contingency),
+        Contingency(ending),
         flight.place(second),
-        foretold.endings.stops(Contingency(contingency)),
+        foretold.endings.stops(Contingency(ending)),
     )
     row, ((low, expected, high), touches) = foretold.row(kind, second), foretold.timed(kind, second)
     begin, end = foretold.endings.in_air
@@ -328,16 +326,16 @@ def summary(judged: list[Judged]) -> Iterator[str]:
     for grade in Grade:
         own = [one.flown_least < one.required for one in known if one.grade == grade.name.lower()]
         yield f"{grade}: {len(own)}, of these nearer than required {sum(own)}"
-    planned = [one for one in known if one.planned == "returns" and one.contingency != Contingency.LAND]
+    planned = [one for one in known if one.planned == "returns" and one.ending != Contingency.LAND]
     yield f"of planned returns: {len(planned)}, nearer {sum(one.flown_least < one.required for one in planned)}"
     for name in ("rtl", "land"):
-        timed = [one for one in judged if one.did == name and not one.trigger and one.contingency == name]
+        timed = [one for one in judged if one.did == name and not one.trigger and one.ending == name]
         lasted = [(one.flown_s, one.low_s, one.expected_s, one.high_s) for one in timed]
         stood = [(one.touched_s, one.touch_low_s, one.touch_expected_s, one.touch_high_s) for one in timed]
         yield from _times(f"{name}, disarmed", np.array(lasted).reshape(-1, 4))
         yield from _times(f"{name}, on the ground", np.array(stood).reshape(-1, 4))
     fails = [one for one in judged if one.trigger]
-    as_said = [one for one in fails if (one.did.split() or ["continue"])[-1] == one.contingency]
+    as_said = [one for one in fails if (one.did.split() or ["continue"])[-1] == one.ending]
     yield f"failsafes {len(fails)} of {len({one.trigger for one in fails})} kinds, as said {len(as_said)}"
     yield from (f"otherwise: {rounded(one)}" for one in fails if one not in as_said)
     yield from (f"not foretold: {rounded(one)}" for one in missed)

@@ -40,7 +40,7 @@ LONGEST_S = 1800.0  # virtual time
 TOLD_AGAIN_S = 1.2  # interval at which a vehicle reports its mission
 
 
-class Contingency(StrEnum):
+class Outcome(StrEnum):
     """Name the outcomes of an upload."""
 
     EXACT = "exact"
@@ -233,7 +233,7 @@ def _numbers(autopilot: Autopilot, first: int) -> Iterator[int] | None:
     return counting(first, 2) if autopilot.protocol_profile.takes_mission_file else None
 
 
-def schedule(seed: int) -> tuple[Contingency, str]:
+def schedule(seed: int) -> tuple[Outcome, str]:
     """Return the outcome of the upload of this schedule, and its message."""
     chance = random.Random(seed)
     autopilot, count = chance.choice(list(registered())), chance.randrange(3, 9)
@@ -247,15 +247,15 @@ def schedule(seed: int) -> tuple[Contingency, str]:
     try:
         world.run(ours, others)
     except MissionError as error:
-        return Contingency.ERROR, str(error)
+        return Outcome.ERROR, str(error)
     if ours.exchange is None or not ours.exchange.finished:
-        return Contingency.HANG, f"{autopilot}: no end after {world.now:.0f} s"
+        return Outcome.HANG, f"{autopilot}: no end after {world.now:.0f} s"
     if world.changed_s is None:
-        return Contingency.EXACT, ""
+        return Outcome.EXACT, ""
     age = world.now - world.changed_s
     words = f"{autopilot}: replaced {age:.3f} s before the end, {radio}"
     is_unknowable = age <= radio.news_s and not world.was_told
-    return (Contingency.UNKNOWABLE if is_unknowable else Contingency.FALSE), words
+    return (Outcome.UNKNOWABLE if is_unknowable else Outcome.FALSE), words
 
 
 def main() -> int:
@@ -264,17 +264,17 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args()
-    endings, begun = Counter[Contingency](), time.process_time()
+    endings, begun = Counter[Outcome](), time.process_time()
     for seed in range(arguments.seed, arguments.seed + arguments.count):
         ending, words = schedule(seed)
         endings[ending] += 1
-        if ending in (Contingency.FALSE, Contingency.HANG):
+        if ending in (Outcome.FALSE, Outcome.HANG):
             print(f"seed {seed}: {ending}: {words}", flush=True)
     print(
-        ", ".join(f"{ending} {endings[ending]}" for ending in Contingency),
+        ", ".join(f"{ending} {endings[ending]}" for ending in Outcome),
         f"in {time.process_time() - begun:.0f} s of CPU",
     )
-    return 1 if endings[Contingency.FALSE] or endings[Contingency.HANG] else 0
+    return 1 if endings[Outcome.FALSE] or endings[Outcome.HANG] else 0
 
 
 if __name__ == "__main__":

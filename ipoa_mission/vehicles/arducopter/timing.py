@@ -79,8 +79,8 @@ def fly_arducopter(
         flight.done.append(flight.copter.state.time)
     track = Track.joined(flight.tracks)
     done = np.array(flight.done, dtype=np.float64)
-    contingencies = np.array([_ending_doubt(visit.item) for visit in route.visits]).reshape(-1, 2)
-    early, late = np.maximum.accumulate(contingencies).T
+    first_legs = np.array([_ending_doubt(visit.item) for visit in route.visits]).reshape(-1, 2)
+    early, late = np.maximum.accumulate(first_legs).T
     doubt = DOUBT + DOUBT_SHARE * done
     low, high = done - np.hypot(doubt, early), done + np.hypot(doubt, late)
     return Prediction(done, low, high, tuple(flight.reasons), track, tuple(flight.remarks))

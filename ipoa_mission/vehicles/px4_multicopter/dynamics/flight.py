@@ -47,7 +47,7 @@ def past_cruise(state: State, order: Order, law: Law) -> State:
     if x.acceleration * x.acceleration + y.acceleration * y.acceleration > 0.0:
         return state
     east, north, up, time = east * way / far, north * way / far, state.trajectory.up, state.time + way / speed
-    track_setpoint = Trajectory(
+    trajectory = Trajectory(
         Axis(x.place + east, x.speed, x.acceleration),
         Axis(y.place + north, y.speed, y.acceleration),
         Axis(up.place, up.speed, up.acceleration),
@@ -55,7 +55,7 @@ def past_cruise(state: State, order: Order, law: Law) -> State:
     place = Enu(body.place.east + east, body.place.north + north, body.place.up)
     moved = Body(place, body.speed, body.acceleration, body.asked, body.thrust, body.on_ground, since)
     return State(
-        time, moved, state.nose, track_setpoint, state.guidance, state.control, state.errors, state.contact,
+        time, moved, state.nose, trajectory, state.guidance, state.control, state.errors, state.contact,
         state.begun, state.reached, state.been_there,
     )  # fmt: skip
 
