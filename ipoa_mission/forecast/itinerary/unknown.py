@@ -13,6 +13,8 @@ from ipoa_mission.vehicles.returning import HOME
 from ipoa_mission.world.frame import LocalFrame
 
 NEVER_REACHED = "never-reached"
+#: Flown off the forecast beyond these, on 4.8.0-dev (docs/lab/flight-time.md): the turn at a spline, a circle's radius.
+MAX_TURN_DEG, MAX_RADIUS = 150.0, 150.0  # [deg], [m]
 NO_PLACE = (math.nan, math.nan, math.nan)
 
 
@@ -35,8 +37,11 @@ def unknown_ways(mission: Mission) -> Iterator[Unknown]:
     for n, item in enumerate(items):
         if (why := autopilot.way_known.why_unknown(item.command, item.params)) is not None:
             yield Unknown(n + 1, why, "leave it out, or fly it without a forecast (--anyway)")
-        place = program.place(n, here or NO_PLACE)
+        place, before = program.place(n, here or NO_PLACE), here
         if circles and item.command == Command.NAV_LOITER_TURNS:
+            if radius_of(item) > MAX_RADIUS:
+                why = f"circles beyond {MAX_RADIUS:g} m are flown up to 1.0 m off their forecast"
+                yield Unknown(n + 1, why, "fly it as waypoints")
             if here is not None and entry_is_unsure(here, place, radius_of(item)):
                 why = "it begins near the circle's center: the side of its entry is random"
                 yield Unknown(n + 1, why, "begin it farther from the center")
@@ -47,6 +52,9 @@ def unknown_ways(mission: Mission) -> Iterator[Unknown]:
             here = place
         if splines and item.command == Command.NAV_SPLINE_WAYPOINT:
             yield from _after_a_spline(program, n)
+            if before is not None and _turns_back(program, n, before, place):
+                why = f"it turns by more than {MAX_TURN_DEG:g} degrees: flown up to 1.6 m off its forecast"
+                yield Unknown(n + 1, why, "turn at two waypoints")
         elif item.command in WAYPOINTS and (following := program.onward(n)) is not None:
             yield from _payload_elsewhere(mission, program, n, following)
 
@@ -73,6 +81,17 @@ def _after_a_spline(program: Program, n: int) -> Iterator[Unknown]:
             name = command_name(items[after].command)
             why = f"{name} after a spline is read as a place far away or up: the vehicle may dive into the ground"
             yield Unknown(n + 1, why, "put a waypoint between them", NEVER_REACHED)
+
+
+def _turns_back(program: Program, n: int, before: Place, place: Place) -> bool:
+    """Return whether the vehicle leaves spline n almost opposite to the direction from the place before it."""
+    after = program.shaped_by(n)
+    beyond = place if after is None else program.place(after, place)
+    east, north, on_east, on_north = (
+        b - a for a, b in ((before[0], place[0]), (before[1], place[1]), (place[0], beyond[0]), (place[1], beyond[1]))
+    )
+    turn = math.degrees(math.atan2(abs(east * on_north - north * on_east), east * on_east + north * on_north))
+    return math.isfinite(turn) and turn > MAX_TURN_DEG
 
 
 def _payload_elsewhere(mission: Mission, program: Program, n: int, following: int) -> Iterator[Unknown]:
