@@ -1,6 +1,6 @@
-"""Check an RTL from the middle of a mission, by the pilot or by a failsafe, from each place of its path.
+"""Check RTL and LAND from each place of a path, by the pilot or by a failsafe.
 
-The vehicle brakes, climbs to its return altitude and flies straight to home or a rally point, without avoidance.
+For RTL the vehicle brakes, climbs and flies straight to home or a rally point, without avoidance.
 """
 
 from collections.abc import Iterator, Sequence
@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ipoa_mission.finding import Finding, Severity
+from ipoa_mission.forecast.contingencies import lands_by_choice, to_return_instead, who_lands
 from ipoa_mission.forecast.contingency_paths import GROUND, RETURNS, ContingencyPaths, ContingencySamples
 from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.forecast.shortfalls import at_another_height, shortfalls
@@ -72,3 +73,23 @@ def in_words(seqs: Sequence[int]) -> str:
     runs = np.split(np.array(seqs), np.flatnonzero(np.diff(seqs) > 1) + 1)
     words = ", ".join(str(run[0]) if len(run) == 1 else f"{run[0]} to {run[-1]}" for run in runs)
     return f"item{'' if len(seqs) == 1 else 's'} {words}"
+
+
+def check_failsafe_landing(forecast: Forecast) -> Iterator[Finding]:
+    """Warn where such a landing would come down on something, or too near to it.
+
+    Failsafes that can only land, as without a position, are reported by `check --endings` only.
+    """
+    if not forecast.mission.items or not lands_by_choice(forecast):
+        return
+    ways = forecast.cached(ContingencyPaths)
+    if len(ways.stops().times) < 2:
+        return
+    assessments = ways.assessments(Contingency.LAND)
+    unclear = np.flatnonzero(((assessments.near < ways.required) & (assessments.which != GROUND)).any(axis=(1, 2)))
+    if len(unclear):
+        seqs = np.unique(ways.stops().seqs_at(assessments.times[unclear]))
+        worst = unclear[np.argmin(assessments.spare[unclear])]
+        kept = Check("obstacles", ways.exactly(Contingency.LAND, assessments, int(worst)), ways.required)
+        words = f"{in_words(seqs.tolist())}: LAND on the way there, by {who_lands(forecast)}, descends {kept.words()}"
+        yield Finding("land-too-near", Severity.WARNING, int(seqs[0]), words, to_return_instead(forecast))

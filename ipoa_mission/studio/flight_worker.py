@@ -24,9 +24,7 @@ from ipoa_mission.studio.handed import HandedOver
 from ipoa_mission.studio.harness import Answer, Order, work
 from ipoa_mission.studio.watch import Watch
 
-POLL_S = 0.1
 LISTEN_S = 1.5  # per link; an autopilot's heartbeat comes once a second
-BAUD = 57600
 USUAL = ("udpin:127.0.0.1:14550", "udpin:127.0.0.1:14540", "tcp:127.0.0.1:5760")
 
 
@@ -92,7 +90,7 @@ class FlightWorker:
         start: Order | None = None
         while start is None:
             with suppress(queue.Empty):
-                start = self._beside.get(timeout=POLL_S)
+                start = self._beside.get(timeout=0.1)
         for what in ("vehicle", "mission", "proof"):
             if start.get(what) != getattr(loaded, what):
                 words = f"not started: {what}: expected {getattr(loaded, what)!r}, not {start.get(what)!r}"
@@ -152,7 +150,7 @@ def _flown(
 
 def listen(order: Order, answer: Answer) -> None:
     """Listen to all links, and to the one that the user wrote."""
-    links = dict.fromkeys([order["link"], *USUAL, *(f"serial:{port}:{BAUD}" for port in serial_ports())])
+    links = dict.fromkeys([order["link"], *USUAL, *(f"serial:{port}:57600" for port in serial_ports())])
     answer(Heard(links=tuple(row for link in links if link for row in _heard_on(link))))
 
 

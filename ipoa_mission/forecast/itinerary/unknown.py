@@ -13,7 +13,7 @@ from ipoa_mission.vehicles.returning import HOME
 from ipoa_mission.world.frame import LocalFrame
 
 NEVER_REACHED = "never-reached"
-#: Flown off the forecast beyond these, on 4.8.0-dev (docs/lab/flight-time.md): the turn at a spline, a circle's radius.
+#: The forecast is not accurate beyond these: docs/lab/flight-time.md.
 MAX_TURN_DEG, MAX_RADIUS = 150.0, 150.0  # [deg], [m]
 NO_PLACE = (math.nan, math.nan, math.nan)
 
@@ -84,7 +84,7 @@ def _after_a_spline(program: Program, n: int) -> Iterator[Unknown]:
 
 
 def _turns_back(program: Program, n: int, before: Place, place: Place) -> bool:
-    """Return whether the vehicle leaves spline n almost opposite to the direction from the place before it."""
+    """Return whether the way turns back at spline n."""
     after = program.shaped_by(n)
     beyond = place if after is None else program.place(after, place)
     east, north, on_east, on_north = (
