@@ -1,4 +1,4 @@
-"""Check RTL and LAND from each place of a path, by the pilot or by a failsafe.
+"""Check RTL and LAND from each place of a path, by pilot or failsafe.
 
 For RTL the vehicle brakes, climbs and flies straight to home or a rally point, without avoidance.
 """
