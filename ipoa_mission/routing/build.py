@@ -3,6 +3,7 @@
 import numpy as np
 
 from ipoa_mission.errors import BadInput
+from ipoa_mission.forecast.itinerary.unknown import MAX_TURN_DEG, turn_deg
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.mission.items import (
     FenceCircle,
@@ -91,7 +92,6 @@ def draft_mission(route: Route, scenario: Scenario) -> Mission:
 def items_of_waypoints(route: Route) -> tuple[int, ...]:
     """Return the index in `Mission.items` of the item that flies to each waypoint of the route."""
     first = 0 if starts_over_home(route) else 2  # the take-off ends there, or a change of speed comes before it
-    # speed changes; the item of the first leg
     changes, at = np.array(route.speed_changes, dtype=int), max(first, 1) + 1
     return first, *(at + leg + int((changes <= leg).sum()) for leg in range(route.legs))
 
@@ -101,9 +101,9 @@ def starts_over_home(route: Route) -> bool:
 
 
 def _pass(route: Route, n: int, place: Geodetic, height: float, usual: WaypointDefaults, scenario: Scenario) -> Item:
-    """Return the item that passes waypoint n; waypoints at via points use the usual acceptance radius."""
     if route.spline:
-        return spline_waypoint(place, height)
+        hairpin = turn_deg(*route.points[n - 1 : n + 2]) > MAX_TURN_DEG - 5.0  # in motion its path is unknown
+        return spline_waypoint(place, height, 1.0 if hairpin else 0.0)
     via = np.linalg.norm(scenario.via_points - route.points[n], axis=1) <= VISITED
     return waypoint(place, height, usual.hold, usual.radius if via.any() or route.radius == 0.0 else route.radius)
 
@@ -111,8 +111,8 @@ def _pass(route: Route, n: int, place: Geodetic, height: float, usual: WaypointD
 def _prove_departure(start: Vector, scenario: Scenario) -> None:
     proof = prove(np.array([[0.0, 0.0, start[2]], start]), scenario)
     if not proof.holds:
-        words = f"the straight way from over home to it: {proof.words()}"
         hint = "begin over home and name this place under via: then the way to it is planned too"
+        words = f"the straight way from over home to it: {proof.words()}"
         raise NoRoute(words, hint=hint, code="start-not-reached", place="start")
 
 
@@ -137,7 +137,6 @@ def _fence(fence: FenceSection, frame: LocalFrame) -> FencePolygon | FenceCircle
 
 
 def _rally(scenario: Scenario) -> tuple[Geodetic, ...]:
-    """Return rally points with altitudes above home, as files and vehicles store them."""
     frame, home = scenario.frame, scenario.frame.home
-    places = [frame.geodetic(point) for point in scenario.rally_points]
+    places = map(frame.geodetic, scenario.rally_points)
     return tuple(Geodetic(p.latitude_deg, p.longitude_deg, round(p.altitude - home.altitude, 3)) for p in places)

@@ -7,6 +7,7 @@ from typing import NamedTuple
 from ipoa_mission.forecast.itinerary.copter_circle import entry_is_unsure, radius_of
 from ipoa_mission.forecast.itinerary.copter_spline import WITH_PLACE, reads_as_here
 from ipoa_mission.forecast.itinerary.program import Place, Program, as_flown, next_navigated, program_of
+from ipoa_mission.geometry import Vector
 from ipoa_mission.mission.commands import FLOWN_TO, JUMPS, TAKEOFFS, WAYPOINTS, Command, command_name
 from ipoa_mission.mission.items import Mission
 from ipoa_mission.vehicles.returning import HOME
@@ -84,18 +85,19 @@ def _after_a_spline(program: Program, n: int) -> Iterator[Unknown]:
 
 
 def _turns_back(program: Program, n: int, before: Place, place: Place) -> bool:
-    """Return whether the way turns back at spline n."""
     after = program.shaped_by(n)
-    beyond = place if after is None else program.place(after, place)
-    east, north, on_east, on_north = (
-        b - a for a, b in ((before[0], place[0]), (before[1], place[1]), (place[0], beyond[0]), (place[1], beyond[1]))
-    )
-    turn = math.degrees(math.atan2(abs(east * on_north - north * on_east), east * on_east + north * on_north))
-    return math.isfinite(turn) and turn > MAX_TURN_DEG
+    if after is None or program.items[after].command not in program.autopilot.guidance.flown_on_into:
+        return False  # it stops there
+    return turn_deg(before, place, program.place(after, place)) > MAX_TURN_DEG
+
+
+def turn_deg(before: Place | Vector, at: Place | Vector, after: Place | Vector) -> float:
+    """Return the turn of the course at a place, 0 to 180; NaN where a place is unknown."""
+    east, north, on_east, on_north = at[0] - before[0], at[1] - before[1], after[0] - at[0], after[1] - at[1]
+    return math.degrees(math.atan2(abs(east * on_north - north * on_east), east * on_east + north * on_north))
 
 
 def _payload_elsewhere(mission: Mission, program: Program, n: int, following: int) -> Iterator[Unknown]:
-    """Return payload places at another height than the waypoint before: the vehicle never places there."""
     autopilot, item = mission.autopilot, program.items[following]
     if item.command != Command.NAV_PAYLOAD_PLACE or not item.has_position:
         return
