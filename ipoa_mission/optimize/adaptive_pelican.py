@@ -7,13 +7,13 @@ successful ones (SHADE, Tanabe and Fukunaga 2013). The population shrinks linear
 """
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.optimize.search import Box, Candidates, Costs, Search
-from ipoa_mission.optimize.settings import Amount, Between, Count, Fraction
+from ipoa_mission.optimize.settings import SHORT_EVALUATIONS, Amount, Between, Count, Fraction
 
 
 @dataclass(frozen=True)
@@ -24,6 +24,7 @@ class AdaptivePelican:
     for each. It ends with four.
     """
 
+    short_settings: ClassVar = {"evaluations": SHORT_EVALUATIONS, "evaluations_per_member": 40.0}
     evaluations: Annotated[int, Between(40)] = 90_060
     per_dimension: Annotated[float, Between(1)] = 12.0
     evaluations_per_member: Annotated[float, Between(10)] = 200.0

@@ -9,14 +9,14 @@ With all strategies it costs 2 N + 3 N T evaluations: 90,060 for N = 30 and T = 
 
 import math
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.optimize.levy import levy_factor
 from ipoa_mission.optimize.search import Box, Candidates, Search, keep_better
-from ipoa_mission.optimize.settings import Amount, Between, Count, Fraction, Members
+from ipoa_mission.optimize.settings import SHORT_SETTINGS, Amount, Between, Count, Fraction, Members
 
 
 @dataclass(frozen=True)
@@ -51,6 +51,7 @@ class IPOA:
         30
     """
 
+    short_settings: ClassVar = SHORT_SETTINGS
     population: Members = 30
     iterations: Count = 1000
     radius: Amount = 0.2

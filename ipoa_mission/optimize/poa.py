@@ -5,12 +5,12 @@ is one number per pelican. Costs N + 2 N T evaluations.
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from ipoa_mission.optimize.search import Box, Candidates, Costs, Search, keep_better
-from ipoa_mission.optimize.settings import Amount, Count, Members
+from ipoa_mission.optimize.settings import SHORT_SETTINGS, Amount, Count, Members
 
 
 @dataclass(frozen=True)
@@ -21,6 +21,7 @@ class POA:
     coordinate.
     """
 
+    short_settings: ClassVar = SHORT_SETTINGS
     population: Members = 30
     iterations: Count = 1000
     radius: Amount = 0.2

@@ -9,6 +9,10 @@ from typing import Annotated, Any, Literal, TypeAlias, get_args, get_origin
 
 from ipoa_mission.errors import BadInput
 
+#: An optimizer's `short_settings` are those of its short searches. Without them they end after this many evaluations.
+SHORT_EVALUATIONS = 2500
+SHORT_SETTINGS = {"population": 20, "iterations": 25}
+
 
 @dataclass(frozen=True)
 class Between:

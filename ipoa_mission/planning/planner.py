@@ -66,9 +66,9 @@ def plan_path(
     refuse_places(problem)
     refuse_closed(problem)
     as_printed = planning.planner == "paper" or not planning.polish
-    search = optimizer or optimizer_of(task, short=not as_printed)
+    search, budget = (optimizer, None) if optimizer else optimizer_of(task, short=not as_printed)
     effort = strategy or strategy_for(len(task.places) - 1)
-    searcher = Searcher(problem, search, np.random.default_rng(seed), effort)
+    searcher = Searcher(problem, search, np.random.default_rng(seed), effort, budget)
     with threadpool_limits(1, "blas"):  # on small matrices threads only wait, and results depend on their number
         curves = [_search_once(searcher, progress)] if as_printed else _search_passages(searcher, progress)
     safe = [proved for proved in curves if proved[1].holds]

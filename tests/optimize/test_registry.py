@@ -2,13 +2,19 @@
 
 import dataclasses
 from importlib.metadata import EntryPoint
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 from ipoa_mission.optimize import registry
 from ipoa_mission.optimize.ipoa import IPOA
 from ipoa_mission.optimize.poa import POA
 from ipoa_mission.optimize.registry import build_optimizer, optimizer_class, optimizer_names
+from ipoa_mission.optimize.search import Box, Search
+from ipoa_mission.optimize.settings import SHORT_EVALUATIONS
+from ipoa_mission.planning.planner import plan_path
+from ipoa_mission.scenario.scenario_file import parse_scenario
 from tests.refused import refuses
 
 
@@ -76,3 +82,20 @@ OTHERS = {
     "gone": "ipoa_mission.optimize.nowhere:POA",
     "function": "ipoa_mission.optimize.poa:wing",
 }
+
+
+@dataclasses.dataclass(frozen=True)
+class Endless:
+    """An optimizer without `short_settings`."""
+
+    def search(self, box: Box, rng: np.random.Generator) -> Search:
+        while True:
+            yield box.sample(100, rng)
+
+
+def test_a_short_search_of_any_optimizer_ends(monkeypatch: pytest.MonkeyPatch, missions: Path) -> None:
+    monkeypatch.setitem(registry.BUILT_IN, "endless", Endless)
+    text = (missions / "sitl.toml").read_text() + '\n[optimizer]\nname = "endless"\n'
+    plan = plan_path(parse_scenario(text, missions / "sitl.toml"), seed=1)
+    assert plan.proof.holds
+    assert plan.evaluations[-1] % SHORT_EVALUATIONS == 0

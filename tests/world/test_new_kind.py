@@ -8,6 +8,8 @@ import pytest
 from numpy.typing import NDArray
 
 import ipoa_mission as api
+from ipoa_mission.flight.flight import plan_flight
+from ipoa_mission.forecast.forecast import Forecast
 from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.planning.planner import plan_path
 from ipoa_mission.scenario import Scenario, read_scenario
@@ -83,6 +85,27 @@ def test_it_is_planned_round_and_kept_away_from(strung: Scenario) -> None:
     plan = plan_path(strung, seed=1)
     required = strung.vehicle.radius + strung.safety_distance
     assert cable.distance(plan.curve.sample(4000)).min() >= required
+
+
+def test_its_clearance_as_flown_is_not_that_of_its_box(strung: Scenario) -> None:
+    """A leg beside a slanted cable, inside its box: the bounds are within a part's margin of the exact distance."""
+    slanted = Cable("cable", (0.0, 0.0, 20.0), (100.0, 100.0, 60.0), 2.0)
+    a, b = np.array([[60.0, 20.0, 40.0]]), np.array([[90.0, 50.0, 40.0]])
+    exact, _ = slanted.leg_clearance(a[0], b[0])
+    air = replace(strung.airspace, obstacles=(slanted,))
+    quick, _ = air.legs_clearance(a, b, 60.0)
+    assert exact - 0.5 < quick[0] <= exact
+    kept = min(np.hypot(*np.maximum(passing[:2], 0.0)).min() for passing in slanted.passings(a, b))
+    assert exact - 0.5 < kept <= exact
+
+
+def test_a_mission_beside_it_is_promised_its_distance(strung: Scenario) -> None:
+    promise = Forecast(plan_flight(strung, seed=1).mission, strung).promise
+    assert not promise.forbidding
+    kept = next(one for one in promise.limits if one.on_the_way and one.limit == "obstacles")
+    points = promise.flight.pieces.points
+    exact = strung.airspace.obstacle_clearance(points).distance
+    assert strung.limits.obstacle_distance <= kept.kept <= exact
 
 
 def test_it_is_drawn(strung: Scenario, missions: Path, tmp_path: Path) -> None:

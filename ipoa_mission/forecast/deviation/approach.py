@@ -166,7 +166,12 @@ def approaches(flown: Pieces, airspace: Airspace, law: DeviationLaw, kept: float
     piece, obstacle = airspace.beside(lines, reach)
     order = np.argsort(obstacle, kind="stable")
     piece, obstacle = piece[order], obstacle[order]
-    passings = [airspace.obstacles[i].passing(a[on], b[on]) for i, on in _by_obstacle(piece, obstacle)]
+    near = _by_obstacle(piece, obstacle)
+    each = [(i, on, passing) for i, on in near for passing in airspace.obstacles[i].passings(a[on], b[on])]
+    passings = [passing for *_, passing in each]
+    if passings:  # a body of several parts is passed by each
+        piece = np.concatenate([on for _, on, _ in each])
+        obstacle = np.repeat([i for i, *_ in each], [len(on) for _, on, _ in each])
     lateral, above, below, sides = map(np.concatenate, zip(*passings, strict=True)) if passings else np.zeros((4, 0))
     over = above >= below
     return Approaches(

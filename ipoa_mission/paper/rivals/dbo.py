@@ -6,18 +6,19 @@ as in the authors' code. Costs N + N T evaluations.
 """
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 
 from ipoa_mission.optimize.search import Box, Search, keep_better
-from ipoa_mission.optimize.settings import Amount, Between, Count, Fraction
+from ipoa_mission.optimize.settings import SHORT_SETTINGS, Amount, Between, Count, Fraction
 
 
 @dataclass(frozen=True)
 class DBO:
     """Search by beetles with four roles; k, b and S as in the paper's Table 2 (the authors' code: b = 0.3, S = 0.5)."""
 
+    short_settings: ClassVar = SHORT_SETTINGS
     population: Annotated[int, Between(10)] = 30
     iterations: Count = 1000
     deflection: Amount = 0.1  # k

@@ -6,18 +6,20 @@ the authors' code.
 """
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from ipoa_mission.optimize.levy import levy_factor
 from ipoa_mission.optimize.search import Box, Search, keep_better
-from ipoa_mission.optimize.settings import Count, Members
+from ipoa_mission.optimize.settings import SHORT_SETTINGS, Count, Members
 
 
 @dataclass(frozen=True)
 class HHO:
     """Search by hawks that perch while the rabbit has energy and besiege it later; E0 and J are random (Table 2)."""
 
+    short_settings: ClassVar = SHORT_SETTINGS
     population: Members = 30
     iterations: Count = 1000
 

@@ -6,13 +6,13 @@ each accepted greedily. Costs N + T N (3 + SD).
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from ipoa_mission.optimize.poa import towards_prey, wing
 from ipoa_mission.optimize.search import Box, Search, keep_better
-from ipoa_mission.optimize.settings import Amount, Count, Fraction, Members
+from ipoa_mission.optimize.settings import SHORT_SETTINGS, Amount, Count, Fraction, Members
 from ipoa_mission.paper.rivals.ssa import flee
 
 
@@ -20,6 +20,7 @@ from ipoa_mission.paper.rivals.ssa import flee
 class MPOA:
     """Search by POA with a Cauchy mutation and vigilant members."""
 
+    short_settings: ClassVar = SHORT_SETTINGS
     population: Members = 30
     iterations: Count = 1000
     radius: Amount = 0.2  # R of (16)

@@ -6,18 +6,20 @@ that is every follower, so here it is the worse half of the followers. Costs N +
 """
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ipoa_mission.optimize.search import Box, Candidates, Costs, Search, keep_better
-from ipoa_mission.optimize.settings import Count, Fraction, Members
+from ipoa_mission.optimize.settings import SHORT_SETTINGS, Count, Fraction, Members
 
 
 @dataclass(frozen=True)
 class SSA:
     """Search by finders, followers of the best finder, and alarmed members that flee; constants of Table 2."""
 
+    short_settings: ClassVar = SHORT_SETTINGS
     population: Members = 30
     iterations: Count = 1000
     safety: Fraction = 0.6  # ST

@@ -42,7 +42,8 @@ class Passing(NamedTuple):
 class Obstacle(ABC):
     """A closed body with a name; a new kind defines `bounds`, `parts`, `distance` and `leg_clearance`.
 
-    By default it is solid, drawn as its parts, and as its box from above and the side.
+    By default it is solid, drawn as its parts, and as its box from above and the side. Proofs use `leg_clearance`. The
+    clearance as flown uses `column`, or else `parts`: the closer they cover it, the closer its bound.
     """
 
     name: str
@@ -90,15 +91,23 @@ class Obstacle(ABC):
         """Return it grown by these distances [m]; a kind that cannot grow stays."""
         return self
 
-    def passing(self, a: Points, b: Points) -> Passing:
-        """Return the distances at which the straight legs from a to b (n, 3) pass it.
+    def passings(self, a: Points, b: Points) -> "tuple[Passing, ...]":
+        """Return the distances at which the straight legs from a to b (n, 3) pass each body that covers it."""
+        if self.column is not None:
+            return (self.passing(a, b),)
+        sides = np.full(len(a), 1.0 if self.convex else 2.0)  # a leg may pass between two parts
+        return tuple(part.passing(a, b)._replace(sides=sides) for part in self.parts)
 
-        They are lateral to its column or box, over its top, or under its base; a courtyard or corner has two sides.
+    def passing(self, a: Points, b: Points) -> Passing:
+        """Return the distances at which the straight legs from a to b (n, 3) pass its column.
+
+        They are lateral to it, over its top, or under its base; a courtyard or corner has two sides.
         """
+        assert self.column is not None
         lines = shapely.linestrings(np.stack([a[:, :2], b[:, :2]], axis=1))
-        shape, radius, base, top = self.column or Column(self.plan, 0.0, *self.bounds[:, 2])
+        shape, radius, base, top = self.column
         sides = np.ones(len(a))
-        if self.column is not None and not self.convex:
+        if not self.convex:
             sides = np.where(shapely.intersects(lines, shape.convex_hull), 2.0, 1.0)
         low, high = np.minimum(a[:, 2], b[:, 2]), np.maximum(a[:, 2], b[:, 2])
         return Passing(shapely.distance(lines, shape) - radius, low - top, base - high, sides)
@@ -108,6 +117,8 @@ class Obstacle(ABC):
 
         A bound is exact for a level or vertical leg outside an upright body.
         """
+        if self.column is None:
+            return np.asarray(np.min([part.leg_distances(a, b) for part in self.parts], axis=0))
         aside, above, below, _ = self.passing(a, b)
         beyond = np.maximum(above, below)
         outside = np.hypot(np.maximum(aside, 0.0), np.maximum(beyond, 0.0))
