@@ -224,6 +224,16 @@ def test_no_files_import_each_other_in_a_circle() -> None:
     assert not onward
 
 
+def test_no_scripts_of_the_page_import_each_other_in_a_circle() -> None:
+    scripts = {path.stem: path.read_text(encoding="utf-8") for path in (PACKAGE / "studio/web").glob("*.ts*")}
+    onward = {name: set(re.findall(r'from "\./([\w-]+)"', text)) - {name} for name, text in scripts.items()}
+    assert sum(map(len, onward.values())) > 50
+    while settled := {name for name, others in onward.items() if not others & onward.keys()}:
+        for name in settled:
+            del onward[name]
+    assert not onward
+
+
 def test_sockets_serial_ports_and_pymavlink_live_in_one_module_each() -> None:
     owners = {path: path.relative_to(PACKAGE).as_posix() for path in FILES}
     wrong = {
