@@ -1,4 +1,4 @@
-"""Vehicle plug-ins: one registered `Autopilot` object for each firmware and vehicle class."""
+"""Vehicle plug-ins: a registered `Autopilot` for each firmware and vehicle class."""
 
 from ipoa_mission.vehicles.arducopter.vehicle import ARDUCOPTER
 from ipoa_mission.vehicles.autopilot import Autopilot, register

@@ -1,4 +1,4 @@
-"""Sort an autopilot's texts that refuse arming into passing and lasting reasons."""
+"""Sort an autopilot's arming refusals into passing and lasting reasons."""
 
 import re
 from dataclasses import dataclass
@@ -10,19 +10,17 @@ NO_MATCH = re.compile(r"(?!)")
 class ArmingWords:
     """Patterns of an autopilot's arming texts; the defaults match nothing.
 
-    `begin` matches the prefix of each reason. `passing` finds reasons that clear by themselves, such as an unknown
-    position.
+    `begin`: prefix of each reason. `passing`: reasons that clear by themselves.
     """
 
     begin: re.Pattern[str] = NO_MATCH
     passing: re.Pattern[str] = NO_MATCH
 
     def reasons(self, words: str) -> tuple[str, ...]:
-        """Return the arming reasons in `words`, which are separated by "; "."""
+        """Split `words` at "; "."""
         return tuple(one for one in words.split("; ") if self.begin.match(one))
 
     def lasting(self, words: str) -> tuple[str, ...]:
-        """Return the reasons that do not clear by waiting."""
         return tuple(one for one in self.reasons(words) if not self.passing.search(self.begin.sub("", one, count=1)))
 
 

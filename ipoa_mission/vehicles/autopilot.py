@@ -1,8 +1,7 @@
-"""Base class and registry of vehicle plug-ins: a firmware on one class of vehicle.
+"""Base class and registry of vehicle plug-ins.
 
-`Autopilot` defines what only needs the lowest packages. Higher packages define their own interfaces (flight model,
-deviation law, mock profile) and find the implementation by `part`. A new vehicle is a folder with one class and a call
-of `register`.
+Higher packages define their own interfaces (flight model, deviation law) and find them by `part`. A new vehicle is a
+folder with one class and a call of `register`.
 """
 
 import re
@@ -38,7 +37,7 @@ STATIONARY_SPEED = 0.1  # [m/s]
 class Autopilot(ABC):
     """A firmware on one class of vehicle; a singleton, compared by identity.
 
-    Names are stable; the methods may change with the package.
+    Names are stable; methods may change.
 
     Example:
         >>> Autopilot.PX4.name, str(Autopilot.ARDUPILOT), Autopilot.ARDUPILOT.model
@@ -49,35 +48,32 @@ class Autopilot(ABC):
     ARDUPILOT: ClassVar["Autopilot"]
 
     name: ClassVar[str]
-    """The identifier in scenarios, files and the command line."""
+    """In scenarios, files and the command line."""
     model: ClassVar[str]
-    """The display name of the firmware for this class of vehicle."""
+    """Its display name."""
     mav_autopilot: ClassVar[int]
-    """HEARTBEAT.autopilot (MAV_AUTOPILOT) of its firmware."""
+    """HEARTBEAT.autopilot (MAV_AUTOPILOT)."""
     mav_types: ClassVar[frozenset[int]]
-    """HEARTBEAT.type (MAV_TYPE) of the vehicles that it flies."""
+    """HEARTBEAT.type (MAV_TYPE) of its vehicles."""
     measured: ClassVar[tuple[Version, ...]]
-    """Versions whose promises were verified in flights, oldest first; the last is the default."""
+    """Versions verified in flight, oldest first; the last is the default."""
     modes: ClassVar[Modes]
     book: ClassVar[ParameterTable]
     tables: ClassVar[FirmwareTables]
     guidance: ClassVar[GuidanceProfile]
     way_known: ClassVar[WayKnown] = WayKnown()
-    """Commands of a mission whose path the model knows."""
     protocol_profile: ClassVar[ProtocolProfile]
     refusals: ClassVar[Refusals]
-    """The answer to each item of an uploaded list."""
     slowed_by: ClassVar[SlowedBy]
     own_fence_by: ClassVar[tuple[str, ...]]
-    """All parameters that define the vehicle's own fence."""
+    """Parameters of the vehicle's own fence."""
     failsafe_by: ClassVar[tuple[str, ...]] = ()
-    """All parameters that configure failsafes, by their older names."""
+    """Parameters of failsafes, by their older names."""
     failsafe_rules: ClassVar[tuple[FailsafeRule, ...]] = ()
-    """The failsafe tables of all versions."""
     station_loss: ClassVar[StationLoss | None] = None
     """When the ground station counts as lost; None: unknown."""
     parts: ClassVar[Mapping[str, Any]] = {}
-    """Implementations of higher packages' interfaces, by interface name: an object or its "module:name"."""
+    """Implementations by interface name: an object or its "module:name"."""
 
     def __str__(self) -> str:
         return self.name
@@ -92,7 +88,7 @@ class Autopilot(ABC):
         """Return this autopilot's implementation of an interface.
 
         Raises:
-            MissionError: it has none, for example no flight model.
+            MissionError: it has none.
         """
         found = self.parts.get(asked.__name__)
         if found is None:
@@ -105,7 +101,7 @@ class Autopilot(ABC):
         return asked.__name__ in self.parts
 
     def firmware(self, version: Version | None = None) -> Firmware:
-        """Return the firmware tables of a version; None: the newest measured."""
+        """Return a version's tables; None: the newest measured."""
         return self.tables.of(version or self.newest)
 
     @property
@@ -118,26 +114,21 @@ class Autopilot(ABC):
 
     @property
     def counts_home(self) -> int:
-        """The sequence number of the first flown item: 1 if home is item 0, else 0."""
+        """1 if home is item 0, else 0."""
         return int(self.firmware().home_is_item_0)
-
-    # --- how it flies, by its parameters ----------------------------------------------------------------------------
 
     @abstractmethod
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
-        """Return the distance to a stop on a straight line (n,) [m].
-
-        From `speed` (n,) [m/s] with acceleration `accel` (n,) [m/s^2] along the path.
-        """
+        """Return the straight distance to a stop (n,) [m] from `speed` [m/s] and `accel` along it [m/s^2]."""
 
     def flies_on(self, contingency: Contingency) -> float:
-        """Return how long the vehicle continues before it brakes for a contingency [s]; 0 to land or hold."""
+        """Return the delay before braking for a contingency [s]."""
         return 0.0 if contingency in (Contingency.LAND, Contingency.HOLD) else self.guidance.brakes_after
 
     def braking_way(
         self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: Contingency
     ) -> "Points":
-        """Return the level braking displacement by velocity and acceleration, (n, 2) [m]."""
+        """Return the level displacement (n, 2) [m]."""
         import numpy as np
 
         speed = np.hypot(*velocity.T)
@@ -150,35 +141,29 @@ class Autopilot(ABC):
     ) -> FlownCircle | None:
         """Return the flown circle of NAV_LOITER_TURNS; None: not supported.
 
-        `radius` > 0 [m], `turn` [rad], `speed`: the greatest level speed [m/s].
+        `radius` > 0 [m], `turn` [rad], greatest level `speed` [m/s].
         """
         return None
 
     @abstractmethod
     def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
-        """Return how LAND slows down by these parameters; None with a range finder."""
+        """Return how LAND slows down; None with a range finder."""
 
     def slowed(self, parameters: Parameters, ground: float) -> Parameters:
-        """Return parameters that raise the slow landing stretch by the ground's height above home [m]."""
+        """Raise the slow landing stretch by the ground's height above home [m]."""
         return self.slowed_by.raised(self.book, parameters, ground)
 
     @abstractmethod
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
-        """Return the fence that these parameters activate; None: no fence with an effect."""
+        """Return the active fence; None: without effect."""
 
     @abstractmethod
     def goal_of_return(self, parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
-        """Return the index of the rally point that a return from `here` goes to; None: home.
-
-        Parameters by their older names.
-        """
+        """Return the index of a return's rally point; None: home. Parameters by their older names."""
 
     @abstractmethod
     def return_height(self, parameters: Parameters, height: float, distance: float, goal_up: float = 0.0) -> float:
-        """Return the height above home of a return [m].
-
-        From `height` above home, over a level `distance`, to a goal of height `goal_up` [m].
-        """
+        """Return the height above home [m] of a return from `height` over a level `distance` to `goal_up`."""
 
     def return_route(
         self,
@@ -188,14 +173,11 @@ class Autopilot(ABC):
         landing: MissionLanding | None = None,
         version: Version | None = None,
     ) -> ReturnRoute:
-        """Return the route of a return from `here`, in a mission with or without a landing.
-
-        Parameters by their older names. version None: the newest measured.
-        """
+        """Return the route of a return from `here`; parameters by their older names."""
         return ReturnRoute(ReturnBy.DIRECT, self.goal_of_return(parameters, here, rally))
 
     def defaults_of(self, version: Version | None = None) -> Parameters:
-        """Return a version's defaults that differ from those of the parameter table."""
+        """Return a version's defaults that differ from the parameter table's."""
         return {}
 
     def known_parameters(self, parameters: Parameters, version: Version | None = None) -> Parameters:
@@ -203,39 +185,34 @@ class Autopilot(ABC):
         return {**self.defaults_of(version), **self.book.by_old_names(parameters)}
 
     def complete(self, parameters: Parameters, version: Version | None = None) -> Parameters:
-        """Return all parameters that affect a mission, by their older names: given or default."""
+        """Return all parameters that affect a mission, by their older names."""
         return {**self.book.moving, **self.known_parameters(parameters, version)}
 
     def waypoint_defaults(self, version: Version | None = None) -> WaypointDefaults:
-        """Return the hold and acceptance radius that every waypoint is written with."""
+        """Return the hold and acceptance radius that waypoints are written with."""
         return WaypointDefaults()
 
     def over_terrain(self, parameters: Parameters) -> OverTerrain | None:
-        """Return how a return follows the terrain; None: it does not.
-
-        If it does, `return_height` counts from the ground.
-        """
+        """Return how a return follows terrain; `return_height` then counts from the ground."""
         return None
 
     def room_to_fences(self, parameters: Parameters, version: Version | None = None) -> float | None:
-        """Return the distance of a return to the fences that it flies around [m]; None: it ignores them."""
+        """Return a return's distance to fences that it flies around [m]; None: it ignores them."""
         return None
 
     def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
-        """Return the action for each failure and pilot order; version None: the newest measured.
+        """Return the action for each failure and pilot order; empty: unknown.
 
-        Missing parameters have the firmware's default. Empty: unknown.
+        Missing parameters have the firmware's default.
         """
         return ()
-
-    # --- its version in words ---------------------------------------------------------------------------------------
 
     @property
     def newest(self) -> Version:
         return self.measured[-1]
 
     def checked_for(self, version: Version | None) -> str:
-        """Return the firmware that is assumed, in a few words; None: the newest measured.
+        """Return the assumed firmware in a few words.
 
         >>> Autopilot.PX4.checked_for(Version(1, 16))
         'px4 1.16 (not measured)'
@@ -244,7 +221,7 @@ class Autopilot(ABC):
         return f"{self.name} {major}.{minor}" + ("" if self.is_measured(version) else " (not measured)")
 
     def facts(self, version: Version | None) -> dict[str, object]:
-        """Return the assumed firmware and the source of its table as JSON values."""
+        """Return the assumed firmware and its table's source as JSON values."""
         own = self.firmware(version)
         return {
             "autopilot": self.name,
@@ -259,7 +236,7 @@ class Autopilot(ABC):
         return version is None or version.series in {one.series for one in self.measured}
 
     def not_measured(self, version: Version | None) -> str | None:
-        """Return a warning if no flight of this version was measured, else None.
+        """Return a warning unless flights of this version were measured.
 
         >>> Autopilot.PX4.not_measured(Version(1, 13))
         'PX4 1.13.0 was not measured in flight: PX4 1.17 and 1.18 were; its items are checked by the tables of PX4 1.15'
@@ -272,7 +249,7 @@ class Autopilot(ABC):
         return f"{words}; its items are checked by the tables of {self.firmware(version)}"
 
     def beyond_the_model(self, version: str) -> str | None:
-        """Return a warning about times estimated for a logged version; None: it was measured.
+        """Return a warning unless a logged version was measured.
 
         >>> Autopilot.ARDUPILOT.beyond_the_model("3.5.7")
         'flown by ArduCopter 3.5.7, which was not measured: its times may be off; ArduCopter 4.7 and 4.8 were'
@@ -294,7 +271,6 @@ _REGISTERED: dict[str, Autopilot] = {}
 
 
 def register(autopilot: Autopilot) -> Autopilot:
-    """Register an autopilot; the first registered one is the default."""
     return _REGISTERED.setdefault(autopilot.name, autopilot)
 
 
@@ -303,7 +279,6 @@ def registered() -> tuple[Autopilot, ...]:
 
 
 def default_autopilot() -> Autopilot:
-    """Return the autopilot that counts where none is named."""
     return registered()[0]
 
 
@@ -311,7 +286,7 @@ def autopilot_named(name: str) -> Autopilot:
     """Return the autopilot of this name.
 
     Raises:
-        ValueError: it does not exist; the message lists those that do.
+        ValueError: it does not exist.
 
     >>> autopilot_named("px4") is Autopilot.PX4
     True
@@ -322,7 +297,6 @@ def autopilot_named(name: str) -> Autopilot:
 
 
 def autopilot_of(mav_autopilot: int, mav_type: int) -> Autopilot | None:
-    """Return the autopilot with this firmware and class; None: not registered."""
     return next((one for one in registered() if one.mav_autopilot == mav_autopilot and mav_type in one.mav_types), None)
 
 

@@ -1,13 +1,10 @@
-"""The circle that a vehicle flies for a circle of a mission."""
-
 from typing import NamedTuple
 
 
 class FlownCircle(NamedTuple):
-    """A flown circle: its `radius` [m] and the angle that the vehicle lags `behind` at its end [rad].
+    """A flown circle: `radius` [m], the lag `behind` at its end [rad], the way until it stops [m].
 
-    The vehicle then `runs_on` straight until it stops [m]. `sense`: 1 clockwise, -1 counterclockwise, 0 as the item
-    says.
+    `sense`: 1 clockwise, -1 counterclockwise, 0 as in the item.
     """
 
     radius: float

@@ -1,8 +1,8 @@
-"""ArduCopter's braking path: LAND and BRAKE slow the position controller's target within its jerk limit.
+"""ArduCopter's braking path.
 
 Read in 4.8.0-dev (AC_PosControl::input_vel_accel_NE_m, shape_vel_accel_xy, ModeLand, ModeBrake) and flown. LAND starts
-with speed and acceleration of the interrupted path. BRAKE starts with the vehicle's speed and no acceleration. RTL and
-SmartRTL fly to a stopping point instead.
+with the path's speed and acceleration, BRAKE with the vehicle's speed. RTL and SmartRTL fly to a stopping point
+instead.
 """
 
 import math
@@ -13,33 +13,32 @@ import numpy as np
 from ipoa_mission.geometry import Points, Vector
 
 STEP = 0.02  # [s]
-BATCH_SIZE = 8000  # rows that fit the cache
-BRAKING_LIMIT_S = 12.0  # longer than any braking from 20 m/s [s]
+BATCH_SIZE = 8000  # rows in the cache
+BRAKING_LIMIT_S = 12.0  # [s]
 BRAKE_ACCEL = 7.5  # BRAKE_MODE_DECEL_RATE [m/s^2]
-LAND_LEAD_S = 0.25  # the target's speed leads the vehicle's by this time, as flown [s]
+LAND_LEAD_S = 0.25  # the target's speed leads the vehicle's, as flown [s]
 
 
 class Shaping(NamedTuple):
-    """Limits of acceleration [m/s^2] and jerk [m/s^3] for a change of the target's speed."""
+    """Limits of acceleration [m/s^2] and jerk [m/s^3]."""
 
     accel: float
     jerk: float
 
     def wanted(self, speed: Vector) -> Vector:
-        """Return the deceleration (n,) [m/s^2] of a speed (n,) [m/s] to 0."""
         gain = self.jerk / self.accel
         near = self.jerk / gain**2
         root = np.sqrt(2.0 * self.jerk * np.maximum(speed - near / 2.0, 0.0))
         return np.minimum(np.where(speed <= near, gain * speed, root), self.accel)
 
     def way(self, velocity: Points, accel: Points) -> Points:
-        """Compute the displacement from velocity and acceleration (n, 2) to rest, (n, 2) [m]."""
+        """Return the displacement to rest, (n, 2) [m]."""
         parts = (slice(n, n + BATCH_SIZE) for n in range(0, len(velocity), BATCH_SIZE))
         ways = [self._way(velocity[part].T.copy(), accel[part].T.copy()).T for part in parts]
         return np.concatenate([np.zeros((0, 2)), *ways])
 
     def _way(self, velocity: Points, accel: Points) -> Points:
-        """Compute `way` with axes first (2, n), which is faster."""
+        """Compute `way` with axes first (2, n): faster."""
         way, most = np.zeros_like(velocity), self.jerk * STEP
         for _ in range(math.ceil(BRAKING_LIMIT_S / STEP)):
             speed = np.hypot(*velocity)

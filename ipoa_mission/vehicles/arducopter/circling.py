@@ -1,8 +1,8 @@
-"""The circle that ArduCopter flies for NAV_LOITER_TURNS: it pursues a point that moves along the commanded circle.
+"""The circle that ArduCopter flies for NAV_LOITER_TURNS: smaller than the commanded one, and late.
 
-The flown circle is smaller and lags. Read in 4.8.0-dev (AC_Circle, shape_pos_vel_accel_xy) and flown. In a steady turn
-at rate w the target sees the point at an angle t from its velocity. It is tan t = w / k with k = jerk / acceleration.
-The speed limit also cuts the square-root law's output. The target then falls back over some turns.
+Read in 4.8.0-dev (AC_Circle, shape_pos_vel_accel_xy) and flown. In a steady turn at rate w the point is at an angle t
+from the target's velocity: tan t = w / k, k = jerk / acceleration. The speed limit also cuts the square-root law's
+output.
 """
 
 import math
@@ -10,18 +10,18 @@ import math
 from ipoa_mission.vehicles.arducopter.limits import CENTIMETRE, CopterLimits
 from ipoa_mission.vehicles.circle import FlownCircle
 
-CIRCLE_SHARE = 0.5  # of the acceleration limit that a circle uses
-ITERATIONS = 60  # until the radius converges
+CIRCLE_SHARE = 0.5  # of the acceleration limit
+ITERATIONS = 60
 
 
 def circle_spin(limits: CopterLimits, radius: float, speed: float) -> float:
-    """Return the turn rate of the point up to a level speed [rad/s]."""
+    """Return the point's turn rate [rad/s]."""
     fastest = min(speed, math.sqrt(CIRCLE_SHARE * limits.accel * radius))
     return min(limits.circle_rate, fastest / radius)
 
 
 def flown_circle(limits: CopterLimits, radius: float, speed: float, turn: float) -> FlownCircle:
-    """Return the flown circle for a commanded `radius` > 0 m, up to a level speed [m/s], after a turn [rad]."""
+    """Return the flown circle for a `radius` > 0 m, a level speed limit [m/s] and a `turn` [rad]."""
     spin, accel, gain = circle_spin(limits, radius, speed), limits.accel, limits.shaping_jerk / limits.accel
     aside = math.atan(spin / gain)
     linear, flown, ahead = accel / gain**2, radius, 0.0
@@ -45,8 +45,5 @@ def flown_circle(limits: CopterLimits, radius: float, speed: float, turn: float)
 
 
 def _fallen_back(begin: float, settled: float, turn: float) -> float:
-    """Return the angle between line of sight and velocity after a turn while the speed limit cuts the pursuit.
-
-    The target falls back until the point's speed along the line of sight equals its own.
-    """
+    """Return the angle from the velocity to the point after a turn at the speed limit."""
     return settled * math.tanh(settled * turn / 2.0 + math.atanh(begin / settled))

@@ -1,4 +1,4 @@
-"""ArduCopter's measured law of deviations; docs/lab/kept.md lists the flights."""
+"""ArduCopter's measured deviations; docs/lab/kept.md lists the flights."""
 
 from ipoa_mission.forecast.deviation.law import DeviationLaw
 from ipoa_mission.forecast.deviation.quantiles import Quantiles

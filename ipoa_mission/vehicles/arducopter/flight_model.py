@@ -1,5 +1,3 @@
-"""ArduCopter's flight model."""
-
 from collections.abc import Mapping
 from typing import ClassVar
 

@@ -1,7 +1,6 @@
-"""ArduCopter's parameters: defaults that affect a mission, parameters for ground stations, and types.
+"""ArduCopter's parameters: defaults that affect a mission, and types.
 
-The set-up of the vehicle (sensors, radio, modes, battery, failsafes) is as in its simulator and does not affect a
-mission.
+Sensors, radio, modes, battery and failsafes are as in SITL.
 """
 
 from collections.abc import Mapping
@@ -19,7 +18,7 @@ from ipoa_mission.vehicles.parameters import (
     declared,
 )
 
-#: ArduCopter 4.7's defaults that affect a mission (in its units: cm, cm/s, cm/s^2 and centidegrees).
+#: ArduCopter 4.7's (cm, cm/s, cm/s^2 and centidegrees).
 DEFAULTS: Parameters = {
     "WPNAV_SPEED": 1000.0,
     "WPNAV_SPEED_UP": 250.0,

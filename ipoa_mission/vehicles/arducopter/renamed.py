@@ -1,9 +1,8 @@
-"""ArduCopter's renamed parameters: the names since 4.7 and before."""
+"""ArduCopter's parameters renamed in 4.7."""
 
 from collections.abc import Mapping
 
-#: Name since 4.7: the name before, and old units per new unit. Source: "Parameter Name Changes", 4.6 to 4.7, and pull
-#: requests 31970 and 32147.
+#: New name: old name and old units per new unit ("Parameter Name Changes" 4.6 to 4.7, pull requests 31970 and 32147).
 RENAMED: Mapping[str, tuple[str, float]] = {
     "WP_SPD": ("WPNAV_SPEED", 100.0),
     "WP_SPD_UP": ("WPNAV_SPEED_UP", 100.0),

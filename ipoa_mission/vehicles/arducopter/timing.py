@@ -1,6 +1,6 @@
-"""Flight times of ArduCopter 4.x in AUTO: each item is flown to its end by the copter's model.
+"""Flight times of ArduCopter 4.x in AUTO.
 
-Sources: ArduPilot's documentation of S-curves and spline waypoints, and the recorded flights.
+Sources: ArduPilot's documentation of S-curves and splines, and flights.
 """
 
 import math
@@ -42,12 +42,12 @@ from ipoa_mission.vehicles.contingency import Contingency
 from ipoa_mission.wind import CALM, Wind
 
 NO_PLACE = (math.nan,) * 3
-DOUBT, DOUBT_SHARE = 0.12, 0.0065  # half width of the interval: [s] and share of the time
+DOUBT, DOUBT_SHARE = 0.12, 0.0065  # half width: [s] and share of the time
 
-ABORT_DOUBT, ABORT_DOUBT_SHARE = 0.4, 0.018  # the same of a contingency: 90 % of 94 flown
+ABORT_DOUBT, ABORT_DOUBT_SHARE = 0.4, 0.018  # of a contingency: 90 % of 94 flown
 
-LANDING_DOUBT = 0.9  # half width of the leg before LAND (`procedures.LAND_BELOW`) [s]
-#: The leg before RTL may be shorter or longer by these: its clock waits while the vehicle drifts [s].
+LANDING_DOUBT = 0.9  # of the leg before LAND (`procedures.LAND_BELOW`) [s]
+#: The leg before RTL may be shorter or longer: its clock waits for a drifting vehicle [s].
 RETURN_EARLY, RETURN_LATE = 0.3, 1.5
 
 PLACE_COMMANDS = ARDUCOPTER.guidance.flown_on_into - {Command.NAV_PAYLOAD_PLACE}
@@ -60,11 +60,11 @@ def fly_arducopter(
     fast: bool | None = None,
     airframe: Airframe = ARDUPILOT_SIMULATOR,
 ) -> Prediction:
-    """Predict the times of an itinerary; `fast` is as in `estimate`.
+    """Predict the times of an itinerary.
 
     Raises:
         BadInput: an item never ends, or a parameter is invalid.
-        MissionError: the copter makes no progress, for example against too strong a wind.
+        MissionError: no progress, for example against the wind.
     """
     flight = _begun(route, limits, wind, fast, airframe)
     for n in range(len(route.visits)):
@@ -103,7 +103,7 @@ def fly_aborted(
     airframe: Airframe,
     order: Abort,
 ) -> Prediction:
-    """Predict the times of an itinerary up to an abort and of the contingency then; raises as `fly_arducopter`.
+    """Predict the times with an abort and its contingency; raises as `fly_arducopter`.
 
     The track has a sample at the abort.
     """
@@ -134,8 +134,6 @@ def _begun(route: Itinerary, limits: CopterLimits, wind: Wind, fast: bool | None
 
 
 class _Flight:
-    """A flight in progress: the copter and its records."""
-
     def __init__(self, route: Itinerary, copter: Copter, wind: Wind, airframe: Airframe, airborne: bool) -> None:
         self.route, self.wind, self.copter, self.limits = route, wind, copter, copter.limits
         self.airframe, self.top = airframe, airframe.top_speed(self.limits.lean)
@@ -183,15 +181,15 @@ class _Flight:
         return ""
 
     def target(self, n: int) -> Place:
-        """Return the place of visit n; open coordinates are those of the previous place."""
+        """Return the place of visit n; open coordinates are the previous ones."""
         return self.route.program.place(n, self.here(n))
 
     def here(self, n: int) -> Place:
-        """Return the copter's stopping place if visit n leaves its place open; computing it is slow."""
+        """Return the stopping place if visit n leaves its place open; slow."""
         return self.copter.here if self.route.program.leaves_open(n) else NO_PLACE
 
     def fly_to(self, n: int) -> str:
-        """Fly to visit n and hold there; return why it was slow."""
+        """Fly to visit n and hold; return why it was slow."""
         program, visit, copter = self.route.program, self.route.visits[n], self.copter
         onward, stop = program.onward(n), stop_at(program, n, self.here(n))
         copter.fly_to(stop, None if onward is None else stop_at(program, onward, stop.place))
@@ -247,7 +245,7 @@ class _Flight:
                 return
 
     def come_down(self, legs: Iterator[None]) -> None:
-        """Fly the legs of a landing or RTL; on the ground wait until the landing is detected."""
+        """Fly the legs of a landing or RTL, and wait on the ground."""
         self.go(legs)
         if self.copter.this.kind == DESCENT and not self.is_broken_off:
             self.touched, delay = self.copter.state.time, self.airframe.landing_delay
@@ -255,7 +253,7 @@ class _Flight:
             self.airborne = False
 
     def run(self) -> float:
-        """Fly the current leg to its end; return the highest level speed on it [m/s]."""
+        """Fly the leg; return its highest level speed [m/s]."""
         flown = self.copter.run(self.until)
         self.tracks.append(Track.of(flown))
         self.note()

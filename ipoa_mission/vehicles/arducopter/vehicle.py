@@ -1,4 +1,4 @@
-"""The ArduCopter plug-in; its model, deviation law and mock profile are imported on demand."""
+"""The ArduCopter plug-in; heavy parts are imported on demand."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -46,7 +46,7 @@ FIRMWARE = Firmware(
         }
     ),
     rally=rows({"----ddm": "NAV_RALLY_POINT"}),
-    fence_is_union=False,  # unless bit 1 of FENCE_OPTIONS is set
+    fence_is_union=False,  # unless by bit 1 of FENCE_OPTIONS
     max_items=650,
     max_fence_items=70,
     max_rally_points=46,
@@ -68,7 +68,7 @@ FIRMWARE = Firmware(
 
 MODES = Modes(
     mission=3,
-    arming=4,  # AUTO refuses arming (AUTO_OPTIONS 0); GUIDED needs a position
+    arming=4,  # AUTO refuses arming (AUTO_OPTIONS 0)
     hold=17,  # LOITER follows the throttle stick
     returning=6,
     returns=frozenset({6, 21, 27}),
@@ -90,7 +90,7 @@ MODES = Modes(
     },
 )
 
-#: Texts of AP_Arming, AP_Arming_Copter, AP_AHRS, NavEKF3 and AC_Fence in 4.7.
+#: AP_Arming, AP_Arming_Copter, AP_AHRS, NavEKF3 and AC_Fence in 4.7.
 ARMING_WORDS = ArmingWords(
     re.compile(r"(Pre)?Arm: "),
     re.compile(
@@ -170,7 +170,7 @@ class ArduCopter(Autopilot):
     station_loss = failsafes.STATION_LOSS
 
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
-        """Return the distance to the position controller's stopping point.
+        """Return the distance to the stopping point.
 
         >>> import numpy as np
         >>> ArduCopter().braking_distance({"WPNAV_ACCEL": 250.0}, np.array([10.0]), np.zeros(1)).round(2)
@@ -187,7 +187,7 @@ class ArduCopter(Autopilot):
     def braking_way(
         self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: Contingency
     ) -> "Points":
-        """Return the braking displacement: shaped to land or hold, else to the stopping point.
+        """Return the displacement: shaped to land or hold, else to the stopping point.
 
         >>> import numpy as np
         >>> ArduCopter().braking_way({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
@@ -206,7 +206,7 @@ class ArduCopter(Autopilot):
     def circle(
         self, parameters: Parameters, radius: float, turn: float, speed: float | None, version: Version | None
     ) -> FlownCircle | None:
-        """Return the circle of a vehicle that pursues a point on the commanded one.
+        """Return the circle of pursuit.
 
         >>> flown = ArduCopter().circle({}, 60.0, 6.28, None, None)
         >>> round(flown.radius, 1), round(flown.runs_on, 1)
@@ -219,7 +219,7 @@ class ArduCopter(Autopilot):
         return flown_circle(limits, radius, speed or limits.speed, turn)
 
     def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
-        """Return the stretch: LAND_SPEED below LAND_ALT_LOW, the normal descent above.
+        """Return LAND_SPEED below LAND_ALT_LOW.
 
         >>> ArduCopter().slow_stretch({}).touchdown(12.0)
         1.5
@@ -232,11 +232,11 @@ class ArduCopter(Autopilot):
         return SlowStretch(max(p["LAND_SPEED"] / 100, SLOWEST), fast, low, low)
 
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
-        """Return the limits of FENCE_TYPE if enabled and FENCE_ACTION does more than report (AC_Fence)."""
+        """Return FENCE_TYPE's limits if FENCE_ACTION does more than report (AC_Fence)."""
         return None if parameters.get("FENCE_ACTION", 1.0) <= REPORT_ONLY else limits_on(parameters)
 
     def goal_of_return(self, parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
-        """Return the index of RTL's rally point.
+        """Return RTL's rally point.
 
         >>> ArduCopter().goal_of_return({"RALLY_LIMIT_KM": 0.3}, (0.0, 500.0, 20.0), [(0.0, 900.0, 10.0)])
         """
@@ -251,7 +251,7 @@ class ArduCopter(Autopilot):
         return returning.CopterReturn.of(parameters).height(height, distance, goal_up)
 
     def over_terrain(self, parameters: Parameters) -> OverTerrain | None:
-        """Return the terrain following of RTL_ALT_TYPE and WPNAV_TER_MARGIN.
+        """Return RTL_ALT_TYPE and WPNAV_TER_MARGIN's effect.
 
         >>> ArduCopter().over_terrain({"RTL_ALT_TYPE": 1.0, "WPNAV_TER_MARGIN": 6.0})
         OverTerrain(margin=6.0, surely=True)
@@ -259,7 +259,7 @@ class ArduCopter(Autopilot):
         return returning.over_terrain(self.book.by_old_names(parameters))
 
     def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
-        """Return the failsafe actions, read in the source.
+        """Return the actions read in the source.
 
         >>> lost = next(one for one in ArduCopter().failsafes({"FS_OPTIONS": 1.0}) if one.cause == "radio control lost")
         >>> str(lost.route), str(ArduCopter().failsafes({"BATT_FS_LOW_ACT": 3.0})[0].route)

@@ -1,15 +1,15 @@
-"""ArduCopter's commands by their effect on the path, read in 4.8.0-dev (ModeAuto::start_command) and flown."""
+"""Effect of ArduCopter's commands on the path (4.8.0-dev, ModeAuto::start_command; flown)."""
 
 import math
 
 from ipoa_mission.mission.commands import Command
 from ipoa_mission.vehicles.way_known import EQUIPMENT, SIMPLE, WayKnown
 
-#: Stored as navigation commands, and skipped.
+#: Stored, and skipped.
 SKIPPED_COMMANDS = frozenset(
     {Command.NAV_CONTINUE_AND_CHANGE_ALT, Command.NAV_ALTITUDE_WAIT, Command.NAV_SET_YAW_SPEED}
 )
-#: Auxiliary functions of cameras, mounts, relays, lights and similar (RC_Channel::AUX_FUNC).
+#: Cameras, mounts, relays, lights and similar (RC_Channel::AUX_FUNC).
 QUIET_FUNCTIONS = frozenset({
     0, 9, 15, 19, 27, 28, 29, 30, 34, 35, 36, 44, 45, 66, 67, 78, 79, 94, 102, 113, 163, 164, 166, 167, 168, 169, 172,
     174, 175, 177, 185, 186, 212, 213, 214, 215, 216, 217,

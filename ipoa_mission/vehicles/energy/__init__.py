@@ -1,1 +1,1 @@
-"""Energy consumption of a flight, and the battery check."""
+"""Energy of a flight, and the battery check."""
