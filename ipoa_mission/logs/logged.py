@@ -1,4 +1,4 @@
-"""The content of a log of any kind: positions, events, missions and parameters."""
+"""The content of a log of any kind."""
 
 import re
 from collections.abc import Callable, Iterator
@@ -16,15 +16,15 @@ from ipoa_mission.vehicles.autopilot import Autopilot, registered
 from ipoa_mission.vehicles.mav_types import QUADROTOR
 from ipoa_mission.vehicles.version import Version
 
-#: ArduPilot's text when an item begins: "Mission: 4 WP".
+#: ArduPilot's text: "Mission: 4 WP".
 ITEM_BEGINS = re.compile(r"Mission: (\d+)\b")
 
 
 @dataclass(frozen=True)
 class Fixes:
-    """Positions of a log by the autopilot's clock [s], in order of time.
+    """Positions by the autopilot's clock [s], in order.
 
-    Degrees, altitude AMSL and height above home [m], each (n,), and velocity north, east, down (n, 3) [m/s].
+    Degrees, altitude AMSL and height above home [m], each (n,); velocity north, east, down (n, 3) [m/s].
     """
 
     times: Vector
@@ -36,7 +36,7 @@ class Fixes:
 
     @classmethod
     def of(cls, rows: Points) -> "Fixes":
-        """Make fixes of rows (n, 8) with these columns, in any order; of two at the same time the first counts."""
+        """Make fixes of rows (n, 8) in any order; of equal times the first counts."""
         rows = rows[np.unique(rows[:, 0], return_index=True)[1]]
         times, latitude, longitude, altitude, height = rows.T[:5]
         return cls(times, latitude, longitude, altitude, height, rows[:, 5:])
@@ -44,14 +44,14 @@ class Fixes:
 
 @dataclass(frozen=True)
 class Held(Message):
-    """The vehicle holds these items from now on, as on the wire; no message of the link."""
+    """The vehicle holds these items; no message of the link."""
 
     items: tuple[Item, ...]
 
 
 @dataclass(frozen=True)
 class Begun(Message):
-    """The item at `seq` of `total`, as the vehicle holds it, begins; no message of the link."""
+    """The item at `seq` of `total` begins; no message of the link."""
 
     seq: int
     total: int
@@ -60,10 +60,9 @@ class Begun(Message):
 
 @dataclass(frozen=True)
 class Log:
-    """A whole log. `events` are messages with their times by the autopilot's clock [s], in any order.
+    """A whole log; `events` with times by the autopilot's clock [s], in any order.
 
-    A heartbeat among the events marks a change of arming or mode, at its time. `remarks` are for the user, about faults
-    of the log.
+    A heartbeat marks a change of arming or mode. `remarks` are about faults of the log.
     """
 
     autopilot: Autopilot
@@ -75,7 +74,7 @@ class Log:
 
 
 def messages_of(log: Log) -> Iterator[Message]:
-    """Return all messages of a log in the order of time; each event follows the position at its time."""
+    """Return all messages in order; each event follows the position at its time."""
     events = sorted(log.events, key=lambda event: event[0])
     fixes = log.fixes
     at = np.concatenate([fixes.times, np.array([time for time, _ in events])])
@@ -109,15 +108,15 @@ def item_begun(text: str) -> Current | None:
 
 
 def version_name(flight_sw_version: int) -> str:
-    """Return the version in AUTOPILOT_VERSION in words, like 4.7.0-dev; empty where unknown."""
+    """Return AUTOPILOT_VERSION in words, like 4.7.0-dev."""
     return str(Version.said(flight_sw_version) or "")
 
 
 @dataclass(frozen=True)
 class LogFormat:
-    """A format of on-board logs: its suffix and reader.
+    """Suffix and reader of on-board logs.
 
-    `no_mission`: why such a log may lack its mission.
+    `no_mission`: why it may lack one.
     """
 
     suffix: str

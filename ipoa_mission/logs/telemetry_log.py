@@ -1,7 +1,6 @@
-"""Read a ground station's log (`.tlog`): the messages from and to one vehicle, with its own times.
+"""Ground station's log (`.tlog`): messages from and to one vehicle.
 
-A heartbeat comes once a second. The time of arming and disarming is that of the first report since the last
-heartbeat in the old state. Reports are the answer to the order, the autopilot's text and PX4's event.
+Heartbeats come once a second. The first report since the last one in the old state times an arming.
 """
 
 from collections.abc import Iterator, Mapping
@@ -51,7 +50,7 @@ from ipoa_mission.vehicles.mav_types import with_article
 
 ARMING_TEXTS = ("Arming motors", "Armed by", "ARMED by")
 DISARMING_TEXTS = ("Disarming motors", "Disarmed by", "DISARMED by")
-#: PX4's events commander_armed_by and commander_disarmed_by: component 1, and 24 bits of the FNV-1a of the name.
+#: Events commander_armed_by, commander_disarmed_by: component 1, FNV-1a of the name.
 ARMED_BY, DISARMED_BY = 0x190CAF3, 0x1F46777
 KEPT_MESSAGES = (Position, Reached, Current, HomePosition, ParamValue, Text)
 NO_CLOCK = "the log has no clock of the vehicle: its times are those of the ground station"
@@ -63,18 +62,18 @@ class _Gathered:
     said: list[tuple[int, Message]] = field(default_factory=list)
     times: list[tuple[int, float]] = field(default_factory=list)
     state: Heartbeat | None = None
-    ordered: bool | None = None  # the last order to arm or disarm
-    changes: list[tuple[int, bool]] = field(default_factory=list)  # of arming, reported since the last heartbeat
-    unconfirmed: bool = False  # a later heartbeat still has the old state
+    ordered: bool | None = None  # to arm or disarm
+    changes: list[tuple[int, bool]] = field(default_factory=list)  # of arming, since the last heartbeat
+    unconfirmed: bool = False  # heartbeat still in the old state
     version: str = ""
     measured: list[tuple[int, Attitude | BatteryStatus | SystemStatus]] = field(default_factory=list)
 
 
 def read_telemetry_log(path: Path, system: int | None = None) -> Log:
-    """Return positions and events of one autopilot in a log: of this system id, or the first multicopter.
+    """Return positions and events of one autopilot: this system id, or the first multicopter.
 
     Raises:
-        BadInput: the file cannot be read, holds no such autopilot, or is not of a multicopter.
+        BadInput: the file cannot be read, or holds no such multicopter.
     """
     codec = Codec(STATION_SYSTEM, STATION_COMPONENT)
     gathered = _Gathered()
@@ -102,7 +101,7 @@ def read_telemetry_log(path: Path, system: int | None = None) -> Log:
     if chosen is None:
         raise _not_in(path, kinds, system)
     autopilot = kinds[chosen].autopilot
-    if gathered.state and gathered.changes and not gathered.changes[-1][1]:  # the log ends before the next heartbeat
+    if gathered.state and gathered.changes and not gathered.changes[-1][1]:  # before the next heartbeat
         _change(gathered, gathered.state.custom_mode, autopilot)
     log = _dated(gathered, growing(stamps), autopilot)
     return replace(log, remarks=(*_others(kinds, chosen), *missing.remarks(chosen), *log.remarks))
@@ -191,7 +190,7 @@ def _is_armed(gathered: _Gathered) -> bool:
 
 
 def _note_arming(gathered: _Gathered, number: int, armed: bool) -> None:
-    """Note the first report of an arming or disarming, which gives its time."""
+    """Note the first report, which gives the time."""
     if armed != _is_armed(gathered):
         gathered.changes.append((number, armed))
         gathered.unconfirmed = False
@@ -201,7 +200,7 @@ def _beat(gathered: _Gathered, number: int, beat: Heartbeat, autopilot: Autopilo
     before = gathered.state
     if before and gathered.changes and gathered.changes[-1][1] == beat.armed:
         _change(gathered, before.custom_mode, autopilot)
-    elif gathered.unconfirmed:  # two heartbeats do not confirm it
+    elif gathered.unconfirmed:  # by two heartbeats
         gathered.changes.clear()
     gathered.state, gathered.unconfirmed = beat, bool(gathered.changes)
     if before is None or (before.armed, before.custom_mode) != (beat.armed, beat.custom_mode):

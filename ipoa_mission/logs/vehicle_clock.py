@@ -1,8 +1,6 @@
-"""Convert the time stamps of a log to the autopilot's clock.
+"""Time stamps of a log to the autopilot's clock, which may run ten times as fast.
 
-Most messages have no time, and a simulation may run ten times as fast as its ground station's clock. So the vehicle's
-time at a stamp is interpolated between the messages with a time. Before the first and after the last it is
-extrapolated at the rate there.
+Times are interpolated between messages with a time, and extrapolated at the ends.
 """
 
 from collections.abc import Sequence
@@ -18,19 +16,19 @@ from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, Syste
 
 @dataclass(frozen=True)
 class ClockReading:
-    """Tolerances for jumps and gaps of the vehicle's clock and the stamps of a log."""
+    """Tolerances of clock and stamps."""
 
-    restarted_s: float = 10.0  # a greater step back is a restart; a smaller one, frames out of order
-    pace_s: float = 2.0  # length at each end of the log that gives the clock's rate there
-    torn_s: float = 60.0  # a stamp this far from its neighbors is damaged
-    longest_s: float = 1e8  # a greater TIMESYNC is no time since boot
+    restarted_s: float = 10.0  # a greater step back is a restart
+    pace_s: float = 2.0  # span at each end that gives the rate
+    torn_s: float = 60.0  # from its neighbors: damaged
+    longest_s: float = 1e8  # a greater TIMESYNC is no boot time
 
 
 READING = ClockReading()
 
 
 def vehicle_time(message: Message) -> float | None:
-    """Return the vehicle's time since boot [s] in a message; None without one."""
+    """Return the time since boot [s], if any."""
     match message:
         case Position() | Attitude() | LocalPosition():
             return message.time_s
@@ -42,7 +40,7 @@ def vehicle_time(message: Message) -> float | None:
 
 
 def unwrapped(stamps: Vector, times: Vector) -> Vector:
-    """Continue times over restarts of the autopilot, by the stamps between."""
+    """Continue times over restarts."""
     times = times.copy()
     for n in np.flatnonzero(np.diff(times) < -READING.restarted_s):
         times[n + 1 :] += times[n] + (stamps[n + 1] - stamps[n]) - times[n + 1]
@@ -50,7 +48,7 @@ def unwrapped(stamps: Vector, times: Vector) -> Vector:
 
 
 def vehicle_times(stamps: Vector, clock_at: Vector, clock: Vector) -> Vector:
-    """Return the vehicle's time at each of `stamps`, from `clock` at others; all stamps increase.
+    """Return the vehicle's time at `stamps`, from `clock` at others; all stamps increase.
 
     Without a clock, return the stamps.
     """
@@ -74,10 +72,7 @@ def _pace(clock_at: Vector, clock: Vector, order: slice) -> float:
 
 
 def growing(stamps: Sequence[float]) -> Vector:
-    """Return strictly increasing stamps, counted from the first.
-
-    A stamp far from its neighbors is of a damaged record, and is replaced by their median.
-    """
+    """Return increasing stamps from the first; damaged ones get their neighbors' median."""
     given = np.asarray(stamps, float)
     around = np.median(sliding_window_view(np.pad(given, 2, mode="edge"), 5), axis=1)
     since = np.where(np.abs(given - around) > READING.torn_s, around, given)

@@ -1,4 +1,4 @@
-"""Failsafe rules as tables, and the actions that a vehicle's parameters select."""
+"""Failsafe rules as tables, and the actions that parameters select."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -10,14 +10,14 @@ from ipoa_mission.vehicles.parameters import Parameters
 Series = tuple[int, int]
 STATION_LOST = "ground station lost"
 BY_HAND = "by hand"
-"""The cause of an order by a pilot or a ground station; an unavailable order is refused."""
+"""An order by a pilot or station; an unavailable one is refused."""
 
 
 @dataclass(frozen=True)
 class FailsafeAction:
-    """A contingency, its fallbacks in order, and remarks in `words`.
+    """A contingency, its fallbacks, and remarks in `words`.
 
-    `after_s`: the vehicle first brakes and holds [s]. `since`: the first series that knows the value.
+    It first holds for `after_s`. `since`: the first series with this value.
     """
 
     contingency: Contingency
@@ -27,7 +27,6 @@ class FailsafeAction:
     since: Series = (0, 0)
 
     def in_place(self) -> "FailsafeAction":
-        """Return the first fallback; CONTINUE if there is none."""
         first, *rest = self.otherwise or (Contingency.CONTINUE,)
         return replace(self, contingency=first, otherwise=tuple(rest), after_s=0.0)
 
@@ -41,10 +40,10 @@ NO_NUMBER = FailsafeAction(Contingency.UNKNOWN, words="the value is not a number
 
 @dataclass(frozen=True)
 class FailsafeRule:
-    """A cause, its parameter, and the action for each value of the parameter.
+    """A cause, its parameter, and the action for each of its values.
 
-    An empty `parameter` leaves no choice. `other` is the action then, and for values that `answers` lacks. The check is
-    active only if one of `needs` (name and default) is above 0. `until`: the first series without the rule.
+    `other` is the action without a `parameter`, and for further values. One of `needs` (name and default) must be above
+    0. `until`: the first series without the rule.
     """
 
     cause: str
@@ -73,7 +72,6 @@ class FailsafeRule:
         return found if found.since <= series else self.other
 
     def returns_at(self, series: Series) -> int | None:
-        """Return the first parameter value with RTL; None if there is none."""
         values = (
             value for value, one in self.answers.items() if one.contingency is Contingency.RTL and one.since <= series
         )
@@ -82,9 +80,9 @@ class FailsafeRule:
 
 @dataclass(frozen=True)
 class Failsafe:
-    """The action for a cause on the `route`, and the stages with another one.
+    """The action for a cause on the `route`, and in stages that differ.
 
-    `returns_at`: the value of `parameter` with RTL; None if there is none.
+    `returns_at`: the value of `parameter` with RTL.
     """
 
     cause: str
@@ -96,7 +94,7 @@ class Failsafe:
 
     @property
     def lands_by_choice(self) -> bool:
-        """Return whether it lands in place on the route although another parameter value would return."""
+        """Return whether it lands on the route where another value would return."""
         return self.route.contingency is Contingency.LAND and self.returns_at is not None
 
     def at(self, stage: FlightStage) -> FailsafeAction:
@@ -105,10 +103,10 @@ class Failsafe:
 
 @dataclass(frozen=True)
 class StationLoss:
-    """When the ground station counts as lost: silent for `timeout`, by default `usual` [s].
+    """When the station counts as lost: silent for `timeout`, by default `usual` [s].
 
-    `decided_by`: all parameters of the action. `heeds` and `heeds_to`: first and last system id of the stations that
-    count; without them all count. A tuple lists alternative names of one parameter.
+    `decided_by`: parameters of the action. `heeds`, `heeds_to`: first and last system id that count. A tuple lists
+    names of one parameter.
     """
 
     timeout: str
@@ -118,7 +116,7 @@ class StationLoss:
     heeds_to: str = ""
 
     def words(self, failsafes: Iterable[Failsafe], parameters: Parameters, station: int) -> str:
-        """Return the action for a station with this id in words; empty if the parameters are unknown."""
+        """Return the action for a station's id in words; empty if unknown."""
         lost = next((one for one in failsafes if one.cause == STATION_LOST), None)
         if lost is None or lost.parameter not in parameters:
             return ""

@@ -1,7 +1,7 @@
-"""Tables of the mission items that a firmware accepts and stores, by version.
+"""Mission items that a firmware accepts and stores, by version.
 
-`tools.generate.firmware_tables` reads the tables in each version's source. The read-back was measured on ArduCopter
-4.7.0-dev and PX4 1.17.0. A row gives the read-back value of each of the seven params:
+`tools.generate.firmware_tables` reads the tables in the sources. The read-back was measured on ArduCopter 4.7.0-dev and
+PX4 1.17.0. A row gives the read-back of each of the seven params:
 
     `.` as sent                `-` 0                          `b` 1 if positive, else 0
     `w` truncated to integer   `s` 1 or -1, by its sign       `y` a heading wrapped into 0 to 360
@@ -28,40 +28,40 @@ NO_VERSION = Version(0, 0)
 
 @dataclass(frozen=True)
 class Firmware:
-    """One firmware's tables; `placed` lists commands with a position, `plain` those in frame 2."""
+    """One firmware's tables: `placed` commands have a position, `plain` are in frame 2."""
 
     name: str
-    autopilot: str  # its name in scenarios
-    home_is_item_0: bool  # on the wire and as target of DO_JUMP
+    autopilot: str
+    home_is_item_0: bool  # also as target of DO_JUMP
     keeps_autocontinue: bool
     fence: Mapping[int, str]
     rally: Mapping[int, str]
-    fence_is_union: bool  # the vehicle must be in one inclusion area; False: in all
-    max_items: int  # with the home item
+    fence_is_union: bool  # in one inclusion area; False: in all
+    max_items: int  # with home
     max_fence_items: int
     max_rally_points: int
-    highest_altitude: float  # [m]; refused if |altitude| is not below
+    highest_altitude: float  # |altitude| must be below [m]
     longest_hold: float = math.inf  # [s]
     holds_whole_seconds: bool = False
-    nan_holds: bool = False  # a hold of NaN never ends
-    photo_looks_s: float = 0.02  # polling interval of the photo distance [s]
-    frame_2_is_amsl: bool = False  # for commands with a position
+    nan_holds: bool = False  # of NaN: without end
+    photo_looks_s: float = 0.02  # polling of the photo distance [s]
+    frame_2_is_amsl: bool = False  # with a position
     jumps: JumpProfile = field(default_factory=JumpProfile)
-    version: Version = NO_VERSION  # of the table: major and minor
-    commit: str = ""  # of the source that was read; `date` is its day
+    version: Version = NO_VERSION  # of the table: major, minor
+    commit: str = ""  # of the source, with its `date`
     date: str = ""
-    frames: frozenset[int] = frozenset()  # accepted for commands with a position
+    frames: frozenset[int] = frozenset()  # with a position
     placed: Mapping[int, str] = field(default_factory=dict)
     plain: Mapping[int, str] = field(default_factory=dict)
-    takes_nan: Mapping[int, frozenset[int]] | None = None  # params that may be NaN; None: all
-    used: Mapping[int, frozenset[int]] | None = None  # params that may be other than 0 or NaN; None: all
-    roi_modes: Mapping[str, frozenset[int]] = field(default_factory=dict)  # param1, in `placed` and in `plain`
-    sixteen_bits: frozenset[int] = frozenset()  # param1 must fit in 16 bits, unsigned
-    never_flown: frozenset[int] = frozenset()  # accepted and stored, but the mission is not flown
-    renames: Mapping[int, int] = field(default_factory=dict)  # stored under another command number
+    takes_nan: Mapping[int, frozenset[int]] | None = None  # params; None: all
+    used: Mapping[int, frozenset[int]] | None = None  # params other than 0 or NaN; None: all
+    roi_modes: Mapping[str, frozenset[int]] = field(default_factory=dict)  # param1 in `placed` and `plain`
+    sixteen_bits: frozenset[int] = frozenset()  # param1, unsigned
+    never_flown: frozenset[int] = frozenset()  # accepted, but refused at the start
+    renames: Mapping[int, int] = field(default_factory=dict)  # stored as another command
 
     def kept(self, command: int, frame: int) -> str | None:
-        """Return the row of an item, seven letters; None if the firmware has no such command."""
+        """Return an item's row; None: no such command."""
         tables = (self.plain, self.placed) if frame == Frame.MISSION else (self.placed, self.plain)
         for table in (*tables, self.fence, self.rally):
             if command in table:
@@ -76,7 +76,7 @@ class Firmware:
 
 
 def rows(rows: Mapping[str, str]) -> Mapping[int, str]:
-    """Return the row of each command; commands without a name in the package are numbers."""
+    """Return the rows by command; unnamed ones are numbers."""
     return {
         int(name) if name.isdigit() else int(Command[name]): row
         for row, names in rows.items()
@@ -93,12 +93,11 @@ def _commands(names: str) -> frozenset[int]:
 
 
 def _slots(table: Mapping[str, Any], name: str) -> Mapping[int, frozenset[int]] | None:
-    """Return params by command; None if the table has no such entry."""
     return {command: _numbers(row) for command, row in rows(table[name]).items()} if name in table else None
 
 
 class FirmwareTables:
-    """One firmware's tables by series, from the file of `tools.generate.firmware_tables`."""
+    """Tables by series, from the file of `tools.generate.firmware_tables`."""
 
     def __init__(self, defaults: Firmware, path: Path) -> None:
         self._defaults, self.path = defaults, path
@@ -111,11 +110,10 @@ class FirmwareTables:
 
     @property
     def series(self) -> tuple[tuple[int, int], ...]:
-        """The series that have a table, oldest first; without a file the series of the defaults."""
         return tuple(self._tables) or (self._defaults.version.series,)
 
     def of(self, version: Version) -> Firmware:
-        """Return the table of a version's series, or of the nearest older one, else the oldest.
+        """Return the table of a version's series, of the nearest older one, or the oldest.
 
         >>> from ipoa_mission.vehicles.autopilot import Autopilot
         >>> str(Autopilot.PX4.tables.of(Version(1, 16, 2)))
@@ -150,10 +148,10 @@ class FirmwareTables:
         )
 
     def expect(self, version: Version) -> Version:
-        """Return the version if its series has a table.
+        """Return the version.
 
         Raises:
-            BadInput: it has none; the message lists the series.
+            BadInput: its series has no table.
         """
         if version.series not in self.series:
             names = ", ".join(f"{major}.{minor}" for major, minor in self.series)

@@ -1,5 +1,3 @@
-"""A vehicle's kind: firmware and class from its heartbeat."""
-
 from dataclasses import dataclass
 
 from ipoa_mission.vehicles.autopilot import Autopilot, autopilot_of, default_autopilot, registered
@@ -8,7 +6,7 @@ from ipoa_mission.vehicles.mav_types import class_name
 
 @dataclass(frozen=True)
 class Kind:
-    """Firmware (MAV_AUTOPILOT) and class (MAV_TYPE) of a vehicle.
+    """Firmware (MAV_AUTOPILOT) and class (MAV_TYPE).
 
     >>> from ipoa_mission.vehicles.mav_types import QUADROTOR
     >>> str(Kind(3, 1)), str(Kind(12, QUADROTOR)), str(Kind(0, QUADROTOR))
@@ -20,7 +18,7 @@ class Kind:
 
     @property
     def autopilot(self) -> Autopilot:
-        """The registered autopilot; for other firmware the default one, which follows the specification."""
+        """The registered one, else the default."""
         return autopilot_of(self.firmware, self.mav_type) or self._of_its_firmware or default_autopilot()
 
     @property

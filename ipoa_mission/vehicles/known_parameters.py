@@ -1,4 +1,4 @@
-"""Check parameter names: refuse those of another autopilot and unknown ones."""
+"""Check parameter names."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -9,7 +9,7 @@ from ipoa_mission.vehicles.parameters import Parameters
 
 
 def known_parameters() -> frozenset[str]:
-    """Return all parameters that affect any autopilot's model, by old and new names."""
+    """Return the parameters of any autopilot's model, by old and new names."""
     return frozenset(name for one in registered() for name in (*one.book.moving, *one.book.renamed))
 
 
@@ -18,10 +18,10 @@ def known_names() -> frozenset[str]:
 
 
 def expect_own(names: Iterable[str], autopilot: Autopilot) -> None:
-    """Refuse another firmware's parameters; unknown names pass, because a vehicle has a thousand more.
+    """Refuse another firmware's parameters; unknown names pass.
 
     Raises:
-        BadInput: as `WPNAV_SPEED: expected a parameter of px4, not of ardupilot`; the hint is px4's name.
+        BadInput: as `WPNAV_SPEED: expected a parameter of px4, not of ardupilot`.
     """
     for name in names:
         other = None if name in autopilot.parameter_names else firmware_of([name])
@@ -32,9 +32,7 @@ def expect_own(names: Iterable[str], autopilot: Autopilot) -> None:
 
 
 def expect_known(names: Iterable[str], autopilot: Autopilot | None = None) -> None:
-    """Refuse names that are no known parameter of the autopilot, or of any if None.
-
-    For names that a person wrote. A vehicle has a thousand others that do not affect a model.
+    """Refuse names that a person wrote and the autopilot, or any if None, does not know.
 
     Raises:
         BadInput: the hint is the closest known name.
@@ -53,9 +51,9 @@ def expect_known(names: Iterable[str], autopilot: Autopilot | None = None) -> No
 def translated(
     parameters: Parameters, other: Autopilot, autopilot: Autopilot
 ) -> tuple[dict[str, float], tuple[str, ...]]:
-    """Translate the parameters of another autopilot; return remarks on each.
+    """Translate another autopilot's parameters; return remarks.
 
-    A parameter has a counterpart if it is the same quantity on both and above 0; other values are switches.
+    Only equal quantities above 0 have a counterpart.
 
     >>> translated({"RTL_ALT_M": 65.0, "WP_JERK": 2.0}, Autopilot.ARDUPILOT, Autopilot.PX4)[0]
     {'RTL_RETURN_ALT': 65.0}
@@ -76,7 +74,7 @@ def translated(
 
 
 def firmware_of(names: Iterable[str]) -> Autopilot | None:
-    """Return the autopilot of the first known parameter; None if none is known.
+    """Return the autopilot of the first known parameter.
 
     >>> firmware_of(["WP_SPD", "BATT_MONITOR"])
     <Autopilot ardupilot>
@@ -85,7 +83,7 @@ def firmware_of(names: Iterable[str]) -> Autopilot | None:
 
 
 def _counterpart(name: str, other: Autopilot, autopilot: Autopilot) -> str:
-    """Return the counterpart in `autopilot` of a parameter of `other`; "" if there is none."""
+    """Return the counterpart, or ""."""
     old = next(iter(other.book.by_old_names({name: 0.0})))
     meaning = next((words for words, theirs in other.book.meanings.items() if theirs == old), "")
     return autopilot.book.meanings.get(meaning, "")

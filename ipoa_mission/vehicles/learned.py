@@ -1,4 +1,4 @@
-"""Differences of one vehicle from the simulated one, fitted to its logs by `learn`."""
+"""One vehicle's differences from the simulated one, fitted to logs."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -9,8 +9,6 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 
 @dataclass(frozen=True)
 class Learned:
-    """A value with its 90 % interval."""
-
     value: float
     low: float
     high: float
@@ -18,13 +16,11 @@ class Learned:
 
 @dataclass(frozen=True)
 class LearnedVehicle:
-    """The fitted values of one vehicle; None: undetermined, so the simulated vehicle's value counts.
+    """Fitted values; None: undetermined, as simulated.
 
-    `drag`: multiple of the simulated vehicle's. `lag`: of rotors and rate loop [s]. `lift_delay` and `landing_delay`:
-    later lift-off and disarming than simulated [s], may be negative. Battery power [W]: `hover_power` in hover, plus
-    `square_power` v^2 and `cube_power` v^3 at airspeed v up to `airspeed` [m/s]. `climb_power` and `descent_power`: per
-    m/s of climb and descent [W], may be negative. `energy_ratio`: measured over modeled energy of whole flights.
-    `version` and `flights`: the source of the values.
+    `drag`: multiple. `lag`: rotors and rate loop [s]. `lift_delay`, `landing_delay`: lift-off and disarming [s,
+    signed]. Power [W]: `hover_power` + `square_power` v^2 + `cube_power` v^3 up to `airspeed` [m/s]; `climb_power` and
+    `descent_power` per m/s [W, signed]. `energy_ratio`: measured over modeled energy.
     """
 
     autopilot: Autopilot
@@ -47,7 +43,7 @@ class LearnedVehicle:
         return replace(self, **changes)
 
     def value(self, name: str, otherwise: float) -> float:
-        """Return a fitted value, or `otherwise` if undetermined.
+        """Return a fitted value, or `otherwise`.
 
         >>> LearnedVehicle(Autopilot.PX4, drag=Learned(1.6, 1.5, 1.7)).value("drag", 1.0)
         1.6

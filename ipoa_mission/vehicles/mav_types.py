@@ -1,7 +1,5 @@
-"""Vehicle classes by MAV_TYPE."""
-
 QUADROTOR = 2  # MAV_TYPE
-#: MAV_TYPE of vehicles with fixed-pitch rotors: quadrotor, coaxial, hexa-, octo-, tri-, dodeca-, decarotor.
+#: MAV_TYPE: quadrotor, coaxial, hexa-, octo-, tri-, dodeca-, decarotor.
 MULTICOPTERS = frozenset({QUADROTOR, 3, 13, 14, 15, 29, 35})
 
 _CLASSES = {1: "plane", 4: "helicopter", 5: "antenna tracker", 7: "airship", 8: "balloon", 9: "rocket"}
@@ -13,7 +11,7 @@ NO_AIRCRAFT = frozenset({10, 11, 12})
 
 
 def class_name(mav_type: int) -> str:
-    """Return the class name of a MAV_TYPE.
+    """Return a MAV_TYPE's name.
 
     >>> class_name(1), class_name(13), class_name(18)
     ('plane', 'multicopter', 'vehicle of MAV_TYPE 18')
@@ -22,7 +20,7 @@ def class_name(mav_type: int) -> str:
 
 
 def with_article(name: str) -> str:
-    """Return a name with "a" or "an".
+    """Put "a" or "an" before a name.
 
     >>> with_article("airship"), with_article("PX4 VTOL")
     ('an airship', 'a PX4 VTOL')

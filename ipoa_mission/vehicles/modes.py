@@ -1,20 +1,17 @@
-"""Flight modes by an autopilot's own numbers and names."""
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 
 def mode_number(main: int, sub: int = 0) -> int:
-    """Return HEARTBEAT.custom_mode of a main mode and a sub mode."""
     return main << 16 | sub << 24
 
 
 @dataclass(frozen=True)
 class Modes:
-    """The custom modes of one autopilot.
+    """Custom modes of one autopilot.
 
-    `mission` flies the mission. The vehicle is armed in `arming`. `hold` keeps its place without a pilot. `returning`
-    is RTL. `returns` and `lands`: all modes that return home, or land in place.
+    `arming`: armed in it. `hold`: keeps its place without a pilot. `returning`: RTL. `returns`, `lands`: all such
+    modes.
     """
 
     mission: int
@@ -30,7 +27,7 @@ class Modes:
         return self.names.get(custom_mode, f"mode {custom_mode}")
 
     def does_next(self, custom_mode: int) -> str:
-        """Describe what a flying vehicle does next in this mode without new orders."""
+        """Describe a flying vehicle's next action in this mode."""
         if custom_mode == self.mission:
             return "it continues its mission"
         if custom_mode in self.returns:

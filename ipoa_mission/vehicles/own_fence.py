@@ -1,11 +1,11 @@
-"""The fence around home that a vehicle's own parameters define, independent of a mission's fence."""
+"""The fence around home by a vehicle's own parameters."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class FenceLimit:
-    """One limit of a fence [m] and its parameter; infinite: no limit."""
+    """A limit [m] and its parameter; infinite: none."""
 
     name: str
     value: float
@@ -13,7 +13,7 @@ class FenceLimit:
 
 @dataclass(frozen=True)
 class OwnFence:
-    """Greatest distance from home, greatest height, and least height between take-off and landing [m]."""
+    """Distance from home, and heights between take-off and landing [m]."""
 
     radius: FenceLimit
     ceiling: FenceLimit

@@ -1,7 +1,6 @@
-"""A firmware's answer to one item of an uploaded list, read in its source.
+"""A firmware's answer to an uploaded item, read in its source.
 
-An item is its command, frame, and seven values: param1 to param4, latitude, longitude, altitude. Latitude and longitude
-are in degrees, or x and y in a frame without a place.
+Its values: param1 to param4, latitude, longitude [degrees; or x, y], altitude.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,20 +16,20 @@ PARAM_NAMES = ("param1", "param2", "param3", "param4", "latitude", "longitude", 
 
 @dataclass(frozen=True)
 class Refused:
-    """`result`: name of the MAV_MISSION_RESULT. `param`: number of the wrong value, or 0. `words`: the reason."""
+    """MAV_MISSION_RESULT, number of the wrong value or 0, reason."""
 
     result: str
     param: int = 0
     words: str = ""
 
 
-#: Returns the refusal of an item (command, frame, values); None if accepted.
+#: Checks command, frame, values.
 Refusal: TypeAlias = Callable[[Firmware, int, int, Sequence[float]], Refused | None]
 
 
 @dataclass(frozen=True)
 class Refusals:
-    """Checks for an item of each list; `mission` also takes the number of items on the wire."""
+    """Checks of each list; `mission` takes the number of items on the wire."""
 
     mission: Callable[[Firmware, int, int, Sequence[float], int], Refused | None]
     fence: Refusal
@@ -38,7 +37,7 @@ class Refusals:
 
 
 def param_name(n: int) -> str:
-    """Return the name of a value by its number, from 1.
+    """Return a value's name, from 1.
 
     >>> param_name(5)
     'latitude'

@@ -1,5 +1,3 @@
-"""Goals and routes of a return."""
-
 import math
 from dataclasses import dataclass
 from enum import StrEnum
@@ -15,23 +13,21 @@ def level_distance(one: Place, other: Place) -> float:
 
 
 class ReturnBy(StrEnum):
-    """The route of a return."""
-
     DIRECT = "direct"
-    """Climb to the return height, then fly straight to home or a rally point."""
+    """Climb to the return height, fly straight to home or a rally point."""
     LANDING = "to the mission's landing"
-    """Climb to the return height, fly straight to the start of the mission's landing, and follow it."""
+    """Climb to the return height, fly straight to the mission's landing."""
     AHEAD = "ahead along the mission"
-    """Follow the waypoints ahead to the mission's landing, without climbing and without other commands."""
+    """Waypoints ahead to the landing, without climbing and other commands."""
     BACK = "back along the mission"
-    """Follow the waypoints back to the take-off without climbing, and land at home."""
+    """Waypoints back without climbing, landing at home."""
     HERE = "here"
     """Land in place."""
 
 
 @dataclass(frozen=True)
 class ReturnRoute:
-    """The route of a return and the index of its rally point; None: home, or as `by` says."""
+    """A route and its rally point; None: home, or as `by` says."""
 
     by: ReturnBy
     rally: int | None = None
@@ -39,9 +35,9 @@ class ReturnRoute:
 
 @dataclass(frozen=True)
 class MissionLanding:
-    """A mission's landing: the place of its LAND item, and the number of items ahead and behind.
+    """Place of the LAND item, and items ahead and behind.
 
-    `ahead` counts from the current item to DO_LAND_START, else to the LAND item. `behind` counts from the first item.
+    `ahead`: from the current item to DO_LAND_START or LAND. `behind`: from the first item.
     """
 
     place: Place
@@ -51,7 +47,7 @@ class MissionLanding:
 
 @dataclass(frozen=True)
 class OverTerrain:
-    """A return over terrain: `margin` is the height error [m]; `surely`: it never falls back to heights above home."""
+    """Height error `margin` [m]; `surely`: it never falls back to heights above home."""
 
     margin: float
     surely: bool

@@ -1,7 +1,6 @@
-"""Touchdown speed without a range finder: LAND slows down by the height above home.
+"""Touchdown speed by LAND's height above home.
 
-A range finder, terrain data or, on ArduCopter 4.7 in AUTO, the altitude of the LAND item take precedence. This module
-uses the height above home, which every vehicle has.
+A range finder, terrain data or ArduCopter 4.7's LAND altitude in AUTO would take precedence.
 """
 
 import math
@@ -9,17 +8,17 @@ from dataclasses import dataclass
 
 from ipoa_mission.vehicles.parameters import Parameters, ParameterTable
 
-TOUCHDOWN_TOLERANCE = 0.05  # a touchdown counts as fast beyond the landing speed plus this [m/s]
+TOUCHDOWN_TOLERANCE = 0.05  # above the landing speed [m/s]
 SLOWEST = 0.05  # [m/s]
-HEIGHT_UNCERTAINTY = 2.0  # of heights and terrain maps; the least slow stretch [m]
-ROUNDING = 0.05  # parameters are raised by whole metres; a smaller excess of the ground is ignored [m]
+HEIGHT_UNCERTAINTY = 2.0  # of heights and terrain maps; least slow stretch [m]
+ROUNDING = 0.05  # parameters rise by whole metres [m]
 
 
 @dataclass(frozen=True)
 class SlowedBy:
-    """The parameters of LAND's slow stretch, their unit [m], and their documented maximum [m].
+    """Parameters of LAND's slow stretch, their unit and documented maximum [m].
 
-    `decided_by`: all parameters that affect the touchdown speed. `spared_by`: the parameter of the range finder.
+    `decided_by`: all that affect touchdown. `spared_by`: the range finder's.
     """
 
     names: tuple[str, ...]
@@ -29,17 +28,14 @@ class SlowedBy:
     spared_by: str = ""
 
     def raised(self, book: ParameterTable, parameters: Parameters, ground: float) -> Parameters:
-        """Return parameters that raise the slow stretch by the ground's height above home [m].
-
-        Values stay within the documented maximum.
-        """
+        """Raise the slow stretch by the ground's height above home [m], up to the maximum."""
         p, higher = book.complete(parameters), math.ceil(ground - ROUNDING)
         return {name: round(min(p[name] * self.unit + higher, self.most) / self.unit, 6) for name in self.names}
 
 
 @dataclass(frozen=True)
 class SlowStretch:
-    """LAND's speeds [m/s], and the heights above home where slowing `begins` and `ends` [m]."""
+    """LAND's speeds [m/s], and heights above home of its slowing [m]."""
 
     landing: float
     descent: float
@@ -47,7 +43,7 @@ class SlowStretch:
     ends: float
 
     def touchdown(self, ground: float) -> float:
-        """Return the touchdown speed [m/s] on ground at a height above home [m]."""
+        """Return the speed [m/s] on ground above home [m]."""
         share = (ground - self.ends) / max(self.begins - self.ends, 1e-6)
         return self.landing + min(max(share, 0.0), 1.0) * max(self.descent - self.landing, 0.0)
 

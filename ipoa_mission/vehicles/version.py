@@ -1,4 +1,4 @@
-"""Firmware versions, from AUTOPILOT_VERSION or user text."""
+"""Firmware versions."""
 
 import re
 from dataclasses import dataclass
@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from ipoa_mission.errors import BadInput
 
 _WRITTEN = re.compile(r"v?(\d{1,3})\.(\d{1,3})(?:\.(\d{1,3}))?(?:-?(dev|alpha|beta|rc)\d*)?", re.IGNORECASE)
-#: FIRMWARE_VERSION_TYPE, the last byte of AUTOPILOT_VERSION.flight_sw_version: the stage before a release.
+#: FIRMWARE_VERSION_TYPE, the last byte of AUTOPILOT_VERSION.flight_sw_version.
 _STAGES = {0: "dev", 64: "alpha", 128: "beta", 192: "rc", 255: ""}
 
 
 @dataclass(frozen=True, order=True)
 class Version:
-    """A version, ordered by its numbers; `stage` is dev, alpha, beta, rc, or empty for a release.
+    """A version, ordered by numbers; `stage`: dev, alpha, beta, rc, or empty.
 
     >>> str(Version.parsed("v4.6.2")), Version.parsed("1.18-beta1") > Version(1, 17, 3)
     ('4.6.2', True)
@@ -25,10 +25,10 @@ class Version:
 
     @classmethod
     def parsed(cls, text: str) -> "Version":
-        """Parse a version as users write it.
+        """Parse a version.
 
         Raises:
-            BadInput: it is not a version.
+            BadInput: it is none.
         """
         match = _WRITTEN.fullmatch(text.strip())
         if match is None:
@@ -39,7 +39,7 @@ class Version:
 
     @classmethod
     def said(cls, flight_sw_version: int) -> "Version | None":
-        """Return the version in AUTOPILOT_VERSION; None if it has none."""
+        """Return AUTOPILOT_VERSION's version, if any."""
         major, minor, patch, stage = flight_sw_version.to_bytes(4, "big")
         return cls(major, minor, patch, _STAGES.get(stage, "")) if flight_sw_version else None
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from ipoa_mission.mission.commands import Command
 
-#: Cameras, mounts, servos, messages: no effect on the path.
+#: Cameras, mounts, servos, messages.
 EQUIPMENT = frozenset({
     Command.NAV_ROI, Command.DO_SET_RELAY, Command.DO_REPEAT_RELAY, Command.DO_SET_SERVO, Command.DO_REPEAT_SERVO,
     Command.DO_SET_ACTUATOR, Command.DO_SET_ROI_LOCATION, Command.DO_SET_ROI_WPNEXT_OFFSET, Command.DO_SET_ROI_NONE,
@@ -17,11 +17,10 @@ EQUIPMENT = frozenset({
     Command.IMAGE_STOP_CAPTURE, Command.DO_TRIGGER_CONTROL, Command.VIDEO_START_CAPTURE, Command.VIDEO_STOP_CAPTURE,
     Command.DO_WINCH,
 })  # fmt: skip
-#: Labels of a place in the list, and jumps.
+#: Labels and jumps.
 MARKS = frozenset({
     Command.DO_JUMP, Command.JUMP_TAG, Command.DO_JUMP_TAG, Command.DO_LAND_START, Command.DO_RETURN_PATH_START,
 })  # fmt: skip
-#: Modeled for every vehicle.
 SIMPLE = frozenset({
     Command.NAV_WAYPOINT, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TIME, Command.NAV_RETURN_TO_LAUNCH,
     Command.NAV_LAND, Command.NAV_TAKEOFF, Command.NAV_DELAY, Command.DO_CHANGE_SPEED,
@@ -30,19 +29,17 @@ SIMPLE = frozenset({
 
 @dataclass(frozen=True)
 class WayKnown:
-    """Commands by their effect on one vehicle's path; all others make it unknown."""
+    """Commands by effect; all others make the path unknown."""
 
     flown: Set[int] = SIMPLE
-    """Commands that the model flies."""
     still: Set[int] = EQUIPMENT
-    """Commands that do not move the vehicle."""
+    """Without effect."""
     why: Mapping[int, str] = field(default_factory=dict)
-    """Reasons why a command's path is not modeled."""
     unless: Mapping[int, Callable[[Sequence[float]], bool]] = field(default_factory=dict)
-    """Predicates on the params with which a command does not move the vehicle."""
+    """Predicates on params without effect."""
 
     def why_unknown(self, command: int, params: Sequence[float]) -> str | None:
-        """Return why the path from this item on is unknown; None if it is known."""
+        """Return why the path from here on is unknown."""
         if command in self.flown or command in self.still or command in MARKS:
             return None
         if command in self.unless and self.unless[command](params):

@@ -1,1 +1,1 @@
-"""Learn the differences of one vehicle to the simulated one from logs of its flights."""
+"""Learn one vehicle's differences from the simulated one."""

@@ -1,4 +1,4 @@
-"""Flights to learn from: duration of each item as flown and as forecast, and measurements of the log."""
+"""Flights to learn from: durations as flown and forecast, and measurements."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -24,10 +24,9 @@ NO_HOME = Geodetic(0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """A flight of a mission on a vehicle with its parameters: durations of its items (`visits` of the itinerary).
+    """A flight on a vehicle with its parameters; without a mission it has no items.
 
-    `seconds` (n,) are since the last visit in the log, `scatter` (n,) their standard deviations [s]. A flight without a
-    mission has no items.
+    `seconds` (n,) since the last logged visit, `scatter` (n,) their deviations [s].
     """
 
     name: str
@@ -38,10 +37,7 @@ class Evidence:
     witness: Witness = field(default_factory=Witness)
 
     def energy(self, vehicle: LearnedVehicle) -> float | None:
-        """Return the energy of the mission on this vehicle, in the wind estimated from the lean [Wh].
-
-        Return None where its hover power or the mission's end is unknown.
-        """
+        """Return the mission's energy in the lean's wind [Wh]; None: unknown."""
         if not self.visits or vehicle.hover_power is None:
             return None
         forecast = Forecast(replace(self.mission, vehicle=vehicle), wind=Wind.towards_north_east(*self.witness.wind))
@@ -50,10 +46,10 @@ class Evidence:
         return None if forecast.energy is None else forecast.energy.energy_wh
 
     def forecast(self, vehicle: LearnedVehicle | None) -> Vector:
-        """Return the durations of the items on this vehicle (n,) [s].
+        """Return the items' durations on this vehicle (n,) [s].
 
         Raises:
-            MissionError: the vehicle makes no progress.
+            MissionError: no progress.
         """
         if not self.visits:
             return np.empty(0)
@@ -63,10 +59,10 @@ class Evidence:
 
 
 def evidence_of(name: str, flight: LoggedFlight, mission: Mission | None = None) -> Evidence:
-    """Make evidence of a flight in a log; `mission` where the log has none.
+    """Make evidence of a flight; `mission` where the log has none.
 
     Raises:
-        MissionError: the flown mission is unknown, or the log has too few items.
+        MissionError: the mission is unknown, or has too few items.
     """
     flown = mission or flight.mission
     if flown is None:
@@ -77,10 +73,10 @@ def evidence_of(name: str, flight: LoggedFlight, mission: Mission | None = None)
 
 
 def evidence_between(name: str, mission: Mission, done_s: Mapping[int, float]) -> Evidence:
-    """Make evidence of the times when items of `Mission.items` were done [s since arming], by their index.
+    """Make evidence of the times when items were done [s since arming], by index.
 
     Raises:
-        MissionError: too few of them are known.
+        MissionError: too few are known.
     """
     visits, done, met = [], [], set[int]()
     route = Forecast(mission).itinerary
@@ -100,12 +96,12 @@ def evidence_between(name: str, mission: Mission, done_s: Mapping[int, float]) -
 
 
 def errors(flights: Sequence[Evidence], vehicle: LearnedVehicle | None) -> Vector:
-    """Return forecast minus flown durations (m,) [s], item after item of all flights."""
+    """Return forecast minus flown durations (m,) [s]."""
     return _joined(flight.forecast(vehicle) - flight.seconds for flight in flights)
 
 
 def scatter(flights: Sequence[Evidence]) -> Vector:
-    """Return the standard deviations of `errors` of a correct model (m,) [s]."""
+    """Return the standard deviations of `errors` (m,) [s]."""
     return _joined(flight.scatter for flight in flights)
 
 
@@ -116,9 +112,9 @@ def _joined(parts: Iterable[Vector]) -> Vector:
 def flights_in(
     path: Path, read: Callable[[Autopilot], Mission] | None = None, system: int | None = None
 ) -> tuple[list[Evidence], list[str], str, Autopilot]:
-    """Return the usable flights of a log, remarks, the firmware's version, and the autopilot.
+    """Return the usable flights of a log, remarks, the version, and the autopilot.
 
-    `read` returns the mission for that firmware where the log has none. `system` is the vehicle's system id.
+    `read` returns the mission where the log has none.
 
     Raises:
         BadInput: not a log.

@@ -1,8 +1,7 @@
-"""Fit the parameters of a vehicle by least squares to the durations of items and to the lean.
+"""Fit a vehicle by least squares to item durations and lean.
 
-The prior is the simulated vehicle, with a wide standard deviation (`PRIOR_DEVIATIONS`). A parameter keeps its value if
-the flights do not halve its deviation, or if its interval contains the simulated value. The hover power is the mean of
-the measured ones.
+The prior is the simulated vehicle (`PRIOR_DEVIATIONS`). A parameter stays if the flights do not halve its deviation, or
+its interval contains the simulated value.
 """
 
 import math
@@ -21,19 +20,19 @@ from ipoa_mission.logs.learn.witness import hover_power
 from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.learned import Learned, LearnedVehicle
 
-NINE_IN_TEN = 1.645  # standard deviations on either side
-KNOWN_SHARE = 0.5  # greatest share of the prior deviation: above it a parameter is unknown
-#: Standard deviations of the prior: of logarithms, and of delays [s]; and the steps of the slopes.
+NINE_IN_TEN = 1.645  # standard deviations
+KNOWN_SHARE = 0.5  # of the prior deviation
+#: Of logarithms, and of delays [s]; also the slopes' steps.
 PRIOR_DEVIATIONS = {"drag": 0.7, "lag": 0.7, "lift_delay": 1.5, "landing_delay": 4.0}
 STEPS = {"drag": 0.1, "lag": 0.2, "lift_delay": 0.2, "landing_delay": 0.2}
 LOGARITHMIC = frozenset({"drag", "lag"})
 
 
 def fit(flights: Sequence[Evidence]) -> LearnedVehicle:
-    """Return the vehicle of these flights, all of one autopilot; unknown parameters are None.
+    """Return the vehicle of these flights; unknown parameters are None.
 
     Raises:
-        MissionError: the flights determine none of them.
+        MissionError: all are.
     """
     autopilot = flights[0].mission.autopilot
     blank = LearnedVehicle(autopilot, flights=len(flights))
@@ -65,7 +64,7 @@ def _number(autopilot: Autopilot, name: str, change: float) -> float:
 
 
 def _solve(flights: Sequence[Evidence], blank: LearnedVehicle, names: Sequence[str]) -> tuple[Vector, Vector]:
-    """Return the changes of these parameters (k,) that fit best, and their standard deviations (k,)."""
+    """Return the best changes (k,) and their standard deviations (k,)."""
     deviations, prior = scatter(flights), np.array([PRIOR_DEVIATIONS[name] for name in names])
     leaned = [flight.witness.leaned for flight in flights if flight.witness.leaned and "drag" in names]
     drags = np.array(leaned).reshape(-1, 2)

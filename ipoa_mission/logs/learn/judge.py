@@ -13,10 +13,7 @@ from ipoa_mission.vehicles.learned import LearnedVehicle
 
 @dataclass(frozen=True)
 class LeftOut:
-    """A flight forecast without learning from it: seconds flown, by the simulated and by the learned vehicle.
-
-    Energy [Wh] as measured and as forecast; None where unknown.
-    """
+    """A flight [s]: flown, by the simulated vehicle, by that of the others; energy [Wh]."""
 
     name: str
     flown_s: float
@@ -27,7 +24,7 @@ class LeftOut:
 
 
 def left_out(flights: Sequence[Evidence]) -> tuple[LeftOut, ...]:
-    """Forecast each flight with the vehicle of all others; with the simulated one where they determine none.
+    """Forecast each flight with the vehicle of the others, or the simulated one.
 
     Raises:
         MissionError: fewer than two flights.
@@ -56,7 +53,7 @@ def _timed(one: Evidence, vehicle: LearnedVehicle) -> LeftOut:
 
 
 def median_errors(judged: Sequence[LeftOut]) -> tuple[float, float]:
-    """Return the median error of a flight's time before and after, as a share; 0 without a time."""
+    """Return the median relative error of times before and after."""
     flown = [one for one in judged if one.flown_s]
     before = [abs(one.before_s / one.flown_s - 1) for one in flown]
     after = [abs(one.after_s / one.flown_s - 1) for one in flown]
@@ -64,6 +61,6 @@ def median_errors(judged: Sequence[LeftOut]) -> tuple[float, float]:
 
 
 def energy_error(judged: Sequence[LeftOut]) -> float | None:
-    """Return the median error of a flight's energy as a share of the measured one; None without a forecast."""
+    """Return the median relative error of energy; None: no forecast."""
     shares = [abs(one.forecast_wh / one.energy_wh - 1) for one in judged if one.energy_wh and one.forecast_wh]
     return float(np.median(shares)) if shares else None

@@ -1,7 +1,7 @@
-"""Estimate drag and wind from the lean in level flight; no top speed and no calm is needed.
+"""Drag and wind from the lean in steady flight.
 
-A steady lean balances the drag: g tan(lean) minus the acceleration is the model's drag times a factor, at the velocity
-minus the wind. Factor, wind and a tilt of the attitude are fitted to a whole flight.
+g tan(lean) minus acceleration is the model's drag at airspeed times a factor. Factor, wind and attitude tilt are
+fitted.
 """
 
 from dataclasses import dataclass
@@ -20,25 +20,22 @@ SAMPLE_STEP_S, SMOOTHED_SAMPLES, CORRELATED_SAMPLES = (
     0.2,
     5,
     10,
-)  # distance of samples [s], averaged samples, samples for one independent one
-MAX_GAP_S = 2.0  # longest time between two attitudes [s]
-STEADY_LIMIT = 1.0  # greatest climb [m/s] and acceleration [m/s^2]
+)  # of samples [s], averaged, correlated
+MAX_GAP_S = 2.0  # between attitudes [s]
+STEADY_LIMIT = 1.0  # climb [m/s] and acceleration [m/s^2]
 MIN_SPEED, MIN_TIME_S = (
     2.5,
     5.0,
-)  # least speed [m/s], below which drag is within the error of the lean, and least time above it [s]
-HEIGHT_SHARE = 0.6  # share of the greatest height; the wind below it differs
-MODEL_DEVIATION = 0.05  # standard deviation of ln drag from flight to flight: drag is not exactly proportional
-#: Standard deviations of the prior: ln drag, wind north and east [m/s], tilt ahead and right [m/s^2].
+)  # slower, drag is within the lean's error [m/s]; time above [s]
+HEIGHT_SHARE = 0.6  # of the greatest height; wind differs below
+MODEL_DEVIATION = 0.05  # of ln drag from flight to flight
+#: ln drag, wind north and east [m/s], tilt ahead and right [m/s^2].
 PRIOR_DEVIATIONS = np.array([0.7, 3.0, 3.0, 0.2, 0.2])
 
 
 @dataclass(frozen=True)
 class Leaned:
-    """The logarithm of the drag over the simulated vehicle's, and its standard deviation.
-
-    The wind is towards north and east, with its standard deviation [m/s].
-    """
+    """ln of drag over the simulated, wind towards north and east [m/s], with deviations."""
 
     drag: float
     deviation: float
@@ -47,18 +44,16 @@ class Leaned:
 
 
 def drag_by_lean(attitude: Points, track: LoggedTrack, autopilot: Autopilot) -> Leaned:
-    """Estimate drag and wind from the lean.
-
-    `attitude` (n, 4) is as in `Measured`.
+    """Estimate from `Measured` attitudes (n, 4).
 
     Raises:
-        MissionError: there are no attitudes, or too little fast level flight.
+        MissionError: no attitudes, or too little fast level flight.
     """
     if len(attitude) < 2 or np.ptp(attitude[:, 0]) < MIN_TIME_S:
         raise LogUseless("it has no attitudes")
     times = np.arange(attitude[0, 0], attitude[-1, 0], SAMPLE_STEP_S)
     angles = np.column_stack([np.interp(times, attitude[:, 0], np.unwrap(angle)) for angle in attitude[:, :0:-1].T])
-    axes = Rotation.from_euler("ZYX", angles).as_matrix()  # columns ahead, right and down, each north, east, down
+    axes = Rotation.from_euler("ZYX", angles).as_matrix()  # columns ahead, right, down
     heights, velocity = track.at(times)
     gained = _smoothed(np.gradient(velocity[:, :2], SAMPLE_STEP_S, axis=0))
     pull = _smoothed(-GRAVITY * axes[:, :2, 2] / axes[:, 2, 2, None])

@@ -1,4 +1,4 @@
-"""The track of a logged flight, as arrays over the time since arming."""
+"""A logged flight's track as arrays over time since arming."""
 
 from dataclasses import dataclass
 
@@ -9,13 +9,13 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.link.telemetry import Position
 from ipoa_mission.logs.flight_log import LoggedFlight
 
-AIRBORNE_HEIGHT = 2.0  # above home [m]: outside the ground effect
-MAX_TIME_S = 86_400.0  # of a flight
+AIRBORNE_HEIGHT = 2.0  # beyond the ground effect [m]
+MAX_TIME_S = 86_400.0  # [s]
 
 
 @dataclass(frozen=True, eq=False)
 class LoggedTrack:
-    """Times (n,) [s], heights above home (n,) [m], velocity north, east, down (n, 3) [m/s]; home's altitude [m]."""
+    """Times (n,) [s], heights above home (n,) [m], velocity north, east, down (n, 3) [m/s]."""
 
     times: Vector
     heights: Vector
@@ -28,10 +28,10 @@ class LoggedTrack:
 
 
 def logged_track(flight: LoggedFlight) -> LoggedTrack:
-    """Return the track of a logged flight.
+    """Return the track.
 
     Raises:
-        MissionError: it has no positions, or its clock is wrong.
+        MissionError: no positions, or a wrong clock.
     """
     places = (place for place in flight.messages if isinstance(place, Position))
     rows = np.array([(p.time_s - flight.armed_s, p.height, *p.velocity, p.altitude - p.height) for p in places])

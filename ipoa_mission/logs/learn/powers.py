@@ -1,7 +1,6 @@
-"""Fit the power of a vehicle by airspeed and climb to its measured battery power.
+"""Fit power by airspeed and climb to battery power.
 
-The prior: level flight takes the hover power, give or take half of it at 10 m/s. A climb takes a tenth of it for each
-m/s. The wind is that of the lean, or none.
+Prior: level flight takes hover power, within half of it at 10 m/s; each m/s of climb a tenth.
 """
 
 from collections.abc import Sequence
@@ -18,27 +17,27 @@ from ipoa_mission.vehicles.energy.curve import PowerCurve
 from ipoa_mission.vehicles.learned import Learned
 
 NAMES = ("hover_power", "square_power", "cube_power", "climb_power", "descent_power")
-REFERENCE_SPEED = 10.0  # m/s: where the prior deviations of the square and the cube apply
-#: Prior of each coefficient as a share of the hover power, and its standard deviation.
+REFERENCE_SPEED = 10.0  # of the prior deviations [m/s]
+#: Shares of the hover power, and their deviations.
 PRIOR, PRIOR_DEVIATIONS = (
     np.array([1.0, 0.0, 0.0, 0.1, 0.0]),
     np.array([10.0, 0.5 / REFERENCE_SPEED**2, 0.5 / REFERENCE_SPEED**3, 0.1, 0.05]),
 )
-CORRELATED_S = 5.0  # correlated seconds for one independent one
-MIN_TIME_S = 20.0  # least time aloft at this speed
+CORRELATED_S = 5.0  # for one independent second
+MIN_TIME_S = 20.0  # aloft [s]
 MIN_SPEED = 4.0  # [m/s]
-SPEED_PERCENTILE = 98.0  # percentile of the airspeed up to which the power is known
-BLOCK_S = 30  # of one flight, forecast from the rest of it
-MIN_FLIGHTS = 3  # flights from which each is forecast from the others
-MIN_DEVIATION = 0.05  # least deviation of a flight: packs, payloads and days differ
-MIN_DEVIATION_FAST = 0.1  # the same for flights never slow through the air, as of a hover in wind
-NINE_IN_TEN = 0.95  # quantile of the upper end
+SPEED_PERCENTILE = 98.0  # up to which power is known
+BLOCK_S = 30  # forecast from the rest [s]
+MIN_FLIGHTS = 3  # to forecast each from the others
+MIN_DEVIATION = 0.05  # packs, payloads and days differ
+MIN_DEVIATION_FAST = 0.1  # without slow flight, as a hover in wind
+NINE_IN_TEN = 0.95  # upper quantile
 MANY_FLIGHTS = 1.645
 
 
 @dataclass(frozen=True, eq=False)
 class PowerSeconds:
-    """A flight by second: battery power [W], airspeed and climb [m/s], whether it is aloft, (n,)."""
+    """A flight by second (n,): power [W], airspeed and climb [m/s], aloft."""
 
     watts: Vector
     airspeed: Vector
@@ -47,7 +46,7 @@ class PowerSeconds:
 
     @classmethod
     def of(cls, times: Vector, watts: Vector, track: LoggedTrack, wind: tuple[float, float]) -> "PowerSeconds":
-        """Make seconds of measured powers (n,) [W] at times (n,) [s], in a wind towards north and east [m/s]."""
+        """Make seconds of powers [W] at times [s] (n,), in a wind towards north and east [m/s]."""
         heights, velocity = track.at(times)
         seconds = np.floor(times - times[0]).astype(int)
         counted = np.bincount(seconds)
@@ -68,9 +67,9 @@ class PowerSeconds:
 
 
 def learned_powers(flights: Sequence[PowerSeconds]) -> dict[str, Learned]:
-    """Return the coefficients of a vehicle's power with intervals; none where the flights do not determine them.
+    """Return the determined coefficients with intervals.
 
-    `energy_ratio` is the ratio of each flight, or each half minute of a single one, to the forecast from the others.
+    `energy_ratio`: measured over forecast, of each flight or half minute, from the others.
     """
     flights = [flight.flown for flight in flights]
     if not flights:
@@ -103,10 +102,10 @@ def _columns(seconds: PowerSeconds) -> Points:
 
 
 def _fit(seconds: PowerSeconds) -> tuple[Vector, Vector]:
-    """Return the coefficients (5,) in the order of `NAMES`, and their standard deviations."""
+    """Return the coefficients (5,) of `NAMES`, and their deviations."""
     columns, watts = _columns(seconds), seconds.watts
     hover = max(float(np.median(watts)), 1.0)
-    least = np.array([0.0, -np.inf, 0.0, -np.inf, -np.inf])  # hovering and drag take power
+    least = np.array([0.0, -np.inf, 0.0, -np.inf, -np.inf])  # physical bounds
     noise = 0.05 * hover
     for _ in range(3):
         weight = 1.0 / noise / np.sqrt(CORRELATED_S)
@@ -118,7 +117,7 @@ def _fit(seconds: PowerSeconds) -> tuple[Vector, Vector]:
 
 
 def _ratio(flights: Sequence[PowerSeconds], seen_slow: bool) -> Learned:
-    """Return the interval of measured to forecast energy, each part forecast from the rest."""
+    """Return the interval of measured over forecast energy."""
     least = MIN_DEVIATION if seen_slow else MIN_DEVIATION_FAST
     parts = list(flights) if len(flights) >= MIN_FLIGHTS else [part for flight in flights for part in _blocks(flight)]
     shares = []

@@ -1,5 +1,3 @@
-"""Read and write `vehicle.toml`, a learned vehicle."""
-
 import tomllib
 from dataclasses import fields
 from pathlib import Path
@@ -36,11 +34,11 @@ LIMITS = {
     "energy_ratio": 5.0,
 }
 LIMITS |= {name: 100_000.0 for name in POWERS if name not in LIMITS}
-MAX_BYTES = 100_000  # bytes of a file
+MAX_BYTES = 100_000
 
 
 def write_vehicle(vehicle: LearnedVehicle) -> str:
-    """Return the text of the file.
+    """Return the file's text.
 
     >>> print(write_vehicle(LearnedVehicle(Autopilot.PX4, drag=Learned(1.6, 1.5, 1.7), flights=4)))
     autopilot = "px4"
@@ -64,10 +62,10 @@ def write_vehicle(vehicle: LearnedVehicle) -> str:
 
 
 def read_vehicle(path: Path, autopilot: Autopilot | None = None) -> LearnedVehicle:
-    """Read a vehicle from a file, of this autopilot if given.
+    """Read a vehicle, of this autopilot if given.
 
     Raises:
-        BadInput: the file cannot be read, or differs from the format of `write_vehicle`; with the place.
+        BadInput: not readable, or not in the format of `write_vehicle`.
     """
     text = read_bytes(path, MAX_BYTES + 1)
     if len(text) > MAX_BYTES:

@@ -1,4 +1,4 @@
-"""Evaluate the measurements of a flight in a log: hover power, energy, and drag from the lean."""
+"""Measurements of a logged flight: hover power, energy, drag from the lean."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -17,20 +17,19 @@ MAX_HOVER_SPEED, MAX_HOVER_CLIMB, MIN_HOVER_S = (
     2.0,
     0.3,
     3.0,
-)  # of a hover: greatest horizontal and vertical speed [m/s], and least time [s]
+)  # of a hover [m/s, m/s, s]
 SECONDS_AN_HOUR = 3600.0
-MAX_WIND_DEVIATION = 1.0  # [m/s]: a wind with a greater deviation is ignored
-MEASURED_SHARE = 0.95  # least share of a flight with measured power
-NINE_IN_TEN = 0.95  # quantile of the upper end
-MAX_DEVIATION = 0.25  # greatest deviation of a hover power, as a share of it
+MAX_WIND_DEVIATION = 1.0  # [m/s]
+MEASURED_SHARE = 0.95  # of a flight
+NINE_IN_TEN = 0.95  # upper quantile
+MAX_DEVIATION = 0.25  # of a hover power
 
 
 @dataclass(frozen=True)
 class Witness:
-    """Measurements of a flight; None where the log has none, with `reasons` by the vehicle's parameter.
+    """Measurements; None with `reasons` by the vehicle's parameter.
 
-    `leaned`: the logarithm of the drag over the simulated vehicle's, and its standard deviation. `wind`: towards north
-    and east from the lean [m/s], if known.
+    `leaned`: ln of drag over the simulated, and its deviation. `wind`: towards north and east [m/s].
     """
 
     leaned: tuple[float, float] | None = None
@@ -77,7 +76,7 @@ def _in_hover(times: np.ndarray, watts: np.ndarray, track: LoggedTrack) -> float
 
 
 def hover_power(flights: Sequence[Witness]) -> Learned | None:
-    """Return the mean over flights [W] with its interval; None where unknown, as from a single flight.
+    """Return the mean over flights [W] with its interval; None: unknown.
 
     >>> power = hover_power([Witness(hover_w=watts) for watts in (264.0, 266.0, 268.0)])
     >>> round(power.low), power.value, round(power.high)

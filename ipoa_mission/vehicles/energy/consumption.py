@@ -1,5 +1,3 @@
-"""Energy of a flight along a track, and the required battery with its reserve."""
-
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -12,7 +10,7 @@ from ipoa_mission.vehicles.energy.power import PowerModel, air_density, power
 from ipoa_mission.wind import CALM, Wind
 
 JOULES_PER_WATT_HOUR = 3600.0
-LIFTED_DISTANCE = 0.1  # farther from the first place the vehicle has left the ground [m]
+LIFTED_DISTANCE = 0.1  # from the first place to lift-off [m]
 
 
 class NotEnoughBattery(MissionError):
@@ -20,7 +18,7 @@ class NotEnoughBattery(MissionError):
 
 
 class Interval(NamedTuple):
-    """A value with its 90 % interval, from `low` to `high`."""
+    """A value with its 90 % interval."""
 
     low: float
     likely: float
@@ -32,7 +30,7 @@ class Interval(NamedTuple):
 
 @dataclass(frozen=True)
 class Battery:
-    """A battery: full capacity [Wh], and the share to keep after landing."""
+    """Full capacity [Wh], and the share to keep after landing."""
 
     capacity_wh: float
     reserve: float = 0.2
@@ -52,9 +50,9 @@ class Battery:
 
 @dataclass(frozen=True, eq=False)
 class Consumption:
-    """Power of a flight: the spans between `times` (n,) [s] draw `spans_w` (n-1,) [W].
+    """The spans between `times` (n,) [s] draw `spans_w` (n-1,) [W], with a 90 % interval.
 
-    `least_w` to `most_w` (n-1,) [W] is the 90 % interval; both are `spans_w` if the uncertainty is unknown.
+    `least_w` and `most_w` are `spans_w` if the uncertainty is unknown.
     """
 
     times: Vector
@@ -96,11 +94,10 @@ class Consumption:
         return low, likely, high
 
     def widened(self, low: float, high: float) -> "Consumption":
-        """Return a copy with its least power times `low` and its greatest times `high`."""
         return replace(self, least_w=self.least_w * low, most_w=self.most_w * high)
 
     def lasting(self, least_s: float, most_s: float) -> "Consumption":
-        """Return a copy for a flight of this duration interval [s]: uncertainties of power and time combined."""
+        """Return a copy for this duration interval [s]: both uncertainties combined."""
         lasts, taken = float(self.times[-1] - self.times[0]), self.between
         below, above = 1.0 - taken.low / taken.likely, taken.high / taken.likely - 1.0
         earlier, later = max(1.0 - least_s / lasts, 0.0), max(most_s / lasts - 1.0, 0.0)
@@ -108,7 +105,7 @@ class Consumption:
         return self.widened(low, (1.0 + np.hypot(above, later)) / (1.0 + above))
 
     def left(self, battery: Battery) -> float:
-        """Return the share of the battery left after the flight; negative if it is too small."""
+        """Return the share left after the flight; may be negative."""
         return 1 - self.energy_wh / battery.capacity_wh
 
 
@@ -124,10 +121,9 @@ def consumption(
 ) -> Consumption:
     """Compute the consumption of a track: `times` (n,) [s], `points` (n, 3) [m], `speeds` (n,) [m/s].
 
-    Points are east, north, up; speeds are over ground, including climb. `altitude_amsl` is the altitude of up = 0 [m],
-    for the air density. `head_wind` [m/s] adds to `wind` against the whole flight, including hover. Acceleration costs
-    kinetic energy; deceleration returns none. Speeds are given because positions of predictions and logs have small
-    jumps, and power grows with speed cubed. `hover_w` scales all power to the hover power measured at up = 0 [W].
+    Points are east, north, up; speeds over ground, with climb: derived from positions they would jump. `altitude_amsl`
+    [m] is that of up = 0. `head_wind` [m/s] adds to `wind`, also in hover. Deceleration returns no energy. `hover_w`
+    scales all power to the hover power measured at up = 0 [W].
 
     Raises:
         BadInput: the times do not increase, or the lengths differ.
@@ -147,7 +143,7 @@ def consumption(
 def by_curve(
     curve: PowerCurve, times: Vector, points: Points, speeds: Vector, wind: Wind = CALM, head_wind: float = 0.0
 ) -> Consumption:
-    """Compute the consumption by a measured power curve, from lift-off to touchdown.
+    """Compute the consumption by a measured curve.
 
     Raises:
         BadInput: as `consumption`.
@@ -159,7 +155,7 @@ def by_curve(
 
 
 def hovering(hover_w: float, times: Vector, points: Points, speeds: Vector) -> Consumption:
-    """Compute the consumption of a vehicle with only its hover power known [W].
+    """Compute the consumption from the hover power [W] alone.
 
     >>> east = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [40.0, 0.0, 0.0]])
     >>> hovering(180.0, np.array([0.0, 4.0, 24.0]), east, np.zeros(3)).energy_wh
@@ -172,10 +168,7 @@ def hovering(hover_w: float, times: Vector, points: Points, speeds: Vector) -> C
 
 
 def _flies(points: Points) -> Vector:
-    """Return 1 for the spans (n-1,) between leaving the first place and reaching the last, else 0.
-
-    A vehicle that never moves hovers: all 1.
-    """
+    """Return 1 for spans (n-1,) in the air, else 0; all 1 for a vehicle that never moves."""
     away = np.linalg.norm(points - points[0], axis=1) > LIFTED_DISTANCE
     ahead = np.linalg.norm(points - points[-1], axis=1) > LIFTED_DISTANCE
     if not away.any():
@@ -185,7 +178,7 @@ def _flies(points: Points) -> Vector:
 
 
 def _through_air(times: Vector, points: Points, speeds: Vector, wind: Wind) -> tuple[Vector, Vector]:
-    """Return airspeeds and climb rates of the spans between samples, (n-1,) [m/s]."""
+    """Return airspeeds and climb rates, (n-1,) [m/s]."""
     moved = np.diff(points, axis=0)
     climb, speed = moved[:, 2] / np.diff(times), (speeds[:-1] + speeds[1:]) / 2
     level = np.sqrt(np.maximum(speed**2 - climb**2, 0.0))
@@ -205,10 +198,7 @@ def _lasting(times: Vector, points: Points, speeds: Vector) -> tuple[Vector, Poi
 
 
 def shortage(used: Interval, battery: Battery) -> NotEnoughBattery | None:
-    """Return the refusal of a flight that uses this energy [Wh]; None if the battery suffices.
-
-    It suffices if the likely energy leaves the reserve and the upper bound leaves at least nothing.
-    """
+    """Return the refusal of this energy [Wh]: its likely value must leave the reserve, its bound nothing less than 0."""
     left, most = (1 - taken / battery.capacity_wh for taken in (used.likely, used.high))
     rounding = 1e-9
     if left >= battery.reserve - rounding and most >= -rounding:

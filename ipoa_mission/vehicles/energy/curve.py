@@ -1,4 +1,4 @@
-"""A vehicle's power by airspeed and climb, fitted to its battery logs by `learn`."""
+"""Power by airspeed and climb, fitted to battery logs."""
 
 from dataclasses import dataclass
 
@@ -9,10 +9,10 @@ from ipoa_mission.geometry import Vector
 
 @dataclass(frozen=True)
 class PowerCurve:
-    """Power [W] = hover + square v^2 + cube v^3 + climb w, or + descent w while it descends at w.
+    """Power [W] = hover + square v^2 + cube v^3 + climb w, or + descent w in a descent.
 
-    v is the airspeed, measured up to `fastest` [m/s]. The square term covers lean and translational lift and may be
-    negative. The cube term covers drag and is not negative.
+    v is the airspeed, measured up to `fastest` [m/s]. The square term may be negative (translational lift), the cube
+    term not (drag).
     """
 
     hover_w: float
@@ -23,7 +23,6 @@ class PowerCurve:
     fastest: float = np.inf
 
     def level(self, airspeed: Vector) -> Vector:
-        """Compute level-flight power at airspeeds (n,) [W]; beyond `fastest` at least its value there."""
         seen = np.minimum(airspeed, self.fastest)
         known = self._level(seen)
         return np.asarray(np.where(airspeed > seen, np.maximum(self._level(airspeed), known), known))
@@ -32,12 +31,11 @@ class PowerCurve:
         return np.asarray(self.hover_w + (self.square_w + self.cube_w * airspeed) * airspeed**2)
 
     def power(self, airspeed: Vector, climb: Vector) -> Vector:
-        """Compute power at airspeeds and climb rates (n,) [m/s], at least 0 [W]."""
         upright = self.climb_w * np.maximum(climb, 0.0) + self.descent_w * np.maximum(-climb, 0.0)
         return np.asarray(np.maximum(self.level(airspeed) + upright, 0.0))
 
     def beyond(self, airspeed: Vector) -> Vector:
-        """Return the upper bound's factor beyond `fastest` (n,), as if all power were drag."""
+        """Return the upper bound's factor beyond `fastest` (n,): all power is drag."""
         level = self.level(airspeed)
         return np.asarray(self._level(np.minimum(airspeed, self.fastest)) * _cubed(airspeed, self.fastest) / level)
 

@@ -1,15 +1,13 @@
-"""Electrical power of a multirotor by momentum theory: hovering, in forward flight, climbing.
+"""Electrical power of a multirotor by momentum theory.
 
     P = (kappa T v + P_profile + D V + m g w) / eta + P_avionics
 
-T balances weight and drag. The induced speed v is Glauert's for a tilted disc, `v = T / (2 rho A |V + v|)`. P_profile
-turns the blades and follows from the figure of merit in hover. D V is the power of body drag, m g w that of the climb.
-Sources: J. G. Leishman, Principles of Helicopter Aerodynamics, 2nd ed. 2006, sections 2.2-2.8 (hover, figure of merit,
-kappa) and 2.13, 5.3-5.4 (forward flight). With T = m g and no tilt it is the model of Y. Zeng, J. Xu, R. Zhang, IEEE
-Trans. Wireless Commun. 18 (2019) 2329, eq. (12).
+T balances weight and drag; v is Glauert's induced speed, `v = T / (2 rho A |V + v|)`. P_profile follows from the figure
+of merit in hover; D V is body drag, m g w climb. Sources: J. G. Leishman, Principles of Helicopter Aerodynamics, 2nd
+ed. 2006, sections 2.2-2.8, 2.13, 5.3-5.4. With T = m g and no tilt: Y. Zeng, J. Xu, R. Zhang, IEEE Trans. Wireless
+Commun. 18 (2019) 2329, eq. (12).
 
-Not modeled: profile power's growth with the advance ratio (a few per cent below 15 m/s), ground effect, vortex ring
-state. Descent needs the power of level flight.
+Not modeled: advance ratio in the profile power, ground effect, vortex ring state. Descent needs level power.
 """
 
 from dataclasses import dataclass
@@ -19,15 +17,15 @@ import numpy as np
 from ipoa_mission.errors import BadInput
 from ipoa_mission.geometry import GRAVITY, Vector
 
-KAPPA = 1.15  # induced over ideal power, for uneven inflow and tip losses (Leishman, section 2.8)
+KAPPA = 1.15  # induced over ideal power (Leishman, section 2.8)
 
 
 @dataclass(frozen=True)
 class PowerModel:
-    """Power properties of a multirotor: take-off mass [kg], area of all rotor discs [m^2], drag area C_D A [m^2].
+    """Take-off mass [kg], area of all rotor discs [m^2], drag area C_D A [m^2].
 
-    `figure_of_merit`: ideal over real rotor power in hover. `drive_efficiency`: of motors and speed controllers.
-    `avionics_w`: all other power [W].
+    `figure_of_merit`: ideal over real rotor power in hover. `drive_efficiency`: of motors and ESCs. `avionics_w`: all
+    else [W].
     """
 
     mass_kg: float
@@ -50,17 +48,17 @@ class PowerModel:
 
 
 def air_density(altitude_amsl: Vector) -> Vector:
-    """Compute the density of the ICAO standard atmosphere below 11 km [kg/m^3] at altitudes (n,) [m]."""
+    """Compute the ICAO standard density [kg/m^3] at altitudes (n,) below 11 km [m]."""
     return np.asarray(1.225 * (1 - 2.25577e-5 * np.asarray(altitude_amsl, float)) ** 4.25588)
 
 
 def power(airframe: PowerModel, airspeed: Vector, climb: Vector, density: Vector) -> Vector:
-    """Compute electrical power [W] at level airspeeds and climb rates [m/s] in air of a density [kg/m^3], each (n,)."""
+    """Compute electrical power [W]; airspeed and climb [m/s], density [kg/m^3], each (n,)."""
     weight = airframe.mass_kg * GRAVITY
     rising = np.maximum(climb, 0.0)
     drag = 0.5 * density * airframe.drag_area * airspeed**2
     thrust = np.hypot(weight, drag)
-    # The disc tilts by asin(drag / thrust), so the flow has an axial part.
+    # the disc tilts by asin(drag / thrust)
     along = (airspeed * drag + rising * weight) / thrust
     across = np.sqrt(np.maximum(airspeed**2 + rising**2 - along**2, 0.0))
     induced = induced_speed(thrust, along, across, 2 * density * airframe.disc_area)
@@ -71,9 +69,9 @@ def power(airframe: PowerModel, airspeed: Vector, climb: Vector, density: Vector
 
 
 def induced_speed(thrust: Vector, along: Vector, across: Vector, twice_density_area: Vector) -> Vector:
-    """Solve Glauert's v sqrt(across^2 + (along + v)^2) = T / (2 rho A) for the induced speed [m/s] by Newton's method.
+    """Solve v sqrt(across^2 + (along + v)^2) = T / (2 rho A) for v [m/s] by Newton's method.
 
-    The left side is increasing and convex for v, along >= 0, so Newton converges from above.
+    For v, along >= 0 it is convex, so Newton converges from above.
     """
     hover_squared = thrust / twice_density_area
     v = np.sqrt(hover_squared)

@@ -1,8 +1,4 @@
-"""PX4's measured law of deviations; docs/lab/kept.md lists the flights.
-
-Deviation does not depend on speed: at 1.5 m/s it is as large as at 9 m/s. Its cause is the error of the estimated
-position.
-"""
+"""PX4's measured deviations (docs/lab/kept.md): errors of the position estimate, at any speed."""
 
 from ipoa_mission.forecast.deviation.law import DeviationLaw
 from ipoa_mission.forecast.deviation.quantiles import Quantiles
@@ -22,5 +18,5 @@ LAW = DeviationLaw(
     height_memory=10.0,
     growth=(0.1, 0.03, 0.1),
     source="PX4 1.17 in its simulator (SIH): 92 flights of 21 missions, 1.5 to 18 m/s, and 22 in wind, by true place",
-    strongest=6.0,  # drag leaves the simulated vehicle 9.8 m/s, so it makes little headway beyond
+    strongest=6.0,  # drag limits the simulated vehicle to 9.8 m/s
 )

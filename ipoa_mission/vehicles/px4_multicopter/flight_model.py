@@ -1,5 +1,3 @@
-"""PX4's flight model."""
-
 from collections.abc import Mapping
 from typing import ClassVar
 
@@ -17,11 +15,11 @@ from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 from ipoa_mission.vehicles.px4_multicopter.timing import STEP, Flights, fly_aborted, fly_px4
 from ipoa_mission.wind import Wind
 
-RUNS = 8  # with noise; the same seeds in every forecast
+RUNS = 8  # with noise; always the same seeds
 
 
 class Px4Model(FlightModel):
-    """PX4 in its SIH simulator; flown many times with noise unless its position is `sure`."""
+    """PX4 in SIH; flown with noise unless `sure`."""
 
     scatter = (0.7, 0.02, 2.0)
     simulated: ClassVar[Mapping[str, float]] = {"drag": 1.0, "lag": SIH.lag, "lift_delay": 0.0, "landing_delay": 0.0}

@@ -1,4 +1,4 @@
-"""PX4's measured behavior on a link, for the built-in autopilot."""
+"""PX4's measured behavior on a link."""
 
 from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.messages import CommandResult, MissionType

@@ -1,4 +1,4 @@
-"""PX4's answer to one item of an uploaded list, read in its source."""
+"""PX4's answer to an uploaded item, read in its source."""
 
 import math
 from collections.abc import Container, Sequence
@@ -41,7 +41,7 @@ def refused_in_rally(firmware: Firmware, command: int, frame: int, values: Seque
 def _of_a_list(
     firmware: Firmware, commands: Container[int], command: int, frame: int, values: Sequence[float]
 ) -> Refused | None:
-    """Check an item of any list as PX4 does, by the same code."""
+    """Check an item of any list, as in PX4."""
     if frame not in firmware.frames:
         return Refused("UNSUPPORTED_FRAME")
     if wrong := _unused(firmware, command, frame, values):
@@ -54,7 +54,7 @@ def _of_a_list(
 def _unused(firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
     """Return the refusal of the first unused param that is neither 0 nor NaN.
 
-    In a frame with a place an unused latitude or longitude must be NaN: 0 is a place.
+    With a place, unused latitude or longitude must be NaN.
     """
     used = None if firmware.used is None else firmware.used.get(command)
     if used is None:

@@ -1,4 +1,4 @@
-"""The PX4 multicopter plug-in; its model, deviation law and mock profile are imported on demand."""
+"""The PX4 multicopter plug-in; heavy parts are imported on demand."""
 
 import math
 import re
@@ -59,16 +59,16 @@ FIRMWARE = Firmware(
     max_rally_points=32,
     highest_altitude=math.inf,
     nan_holds=True,
-    photo_looks_s=0.05,  # polling interval of camera_trigger
+    photo_looks_s=0.05,  # camera_trigger
     jumps=JumpProfile(at_once=9),
 )
 
 MODES = Modes(
     mission=mode_number(4, 4),
-    arming=mode_number(4, 4),  # armed in mission mode it takes off at once
+    arming=mode_number(4, 4),  # takes off once armed
     hold=mode_number(4, 3),
     returning=mode_number(4, 5),
-    returns=frozenset({mode_number(4, 5)}),  # an RTL item switches to this mode
+    returns=frozenset({mode_number(4, 5)}),  # of an RTL item
     lands=frozenset({mode_number(4, 6)}),
     names={
         mode_number(1): "MANUAL",
@@ -85,7 +85,7 @@ MODES = Modes(
     has_sub_modes=True,
 )
 
-#: Texts of the commander's checks in 1.17, sent only when an arming order is refused.
+#: The commander's checks in 1.17, sent when arming is refused.
 ARMING_WORDS = ArmingWords(
     re.compile(r"Arming denied: |Preflight Fail: "),
     re.compile(
@@ -143,14 +143,14 @@ class Px4Multicopter(Autopilot):
     station_loss = failsafes.STATION_LOSS
 
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
-        """Return the distance with MPC_ACC_HOR, which it reaches by MPC_JERK_AUTO."""
+        """Return the distance by MPC_ACC_HOR and MPC_JERK_AUTO."""
         import numpy as np
 
         from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 
         limits = px4_limits(parameters)
         brakes, gains = limits.accel, np.clip(accel, 0.0, limits.accel)
-        turns = (gains + brakes) / limits.jerk  # time until full braking [s]
+        turns = (gains + brakes) / limits.jerk  # until full braking [s]
         slowed = np.maximum(speed + (gains - brakes) * turns / 2, 0.0)
         turning = turns * (speed + turns * (gains / 2 - limits.jerk * turns / 6))
         return np.asarray(turning + slowed**2 / (2 * brakes))
@@ -158,7 +158,7 @@ class Px4Multicopter(Autopilot):
     def braking_way(
         self, parameters: Parameters, velocity: "Points", accel: "Points", contingency: Contingency
     ) -> "Points":
-        """Return the displacement to the navigator's stopping point for LAND and hold (preproject_stop_point).
+        """Return the displacement of LAND and hold (preproject_stop_point).
 
         >>> import numpy as np
         >>> Px4Multicopter().braking_way({}, np.array([[6.0, 0.0]]), np.zeros((1, 2)), Contingency.HOLD).round(1)
@@ -174,7 +174,7 @@ class Px4Multicopter(Autopilot):
         return np.asarray(velocity * (speed / (2.0 * px4_limits(parameters).accel) + BRAKES_LATE)[:, None])
 
     def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
-        """Return the stretch from MPC_LAND_ALT1 to MPC_LAND_SPEED at MPC_LAND_ALT2.
+        """Return MPC_LAND_ALT1 to MPC_LAND_SPEED at MPC_LAND_ALT2.
 
         >>> Px4Multicopter().slowed({}, 12.0)
         {'MPC_LAND_ALT1': 22.0, 'MPC_LAND_ALT2': 17.0}
@@ -185,7 +185,7 @@ class Px4Multicopter(Autopilot):
         return SlowStretch(max(p["MPC_LAND_SPEED"], SLOWEST), descent, max(p["MPC_LAND_ALT1"], low), low)
 
     def own_fence(self, parameters: Parameters) -> OwnFence | None:
-        """Return the limits of the fence; a limit of 0 is off. GF_ACTION 0 does nothing, 1 only warns."""
+        """Return the limits other than 0, unless GF_ACTION does nothing (0) or warns (1)."""
         if parameters.get("GF_ACTION", 0.0) <= WARN_ONLY:
             return None
         across, up = (parameters.get(name, 0.0) for name in ("GF_MAX_HOR_DIST", "GF_MAX_VER_DIST"))
@@ -196,7 +196,7 @@ class Px4Multicopter(Autopilot):
         )
 
     def goal_of_return(self, parameters: Parameters, here: Place, rally: Sequence[Place]) -> int | None:
-        """Return the index of RTL's rally point.
+        """Return RTL's rally point.
 
         >>> Px4Multicopter().goal_of_return({}, (100.0, 0.0, 20.0), [(90.0, 0.0, 10.0)])
         0
@@ -219,11 +219,11 @@ class Px4Multicopter(Autopilot):
         return returning.return_route(parameters, here, rally, landing, (version or self.newest).series)
 
     def defaults_of(self, version: Version | None = None) -> Parameters:
-        """NAV_ACC_RAD of multicopters is 10 m from 1.18 on."""
+        """NAV_ACC_RAD is 10 m from 1.18 on."""
         return SINCE_SPLIT if (version or self.newest).series >= SPLITS_AXES else {}
 
     def waypoint_defaults(self, version: Version | None = None) -> WaypointDefaults:
-        """From 1.18 on a waypoint needs a hold to stop, and a radius because the default has grown to 10 m.
+        """From 1.18 on stops need a hold, and the default radius is 10 m.
 
         >>> Px4Multicopter().waypoint_defaults(Version(1, 18))
         WaypointDefaults(hold=0.1, radius=2.0)
@@ -234,7 +234,7 @@ class Px4Multicopter(Autopilot):
         return returning.return_height(parameters, height, distance, goal_up)
 
     def room_to_fences(self, parameters: Parameters, version: Version | None = None) -> float | None:
-        """Return the distance; from 1.19 on.
+        """Return the distance, from 1.19 on.
 
         >>> Px4Multicopter().room_to_fences({}), Px4Multicopter().room_to_fences({"NAV_ACC_RAD": 2.0}, Version(1, 19))
         (None, 4.0)
@@ -242,7 +242,7 @@ class Px4Multicopter(Autopilot):
         return returning.room_to_fences(parameters, (version or self.newest).series)
 
     def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
-        """Return the failsafe actions, read in the source.
+        """Return the actions read in the source.
 
         >>> found = {one.cause: one for one in Px4Multicopter().failsafes({"COM_LOW_BAT_ACT": 3.0})}
         >>> found["critical battery"].route.contingency, found["critical battery"].route.after_s

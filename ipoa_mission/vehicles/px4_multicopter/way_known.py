@@ -1,6 +1,6 @@
-"""PX4's commands by their effect on a multicopter's path, read in 1.17.0 (MissionBlock, Mission, Commander).
+"""Effect of PX4's commands on the path (1.17.0: MissionBlock, Mission, Commander).
 
-LOITER_UNLIM and LOITER_TIME hold at their place; LOITER_TURNS and DO_ORBIT are refused in a mission.
+LOITER_TURNS and DO_ORBIT are refused in a mission.
 """
 
 from ipoa_mission.mission.commands import Command
