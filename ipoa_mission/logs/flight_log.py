@@ -52,13 +52,11 @@ class LoggedFlight:
 
     @property
     def firmware_version(self) -> Version | None:
-        """Return the version, if readable."""
         with suppress(BadInput):
             return Version.parsed(self.version)
         return None
 
     def record(self, mission: Mission | None = None) -> FlightRecord:
-        """Return the record, with the items' times of `mission`."""
         logbook = Logbook(() if mission is None else mission.items, self.autopilot)
         for message in self.messages:
             logbook.note(message)
@@ -203,7 +201,7 @@ class _Known:
 class _Stretch:
     """Messages from arming to disarming; state `at_arming`, and `later` changes."""
 
-    is_whole: bool  # with its arming
+    is_whole: bool
     armed_s: float
     at_arming: _Known
     messages: list[Message]

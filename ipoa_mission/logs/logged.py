@@ -1,5 +1,3 @@
-"""The content of a log of any kind."""
-
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -108,17 +106,12 @@ def item_begun(text: str) -> Current | None:
 
 
 def version_name(flight_sw_version: int) -> str:
-    """Return AUTOPILOT_VERSION in words, like 4.7.0-dev."""
+    """As in 4.7.0-dev."""
     return str(Version.said(flight_sw_version) or "")
 
 
 @dataclass(frozen=True)
 class LogFormat:
-    """Suffix and reader of on-board logs.
-
-    `no_mission`: why it may lack one.
-    """
-
     suffix: str
     read: Callable[[Path], Log]
     no_mission: str

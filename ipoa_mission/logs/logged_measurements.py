@@ -1,5 +1,3 @@
-"""Batteries and attitude of a log."""
-
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
@@ -33,7 +31,6 @@ class Measured:
         return cls(tuple(rows for rows in read if (rows[:, 1] > 0).any()), leaned[sound])
 
     def between(self, begin: float, end: float) -> "Measured":
-        """Return measurements with times since `begin`."""
         batteries = tuple(_cut(battery, begin, end) for battery in self.batteries)
         return Measured(batteries, _cut(self.attitude, begin, end))
 

@@ -62,7 +62,7 @@ class _Gathered:
     said: list[tuple[int, Message]] = field(default_factory=list)
     times: list[tuple[int, float]] = field(default_factory=list)
     state: Heartbeat | None = None
-    ordered: bool | None = None  # to arm or disarm
+    ordered: bool | None = None
     changes: list[tuple[int, bool]] = field(default_factory=list)  # of arming, since the last heartbeat
     unconfirmed: bool = False  # heartbeat still in the old state
     version: str = ""
@@ -101,7 +101,7 @@ def read_telemetry_log(path: Path, system: int | None = None) -> Log:
     if chosen is None:
         raise _not_in(path, kinds, system)
     autopilot = kinds[chosen].autopilot
-    if gathered.state and gathered.changes and not gathered.changes[-1][1]:  # before the next heartbeat
+    if gathered.state and gathered.changes and not gathered.changes[-1][1]:
         _change(gathered, gathered.state.custom_mode, autopilot)
     log = _dated(gathered, growing(stamps), autopilot)
     return replace(log, remarks=(*_others(kinds, chosen), *missing.remarks(chosen), *log.remarks))
@@ -200,7 +200,7 @@ def _beat(gathered: _Gathered, number: int, beat: Heartbeat, autopilot: Autopilo
     before = gathered.state
     if before and gathered.changes and gathered.changes[-1][1] == beat.armed:
         _change(gathered, before.custom_mode, autopilot)
-    elif gathered.unconfirmed:  # by two heartbeats
+    elif gathered.unconfirmed:
         gathered.changes.clear()
     gathered.state, gathered.unconfirmed = beat, bool(gathered.changes)
     if before is None or (before.armed, before.custom_mode) != (beat.armed, beat.custom_mode):

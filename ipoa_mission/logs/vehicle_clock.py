@@ -1,6 +1,6 @@
-"""Time stamps of a log to the autopilot's clock, which may run ten times as fast.
+"""Time stamps of a log to the autopilot's clock.
 
-Times are interpolated between messages with a time, and extrapolated at the ends.
+A simulation may run ten times as fast.
 """
 
 from collections.abc import Sequence
@@ -16,8 +16,6 @@ from ipoa_mission.link.telemetry import Attitude, LocalPosition, Position, Syste
 
 @dataclass(frozen=True)
 class ClockReading:
-    """Tolerances of clock and stamps."""
-
     restarted_s: float = 10.0  # a greater step back is a restart
     pace_s: float = 2.0  # span at each end that gives the rate
     torn_s: float = 60.0  # from its neighbors: damaged
@@ -40,7 +38,6 @@ def vehicle_time(message: Message) -> float | None:
 
 
 def unwrapped(stamps: Vector, times: Vector) -> Vector:
-    """Continue times over restarts."""
     times = times.copy()
     for n in np.flatnonzero(np.diff(times) < -READING.restarted_s):
         times[n + 1 :] += times[n] + (stamps[n + 1] - stamps[n]) - times[n + 1]

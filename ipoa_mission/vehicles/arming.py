@@ -17,7 +17,6 @@ class ArmingWords:
     passing: re.Pattern[str] = NO_MATCH
 
     def reasons(self, words: str) -> tuple[str, ...]:
-        """Split `words` at "; "."""
         return tuple(one for one in words.split("; ") if self.begin.match(one))
 
     def lasting(self, words: str) -> tuple[str, ...]:

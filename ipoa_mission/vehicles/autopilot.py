@@ -1,7 +1,6 @@
 """Base class and registry of vehicle plug-ins.
 
-Higher packages define their own interfaces (flight model, deviation law) and find them by `part`. A new vehicle is a
-folder with one class and a call of `register`.
+A new vehicle is a folder with one class and a call of `register`.
 """
 
 import re
@@ -101,7 +100,6 @@ class Autopilot(ABC):
         return asked.__name__ in self.parts
 
     def firmware(self, version: Version | None = None) -> Firmware:
-        """Return a version's tables; None: the newest measured."""
         return self.tables.of(version or self.newest)
 
     @property
@@ -114,7 +112,6 @@ class Autopilot(ABC):
 
     @property
     def counts_home(self) -> int:
-        """1 if home is item 0, else 0."""
         return int(self.firmware().home_is_item_0)
 
     @abstractmethod
@@ -181,11 +178,10 @@ class Autopilot(ABC):
         return {}
 
     def known_parameters(self, parameters: Parameters, version: Version | None = None) -> Parameters:
-        """Return parameters by their older names, plus the version's own defaults."""
+        """Return parameters by their older names, with the version's own defaults."""
         return {**self.defaults_of(version), **self.book.by_old_names(parameters)}
 
     def complete(self, parameters: Parameters, version: Version | None = None) -> Parameters:
-        """Return all parameters that affect a mission, by their older names."""
         return {**self.book.moving, **self.known_parameters(parameters, version)}
 
     def waypoint_defaults(self, version: Version | None = None) -> WaypointDefaults:
@@ -212,7 +208,7 @@ class Autopilot(ABC):
         return self.measured[-1]
 
     def checked_for(self, version: Version | None) -> str:
-        """Return the assumed firmware in a few words.
+        """Name the assumed firmware.
 
         >>> Autopilot.PX4.checked_for(Version(1, 16))
         'px4 1.16 (not measured)'

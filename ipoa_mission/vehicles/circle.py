@@ -2,7 +2,7 @@ from typing import NamedTuple
 
 
 class FlownCircle(NamedTuple):
-    """A flown circle: `radius` [m], the lag `behind` at its end [rad], the way until it stops [m].
+    """`radius` [m], the lag `behind` at the end [rad], the way it `runs_on` until it stops [m].
 
     `sense`: 1 clockwise, -1 counterclockwise, 0 as in the item.
     """

@@ -22,8 +22,6 @@ class Contingency(StrEnum):
 
 
 class FlightStage(StrEnum):
-    """A mission's stage, which may change the response to a cause."""
-
     TAKEOFF = "take-off"
     ROUTE = "route"
     RETURN = "return"

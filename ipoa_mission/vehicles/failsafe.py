@@ -1,5 +1,3 @@
-"""Failsafe rules as tables, and the actions that parameters select."""
-
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -62,7 +60,6 @@ class FailsafeRule:
         return not self.needs or any(parameters.get(name, usual) > 0.0 for name, usual in self.needs.items())
 
     def answer(self, parameters: Parameters, series: Series) -> FailsafeAction:
-        """Return the action on the route; parameters by their older names."""
         if not self.looks(parameters):
             return replace(GOES_ON, words=f"not checked: needs {' or '.join(self.needs)} above 0")
         value = self.value(parameters)
@@ -94,7 +91,7 @@ class Failsafe:
 
     @property
     def lands_by_choice(self) -> bool:
-        """Return whether it lands on the route where another value would return."""
+        """Return whether it lands although another value would return."""
         return self.route.contingency is Contingency.LAND and self.returns_at is not None
 
     def at(self, stage: FlightStage) -> FailsafeAction:

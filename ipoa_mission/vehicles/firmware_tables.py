@@ -76,7 +76,6 @@ class Firmware:
 
 
 def rows(rows: Mapping[str, str]) -> Mapping[int, str]:
-    """Return the rows by command; unnamed ones are numbers."""
     return {
         int(name) if name.isdigit() else int(Command[name]): row
         for row, names in rows.items()
@@ -113,7 +112,7 @@ class FirmwareTables:
         return tuple(self._tables) or (self._defaults.version.series,)
 
     def of(self, version: Version) -> Firmware:
-        """Return the table of a version's series, of the nearest older one, or the oldest.
+        """Return a series' table, that of the nearest older one, or the oldest.
 
         >>> from ipoa_mission.vehicles.autopilot import Autopilot
         >>> str(Autopilot.PX4.tables.of(Version(1, 16, 2)))

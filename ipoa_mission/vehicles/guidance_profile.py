@@ -1,3 +1,5 @@
+"""Properties of mission execution."""
+
 from collections.abc import Set
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -12,6 +14,8 @@ class WaypointDefaults(NamedTuple):
 
 @dataclass(frozen=True)
 class GuidanceProfile:
+    """Properties of one autopilot's mission mode."""
+
     flown_on_into: Set[int]
     """Entered without a stop after a waypoint, unlike other navigation commands."""
     flies_vtol_items: bool = False
@@ -23,6 +27,7 @@ class GuidanceProfile:
     stops_at_terrain: bool = False
     """Between an altitude over terrain and another frame."""
     flies_splines: bool = False
+    """NAV_SPLINE_WAYPOINT."""
     climbs_where_it_stands: bool = False
     """A take-off is vertical."""
     needs_takeoff: bool = False

@@ -18,7 +18,6 @@ class Kind:
 
     @property
     def autopilot(self) -> Autopilot:
-        """The registered one, else the default."""
         return autopilot_of(self.firmware, self.mav_type) or self._of_its_firmware or default_autopilot()
 
     @property

@@ -9,7 +9,6 @@ from ipoa_mission.vehicles.parameters import Parameters
 
 
 def known_parameters() -> frozenset[str]:
-    """Return the parameters of any autopilot's model, by old and new names."""
     return frozenset(name for one in registered() for name in (*one.book.moving, *one.book.renamed))
 
 
@@ -18,7 +17,7 @@ def known_names() -> frozenset[str]:
 
 
 def expect_own(names: Iterable[str], autopilot: Autopilot) -> None:
-    """Refuse another firmware's parameters; unknown names pass.
+    """Unknown names pass.
 
     Raises:
         BadInput: as `WPNAV_SPEED: expected a parameter of px4, not of ardupilot`.
@@ -51,9 +50,7 @@ def expect_known(names: Iterable[str], autopilot: Autopilot | None = None) -> No
 def translated(
     parameters: Parameters, other: Autopilot, autopilot: Autopilot
 ) -> tuple[dict[str, float], tuple[str, ...]]:
-    """Translate another autopilot's parameters; return remarks.
-
-    Only equal quantities above 0 have a counterpart.
+    """Only equal quantities above 0 have a counterpart; return also remarks.
 
     >>> translated({"RTL_ALT_M": 65.0, "WP_JERK": 2.0}, Autopilot.ARDUPILOT, Autopilot.PX4)[0]
     {'RTL_RETURN_ALT': 65.0}
@@ -74,7 +71,7 @@ def translated(
 
 
 def firmware_of(names: Iterable[str]) -> Autopilot | None:
-    """Return the autopilot of the first known parameter.
+    """Return that of the first known parameter.
 
     >>> firmware_of(["WP_SPD", "BATT_MONITOR"])
     <Autopilot ardupilot>
@@ -83,7 +80,6 @@ def firmware_of(names: Iterable[str]) -> Autopilot | None:
 
 
 def _counterpart(name: str, other: Autopilot, autopilot: Autopilot) -> str:
-    """Return the counterpart, or ""."""
     old = next(iter(other.book.by_old_names({name: 0.0})))
     meaning = next((words for words, theirs in other.book.meanings.items() if theirs == old), "")
     return autopilot.book.meanings.get(meaning, "")

@@ -11,7 +11,7 @@ NO_AIRCRAFT = frozenset({10, 11, 12})
 
 
 def class_name(mav_type: int) -> str:
-    """Return a MAV_TYPE's name.
+    """Name a MAV_TYPE.
 
     >>> class_name(1), class_name(13), class_name(18)
     ('plane', 'multicopter', 'vehicle of MAV_TYPE 18')
@@ -20,7 +20,7 @@ def class_name(mav_type: int) -> str:
 
 
 def with_article(name: str) -> str:
-    """Put "a" or "an" before a name.
+    """Add "a" or "an".
 
     >>> with_article("airship"), with_article("PX4 VTOL")
     ('an airship', 'a PX4 VTOL')

@@ -27,7 +27,6 @@ class Modes:
         return self.names.get(custom_mode, f"mode {custom_mode}")
 
     def does_next(self, custom_mode: int) -> str:
-        """Describe a flying vehicle's next action in this mode."""
         if custom_mode == self.mission:
             return "it continues its mission"
         if custom_mode in self.returns:

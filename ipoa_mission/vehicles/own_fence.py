@@ -1,5 +1,3 @@
-"""The fence around home by a vehicle's own parameters."""
-
 from dataclasses import dataclass
 
 

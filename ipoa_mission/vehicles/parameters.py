@@ -12,7 +12,6 @@ Declared: TypeAlias = tuple[float, int]  # value and type
 
 
 def declared(words: Mapping[int, str]) -> Mapping[str, int]:
-    """Return the MAV_PARAM_TYPE of each parameter."""
     return {name: kind for kind, names in words.items() for name in names.split()}
 
 
@@ -24,7 +23,6 @@ class Quantity:
     unit: float = 1.0
 
     def spelled(self, value: float) -> float:
-        """Convert from m, m/s or s."""
         return value / self.unit
 
 
@@ -64,22 +62,19 @@ class ParameterTable:
         return old | {newer[name][0]: value * newer[name][1] for name, value in parameters.items() if name in newer}
 
     def complete(self, parameters: Parameters) -> dict[str, float]:
-        """Return the parameters with defaults, by their older names."""
         return {**self.moving, **self.by_old_names(parameters)}
 
     def overridden(self, parameters: Parameters, by: Parameters) -> dict[str, float]:
-        """Return the parameters with the values of `by`, under either name."""
         given = self.by_old_names(dict.fromkeys(by, 0.0)).keys()
         kept = {name: value for name, value in parameters.items() if not self.by_old_names({name: 0.0}).keys() & given}
         return kept | dict(by)
 
     def speed_limit(self, parameters: Parameters) -> float:
-        """Return the greatest plausible speed [m/s]: `fastest`, or the vehicle's higher limit."""
+        """Return `fastest`, or the vehicle's higher limit [m/s]."""
         own = 0.0 if self.speed is None else self.by_old_names(parameters).get(self.speed.name, 0.0) * self.speed.unit
         return max(self.fastest, own)
 
     def why_too_fast(self, speed: float, parameters: Parameters) -> str | None:
-        """Return why a speed [m/s] exceeds the limit."""
         limit = self.speed_limit(parameters)
         if not speed > limit:
             return None
@@ -88,7 +83,7 @@ class ParameterTable:
         return f"expected at most {limit:g} m/s{unless}, not {speed:g}{cm}"
 
     def spellings(self, name: str) -> list[tuple[str, float]]:
-        """Return a parameter's other names, each with its units per unit of `name`."""
+        """Return other names, each with its units per unit of `name`."""
         here = [(name, 1.0)]
         if name in self.renamed:
             old, factor = self.renamed[name]

@@ -10,7 +10,7 @@ class ProtocolProfile:
     forgets_at_count: bool = False
     """A transfer deletes the old mission or rally points first; a fence is replaced at its end."""
     judges_later: bool = False
-    """Whether it can fly a mission, after the acknowledgement."""
+    """A transfer deletes the old mission or rally points first; a fence is replaced at once."""
     starts_by_command: bool = False
     """Once armed it waits for MISSION_START."""
     pauses_in_mission: bool = False

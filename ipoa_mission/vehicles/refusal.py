@@ -23,7 +23,6 @@ class Refused:
     words: str = ""
 
 
-#: Checks command, frame, values.
 Refusal: TypeAlias = Callable[[Firmware, int, int, Sequence[float]], Refused | None]
 
 
@@ -37,7 +36,7 @@ class Refusals:
 
 
 def param_name(n: int) -> str:
-    """Return a value's name, from 1.
+    """Name a value, from 1.
 
     >>> param_name(5)
     'latitude'

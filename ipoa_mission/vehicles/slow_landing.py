@@ -16,7 +16,7 @@ ROUNDING = 0.05  # parameters rise by whole metres [m]
 
 @dataclass(frozen=True)
 class SlowedBy:
-    """Parameters of LAND's slow stretch, their unit and documented maximum [m].
+    """LAND's slow stretch, its unit and documented maximum [m].
 
     `decided_by`: all that affect touchdown. `spared_by`: the range finder's.
     """
@@ -28,7 +28,6 @@ class SlowedBy:
     spared_by: str = ""
 
     def raised(self, book: ParameterTable, parameters: Parameters, ground: float) -> Parameters:
-        """Raise the slow stretch by the ground's height above home [m], up to the maximum."""
         p, higher = book.complete(parameters), math.ceil(ground - ROUNDING)
         return {name: round(min(p[name] * self.unit + higher, self.most) / self.unit, 6) for name in self.names}
 
@@ -43,7 +42,6 @@ class SlowStretch:
     ends: float
 
     def touchdown(self, ground: float) -> float:
-        """Return the speed [m/s] on ground above home [m]."""
         share = (ground - self.ends) / max(self.begins - self.ends, 1e-6)
         return self.landing + min(max(share, 0.0), 1.0) * max(self.descent - self.landing, 0.0)
 

@@ -39,7 +39,6 @@ class Version:
 
     @classmethod
     def said(cls, flight_sw_version: int) -> "Version | None":
-        """Return AUTOPILOT_VERSION's version, if any."""
         major, minor, patch, stage = flight_sw_version.to_bytes(4, "big")
         return cls(major, minor, patch, _STAGES.get(stage, "")) if flight_sw_version else None
 

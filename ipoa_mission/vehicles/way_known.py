@@ -1,5 +1,3 @@
-"""Commands by their effect on the path: modeled, none, or unknown."""
-
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 
@@ -39,7 +37,6 @@ class WayKnown:
     """Predicates on params without effect."""
 
     def why_unknown(self, command: int, params: Sequence[float]) -> str | None:
-        """Return why the path from here on is unknown."""
         if command in self.flown or command in self.still or command in MARKS:
             return None
         if command in self.unless and self.unless[command](params):

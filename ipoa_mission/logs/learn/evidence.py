@@ -1,5 +1,3 @@
-"""Flights to learn from: durations as flown and forecast, and measurements."""
-
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path

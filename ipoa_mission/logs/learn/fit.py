@@ -29,10 +29,10 @@ LOGARITHMIC = frozenset({"drag", "lag"})
 
 
 def fit(flights: Sequence[Evidence]) -> LearnedVehicle:
-    """Return the vehicle of these flights; unknown parameters are None.
+    """Unknown parameters are None.
 
     Raises:
-        MissionError: all are.
+        MissionError: none is determined.
     """
     autopilot = flights[0].mission.autopilot
     blank = LearnedVehicle(autopilot, flights=len(flights))

@@ -53,7 +53,6 @@ def _timed(one: Evidence, vehicle: LearnedVehicle) -> LeftOut:
 
 
 def median_errors(judged: Sequence[LeftOut]) -> tuple[float, float]:
-    """Return the median relative error of times before and after."""
     flown = [one for one in judged if one.flown_s]
     before = [abs(one.before_s / one.flown_s - 1) for one in flown]
     after = [abs(one.after_s / one.flown_s - 1) for one in flown]
@@ -61,6 +60,5 @@ def median_errors(judged: Sequence[LeftOut]) -> tuple[float, float]:
 
 
 def energy_error(judged: Sequence[LeftOut]) -> float | None:
-    """Return the median relative error of energy; None: no forecast."""
     shares = [abs(one.forecast_wh / one.energy_wh - 1) for one in judged if one.energy_wh and one.forecast_wh]
     return float(np.median(shares)) if shares else None

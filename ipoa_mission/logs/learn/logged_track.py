@@ -1,5 +1,3 @@
-"""A logged flight's track as arrays over time since arming."""
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -67,10 +67,7 @@ class PowerSeconds:
 
 
 def learned_powers(flights: Sequence[PowerSeconds]) -> dict[str, Learned]:
-    """Return the determined coefficients with intervals.
-
-    `energy_ratio`: measured over forecast, of each flight or half minute, from the others.
-    """
+    """`energy_ratio`: measured over forecast, of each flight or half minute, from the others."""
     flights = [flight.flown for flight in flights]
     if not flights:
         return {}
@@ -117,7 +114,6 @@ def _fit(seconds: PowerSeconds) -> tuple[Vector, Vector]:
 
 
 def _ratio(flights: Sequence[PowerSeconds], seen_slow: bool) -> Learned:
-    """Return the interval of measured over forecast energy."""
     least = MIN_DEVIATION if seen_slow else MIN_DEVIATION_FAST
     parts = list(flights) if len(flights) >= MIN_FLIGHTS else [part for flight in flights for part in _blocks(flight)]
     shares = []

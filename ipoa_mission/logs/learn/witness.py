@@ -1,5 +1,3 @@
-"""Measurements of a logged flight: hover power, energy, drag from the lean."""
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 

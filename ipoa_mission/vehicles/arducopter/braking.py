@@ -1,8 +1,7 @@
 """ArduCopter's braking path.
 
 Read in 4.8.0-dev (AC_PosControl::input_vel_accel_NE_m, shape_vel_accel_xy, ModeLand, ModeBrake) and flown. LAND starts
-with the path's speed and acceleration, BRAKE with the vehicle's speed. RTL and SmartRTL fly to a stopping point
-instead.
+with the path's speed and acceleration, BRAKE with the vehicle's speed.
 """
 
 import math
@@ -16,7 +15,7 @@ STEP = 0.02  # [s]
 BATCH_SIZE = 8000  # rows in the cache
 BRAKING_LIMIT_S = 12.0  # [s]
 BRAKE_ACCEL = 7.5  # BRAKE_MODE_DECEL_RATE [m/s^2]
-LAND_LEAD_S = 0.25  # the target's speed leads the vehicle's, as flown [s]
+LAND_LEAD_S = 0.25  # lead of the target's speed, as flown [s]
 
 
 class Shaping(NamedTuple):
@@ -38,7 +37,7 @@ class Shaping(NamedTuple):
         return np.concatenate([np.zeros((0, 2)), *ways])
 
     def _way(self, velocity: Points, accel: Points) -> Points:
-        """Compute `way` with axes first (2, n): faster."""
+        """`way` with axes first (2, n): faster."""
         way, most = np.zeros_like(velocity), self.jerk * STEP
         for _ in range(math.ceil(BRAKING_LIMIT_S / STEP)):
             speed = np.hypot(*velocity)

@@ -1,8 +1,7 @@
-"""The circle that ArduCopter flies for NAV_LOITER_TURNS: smaller than the commanded one, and late.
+"""The circle that ArduCopter flies for NAV_LOITER_TURNS.
 
 Read in 4.8.0-dev (AC_Circle, shape_pos_vel_accel_xy) and flown. In a steady turn at rate w the point is at an angle t
-from the target's velocity: tan t = w / k, k = jerk / acceleration. The speed limit also cuts the square-root law's
-output.
+from the target's velocity. It is tan t = w / k with k = jerk / acceleration.
 """
 
 import math
@@ -21,7 +20,7 @@ def circle_spin(limits: CopterLimits, radius: float, speed: float) -> float:
 
 
 def flown_circle(limits: CopterLimits, radius: float, speed: float, turn: float) -> FlownCircle:
-    """Return the flown circle for a `radius` > 0 m, a level speed limit [m/s] and a `turn` [rad]."""
+    """`radius` > 0 [m], level speed limit [m/s], `turn` [rad]."""
     spin, accel, gain = circle_spin(limits, radius, speed), limits.accel, limits.shaping_jerk / limits.accel
     aside = math.atan(spin / gain)
     linear, flown, ahead = accel / gain**2, radius, 0.0
@@ -45,5 +44,5 @@ def flown_circle(limits: CopterLimits, radius: float, speed: float, turn: float)
 
 
 def _fallen_back(begin: float, settled: float, turn: float) -> float:
-    """Return the angle from the velocity to the point after a turn at the speed limit."""
+    """Return the angle from velocity to point after a turn at the speed limit."""
     return settled * math.tanh(settled * turn / 2.0 + math.atanh(begin / settled))

@@ -50,15 +50,13 @@ _LETTERS: Mapping[str, tuple[str, Callable[[Any], Any]]] = {
 class RecordKind:
     """A record kind: name, struct layout, columns and their conversions."""
 
-    """One kind of record: its name, its bytes, and what each column is made of."""
-
     name: str
     layout: struct.Struct
     columns: tuple[str, ...]
     made_by: tuple[Callable[[Any], Any], ...]
 
     def read(self, data: bytes, at: int) -> dict[str, Any]:
-        """Read the values by column, in degrees, metres and unscaled units."""
+        """In degrees, metres and unscaled units."""
         values = self.layout.unpack_from(data, at)
         return {name: make(value) for name, make, value in zip(self.columns, self.made_by, values, strict=True)}
 
@@ -109,7 +107,6 @@ def read_records(
 
 
 def _kind(name: str, letters: str, columns: str) -> RecordKind | None:
-    """Return the record kind of an FMT record; None: invalid."""
     names = tuple(columns.split(","))
     if len(names) != len(letters) or not set(letters) <= set(_LETTERS):
         return None

@@ -124,7 +124,7 @@ DECIDED_BY = tuple(
     )
 )
 
-#: It heeds station ids from the first to the second parameter (GCS::sysid_is_gcs).
+#: Station ids from the first to the second parameter (GCS::sysid_is_gcs).
 HEEDED = ("SYSID_MYGCS", "MAV_GCS_SYSID"), "MAV_GCS_SYSID_HI"
 STATION_LOSS = StationLoss("FS_GCS_TIMEOUT", 5.0, ("FS_GCS_ENABLE", "FS_GCS_TIMEOUT", "FS_OPTIONS", *HEEDED), *HEEDED)
 

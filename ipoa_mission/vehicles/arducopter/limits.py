@@ -1,6 +1,6 @@
-"""ArduCopter's motion limits by its parameters, and its times on the ground.
+"""ArduCopter's motion limits, and its times on the ground.
 
-Ground times are read from its land detector and measured in SITL (docs/lab/flight-time.md).
+Ground times are read and measured in SITL (docs/lab/flight-time.md).
 """
 
 import math

@@ -41,7 +41,7 @@ NAMED = re.compile(r"(?:Ardu|APM:)(\w+) V(\d[\w.-]*)")
 
 @dataclass
 class _Gathered:
-    """Data of the records; times by the autopilot's clock [s]."""
+    """Times by the autopilot's clock [s]."""
 
     fixes: list[tuple[float, ...]] = field(default_factory=list)
     velocities: list[tuple[float, ...]] = field(default_factory=list)
@@ -84,7 +84,6 @@ def read_copter_log(path: Path) -> Log:
 
 
 def _remarks(gathered: _Gathered, torn: Counter[str]) -> Iterator[str]:
-    """Report damage and missing records."""
     if count := torn.pop(BYTES, 0):
         yield f"{count} bytes of the log are not whole records: it is damaged or truncated"
     for kind, count in sorted(torn.items()):
@@ -138,7 +137,7 @@ def _note(gathered: _Gathered, kind: str, values: dict[str, Any]) -> None:
 
 
 def _batteries(gathered: _Gathered) -> list[list[Battery]]:
-    """Return the batteries measured directly; all if there is none."""
+    """Return those measured directly; all if there is none."""
     monitors = {message.param_id: message.param_value for _, message in gathered.events if type(message) is ParamValue}
     names = {number: f"BATT{number + 1 if number else ''}_MONITOR" for number in gathered.batteries}
     itself = [rows for number, rows in gathered.batteries.items() if monitors.get(names[number]) not in SECONDHAND]
@@ -146,7 +145,7 @@ def _batteries(gathered: _Gathered) -> list[list[Battery]]:
 
 
 def _list(items: dict[int, Item], values: dict[str, Any]) -> list[Message]:
-    """Add an item; the vehicle logs all items, home first, with each new list."""
+    """The vehicle logs all items, home first, with each new list."""
     seq = values["CNum"]
     if seq == 0:
         items.clear()
@@ -156,7 +155,7 @@ def _list(items: dict[int, Item], values: dict[str, Any]) -> list[Message]:
 
 
 def _item(values: dict[str, Any]) -> Item:
-    """Return the item; before 4.1 altitudes are assumed above home."""
+    """Before 4.1 altitudes are assumed above home."""
     frame = values.get("Frame", Frame.GLOBAL if values["CNum"] == 0 else Frame.GLOBAL_RELATIVE_ALT)
     params = (values["Prm1"], values["Prm2"], values["Prm3"], values["Prm4"])
     return Item(values["CId"], frame, params, values["Lat"], values["Lng"], values["Alt"])

@@ -1,5 +1,3 @@
-"""ArduCopter's own fence (AC_Fence)."""
-
 import math
 
 from ipoa_mission.vehicles.own_fence import FenceLimit, OwnFence
@@ -13,7 +11,6 @@ DEFAULTS = {"FENCE_TYPE": 7.0, "FENCE_RADIUS": 300.0, "FENCE_ALT_MAX": 100.0, "F
 
 
 def limits_on(parameters: Parameters) -> OwnFence | None:
-    """Return the enabled limits, whatever the fence action."""
     if not any(parameters.get(name, usual) for name, usual in FENCE_SWITCHES.items()):
         return None
     p = {**DEFAULTS, **parameters}
@@ -29,13 +26,13 @@ def limits_on(parameters: Parameters) -> OwnFence | None:
 
 
 def return_ceiling(parameters: Parameters) -> float:
-    """Return RTL's greatest climb height above home [m]."""
+    """Return RTL's greatest height above home [m]."""
     fence = limits_on(parameters)
     return math.inf if fence is None else fence.ceiling.value - parameters.get("FENCE_MARGIN", 2.0)
 
 
 def is_within(parameters: Parameters, place: Place) -> bool:
-    """Return whether RTL considers a rally point: not outside the fence."""
+    """Return whether RTL considers a rally point."""
     fence = limits_on(parameters)
     if fence is None:
         return True

@@ -1,7 +1,4 @@
-"""ArduCopter's parameters: defaults that affect a mission, and types.
-
-Sensors, radio, modes, battery and failsafes are as in SITL.
-"""
+"""ArduCopter's parameters: defaults (sensors, radio, modes, battery, failsafes as in SITL) and types."""
 
 from collections.abc import Mapping
 

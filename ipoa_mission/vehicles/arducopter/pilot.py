@@ -94,7 +94,7 @@ class ArduPilotPilot:
         self._update_body()
 
     def _begin_behind(self, index: int) -> None:
-        """Start the item after `index`, past items without duration."""
+        """Start the next item with a duration."""
         item = self._now.come_to(index, lambda item: self._copter.change_speed(int(item.params[0]), item.params[1]))
         if item is None:
             self._stay()
@@ -156,7 +156,6 @@ class ArduPilotPilot:
         next(legs)
 
     def _come_down(self, legs: Iterator[None]) -> None:
-        """Fly the legs of a landing or RTL."""
         if self._now.landed:
             return
         self._legs, self._then = legs, self._touch
@@ -169,7 +168,6 @@ class ArduPilotPilot:
             self._floor = self._copter.state.z
 
     def _stand(self, seconds: float) -> None:
-        """Wait on the ground until disarming."""
         self._now.landed = seconds >= self._landing_s
         if seconds >= self._landing_s + self._copter.spool_down:
             if self._now.mode is FlightMode.MISSION:

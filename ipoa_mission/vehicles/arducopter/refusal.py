@@ -14,7 +14,7 @@ MOST_VERTICES = 255  # of a polygon (8 bits)
 
 
 def refused(firmware: Firmware, command: int, frame: int, values: Sequence[float], count: int) -> Refused | None:
-    """Return the refusal of an item in a mission of `count` items on the wire."""
+    """`count`: items on the wire."""
     may_be_nan = (firmware.takes_nan or {}).get(command, frozenset())
     for n, value in enumerate(values[:4], start=1):
         if math.isinf(value) or (math.isnan(value) and n not in may_be_nan):
@@ -58,7 +58,7 @@ def refused_in_rally(firmware: Firmware, command: int, frame: int, values: Seque
 
 
 def _no_place(values: Sequence[float], frame: int) -> Refused | None:
-    """Return the refusal of a latitude or longitude; frame 2 sends steps of 1e-7 degrees."""
+    """Frame 2 sends steps of 1e-7 degrees."""
     unit = DEG_E7 if frame == Frame.MISSION else 1.0
     if not abs(values[4]) * unit <= 90.0:
         return Refused("INVALID_PARAM5_X", 5, f"expected a latitude, not {values[4]:g}")

@@ -1,5 +1,3 @@
-"""ArduCopter's parameters renamed in 4.7."""
-
 from collections.abc import Mapping
 
 #: New name: old name and old units per new unit ("Parameter Name Changes" 4.6 to 4.7, pull requests 31970 and 32147).

@@ -1,7 +1,7 @@
 """Goal and height of ArduCopter's RTL (4.x).
 
-It flies to the nearest rally point inside its own fence, at least at that height. Home counts if nearer and with
-RALLY_INCL_HOME, or beyond RALLY_LIMIT_KM. Not modeled: polygon fences, and routes around obstacles (OA_TYPE).
+It flies to the nearest rally point inside its own fence, at least at that height. Home counts if nearer and
+RALLY_INCL_HOME, or if all are beyond RALLY_LIMIT_KM. Not modeled: polygon fences, and OA_TYPE.
 """
 
 import math
@@ -33,7 +33,7 @@ class CopterReturn(NamedTuple):
         return cls(p["RTL_ALT"] / 100, climb, p["RTL_CONE_SLOPE"], return_ceiling(p))
 
     def height(self, above: float, distance: float, goal_up: float) -> float:
-        """Return the return height above home [m], from `above` home over a level distance to `goal_up`.
+        """Return the height above home [m], from `above` home over a level distance to `goal_up`.
 
         Near the goal the cone limits it, and FENCE_MARGIN below a ceiling. It never descends for a limit.
         """
@@ -57,10 +57,9 @@ def goal_of_return(parameters: Parameters, here: Place, rally: Sequence[Place]) 
 
 
 def over_terrain(parameters: Parameters) -> OverTerrain | None:
-    """Return how RTL follows terrain: RTL_ALT_TYPE 1 with a range finder or terrain data.
+    """RTL_ALT_TYPE 1 needs a range finder or terrain data.
 
-    While a range finder does not see the ground, it acts as RTL_ALT_TYPE 0. Arming needs terrain data without a range
-    finder.
+    While a range finder sees no ground, it acts as RTL_ALT_TYPE 0. Arming needs terrain data without one.
     """
     seen = parameters.get("RNGFND1_TYPE", 0.0) > 0.0 and parameters.get("WPNAV_RFND_USE", 1.0) > 0.0
     knows = seen or parameters.get("TERRAIN_ENABLE", 1.0) > 0.0

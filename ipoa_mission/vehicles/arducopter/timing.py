@@ -149,7 +149,6 @@ class _Flight:
         return self.copter.state.time >= self.until or not self.copter.passed
 
     def visit(self, n: int) -> str:
-        """Execute visit n; return why it was slow."""
         visit = self.route.visits[n]
         command, params = visit.item.command, visit.item.params
         if command in TAKEOFFS:
@@ -181,7 +180,6 @@ class _Flight:
         return ""
 
     def target(self, n: int) -> Place:
-        """Return the place of visit n; open coordinates are the previous ones."""
         return self.route.program.place(n, self.here(n))
 
     def here(self, n: int) -> Place:
@@ -245,7 +243,6 @@ class _Flight:
                 return
 
     def come_down(self, legs: Iterator[None]) -> None:
-        """Fly the legs of a landing or RTL, and wait on the ground."""
         self.go(legs)
         if self.copter.this.kind == DESCENT and not self.is_broken_off:
             self.touched, delay = self.copter.state.time, self.airframe.landing_delay

@@ -1,4 +1,4 @@
-"""The ArduCopter plug-in; heavy parts are imported on demand."""
+"""The ArduCopter plug-in."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -251,7 +251,7 @@ class ArduCopter(Autopilot):
         return returning.CopterReturn.of(parameters).height(height, distance, goal_up)
 
     def over_terrain(self, parameters: Parameters) -> OverTerrain | None:
-        """Return RTL_ALT_TYPE and WPNAV_TER_MARGIN's effect.
+        """Return RTL_ALT_TYPE's effect.
 
         >>> ArduCopter().over_terrain({"RTL_ALT_TYPE": 1.0, "WPNAV_TER_MARGIN": 6.0})
         OverTerrain(margin=6.0, surely=True)
@@ -259,7 +259,7 @@ class ArduCopter(Autopilot):
         return returning.over_terrain(self.book.by_old_names(parameters))
 
     def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
-        """Return the actions read in the source.
+        """Read in the source.
 
         >>> lost = next(one for one in ArduCopter().failsafes({"FS_OPTIONS": 1.0}) if one.cause == "radio control lost")
         >>> str(lost.route), str(ArduCopter().failsafes({"BATT_FS_LOW_ACT": 3.0})[0].route)

@@ -18,8 +18,6 @@ class NotEnoughBattery(MissionError):
 
 
 class Interval(NamedTuple):
-    """A value with its 90 % interval."""
-
     low: float
     likely: float
     high: float
@@ -105,7 +103,6 @@ class Consumption:
         return self.widened(low, (1.0 + np.hypot(above, later)) / (1.0 + above))
 
     def left(self, battery: Battery) -> float:
-        """Return the share left after the flight; may be negative."""
         return 1 - self.energy_wh / battery.capacity_wh
 
 
@@ -168,7 +165,7 @@ def hovering(hover_w: float, times: Vector, points: Points, speeds: Vector) -> C
 
 
 def _flies(points: Points) -> Vector:
-    """Return 1 for spans (n-1,) in the air, else 0; all 1 for a vehicle that never moves."""
+    """Return 1 for spans (n-1,) in the air, else 0; all 1 if it never moves."""
     away = np.linalg.norm(points - points[0], axis=1) > LIFTED_DISTANCE
     ahead = np.linalg.norm(points - points[-1], axis=1) > LIFTED_DISTANCE
     if not away.any():
@@ -198,7 +195,7 @@ def _lasting(times: Vector, points: Points, speeds: Vector) -> tuple[Vector, Poi
 
 
 def shortage(used: Interval, battery: Battery) -> NotEnoughBattery | None:
-    """Return the refusal of this energy [Wh]: its likely value must leave the reserve, its bound nothing less than 0."""
+    """Return the refusal of this energy [Wh]; its upper bound may use the reserve."""
     left, most = (1 - taken / battery.capacity_wh for taken in (used.likely, used.high))
     rounding = 1e-9
     if left >= battery.reserve - rounding and most >= -rounding:

@@ -18,5 +18,5 @@ LAW = DeviationLaw(
     height_memory=10.0,
     growth=(0.1, 0.03, 0.1),
     source="PX4 1.17 in its simulator (SIH): 92 flights of 21 missions, 1.5 to 18 m/s, and 22 in wind, by true place",
-    strongest=6.0,  # drag limits the simulated vehicle to 9.8 m/s
+    strongest=6.0,
 )

@@ -129,7 +129,6 @@ def _failsafe(rule: FailsafeRule, parameters: Parameters, series: Series) -> Fai
 
 
 def _later(rule: FailsafeRule, answer: FailsafeAction, parameters: Parameters) -> FailsafeAction:
-    """Add the hold before the action."""
     delay = parameters.get(DELAY, 5.0)
     waits = answer.contingency in {Contingency.RTL, Contingency.LAND} and rule.cause not in WITHOUT_DELAY
     return replace(answer, after_s=delay) if waits and delay > LEAST_DELAY else answer

@@ -53,7 +53,7 @@ def read_ulog(path: Path) -> Log:
 
 
 def _log(path: Path, log: Any) -> Log:
-    topics = {topic.name: topic.data for topic in reversed(log.data_list)}  # the first instance
+    topics = {topic.name: topic.data for topic in reversed(log.data_list)}
     topics = {name: data for name, data in topics.items() if len(data["timestamp"])}
     if "vehicle_status" not in topics:
         wrong = "expected a PX4 log with the topic vehicle_status"
@@ -87,7 +87,6 @@ def _log(path: Path, log: Any) -> Log:
 
 
 def _remarks(path: Path, log: Any, topics: Set[str]) -> Iterator[str]:
-    """Report damage, dropouts, and missing topics."""
     data, at = read_bytes(path), HEADER
     while at + MESSAGE.size <= len(data):
         size, kind = MESSAGE.unpack_from(data, at)
@@ -185,7 +184,6 @@ def _attitude(data: Any | None) -> Points:
 
 
 def _items(result: Any | None) -> Iterator[Event]:
-    """Return messages: item reached, current item, mission complete."""
     if result is None:
         return
     reached, turned = -1, (-1, False)

@@ -15,7 +15,7 @@ from ipoa_mission.mission.items import Item
 
 
 def items_begun(topic: Any | None, result: Any | None) -> Iterator[tuple[float, Begun]]:
-    """Return the items, each at its first time [s], steps joined."""
+    """Return each item at its first time [s], steps joined."""
     if topic is None or result is None:
         return
     rounds = np.asarray(topic["instance_count"]) if "instance_count" in topic else np.zeros(len(topic["timestamp"]))

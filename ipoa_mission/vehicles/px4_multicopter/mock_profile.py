@@ -1,5 +1,3 @@
-"""PX4's measured behavior on a link."""
-
 from ipoa_mission.link.conversations import RequestStyle
 from ipoa_mission.link.messages import CommandResult, MissionType
 from ipoa_mission.simulator.mock_profile import BYTEWISE, CAPABILITIES, Answer, MockProfile, StartUp, asks_every

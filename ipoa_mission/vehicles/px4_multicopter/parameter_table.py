@@ -1,7 +1,4 @@
-"""PX4's parameters: defaults that affect a mission, and types.
-
-Sensors, radio, modes, battery and failsafes are as in SITL.
-"""
+"""PX4's parameters: defaults (sensors, radio, modes, battery, failsafes as in SITL) and types."""
 
 from collections.abc import Mapping
 

@@ -32,8 +32,6 @@ NO_THRUST = Enu(0.0, 0.0, -GRAVITY)
 
 
 class PX4Pilot:
-    """Flies the orders of an item, RTL or LAND."""
-
     def __init__(
         self, vehicle: SimulatedVehicle, situation: Situation, parameters: Parameters, chance: random.Random
     ) -> None:
@@ -64,7 +62,6 @@ class PX4Pilot:
                 self._brake()
 
     def replaced(self, before: tuple[Item, ...]) -> None:
-        """Continue at the present index."""
         self._begin_behind(self._now.current - 1)
 
     def climb(self, height: float) -> None:
@@ -152,7 +149,7 @@ class PX4Pilot:
         vehicle.yaw, vehicle.on_ground = self._state.nose.yaw % (2.0 * math.pi), body.on_ground
 
     def _begin_behind(self, index: int) -> None:
-        """Start the item after `index`, past items without duration."""
+        """Start the next item with a duration."""
         now = self._now
         item = now.come_to(index, self._change_speed)
         if item is None:
@@ -198,12 +195,10 @@ class PX4Pilot:
         return place._replace(up=self._ground.at(place.east, place.north))
 
     def _over_home(self) -> Enu:
-        """Return its place over the estimated home."""
         place = self._state.body.place
         return place._replace(up=place.up - self._state.errors.home)
 
     def _brake(self) -> None:
-        """Brake within the limits, and stay."""
         body, limits = self._state.body, self._limits
         time = math.hypot(*body.speed[:2]) / (2.0 * limits.accel) + limits.accel / (2.0 * limits.jerk)
         east, north = (body.place[axis] + body.speed[axis] * time for axis in (0, 1))

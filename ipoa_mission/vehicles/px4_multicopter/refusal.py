@@ -41,7 +41,6 @@ def refused_in_rally(firmware: Firmware, command: int, frame: int, values: Seque
 def _of_a_list(
     firmware: Firmware, commands: Container[int], command: int, frame: int, values: Sequence[float]
 ) -> Refused | None:
-    """Check an item of any list, as in PX4."""
     if frame not in firmware.frames:
         return Refused("UNSUPPORTED_FRAME")
     if wrong := _unused(firmware, command, frame, values):
@@ -52,7 +51,7 @@ def _of_a_list(
 
 
 def _unused(firmware: Firmware, command: int, frame: int, values: Sequence[float]) -> Refused | None:
-    """Return the refusal of the first unused param that is neither 0 nor NaN.
+    """Return the refusal of the first unused param other than 0 or NaN.
 
     With a place, unused latitude or longitude must be NaN.
     """

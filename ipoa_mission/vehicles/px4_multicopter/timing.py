@@ -1,7 +1,7 @@
-"""Flight times of PX4 1.13 to 1.18 in AUTO.MISSION, by repeated simulation.
+"""Flight times of PX4 1.13 to 1.18 in AUTO.MISSION.
 
-Noisy heights move home for two minutes after take-off, and a waypoint needs its height. The path is flown once without
-noise, times and spread with it.
+Noisy heights move home for two minutes after take-off. The path is flown once without noise, times and spread often
+with it.
 """
 
 import math
@@ -57,7 +57,7 @@ class NoisyRuns:
     known_share: float = 0.003  # relative standard error of the mean
     broken_off_share: float = 0.008  # for a contingency
     doubt_s: float = 0.8  # standard deviation of the model: constant,
-    doubt_share: float = 0.0125  # and share of the time
+    doubt_share: float = 0.0125
     landing_s: float = 1.6  # more for landings, as recorded
     interval_deviations: float = 1.645  # half width of the 90 % interval
     late_quantile: float = 0.93
@@ -102,7 +102,7 @@ def fly_px4(
     lands = np.array([visit.item.command in LANDINGS for visit in route.visits], dtype=bool)
     doubt = RUNS.doubt_s**2 + (RUNS.doubt_share * done) ** 2 + RUNS.landing_s**2 * np.maximum.accumulate(lands)
     below = RUNS.interval_deviations * runs.std(axis=0)
-    above = np.maximum(below, np.quantile(runs, RUNS.late_quantile, axis=0) - done)  # a missed waypoint
+    above = np.maximum(below, np.quantile(runs, RUNS.late_quantile, axis=0) - done)
     unsure = RUNS.interval_deviations**2 * doubt
     warped = np.interp(samples[:, 0], [0.0, *smooth], [0.0, *done])
     warped += np.maximum(samples[:, 0] - (smooth[-1] if len(smooth) else 0.0), 0.0)
@@ -159,7 +159,6 @@ def fly_aborted(
 
 
 def _known(times: list[Vector], share: float = RUNS.known_share) -> bool:
-    """Return whether the mean's standard error is at most this share."""
     ends = np.array([run[-1] for run in times])
     return len(ends) > 0 and bool(ends.std() / math.sqrt(len(ends)) <= share * ends.mean())
 
@@ -235,7 +234,6 @@ class Flights:
         return self.flown(seed is not None, fast, RUNS.most * time / STEP)(seed or 0), begun
 
     def contingency(self, contingency: Contingency, at: Vector) -> list[Order]:
-        """Return the orders of RTL or LAND from a sample (7,)."""
         here, speed, ground = Enu(*map(float, at[1:4])), Level(float(at[4]), float(at[5])), self.route.ground
         if contingency is Contingency.RTL:
             goal = Enu(*self.route.goal_of_return((here.east, here.north, here.up)))

@@ -1,4 +1,4 @@
-"""The PX4 multicopter plug-in; heavy parts are imported on demand."""
+"""The PX4 multicopter plug-in."""
 
 import math
 import re
@@ -143,14 +143,13 @@ class Px4Multicopter(Autopilot):
     station_loss = failsafes.STATION_LOSS
 
     def braking_distance(self, parameters: Parameters, speed: "Vector", accel: "Vector") -> "Vector":
-        """Return the distance by MPC_ACC_HOR and MPC_JERK_AUTO."""
         import numpy as np
 
         from ipoa_mission.vehicles.px4_multicopter.limits import px4_limits
 
         limits = px4_limits(parameters)
         brakes, gains = limits.accel, np.clip(accel, 0.0, limits.accel)
-        turns = (gains + brakes) / limits.jerk  # until full braking [s]
+        turns = (gains + brakes) / limits.jerk  # [s]
         slowed = np.maximum(speed + (gains - brakes) * turns / 2, 0.0)
         turning = turns * (speed + turns * (gains / 2 - limits.jerk * turns / 6))
         return np.asarray(turning + slowed**2 / (2 * brakes))
@@ -174,7 +173,7 @@ class Px4Multicopter(Autopilot):
         return np.asarray(velocity * (speed / (2.0 * px4_limits(parameters).accel) + BRAKES_LATE)[:, None])
 
     def slow_stretch(self, parameters: Parameters) -> SlowStretch | None:
-        """Return MPC_LAND_ALT1 to MPC_LAND_SPEED at MPC_LAND_ALT2.
+        """Return MPC_LAND_ALT1 to MPC_LAND_ALT2.
 
         >>> Px4Multicopter().slowed({}, 12.0)
         {'MPC_LAND_ALT1': 22.0, 'MPC_LAND_ALT2': 17.0}
@@ -211,7 +210,7 @@ class Px4Multicopter(Autopilot):
         landing: MissionLanding | None = None,
         version: Version | None = None,
     ) -> ReturnRoute:
-        """Return the route of RTL_TYPE.
+        """Return RTL_TYPE's route.
 
         >>> str(Px4Multicopter().return_route({"RTL_TYPE": 2.0}, (100.0, 0.0, 20.0), ()).by)
         'back along the mission'
@@ -242,7 +241,7 @@ class Px4Multicopter(Autopilot):
         return returning.room_to_fences(parameters, (version or self.newest).series)
 
     def failsafes(self, parameters: Parameters, version: Version | None = None) -> tuple[Failsafe, ...]:
-        """Return the actions read in the source.
+        """Read in the source.
 
         >>> found = {one.cause: one for one in Px4Multicopter().failsafes({"COM_LOW_BAT_ACT": 3.0})}
         >>> found["critical battery"].route.contingency, found["critical battery"].route.after_s

@@ -16,8 +16,7 @@ THINNING = 9.6e-5  # of air density with height [1/m]
 class Airframe:
     """Drag per mass, `lag` of rotors and rate loop, delays of lift-off and disarming [s].
 
-    `rotor_drag` [1/s] is for a thrust of one g and grows with its square root. `body_drag` [1/m] acts along each body
-    axis on the squared airspeed.
+    `rotor_drag` [1/s] at one g, grows with thrust's square root. `body_drag` [1/m] acts along each body axis.
     """
 
     rotor_drag: float
@@ -37,7 +36,7 @@ class Airframe:
         return replace(self, rotor_drag=self.rotor_drag * math.sqrt(density), body_drag=self.body_drag * density)
 
     def top_speed(self, lean: float) -> float:
-        """Solve (r + q v) v = g tan(lean) for the level speed v [m/s] at a lean [rad] in calm air."""
+        """Solve (r + q v) v = g tan(lean) for v [m/s], lean [rad]."""
         pull, q = GRAVITY * math.tan(lean), self.body_drag * math.cos(lean)
         r = self.rotor_drag / math.sqrt(math.cos(lean))
         if r <= 0 and q <= 0:
@@ -45,7 +44,7 @@ class Airframe:
         return 2 * pull / (r + math.sqrt(r**2 + 4 * q * pull))
 
     def slowing(self, through_air: Points, axes: Points) -> Points:
-        """Return the drag deceleration [m/s^2] (n, 3) in level flight: `steps.drag`, vectorized.
+        """Return the drag deceleration [m/s^2] (n, 3): `steps.drag`, vectorized.
 
         `axes` (n, 3, 3): the body's axes as columns; down last.
         """
@@ -60,7 +59,7 @@ ARDUPILOT_SIMULATOR = Airframe(rotor_drag=0.2484, body_drag=0.0356, lag=0.02)
 
 
 def airframe_of(vehicle: LearnedVehicle | None) -> Airframe:
-    """Return the learned or the simulator's airframe.
+    """Return the learned or simulated one.
 
     >>> airframe_of(None) is ARDUPILOT_SIMULATOR
     True

@@ -47,26 +47,23 @@ from ipoa_mission.vehicles.arducopter.limits import CopterLimits
 from ipoa_mission.wind import CALM, Wind
 from ipoa_mission.world.ground import LEVEL, Ground
 
-JUST_BEGUN = 0.3  # a speed change up to this time into a leg replans it, as flown [s]
+JUST_BEGUN = 0.3  # a later speed change does not replan the leg, as flown [s]
 SAME_PLACE = 1e-3  # [m]
 #: Climb left when a take-off counts as done [m]. Rounding leaves up to 0.5 mm, for a leg of 0 or 0.4 s; this one takes
 #: 0.2 s.
 TAKEOFF_REST = 0.00003
 STANDING = 0.1  # [m/s]
 SHAPED = frozenset({ORBIT, LEVEL_OFF})  # end in motion
-SLOWEST = 0.5  # headway in wind [m/s]
-NO_ROOM = -1  # result of `fly_leg`
-BLOWN_OFF = -2  # result of `fly_leg`
+SLOWEST = 0.5  # least headway in wind [m/s]
+NO_ROOM = -1
+BLOWN_OFF = -2
 TOO_WINDY = "fly in less wind, another way, or with a greater lean (ANGLE_MAX, at its risk)"
 NO_END = "there is no wind: the model of the flight is wrong here; fly this leg at another speed, or report the mission"
-SETTLED = 10.0  # a hold is steady after this time [s]
+SETTLED = 10.0  # of a hold [s]
 
 
 class Stop(NamedTuple):
-    """A destination: straight, an arc with a `turn` [rad, clockwise], or a `spline`.
-
-    The spline leaves towards `after` (True: by another spline).
-    """
+    """A destination: straight, an arc by `turn` [rad, clockwise], or a `spline` towards `after` (True: a spline)."""
 
     place: Place
     spline: bool = False
@@ -75,7 +72,7 @@ class Stop(NamedTuple):
 
 
 def stop_at(program: Program, n: int, here: Place) -> Stop:
-    """Return item n as a stop; open coordinates are those of `here`."""
+    """Return item n as a stop; open coordinates as `here`."""
     item, place = program.items[n], program.place(n, here)
     if item.command != Command.NAV_SPLINE_WAYPOINT:
         return Stop(place, turn=turn_of(item))
@@ -88,8 +85,6 @@ def stop_at(program: Program, n: int, here: Place) -> Stop:
 
 
 class Copter:
-    """A copter at rest over `here`; `this` is the current leg."""
-
     def __init__(
         self,
         limits: CopterLimits,
@@ -107,7 +102,7 @@ class Copter:
         self._records: dict[int, tuple[CopterLeg, Any]] = {}
         self.this, self.following, self._before = hold_leg(here, 0.0), NO_LEG, NO_LEG
         self.passed = True
-        self._left = 0.0  # of the last spline planned ahead [m/s]
+        self._left = 0.0  # of the last planned spline [m/s]
 
     @property
     def place(self) -> Place:
@@ -115,7 +110,6 @@ class Copter:
 
     @property
     def here(self) -> Place:
-        """The start of the next leg."""
         this = self.this
         moves = this.kind in SHAPED or (this.kind > SPLINE and this.leave > 0.0)
         return this.target if self.passed and self.following is NO_LEG and not moves else self.stopping_place()
@@ -217,7 +211,7 @@ class Copter:
         self._begin(this._replace(ends_near=float(ends_near)), onward)
 
     def _unplanned(self, stop: Stop) -> CopterLeg:
-        """Return a leg from `here`: at rest, or at the speed of a spline that did not stop; never an arc."""
+        """Return a leg from `here`, at rest or at the speed of an unfinished spline; never an arc."""
         before, here = self.this, self.here
         if self.passed and before.kind == SPLINE and before.leave > 0.0:
             if stop.spline:
@@ -234,7 +228,6 @@ class Copter:
         return spline_leg(origin, stop.place, previous, stop.after, self.speeds, self.limits)
 
     def _as_begun(self, planned: CopterLeg) -> CopterLeg:
-        """Return a planned leg, perhaps in progress or with another speed."""
         elapsed = self.state.clock
         enter = self.state.speed if self._before is NO_LEG else 0.0  # a leg after a spline starts at its speed
         if planned.kind == SPLINE or elapsed > JUST_BEGUN or (enter == 0.0 and planned.speeds == self.speeds):
@@ -268,7 +261,7 @@ class Copter:
         self._begin_over(hold_leg(self.here, seconds))
 
     def brake(self) -> Place:
-        """Reset guidance and control except the lean; return the stopping place."""
+        """Reset all but the lean; return the stopping place."""
         self._restart()
         self._begin_over(hold_leg(self.stopping_place(), math.inf))
         self.passed = True
@@ -312,7 +305,6 @@ class Copter:
 
     @property
     def _still_moving(self) -> float:
-        """Return above 0 if the previous leg ended in motion."""
         return 1.0 if self.this.kind in SHAPED else self.this.leave
 
     def descend(self, counted_from: float = 0.0) -> None:

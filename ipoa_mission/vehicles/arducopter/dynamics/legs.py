@@ -28,7 +28,7 @@ ZERO_LENGTH = 1e-6  # [m]
 
 
 def limits_along(origin: Place, target: Place, speeds: MotionLimits, copter: CopterLimits) -> SCurveLimits:
-    """Return the greatest speed and acceleration along the path, by level and vertical limits."""
+    """Return the limits along the path, by level and vertical ones."""
     length = math.dist(origin, target)
     if length < 1e-9:
         return SCurveLimits(speeds.level, copter.accel, copter.jerk, copter.snap)
@@ -40,7 +40,7 @@ def limits_along(origin: Place, target: Place, speeds: MotionLimits, copter: Cop
     return SCurveLimits(speed, accel, copter.jerk, copter.snap)
 
 
-@lru_cache(maxsize=256)  # routes differ in one waypoint
+@lru_cache(maxsize=256)
 def straight_leg(
     origin: Place,
     target: Place,
@@ -66,7 +66,7 @@ def straight_leg(
 
 
 def _limits_of(leg: CopterLeg, copter: CopterLimits) -> SCurveLimits:
-    """Return the limits along the chord; corner acceleration limits an arc's speed."""
+    """Return those of the chord; corner acceleration limits an arc's speed."""
     speeds = leg.speeds
     if leg.turn != 0.0:
         radius = arc_radius(leg.origin, leg.target, leg.turn)
@@ -75,7 +75,6 @@ def _limits_of(leg: CopterLeg, copter: CopterLimits) -> SCurveLimits:
 
 
 def _changed_limits(leg: CopterLeg, copter: CopterLimits) -> SCurveLimits:
-    """Return the limits after a speed change, without corner acceleration."""
     limits = _limits_of(leg, copter)
     if leg.turn == 0.0:
         return limits
@@ -91,7 +90,7 @@ def spline_leg(
     speeds: MotionLimits,
     copter: CopterLimits,
 ) -> CopterLeg:
-    """Return a curve that starts tangent to the previous leg (`spline_tangents`)."""
+    """It starts tangent to the previous leg (`spline_tangents`)."""
     flown_in = None
     if previous is not None:
         flown_in = previous.end if previous.kind == SPLINE else minus(previous.target, previous.origin)
@@ -105,7 +104,7 @@ def spline_leg(
 
 
 def upright_leg(kind: float, place: Place, height: float, speeds: MotionLimits, lasts: float = 0.0) -> CopterLeg:
-    """Return a CLIMB or DESCENT to a `height` [m], or a HOLD that `lasts` [s]."""
+    """`height` [m]; a HOLD `lasts` [s]."""
     return _leg(kind, place, (place[0], place[1], height), speeds)._replace(lasts=lasts)
 
 
@@ -116,7 +115,7 @@ def hold_leg(place: Place, lasts: float) -> CopterLeg:
 def orbit_leg(
     here: Place, center: Place, radius: float, turn: float, speeds: MotionLimits, copter: CopterLimits
 ) -> CopterLeg:
-    """Return a circle by a `turn` [rad], clockwise."""
+    """`turn` [rad], clockwise."""
     spin, spin_up = copter.circle_rate, max(copter.circle_rate, SLOWEST_SPIN_UP)
     if radius > 0.0:
         spin = circle_spin(copter, radius, speeds.level)
@@ -146,12 +145,12 @@ def joined(this: CopterLeg, following: CopterLeg, copter: CopterLimits, left: fl
 
 
 def speed_left(leg: CopterLeg) -> float:
-    """Return a spline's greatest leave speed [m/s]."""
+    """[m/s]"""
     return _speed_at(leg, 1.0) if any(leg.end) else 0.0
 
 
 def at_speeds(leg: CopterLeg, speeds: MotionLimits, elapsed: float, copter: CopterLimits) -> CopterLeg:
-    """Return the leg with other speeds, `elapsed` s after its start."""
+    """`elapsed` s after its start."""
     if speeds == leg.speeds:
         return leg
     changed = leg._replace(speeds=speeds)
@@ -167,5 +166,4 @@ def _leg(kind: float, origin: Place, target: Place, speeds: MotionLimits) -> Cop
 
 
 def _speed_at(leg: CopterLeg, end: float) -> float:
-    """Return the greatest speed at a leg's start (0) or end (1)."""
     return leg.profile.peak if leg.kind == STRAIGHT else float(bend(leg, end)[3])

@@ -1,7 +1,4 @@
-"""Leg, tuning and flight state of the stepping code.
-
-Plain Python and numba run the same code; numba gets legs and states as records with the same names.
-"""
+"""Leg, tuning and flight state; numba gets records of the same names."""
 
 import math
 from dataclasses import dataclass
@@ -102,8 +99,8 @@ class Tuning(NamedTuple):
     most_lean: float
     smoothing: float  # share of the velocity error
     leaning: float  # share of the lean setpoint
-    turning: float  # share of the lean
-    slowing: float  # share of the path's clock
+    turning: float
+    slowing: float
     rotor_drag: float
     body_drag: float
     wind_east: float
@@ -118,7 +115,7 @@ class Tuning(NamedTuple):
 
 
 def levels_of(wind: Wind) -> Levels:
-    """Return height, east and north wind (towards) of each level, padded with the last; without profile 0."""
+    """Return height, east and north wind (towards) of each level, padded; all 0 without profile."""
     given = [tuple(level) for level in wind.levels] or [(0.0, 0.0, 0.0)]
     return tuple(given + given[-1:] * (MAX_LEVELS - len(given)))  # type: ignore[return-value]
 
@@ -184,7 +181,7 @@ class State:
     lean_y: float = 0.0
     load: float = 1.0  # share of the weight on the rotors
     yaw: float = 0.0  # clockwise from north
-    nose_x: float = 0.0  # unit vector of the yaw
+    nose_x: float = 0.0
     nose_y: float = 1.0
     error_x: float = 0.0  # filtered velocity error, and its integral
     error_y: float = 0.0
@@ -199,7 +196,7 @@ class State:
     spin: float = 0.0  # turn rate [rad/s] and angle turned [rad]
     turned: float = 0.0
     above: float = 0.0  # over the goal one step ago [m]
-    speed: float = 0.0  # of the target
+    speed: float = 0.0
     target_x: float = 0.0
     target_y: float = 0.0
     target_z: float = 0.0

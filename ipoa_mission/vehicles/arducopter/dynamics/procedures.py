@@ -1,4 +1,4 @@
-"""ArduCopter's procedures of several legs; each yields when a leg is ready to fly."""
+"""ArduCopter's procedures of several legs; each yields when a leg is ready."""
 
 import math
 from collections.abc import Iterator
@@ -23,15 +23,12 @@ LANDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND})
 
 
 def landing_place(program: Program, item: Item) -> Place | None:
-    """Return the item's place; None: land in place."""
+    """None: land in place."""
     return None if (item.latitude_deg, item.longitude_deg) == (0.0, 0.0) else program.place_of(item)
 
 
 def land(copter: Copter, place: Place | None) -> Iterator[None]:
-    """Fly over the place, or the rounding leg, and descend.
-
-    Since 4.7 LAND_ALT_LOW counts from the altitude of the place.
-    """
+    """Since 4.7 LAND_ALT_LOW counts from the altitude of the place."""
     x, y, z = here = copter.here
     if place is not None and math.hypot(place[0] - x, place[1] - y) > SAME_PLACE:
         copter.fly_to(Stop((*place[:2], z)))
@@ -45,7 +42,6 @@ def land(copter: Copter, place: Place | None) -> Iterator[None]:
 
 
 def return_home(copter: Copter, goal: Place = HOME) -> Iterator[None]:
-    """RTL: climb to the return height, fly to the goal, loiter, descend."""
     limits, (x, y, z), (east, north, _) = copter.limits, copter.brake(), goal
     far = math.hypot(x - east, y - north)
     height = limits.returning.height(z, far, goal[2])
@@ -68,7 +64,7 @@ def return_home(copter: Copter, goal: Place = HOME) -> Iterator[None]:
 
 
 def circle(copter: Copter, center: Place, item: Item) -> Iterator[None]:
-    """LOITER_TURNS: fly to the circle's nearest point, and circle at that height."""
+    """LOITER_TURNS: at the height of the circle's nearest point."""
     radius = radius_of(item)
     edge, apart = circle_entry(copter.stopping_place(), center, radius, copter.state.yaw)
     if apart > NEAR_CIRCLE:
@@ -79,7 +75,6 @@ def circle(copter: Copter, center: Place, item: Item) -> Iterator[None]:
 
 
 def loiter_to_alt(copter: Copter, place: Place) -> Iterator[None]:
-    """LOITER_TO_ALT: fly to the acceptance radius, brake, change height."""
     copter.fly_to(Stop(place), ends_near=True)
     yield
     copter.level_off(place[2])
@@ -87,7 +82,7 @@ def loiter_to_alt(copter: Copter, place: Place) -> Iterator[None]:
 
 
 def payload_place(copter: Copter, place: Place | None, item: Item) -> Iterator[None]:
-    """PAYLOAD_PLACE: fly to the place, descend to the ground or by param1, climb back.
+    """PAYLOAD_PLACE: fly there, descend to the ground or by param1, climb back.
 
     It flies at its present height, or the item's if that leg was planned.
     """

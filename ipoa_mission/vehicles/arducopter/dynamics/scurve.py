@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
 CONSTANT, RISING, FALLING = 0.0, 1.0, 2.0  # jerk over a segment
-MOST_SEGMENTS = 24  # three speed changes and cruises
+MOST_SEGMENTS = 24
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class SCurveLimits:
 
 
 class Segment(NamedTuple):
-    """A span of one jerk shape; acceleration, speed and way at its start."""
+    """A span of one jerk shape, and the state at its start."""
 
     begin: float
     lasts: float
@@ -56,7 +56,7 @@ AT_REST = Profile(_filled([Segment(0.0, 0.0, CONSTANT, 0.0, 0.0, 0.0, 0.0)]), 0.
 
 @dataclass(frozen=True)
 class Ramp:
-    """A speed change: jerk ramps of `ramp` s, `hold` s at `jerk`, `coast` s at full acceleration."""
+    """Jerk ramps of `ramp` s, `hold` s at `jerk`, `coast` s at full acceleration."""
 
     gain: float
     ramp: float
@@ -76,7 +76,7 @@ def ramp_for(gain: float, limits: SCurveLimits, from_rest: bool = True) -> Ramp:
     jerk, accel = limits.jerk, limits.accel
     ramp = min(jerk * math.pi / (2 * limits.snap), math.sqrt(accel * math.pi / (2 * limits.snap)))
     jerk = min(jerk, 2 * limits.snap * ramp / math.pi)
-    full = accel / jerk + ramp  # of a pulse without coast
+    full = accel / jerk + ramp
     if gain >= accel * full:
         return Ramp(gain, ramp, jerk, accel / jerk - ramp, gain / accel - full)
     reached = (-jerk * ramp + math.sqrt((jerk * ramp) ** 2 + 4 * jerk * gain)) / 2
@@ -108,14 +108,12 @@ def profile(length: float, limits: SCurveLimits, enter: float = 0.0, leave: floa
 
 
 def _covers(peak: float, enter: float, leave: float, limits: SCurveLimits) -> float:
-    """Return the way of the two speed changes."""
     up = ramp_for(peak - enter, limits, from_rest=enter <= 0)
     down = ramp_for(peak - leave, limits, from_rest=leave <= 0)
     return (peak + enter) / 2 * up.lasts + (peak + leave) / 2 * down.lasts
 
 
 def _fitting(peak: float, enter: float, leave: float, length: float, limits: SCurveLimits) -> float:
-    """Return the highest speed up to `peak` that fits the length."""
     low, high = max(enter, leave), peak
     if _covers(high, enter, leave, limits) <= length:
         return high
@@ -185,7 +183,6 @@ def _peak(length: float, limits: SCurveLimits) -> float:
 def _append(
     segments: list[Segment], ramp: Ramp, sign: float, state: tuple[float, float, float, float]
 ) -> tuple[float, float, float, float]:
-    """Append a speed change; return time, acceleration, speed and way after it."""
     jerk = sign * ramp.jerk
     for shape, lasts, j in (
         (RISING, ramp.ramp, jerk),
@@ -204,7 +201,6 @@ def _append(
 
 
 def _moved(segment: Segment, t: float) -> tuple[float, float, float]:
-    """Return the change of acceleration, speed and way."""
     j, a, v = segment.jerk, segment.accel, segment.speed
     accel, speed, way = j * t, a * t + j * t * t / 2, v * t + a * t * t / 2 + j * t**3 / 6
     if segment.shape == CONSTANT or segment.lasts <= 0:

@@ -7,7 +7,7 @@ import math
 
 from ipoa_mission.vehicles.arducopter.dynamics.motion import STEP, CopterLeg, State, Tuning
 
-LEVEL = 0.03  # tolerance of LOITER_TO_ALT, 5 cm, less 0.5 s as flown [m]
+LEVEL = 0.03  # replaces LOITER_TO_ALT's 5 cm and 0.5 s, as flown [m]
 
 
 def orbit(state: State, this: CopterLeg, tuning: Tuning) -> bool:
@@ -26,7 +26,7 @@ def orbit(state: State, this: CopterLeg, tuning: Tuning) -> bool:
 
 
 def level_off(state: State, this: CopterLeg, tuning: Tuning) -> bool:
-    """Brake, and climb or descend; return whether the height is reached."""
+    """Return whether the height is reached."""
     before = state.z - this.target.z
     shape_to_rest(state, tuning)
     wanted = square_root_law(-before, tuning.accel_z, tuning.p_height)
@@ -45,7 +45,7 @@ def climb_at(state: State, wanted: float, tuning: Tuning) -> None:
 
 
 def square_root_law(error: float, accel: float, gain: float) -> float:
-    """Return the speed for a position error: linear near the goal."""
+    """Return the speed for a position error."""
     linear = accel / (gain * gain)
     if abs(error) <= linear:
         return gain * error
@@ -53,7 +53,6 @@ def square_root_law(error: float, accel: float, gain: float) -> float:
 
 
 def shape_to_place(state: State, x: float, y: float, fastest: float, tuning: Tuning) -> None:
-    """Move the target towards a resting place."""
     advance(state)
     gain, accel = tuning.shaping_jerk / tuning.accel, tuning.accel
     ex, ey = x - state.target_x, y - state.target_y

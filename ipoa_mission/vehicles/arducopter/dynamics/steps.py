@@ -36,7 +36,6 @@ SETTLED_S, STEADY = 30.0, 1e-6  # age and acceleration of a steady cruise [s, m/
 
 
 def along_limit(x: float, y: float, z: float, limits: MotionLimits) -> float:
-    """Return the greatest length along the unit direction within `limits`."""
     level, vertical = math.sqrt(x * x + y * y), limits.up if z > 0.0 else limits.down
     if level < 1e-9:
         return vertical
@@ -46,7 +45,7 @@ def along_limit(x: float, y: float, z: float, limits: MotionLimits) -> float:
 
 
 def bend(leg: CopterLeg, u: float) -> tuple[Triple, Triple, float, float]:
-    """Return a spline at parameter u: place, direction, length of its derivative, bend's speed limit."""
+    """Return place, direction, length of the derivative, and speed limit at parameter u."""
     a, b, c, d = leg.cubic[0], leg.cubic[1], leg.cubic[2], leg.cubic[3]
     px, vx, ax = a.x + u * (b.x + u * (c.x + u * d.x)), b.x + u * (2 * c.x + 3 * u * d.x), 2 * c.x + 6 * u * d.x
     py, vy, ay = a.y + u * (b.y + u * (c.y + u * d.y)), b.y + u * (2 * c.y + 3 * u * d.y), 2 * c.y + 6 * u * d.y
@@ -107,7 +106,7 @@ def turn_is_gentle(this: CopterLeg, following: CopterLeg, elapsed: float, tuning
 def along_legs(
     state: State, before: CopterLeg, this: CopterLeg, following: CopterLeg, tuning: Tuning, h: float
 ) -> bool:
-    """Sum previous, this and overlapping next leg; return whether this one is over."""
+    """Sum all three legs; return whether this one is over."""
     state.clock += h
     state.target_x, state.target_y, state.target_z = this.origin.x, this.origin.y, this.origin.z
     state.aim_x = state.aim_y = state.aim_z = state.push_x = state.push_y = 0.0
@@ -125,7 +124,7 @@ def along_legs(
             and 0.0 < rest <= following.profile.risen
             and turn_is_gentle(this, following, state.clock, tuning)
         ):
-            state.clock_next = h / 2  # mean start in this step
+            state.clock_next = h / 2
         if state.clock_next > 0.0:
             add_leg(state, following, state.clock_next, 0.0)
             finished = finished or state.clock_next >= rest
@@ -134,7 +133,7 @@ def along_legs(
 
 
 def along_spline(state: State, this: CopterLeg, h: float) -> bool:
-    """Move the target along a curve; return whether it is over."""
+    """Return whether it is over."""
     state.clock += h
     (x, y, z), (dx, dy, dz), length, top = bend(this, min(state.share, 1.0))
     left = math.sqrt((this.target.x - x) ** 2 + (this.target.y - y) ** 2 + (this.target.z - z) ** 2)
@@ -157,7 +156,7 @@ def along_spline(state: State, this: CopterLeg, h: float) -> bool:
 
 
 def braked(error: float, speed: float, accel: float, gain: float) -> float:
-    """Return the square-root law's speed, corrected for its decrease."""
+    """Return the square-root law's speed, less its decrease."""
     wanted = square_root_law(error, accel, gain)
     if wanted * speed <= 0.0:
         return wanted
@@ -167,7 +166,7 @@ def braked(error: float, speed: float, accel: float, gain: float) -> float:
 
 
 def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
-    """Stay, climb or descend; return whether it is over."""
+    """Return whether it is over."""
     top = this.target.z
     if this.leave > 0.0:
         shape_to_rest(state, tuning)
@@ -197,7 +196,6 @@ def upright(state: State, this: CopterLeg, tuning: Tuning) -> bool:
 
 
 def control(state: State, tuning: Tuning) -> None:
-    """Compute the lean from position and velocity errors."""
     x, y = state.target_x - state.x - state.vx * STEP, state.target_y - state.y - state.vy * STEP
     far = math.sqrt(x * x + y * y)
     if far > tuning.accel / tuning.p_position**2:
@@ -220,7 +218,7 @@ def control(state: State, tuning: Tuning) -> None:
 
 
 def within_lean(x: float, y: float, aim_x: float, aim_y: float, most: float) -> tuple[float, float]:
-    """Cut the acceleration to the greatest lean; the part across the path takes precedence."""
+    """The part across the path takes precedence."""
     flat = math.sqrt(aim_x * aim_x + aim_y * aim_y)
     if flat < 1e-9:
         size = most / math.sqrt(x * x + y * y)
@@ -233,7 +231,6 @@ def within_lean(x: float, y: float, aim_x: float, aim_y: float, most: float) -> 
 
 
 def move(state: State, tuning: Tuning) -> None:
-    """Move the vehicle; its height follows the target."""
     state.shaped_x += (state.asked_x - state.shaped_x) * tuning.leaning
     state.shaped_y += (state.asked_y - state.shaped_y) * tuning.leaning
     state.lean_x += (state.shaped_x - state.lean_x) * tuning.turning
@@ -250,7 +247,6 @@ def move(state: State, tuning: Tuning) -> None:
 
 
 def turn_nose(state: State, tuning: Tuning) -> None:
-    """Turn the yaw along the target's velocity within the slew rate."""
     fast = state.aim_x**2 + state.aim_y**2
     if tuning.slew <= 0.0 or fast <= tuning.turning_from**2:
         return
@@ -263,7 +259,6 @@ def turn_nose(state: State, tuning: Tuning) -> None:
 
 
 def wind_at(height: float, tuning: Tuning) -> tuple[float, float]:
-    """Return the wind towards east and north [m/s]."""
     levels = tuning.wind_levels
     if levels[0][0] == levels[-1][0]:
         gust = 1.0
@@ -281,7 +276,6 @@ def wind_at(height: float, tuning: Tuning) -> tuple[float, float]:
 
 
 def drag(state: State, tuning: Tuning) -> Triple:
-    """Return the drag acceleration of rotors and body."""
     east, north = wind_at(state.z, tuning)
     x, y, z = state.vx - east, state.vy - north, state.vz
     size = math.sqrt(GRAVITY**2 + state.lean_x**2 + state.lean_y**2)
@@ -324,7 +318,6 @@ def step(state: State, before: CopterLeg, this: CopterLeg, following: CopterLeg,
 
 
 def pass_over_cruise(state: State, this: CopterLeg) -> None:
-    """Skip the steady middle of a long level leg."""
     left = this.profile.falls - state.clock - SETTLED_S
     if (
         this.kind != STRAIGHT
@@ -339,7 +332,7 @@ def pass_over_cruise(state: State, this: CopterLeg) -> None:
     way = left * along(this, state.clock)[1]
     east, north = way * this.direction.x, way * this.direction.y
     state.x, state.y = state.x + east, state.y + north
-    state.target_x, state.target_y = state.target_x + east, state.target_y + north  # keeps its lag
+    state.target_x, state.target_y = state.target_x + east, state.target_y + north
     state.time, state.clock = state.time + left / state.rate, state.clock + left
 
 

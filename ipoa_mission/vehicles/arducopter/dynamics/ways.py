@@ -1,3 +1,8 @@
+"""Motion along an S-curve leg of ArduCopter.
+
+The same code runs as Python and compiled.
+"""
+
 import math
 
 from ipoa_mission.vehicles.arducopter.dynamics.motion import CopterLeg
@@ -31,7 +36,7 @@ def along(leg: CopterLeg, t: float) -> Triple:
 
 
 def on_way(leg: CopterLeg, a: float, v: float, s: float, way_back: float) -> tuple[Triple, Triple, Triple]:
-    """Return place, velocity and acceleration for these along the way [m, m/s, m/s^2].
+    """Return place, velocity and acceleration [m, m/s, m/s^2].
 
     The place is relative to the origin, or with the length as `way_back` to the target.
     """

@@ -20,7 +20,6 @@ def wind_at(height: float, law: Law) -> tuple[float, float]:
 
 
 def integrate(state: State, asked: Enu, law: Law, stands: bool) -> Body:
-    """Return the vehicle a step later; on the ground its speed error is the drift."""
     body, drift, dt, drag = state.body, state.errors.drift, law.dt, law.airframe.drag
     asked_east = body.asked.east + (asked.east - body.asked.east) * law.leaning
     asked_north = body.asked.north + (asked.north - body.asked.north) * law.leaning

@@ -1,7 +1,7 @@
 """PX4's position controller.
 
-Its hover thrust estimator ignores drag. After a climb the estimate is too large, so anti-windup reduces the level
-integrator: PX4 flies slower.
+After a climb the hover thrust estimate is too large, as it ignores drag. Anti-windup then reduces the level integrator:
+PX4 flies slower.
 """
 
 import math
@@ -61,7 +61,6 @@ def controlled(state: State, trajectory: Trajectory, order: Order, law: Law) -> 
 
 
 def level_velocity(trajectory: Trajectory, body: Body, limits: Px4Limits, dt: float) -> tuple[float, float]:
-    """Return the velocity setpoint, at most MPC_XY_VEL_MAX."""
     x: Axis = trajectory.east
     y: Axis = trajectory.north
     east = x.speed + limits.p_xy * (x.place - body.place.east - body.speed.east * dt)
@@ -72,7 +71,7 @@ def level_velocity(trajectory: Trajectory, body: Body, limits: Px4Limits, dt: fl
 
 
 def hover_learned(control: Control, body: Body, law: Law, time: float) -> Control:
-    """Update the hover thrust estimate, which counts drag in a climb as weight."""
+    """It counts drag in a climb as weight."""
     fast = level(body.speed)
     doubt = 1.0 + 10.0 * max(abs(body.speed.up) - HOVER_SURE_UP, fast - HOVER_SURE, 0.0)
     share = (1.0 / law.limits.hover_learning + 1.0 / max(time - body.airborne_since, 1.0)) * law.dt / doubt

@@ -1,5 +1,3 @@
-"""A whole flight, order by order; as Python and compiled."""
-
 import math
 from collections.abc import Sequence
 
@@ -25,7 +23,7 @@ from ipoa_mission.vehicles.px4_multicopter.dynamics.step import at_rest, begun, 
 
 ROOM = 64  # for samples
 
-SETTLED_S = 30.0  # until a cruise is steady [s]
+SETTLED_S = 30.0  # [s]
 
 
 def past_cruise(state: State, order: Order, law: Law) -> State:

@@ -1,5 +1,3 @@
-"""PX4's guidance along a leg."""
-
 import math
 from typing import NamedTuple
 
@@ -31,22 +29,18 @@ SLOW = 0.5  # below, level and vertical parts are cut separately [m/s]
 
 
 class Way(NamedTuple):
-    """The waypoints in use."""
-
     start: Enu
     goal: Enu
     beyond: Enu
 
 
 class Climb(NamedTuple):
-    """Climb or descent rate and its acceleration."""
-
     rate: float
     accel: float
 
 
 def guided(state: State, order: Order, limits: Px4Limits) -> Guidance:
-    """Update the side of the leg; after a change it returns from its present place."""
+    """After a change it returns from its present place."""
     if limits.splits_axes:
         return state.guidance
     place, was, home = state.body.place, state.guidance, home_told(state, order)
@@ -67,7 +61,7 @@ def guided(state: State, order: Order, limits: Px4Limits) -> Guidance:
 
 
 def beside_leg(at: Enu, start: Enu, goal: Enu) -> tuple[float, float, float]:
-    """Return a leg's length, and a place's distance along and lateral to it [m]."""
+    """Return the leg's length, and the place along and lateral to it [m]."""
     leg_east, leg_north, leg_up = goal.east - start.east, goal.north - start.north, goal.up - start.up
     length = math.sqrt(leg_east * leg_east + leg_north * leg_north + leg_up * leg_up)
     if length <= 1e-6:
@@ -99,12 +93,10 @@ def home_told(state: State, order: Order) -> float:
 
 
 def is_low_take_off(state: State, order: Order, limits: Px4Limits) -> bool:
-    """Return whether it climbs at MPC_TKO_SPEED: below MPC_LAND_ALT1."""
     return order.kind == TAKE_OFF and state.body.place.up < limits.land_high
 
 
 def climb_limits(rising: bool, low: bool, limits: Px4Limits) -> Climb:
-    """Return the limits; `low`: take-off near the ground."""
     if not rising:
         return Climb(limits.descent, limits.accel_down)
     if low:
@@ -141,7 +133,6 @@ def velocity_setpoint(state: State, order: Order, law: Law, guidance: Guidance) 
 
 
 def ahead_on_leg(at: Enu, to: Way, aim: Enu, radius: float) -> Enu:
-    """Return the vector to a point ahead of the nearest one."""
     east, north, up = to.goal.east - to.start.east, to.goal.north - to.start.north, to.goal.up - to.start.up
     size = math.sqrt(east * east + north * north + up * up)
     if size <= 1e-6:
@@ -156,7 +147,6 @@ def ahead_on_leg(at: Enu, to: Way, aim: Enu, radius: float) -> Enu:
 
 
 def apart(aim: Enu, fast: float, rise: float) -> Enu:
-    """Return level speed towards the aim, and full vertical speed."""
     far = level(aim)
     share = fast / far if far > 0.0 else 0.0
     up = 0.0 if aim.up == 0.0 else math.copysign(rise, aim.up)
@@ -164,7 +154,6 @@ def apart(aim: Enu, fast: float, rise: float) -> Enu:
 
 
 def within(aim: Enu, fast: float, rise: float) -> Enu:
-    """Return a velocity towards the aim within both limits."""
     size = math.sqrt(aim.east * aim.east + aim.north * aim.north + aim.up * aim.up)
     if size <= AT_GOAL:
         return ZERO

@@ -4,10 +4,10 @@ from ipoa_mission.vehicles.px4_multicopter.limits import RANGE_LAG_S, STAGES
 
 
 def sink_rate(state: State, order: Order, law: Law) -> float:
-    """Return the descent rate: MPC_Z_V_AUTO_DN above MPC_LAND_ALT1, MPC_LAND_SPEED at MPC_LAND_ALT2, then a crawl.
+    """Return MPC_Z_V_AUTO_DN above MPC_LAND_ALT1, MPC_LAND_SPEED at MPC_LAND_ALT2, then a crawl.
 
-    Between them it interpolates from MPC_Z_VEL_MAX_DN. A range finder measures heights over the ground, with a lag,
-    else they are over home. Only with one it crawls.
+    Between them it interpolates from MPC_Z_VEL_MAX_DN. Only a range finder measures over the ground, with a lag, and
+    allows the crawl.
     """
     limits, sees = law.limits, law.senses.sees_ground
     height = state.body.place.up - (order.goal.up + RANGE_LAG_S * state.body.speed.up if sees else 0.0)

@@ -27,18 +27,16 @@ def law(limits: Px4Limits, airframe: Airframe, senses: SensorModel, wind: Wind, 
 
 
 def leg(start: Enu, goal: Enu, beyond: Enu | None, limits: Px4Limits, cruise: float) -> Order:
-    """Return the order of a leg; without `beyond` it stops."""
     most = min(cruise, limits.most_speed)
     return Order(GO, start, goal, goal if beyond is None else beyond, limits.radius, limits.height_radius, most)
 
 
 def take_off(top: Enu, limits: Px4Limits) -> Order:
-    """Return a straight climb, above home at that time."""
+    """Return a climb above home at that time."""
     return leg(top, top, None, limits, limits.cruise)._replace(kind=TAKE_OFF, follows_home=False)
 
 
 def waypoint(item: Item, start: Enu, goal: Enu, beyond: Enu | None, limits: Px4Limits, cruise: float) -> Order:
-    """Return the order; `beyond` is ignored if it holds."""
     holds = max(0.0, item.params[0]) if item.command in HOLDING else 0.0  # NaN: no hold
     own = item.command == Command.NAV_WAYPOINT and item.params[1] > 0.001
     return leg(start, goal, None if holds > 0 else beyond, limits, cruise)._replace(
@@ -56,7 +54,7 @@ def stay(here: Enu, limits: Px4Limits, seconds: float) -> list[Order]:
 
 
 def way_down(here: Enu, ground: Enu, limits: Px4Limits, cruise: float, holds: float) -> list[Order]:
-    """Return the orders to land: over the place if beyond the acceptance radius.
+    """It first flies over the place if beyond the acceptance radius.
 
     `holds`: on the ground [s].
     """
@@ -92,7 +90,6 @@ def way_home(here: Enu, limits: Px4Limits, home: Enu, up: float = 0.0) -> list[O
 
 
 def way_along(here: Enu, places: Sequence[Enu], limits: Px4Limits, ground: Enu) -> list[Order]:
-    """Return the orders along waypoints, then down."""
     way, at = list[Order](), here
     for n, place in enumerate(places):
         beyond = places[n + 1] if n + 1 < len(places) else None
@@ -143,7 +140,6 @@ def _patient(order: Order, before: Enu, limits: Px4Limits) -> Order:
 def with_another_end(
     flown: Sequence[Order], contingency: Sequence[Order], limits: Px4Limits, landing_delay: float = 0.0
 ) -> tuple[Order, ...]:
-    """Return the orders up to the abort, and the contingency's."""
     orders, at = list(flown), contingency[0].start
     for order in contingency:
         late = landing_delay if order.kind == LAND else 0.0
@@ -153,8 +149,6 @@ def with_another_end(
 
 
 class _Navigator:
-    """The last commanded place and the cruise speed."""
-
     def __init__(self, route: Itinerary, limits: Px4Limits) -> None:
         self.route, self.limits, self.cruise = route, limits, limits.cruise
         height = flying_already(route)
@@ -197,7 +191,6 @@ class _Navigator:
         return []
 
     def down(self, orders: list[Order]) -> list[Order]:
-        """Return orders that end on the ground."""
         self.here, self.airborne = orders[-1].goal, False
         return orders
 
@@ -205,10 +198,9 @@ class _Navigator:
         return place._replace(up=self.route.ground.at(place.east, place.north))
 
     def target(self, n: int) -> Enu:
-        """Return the place of visit n; open coordinates are the last commanded ones."""
+        """Open coordinates are the last commanded ones."""
         return Enu(*self.route.program.place(n, self.here))
 
     def onward(self, n: int) -> Enu | None:
-        """Return the next place unless it stops at n."""
         onward = self.route.program.onward(n)
         return None if onward is None else self.target(onward)

@@ -29,7 +29,7 @@ def quickest(axis: Axis, goal: float, accel: float, jerk: float) -> Profile:
         p = math.copysign(accel, j)
         coast = max((goal - v - (2.0 * p * p - a * a) / (2.0 * j)) / p, 0.0)
     rise = (p - a) / j
-    if rise < 0.0:  # beyond the limit: reduce
+    if rise < 0.0:
         return Profile(j, 0.0, coast, a / j)
     return Profile(j, rise, coast, p / j)
 
@@ -72,7 +72,7 @@ def moved(axis: Axis, profile: Profile, t: float) -> Axis:
 def smoothed(
     trajectory: Trajectory, velocity: Enu, limits: Px4Limits, accel_up: float, t: float, t_up: float
 ) -> Trajectory:
-    """Return the trajectory t s later (`t_up` upwards); the slowest axis sets the duration."""
+    """Return the trajectory t s later (`t_up` upwards)."""
     x, y, z = trajectory
     accel, jerk = limits.accel, limits.jerk
     east, north = quickest(x, velocity.east, accel, jerk), quickest(y, velocity.north, accel, jerk)

@@ -7,7 +7,10 @@ from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 
 
 def speed_to(distance: float, leave: float, accel: float, jerk: float) -> float:
-    """Return the speed that can slow to `leave`: v^2 + (4 a^2/j) v = leave^2 + 2 a d."""
+    """Return the speed that can slow to `leave` within `distance`.
+
+    v^2 + (4 a^2/j) v = leave^2 + 2 a d, at least `leave`.
+    """
     half = 2.0 * accel * accel / jerk
     return max(math.sqrt(half * half + 2.0 * accel * distance + leave * leave) - half, leave)
 
@@ -27,7 +30,7 @@ def corner_speed(at: Trajectory, goal: Enu, beyond: Enu, order: Order, limits: P
     on_east, on_north = beyond.east - goal.east, beyond.north - goal.north
     distance = math.sqrt(to_east * to_east + to_north * to_north)
     accel, jerk, leave = limits.accel, limits.jerk, 0.0
-    if speed_to(distance, leave, accel, jerk) >= order.cruise:  # too far for the corner
+    if speed_to(distance, leave, accel, jerk) >= order.cruise:
         return order.cruise
     onward = math.sqrt(on_east * on_east + on_north * on_north)
     if onward > 0.001 and onward >= order.radius:
@@ -53,4 +56,5 @@ def vertical_speed(at: Enu, goal: Enu, beyond: Enu, top: float, accel: float, li
 
 
 def level(place: Enu) -> float:
+    """Return the level distance."""
     return math.sqrt(place.east * place.east + place.north * place.north)

@@ -11,13 +11,11 @@ from ipoa_mission.vehicles.px4_multicopter.limits import Px4Limits
 from ipoa_mission.wind import WindLevel
 
 GO, TAKE_OFF, LAND = 0, 1, 2  # orders
-ON_LINE, BEYOND, BEFORE, BESIDE, UNKNOWN = 0, 1, 2, 3, 4  # the vehicle relative to its leg
+ON_LINE, BEYOND, BEFORE, BESIDE, UNKNOWN = 0, 1, 2, 3, 4
 NOT_YET = -1.0
 
 
 class Enu(NamedTuple):
-    """A place or rate."""
-
     east: float
     north: float
     up: float
@@ -26,8 +24,8 @@ class Enu(NamedTuple):
 class Order(NamedTuple):
     """Fly from `start` to `goal`, and on to `beyond` (the goal: stop).
 
-    Done `holds` s after it is within `radius` and `height_radius`, with `heading` [rad] unless NaN. `follows_home`:
-    heights above the estimated home. `may_turn_first`: MPC_YAW_MODE 4. Lost after `patience` s, aborted at `until` [s].
+    Done `holds` s after arrival: `radius`, `height_radius`, `heading` [rad] unless NaN. `follows_home`: above the
+    estimated home. `may_turn_first`: MPC_YAW_MODE 4. Lost after `patience` s, aborted at `until` [s].
     """
 
     kind: int
@@ -69,8 +67,6 @@ class Law(NamedTuple):
 
 
 class Axis(NamedTuple):
-    """The trajectory along one axis."""
-
     place: float
     speed: float
     acceleration: float
@@ -85,10 +81,7 @@ class Trajectory(NamedTuple):
 
 
 class Guidance(NamedTuple):
-    """Side of the leg, and the last place of a return to it.
-
-    `held`: speed limit in a turn. `rising`: the last setpoint.
-    """
+    """`held`: speed limit in a turn. `rising`: the last setpoint."""
 
     side: int
     anchor: Enu
@@ -153,8 +146,6 @@ class Contact(NamedTuple):
 
 
 class State(NamedTuple):
-    """The whole state, with times of the order's begin and arrival."""
-
     time: float
     body: Body
     nose: Yaw

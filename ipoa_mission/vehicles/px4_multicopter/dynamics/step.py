@@ -1,5 +1,3 @@
-"""One step of a PX4 multicopter."""
-
 import math
 
 from ipoa_mission.vehicles.px4_multicopter.dynamics.body import integrate
@@ -40,11 +38,10 @@ from ipoa_mission.vehicles.px4_multicopter.limits import STAGES
 
 STANDING = 1e-6  # a slower trajectory waits for the vehicle [m/s]
 SPLIT = 2.0**29 + 1.0  # Veltkamp's, to single precision
-GROUND_SINK = 0.7  # of the trajectory before a take-off [m/s]
+GROUND_SINK = 0.7  # [m/s]
 
 
 def step(state: State, order: Order, law: Law) -> State:
-    """Return the state `law.dt` later."""
     limits, standing = law.limits, stands(state, order)
     velocity, guidance = velocity_setpoint(state, order, law, guided(state, order, limits))
     trajectory = track_setpoint(state, order, law, velocity)
@@ -94,16 +91,13 @@ def track_setpoint(state: State, order: Order, law: Law, velocity: Enu) -> Traje
 
 
 def in_single(axis: Axis) -> Axis:
-    """Return the axis in single precision, as in PX4.
-
-    Lost small steps leave a trace of speed, which decides whether a landing waits for the vehicle.
-    """
+    """Lost small steps leave a trace of speed, which decides whether a landing waits for the vehicle."""
     wide = SPLIT * axis.place
     return Axis(wide - (wide - axis.place), axis.speed, axis.acceleration)
 
 
 def is_there(body: Body, errors: Errors, contact: Contact, order: Order) -> bool:
-    """Return whether it is at the goal; the navigator knows home's corrections at once."""
+    """The navigator knows home's corrections at once."""
     if order.kind == LAND:
         return contact.stages >= STAGES
     home = errors.home if order.follows_home else 0.0
@@ -115,7 +109,7 @@ def is_there(body: Body, errors: Errors, contact: Contact, order: Order) -> bool
 
 
 def is_over(state: State, order: Order) -> bool:
-    """Return whether the order is done, as guidance knows, or aborted."""
+    """Return whether it is done, as guidance knows, or aborted."""
     if state.time >= order.until:
         return True
     return state.reached >= 0.0 and state.time - state.reached >= max(order.holds, NOTICED_S)
@@ -131,7 +125,6 @@ def at_rest(place: Enu, time: float, yaw: float, errors: Errors, on_ground: bool
 
 
 def begun(state: State, order: Order) -> State:
-    """Return the state at an order's start."""
     trajectory, body = state.trajectory, state.body
     on_ground = body.on_ground and order.kind == TAKE_OFF
     if on_ground:
