@@ -60,7 +60,7 @@ class Begun(Message):
 class Log:
     """A whole log; `events` with times by the autopilot's clock [s], in any order.
 
-    A heartbeat marks a change of arming or mode. `remarks` are about faults of the log.
+    A heartbeat marks a change of arming or mode.
     """
 
     autopilot: Autopilot

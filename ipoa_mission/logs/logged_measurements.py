@@ -8,7 +8,7 @@ from ipoa_mission.geometry import Points, Vector
 
 Battery = tuple[float, float, float]  # [s, V, A]; NaN or negative: not measured
 MAX_VALUE = 10_000.0  # [V, A]
-CONSTANT_SPREAD = 1e-3  # of its mean: not measured
+CONSTANT_SPREAD = 1e-3  # of the mean; a measured current varies more
 
 
 def _rows(columns: int) -> Points:

@@ -57,7 +57,7 @@ class Evidence:
 
 
 def evidence_of(name: str, flight: LoggedFlight, mission: Mission | None = None) -> Evidence:
-    """Make evidence of a flight; `mission` where the log has none.
+    """`mission` where the log has none.
 
     Raises:
         MissionError: the mission is unknown, or has too few items.
@@ -71,7 +71,7 @@ def evidence_of(name: str, flight: LoggedFlight, mission: Mission | None = None)
 
 
 def evidence_between(name: str, mission: Mission, done_s: Mapping[int, float]) -> Evidence:
-    """Make evidence of the times when items were done [s since arming], by index.
+    """`done_s`: when items were done [s since arming], by index.
 
     Raises:
         MissionError: too few are known.
@@ -110,7 +110,7 @@ def _joined(parts: Iterable[Vector]) -> Vector:
 def flights_in(
     path: Path, read: Callable[[Autopilot], Mission] | None = None, system: int | None = None
 ) -> tuple[list[Evidence], list[str], str, Autopilot]:
-    """Return the usable flights of a log, remarks, the version, and the autopilot.
+    """Return usable flights, remarks, version and autopilot.
 
     `read` returns the mission where the log has none.
 

@@ -1,4 +1,4 @@
-"""Fit a vehicle by least squares to item durations and lean.
+"""Fit a vehicle by least squares.
 
 The prior is the simulated vehicle (`PRIOR_DEVIATIONS`). A parameter stays if the flights do not halve its deviation, or
 its interval contains the simulated value.

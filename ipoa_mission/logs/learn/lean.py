@@ -1,7 +1,6 @@
 """Drag and wind from the lean in steady flight.
 
-g tan(lean) minus acceleration is the model's drag at airspeed times a factor. Factor, wind and attitude tilt are
-fitted.
+g tan(lean) minus acceleration is the model's drag at airspeed times a factor.
 """
 
 from dataclasses import dataclass
