@@ -1,4 +1,4 @@
-"""The deviation law of an autopilot: measured on recorded flights, tested on others."""
+"""The deviation law of an autopilot."""
 
 from dataclasses import dataclass, replace
 
@@ -7,7 +7,7 @@ import numpy as np
 from ipoa_mission.forecast.deviation.quantiles import Quantiles
 from ipoa_mission.geometry import Vector
 
-INDEPENDENT_SAMPLES = 4  # independent moments in which a flight is near to a limit that is no obstacle
+INDEPENDENT_SAMPLES = 4  # in which a flight is near to a limit that is no obstacle
 
 
 @dataclass(frozen=True)
@@ -15,14 +15,14 @@ class DeviationLaw:
     """Distribution of a vehicle's deviation from its predicted path.
 
     `level`: to one side at a moment of a straight flight. A lateral acceleration of `turn` [m/s^2] doubles it. After
-    the last waypoint it is `after_way` times as large. Samples `memory` [s] apart are independent.
+    the last waypoint it is `after_way` times as large. It is independent after `memory` [s].
 
-    `down`, `up`: height at a moment, independent after `height_memory` [s]. `lowest`, `highest`: extremes of a whole
-    flight, as a height error persists. `farthest`: the extreme to one side, of an autopilot where it does not grow
-    with time. `growth`: increase in wind [m for each m/s, to the side, down, up].
+    `down`, `up`: height at a moment, independent after `height_memory` [s]. `lowest`, `highest`: of a whole flight, as
+    a height error persists. `farthest`: to one side, where it does not grow with time. `growth`: in wind [m for each
+    m/s, to the side, down, up].
 
-    `source`: the flights measured. Other airframes and parameters than the simulators', and errors of satellite
-    positioning, were not measured. `strongest`: the greatest wind with gusts that the law was verified in [m/s].
+    `source`: the flights measured. Other airframes and errors of satellite positioning were not. `strongest`: greatest
+    verified wind with gusts [m/s].
     """
 
     level: Quantiles
@@ -40,11 +40,10 @@ class DeviationLaw:
     strongest: float
 
     def stretch(self, across: Vector) -> Vector:
-        """Return the factor of the deviation at lateral accelerations (n,) [m/s^2], (n,)."""
         return np.asarray(1.0 + across / self.turn)
 
     def lateral(self, chance: float) -> float:
-        """Return the lateral deviation [m] that is exceeded with this probability in a few times `memory`."""
+        """Return the lateral deviation [m] exceeded with this probability."""
         return self.level.distance(chance / INDEPENDENT_SAMPLES)
 
     def in_wind(self, speed: float) -> "DeviationLaw":

@@ -1,5 +1,3 @@
-"""Return an autopilot's deviation law, and the wind from which it is extrapolated."""
-
 from ipoa_mission.forecast.deviation.law import DeviationLaw
 from ipoa_mission.vehicles.autopilot import Autopilot
 

@@ -1,5 +1,3 @@
-"""Measured quantiles of a deviation."""
-
 from dataclasses import dataclass
 
 import numpy as np
