@@ -1,15 +1,15 @@
-"""Explain why a leg is slow, in the words of the report, for every autopilot."""
+"""Explain why a leg is slow, in the words of the report."""
 
 import math
 
-SLOW_SHARE = 0.95  # a leg below this share of its requested speed is slow
+SLOW_SHARE = 0.95  # of the requested speed
 MIN_CORNER_DEG = 10.0
 
 Place = tuple[float, float, float]
 
 
 def corner_deg(before: Place, at: Place, after: Place) -> float:
-    """Return the horizontal angle of the course change at a place [deg]; 0 where a side has no horizontal length."""
+    """Return the level course change [deg]; 0 at a vertical side."""
     x1, y1, x2, y2 = at[0] - before[0], at[1] - before[1], after[0] - at[0], after[1] - at[1]
     if math.hypot(x1, y1) < 0.1 or math.hypot(x2, y2) < 0.1:
         return 0.0
@@ -26,10 +26,10 @@ def slow_because(
     stops: bool,
     curved: bool = False,
 ) -> str:
-    """Return the reasons of a leg, joined: too short, steep, curved, drag, lag, a corner or a stop at its end.
+    """Return the joined reasons of a leg.
 
-    `planned`: its planned peak speed (None without a plan, as on a spline, which is `curved`). `allowed`: the `asked`
-    speed as limited by its slope. `top`: as limited by drag and wind. `flown`: its highest horizontal speed.
+    `planned`: peak speed (None if `curved`). `allowed`: the `asked` speed as limited by its slope. `top`: as limited by
+    drag and wind. `flown`: its highest horizontal speed.
     """
     reasons = []
     wanted = min(asked if planned is None else planned, allowed, asked)
