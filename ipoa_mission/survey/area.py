@@ -1,5 +1,3 @@
-"""The area of a survey: polygons with holes that are kept out of, in meters east and north of home."""
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,14 +8,14 @@ import shapely
 from ipoa_mission.errors import BadInput, InvalidRing, Remedy
 from ipoa_mission.geometry import Points
 
-LEAST_M2 = 1e-3  # a smaller ring has no area
-INSET = 0.02  # of lines and ways [m]; more than the rounding of coordinates to 1e-7 degrees
+LEAST_M2 = 1e-3
+INSET = 0.02  # [m]; more than the rounding of coordinates to 1e-7 degrees
 ARC = 64  # segments of a quarter circle
 
 
 @dataclass(frozen=True, eq=False)
 class Area:
-    """One or several disjoint polygons with holes; `shape` is a valid `shapely.MultiPolygon` in meters.
+    """Disjoint polygons with holes [m from home]; `shape` is a valid `shapely.MultiPolygon`.
 
     Example:
         >>> field = [[0.0, 0.0], [90.0, 0.0], [90.0, 60.0], [0.0, 60.0]]
@@ -30,13 +28,7 @@ class Area:
 
     @classmethod
     def of(cls, parts: Sequence[Sequence[Sequence[Sequence[float]] | Points]], where: str = "area") -> "Area":
-        """Return the area of parts, each a list of rings (n, 2): the outer one, then its holes, as in GeoJSON.
-
-        A ring may repeat its first corner at its end.
-
-        Raises:
-            BadInput: naming the place, as `area[0][1][7]`: part, ring, corner.
-        """
+        """Return the area of parts, each a list of rings (n, 2): outer, then holes, as in GeoJSON. Raises BadInput."""
         if not len(parts):
             raise InvalidRing("expected one polygon or more", place=where)
         polygons = [_polygon(rings, f"{where}[{n}]", n) for n, rings in enumerate(parts)]
@@ -46,11 +38,10 @@ class Area:
         return cls(shapely.MultiPolygon(polygons))
 
     def without(self, keep_out: Any | None) -> Any:
-        """Return the area without `keep_out`, both shapely geometries."""
         return self.shape if keep_out is None else self.shape.difference(keep_out)
 
     def visible(self, keep_out: Any | None, width: float) -> Any:
-        """Return the part within half a width of permitted lines, which are `INSET` from `keep_out`."""
+        """Return the part within half a width of permitted lines."""
         if keep_out is None:
             return self.shape
         inner = self.without(keep_out).buffer(-INSET, join_style="mitre")

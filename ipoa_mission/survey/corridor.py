@@ -1,5 +1,3 @@
-"""Cover a corridor by lines that follow its middle."""
-
 import math
 from itertools import pairwise
 from typing import Any
@@ -11,15 +9,15 @@ from ipoa_mission.geometry import Points, Vector
 from ipoa_mission.survey.area import Area
 from ipoa_mission.survey.tour import Swath, Tour
 
-MAX_TRIM = 1 / 8  # of the spacing
-INSIDE = 1e-6  # tolerance of rounding [m]
+MAX_TRIM = 1 / 8
+INSIDE = 1e-6  # [m]
 
 
 def corridor_tour(middle: Points, width: float, spacing: float, begin: Vector, inside: Any, past: float) -> Tour | None:
-    """Return lines at most `spacing` apart, from the corridor's end that is nearer to `begin` (2,).
+    """Return lines at most `spacing` apart [m], from the corridor's end nearer to `begin` (2,).
 
-    The lines end earlier by the distance that the vehicle flies `past` corners [m], at most `MAX_TRIM` of the spacing.
-    Return None if a line bends back on itself, or leaves `inside`: the caller then treats it as an area.
+    Lines end earlier by the overshoot `past` corners [m]. Return None if a line bends back on itself or leaves
+    `inside`.
     """
     count = max(math.ceil(width / spacing - 1e-9), 1)
     if np.linalg.norm(middle[-1] - begin) < np.linalg.norm(middle[0] - begin):
@@ -37,7 +35,6 @@ def corridor_tour(middle: Points, width: float, spacing: float, begin: Vector, i
 
 
 def _trimmed(middle: Points, by: float) -> Points:
-    """Return a line (n, 2) shortened at both ends by `by` [m], if its first and last leg are longer than twice that."""
     legs = middle[[1, -2]] - middle[[0, -1]]
     lengths = np.linalg.norm(legs, axis=1, keepdims=True)
     if (lengths <= 2 * by).any():

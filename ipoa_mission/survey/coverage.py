@@ -1,8 +1,4 @@
-"""Compute how much of an area a tour sees, where not, and whether it stays inside, by geometry alone.
-
-A place within half the width of a line is seen, the line's ends rounded: the sensor sees a disc. The share
-counts places that can be covered: those within half the width of a permitted line (`Area.visible`).
-"""
+"""Compute by geometry alone how much of an area a tour sees; line ends are rounded."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -14,18 +10,18 @@ from ipoa_mission.survey.area import ARC, Area
 from ipoa_mission.survey.survey_lines import union_along
 from ipoa_mission.survey.tour import Tour
 
-STEP, MAX_STEPS = 0.1, 20_000  # spacing of the places at which a stray path is measured [m], and their maximum number
+STEP, MAX_STEPS = 0.1, 20_000  # [m], along a stray path
 
 
 @dataclass(frozen=True, eq=False)
 class Coverage:
-    """The part of an area that a tour sees.
+    """The seen part of an area.
 
     Attributes:
-        share: of what can be covered, 0 to 1.
-        gaps: what can be covered and is not seen: a shapely geometry.
-        seen: the part of the area that is seen: a shapely geometry.
-        outside_m: maximum distance of the path outside the area, or inside a hole or `keep_out` [m].
+        share: of `Area.visible`, 0 to 1.
+        gaps: of what can be covered (shapely).
+        seen: shapely.
+        outside_m: farthest the path is outside the area, or inside a hole or `keep_out` [m].
     """
 
     share: float
@@ -39,14 +35,7 @@ class Coverage:
 
 
 def coverage(area: Area, tour: Tour, width: float, keep_out: Any = None) -> Coverage:
-    """Return how much of an area the lines of a tour see.
-
-    Args:
-        area: to be seen.
-        tour: as planned.
-        width: seen by the sensor [m].
-        keep_out: a shapely geometry that is not entered.
-    """
+    """Return the coverage by a tour; `width` [m] of the sensor, `keep_out` a shapely geometry."""
     can = area.visible(keep_out, width)
     lines = np.array([[swath.begin, swath.end] for swath in tour.swaths]).reshape(-1, 2, 2)
     seen = area.shape.intersection(union_along(shapely.linestrings(lines), width / 2, ARC))

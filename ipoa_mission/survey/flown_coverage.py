@@ -1,5 +1,3 @@
-"""Compute the coverage of a survey as flown or forecast, with corners cut and overshot."""
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -16,26 +14,19 @@ from ipoa_mission.survey.tour import Tour
 from ipoa_mission.world.frame import LocalFrame
 
 END_TOLERANCE = 0.05  # between an item and its line's end [m]
-ARC = 16  # segments of a quarter circle
+ARC = 16
 
 
 @dataclass(frozen=True)
 class AsFlown:
-    """The seen share of the visible area, and how far lines and ways leave the area [m]."""
+    """The seen share of the visible area, and how far paths leave the area [m]."""
 
     share: float
     outside_m: float
 
 
 def as_flown(flights: Iterable[tuple[Track, Points]], area: Any, visible: Any, width: float) -> AsFlown:
-    """Return what flights see of an area, with the sensor on along their lines.
-
-    Args:
-        flights: the track of each, and the times at which its lines begin and end (n, 2) [s].
-        area: a shapely geometry that is not to be left.
-        visible: the part that can be seen.
-        width: seen by the sensor [m].
-    """
+    """Return the coverage of flights: tracks, and the times (n, 2) at which lines begin and end [s]."""
     lines, outside = list[Any](), 0.0
     shapely.prepare(area)
     for track, ends in flights:
@@ -48,7 +39,6 @@ def as_flown(flights: Iterable[tuple[Track, Points]], area: Any, visible: Any, w
 
 
 def expected_lines(forecast: Forecast, tour: Tour, frame: LocalFrame) -> tuple[Track, Points]:
-    """Return the forecast track of a flight and the times of its lines, as `as_flown` takes them."""
     prediction, move = forecast.promise.flight.prediction, between(forecast.frame, frame)
     items = [visit.item for visit in forecast.itinerary.visits]
     latitude, longitude = np.array([[item.latitude_deg, item.longitude_deg] for item in items]).T
@@ -63,9 +53,8 @@ def expected_lines(forecast: Forecast, tour: Tour, frame: LocalFrame) -> tuple[T
 
 
 def _path(track: Track, begin: float, end: float) -> Any:
-    """Return the track in plan between two times [s] as a shapely line."""
     before = max(int(np.searchsorted(track.times, begin, "right")) - 1, 0)
-    near = slice(before, np.searchsorted(track.times, end) + 1)  # a track of many hours is slow for each line
+    near = slice(before, np.searchsorted(track.times, end) + 1)  # for speed
     first, last = Track(track.times[near], track.points[near], track.speeds[near]).at(np.array([begin, end]))
     places = np.vstack([first, track.between(begin, end).points, last])[:, :2]
     return shapely.simplify(shapely.LineString(places), THINNING_TOLERANCE, preserve_topology=False)

@@ -1,8 +1,3 @@
-"""Write a survey's lines as QGroundControl's own survey or corridor item, which opens and edits there.
-
-The item has no holes and no obstacles: if somebody edits it there, new transects ignore them.
-"""
-
 import math
 from typing import Any
 
@@ -17,13 +12,12 @@ from ipoa_mission.scenario import Scenario
 from ipoa_mission.survey.sight import Sight
 from ipoa_mission.survey.tour import Tour
 
-MANUAL_CAMERA, CUSTOM_CAMERA = "Manual (no camera specs)", "Custom Camera"  # as QGroundControl has them
+MANUAL_CAMERA, CUSTOM_CAMERA = "Manual (no camera specs)", "Custom Camera"
 ABOVE_HOME = 1
 VERSIONS = {"survey": 5, "CorridorScan": 2}
 
 
 def survey_item(mission: Mission, first: int, last: int, tour: Tour, sight: Sight, scenario: Scenario) -> ComplexItem:
-    """Return the items `first` to `last` of a mission as a complex item of QGroundControl."""
     section, area = scenario.survey, scenario.survey_area
     assert section is not None
     assert area is not None
