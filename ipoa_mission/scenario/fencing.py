@@ -1,5 +1,3 @@
-"""Convert geofences to limits of the planned path."""
-
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -13,17 +11,11 @@ from ipoa_mission.world.frame import LocalFrame
 from ipoa_mission.world.obstacles import Obstacle, RoundZone, Zone
 
 HOME = shapely.Point(0.0, 0.0)
-SEGMENTS = 16  # per quarter circle, seen from inside
+SEGMENTS = 16  # per quarter circle
 
 
 def allowed_area(fences: Sequence[FenceSection], frame: LocalFrame) -> Any | None:
-    """Return the intersection of all inclusions in the local plane, or None.
-
-    PX4 unites inclusions and ArduPilot intersects them: the intersection satisfies both.
-
-    Raises:
-        BadInput: a polygon is invalid, home is outside, or there is not exactly one common area.
-    """
+    """Return the intersection of inclusions, which also satisfies PX4's union. Raises BadInput."""
     shapes = [_shape(fence, frame, f"fence[{i}]") for i, fence in enumerate(fences) if fence.inclusion]
     if not shapes:
         return None
@@ -37,11 +29,7 @@ def allowed_area(fences: Sequence[FenceSection], frame: LocalFrame) -> Any | Non
 
 
 def forbidden(fences: Sequence[FenceSection], frame: LocalFrame, base: float, top: float) -> tuple[Obstacle, ...]:
-    """Return the exclusions as obstacles between two heights.
-
-    Raises:
-        BadInput: a polygon is invalid, or contains home.
-    """
+    """Return the exclusions. Raises BadInput."""
     obstacles: list[Obstacle] = []
     for i, fence in enumerate(fences):
         if fence.inclusion:

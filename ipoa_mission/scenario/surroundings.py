@@ -1,8 +1,3 @@
-"""Build a scenario's world from its sections and maps.
-
-Maps may extend far beyond the flight. An open side of `bounds` encloses places, drawn obstacles, and near map features.
-"""
-
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -39,10 +34,7 @@ COVER_TOLERANCE = 1e-6  # [m]
 
 @dataclass(frozen=True)
 class Surroundings:
-    """A scenario's world, geofence, and other map content.
-
-    `passed_over` holds possible obstacles and some others, `passed_counts` counts all.
-    """
+    """`passed_over` holds some features, `passed_counts` all."""
 
     airspace: Airspace
     geofence: tuple[FenceSection, ...]
@@ -54,8 +46,6 @@ class Surroundings:
 
 @dataclass(frozen=True)
 class _Zones:
-    """The content of zone maps; `remarks` by map number."""
-
     no_fly: tuple[tuple[NoFlyMap, MapArea], ...]
     area: Any | None
     area_fenced: bool
@@ -65,11 +55,7 @@ class _Zones:
 
 
 def surroundings_of(scenario: Layout) -> Surroundings:
-    """Return the world of a scenario.
-
-    Raises:
-        BadInput: with the map file and the place in it; or a library is missing.
-    """
+    """Return a scenario's world. Raises BadInput."""
     with many_objects():
         return _surroundings_of(scenario)
 
@@ -133,10 +119,7 @@ def _read_zones(scenario: Layout) -> _Zones:
 def _read_buildings(
     scenario: Layout, area: Any | None, things: Box, allowed: Any | None
 ) -> tuple[dict[int, Buildings], Box]:
-    """Return buildings near the flight, by map number, and the horizontal bounds.
-
-    The bounds depend on the buildings: maps are read for likely bounds, and again if these grow.
-    """
+    """Return buildings by map number, and the bounds; buildings may extend these, then maps are read again."""
 
     def read(within: Box) -> dict[int, Buildings]:
         sections = ((n, section) for n, section in enumerate(scenario.maps) if isinstance(section, BuildingsMap))
@@ -203,14 +186,14 @@ def _things(scenario: Layout) -> Box:
 
 
 def _reach(scenario: Layout) -> float:
-    """Return the distance at which map features extend the bounds [m]."""
+    """Return the reach of map features [m]."""
     return max(scenario.bounds.margin, float(np.linalg.norm(np.ptp(_places(scenario), axis=0))) / 2)
 
 
 def _horizontal_bounds(
     scenario: Layout, area: Any | None, things: Box, boxes: NDArray[np.float64], allowed: Any | None
 ) -> Box:
-    """Return the corners (2,) of the bounds, given boxes (n, 4) of map obstacles."""
+    """Return the corners (2,) of the bounds, given boxes (n, 4)."""
     if area is not None:
         west, south, east, north = shapely.bounds(area)
         least, most = np.array([west, south]), np.array([east, north])
@@ -240,7 +223,6 @@ def _boxes(standing: Sequence[tuple[Path, Standing]]) -> NDArray[np.float64]:
 def _near(
     standing: Sequence[tuple[Path, Standing]], no_fly: Sequence[tuple[NoFlyMap, MapArea]], corners: Box
 ) -> tuple[tuple[Standing, ...], tuple[PassedOver, ...]]:
-    """Return the obstacles near the bounds, and the rest as passed over."""
     near, beyond = list[Standing](), list[PassedOver]()
     for (file, thing), counts in zip(standing, meets(_boxes(standing), corners, MARGIN).tolist(), strict=True):
         if counts:
@@ -271,7 +253,7 @@ def _terrain(
 
 
 def _expect_cover(grid: Grid, corners: Box) -> None:
-    """Refuse a grid that ends more than half its spacing inside the bounds."""
+    """Refuse a grid over half its spacing too small."""
     first = np.array([grid.east, grid.north])
     last = first + grid.spacing * (np.array(grid.heights.shape[::-1]) - 1)
     missing = np.concatenate([first - corners[0], corners[1] - last]) - grid.spacing / 2
@@ -292,7 +274,6 @@ def _drawn(scenario: Layout, terrain: Terrain) -> tuple[Obstacle, ...]:
 
 
 def _up(scenario: Layout, terrain: Terrain, corners: Box, obstacles: tuple[Obstacle, ...]) -> tuple[float, float]:
-    """Return lower and upper bound [m]."""
     places = (scenario.start, scenario.goal, *scenario.via)
     ends = [0.0, *(place.point(scenario.frame, Ground(terrain))[2] for place in places)]
     ground = on_lines(terrain, corners)

@@ -1,5 +1,3 @@
-"""Define the vehicle: autopilot, speeds, airframe and battery."""
-
 import math
 from typing import Annotated, Any
 
@@ -72,7 +70,7 @@ class AirframeSection(Section):
         )
 
 
-COLD, WARM = (-18.0, 0.5), (27.0, 1.0)  # degrees Celsius, and share of the capacity
+COLD, WARM = (-18.0, 0.5), (27.0, 1.0)  # degrees Celsius, share of the capacity
 
 
 class BatterySection(Section):
@@ -175,7 +173,7 @@ class VehicleSection(Section):
 
     @property
     def learned(self) -> LearnedVehicle | None:
-        """Return the figures learned from flights, if the command line names a file."""
+        """Return the figures of the command line's file."""
         return self._learned
 
     def learned_as(self, vehicle: LearnedVehicle) -> "VehicleSection":
@@ -185,7 +183,6 @@ class VehicleSection(Section):
 
     @property
     def remarks(self) -> tuple[str, ...]:
-        """Return remarks on converted parameters."""
         return self._remarks
 
     def flown_by(self, autopilot: Autopilot) -> "VehicleSection":
