@@ -1,11 +1,11 @@
-"""Number mission commands, vehicle commands and frames by MAVLink's names (MAV_CMD, MAV_FRAME)."""
+"""MAVLink's numbers of commands and frames (MAV_CMD, MAV_FRAME)."""
 
 from collections.abc import Mapping
 from enum import IntEnum
 
 
 class Command(IntEnum):
-    """Number the MAV_CMDs that ArduCopter or PX4 take as mission items; an item may carry any other."""
+    """MAV_CMDs of mission items."""
 
     NAV_WAYPOINT = 16
     NAV_LOITER_UNLIM = 17
@@ -93,7 +93,7 @@ class Command(IntEnum):
 
 
 class VehicleCommand(IntEnum):
-    """Number the MAV_CMDs that a vehicle executes at once, and no mission holds."""
+    """MAV_CMDs executed at once."""
 
     DO_SET_MODE = 176
     DO_REPOSITION = 192
@@ -110,17 +110,16 @@ class VehicleCommand(IntEnum):
 
 
 def command_name(number: int) -> str:
-    """Return the MAV_CMD name of a command, or its number if the package has no name for it."""
     return Command(number).name if number in set(Command) else f"command {number}"
 
 
 def short_name(number: int) -> str:
-    """Return the name in lower case without its kind: "return to launch" for NAV_RETURN_TO_LAUNCH."""
+    """Return a command's name in words: "return to launch" for NAV_RETURN_TO_LAUNCH."""
     return command_name(number).removeprefix("NAV_").removeprefix("DO_").replace("_", " ").lower()
 
 
 class Frame(IntEnum):
-    """Number the MAV_FRAMEs of mission files."""
+    """MAV_FRAMEs of mission files."""
 
     GLOBAL = 0  # altitude AMSL
     MISSION = 2  # not a position
@@ -131,7 +130,6 @@ class Frame(IntEnum):
     GLOBAL_TERRAIN_ALT_INT = 11
 
 
-#: Frames that equal an `_INT` frame.
 PLAIN_FRAME: Mapping[int, int] = {
     Frame.GLOBAL_INT: Frame.GLOBAL,
     Frame.GLOBAL_RELATIVE_ALT_INT: Frame.GLOBAL_RELATIVE_ALT,
@@ -143,23 +141,19 @@ def plain_frame(frame: int) -> int:
     return int(PLAIN_FRAME.get(frame, frame))
 
 
-#: Commands whose latitude and longitude the vehicle flies to; TAKEOFF and LAND at (0, 0) mean "here".
+#: TAKEOFF and LAND at (0, 0) mean "here".
 FLOWN_TO = frozenset({
     Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TURNS,
     Command.NAV_LOITER_TIME, Command.NAV_LOITER_TO_ALT, Command.NAV_PAYLOAD_PLACE, Command.NAV_LAND,
     Command.NAV_TAKEOFF, Command.NAV_ARC_WAYPOINT,
 })  # fmt: skip
-#: Commands whose altitude 0 is valid: take-off and landing.
 TAKEOFF_AND_LAND = frozenset({Command.NAV_TAKEOFF, Command.NAV_LAND})
 TAKEOFFS = frozenset({Command.NAV_TAKEOFF, Command.NAV_VTOL_TAKEOFF})
-#: NAV commands that may precede a take-off.
 MAY_PRECEDE_TAKEOFF = frozenset({Command.NAV_DELAY})
-#: Commands that end a flight on the ground.
 ENDINGS = frozenset({Command.NAV_LAND, Command.NAV_VTOL_LAND, Command.NAV_RETURN_TO_LAUNCH})
 WAYPOINTS = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_ARC_WAYPOINT})
-#: Commands whose param1 is a hold time at their place [s].
+#: param1 is a hold time [s].
 HOLDING = frozenset({Command.NAV_WAYPOINT, Command.NAV_SPLINE_WAYPOINT, Command.NAV_LOITER_TIME})
-LAST_NAV = 95  # MAV_CMD_NAV_LAST: higher numbers do not move the vehicle
-#: Higher numbers that move the vehicle.
+LAST_NAV = 95  # MAV_CMD_NAV_LAST; few higher numbers move the vehicle
 MOVING_AFTER_LAST_NAV = frozenset({Command.NAV_SET_YAW_SPEED, Command.NAV_SCRIPT_TIME, Command.NAV_ATTITUDE_TIME})
 JUMPS = frozenset({Command.DO_JUMP, Command.DO_JUMP_TAG})
