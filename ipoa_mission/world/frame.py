@@ -36,7 +36,7 @@ class Geodetic:
 
 
 def apart(one: Geodetic, other: Geodetic) -> float:
-    """Over the ground [m]."""
+    """Return the distance over the ground [m]."""
     ends = (one.longitude_deg, one.latitude_deg, other.longitude_deg, other.latitude_deg)
     return float(_ELLIPSOID.inv(*ends)[2])
 

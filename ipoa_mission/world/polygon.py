@@ -82,7 +82,7 @@ class Polygon:
         return np.asarray(np.where(self.contains(points), -nearest, nearest))
 
     def contains(self, points: Plane) -> NDArray[np.bool_]:
-        """Even-odd rule."""
+        """Apply the even-odd rule."""
         (e0, n0), (run, rise), _ = self._lines
         east, north = points[:, :1], points[:, 1:2]
         spans = (n0 > north) != (self.ends[:, 1] > north)

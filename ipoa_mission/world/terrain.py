@@ -17,7 +17,7 @@ Spot: TypeAlias = tuple[float, int, float]  # height [m], leg, fraction
 class Terrain(Protocol):
     @property
     def steepness(self) -> float:
-        """Upper bound of the slope [m/m]."""
+        """Bound the slope [m/m]."""
         ...
 
     def height(self, points: NDArray[np.float64]) -> Vector:
@@ -88,14 +88,14 @@ class SeaLevel:
 
     @classmethod
     def around(cls, home: Geodetic, level: float, reach: float) -> "SeaLevel":
-        """Accurate to 1 cm within 20 km."""
+        """Return the ground `level` above home: accurate to 1 cm within 20 km."""
         along, across = radii_of_curvature(home.latitude_deg)
         altitude = home.altitude + level
         return cls(level, 0.5 / (across + altitude), 0.5 / (along + altitude), reach)
 
     @property
     def drop(self) -> float:
-        """Below home's plane [m]."""
+        """Return the drop below home's plane [m]."""
         return max(self.east_bend, self.north_bend) * self.reach**2
 
     @property
@@ -153,7 +153,7 @@ class Grid:
 
     @cached_property
     def steepness(self) -> float:
-        """Each component in a cell is between those of its sides."""
+        """Bound each component in a cell by those of its sides."""
         along_north, along_east = (float(np.abs(np.diff(self.heights, axis=axis)).max()) for axis in (0, 1))
         return float(np.hypot(along_north, along_east)) / self.spacing
 
@@ -248,7 +248,7 @@ class Analytic:
 
     @property
     def steepness(self) -> float:
-        """exp(-w^2) falls by at most sqrt(2/e) per unit of w."""
+        """Bound the slope: exp(-w^2) falls by at most sqrt(2/e) per unit of w."""
         landform = np.hypot(abs(self.b), 1 + abs(self.e + self.g)) + abs(self.c * self.d) + self.f**2
         mountains = sum(abs(p.height) * np.sqrt(2 / np.e) / min(p.a, p.b) for p in self.peaks)
         return float(max(landform, mountains))
@@ -280,14 +280,14 @@ class Analytic:
         return np.array([(p.height, p.east, p.north, p.a, p.b) for p in self.peaks], dtype=np.float64).reshape(-1, 5)
 
     def least_height(self, points: Points, enough: float = np.inf) -> Spot:
-        """Within 0.1 mm."""
+        """Bound the height within 0.1 mm."""
         return self._extreme(points, greatest=False, enough=enough)
 
     def greatest_height(self, points: Points) -> Spot:
         return self._extreme(points, greatest=True)
 
     def legs_height(self, starts: Points, ends: Points) -> Vector:
-        """By the greatest slope."""
+        """Bound heights by the greatest slope."""
         step = np.abs(ends - starts)
         at_ends = [points[:, 2] - self.height(points) for points in (starts, ends)]
         return np.asarray(np.maximum(*at_ends) - step[:, 2] - self.steepness * np.hypot(step[:, 0], step[:, 1]))

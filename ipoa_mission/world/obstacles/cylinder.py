@@ -68,10 +68,10 @@ class Cylinder(Part):
         return upright_distance(aside, points[:, 2], self.base, self.top)
 
     def leg_clearance(self, a: Vector, b: Vector) -> tuple[float, float]:
-        """Let q(t) be the squared distance to the axis and w(t) the height over a cap.
+        """Solve a quartic for the edge of a cap.
 
-        The edge of the cap is nearest where (q' + (w^2)')^2 q = r^2 q'^2, a quartic. Inside, side and cap balance where
-        q = (r + w)^2.
+        Let q(t) be the squared distance to the axis and w(t) the height over a cap. The edge is nearest where (q' +
+        (w^2)')^2 q = r^2 q'^2. Inside, side and cap balance where q = (r + w)^2.
         """
         b = straightened(a, b)
         axis = np.array([self.east, self.north])

@@ -143,15 +143,15 @@ class Part(Obstacle):
     @property
     @abstractmethod
     def plan_radius(self) -> float:
-        """Around the middle of its box [m]."""
+        """Return a radius around the middle of its box [m]."""
 
     @abstractmethod
     def grid_row(self) -> GridRow:
-        """For the planner's kernels."""
+        """Return its row for the planner's kernels."""
 
     @abstractmethod
     def page_shape(self) -> dict[str, Any]:
-        """For the page's script."""
+        """Return its data for the page's script."""
 
 
 def _rectangle(corners: NDArray[np.float64]) -> Plane:
