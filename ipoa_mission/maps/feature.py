@@ -1,5 +1,3 @@
-"""Define a feature of a map file."""
-
 import gc
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -10,7 +8,7 @@ from numpy.typing import NDArray
 
 from ipoa_mission.errors import BadInput
 
-Corners: TypeAlias = NDArray[np.float64]  # (n, 2) longitude, latitude [deg, WGS 84]
+Corners: TypeAlias = NDArray[np.float64]  # (n, 2) longitude, latitude [deg]
 Made = TypeVar("Made")
 NAMES = ("name", "addr:housename", "identifier", "@id", "id", "osm_way_id", "osm_id")
 MOST_ERRORS = 10
@@ -18,10 +16,7 @@ DEEPEST = 16  # nested collections; shapely fails at thousands
 
 
 class Missing(NamedTuple):
-    """An unread part of a feature, with its shape [deg] and a remedy.
-
-    With an empty `shape` it may be anywhere, unless it is certainly `elsewhere`.
-    """
+    """An unread part [deg]; with an empty `shape` it may be anywhere, unless `elsewhere`."""
 
     words: str
     shape: Any
@@ -30,10 +25,7 @@ class Missing(NamedTuple):
 
 
 class Feature(NamedTuple):
-    """A geometry in longitude, latitude [deg, WGS 84], maybe invalid or empty, with tags.
-
-    `place` names file and feature in messages; `blank` are keys without a value.
-    """
+    """A geometry [deg, WGS 84], maybe invalid or empty; `blank` are keys without a value."""
 
     place: str
     shape: Any
@@ -43,7 +35,6 @@ class Feature(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Return its name, OpenStreetMap number or place."""
         name = self.place
         for key in NAMES:
             if named := self.tags.get(key):
@@ -53,11 +44,7 @@ class Feature(NamedTuple):
 
 
 def on_earth(corners: Corners, place: str, hint: str = "export the file in WGS 84 (EPSG:4326)") -> Corners:
-    """Return the corners, checked.
-
-    Raises:
-        BadInput: they are not longitudes and latitudes.
-    """
+    """Return the corners, if they are longitudes and latitudes."""
     outside = ~(np.abs(corners) <= (360.0, 90.0)).all(axis=1)
     if outside.any():
         x, y = corners[outside][0]
@@ -67,11 +54,7 @@ def on_earth(corners: Corners, place: str, hint: str = "export the file in WGS 8
 
 
 def positions_of(values: Any, place: str) -> Corners:
-    """Return the first two numbers of each JSON position, (n, 2).
-
-    Raises:
-        BadInput: it is not a list of positions.
-    """
+    """Return the first two numbers of each JSON position, (n, 2)."""
     try:
         corners = np.array([position[:2] for position in values], float)
     except (TypeError, ValueError, KeyError, OverflowError):
@@ -89,7 +72,6 @@ class Mistakes:
         self._count = 0
 
     def attempt(self, act: Callable[..., Made], *arguments: Any) -> Made | None:
-        """Return `act(*arguments)`, or None after BadInput."""
         try:
             return act(*arguments)
         except BadInput as mistake:
@@ -99,22 +81,13 @@ class Mistakes:
             return None
 
     def raise_all(self) -> None:
-        """Raise the collected errors.
-
-        Raises:
-            BadInput: a line for each, at most ten.
-        """
+        """Raise at most ten collected errors."""
         if self._first:
             more = (f"and {self._count - MOST_ERRORS} more of this kind",) if self._count > MOST_ERRORS else ()
             raise self._first[0].followed_by(*map(str, self._first[1:]), *more)
 
 
 def read_all(read: Callable[..., Feature | None], each: Iterable[tuple[Any, ...]]) -> tuple[Feature, ...]:
-    """Return all results of `read` except None.
-
-    Raises:
-        BadInput: any is invalid.
-    """
     mistakes = Mistakes()
     features = [mistakes.attempt(read, *arguments) for arguments in each]
     mistakes.raise_all()
@@ -123,7 +96,6 @@ def read_all(read: Callable[..., Feature | None], each: Iterable[tuple[Any, ...]
 
 @contextmanager
 def many_objects() -> Iterator[None]:
-    """Disable garbage collection while many lasting objects are created."""
     was_on = gc.isenabled()
     gc.disable()
     try:

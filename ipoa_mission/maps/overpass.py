@@ -1,4 +1,4 @@
-"""Read Overpass JSON (`[out:json]`), like OpenStreetMap XML."""
+"""Overpass JSON (`[out:json]`)."""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -18,11 +18,6 @@ def is_overpass(document: Any) -> bool:
 
 
 def overpass_features(document: Mapping[str, Any], path: Path) -> tuple[Feature, ...]:
-    """Return every tagged thing; an incomplete shape is empty.
-
-    Raises:
-        BadInput: with the invalid element.
-    """
     extract = Extract(remarks=[str(document["remark"])] if document.get("remark") else [])
     for n, element in enumerate(document["elements"]):
         place = f"{path}: elements[{n}]"
@@ -59,7 +54,7 @@ def _take(element: Mapping[str, Any], extract: Extract) -> None:
 
 
 def _nodes(way: Mapping[str, Any]) -> Iterator[tuple[str, float | None, float | None]]:
-    """Yield the nodes of a way; positions outside the queried box are null."""
+    """Yield nodes; positions outside the queried box are null."""
     numbers, places = way.get("nodes"), way.get("geometry")
     numbers = [""] * len(places or ()) if numbers is None else numbers
     for number, place in zip(numbers, [None] * len(numbers) if places is None else places, strict=True):

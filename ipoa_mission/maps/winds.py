@@ -1,7 +1,4 @@
-"""Read wind from a forecast (NetCDF or GRIB): a profile above home, with spread.
-
-Heights above sea level are reduced by home's altitude.
-"""
+"""Wind from a forecast (NetCDF or GRIB): a profile above home."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -22,19 +19,13 @@ from ipoa_mission.world.frame import Geodetic
 GRIB_BEGINS = b"GRIB"
 FLIGHT_DURATION = np.timedelta64(1, "h")  # as for zones
 USUAL = range(0, 160, 10)  # [m]
-HIGHEST = 500.0  # above home [m]; one level above it is read
+HIGHEST = 500.0  # above home [m]; one level above is read
 DATUM_REMEDY = "set standard_name to height (above ground) or altitude (above the geoid)"
-DIGITS = 2  # of heights [m]
+DIGITS = 2  # of heights
 
 
 def read_wind(path: Path, place: Geodetic, time: np.datetime64 | None) -> ForecastWind:
-    """Return the wind from a time (UTC) on; `spread` is the greatest deviation of a member or hour.
-
-
-    Raises:
-        BadInput: the file cannot be read, has no such winds, or is of another place or time.
-        MissionError: a library is missing.
-    """
+    """Return the wind from a time (UTC) on; `spread` is the greatest deviation of a member or hour."""
     found = grib_winds(path, place) if _is_grib(path) else netcdf_winds(path, place)
     if not found.samples:
         unread = "".join(f"\n{thing.words}" for thing in gathered(found.unread))
@@ -49,7 +40,7 @@ def read_wind(path: Path, place: Geodetic, time: np.datetime64 | None) -> Foreca
 
 
 def _disturbance(forecast: ForecastWind) -> tuple[float, float]:
-    """Return the strongest and the mean wind at usual heights [m/s]."""
+    """Return strongest and mean wind [m/s]."""
     speeds = [forecast.wind.at(height) + forecast.wind.spread for height in USUAL]
     return max(speeds), float(np.mean(speeds))
 
@@ -65,7 +56,6 @@ def _is_grib(path: Path) -> bool:
 def _profile(
     path: Path, found: ForecastWinds, place: Geodetic, time: np.datetime64 | None, unknown: Datum
 ) -> ForecastWind:
-    """Return the wind above home, with unknown datums taken as `unknown`."""
     levels = dict[float, list[WindSamples]]()
     remarks, notes = list[str](), ForecastWinds(path.name)
     for each in found.samples:
@@ -91,7 +81,7 @@ def _profile(
 
 
 def _datum_at_home(path: Path, datum: Datum, place: Geodetic) -> float:
-    """Return home's height above a datum [m]."""
+    """Return height above a datum [m]."""
     if datum is Datum.GROUND:
         return 0.0
     if datum is Datum.SEA:
@@ -124,7 +114,7 @@ def _flown_levels(path: Path, heights: list[float], place: Geodetic, notes: Fore
 def _winds_at_time(
     path: Path, height: float, samples: Sequence[WindSamples], time: np.datetime64 | None, notes: ForecastWinds
 ) -> Points:
-    """Return the winds of all members at the flight's times, (n, 2)."""
+    """Return all members' winds at the flight's times, (n, 2)."""
     winds, times = np.concatenate([s.winds for s in samples]), np.concatenate([s.times for s in samples])
     undated = np.isnat(times)
     if undated.any():
