@@ -1,5 +1,3 @@
-"""Simulate the messages and the flight of PX4 or ArduPilot, without I/O; the time is an argument."""
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 
@@ -24,10 +22,10 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.parameters import Parameters
 from ipoa_mission.world.frame import Geodetic
 
-ERROR_LEVELS = 0x63  # of an event: INFO for the log, ERROR for ground stations
+ERROR_LEVELS = 0x63  # of an event
 FLYING_STEP_S = 0.02
 AUTOPILOT_VERSION, HOME_POSITION, PROTOCOL_VERSION = 148, 242, 300
-#: Message that each command older than REQUEST_MESSAGE asks for.
+#: For each command older than REQUEST_MESSAGE.
 OLD_REQUESTS: Mapping[int, int] = {
     VehicleCommand.GET_HOME_POSITION: HOME_POSITION,
     VehicleCommand.REQUEST_PROTOCOL_VERSION: PROTOCOL_VERSION,
@@ -36,7 +34,7 @@ OLD_REQUESTS: Mapping[int, int] = {
 
 
 class BuiltInAutopilot(Commander):
-    """Simulate one vehicle, without I/O."""
+    """Simulate one vehicle, without I/O; the time is an argument."""
 
     def __init__(
         self,
@@ -52,12 +50,10 @@ class BuiltInAutopilot(Commander):
 
         Args:
             family: the autopilot that it imitates.
-            home: where it is.
             parameters: replace the autopilot's defaults.
-            cold: powered up now, without a position at first; else powered up long ago.
-            nak_at: number of an item that it refuses; such a vehicle takes no mission as a file.
+            cold: powered up now, without a position at first.
+            nak_at: number of an item that it refuses; it takes no mission as a file.
             seed: of the sensors' errors.
-            conditions: wind, ground, vehicle and firmware version.
         """
         profile = mock_profile(family, conditions.version)
         self.table = ParameterServer(family, parameters or {}, conditions.version)
@@ -69,8 +65,6 @@ class BuiltInAutopilot(Commander):
         self._files = FileService(takes_file, limit, transfers.listed, transfers.replace)
         self._schedule = streams.Schedule(profile.streams, profile.fixed_streams)
         self._commands = _commands(self)
-
-    # --- interface ------------------------------------------------------------------------------------------------
 
     def receive(self, message: Message, source: Target, now: float) -> None:
         self.tick(now)
@@ -105,11 +99,9 @@ class BuiltInAutopilot(Commander):
         self._report_changes()
 
     def transfers_with(self, client: Target) -> bool:
-        """Return whether a list or a file is in transfer with `client`."""
         return self.transfers.is_under_way(client) or self._files.is_open(client)
 
     def tick(self, now: float) -> None:
-        """Advance the flight, the transfers and the streams to `now`."""
         self._now = max(self._now, now)
         self.transfers.booted = self._age >= self.profile.start_up.listens_s
         self.flight.advance(self._now)
@@ -122,19 +114,18 @@ class BuiltInAutopilot(Commander):
                 self._say(message, EVERYONE)
 
     def outgoing(self) -> list[tuple[Message, Target]]:
-        """Return and forget the messages to send, each with its target."""
+        """Return and forget the messages to send."""
         messages, self._outbox = self._outbox, []
         return messages
 
     @property
     def deadline(self) -> float:
-        """Return when `tick` is next needed."""
         flying = self._now + FLYING_STEP_S if self.flight.armed else math.inf
         return min(flying, self._schedule.deadline, self.transfers.deadline)
 
     @property
     def awaits_somebody(self) -> bool:
-        """Return whether it waits for a client within a time limit: in a transfer, or armed before take-off."""
+        """Return whether it waits for a client: in a transfer, or armed before take-off."""
         return self.transfers.deadline < math.inf or self._will_stop_motors
 
     def _listed(self, kind: int) -> None:
@@ -147,7 +138,7 @@ class BuiltInAutopilot(Commander):
         if self.profile.autopilot.protocol_profile.judges_later and items:
             self._unflyable = infeasibility(self.profile.firmware, items, self.flight.home, self.table.values)
         if self._unflyable:
-            self._text(CRITICAL, f"{self._unflyable.words}\t")  # the tab: an event says the same
+            self._text(CRITICAL, f"{self._unflyable.words}\t")  # an event says the same
             number, arguments = mission_event(self._unflyable.event, *self._unflyable.values)
             self._say(m.Event(number, ERROR_LEVELS, arguments), EVERYONE)
         self._flown = () if self._unflyable else tuple(items)
@@ -180,7 +171,7 @@ class BuiltInAutopilot(Commander):
         self._outbox += words
 
     def _group(self, number: int) -> frozenset[str]:
-        """Return the messages of a MAV_DATA_STREAM; 0 is all."""
+        """0 is all."""
         groups = self.profile.stream_groups
         return frozenset[str]().union(*groups.values()) if number == 0 else groups.get(number, frozenset())
 

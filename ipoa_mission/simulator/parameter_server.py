@@ -1,5 +1,3 @@
-"""Serve the parameter protocol: each value in the type that its firmware declares."""
-
 import math
 from collections.abc import Mapping
 
@@ -9,7 +7,7 @@ from ipoa_mission.vehicles.autopilot import Autopilot
 from ipoa_mission.vehicles.parameters import REAL32
 from ipoa_mission.vehicles.version import Version
 
-#: ArduPilot's PARAM_VALUE.param_index for a parameter requested by name.
+#: ArduPilot's PARAM_VALUE.param_index of a named request.
 BY_NAME = 65535
 
 
@@ -23,7 +21,7 @@ class ParameterServer:
         self.values = {**declared, **own, **autopilot.book.others, **given}
 
     def answers(self, message: Message) -> list[ParamValue] | None:
-        """Return the reply to a message of the parameter protocol; None for other messages."""
+        """None for other messages."""
         names = sorted(self.values)
         match message:
             case ParamRequestList():
@@ -40,7 +38,7 @@ class ParameterServer:
         return None
 
     def _set(self, name: str, value: float, kind: int) -> None:
-        """Set a value; another type is converted or ignored."""
+        """Convert or ignore another type."""
         own = self._types.get(name, REAL32)
         if name not in self.values or (self._autopilot.protocol_profile.keeps_types and kind != own):
             return
