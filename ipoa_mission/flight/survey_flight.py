@@ -1,5 +1,3 @@
-"""Plan a survey from its scenario to its files: one mission for each flight, and one NAME.json."""
-
 import logging
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -37,7 +35,7 @@ from ipoa_mission.world.frame import Geodetic
 if TYPE_CHECKING:
     from ipoa_mission.logs.flight_log import FlightLog
 
-#: A log of a flight, or a log of several vehicles with the system id of one.
+#: The system id chooses one vehicle of a log.
 Flown: TypeAlias = str | Path | tuple[str | Path, int]
 UNSURE_CODE = "battery-unsure"
 log = logging.getLogger(__name__)
@@ -45,10 +43,10 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, repr=False)
 class Survey:
-    """A planned survey, ready to fly; `plan_survey` makes it.
+    """A planned survey; `plan_survey` makes it.
 
     Attributes:
-        plan: its lines, their coverage, and its flights.
+        plan: lines, coverage, and flights.
         seed: of the random numbers.
         remarks: notes for the user.
     """
@@ -70,19 +68,19 @@ class Survey:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Return the file names of its flights: NAME, or NAME-1, NAME-2, ... for several."""
+        """Return NAME, or NAME-1, NAME-2, ..."""
         count = len(self.flights)
         return (self.name,) if count == 1 else tuple(f"{self.name}-{n}" for n in range(1, count + 1))
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Return the remarks that are no findings of a flight's check."""
+        """Return the remarks that are no findings."""
         warned = {*_messages_of_flights(self.plan, _warned), *_more_flights(self.plan)}
         return tuple(words for words in self.remarks if words not in warned)
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Return the findings of its flights' checks: the warnings, then their hints, each as a line."""
+        """Return the warnings of its checks, then their hints."""
         messages = _messages_of_flights(self.plan, lambda flight: (finding.message for finding in flight.findings))
         hints = (*_messages_of_flights(self.plan, _hints), *_more_flights(self.plan))
         return (*(f"warning: {words}" for words in messages), *(f"hint: {words}" for words in hints))
@@ -96,12 +94,10 @@ class Survey:
         return sum(forecast.estimate.total_s for forecast in self.flights)
 
     def write(self, folder: str | Path = ".") -> tuple[Path, ...]:
-        """Write the .plan and .waypoints of each flight, its .json, and NAME.json for the survey.
-
-        Makes a missing folder. The same survey gives the same bytes.
+        """Write .plan, .waypoints and .json of each flight, and NAME.json; the same survey gives the same bytes.
 
         Raises:
-            BadInput: the folder cannot be made or written.
+            BadInput: the folder cannot be written.
         """
         make_folder(folder := Path(folder))
         written, digests = list[Path](), dict[str, str]()
@@ -117,7 +113,7 @@ class Survey:
         return tuple(written)
 
     def summary(self) -> dict[str, object]:
-        """Return the contents of NAME.json in meters, seconds and watt hours."""
+        """Return NAME.json in meters, seconds and watt hours."""
         plan, first = self.plan, self.flights[0]
         firmware = first.mission.autopilot.facts(first.mission.firmware_version)
         return {
@@ -133,7 +129,7 @@ class Survey:
         }
 
     def report(self, folder: str | Path = ".") -> tuple[Path, ...]:
-        """Write the page of each flight with the survey's coverage; for several flights first a page of all.
+        """Write a page for each flight, and one for several.
 
         Raises:
             BadInput: a file cannot be written.
@@ -194,7 +190,6 @@ def _start_as_json(plan: SurveyPlan, flight: SurveyFlight) -> dict[str, float]:
 
 
 def _overlap_as_json(plan: SurveyPlan) -> dict[str, Any] | None:
-    """Return the smallest overlaps, their places and the requested ones, or None without a camera."""
     if (found := plan.overlaps) is None:
         return None
     asked = plan.sight.overlaps
@@ -207,7 +202,6 @@ def _overlap_as_json(plan: SurveyPlan) -> dict[str, Any] | None:
 
 
 def _about(forecast: Forecast) -> dict[str, Any]:
-    """Return the clearance and time of a mission, and the values that reading it again needs."""
     mission, energy, ground = forecast.mission, forecast.energy, landing_height(forecast.mission)
     return {
         "firmware": mission.autopilot.facts(mission.firmware_version),
@@ -234,28 +228,27 @@ def plan_survey(
     progress: Progress = silent,
     **asked: Any,
 ) -> Survey:
-    """Plan the lines that see an area, and the flights that fly them: checked, timed, split by battery.
+    """Plan lines that see an area, and checked, timed flights that fly them, split by battery.
 
     Args:
-        area: corners as `polygon` of [survey], or a map with polygons. If None, the scenario's own [survey] counts,
-            with `asked` in place of its keys.
-        camera: by name or by its numbers, as `camera` of [survey]; None: no photos.
+        area: corners as `polygon` of [survey], or a map with polygons; None: the scenario's [survey], changed by
+            `asked`.
+        camera: as in [survey]; None: no photos.
         scenario: home, world, vehicle and limits.
         wind: replaces the scenario's.
-        seed: of the random numbers; the same scenario, seed and wind give the same survey.
-        flown: logs (`.tlog`, `.bin`, `.ulg`) of earlier flights of the same survey. The rest is planned, with some
-            overlap, as NAME-rest. Of several vehicles in a `.tlog` the first multicopter counts, or that of a pair
-            (log, system id).
+        seed: of the random numbers; the same arguments give the same survey.
+        flown: logs (`.tlog`, `.bin`, `.ulg`) of earlier flights of this survey; the rest is planned, with some overlap,
+            as NAME-rest. A pair (log, system id) chooses a vehicle, else the first multicopter counts.
         progress: called with the share done and a message.
-        asked: any other key of [survey], such as `line_spacing`, `height_above_ground`, `gsd_cm`, `direction_deg`.
+        asked: other keys of [survey], such as `line_spacing`, `height_above_ground`, `gsd_cm`, `direction_deg`.
 
     Returns:
         The survey, whose `write` makes the files.
 
     Raises:
-        BadInput: naming the wrong key, or the map and the place in it; or nothing is left, or nothing was flown.
+        BadInput: a wrong key or map; nothing is left, or nothing was flown.
         NoPath, NoRoute: obstacles leave nothing of the area, or no safe way was found.
-        NotEnoughBattery: a line cannot be reached and left again with the reserve.
+        NotEnoughBattery: a line cannot be flown with the reserve.
         Unsafe: a mission fails a check.
 
     Example:
@@ -270,7 +263,7 @@ def plan_survey(
         scenario = _asking(scenario, area, camera, asked)
     scenario = scenario if wind is None else scenario.in_wind(wind)
     expect_plannable(scenario)
-    with threadpool_limits(1, "blas"):  # on small matrices more threads only wait, and round differently
+    with threadpool_limits(1, "blas"):  # more threads only wait, and round differently
         plan = plan_flights(scenario, seed, progress)
         if flown:
             whole = plan
@@ -295,7 +288,7 @@ def _of_logs(logs: Sequence[tuple[str, "FlightLog"]]) -> Iterator[str]:
 
 
 def _paths(log: "FlightLog", scenario: Scenario) -> Iterator[Points]:
-    """Return the paths of a log's flights in mission mode, (n, 3) each, heights above home."""
+    """Yield paths (n, 3) in mission mode, heights above home."""
     for flight in log.flights:
         places = [(one.latitude_deg, one.longitude_deg, one.height) for one in flight.flown_in_mission()]
         if places:
@@ -305,7 +298,7 @@ def _paths(log: "FlightLog", scenario: Scenario) -> Iterator[Points]:
 
 
 def _flown_words(whole: SurveyPlan, rest: SurveyPlan, logs: Sequence[str]) -> str:
-    """Report how much was flown; raise BadInput if nothing was."""
+    """Raise BadInput if nothing was flown."""
     every, left = (sum(swath.length for swath in plan.tour.swaths) for plan in (whole, rest))
     if left >= every:
         raise BadInput("no flight in it follows the lines of this survey", place=", ".join(logs))
@@ -340,7 +333,7 @@ def _asking(scenario: Scenario, area: Any, camera: Any, asked: Mapping[str, Any]
 
 
 def _messages_of_flights(plan: SurveyPlan, messages_of: Callable[[SurveyFlight], Iterable[str]]) -> Iterator[str]:
-    """Return messages of the flights without repeats, prefixed with flight numbers where not all have them."""
+    """Drop repeats; prefix messages of some flights with their numbers."""
     flights_by_words = dict[str, list[int]]()
     for n, flight in enumerate(plan.flights, 1):
         for words in dict.fromkeys(messages_of(flight)):
@@ -359,7 +352,7 @@ def _hints(flight: SurveyFlight) -> Iterator[str]:
 
 
 def _more_flights(plan: SurveyPlan) -> tuple[str, ...]:
-    """Suggest one more flight if one of them may land on its reserve."""
+    """Suggest one more flight if one may land on its reserve."""
     unsure = any(finding.code == UNSURE_CODE for flight in plan.flights for finding in flight.findings)
     offer = unsure and plan.section.starts is None
     return () if not offer else (f"flights = {len(plan.flights) + 1} under [survey] leaves more in each battery",)
